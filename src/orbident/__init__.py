@@ -1,0 +1,1 @@
+"""Identification of free-flying space manipulators."""

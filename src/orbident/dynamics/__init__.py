@@ -1,0 +1,1 @@
+"""Kinematics, inertia and the momentum-conserving free-floating motion."""

@@ -1,0 +1,1 @@
+"""What identified parameters are good for: prediction."""

@@ -1,0 +1,1 @@
+"""What was measured, when; readers and writers."""

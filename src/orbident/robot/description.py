@@ -1,0 +1,137 @@
+"""The robot as plain frozen data: what every other layer is given."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Any, Literal
+
+import numpy as np
+from jaxtyping import Float
+
+from orbident.robot.parameters import PER_BODY, SYMBOLS
+
+Axis = Literal["x", "y", "z"]
+
+
+@dataclass(frozen=True)
+class Joint:
+    """One degree of freedom between a parent body and the body it moves.
+
+    Joint `k` moves body `k + 1`; `parent` is a body index smaller than that, so
+    joints are in topological order.
+    """
+
+    name: str
+    kind: Literal["revolute", "prismatic"]
+    parent: int
+    axis: Float[np.ndarray, "3"]
+    """Unit vector, in the joint's (= the moved body's) axes."""
+    R_PJ: Float[np.ndarray, "3 3"]
+    """Rotates vectors from the joint's axes at q = 0 into the parent body's axes."""
+    p_PJ: Float[np.ndarray, "3"]
+    """From the parent body's origin to the joint at q = 0, parent's axes, m."""
+    position: tuple[float, float] | None = None
+    """Lower and upper limit, rad or m; None where the joint turns freely."""
+    velocity: float | None = None
+    """Limit of the rate, rad/s or m/s."""
+
+
+@dataclass(frozen=True)
+class Wheel:
+    """A reaction wheel; its mass and inertia are counted in the base (Eq. 5)."""
+
+    name: str
+    axis: Float[np.ndarray, "3"]
+    """Unit vector, base axes."""
+    inertia: float
+    """Polar moment of inertia `I_rw`, kg m^2."""
+    mode: Literal["held", "free"] = "held"
+    """In free flight: held at its relative speed, or motor off without friction."""
+
+
+@dataclass(frozen=True)
+class Thruster:
+    """A thruster on the base."""
+
+    name: str
+    position: Float[np.ndarray, "3"]
+    """In the base link's frame, m."""
+    direction: Float[np.ndarray, "3"]
+    """Unit vector of the force on the base, base axes."""
+
+
+@dataclass(frozen=True)
+class Structure:
+    """What is known of one body's mass distribution; nothing by default."""
+
+    com_on_axis: Axis | None = None
+    """The CM lies on this axis of the body frame."""
+    principal_axes: bool = False
+    """The inertia has no products in body axes."""
+
+    def zero_parameters(self) -> frozenset[str]:
+        """The symbols of `theta_i` that this knowledge makes zero."""
+        zero = set()
+        if self.com_on_axis is not None:
+            zero |= {"mx", "my", "mz"} - {"m" + self.com_on_axis}
+        if self.principal_axes:
+            zero |= {"Ixy", "Ixz", "Iyz"}
+        return frozenset(zero)
+
+
+@dataclass(frozen=True)
+class Robot:
+    """A spacecraft with arms and reaction wheels.
+
+    Body 0 is the base. Its body frame is the paper's frame b: origin at the tracked
+    feature point S, axes of the base link. The body frame of link `i` is at its
+    joint. Fixed joints are fused. `theta` is nominal (CAD): a starting point, never
+    the answer.
+    """
+
+    name: str
+    motion: Literal["spatial", "planar"]
+    bodies: tuple[str, ...]
+    joints: tuple[Joint, ...]
+    theta: Float[np.ndarray, "bodies 10"]
+    feature_point: Float[np.ndarray, "3"]
+    """S in the base link's frame, m."""
+    wheels: tuple[Wheel, ...] = ()
+    thrusters: tuple[Thruster, ...] = ()
+    structure: Mapping[str, Structure] = field(
+        default_factory=lambda: MappingProxyType({})
+    )
+    """By body name; a body that is absent is arbitrary."""
+    sensors: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
+    """The robot file's sensor section, in SI units."""
+    warnings: tuple[str, ...] = ()
+    """What the readers found odd, in words: non-physical inertias and the like."""
+    document: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
+    """The robot file as read, so that a result can keep what it was made from."""
+    urdf: str = ""
+    """The URDF's text."""
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """In the order of `q`."""
+        return tuple(joint.name for joint in self.joints)
+
+    @property
+    def wheel_names(self) -> tuple[str, ...]:
+        """In the order of `qd_rw`."""
+        return tuple(wheel.name for wheel in self.wheels)
+
+    @property
+    def mass(self) -> float:
+        """Nominal total mass, kg."""
+        return float(self.theta[:, 0].sum())
+
+    @property
+    def free_parameters(self) -> tuple[int, ...]:
+        """Indices into the flat `theta` that `structure` does not make zero."""
+        return tuple(
+            PER_BODY * i + k
+            for i, body in enumerate(self.bodies)
+            for k, symbol in enumerate(SYMBOLS)
+            if symbol not in self.structure.get(body, Structure()).zero_parameters()
+        )

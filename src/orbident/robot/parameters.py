@@ -1,0 +1,73 @@
+"""The one order of the inertial parameters `theta`.
+
+A body has ten, about the origin of its body frame, in body axes (Pinocchio's
+order): `[m, m cx, m cy, m cz, Ixx, Ixy, Iyy, Ixz, Iyz, Izz]`. `theta` stacks the
+bodies, base first.
+"""
+
+import numpy as np
+from jaxtyping import Float
+
+PER_BODY = 10
+SYMBOLS = ("m", "mx", "my", "mz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz")
+MASS = 0
+FIRST_MOMENT = slice(1, 4)
+INERTIA = slice(4, 10)
+INERTIA_ENTRIES = ((0, 0), (0, 1), (1, 1), (0, 2), (1, 2), (2, 2))
+
+
+def cross_matrix(v: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3 3"]:
+    """`[v]x`, so that `[v]x u = v x u`."""
+    x, y, z = v
+    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+
+
+def inertia_matrix(theta_i: Float[np.ndarray, "10"]) -> Float[np.ndarray, "3 3"]:
+    """The inertia about the body-frame origin, kg m^2."""
+    I = np.zeros((3, 3))
+    for value, (row, column) in zip(theta_i[INERTIA], INERTIA_ENTRIES, strict=True):
+        I[row, column] = I[column, row] = value
+    return I
+
+
+def from_mass_com_inertia(
+    mass: float,
+    com: Float[np.ndarray, "3"],
+    I_com: Float[np.ndarray, "3 3"],
+) -> Float[np.ndarray, "10"]:
+    """The ten parameters of a body from mass, CM and the inertia about its CM.
+
+    Args:
+        mass: kg.
+        com: from the body-frame origin to the CM, body axes, m.
+        I_com: inertia about the CM, body axes, kg m^2.
+    """
+    # Huygens-Steiner: I = I_com - m [c]x [c]x.
+    C = cross_matrix(com)
+    I = I_com - mass * C @ C
+    return np.array([mass, *(mass * com), *(I[entry] for entry in INERTIA_ENTRIES)])
+
+
+def inertia_about_com(theta_i: Float[np.ndarray, "10"]) -> Float[np.ndarray, "3 3"]:
+    """The inertia about the body's own CM, body axes, kg m^2; `m` must not be zero."""
+    C = cross_matrix(theta_i[FIRST_MOMENT])
+    return inertia_matrix(theta_i) + C @ C / theta_i[MASS]
+
+
+def transformed(
+    theta_i: Float[np.ndarray, "10"],
+    R_AB: Float[np.ndarray, "3 3"],
+    p_AB: Float[np.ndarray, "3"],
+) -> Float[np.ndarray, "10"]:
+    """A body's parameters, given in frame B, for frame A.
+
+    Args:
+        theta_i: about B's origin, in B's axes.
+        R_AB: rotates vectors from B's axes into A's.
+        p_AB: from A's origin to B's, A's axes, m.
+    """
+    m, s = theta_i[MASS], R_AB @ theta_i[FIRST_MOMENT]
+    P, S = cross_matrix(p_AB), cross_matrix(s)
+    # integral of -[p + r]x^2 dm, with r from B's origin.
+    I = R_AB @ inertia_matrix(theta_i) @ R_AB.T - P @ S - S @ P - m * P @ P
+    return np.array([m, *(s + m * p_AB), *(I[entry] for entry in INERTIA_ENTRIES)])

@@ -1,0 +1,1 @@
+"""From motion to what sensors would record."""

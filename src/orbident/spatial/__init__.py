@@ -1,0 +1,1 @@
+"""Rotations and cross products: geometry, no model."""
