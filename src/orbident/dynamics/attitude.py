@@ -1,0 +1,166 @@
+"""The one differential equation of free floating: the attitude of the base.
+
+Momentum conservation makes the base rate an algebraic function of time and attitude,
+
+    w = E(t) R_0^T h_cm - b(t).
+
+`E` and `b` do not depend on the attitude, so they are known for all times at once;
+only the quaternion is integrated.
+"""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from orbident.dynamics.batches import BATCH
+from orbident.errors import InputError
+from orbident.spatial.rotations import (
+    quaternion_matrix,
+    quaternion_rate,
+    rotate,
+    rotate_back,
+    rotation_angle,
+)
+
+MOST_SUBSTEPS = 256
+
+_angle = jax.jit(rotation_angle)
+
+
+class RateLaw(NamedTuple):
+    """`w = E R_0^T h_cm - b` at some times; base axes."""
+
+    E: Float[Array | np.ndarray, "*n 3 3"]
+    b: Float[Array | np.ndarray, "*n 3"]
+
+    def rate(
+        self, x_WB: Float[Array, "*n 4"], h_cm: Float[Array, "3"]
+    ) -> Float[Array, "*n 3"]:
+        """The base rate, rad/s, base axes."""
+        h_B = rotate_back(quaternion_matrix(x_WB), h_cm)
+        return rotate(self.E, h_B) - self.b
+
+    def every(self, stride: int) -> "RateLaw":
+        """The law at every so many of its times."""
+        return RateLaw(self.E[::stride], self.b[::stride])
+
+
+def rate_law(
+    D: Float[np.ndarray, "n 3 3"], h_moving: Float[np.ndarray, "n 3"], planar: bool
+) -> RateLaw:
+    """The law from `D w + h_moving = R_0^T h_cm`; in the plane of its z row alone."""
+    if planar:
+        E = np.zeros_like(D)
+        E[:, 2, 2] = 1 / D[:, 2, 2]
+    else:
+        E = np.linalg.inv(D)
+    return RateLaw(E, np.einsum("nij,nj->ni", E, h_moving))
+
+
+def step_nodes(t: Float[np.ndarray, " n"], substeps: int) -> Float[np.ndarray, " m"]:
+    """The ends and middles of `substeps` equal steps from each sample to the next."""
+    parts = np.arange(2 * substeps) / (2 * substeps)
+    inner = t[:-1, None] + np.diff(t)[:, None] * parts
+    return np.append(inner.ravel(), t[-1])
+
+
+def integrate_attitude(
+    law: RateLaw,
+    h_cm: Float[np.ndarray, "3"],
+    x_WB: Float[np.ndarray, "4"],
+    dt: Float[np.ndarray, " steps"],
+) -> Float[np.ndarray, "steps+1 4"]:
+    """The base's quaternion after each RK4 step; `law` is given at `step_nodes`."""
+    x = [np.asarray(x_WB)[None]]
+    for start in range(0, dt.size, BATCH):
+        # Steps of zero length fill up the last batch: one compiled size for all.
+        steps = np.minimum(np.arange(start, start + BATCH), dt.size - 1)
+        length = np.where(np.arange(start, start + BATCH) < dt.size, dt[steps], 0.0)
+        nodes = [RateLaw(law.E[2 * steps + k], law.b[2 * steps + k]) for k in range(3)]
+        part = _integrate(h_cm, x[-1][-1], length, *nodes)
+        x.append(np.asarray(part)[: dt.size - start])
+    return np.concatenate(x)
+
+
+@jax.jit
+def _integrate(
+    h_cm: Float[Array, "3"],
+    x_WB: Float[Array, "4"],
+    dt: Float[Array, " steps"],
+    starts: RateLaw,
+    middles: RateLaw,
+    ends: RateLaw,
+) -> Float[Array, "steps 4"]:
+    def step(x, node):
+        dt, start, middle, end = node
+        k_1 = quaternion_rate(x, start.rate(x, h_cm))
+        x_2 = x + dt / 2 * k_1
+        k_2 = quaternion_rate(x_2, middle.rate(x_2, h_cm))
+        x_3 = x + dt / 2 * k_2
+        k_3 = quaternion_rate(x_3, middle.rate(x_3, h_cm))
+        x_4 = x + dt * k_3
+        k_4 = quaternion_rate(x_4, end.rate(x_4, h_cm))
+        x = x + dt / 6 * (k_1 + 2 * k_2 + 2 * k_3 + k_4)
+        x = x / jnp.linalg.norm(x)
+        return x, x
+
+    return jax.lax.scan(step, x_WB, (dt, starts, middles, ends))[1]
+
+
+class AttitudeHistory(NamedTuple):
+    """The attitude at the samples, and how good it is."""
+
+    x_WB: Float[np.ndarray, "n 4"]
+    law: RateLaw
+    """At the samples."""
+    error: float
+    """Estimate of the largest error, rad."""
+    substeps: int
+    """RK4 steps from one sample to the next."""
+
+
+def float_attitude(
+    law_at: Callable[[Float[np.ndarray, " nodes"]], RateLaw],
+    t: Float[np.ndarray, " n"],
+    h_cm: Float[np.ndarray, "3"],
+    x_WB: Float[np.ndarray, "4"],
+    tolerance: float,
+) -> AttitudeHistory:
+    """Integrate with steps that are halved until the error is below `tolerance`.
+
+    Args:
+        law_at: the rate law at any times.
+        t: sample times, s.
+        h_cm: angular momentum about the system CM, inertial axes, N m s.
+        x_WB: attitude at the first sample.
+        tolerance: of the attitude, rad.
+
+    Raises:
+        InputError: the base turns too fast for these sample times.
+    """
+
+    def solve(law: RateLaw, substeps: int) -> Float[np.ndarray, "n 4"]:
+        dt = np.repeat(np.diff(t) / substeps, substeps)
+        return integrate_attitude(law, h_cm, x_WB, dt)[::substeps]
+
+    substeps = 2
+    law = law_at(step_nodes(t, substeps))
+    coarse = solve(law.every(2), 1)
+    while True:
+        fine = solve(law, substeps)
+        # Richardson: halving the step of RK4 divides its error by 16.
+        error = float(_angle(coarse, fine).max()) / 15
+        if error <= tolerance:
+            return AttitudeHistory(fine, law.every(2 * substeps), error, substeps)
+        if substeps == MOST_SUBSTEPS:
+            raise InputError(
+                f"the base turns too fast for samples up to {np.diff(t).max():g} s "
+                f"apart (attitude error {error:.2g} rad with {substeps} steps a "
+                "sample); sample faster or start with less momentum"
+            )
+        coarse, substeps = fine, 2 * substeps
+        law = law_at(step_nodes(t, substeps))

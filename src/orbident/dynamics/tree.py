@@ -1,0 +1,70 @@
+"""The kinematic tree as arrays: the only file that knows tree order."""
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float, Int
+
+from orbident.robot.description import Robot
+from orbident.spatial.rotations import axis_rotation, product, rotate
+
+
+class Tree(eqx.Module):
+    """A robot's geometry, without its inertia. Joint `k` moves body `k + 1`."""
+
+    parent: Int[Array | np.ndarray, "joints"]
+    revolute: Float[Array | np.ndarray, "joints"]
+    """1 for a revolute joint, 0 for a prismatic one."""
+    axis: Float[Array | np.ndarray, "joints 3"]
+    R_PJ: Float[Array | np.ndarray, "joints 3 3"]
+    p_PJ: Float[Array | np.ndarray, "joints 3"]
+    moves: Float[Array | np.ndarray, "joints bodies"]
+    """1 where the joint moves the body: the body is at or below it."""
+
+
+def tree_of(robot: Robot) -> Tree:
+    """The robot's kinematic tree."""
+    joints = robot.joints
+    moves = np.zeros((len(joints), len(robot.bodies)))
+    for k, joint in enumerate(joints):
+        moves[:, k + 1] = moves[:, joint.parent]
+        moves[k, k + 1] = 1.0
+    return Tree(
+        parent=np.array([joint.parent for joint in joints], dtype=np.int64),
+        revolute=np.array([float(joint.kind == "revolute") for joint in joints]),
+        axis=np.reshape([joint.axis for joint in joints], (-1, 3)),
+        R_PJ=np.reshape([joint.R_PJ for joint in joints], (-1, 3, 3)),
+        p_PJ=np.reshape([joint.p_PJ for joint in joints], (-1, 3)),
+        moves=moves,
+    )
+
+
+class Poses(eqx.Module):
+    """Where every body is, seen from the base: `R_Bi` and `p_SBi` in base axes."""
+
+    R: Float[Array, "bodies 3 3"]
+    d: Float[Array, "bodies 3"]
+
+
+def poses(tree: Tree, q: Float[Array, "joints"]) -> Poses:
+    """Forward kinematics: one scan from the base to the tips, whatever the tree."""
+    slide = (1 - tree.revolute) * q
+    R_PC = product(tree.R_PJ, axis_rotation(tree.axis, tree.revolute * q))
+    p_PC = tree.p_PJ + slide[:, None] * rotate(tree.R_PJ, tree.axis)
+
+    def place(above, joint):
+        k, parent, R_PC, p_PC = joint
+        R_P, d_P = above.R[parent], above.d[parent]
+        R = above.R.at[k + 1].set(product(R_P, R_PC))
+        d = above.d.at[k + 1].set(d_P + rotate(R_P, p_PC))
+        return Poses(R, d), None
+
+    bodies = tree.moves.shape[1]
+    base = Poses(
+        jnp.zeros((bodies, 3, 3), q.dtype).at[0].set(jnp.eye(3, dtype=q.dtype)),
+        jnp.zeros((bodies, 3), q.dtype),
+    )
+    order = jnp.arange(tree.parent.shape[0])
+    placed, _ = jax.lax.scan(place, base, (order, tree.parent, R_PC, p_PC))
+    return placed

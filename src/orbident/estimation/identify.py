@@ -1,0 +1,137 @@
+"""The main job: from a robot and a recording to every free-flying parameter."""
+
+import time
+from importlib.metadata import version
+from typing import Any, Literal, get_args
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from orbident.errors import InputError
+from orbident.estimation.least_squares import (
+    INITIAL_MOMENTA,
+    Fits,
+    InitialMomentum,
+    fit,
+)
+from orbident.estimation.mass import Mass, mass_of
+from orbident.estimation.propagation import base_parameters
+from orbident.estimation.result import Estimate, Estimates, Result
+from orbident.estimation.triangular import LinearFit, condition_numbers
+from orbident.estimation.verdict import judge
+from orbident.precision import in_float64
+from orbident.recordings.recording import Recording
+from orbident.regressors.formulas import Formulas, SetFormulas, formulas_of
+from orbident.regressors.minimal_sets import minimal_sets
+from orbident.robot.description import Robot
+from orbident.signals.samples import samples_of
+
+Method = Literal["least-squares"]
+NAN = float("nan")
+METHODS: tuple[Method, ...] = get_args(Method)
+
+
+@in_float64
+def identify(
+    robot: Robot,
+    recording: Recording,
+    method: Method = "least-squares",
+    initial_momentum: InitialMomentum = "unknown",
+) -> Result:
+    """Identify `pi` (Eq. 24), `phi` (Eq. 31) and the total mass (Eq. 32).
+
+    Args:
+        robot: geometry, wheels and structure; its nominal inertia is not used.
+        recording: of the free-floating robot.
+        method: `"least-squares"`.
+        initial_momentum: `"unknown"` estimates the momentum with `pi`; `"at-rest"`
+            takes it from the wheels of a base at rest, or as zero where everything
+            was at rest before the wheels spun up; `"first-sample"` subtracts the
+            first sample (Eq. 24).
+
+    Raises:
+        InputError: a column is missing, there are too few samples, or an argument is
+            not one of those named.
+    """
+    _check_choice("method", method, METHODS)
+    _check_choice("initial momentum", initial_momentum, INITIAL_MOMENTA)
+    started = time.perf_counter()
+    samples = samples_of(robot, recording)
+    sets = minimal_sets(robot)
+    fits = fit(robot, sets, samples, initial_momentum)
+    mass = mass_of(sets, fits.pi, fits.phi)
+    verdict = judge(robot, samples, fits, mass)
+    known = verdict.pi, verdict.phi, verdict.mass
+    base = base_parameters(sets, fits.pi, fits.phi, mass, known)
+    words = formulas_of(robot, sets)
+    return Result(
+        robot=robot,
+        method=method,
+        initial_momentum=initial_momentum,
+        status=verdict.status,
+        warnings=verdict.warnings,
+        mass=Estimate(mass.value, mass.std) if verdict.mass else Estimate(NAN, NAN),
+        mass_forms=_mass_forms(words, mass, verdict.mass),
+        pi=_estimates(words.pi, fits.pi.values, _std(fits.pi), verdict.pi),
+        phi=_estimates(words.phi, fits.phi.values, _std(fits.phi), verdict.phi),
+        base=_estimates(words.base, base.values, base.std, base.determined),
+        condition_number=_condition(fits),
+        residual=_residual(fits),
+        origins=samples.origins,
+        samples=fits.samples,
+        elapsed_s=time.perf_counter() - started,
+        versions={name: version(name) for name in ("orbident", "jax", "numpy")},
+        fits=fits,
+    )
+
+
+def _check_choice(what: str, found: str, choices: tuple[str, ...]) -> None:
+    if found not in choices:
+        raise InputError(f"{what} '{found}' is unknown; use {' or '.join(choices)}")
+
+
+def _std(fit: LinearFit) -> Float[np.ndarray, " n"]:
+    return np.sqrt(np.diag(fit.covariance))
+
+
+def _estimates(
+    words: Formulas,
+    values: Float[np.ndarray, " n"],
+    std: Float[np.ndarray, " n"],
+    determined: Bool[np.ndarray, " n"],
+) -> Estimates:
+    return Estimates(
+        names=words.names,
+        formulas=words.formulas,
+        values=np.where(determined, values, NAN),
+        std=np.where(determined, std, NAN),
+    )
+
+
+def _mass_forms(words: SetFormulas, mass: Mass, known: bool) -> Estimates:
+    forms = mass.forms if known else mass.forms[:0]
+    return Estimates(
+        names=tuple(f"M from {words.pi.names[i]}" for i in forms),
+        formulas=tuple(
+            f"{words.pi.names[i]}/({words.mass_divisors[i]})" for i in forms
+        ),
+        values=mass.values[: forms.size],
+        std=mass.stds[: forms.size],
+    )
+
+
+def _condition(fits: Fits) -> dict[str, float]:
+    Y, Y_normalised = condition_numbers(fits.pi.factor)
+    W, W_normalised = condition_numbers(fits.phi.factor)
+    return {
+        "Y": Y,
+        "Y_normalised": Y_normalised,
+        "W": W,
+        "W_normalised": W_normalised,
+    }
+
+
+def _residual(fits: Fits) -> dict[str, Any]:
+    """RMS per equation: momentum in N m s, velocity in m/s."""
+    rms = {"momentum": fits.pi.rms, "velocity": fits.phi.rms}
+    return {"rms": rms, "chi2_per_dof": None}

@@ -1,0 +1,146 @@
+"""Linear identification: Eq. 24 for `pi` and Eq. 31 for `phi`.
+
+Both are written in base axes, which turns their rows and changes nothing else:
+
+    Y pi - R_0^T h_cm = -A_rw qd_rw
+    W phi + R_0^T v_cm = R_0^T v_S
+"""
+
+from typing import Literal, NamedTuple, get_args
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from orbident.dynamics.wheels import Wheels, wheels_of
+from orbident.errors import InputError
+from orbident.estimation.triangular import LinearFit, fold, solve
+from orbident.regressors.minimal_sets import MinimalSets, Regressors
+from orbident.robot.description import Robot
+from orbident.signals.samples import Batch, Samples
+from orbident.spatial.rotations import quaternion_matrix, rotate
+
+InitialMomentum = Literal["unknown", "at-rest", "first-sample"]
+INITIAL_MOMENTA: tuple[InitialMomentum, ...] = get_args(InitialMomentum)
+
+BATCH = 1024
+"""Samples folded in at once: the factorisation dominates, the memory is small."""
+
+STILL = 0.1
+"""A base at rest turns less than this fraction of its later RMS rate."""
+
+
+class Fits(NamedTuple):
+    """Both linear estimates of one recording."""
+
+    pi: LinearFit
+    phi: LinearFit
+    samples: int
+    """Samples in which all that the momentum equation needs was measured."""
+
+
+class KnownMomentum(NamedTuple):
+    """What Section 3.1 knows of the momentum: `h_cm - R_0 Y pi = h + Y_in pi`."""
+
+    h: Float[np.ndarray, "3"]
+    """Inertial axes, N m s."""
+    Y_in: Float[np.ndarray, "h pi"]
+    """`R_0 Y` of the first sample, where Eq. 24 subtracts it; else zero."""
+
+
+def fit(
+    robot: Robot,
+    sets: MinimalSets,
+    samples: Samples,
+    initial_momentum: InitialMomentum,
+) -> Fits:
+    """Estimate `pi` and `phi` from all samples.
+
+    Raises:
+        InputError: there are fewer equations than unknowns.
+    """
+    wheels, regressors = wheels_of(robot), sets.regressors
+    axes_h, axes_v = len(regressors.momentum_axes), len(regressors.velocity_axes)
+    pis, phis = sets.pi_of_beta.shape[0], sets.base.sigmas
+    known = _known_momentum(regressors, wheels, samples, initial_momentum, pis)
+    unknowns_h = axes_h if known is None else 0
+    R_h = jnp.zeros((unknowns_h + pis + 1,) * 2)
+    R_v = jnp.zeros((axes_v + phis + 1,) * 2)
+    turning = moving = 0
+    for batch in samples.batches(BATCH):
+        rows_h, rows_v = _rows(regressors, wheels, known, batch)
+        R_h, R_v = fold(R_h, rows_h), fold(R_v, rows_v)
+        turning += int(batch.turning.sum())
+        moving += int(batch.moving.sum())
+    _check_enough(turning, axes_h, unknowns_h + pis)
+    return Fits(
+        pi=solve(np.asarray(R_h), unknowns_h, turning * axes_h),
+        phi=solve(np.asarray(R_v), axes_v, moving * axes_v),
+        samples=turning,
+    )
+
+
+@jax.jit
+def _rows(
+    regressors: Regressors, wheels: Wheels, known: KnownMomentum | None, batch: Batch
+) -> tuple[Float[Array, "h unknowns"], Float[Array, "v unknowns"]]:
+    """The rows `[nuisance | regressor | right-hand side]` of Eqs. 24 and 31."""
+    turning, moving = regressors.momentum_axes, regressors.velocity_axes
+
+    def rows(sample: Batch) -> tuple[Array, Array]:
+        R_BW = quaternion_matrix(sample.x_WB).T
+        Y, W = regressors(sample.q, sample.qd, sample.w)
+        h = -wheels.A_rw @ sample.qd_rw
+        R_turning = R_BW[turning, :][:, turning]
+        if known is None:
+            momentum = [-R_turning, Y, h[turning, None]]
+        else:
+            h = h + rotate(R_BW, known.h)
+            momentum = [Y - R_turning @ known.Y_in, h[turning, None]]
+        v = rotate(R_BW, sample.v_S)
+        velocity = [R_BW[moving, :][:, moving], W, v[moving, None]]
+        return (
+            jnp.where(sample.turning, jnp.concatenate(momentum, axis=1), 0.0),
+            jnp.where(sample.moving, jnp.concatenate(velocity, axis=1), 0.0),
+        )
+
+    stacked = jax.vmap(rows)(batch)
+    momentum, velocity = (part.reshape(-1, part.shape[-1]) for part in stacked)
+    return momentum, velocity
+
+
+def _known_momentum(
+    regressors: Regressors,
+    wheels: Wheels,
+    samples: Samples,
+    initial_momentum: InitialMomentum,
+    pis: int,
+) -> KnownMomentum | None:
+    """Section 3.1's three cases; None where `h_cm` is unknown."""
+    if initial_momentum == "unknown":
+        return None
+    first = samples.first()
+    nothing = np.zeros((len(regressors.momentum_axes), pis))
+    if first is None:
+        return KnownMomentum(np.zeros(3), nothing)
+    R_WB = np.asarray(quaternion_matrix(first.x_WB[0]))
+    h_rw = R_WB @ wheels.A_rw @ first.qd_rw[0]
+    if initial_momentum == "at-rest":
+        # Base at rest and wheels spinning: h_cm is theirs. Base already turning: all
+        # was at rest before the wheels spun up, so h_cm = 0 (Eqs. 25 and 26).
+        rms = np.sqrt(sum(np.nanmean(np.square(w)) for w in samples.w))
+        still = np.linalg.norm(first.w[0]) <= STILL * rms
+        return KnownMomentum(h_rw if still else np.zeros(3), nothing)
+    Y, _ = regressors(first.q[0], first.qd[0], first.w[0])
+    axes = np.array(regressors.momentum_axes)
+    return KnownMomentum(h_rw, R_WB[np.ix_(axes, axes)] @ np.asarray(Y))
+
+
+def _check_enough(samples: int, axes: int, unknowns: int) -> None:
+    if samples * axes < unknowns:
+        raise InputError(
+            f"{samples} complete samples give {samples * axes} momentum equations for "
+            f"{unknowns} unknowns; record at least {-(-unknowns // axes)} samples with "
+            "joints, wheels, gyro and attitude all measured"
+        )

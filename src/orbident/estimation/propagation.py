@@ -1,0 +1,58 @@
+"""From `(pi, phi, M)` to the free-flying base parameters, with their covariance."""
+
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Bool, Float
+from scipy.linalg import block_diag
+
+from orbident.estimation.mass import Mass, product_forms
+from orbident.estimation.triangular import LinearFit
+from orbident.regressors.minimal_sets import MinimalSets
+
+
+class BaseEstimate(NamedTuple):
+    """`beta = [M, sigma, iota]`; an entry counts where it is `determined`."""
+
+    values: Float[np.ndarray, " beta"]
+    std: Float[np.ndarray, " beta"]
+    determined: Bool[np.ndarray, " beta"]
+
+
+def base_parameters(
+    sets: MinimalSets,
+    pi: LinearFit,
+    phi: LinearFit,
+    mass: Mass,
+    known: tuple[Bool[np.ndarray, " pi"], Bool[np.ndarray, " phi"], bool],
+) -> BaseEstimate:
+    """`M`, `sigma = M phi`, `iota_i = pi_i - M g_i(phi)`.
+
+    Args:
+        sets: the robot's minimal sets.
+        pi: estimate of `pi`.
+        phi: estimate of `phi`.
+        mass: estimate of `M`, with its derivatives.
+        known: which `pi`, which `phi` are determined, and whether `M` is.
+    """
+    pi_known, phi_known, mass_known = known
+    g, dg = product_forms(sets, phi.values)
+    own = slice(0, sets.iotas)
+    M = mass.value
+    values = np.concatenate([[M], M * phi.values, pi.values[own] - M * g[own]])
+    # Rows: derivative of M, of sigma, of iota, over [pi, phi].
+    dM = np.concatenate([mass.of_pi, mass.of_phi])
+    dsigma = np.outer(phi.values, dM)
+    dsigma[:, pi.values.size :] += M * np.eye(phi.values.size)
+    diota = -np.outer(g[own], dM)
+    diota[:, own] += np.eye(sets.iotas)
+    diota[:, pi.values.size :] -= M * dg[own]
+    J = np.vstack([dM, dsigma, diota])
+    C = block_diag(pi.covariance, phi.covariance)
+    needs_unknown = np.abs(dg[own][:, ~phi_known]).max(axis=1, initial=0.0) > 0
+    determined = np.concatenate([[True], phi_known, pi_known[own] & ~needs_unknown])
+    return BaseEstimate(
+        values=values,
+        std=np.sqrt(np.einsum("ij,ij->i", J @ C, J)),
+        determined=determined & mass_known,
+    )

@@ -1,0 +1,108 @@
+"""What identification found: the object that all later stages are given."""
+
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+import numpy as np
+from jaxtyping import Float
+from scipy.linalg import block_diag
+
+from orbident.estimation.least_squares import Fits
+from orbident.robot.description import Robot
+
+SCHEMA = "orbident/result/1"
+
+
+@dataclass(frozen=True)
+class Estimates:
+    """A set of parameters; NaN where the recording does not determine one."""
+
+    names: tuple[str, ...]
+    formulas: tuple[str, ...]
+    values: Float[np.ndarray, " n"]
+    std: Float[np.ndarray, " n"]
+
+    def to_json(self) -> dict[str, Any]:
+        """As in `result.json`: null for NaN."""
+        return {
+            "names": list(self.names),
+            "formulas": list(self.formulas),
+            "values": nulled(self.values),
+            "std": nulled(self.std),
+        }
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """One number and its standard deviation; NaN where it is not determined."""
+
+    value: float
+    std: float
+
+
+@dataclass(frozen=True)
+class Result:
+    """Everything identified from one recording."""
+
+    robot: Robot
+    method: str
+    initial_momentum: str
+    status: Literal["ok", "rejected"]
+    warnings: tuple[str, ...]
+    mass: Estimate
+    """Total mass, kg."""
+    mass_forms: Estimates
+    """Eq. 32: the mass by each product form, kg."""
+    pi: Estimates
+    phi: Estimates
+    base: Estimates
+    """The free-flying base parameters `M, sigma, iota`."""
+    condition_number: dict[str, float]
+    residual: dict[str, Any]
+    origins: dict[str, str]
+    """How rates and velocities were obtained: measured, or derived."""
+    samples: int
+    elapsed_s: float
+    versions: dict[str, str]
+    fits: Fits | None = field(default=None, compare=False, repr=False)
+    """The linear fits with their covariances; not kept in `result.json`."""
+
+    @property
+    def covariance(self) -> Float[np.ndarray, "n n"] | None:
+        """Of `[pi, phi]`; None for a result that was read from a file."""
+        if self.fits is None:
+            return None
+        return block_diag(self.fits.pi.covariance, self.fits.phi.covariance)
+
+    def to_json(self) -> dict[str, Any]:
+        """The content of `result.json`."""
+        return {
+            "schema": SCHEMA,
+            "robot": self.robot.name,
+            "method": self.method,
+            "initial_momentum": self.initial_momentum,
+            "status": self.status,
+            "warnings": list(self.warnings),
+            "mass": {
+                "value": nulled(self.mass.value),
+                "std": nulled(self.mass.std),
+                "forms": self.mass_forms.to_json(),
+            },
+            "pi": self.pi.to_json(),
+            "phi": self.phi.to_json(),
+            "base": self.base.to_json(),
+            "condition_number": {k: nulled(v) for k, v in self.condition_number.items()},
+            "residual": self.residual,
+            "biases": {},
+            "signals": self.origins,
+            "samples": self.samples,
+            "elapsed_s": self.elapsed_s,
+            "versions": self.versions,
+        }
+
+
+def nulled(numbers: Float[np.ndarray, " n"] | float) -> Any:
+    """Numbers as JSON has them: null for what is not finite."""
+    if isinstance(numbers, np.ndarray):
+        return [nulled(float(number)) for number in numbers]
+    return float(numbers) if np.isfinite(numbers) else None

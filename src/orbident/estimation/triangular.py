@@ -1,0 +1,90 @@
+"""Least squares through a triangular factor that takes rows in as they come.
+
+`R` is the triangular factor of all rows `[nuisance | parameters | right-hand side]`
+seen so far: memory does not grow with their number, and nothing is ever squared.
+"""
+
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool, Float
+
+# Singular values of the factor with unit columns: what the motion never shows comes
+# out at 1e-16 to 1e-14, and what it does show is worth reporting with its error.
+RANK = 1e-12
+# A parameter with this much of the unseen directions in it is not determined.
+UNSEEN = 1e-6
+
+
+@jax.jit
+def fold(
+    R: Float[Array, "n n"], rows: Float[Array, "rows n"]
+) -> Float[Array, "n n"]:
+    """The triangular factor with some more rows."""
+    return jnp.linalg.qr(jnp.concatenate([R, rows]), mode="r")
+
+
+class LinearFit(NamedTuple):
+    """A linear least-squares estimate, and what the rows could not tell."""
+
+    values: Float[np.ndarray, " n"]
+    """The shortest solution; meaningless where not `determined`."""
+    covariance: Float[np.ndarray, "n n"]
+    determined: Bool[np.ndarray, " n"]
+    nuisance: Float[np.ndarray, " nuisance"]
+    factor: Float[np.ndarray, "n n"]
+    """Triangular, of the parameters' columns with the nuisance projected out."""
+    rms: float
+    """Of the residual, per row that was not needed to fix an unknown."""
+    explained: float
+    """Norm of the right-hand side that the parameters explain, nuisance apart."""
+    unexplained: float
+    """Norm of the residual."""
+    total: float
+    """Norm of the right-hand side."""
+
+
+def solve(R: Float[np.ndarray, "all all"], nuisances: int, rows: int) -> LinearFit:
+    """Solve for all unknowns from the triangular factor.
+
+    Args:
+        R: of `[nuisance | parameters | right-hand side]`.
+        nuisances: how many columns come before the parameters.
+        rows: how many rows went in.
+    """
+    columns, z = R[:-1, :-1], R[:-1, -1]
+    unexplained = abs(float(R[-1, -1]))
+    norms = np.linalg.norm(columns, axis=0)
+    norms = np.where(norms > 0.0, norms, 1.0)
+    U, s, Vt = np.linalg.svd(columns / norms)
+    seen = s > RANK * s.max(initial=0.0)
+    inverse = np.where(seen, 1 / np.where(seen, s, 1.0), 0.0)
+    solution = (Vt.T * inverse) @ (U.T @ z) / norms
+    hidden = np.linalg.norm(Vt[~seen], axis=0) > UNSEEN
+    rms = unexplained / np.sqrt(max(rows - int(seen.sum()), 1))
+    root = (Vt.T * inverse) / norms[:, None]
+    covariance = rms**2 * root @ root.T
+    own = np.s_[nuisances:]
+    return LinearFit(
+        values=solution[own],
+        covariance=covariance[own, own],
+        determined=~hidden[own],
+        nuisance=solution[:nuisances],
+        factor=columns[own, own],
+        rms=rms,
+        explained=float(np.linalg.norm(z[own])),
+        unexplained=unexplained,
+        total=float(np.linalg.norm(R[:, -1])),
+    )
+
+
+def condition_numbers(factor: Float[np.ndarray, "n n"]) -> tuple[float, float]:
+    """Of the columns as they are, and of the columns scaled to unit norm."""
+    if factor.size == 0:
+        return 1.0, 1.0
+    norms = np.linalg.norm(factor, axis=0)
+    if not norms.all():
+        return float("inf"), float("inf")
+    return float(np.linalg.cond(factor)), float(np.linalg.cond(factor / norms))

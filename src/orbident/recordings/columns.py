@@ -1,0 +1,88 @@
+"""The names of a recording's columns, and what each one is for."""
+
+import re
+from collections import Counter
+from collections.abc import Sequence
+
+from orbident.errors import InputError
+
+VECTORS = {
+    "gyro": ("xyz", "base angular velocity in base axes, rad/s"),
+    "accelerometer": ("xyz", "specific force at S in base axes, m/s^2"),
+    "attitude": ("xyzw", "base orientation in the inertial frame, scalar last"),
+    "position": ("xyz", "of S, inertial axes, m"),
+    "velocity": ("xyz", "of S, inertial axes, m/s"),
+    "force": ("xyz", "net thruster force, base axes, N"),
+    "torque": ("xyz", "net thruster moment about S, base axes, N m"),
+}
+PER_JOINT = {
+    "position": "joint position, rad, or m for prismatic",
+    "velocity": "joint rate, rad/s, or m/s for prismatic",
+}
+PER_WHEEL = {
+    "speed": "wheel speed relative to the base, rad/s",
+    "position": "unwrapped wheel angle relative to the base, rad",
+}
+
+_ALTERNATIVES = [
+    *(f"{name}\\.[{axes}]" for name, (axes, _) in VECTORS.items()),
+    rf"joint\.(?P<joint>.+)\.(?:{'|'.join(PER_JOINT)})",
+    rf"wheel\.(?P<wheel>.+)\.(?:{'|'.join(PER_WHEEL)})",
+]
+_PATTERN = re.compile("|".join(_ALTERNATIVES))
+
+
+def is_known(column: str) -> bool:
+    """Whether the column has a meaning here; any other is carried along unused."""
+    return column == "t" or _PATTERN.fullmatch(column) is not None
+
+
+def joint_of(column: str) -> str | None:
+    """The joint that the column belongs to, or None."""
+    match = _PATTERN.fullmatch(column)
+    return match["joint"] if match else None
+
+
+def wheel_of(column: str) -> str | None:
+    """The wheel that the column belongs to, or None."""
+    match = _PATTERN.fullmatch(column)
+    return match["wheel"] if match else None
+
+
+def meaning(column: str) -> str:
+    """What the column is for, in words with unit and frame; empty if unknown."""
+    if column == "t":
+        return "time, s, strictly increasing"
+    if not is_known(column):
+        return ""
+    head, last = column.split(".", 1)[0], column.rsplit(".", 1)[1]
+    if head == "joint":
+        return PER_JOINT[last]
+    if head == "wheel":
+        return PER_WHEEL[last]
+    return VECTORS[head][1]
+
+
+def check_names(source: str, names: Sequence[str]) -> None:
+    """Refuses nameless and repeated columns, and a table without `t`.
+
+    Raises:
+        InputError: So.
+    """
+    for name, count in Counter(names).items():
+        if not name:
+            where = names.index(name) + 1
+            raise InputError(
+                f"{source}: column {where} has no name; name it or remove it "
+                "(pandas writes one unless index=False)"
+            )
+        if count > 1:
+            raise InputError(
+                f"{source}: {count} columns are named '{name}'; keep or rename one"
+            )
+    if "t" not in names:
+        found = ", ".join(f"'{name}'" for name in names[:5])
+        raise InputError(
+            f"{source}: column 't' is missing (time, s); found {found}"
+            f"{', ...' if len(names) > 5 else ''}; name the columns in the first line"
+        )

@@ -1,0 +1,140 @@
+"""CSV files into columns of float64."""
+
+import csv
+import re
+from collections.abc import Sequence
+from contextlib import suppress
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.csv as arrow_csv
+
+from orbident.errors import InputError
+from orbident.recordings.columns import check_names
+
+_BLOCK_BYTES = 1 << 20
+# Arrow trims blanks around numbers, but not before it compares with these.
+_EMPTY = ["nan", "NaN", *(" " * width for width in range(33))]
+_NUMBER = re.compile(
+    r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?|[+-]?(nan|inf|infinity)|",
+    re.ASCII | re.IGNORECASE,
+)
+
+
+def read_csv(path: Path) -> dict[str, np.ndarray]:
+    """Every column of the file, empty cells as NaN; blank lines are skipped.
+
+    Raises:
+        InputError: The header is missing or refused, or a cell is not a number.
+    """
+    names, header_lines = _header(path)
+    check_names(str(path), names)
+    lines = _lines(path)
+    columns = {name: np.empty(lines) for name in names}
+    try:
+        rows = _fill(path, columns, header_lines)
+    except pa.ArrowException as error:
+        with suppress(csv.Error):
+            _explain(path, names)
+        raise InputError(
+            f"{path}: is not a readable CSV file ({str(error).splitlines()[0]})"
+        ) from error
+    return {name: values[:rows] for name, values in columns.items()}
+
+
+def _header(path: Path) -> tuple[list[str], int]:
+    """The names, and how many lines of the file they take."""
+    try:
+        with path.open(encoding="utf-8-sig", newline="") as file:
+            reader = csv.reader(file)
+            header = next((row for row in reader if not _is_blank(row)), [])
+            lines = reader.line_num
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise InputError(
+            f"{path}: is not UTF-8 text with comma-separated cells; "
+            "export it as CSV in UTF-8"
+        ) from error
+    names = [name.strip() for name in header]
+    if not names:
+        raise InputError(f"{path}: is empty; the first line must name the columns")
+    if all(_NUMBER.fullmatch(name) for name in names):
+        raise InputError(
+            f"{path}: line {lines} holds numbers where the column names should be; "
+            "add a first line such as t,joint.joint1.position"
+        )
+    return names, lines
+
+
+def _lines(path: Path) -> int:
+    """An upper bound of the number of rows.
+
+    Rows that do not come stay untouched pages: they cost address space, not memory.
+    """
+    count = 1
+    with path.open("rb") as file:
+        while block := file.read(_BLOCK_BYTES):
+            count += block.count(b"\n") + block.count(b"\r")
+    return count
+
+
+def _skip_blank(row: arrow_csv.InvalidRow) -> str:
+    return "error" if row.text.strip() else "skip"
+
+
+def _fill(path: Path, columns: dict[str, np.ndarray], header_lines: int) -> int:
+    """Fills the columns; returns the number of rows."""
+    start = 0
+    number = pa.float64()
+    with arrow_csv.open_csv(
+        path,
+        read_options=arrow_csv.ReadOptions(
+            column_names=list(columns),
+            skip_rows=header_lines,
+            block_size=_BLOCK_BYTES,
+        ),
+        parse_options=arrow_csv.ParseOptions(invalid_row_handler=_skip_blank),
+        convert_options=arrow_csv.ConvertOptions(
+            column_types=dict.fromkeys(columns, number), null_values=_EMPTY
+        ),
+    ) as reader:
+        for batch in reader:
+            rows = slice(start, start + batch.num_rows)
+            for name, values in zip(columns, batch.columns, strict=True):
+                columns[name][rows] = values.to_numpy(zero_copy_only=False)
+            start += batch.num_rows
+    pa.default_memory_pool().release_unused()
+    return start
+
+
+def _explain(path: Path, names: Sequence[str]) -> None:
+    """Finds the first thing wrong, slowly; Arrow does not say where it is."""
+    with path.open(encoding="utf-8-sig", errors="replace", newline="") as file:
+        lines = (row for row in csv.reader(file) if not _is_blank(row))
+        next(lines)
+        row = next(lines, None)
+        if row is None:
+            raise InputError(f"{path}: has column names but no rows; add the samples")
+        number = 1
+        while row is not None:
+            _check_row(path, names, number, row)
+            number += 1
+            row = next(lines, None)
+
+
+def _is_blank(row: list[str]) -> bool:
+    return not row or (len(row) == 1 and not row[0].strip())
+
+
+def _check_row(path: Path, names: Sequence[str], number: int, row: list[str]) -> None:
+    if len(row) != len(names):
+        raise InputError(
+            f"{path}: row {number} has {len(row)} cells but the header names "
+            f"{len(names)} columns; make them equal"
+        )
+    for name, cell in zip(names, row, strict=True):
+        if not _NUMBER.fullmatch(cell.strip()):
+            raise InputError(
+                f"{path}: column '{name}', row {number}: found {cell!r}; "
+                "give a number, or leave the cell empty"
+            )

@@ -1,0 +1,231 @@
+"""The recording as plain frozen data: what was measured, and when."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from difflib import get_close_matches
+
+import numpy as np
+from jaxtyping import Float
+
+from orbident.errors import InputError
+from orbident.recordings.columns import is_known, joint_of, meaning, wheel_of
+from orbident.robot.description import Robot
+
+QUATERNION_TOLERANCE = 0.01
+"""Loggers that print few digits stay well inside; another convention does not."""
+
+
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """Measurements over time, one column a signal, SI units.
+
+    NaN means that this sensor has no sample at this time. Columns without a meaning
+    here are carried along unused. Float64 arrays are not copied: the recording holds
+    read-only views of them. Rows are counted from 1 in messages.
+
+    Raises:
+        InputError: Fewer than two samples; times not finite or not strictly
+            increasing; a column of another length, not numeric or with an infinite
+            value; an attitude that is not a unit quaternion within 1 %.
+    """
+
+    t: Float[np.ndarray, " samples"]
+    """Time, s."""
+    columns: Mapping[str, Float[np.ndarray, " samples"]]
+    """By name, as in the file; without `t`."""
+    source: str = "recording"
+    """Where it came from, for messages."""
+
+    def __post_init__(self) -> None:
+        t = _as_column(self.source, "t", self.t)
+        columns = {
+            name: _as_column(self.source, name, values)
+            for name, values in self.columns.items()
+        }
+        object.__setattr__(self, "t", t)
+        object.__setattr__(self, "columns", columns)
+        _check_time(self.source, t)
+        for name, values in columns.items():
+            _check_column(self.source, name, values, t.size)
+        if self.has(*(f"attitude.{k}" for k in "xyzw")):
+            _check_attitude(self.source, [columns[f"attitude.{k}"] for k in "xyzw"])
+
+    def has(self, *names: str) -> bool:
+        """Whether every one of these columns is there."""
+        return all(name in self.columns for name in names)
+
+    def column(self, name: str) -> Float[np.ndarray, " samples"]:
+        """One column, without a copy.
+
+        Raises:
+            InputError: The column is missing.
+        """
+        if name in self.columns:
+            return self.columns[name]
+        purpose = f" ({meaning(name)})" if meaning(name) else ""
+        strangers = [other for other in self.columns if not is_known(other)]
+        close = get_close_matches(name, strangers, n=1)
+        rename = f", or rename '{close[0]}' if it is that" if close else ""
+        raise InputError(
+            f"{self.source}: column '{name}' is missing{purpose}; add it{rename}"
+        )
+
+    def columns_of(self, names: Sequence[str]) -> Float[np.ndarray, "samples K"]:
+        """These columns side by side, in the order asked for (a copy).
+
+        Raises:
+            InputError: A column is missing.
+        """
+        table = np.empty((self.t.size, len(names)))
+        for k, name in enumerate(names):
+            table[:, k] = self.column(name)
+        return table
+
+    def vector(
+        self, prefix: str, components: str = "xyz"
+    ) -> Float[np.ndarray, "samples K"]:
+        """A sensor's components side by side (a copy), e.g. `vector("gyro")`.
+
+        Args:
+            prefix: What stands before the dot.
+            components: `"xyz"`, or `"xyzw"` for the attitude.
+
+        Raises:
+            InputError: A component is missing.
+        """
+        return self.columns_of([f"{prefix}.{k}" for k in components])
+
+    def joint_positions(
+        self, joint_names: Sequence[str]
+    ) -> Float[np.ndarray, "samples K"]:
+        """`q` in this order of the joints, rad or m.
+
+        Raises:
+            InputError: A joint has no position column.
+        """
+        return self.columns_of([f"joint.{name}.position" for name in joint_names])
+
+    def joint_velocities(
+        self, joint_names: Sequence[str]
+    ) -> Float[np.ndarray, "samples K"] | None:
+        """Measured joint rates, rad/s or m/s; None unless every joint has them."""
+        names = [f"joint.{name}.velocity" for name in joint_names]
+        return self.columns_of(names) if self.has(*names) else None
+
+    def wheel_speeds(
+        self, wheel_names: Sequence[str]
+    ) -> Float[np.ndarray, "samples K"] | None:
+        """Measured wheel speeds relative to the base, rad/s.
+
+        None unless every wheel has them; `signals.rates` derives them from angles.
+        """
+        names = [f"wheel.{name}.speed" for name in wheel_names]
+        return self.columns_of(names) if self.has(*names) else None
+
+    def check_joints(self, robot: Robot) -> None:
+        """Refuses joints that the robot lacks, and joints without a position.
+
+        Raises:
+            InputError: A column belongs to no joint of the robot, or a joint of the
+                robot has no position column.
+        """
+        recorded = {name: joint_of(name) for name in self.columns}
+        self._refuse_strangers("joint", recorded, robot.name, robot.joint_names)
+        for name in robot.joint_names:
+            self.column(f"joint.{name}.position")
+
+    def check_wheels(self, robot: Robot) -> None:
+        """Refuses wheels that the robot lacks, and wheels without a measurement.
+
+        Raises:
+            InputError: A column belongs to no wheel of the robot, or a wheel of the
+                robot has neither a speed nor a position column.
+        """
+        recorded = {name: wheel_of(name) for name in self.columns}
+        self._refuse_strangers("wheel", recorded, robot.name, robot.wheel_names)
+        for name in robot.wheel_names:
+            if not self.has(f"wheel.{name}.position"):
+                self.column(f"wheel.{name}.speed")
+
+    def _refuse_strangers(
+        self,
+        what: str,
+        recorded: Mapping[str, str | None],
+        robot: str,
+        names: Sequence[str],
+    ) -> None:
+        for column, name in recorded.items():
+            if name is not None and name not in names:
+                raise InputError(
+                    f"{self.source}: column '{column}': robot '{robot}' has no {what} "
+                    f"'{name}', only {_listed(names)}; rename or remove the column"
+                )
+
+
+def _listed(names: Iterable[str]) -> str:
+    return ", ".join(names) or "none"
+
+
+def _as_column(source: str, name: str, values: object) -> np.ndarray:
+    array = np.asarray(values)
+    if array.dtype.kind not in "iuf":
+        raise InputError(
+            f"{source}: column '{name}' holds {array.dtype} values; give numbers"
+        )
+    if array.ndim != 1:
+        raise InputError(
+            f"{source}: column '{name}' has shape {array.shape}; "
+            "give one number a sample"
+        )
+    column = array.astype(np.float64, copy=False).view()
+    column.flags.writeable = False
+    return column
+
+
+def _check_time(source: str, t: np.ndarray) -> None:
+    if t.size < 2:
+        raise InputError(f"{source}: has {t.size} samples; at least 2 are needed")
+    bad = np.flatnonzero(~np.isfinite(t))
+    if bad.size:
+        raise InputError(
+            f"{source}: column 't', row {bad[0] + 1}: found {t[bad[0]]}; "
+            "every row needs a time in seconds"
+        )
+    late = np.flatnonzero(np.diff(t) <= 0)
+    if late.size:
+        k = int(late[0]) + 1
+        raise InputError(
+            f"{source}: column 't', row {k + 1}: {t[k]} s does not come after "
+            f"{t[k - 1]} s; times must be strictly increasing, so sort the rows "
+            "and drop repeated ones"
+        )
+
+
+def _check_column(source: str, name: str, values: np.ndarray, samples: int) -> None:
+    if name == "t":
+        raise InputError(f"{source}: column 't' is given twice; remove one")
+    if values.size != samples:
+        raise InputError(
+            f"{source}: column '{name}' has {values.size} rows but 't' has {samples}; "
+            "give NaN where there is no sample"
+        )
+    bad = np.flatnonzero(np.isinf(values))
+    if bad.size:
+        raise InputError(
+            f"{source}: column '{name}', row {bad[0] + 1}: found {values[bad[0]]}; "
+            "leave the cell empty where there is no sample"
+        )
+
+
+def _check_attitude(source: str, components: Sequence[np.ndarray]) -> None:
+    norm = np.zeros_like(components[0])
+    with np.errstate(over="ignore"):
+        for component in components:
+            norm += np.square(component)
+    np.sqrt(norm, out=norm)
+    bad = np.flatnonzero(np.abs(norm - 1.0) > QUATERNION_TOLERANCE)
+    if bad.size:
+        raise InputError(
+            f"{source}: columns 'attitude.x' to '.w', row {bad[0] + 1}: norm "
+            f"{norm[bad[0]]:.6g}; give unit quaternions, scalar last"
+        )

@@ -1,0 +1,90 @@
+"""The minimal sets in readable form: combinations of standard parameters."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+
+from orbident.regressors.minimal_sets import MinimalSets
+from orbident.robot.description import Robot
+from orbident.robot.parameters import SYMBOLS
+
+# A coefficient this small beside the largest of its formula is rounding.
+NEGLIGIBLE = 1e-9
+
+
+class Formulas(NamedTuple):
+    """A minimal set's parameters in words."""
+
+    names: tuple[str, ...]
+    formulas: tuple[str, ...]
+
+
+class SetFormulas(NamedTuple):
+    """Names and formulas of all three descriptions."""
+
+    base: Formulas
+    phi: Formulas
+    pi: Formulas
+    mass_divisors: tuple[str, ...]
+    """`g_i(phi)` of Eq. 32, for those `pi` that hold no inertia."""
+
+
+def formulas_of(robot: Robot, sets: MinimalSets) -> SetFormulas:
+    """Formulas over `m(body)`, `mx(body)` ... `Izz(body)`, largest coefficient first.
+
+    First moments are `mx = m cx`; inertias are about the body-frame origin. The
+    products in `pi` are over `sigma_1 ..` of the base parameters and `M`.
+    """
+    standard = [f"{symbol}({body})" for body in robot.bodies for symbol in SYMBOLS]
+    sigmas, iotas = sets.base.sigmas, sets.iotas
+    names = ["M", *_numbered("sigma", sigmas), *_numbered("iota", iotas)]
+    base = tuple(combination(row, standard) for row in sets.base.T)
+    phi = tuple(_quotient(formula) for formula in base[1 : 1 + sigmas])
+    products = [_product(names[1 + a], names[1 + b]) for a, b in sets.pairs]
+    linear = sets.pi_of_beta @ sets.base.T
+    pi = tuple(
+        combination(np.concatenate(rows), [*standard, *products])
+        for rows in zip(linear, sets.pi_of_products, strict=True)
+    )
+    return SetFormulas(
+        base=Formulas(tuple(names), base),
+        phi=Formulas(_numbered("phi", sigmas), phi),
+        pi=Formulas(_numbered("pi", len(pi)), pi),
+        mass_divisors=_mass_divisors(sets),
+    )
+
+
+def combination(coefficients: Float[np.ndarray, " n"], names: Sequence[str]) -> str:
+    """`2 a + b - 0.5 c`: rounded, the largest first, without what is negligible."""
+    largest = np.abs(coefficients).max(initial=0.0)
+    text = ""
+    for k in np.argsort(-np.abs(coefficients).round(9), kind="stable"):
+        c = coefficients[k]
+        if abs(c) <= NEGLIGIBLE * largest:
+            break
+        sign = ("-" if c < 0 else "") if not text else (" - " if c < 0 else " + ")
+        factor = f"{abs(c):.4g} ".removeprefix("1 ")
+        text += sign + factor + names[k]
+    return text or "0"
+
+
+def _mass_divisors(sets: MinimalSets) -> tuple[str, ...]:
+    phi = _numbered("phi", sets.base.sigmas)
+    products = [f"{phi[a]}^2" if a == b else f"{phi[a]} {phi[b]}" for a, b in sets.pairs]
+    rows = zip(sets.pi_of_beta[:, : 1 + len(phi)], sets.pi_of_products, strict=True)
+    names = ["1", *phi, *products]
+    return tuple(combination(np.concatenate(row), names) for row in rows)
+
+
+def _numbered(name: str, count: int) -> tuple[str, ...]:
+    return tuple(f"{name}_{k}" for k in range(1, count + 1))
+
+
+def _quotient(formula: str) -> str:
+    return f"({formula})/M" if " " in formula else f"{formula}/M"
+
+
+def _product(a: str, b: str) -> str:
+    return f"{a}^2/M" if a == b else f"{a} {b}/M"

@@ -1,0 +1,56 @@
+"""The momentum of one sample, linear in `theta` (theory: Eqs. 3 and 19).
+
+`S theta` is the first moment about the feature point S, `P theta` the linear momentum
+relative to S and `A theta` the angular momentum about S, all in base axes; the
+angular momentum about the system CM is
+
+    h_rs = A theta - (S theta) x (P theta) / M.
+"""
+
+import equinox as eqx
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from orbident.dynamics.kinematics import velocities
+from orbident.dynamics.tree import Tree, poses
+from orbident.spatial.rotations import cross, cross_matrix, product, rotate_back
+
+
+class Momentum(eqx.Module):
+    """The regressors of one sample; columns are the flat `theta`, base first."""
+
+    S: Float[Array, "3 theta"]
+    P: Float[Array, "3 theta"]
+    A: Float[Array, "3 theta"]
+
+
+def momentum(
+    tree: Tree,
+    q: Float[Array, "joints"],
+    qd: Float[Array, "joints"],
+    w: Float[Array, "3"],
+) -> Momentum:
+    """`S`, `P` and `A` at joint state `q, qd` and base rate `w` (rad/s, base axes)."""
+    at = poses(tree, q)
+    v = velocities(tree, at, qd, w)
+    R, d = at.R, at.d
+    w_x = cross_matrix(v.w)
+    wR = product(w_x, R)
+    none = jnp.zeros((*d.shape, 6), d.dtype)
+    # m_i v_i + w_i x R_i s_i
+    S = jnp.concatenate([d[:, :, None], R, none], axis=-1)
+    P = jnp.concatenate([v.v[:, :, None], wR, none], axis=-1)
+    # d_i x (m_i v_i + w_i x R_i s_i) + R_i s_i x v_i + R_i J_i R_i^T w_i
+    A_m = cross(d, v.v)[:, :, None]
+    A_s = product(cross_matrix(d), wR) - product(cross_matrix(v.v), R)
+    A_J = product(R, _inertia_columns(rotate_back(R, v.w)))
+    A = jnp.concatenate([A_m, A_s, A_J], axis=-1)
+    return Momentum(*(jnp.swapaxes(X, 0, 1).reshape(3, -1) for X in (S, P, A)))
+
+
+def _inertia_columns(w: Float[Array, "n 3"]) -> Float[Array, "n 3 6"]:
+    """`L(w)` such that `J w = L(w) [Jxx, Jxy, Jyy, Jxz, Jyz, Jzz]`."""
+    x, y, z = w[:, 0], w[:, 1], w[:, 2]
+    o = jnp.zeros_like(x)
+    rows = [[x, y, o, z, o, o], [o, x, y, o, z, o], [o, o, o, x, y, z]]
+    return jnp.stack([jnp.stack(row, axis=-1) for row in rows], axis=-2)

@@ -1,0 +1,142 @@
+"""A robot from its checked file and its URDF."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from orbident.errors import InputError
+from orbident.robot.contradictions import contradictions
+from orbident.robot.description import Joint, Robot, Structure, Thruster, Wheel
+from orbident.robot.fusing import Bodies, about_feature_point, fused
+from orbident.robot.names import suggestion
+from orbident.robot.physical import nonphysical
+from orbident.robot.schema import LimitEntry, RobotFile, ThrusterEntry, WheelEntry
+from orbident.robot.tree import LinkTree, link_tree
+from orbident.robot.urdf import Urdf
+from orbident.robot.wheels import rotor
+
+
+def assembled(
+    file: RobotFile, document: dict[str, Any], urdf: Urdf, text: str, place: str
+) -> Robot:
+    """The robot that a robot file and its URDF describe.
+
+    Args:
+        file: the checked robot file.
+        document: the same, as read.
+        urdf: the URDF's links and joints.
+        text: the URDF's text.
+        place: the robot file's name, for messages.
+
+    Raises:
+        InputError: the file names joints or bodies that the URDF does not have, a
+            joint that cannot be a wheel, or nothing has mass.
+    """
+    tree = link_tree(urdf, file.base_link)
+    wheels, wheel_warnings = _wheels(file, tree, place)
+    feature_point = np.array(file.feature_point)
+    held = frozenset(w.joint for w in file.wheels if w.joint is not None)
+    bodies = about_feature_point(fused(tree, held=held), feature_point)
+    _require_mass(bodies, urdf.place)
+    structure = _structure(file, bodies, place)
+    return Robot(
+        name=file.name or urdf.name,
+        motion=file.motion,
+        bodies=bodies.names,
+        joints=_limited(bodies.joints, file.limits, place),
+        theta=bodies.theta,
+        feature_point=feature_point,
+        wheels=wheels,
+        thrusters=tuple(_thruster(entry) for entry in file.thrusters),
+        structure=structure,
+        sensors=file.sensors.model_dump(exclude_none=True),
+        warnings=(
+            *urdf.warnings,
+            *_nonphysical_links(tree, bodies),
+            *wheel_warnings,
+            *contradictions(bodies.names, bodies.theta, structure),
+        ),
+        document=document,
+        urdf=text,
+    )
+
+
+def _wheels(
+    file: RobotFile, tree: LinkTree, place: str
+) -> tuple[tuple[Wheel, ...], list[str]]:
+    wheels, warnings = [], []
+    joints = [entry.joint for entry in file.wheels if entry.joint is not None]
+    for i, entry in enumerate(file.wheels):
+        where = f"{place}: wheels[{i}]"
+        if entry.joint is None:
+            wheels.append(_declared(entry))
+            continue
+        if joints.count(entry.joint) > 1:
+            raise InputError(
+                f"{where}: joint '{entry.joint}' is a wheel twice; keep one"
+            )
+        found = rotor(tree, entry.joint, f"{where}.joint")
+        wheels.append(Wheel(entry.label, found.axis, found.inertia, entry.mode))
+        warnings += found.warnings
+    return tuple(wheels), warnings
+
+
+def _declared(entry: WheelEntry) -> Wheel:
+    if entry.axis is None or entry.inertia is None:
+        raise InputError("a declared wheel needs axis and inertia")
+    axis = np.array(entry.axis)
+    return Wheel(entry.label, axis / np.linalg.norm(axis), entry.inertia, entry.mode)
+
+
+def _thruster(entry: ThrusterEntry) -> Thruster:
+    direction = np.array(entry.direction)
+    return Thruster(
+        entry.name, np.array(entry.position), direction / np.linalg.norm(direction)
+    )
+
+
+def _limited(
+    joints: tuple[Joint, ...], limits: dict[str, LimitEntry], place: str
+) -> tuple[Joint, ...]:
+    known = [joint.name for joint in joints]
+    for name in limits:
+        if name not in known:
+            raise InputError(
+                f"{place}: limits: no joint {name!r}; "
+                + suggestion(name, known, "joints")
+            )
+    return tuple(
+        replace(joint, **limits[joint.name].model_dump(exclude_none=True))
+        if joint.name in limits
+        else joint
+        for joint in joints
+    )
+
+
+def _structure(file: RobotFile, bodies: Bodies, place: str) -> dict[str, Structure]:
+    for name in file.structure:
+        if name not in bodies.names:
+            raise InputError(
+                f"{place}: structure: no body {name!r}; "
+                + suggestion(name, bodies.names, "bodies")
+            )
+    return {
+        name: Structure(entry.com_on_axis, entry.principal_axes)
+        for name, entry in file.structure.items()
+    }
+
+
+def _nonphysical_links(tree: LinkTree, bodies: Bodies) -> list[str]:
+    return [
+        fault
+        for name in bodies.placements
+        for fault in nonphysical(name, tree.links[name].mass, tree.links[name].I_com)
+    ]
+
+
+def _require_mass(bodies: Bodies, place: str) -> None:
+    if not bodies.theta[:, 0].sum() > 0:
+        raise InputError(
+            f"{place}: no link has mass; give nominal values in <inertial>"
+        )

@@ -1,0 +1,52 @@
+"""Whether an inertia can belong to a body: what is wrong with it, in words."""
+
+import numpy as np
+from jaxtyping import Float
+
+ROUNDING = 1e-9
+"""Relative to the largest principal moment: point masses and rods lie exactly on
+the border, and files print few digits."""
+
+
+def nonphysical(
+    link: str, mass: float, I_com: Float[np.ndarray, "3 3"]
+) -> tuple[str, ...]:
+    """What no body can have: one sentence a fault, none for a physical body.
+
+    Args:
+        link: the name to use in the sentences.
+        mass: kg.
+        I_com: inertia about the CM, any axes, kg m^2.
+    """
+    a, b, c = np.linalg.eigvalsh(I_com)
+    largest = max(abs(a), abs(c))
+    faults = []
+    if mass < 0:
+        faults.append(f"link '{link}': the mass {mass:.6g} kg is negative")
+    if mass == 0 and largest > 0:
+        faults.append(
+            f"link '{link}': it has no mass but principal moments "
+            f"{_numbers(a, b, c)} kg m^2"
+        )
+    if a < -ROUNDING * largest:
+        faults.append(
+            f"link '{link}': principal moments {_numbers(a, b, c)} kg m^2, "
+            "the smallest is negative"
+        )
+    elif a + b < c - ROUNDING * largest:
+        faults.append(_broken_triangle(link, a, b, c))
+    return tuple(faults)
+
+
+def _broken_triangle(link: str, a: float, b: float, c: float) -> str:
+    # Six digits may hide a small violation: "1 + 2 < 3".
+    digits = 6 if f"{a + b:.6g}" != f"{c:.6g}" else 12
+    x, y, z = (f"{value:.{digits}g}" for value in (a, b, c))
+    return (
+        f"link '{link}': principal moments {x}, {y}, {z} kg m^2 violate "
+        f"the triangle inequality ({x} + {y} < {z})"
+    )
+
+
+def _numbers(*values: float) -> str:
+    return ", ".join(f"{value:.6g}" for value in values)

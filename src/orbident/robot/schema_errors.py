@@ -1,0 +1,67 @@
+"""A pydantic error as one clear line: place, what was found, what to do."""
+
+from typing import Any
+
+from pydantic import ValidationError
+from pydantic_core import ErrorDetails
+
+from orbident.errors import InputError
+from orbident.robot.schema import RobotFile
+
+_REMEDIES = {
+    "tuple_type": "give a list",
+    "dict_type": "give names and their entries",
+    "string_type": "give text, in quotes if it looks like a number",
+    "bool_type": "give true or false",
+    "bool_parsing": "give true or false",
+    "string_too_short": "give a name",
+}
+
+
+def checked_robot_file(document: dict[str, Any], place: str) -> RobotFile:
+    """The document as a robot file.
+
+    Args:
+        document: keys and values, as read.
+        place: the file's name, for messages.
+
+    Raises:
+        InputError: the first thing that is wrong, and how many more there are.
+    """
+    try:
+        return RobotFile.model_validate(document)
+    except ValidationError as error:
+        raise InputError(_one_line(error, place)) from None
+
+
+def _one_line(error: ValidationError, place: str) -> str:
+    first, *others = error.errors(include_url=False)
+    where = ": ".join(filter(None, (place, _path(first["loc"]))))
+    more = f" (and {len(others)} more such problems)" if others else ""
+    return " ".join(f"{where}: {_problem(first)}{more}".split())
+
+
+def _path(location: tuple[int | str, ...]) -> str:
+    """`("wheels", 0, "axis")` as `wheels[0].axis`."""
+    path = ""
+    for key in location:
+        path += f"[{key}]" if isinstance(key, int) else f".{key}"
+    return path.removeprefix(".").removesuffix(".[key]")
+
+
+def _problem(detail: ErrorDetails) -> str:
+    if detail["type"] == "missing":
+        return "this key is missing; add it"
+    cause = detail.get("ctx", {}).get("error")
+    if isinstance(cause, InputError) and isinstance(detail["input"], dict):
+        return str(cause)
+    expected = detail["msg"].removeprefix("Input should be ")
+    remedy = cause or _REMEDIES.get(detail["type"], f"give {expected}")
+    return f"found {_found(detail['input'])}; {remedy}"
+
+
+def _found(value: object) -> str:
+    if value is None:
+        return "nothing"
+    text = " ".join(repr(value).split())
+    return text if len(text) <= 80 else text[:77] + "..."

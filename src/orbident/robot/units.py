@@ -1,0 +1,93 @@
+"""Quantities with units, as robot files write them: `"0.3 deg/h"` to SI."""
+
+import math
+import re
+
+from orbident.errors import InputError
+
+STANDARD_GRAVITY = 9.80665
+"""m/s^2, exact by definition."""
+
+_DEG = math.pi / 180
+_HOUR = 3600.0
+_NUMBER = re.compile(r"\s*[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
+
+UNITS: dict[str, dict[str, float]] = {
+    "angle": {
+        "rad": 1.0,
+        "mrad": 1e-3,
+        "urad": 1e-6,
+        "deg": _DEG,
+        "arcmin": _DEG / 60,
+        "arcsec": _DEG / 3600,
+    },
+    "length": {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6},
+    "frequency": {"Hz": 1.0, "kHz": 1e3},
+    "angular rate": {
+        "rad/s": 1.0,
+        "deg/s": _DEG,
+        "rad/h": 1 / _HOUR,
+        "deg/h": _DEG / _HOUR,
+    },
+    "angle random walk": {
+        "rad/sqrt(s)": 1.0,
+        "deg/sqrt(s)": _DEG,
+        "rad/sqrt(h)": 1 / math.sqrt(_HOUR),
+        "deg/sqrt(h)": _DEG / math.sqrt(_HOUR),
+        "rad/s/sqrt(Hz)": 1.0,
+        "deg/s/sqrt(Hz)": _DEG,
+    },
+    "acceleration": {
+        "m/s^2": 1.0,
+        "mm/s^2": 1e-3,
+        "g": STANDARD_GRAVITY,
+        "mg": 1e-3 * STANDARD_GRAVITY,
+        "ug": 1e-6 * STANDARD_GRAVITY,
+    },
+    "velocity random walk": {
+        "m/s/sqrt(s)": 1.0,
+        "m/s/sqrt(h)": 1 / math.sqrt(_HOUR),
+        "m/s^2/sqrt(Hz)": 1.0,
+        "mg/sqrt(Hz)": 1e-3 * STANDARD_GRAVITY,
+        "ug/sqrt(Hz)": 1e-6 * STANDARD_GRAVITY,
+    },
+}
+"""By dimension: each accepted unit's value in SI; the first one is SI's own."""
+
+
+def quantity(given: object, dimension: str) -> float:
+    """A quantity in SI.
+
+    Args:
+        given: a number, taken as SI, or a text such as `"0.01 deg/sqrt(h)"`.
+        dimension: a key of `UNITS`.
+
+    Raises:
+        InputError: no finite number, or a unit that the dimension does not have.
+    """
+    units = UNITS[dimension]
+    number, unit = _split(given)
+    factor = units.get(unit) if unit else 1.0
+    if factor is None:
+        raise InputError(
+            f"unknown unit {unit!r} of {_article(dimension)}; "
+            f"accepted: {', '.join(units)}"
+        )
+    if number is None or not math.isfinite(number):
+        si = next(iter(units))
+        raise InputError(f"give a finite number, with or without a unit ('0.1 {si}')")
+    return number * factor
+
+
+def _split(given: object) -> tuple[float | None, str]:
+    """The number, None where there is none, and the unit's text."""
+    if isinstance(given, bool) or not isinstance(given, int | float | str):
+        return None, ""
+    found = _NUMBER.match(given if isinstance(given, str) else repr(given))
+    if found is None:
+        return None, ""
+    return float(found[0]), "".join(found.string[found.end() :].split())
+
+
+def _article(noun: str) -> str:
+    return f"an {noun}" if noun[0] in "aeiou" else f"a {noun}"

@@ -1,0 +1,174 @@
+"""The URDF's XML, checked; what the reader of URDF would trip over is refused here."""
+
+import math
+import xml.etree.ElementTree as ET
+from collections.abc import Iterable
+
+from orbident.errors import InputError
+from orbident.robot.names import first_duplicate, suggestion
+
+KINDS = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
+
+_INERTIAL = {
+    "origin": {"xyz": 3, "rpy": 3},
+    "mass": {"value": 1},
+    "inertia": dict.fromkeys(("ixx", "ixy", "ixz", "iyy", "iyz", "izz"), 1),
+}
+_JOINT = {
+    "origin": {"xyz": 3, "rpy": 3},
+    "axis": {"xyz": 3},
+    "limit": {"lower": 1, "upper": 1, "velocity": 1},
+}
+"""By element and attribute: how many numbers."""
+
+
+def checked_xml(text: str, place: str) -> ET.Element:
+    """A `<robot>` with only what inertial parameters depend on, fit for yourdfpy.
+
+    Links keep `<inertial>`, joints keep parent, child, origin, axis, limit and
+    mimic. Visuals and collisions go, so that no mesh is ever looked for.
+
+    Args:
+        text: the URDF.
+        place: the file's name, for messages.
+
+    Raises:
+        InputError: malformed XML, no links, missing or repeated names, a parent or
+            child that is no link, text where numbers belong, a mass that is
+            negative or not finite.
+    """
+    root = _parsed(text, place)
+    links, joints = root.findall("link"), root.findall("joint")
+    if not links:
+        raise InputError(f"{place}: the robot has no <link>; give at least a base")
+    clean = ET.Element("robot", name=_name(root, f"{place}: <robot>"))
+    names = _unique_names(links, "link", place)
+    for link, name in zip(links, names, strict=True):
+        clean.append(_clean_link(link, name, f"{place}: link '{name}'"))
+    for joint, name in zip(joints, _unique_names(joints, "joint", place), strict=True):
+        clean.append(_clean_joint(joint, name, names, f"{place}: joint '{name}'"))
+    return clean
+
+
+def _parsed(text: str, place: str) -> ET.Element:
+    try:
+        root = ET.fromstring(text)
+    except (ET.ParseError, ValueError) as error:
+        raise InputError(f"{place}: malformed XML: {error}; repair the file") from None
+    if root.tag != "robot":
+        raise InputError(
+            f"{place}: the root element is <{root.tag}>; a URDF has <robot>"
+        )
+    return root
+
+
+def _name(element: ET.Element, where: str) -> str:
+    name = element.get("name", "")
+    if not name.strip():
+        raise InputError(f"{where}: the attribute 'name' is missing; give one")
+    return name
+
+
+def _unique_names(
+    elements: Iterable[ET.Element], tag: str, place: str
+) -> tuple[str, ...]:
+    names = tuple(
+        _name(element, f"{place}: <{tag}> number {i}")
+        for i, element in enumerate(elements, start=1)
+    )
+    twice = first_duplicate(names)
+    if twice is not None:
+        raise InputError(
+            f"{place}: {tag} '{twice}' is defined twice; names must be unique"
+        )
+    return names
+
+
+def _clean_link(link: ET.Element, name: str, where: str) -> ET.Element:
+    clean = ET.Element("link", name=name)
+    inertials = link.findall("inertial")
+    if len(inertials) > 1:
+        raise InputError(f"{where}: found {len(inertials)} <inertial>; give one")
+    for inertial in inertials:
+        _require(inertial, "mass", ("value",), where)
+        _require(inertial, "inertia", ("ixx", "iyy", "izz"), where)
+        kept = _numeric_children(inertial, _INERTIAL, where)
+        mass = float(next(kept.iter("mass")).attrib["value"])
+        if mass < 0:
+            raise InputError(f"{where}: found mass {mass:g} kg; give zero or more")
+        clean.append(kept)
+    return clean
+
+
+def _clean_joint(
+    joint: ET.Element, name: str, links: tuple[str, ...], where: str
+) -> ET.Element:
+    kind = joint.get("type")
+    if kind not in KINDS:
+        found = "no type" if kind is None else f"type '{kind}'"
+        raise InputError(f"{where}: found {found}; give one of {', '.join(KINDS)}")
+    clean = _numeric_children(joint, _JOINT, where)
+    clean.set("name", name)
+    clean.set("type", kind)
+    for end in ("parent", "child"):
+        found = joint.find(end)
+        link = None if found is None else found.get("link")
+        if link is None:
+            raise InputError(f"{where}: <{end} link=...> is missing; add it")
+        if link not in links:
+            raise InputError(
+                f"{where}: the {end} link '{link}' is not in the file; "
+                + suggestion(link, links, "links")
+            )
+        ET.SubElement(clean, end, link=link)
+    mimicked = joint.find("mimic")
+    if mimicked is not None:
+        ET.SubElement(clean, "mimic", joint=mimicked.get("joint", ""))
+    return clean
+
+
+def _require(
+    inertial: ET.Element, tag: str, attributes: tuple[str, ...], where: str
+) -> None:
+    element = inertial.find(tag)
+    if element is None:
+        raise InputError(
+            f"{where}: <inertial> has no <{tag}>; add it (zeros for a point mass), "
+            "or leave out <inertial> for a massless link"
+        )
+    for attribute in attributes:
+        if element.get(attribute) is None:
+            raise InputError(f"{where}: <{tag}> has no '{attribute}'; add it")
+
+
+def _numeric_children(
+    element: ET.Element, table: dict[str, dict[str, int]], where: str
+) -> ET.Element:
+    """A copy of the element with only the children and attributes in the table."""
+    clean = ET.Element(element.tag)
+    for tag, attributes in table.items():
+        child = element.find(tag)
+        if child is None:
+            continue
+        kept = ET.SubElement(clean, tag)
+        for attribute, count in attributes.items():
+            text = child.get(attribute)
+            if text is not None:
+                _check_numbers(text, count, f"{where}: <{tag} {attribute}>", tag)
+                kept.set(attribute, text)
+    return clean
+
+
+def _check_numbers(text: str, count: int, where: str, tag: str) -> None:
+    try:
+        numbers = [float(word) for word in text.split()]
+    except ValueError:
+        numbers = []
+    # An infinite limit is a way to write "no limit".
+    usable = all(
+        math.isfinite(x) or (tag == "limit" and not math.isnan(x)) for x in numbers
+    )
+    if len(numbers) != count or not usable:
+        wanted = "one finite number" if count == 1 else f"{count} finite numbers"
+        hint = "; expand it with xacro first" if "${" in text else ""
+        raise InputError(f"{where}: found '{text}'; give {wanted}{hint}")

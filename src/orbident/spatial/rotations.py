@@ -1,0 +1,90 @@
+"""Rotations and cross products in JAX. Quaternions are `[x, y, z, w]`, Hamilton."""
+
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+
+def cross(a: Float[Array, "*n 3"], b: Float[Array, "*n 3"]) -> Float[Array, "*n 3"]:
+    """`a x b`, over any leading axes."""
+    ax, ay, az = a[..., 0], a[..., 1], a[..., 2]
+    bx, by, bz = b[..., 0], b[..., 1], b[..., 2]
+    return jnp.stack(
+        [ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], axis=-1
+    )
+
+
+def cross_matrix(v: Float[Array, "*n 3"]) -> Float[Array, "*n 3 3"]:
+    """`[v]x`, so that `[v]x u = v x u`."""
+    x, y, z = v[..., 0], v[..., 1], v[..., 2]
+    o = jnp.zeros_like(x)
+    rows = [[o, -z, y], [z, o, -x], [-y, x, o]]
+    return jnp.stack([jnp.stack(row, axis=-1) for row in rows], axis=-2)
+
+
+def product(
+    A: Float[Array, "*n 3 3"], B: Float[Array, "*n 3 m"]
+) -> Float[Array, "*n 3 m"]:
+    """`A B`, written out: it fuses where XLA's batched product of tiny matrices cannot."""
+    terms = [A[..., :, k, None] * B[..., k, None, :] for k in range(3)]
+    return terms[0] + terms[1] + terms[2]
+
+
+def rotate(
+    R: Float[Array, "*n 3 3"], v: Float[Array, "*n 3"]
+) -> Float[Array, "*n 3"]:
+    """`R v`."""
+    terms = [R[..., :, k] * v[..., k, None] for k in range(3)]
+    return terms[0] + terms[1] + terms[2]
+
+
+def rotate_back(
+    R: Float[Array, "*n 3 3"], v: Float[Array, "*n 3"]
+) -> Float[Array, "*n 3"]:
+    """`R^T v`."""
+    terms = [R[..., k, :] * v[..., k, None] for k in range(3)]
+    return terms[0] + terms[1] + terms[2]
+
+
+def axis_rotation(
+    axis: Float[Array, "*n 3"], angle: Float[Array, "*n"]
+) -> Float[Array, "*n 3 3"]:
+    """Rodrigues' formula: the rotation by `angle` (rad) about the unit vector `axis`."""
+    c, s = jnp.cos(angle)[..., None, None], jnp.sin(angle)[..., None, None]
+    outer = axis[..., :, None] * axis[..., None, :]
+    return c * jnp.eye(3) + s * cross_matrix(axis) + (1 - c) * outer
+
+
+def quaternion_matrix(x_WB: Float[Array, "*n 4"]) -> Float[Array, "*n 3 3"]:
+    """`R_WB` of a quaternion of any nonzero norm."""
+    x, y, z, w = (x_WB[..., k] for k in range(4))
+    # Dividing by the squared norm makes R orthogonal to rounding, whatever the norm.
+    s = 2 / (x * x + y * y + z * z + w * w)
+    rows = [
+        [1 - s * (y * y + z * z), s * (x * y - z * w), s * (x * z + y * w)],
+        [s * (x * y + z * w), 1 - s * (x * x + z * z), s * (y * z - x * w)],
+        [s * (x * z - y * w), s * (y * z + x * w), 1 - s * (x * x + y * y)],
+    ]
+    return jnp.stack([jnp.stack(row, axis=-1) for row in rows], axis=-2)
+
+
+def quaternion_rate(
+    x_WB: Float[Array, "*n 4"], w_B: Float[Array, "*n 3"]
+) -> Float[Array, "*n 4"]:
+    """`d/dt x_WB = 1/2 x_WB (w, 0)`, with `w_B` the rate of B in W, B's axes, rad/s."""
+    v, s = x_WB[..., :3], x_WB[..., 3:]
+    vector = s * w_B + cross(v, w_B)
+    scalar = -jnp.sum(v * w_B, axis=-1, keepdims=True)
+    return 0.5 * jnp.concatenate([vector, scalar], axis=-1)
+
+
+def rotation_angle(
+    x_WA: Float[Array, "*n 4"], x_WB: Float[Array, "*n 4"]
+) -> Float[Array, "*n"]:
+    """The angle between two attitudes, rad; accurate down to rounding."""
+    a = x_WA / jnp.linalg.norm(x_WA, axis=-1, keepdims=True)
+    b = x_WB / jnp.linalg.norm(x_WB, axis=-1, keepdims=True)
+    # sin and cos of half the angle are the two parts of conj(a) b.
+    vector = a[..., 3:] * b[..., :3] - b[..., 3:] * a[..., :3]
+    vector -= cross(a[..., :3], b[..., :3])
+    scalar = jnp.sum(a * b, axis=-1)
+    return 2 * jnp.arctan2(jnp.linalg.norm(vector, axis=-1), jnp.abs(scalar))

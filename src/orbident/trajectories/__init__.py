@@ -1,0 +1,1 @@
+"""Joint motions after Eq. 41, as data."""

@@ -1,0 +1,193 @@
+"""An exciting trajectory as plain frozen data, and the state it starts from."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import jax
+import numpy as np
+from jaxtyping import Float
+
+from orbident.errors import InputError
+from orbident.trajectories.fourier_quintic import fourier_quintic
+from orbident.robot.description import Robot
+
+QUATERNION_TOLERANCE = 0.1
+"""Printed quaternions are rounded: that of Table 3 has norm 1.0024."""
+
+_ROUNDING = 1e-9
+_evaluate = jax.jit(fourier_quintic)
+
+
+@dataclass(frozen=True, eq=False)
+class InitialState:
+    """How the spacecraft moves at t = 0; at rest by default.
+
+    Raises:
+        InputError: A value is not finite, has another length, or the attitude's norm
+            is not within 10 % of 1. Within that it is normalised.
+    """
+
+    angular_velocity: Float[np.ndarray, "3"] = field(
+        default_factory=lambda: np.zeros(3)
+    )
+    """Of the base, base axes, rad/s."""
+    attitude: Float[np.ndarray, "4"] = field(
+        default_factory=lambda: np.array([0.0, 0.0, 0.0, 1.0])
+    )
+    """Of the base in the inertial frame, unit quaternion, scalar last."""
+    velocity: Float[np.ndarray, "3"] = field(default_factory=lambda: np.zeros(3))
+    """Of S, inertial axes, m/s."""
+    wheel_speed: Mapping[str, float] = field(default_factory=dict)
+    """Relative to the base, rad/s; a wheel that is absent stands still."""
+
+    def __post_init__(self) -> None:
+        for name, shape in (("angular_velocity", (3,)), ("velocity", (3,))):
+            _store(self, name, _numbers(f"initial.{name}", getattr(self, name), shape))
+        _store(self, "attitude", _unit_quaternion(self.attitude))
+        speeds = {wheel: float(speed) for wheel, speed in self.wheel_speed.items()}
+        _numbers("initial.wheel_speed", list(speeds.values()), (len(speeds),))
+        _store(self, "wheel_speed", speeds)
+
+    def wheel_speeds(self, wheel_names: Sequence[str]) -> Float[np.ndarray, " wheels"]:
+        """`qd_rw` in this order of the wheels, rad/s."""
+        return np.array([self.wheel_speed.get(name, 0.0) for name in wheel_names])
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory:
+    """Joint motions after Eq. 41, and the state of the spacecraft at their start.
+
+    Raises:
+        InputError: The duration is not positive, the shapes disagree, a joint is named
+            twice, or a number is not finite.
+    """
+
+    duration: float
+    """t_f, s."""
+    joints: tuple[str, ...]
+    """In the order of the rows below."""
+    a: Float[np.ndarray, "joints harmonics"]
+    """Cosine amplitudes of the rate, rad/s or m/s."""
+    b: Float[np.ndarray, "joints harmonics"]
+    """Sine amplitudes of the rate, rad/s or m/s."""
+    start: Float[np.ndarray, "joints 3"]
+    """Position, velocity and acceleration at t = 0; rad or m, and s."""
+    end: Float[np.ndarray, "joints 3"]
+    """The same at t = t_f."""
+    initial: InitialState = field(default_factory=InitialState)
+    design: Mapping[str, Any] | None = None
+    """How it was made, its scores and proven margins."""
+    source: str = "trajectory"
+    """Where it came from, for messages."""
+
+    def __post_init__(self) -> None:
+        if not (np.isfinite(self.duration) and self.duration > 0):
+            raise InputError(
+                f"{self.source}: duration: found {self.duration}; "
+                "give a positive number of seconds"
+            )
+        if len(set(self.joints)) < len(self.joints):
+            raise InputError(
+                f"{self.source}: joints: found {', '.join(self.joints)}; "
+                "name each joint once"
+            )
+        K, N_f = len(self.joints), np.asarray(self.a).shape[-1]
+        for name, columns in (("a", N_f), ("b", N_f), ("start", 3), ("end", 3)):
+            place = f"{self.source}: {name}"
+            _store(self, name, _numbers(place, getattr(self, name), (K, columns)))
+
+    def at(
+        self, t: Float[np.ndarray, " samples"]
+    ) -> tuple[
+        Float[np.ndarray, "samples joints"],
+        Float[np.ndarray, "samples joints"],
+        Float[np.ndarray, "samples joints"],
+    ]:
+        """Positions, rates and accelerations at these times (Eq. 41).
+
+        In float64 whatever the process has configured.
+
+        Args:
+            t: Times, s, within [0, duration].
+
+        Returns:
+            `q`, `qd` and `qdd`, in rad or m, and s.
+
+        Raises:
+            InputError: A time is outside: the trajectory says nothing there.
+        """
+        t = np.asarray(t, dtype=np.float64)
+        slack = _ROUNDING * self.duration
+        outside = np.flatnonzero(~((t >= -slack) & (t <= self.duration + slack)))
+        if outside.size:
+            raise InputError(
+                f"{self.source}: asked for t = {t[outside[0]]} s; "
+                f"it is defined from 0 to {self.duration} s"
+            )
+        with jax.enable_x64(True):
+            histories = _evaluate(
+                self.a, self.b, self.start, self.end, float(self.duration), t
+            )
+            q, qd, qdd = (np.asarray(history) for history in histories)
+        return q, qd, qdd
+
+    def for_robot(self, robot: Robot) -> "Trajectory":
+        """The same trajectory with its rows in the order of the robot's joints.
+
+        Raises:
+            InputError: A joint is missing or unknown, or a wheel is unknown.
+        """
+        if set(self.joints) != set(robot.joint_names):
+            raise InputError(
+                f"{self.source}: joints: found {_listed(self.joints)}, but robot "
+                f"'{robot.name}' has {_listed(robot.joint_names)}; give each of them"
+            )
+        if not set(self.initial.wheel_speed) <= set(robot.wheel_names):
+            raise InputError(
+                f"{self.source}: initial.wheel_speed: found "
+                f"{_listed(self.initial.wheel_speed)}, but robot '{robot.name}' has "
+                f"{_listed(robot.wheel_names)}; name only wheels of the robot"
+            )
+        rows = [self.joints.index(name) for name in robot.joint_names]
+        return replace(
+            self,
+            joints=robot.joint_names,
+            a=self.a[rows],
+            b=self.b[rows],
+            start=self.start[rows],
+            end=self.end[rows],
+        )
+
+
+def _listed(names: Sequence[str] | Mapping[str, float]) -> str:
+    return ", ".join(names) or "none"
+
+
+def _store(instance: object, name: str, value: object) -> None:
+    object.__setattr__(instance, name, value)
+
+
+def _numbers(place: str, values: object, shape: tuple[int, ...]) -> np.ndarray:
+    """A private read-only copy, once shape and values are as they should be."""
+    array = np.array(values, dtype=np.float64)
+    if array.shape != shape:
+        raise InputError(f"{place}: found shape {array.shape}; give shape {shape}")
+    if not np.isfinite(array).all():
+        raise InputError(f"{place}: found {array.tolist()}; give finite numbers")
+    array.flags.writeable = False
+    return array
+
+
+def _unit_quaternion(values: object) -> np.ndarray:
+    quaternion = _numbers("initial.attitude", values, (4,))
+    norm = float(np.linalg.norm(quaternion))
+    if abs(norm - 1.0) > QUATERNION_TOLERANCE:
+        raise InputError(
+            f"initial.attitude: found {quaternion.tolist()} of norm {norm:.6g}; "
+            "give a unit quaternion, scalar last"
+        )
+    # Normalising twice would move the last bits, and a file would not round-trip.
+    if abs(norm - 1.0) < 4 * np.finfo(np.float64).eps:
+        return quaternion
+    return _numbers("initial.attitude", quaternion / norm, (4,))

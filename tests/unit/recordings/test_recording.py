@@ -1,0 +1,199 @@
+import pickle
+
+import jaxtyping
+import numpy as np
+import pytest
+
+from orbident.errors import InputError
+from orbident.recordings.recording import Recording
+from orbident.robot.description import Joint, Robot, Wheel
+
+T = np.array([0.0, 0.1, 0.2])
+UNIT = {f"attitude.{k}": np.full(3, float(k == "w")) for k in "xyzw"}
+
+
+@pytest.fixture
+def as_installed(monkeypatch):
+    """Users run without the shape checks that these tests switch on."""
+    monkeypatch.setattr(jaxtyping.config, "jaxtyping_disable", True)
+
+
+def recording(**columns):
+    named = {name.replace("__", "."): values for name, values in columns.items()}
+    return Recording(T, named, source="flight.csv")
+
+
+def robot(joints=("arm.1", "arm.2"), wheels=("rw_x",)):
+    eye, zero, z = np.eye(3), np.zeros(3), np.array([0.0, 0.0, 1.0])
+    return Robot(
+        name="servicer",
+        motion="spatial",
+        bodies=("base", *joints),
+        joints=tuple(
+            Joint(name, "revolute", k, z, eye, zero) for k, name in enumerate(joints)
+        ),
+        theta=np.zeros((len(joints) + 1, 10)),
+        feature_point=zero,
+        wheels=tuple(Wheel(name, z, 0.1) for name in wheels),
+    )
+
+
+def test_holds_views_not_copies():
+    x = np.arange(3.0)
+    rec = recording(extra=x)
+    assert np.shares_memory(rec.columns["extra"], x)
+    assert np.shares_memory(rec.column("extra"), x)
+    assert not rec.columns["extra"].flags.writeable
+    assert x.flags.writeable
+
+
+@pytest.mark.usefixtures("as_installed")
+def test_integers_become_floats():
+    rec = Recording(np.arange(3), {"n": np.arange(3, dtype=np.int16)})
+    assert rec.t.dtype == rec.columns["n"].dtype == np.float64
+
+
+def test_vector_and_columns_of_keep_the_order_asked_for():
+    rec = recording(gyro__y=T + 1, gyro__x=T, gyro__z=T + 2, **UNIT)
+    np.testing.assert_array_equal(rec.vector("gyro")[0], [0, 1, 2])
+    np.testing.assert_array_equal(rec.vector("attitude", "xyzw")[0], [0, 0, 0, 1])
+    np.testing.assert_array_equal(rec.columns_of(["gyro.z", "gyro.x"])[0], [2, 0])
+    assert rec.columns_of([]).shape == (3, 0)
+
+
+def test_joints_and_wheels():
+    rec = recording(
+        joint__a__position=T, joint__b__position=2 * T, joint__a__velocity=T + 5
+    )
+    np.testing.assert_array_equal(rec.joint_positions(["b", "a"])[1], [0.2, 0.1])
+    assert rec.joint_velocities(["a", "b"]) is None
+    velocities = rec.joint_velocities(["a"])
+    assert velocities is not None
+    assert velocities[0, 0] == 5
+    assert rec.wheel_speeds(["rw"]) is None
+    speeds = recording(wheel__rw__speed=T).wheel_speeds(["rw"])
+    assert speeds is not None
+    assert speeds.shape == (3, 1)
+    assert rec.has("joint.a.position", "joint.b.position")
+    assert not rec.has("joint.a.position", "gyro.x")
+
+
+def test_nan_means_no_sample():
+    rec = recording(gyro__x=np.array([1.0, np.nan, 2.0]))
+    assert np.isnan(rec.column("gyro.x")[1])
+
+
+def test_pickles():
+    rec = pickle.loads(pickle.dumps(recording(gyro__x=T)))
+    np.testing.assert_array_equal(rec.column("gyro.x"), T)
+
+
+def test_missing_column_says_its_purpose_and_a_close_name():
+    rec = recording(gyro_x=T, gyro__y=T)
+    with pytest.raises(InputError) as caught:
+        rec.vector("gyro")
+    message = str(caught.value)
+    assert message.startswith("flight.csv: column 'gyro.x' is missing (base angular")
+    assert "rad/s" in message
+    assert "'gyro_x'" in message
+
+
+def test_missing_column_does_not_suggest_another_sensors_column():
+    with pytest.raises(InputError, match=r"add it$"):
+        recording(gyro__y=T).column("gyro.x")
+
+
+@pytest.mark.parametrize(
+    ("name", "purpose"),
+    [
+        ("joint.a.position", "joint position, rad"),
+        ("wheel.a.speed", "relative to the base"),
+        ("attitude.w", "scalar last"),
+        ("torque.x", "N m"),
+    ],
+)
+def test_purposes(name, purpose):
+    with pytest.raises(InputError, match=purpose):
+        recording().column(name)
+
+
+def test_missing_column_without_a_meaning():
+    with pytest.raises(InputError, match="'temperature' is missing; add it"):
+        recording().column("temperature")
+
+
+BAD_TIMES = [
+    ([0.0], "1 samples; at least 2"),
+    ([], "0 samples"),
+    ([0.0, np.nan, 1.0], "'t', row 2: found nan"),
+    ([0.0, np.inf, 1.0], "'t', row 2: found inf"),
+    ([0.0, 0.2, 0.2], r"row 3: 0\.2 s does not come after 0\.2 s"),
+    ([0.0, 0.2, 0.1], r"row 3: 0\.1 s does not come after 0\.2 s"),
+]
+
+
+@pytest.mark.parametrize(("t", "message"), BAD_TIMES)
+def test_times_refused(t, message):
+    with pytest.raises(InputError, match=message):
+        Recording(np.array(t, dtype=float), {}, source="flight.csv")
+
+
+BAD_COLUMNS = [
+    (np.zeros(2), "'x' has 2 rows but 't' has 3"),
+    (np.array(["a", "b", "c"]), "'x' holds <U1 values"),
+    (np.array([True, False, True]), "'x' holds bool values"),
+    (np.zeros((3, 2)), r"'x' has shape \(3, 2\)"),
+    (np.array([0.0, 0.0, -np.inf]), "'x', row 3: found -inf"),
+]
+
+
+@pytest.mark.usefixtures("as_installed")
+@pytest.mark.parametrize(("values", "message"), BAD_COLUMNS)
+def test_columns_refused(values, message):
+    with pytest.raises(InputError, match=message):
+        recording(x=values)
+
+
+def test_t_twice_refused():
+    with pytest.raises(InputError, match="'t' is given twice"):
+        recording(t=T)
+
+
+def test_attitude_must_be_a_unit_quaternion():
+    good = UNIT | {"attitude.w": np.array([0.991, np.nan, 1.009])}
+    assert Recording(T, good).has("attitude.w")
+    bad = UNIT | {"attitude.w": np.array([1.0, np.nan, 0.98])}
+    with pytest.raises(InputError, match=r"row 3: norm 0\.98; give unit"):
+        Recording(T, bad)
+    with pytest.raises(InputError, match=r"row 1: norm 0;"):
+        Recording(T, UNIT | {"attitude.w": np.zeros(3)})
+
+
+def arm(**columns):
+    return recording(joint__arm__1__position=T, joint__arm__2__position=T, **columns)
+
+
+def test_check_joints_accepts_the_robots_own():
+    arm(gyro__x=T, truth=T).check_joints(robot())
+
+
+def test_check_joints_names_the_robots_joints():
+    with pytest.raises(InputError, match=r"no joint 'foo', only arm\.1, arm\.2"):
+        arm(joint__foo__velocity=T).check_joints(robot())
+
+
+def test_check_joints_needs_every_position():
+    with pytest.raises(InputError, match=r"'joint\.arm\.2\.position' is missing"):
+        recording(joint__arm__1__position=T).check_joints(robot())
+
+
+def test_check_wheels():
+    recording(wheel__rw_x__speed=T).check_wheels(robot())
+    recording(wheel__rw_x__position=T).check_wheels(robot())
+    recording().check_wheels(robot(wheels=()))
+    with pytest.raises(InputError, match="has no wheel 'rw', only rw_x"):
+        recording(wheel__rw__speed=T).check_wheels(robot())
+    with pytest.raises(InputError, match="has no wheel 'rw', only none"):
+        recording(wheel__rw__position=T).check_wheels(robot(wheels=()))
+    with pytest.raises(InputError, match=r"'wheel\.rw_x\.speed' is missing"):
+        recording().check_wheels(robot())

@@ -1,0 +1,187 @@
+import tempfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from orbident.errors import InputError
+from orbident.trajectories.trajectory import InitialState, Trajectory
+from orbident.trajectories.trajectory_file import load_trajectory, save_trajectory
+
+HEAD = "schema: orbident/trajectory/1\n"
+SMALL = HEAD + "duration: 2\njoints: {j: {a: [1], b: [2]}}\n"
+INTERFACE_EXAMPLE = """\
+schema: orbident/trajectory/1
+duration: 80.0                  # t_f, s
+joints:
+  joint1: {a: [0.0411, -0.0622], b: [0.0533, -0.1269], start: {position: 0.5}}
+  joint2: {a: [1e-3], b: [2], end: {velocity: 0.1, acceleration: -0.2}}
+  joint3: {}
+initial: {angular_velocity: [0.01, 0.03, 0.025], attitude: [0.2, 0.1, 0.3, 0.93],
+          velocity: [0, 0, 0], wheel_speed: {rw_x: 277.8}}
+design: {objective: cond, value: 5.8, margins: {joint1: [0.1, 0.2]}}
+"""
+
+number = st.floats(allow_nan=False, allow_infinity=False)
+names = st.lists(st.text(min_size=1, max_size=6), unique=True, max_size=3)
+
+
+@st.composite
+def fields(draw):
+    joints = draw(names)
+    K, harmonics = len(joints), draw(st.integers(0, 3)) if joints else 0
+    return {
+        "duration": draw(st.floats(min_value=1e-300, max_value=1e300)),
+        "joints": tuple(joints),
+        "a": draw(arrays(float, (K, harmonics), elements=number)),
+        "b": draw(arrays(float, (K, harmonics), elements=number)),
+        "start": draw(arrays(float, (K, 3), elements=number)),
+        "end": draw(arrays(float, (K, 3), elements=number)),
+        "design": draw(st.none() | st.just({"objective": "cond", "scores": [1.0, 2]})),
+    }
+
+
+initial_fields = st.fixed_dictionaries(
+    {
+        "angular_velocity": arrays(float, 3, elements=number),
+        "attitude": arrays(float, 4, elements=st.floats(0.45, 0.54)),
+        "velocity": arrays(float, 3, elements=number),
+        "wheel_speed": st.dictionaries(st.sampled_from("ab"), number),
+    }
+)
+
+
+@given(fields=fields(), initial_fields=initial_fields)
+def test_round_trip_is_bit_identical(fields, initial_fields):
+    written = Trajectory(**fields, initial=InitialState(**initial_fields))
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "traj.yaml"
+        save_trajectory(written, path)
+        read = load_trajectory(path)
+    assert (read.duration, read.joints) == (written.duration, written.joints)
+    for name in ("a", "b", "start", "end"):
+        np.testing.assert_array_equal(getattr(read, name), getattr(written, name))
+    for name in ("angular_velocity", "attitude", "velocity"):
+        np.testing.assert_array_equal(
+            getattr(read.initial, name), getattr(written.initial, name)
+        )
+    assert read.initial.wheel_speed == written.initial.wheel_speed
+    assert read.design == written.design
+
+
+def load(tmp_path, text):
+    path = tmp_path / "traj.yaml"
+    path.write_bytes(text if isinstance(text, bytes) else text.encode())
+    return load_trajectory(path)
+
+
+def test_the_interfaces_example(tmp_path):
+    trajectory = load(tmp_path, INTERFACE_EXAMPLE)
+    assert trajectory.joints == ("joint1", "joint2", "joint3")
+    np.testing.assert_array_equal(trajectory.a, [[0.0411, -0.0622], [0.001, 0], [0, 0]])
+    np.testing.assert_array_equal(trajectory.b, [[0.0533, -0.1269], [2, 0], [0, 0]])
+    np.testing.assert_array_equal(trajectory.start[0], [0.5, 0, 0])
+    np.testing.assert_array_equal(trajectory.end[1], [0, 0.1, -0.2])
+    assert trajectory.initial.wheel_speed == {"rw_x": 277.8}
+    assert trajectory.design is not None
+    assert trajectory.design["value"] == 5.8
+    assert trajectory.source == str(tmp_path / "traj.yaml")
+
+
+def test_defaults(tmp_path):
+    trajectory = load(tmp_path, SMALL)
+    assert not trajectory.start.any()
+    assert not trajectory.end.any()
+    np.testing.assert_array_equal(trajectory.initial.attitude, [0, 0, 0, 1])
+    assert trajectory.design is None
+
+
+def test_numpy_numbers_in_the_design(tmp_path):
+    trajectory = load(tmp_path, SMALL)
+    design = {"value": np.float64(5.8), "margins": np.array([1.0, 2.0]), "n": (1, 2)}
+    path = tmp_path / "designed.yaml"
+    save_trajectory(
+        Trajectory(
+            trajectory.duration,
+            trajectory.joints,
+            trajectory.a,
+            trajectory.b,
+            trajectory.start,
+            trajectory.end,
+            design=design,
+        ),
+        path,
+    )
+    expected = {"value": 5.8, "margins": [1.0, 2.0], "n": [1, 2]}
+    assert load_trajectory(path).design == expected
+
+
+def swap(old, new):
+    assert old in SMALL
+    return SMALL.replace(old, new)
+
+
+REFUSED = {
+    "empty": ("", "found nothing; give keys"),
+    "a list": ("[1, 2]", r"found \[1, 2\]; give keys"),
+    "malformed": (HEAD + "joints: [1\n", r"line 3, column 1: .*; correct the YAML"),
+    "tab": (HEAD + "\tduration: 1\n", "line 2, column 1"),
+    "not text": (b"schema: \xff", r"is not YAML in UTF-8 \('utf-8' codec"),
+    "control": (b"schema: \x00", "is not YAML in UTF-8"),
+    "date": (swap("duration: 2", "duration: 2001-99-99"), "is not YAML"),
+    "tag": (swap("duration: 2", "duration: !!python/name:os.x"), "constructor"),
+    "key twice": (SMALL + "duration: 3\n", "line 4, column 1: key 'duration' is given"),
+    "joint twice": (
+        swap("b: [2]}", "b: [2]}, j: {a: [1], b: [1]}"),
+        "key 'j' is given twice",
+    ),
+    "schema": (swap("trajectory/1", "trajectory/2"), "schema: found 'orbident/traj"),
+    "no schema": (SMALL.removeprefix(HEAD), "schema: is missing; add it"),
+    "no joints": (HEAD + "duration: 1\n", "joints: is missing"),
+    "unknown key": (SMALL + "rate: 3\n", "rate: is not a known key"),
+    "unknown inside": (
+        swap("b: [2]", "b: [2], start: {positon: 1}"),
+        r"joints\.j\.start\.positon: is not a known key",
+    ),
+    "zero duration": (swap("duration: 2", "duration: 0"), "duration: found 0.*greater"),
+    "negative": (swap("duration: 2", "duration: -1"), "duration: found -1"),
+    "nan duration": (swap("duration: 2", "duration: .nan"), "duration: found nan"),
+    "text": (swap("duration: 2", "duration: long"), "duration: found 'long'; .*number"),
+    "boolean": (swap("duration: 2", "duration: yes"), "found True; give a number"),
+    "infinite": (swap("a: [1]", "a: [.inf]"), r"joints\.j\.a\[0\]: found inf"),
+    "lengths": (swap("a: [1]", "a: [1, 2]"), r"joints\.j: a has 2 and b has 1 entries"),
+    "joint list": (swap("{j: {a: [1], b: [2]}}", "[1]"), r"joints: found \[1\]"),
+    "integer joint": (swap("{j:", "{7:"), r"found 7; .*string"),
+    "short vector": (SMALL + "initial: {velocity: [0, 0]}\n", r"initial\.velocity"),
+    "norm": (
+        SMALL + "initial: {attitude: [0, 0, 0, 2]}\n",
+        r"initial\.attitude: .*norm 2; give a unit",
+    ),
+    "two faults": (
+        swap("duration: 2", "durations: 2"),
+        r"is missing; add it \(and 1 more\)",
+    ),
+}
+
+
+@pytest.mark.parametrize(("text", "message"), REFUSED.values(), ids=REFUSED.keys())
+def test_refusals(tmp_path, text, message):
+    with pytest.raises(InputError, match=message) as caught:
+        load(tmp_path, text)
+    assert str(caught.value).startswith(str(tmp_path / "traj.yaml"))
+    assert "\n" not in str(caught.value)
+
+
+def test_places_refused(tmp_path):
+    trajectory = load(tmp_path, SMALL)
+    with pytest.raises(InputError, match="No such file"):
+        load_trajectory(tmp_path / "none.yaml")
+    with pytest.raises(InputError, match="directory"):
+        load_trajectory(tmp_path)
+    with pytest.raises(InputError, match="does not exist"):
+        save_trajectory(trajectory, tmp_path / "nowhere" / "traj.yaml")
+    with pytest.raises(InputError, match="is a folder"):
+        save_trajectory(trajectory, tmp_path)
