@@ -1,1 +1,64 @@
-"""Identification of free-flying space manipulators."""
+"""Identification of free-flying space manipulators.
+
+```python
+import orbident as oi
+
+robot = oi.load_robot("servicer.yaml")
+recording = oi.simulate(robot, oi.load_trajectory("excite.yaml"))
+result = oi.identify(robot, recording)
+oi.validate(result, oi.read_recording("other.csv"))
+```
+"""
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from orbident.errors import InputError as InputError
+    from orbident.estimation.identify import identify as identify
+    from orbident.identified.run_folder import load_result as load_result
+    from orbident.identified.run_folder import save_result as save_result
+    from orbident.identified.validate import validate as validate
+    from orbident.recordings.recording import Recording as Recording
+    from orbident.recordings.tables import read_recording as read_recording
+    from orbident.recordings.tables import write_recording as write_recording
+    from orbident.regressors.minimal_sets import minimal_sets as minimal_sets
+    from orbident.robot.description import Robot as Robot
+    from orbident.robot.robot_file import bundled_robots as bundled_robots
+    from orbident.robot.robot_file import load_robot as load_robot
+    from orbident.sensing.simulate import simulate as simulate
+    from orbident.trajectories.trajectory import InitialState as InitialState
+    from orbident.trajectories.trajectory import Trajectory as Trajectory
+    from orbident.trajectories.trajectory_file import load_trajectory as load_trajectory
+    from orbident.trajectories.trajectory_file import save_trajectory as save_trajectory
+
+_PUBLIC = {
+    "InitialState": "orbident.trajectories.trajectory",
+    "InputError": "orbident.errors",
+    "Recording": "orbident.recordings.recording",
+    "Robot": "orbident.robot.description",
+    "Trajectory": "orbident.trajectories.trajectory",
+    "bundled_robots": "orbident.robot.robot_file",
+    "identify": "orbident.estimation.identify",
+    "load_result": "orbident.identified.run_folder",
+    "load_robot": "orbident.robot.robot_file",
+    "load_trajectory": "orbident.trajectories.trajectory_file",
+    "minimal_sets": "orbident.regressors.minimal_sets",
+    "read_recording": "orbident.recordings.tables",
+    "save_result": "orbident.identified.run_folder",
+    "save_trajectory": "orbident.trajectories.trajectory_file",
+    "simulate": "orbident.sensing.simulate",
+    "validate": "orbident.identified.validate",
+    "write_recording": "orbident.recordings.tables",
+}
+
+
+def __getattr__(name: str) -> Any:
+    # Late, so that importing orbident costs nothing: JAX alone takes half a second.
+    if name not in _PUBLIC:
+        raise AttributeError(f"module 'orbident' has no attribute '{name}'")
+    return getattr(importlib.import_module(_PUBLIC[name]), name)
+
+
+def __dir__() -> list[str]:
+    return sorted(_PUBLIC)

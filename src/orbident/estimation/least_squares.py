@@ -43,9 +43,9 @@ class Fits(NamedTuple):
 class KnownMomentum(NamedTuple):
     """What Section 3.1 knows of the momentum: `h_cm - R_0 Y pi = h + Y_in pi`."""
 
-    h: Float[np.ndarray, "3"]
+    h: Float[np.ndarray | Array, "3"]
     """Inertial axes, N m s."""
-    Y_in: Float[np.ndarray, "h pi"]
+    Y_in: Float[np.ndarray | Array, "h pi"]
     """`R_0 Y` of the first sample, where Eq. 24 subtracts it; else zero."""
 
 
@@ -124,17 +124,26 @@ def _known_momentum(
     nothing = np.zeros((len(regressors.momentum_axes), pis))
     if first is None:
         return KnownMomentum(np.zeros(3), nothing)
-    R_WB = np.asarray(quaternion_matrix(first.x_WB[0]))
-    h_rw = R_WB @ wheels.A_rw @ first.qd_rw[0]
-    if initial_momentum == "at-rest":
-        # Base at rest and wheels spinning: h_cm is theirs. Base already turning: all
-        # was at rest before the wheels spun up, so h_cm = 0 (Eqs. 25 and 26).
-        rms = np.sqrt(sum(np.nanmean(np.square(w)) for w in samples.w))
-        still = np.linalg.norm(first.w[0]) <= STILL * rms
-        return KnownMomentum(h_rw if still else np.zeros(3), nothing)
+    h_rw, Y_in = _seen_from_inertial_axes(regressors, wheels, first)
+    if initial_momentum == "first-sample":
+        return KnownMomentum(h_rw, Y_in)
+    # Base at rest and wheels spinning: h_cm is theirs. Base already turning: all was
+    # at rest before the wheels spun up, so h_cm = 0 (Eqs. 25 and 26).
+    rms = np.sqrt(sum(np.nanmean(np.square(w)) for w in samples.w))
+    still = np.linalg.norm(first.w[0]) <= STILL * rms
+    return KnownMomentum(h_rw if still else np.zeros(3), nothing)
+
+
+@jax.jit
+def _seen_from_inertial_axes(
+    regressors: Regressors, wheels: Wheels, first: Batch
+) -> tuple[Float[Array, "3"], Float[Array, "h pi"]]:
+    """`R_0 A_rw qd_rw` and `R_0 Y` of a batch's only sample."""
+    R_WB = quaternion_matrix(first.x_WB[0])
     Y, _ = regressors(first.q[0], first.qd[0], first.w[0])
-    axes = np.array(regressors.momentum_axes)
-    return KnownMomentum(h_rw, R_WB[np.ix_(axes, axes)] @ np.asarray(Y))
+    turning = regressors.momentum_axes
+    h_rw = R_WB @ (wheels.A_rw @ first.qd_rw[0])
+    return h_rw, R_WB[turning, :][:, turning] @ Y
 
 
 def _check_enough(samples: int, axes: int, unknowns: int) -> None:

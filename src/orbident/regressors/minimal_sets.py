@@ -15,6 +15,7 @@ trees, prismatic joints and what is known of the bodies need no case of their ow
 
 import itertools
 from dataclasses import dataclass
+from functools import partial
 from typing import NamedTuple
 
 import equinox as eqx
@@ -23,6 +24,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
+from orbident.dynamics.batches import in_batches
 from orbident.dynamics.tree import Tree, tree_of
 from orbident.precision import in_float64
 from orbident.regressors.independent import independent_columns
@@ -111,6 +113,16 @@ class MinimalSets:
         return beta[0], beta[1 : 1 + sigmas], beta[1 + sigmas :]
 
 
+def conserved_axes(robot: Robot) -> tuple[tuple[int, ...], tuple[int, ...]]:
+    """The base axes of angular and of linear momentum that are conserved.
+
+    All; on a table (planar motion) z of the one, x and y of the other.
+    """
+    if robot.motion == "planar":
+        return (2,), (0, 1)
+    return (0, 1, 2), (0, 1, 2)
+
+
 def product_columns(
     S: Float[Array, "3 sigma"],
     P: Float[Array, "3 sigma"],
@@ -128,7 +140,7 @@ def product_columns(
 def minimal_sets(robot: Robot) -> MinimalSets:
     """Find the minimal sets of a robot under what its `structure` says is known."""
     tree = tree_of(robot)
-    turning, moving = ((2,), (0, 1)) if robot.motion == "planar" else ((0, 1, 2),) * 2
+    turning, moving = conserved_axes(robot)
     at = _random_momentum(tree, robot, 3 * PER_BODY * len(robot.bodies))
     base = _base_parameters(robot, _rows(at.P, moving), _rows(at.A, turning))
 
@@ -137,7 +149,7 @@ def minimal_sets(robot: Robot) -> MinimalSets:
     pairs = np.array(
         list(itertools.combinations_with_replacement(range(base.sigmas), 2)), dtype=int
     ).reshape(-1, 2)
-    products = jax.vmap(product_columns, (0, 0, None, None))(S, P, *pairs.T)
+    products = np.asarray(_product_columns(S, P, *pairs.T))
     A = _rows(at.A @ base.theta_of, turning)
     # iota first: then each has a pi of its own, and the rest of pi is free of them.
     of_beta = np.roll(np.arange(base.T.shape[0]), -1 - base.sigmas)
@@ -178,11 +190,17 @@ def _random_momentum(tree: Tree, robot: Robot, samples: int) -> Momentum:
     w = random.standard_normal((samples, 3))
     if robot.motion == "planar":
         w[:, :2] = 0.0
-    return jax.jit(jax.vmap(momentum, (None, 0, 0, 0)))(tree, q, qd, w)
+    return in_batches(partial(_momentum, tree), q, qd, w)
 
 
-def _rows(X: Float[Array, "n 3 m"], axes: tuple[int, ...]) -> Float[np.ndarray, "r m"]:
-    return np.asarray(X[:, axes, :]).reshape(-1, X.shape[-1])
+_momentum = jax.jit(jax.vmap(momentum, (None, 0, 0, 0)))
+_product_columns = jax.jit(jax.vmap(product_columns, (0, 0, None, None)))
+
+
+def _rows(
+    X: Float[np.ndarray, "n 3 m"], axes: tuple[int, ...]
+) -> Float[np.ndarray, "r m"]:
+    return X[:, axes, :].reshape(-1, X.shape[-1])
 
 
 def _base_parameters(

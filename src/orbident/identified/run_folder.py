@@ -1,0 +1,107 @@
+"""The folder that keeps a result: `result.json`, the robot file and its URDF."""
+
+import json
+import shutil
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from orbident.errors import InputError
+from orbident.estimation.result import SCHEMA, Estimate, Estimates, Result
+from orbident.robot.robot_file import load_robot, write_robot
+
+
+def save_result(result: Result, folder: Path, force: bool = False) -> None:
+    """Write a RUN folder.
+
+    Raises:
+        InputError: the folder exists and `force` is false, or cannot be written.
+    """
+    check_absent(folder, force)
+    try:
+        if folder.is_dir():
+            shutil.rmtree(folder)
+        folder.mkdir(parents=True)
+        write_robot(result.robot, folder)
+        text = json.dumps(result.to_json(), indent=1)
+        (folder / "result.json").write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise InputError(f"{folder}: cannot be written ({error.strerror})") from error
+
+
+def check_absent(folder: Path, force: bool) -> None:
+    """Refuse a RUN folder that exists.
+
+    Raises:
+        InputError: it exists and `force` is false, or is something else than a RUN.
+    """
+    if not folder.exists():
+        return
+    if not force:
+        raise InputError(f"{folder}: exists already; name another, or use --force")
+    if not (folder / "result.json").is_file():
+        raise InputError(f"{folder}: is not a RUN folder, so it is not overwritten")
+
+
+def load_result(folder: Path) -> Result:
+    """Read a RUN folder.
+
+    Raises:
+        InputError: a file is missing or is not what `identify` writes.
+    """
+    path = folder / "result.json"
+    try:
+        document = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(
+            f"{path}: cannot be read ({error.strerror}); give the folder that "
+            "'orbident identify -o' wrote"
+        ) from error
+    except ValueError as error:
+        raise InputError(f"{path}: is not JSON ({error}); identify again") from error
+    robot = load_robot(folder / "robot.yaml")
+    try:
+        if document["schema"] != SCHEMA:
+            raise InputError(
+                f"{path}: schema: found {document['schema']!r}; give {SCHEMA!r}"
+            )
+        mass = document["mass"]
+        return Result(
+            robot=robot,
+            method=document["method"],
+            initial_momentum=document["initial_momentum"],
+            status=document["status"],
+            warnings=tuple(document["warnings"]),
+            mass=Estimate(_number(mass["value"]), _number(mass["std"])),
+            mass_forms=_estimates(mass["forms"]),
+            pi=_estimates(document["pi"]),
+            phi=_estimates(document["phi"]),
+            base=_estimates(document["base"]),
+            condition_number={
+                name: _number(value)
+                for name, value in document["condition_number"].items()
+            },
+            residual=document["residual"],
+            origins=document["signals"],
+            samples=document["samples"],
+            elapsed_s=document["elapsed_s"],
+            versions=document["versions"],
+        )
+    except (KeyError, TypeError, AttributeError) as error:
+        raise InputError(
+            f"{path}: is not a result of this version ({error}); identify again"
+        ) from error
+
+
+def _number(value: float | None) -> float:
+    return float("nan") if value is None else float(value)
+
+
+def _estimates(document: dict[str, Any]) -> Estimates:
+    return Estimates(
+        names=tuple(document["names"]),
+        formulas=tuple(document["formulas"]),
+        values=np.array([_number(value) for value in document["values"]]),
+        std=np.array([_number(value) for value in document["std"]]),
+    )
