@@ -1,12 +1,14 @@
 """The main job: from a robot and a recording to every free-flying parameter."""
 
 import time
+from collections.abc import Callable
 from importlib.metadata import version
 from typing import Any, Literal, get_args
 
 import numpy as np
 from jaxtyping import Bool, Float
 
+from orbident.dynamics.regularity import check_regular
 from orbident.errors import InputError
 from orbident.estimation.least_squares import (
     INITIAL_MOMENTA,
@@ -37,6 +39,7 @@ def identify(
     recording: Recording,
     method: Method = "least-squares",
     initial_momentum: InitialMomentum = "unknown",
+    progress: Callable[[float], object] = lambda _: None,
 ) -> Result:
     """Identify `pi` (Eq. 24), `phi` (Eq. 31) and the total mass (Eq. 32).
 
@@ -48,17 +51,19 @@ def identify(
             takes it from the wheels of a base at rest, or as zero where everything
             was at rest before the wheels spun up; `"first-sample"` subtracts the
             first sample (Eq. 24).
+        progress: is called with the fraction of the samples that is done.
 
     Raises:
-        InputError: a column is missing, there are too few samples, or an argument is
-            not one of those named.
+        InputError: a column is missing, there are too few samples, the nominal mass
+            matrix is singular, or an argument is not one of those named.
     """
     _check_choice("method", method, METHODS)
     _check_choice("initial momentum", initial_momentum, INITIAL_MOMENTA)
     started = time.perf_counter()
+    check_regular(robot)
     samples = samples_of(robot, recording)
     sets = minimal_sets(robot)
-    fits = fit(robot, sets, samples, initial_momentum)
+    fits = fit(robot, sets, samples, initial_momentum, progress)
     mass = mass_of(sets, fits.pi, fits.phi)
     verdict = judge(robot, samples, fits, mass)
     known = verdict.pi, verdict.phi, verdict.mass

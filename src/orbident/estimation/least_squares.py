@@ -6,6 +6,7 @@ Both are written in base axes, which turns their rows and changes nothing else:
     W phi + R_0^T v_cm = R_0^T v_S
 """
 
+from collections.abc import Callable
 from typing import Literal, NamedTuple, get_args
 
 import jax
@@ -54,6 +55,7 @@ def fit(
     sets: MinimalSets,
     samples: Samples,
     initial_momentum: InitialMomentum,
+    progress: Callable[[float], object],
 ) -> Fits:
     """Estimate `pi` and `phi` from all samples.
 
@@ -68,7 +70,8 @@ def fit(
     R_h = jnp.zeros((unknowns_h + pis + 1,) * 2)
     R_v = jnp.zeros((axes_v + phis + 1,) * 2)
     turning = moving = 0
-    for batch in samples.batches(BATCH):
+    for k, batch in enumerate(samples.batches(BATCH)):
+        progress(k * BATCH / samples.t.size)
         rows_h, rows_v = _rows(regressors, wheels, known, batch)
         R_h, R_v = fold(R_h, rows_h), fold(R_v, rows_v)
         turning += int(batch.turning.sum())

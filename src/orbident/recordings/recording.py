@@ -2,12 +2,12 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from difflib import get_close_matches
 
 import numpy as np
 from jaxtyping import Float
 
 from orbident.errors import InputError
+from orbident.files.names import closest
 from orbident.recordings.columns import is_known, joint_of, meaning, wheel_of
 from orbident.robot.description import Robot
 
@@ -64,8 +64,8 @@ class Recording:
             return self.columns[name]
         purpose = f" ({meaning(name)})" if meaning(name) else ""
         strangers = [other for other in self.columns if not is_known(other)]
-        close = get_close_matches(name, strangers, n=1)
-        rename = f", or rename '{close[0]}' if it is that" if close else ""
+        close = closest(name, strangers)
+        rename = f", or rename '{close}' if it is that" if close else ""
         raise InputError(
             f"{self.source}: column '{name}' is missing{purpose}; add it{rename}"
         )

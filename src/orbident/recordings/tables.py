@@ -14,7 +14,7 @@ from orbident.errors import InputError
 from orbident.recordings.csv_table import read_csv
 from orbident.recordings.parquet_table import read_parquet
 from orbident.recordings.recording import Recording
-from orbident.recordings.replacing import replacing
+from orbident.files.replacing import replacing
 
 SUFFIXES = (".csv", ".parquet")
 
@@ -67,6 +67,18 @@ def write_recording(recording: Recording, path: str | os.PathLike[str]) -> None:
             _write_csv(recording, schema, temporary)
         else:
             _write_parquet(recording, schema, temporary)
+
+
+def check_writable(path: str | os.PathLike[str]) -> None:
+    """Refuse a place for a recording before it is made, not after.
+
+    Raises:
+        InputError: Another suffix, or a folder that does not exist.
+    """
+    path = Path(path)
+    _check_suffix(path)
+    if not path.parent.is_dir():
+        raise InputError(f"{path}: folder '{path.parent}' does not exist; create it")
 
 
 def _check_suffix(path: Path) -> None:

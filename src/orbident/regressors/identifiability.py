@@ -29,11 +29,9 @@ def not_identifiable(robot: Robot, sets: MinimalSets) -> list[str]:
         silent = _listed(free[own] & never[own])
         mixed = _listed(free[own] & ~never[own] & (seen[own] < 1 - ALONE))
         if silent:
-            sentences.append(f"{body}: {silent} never show")
+            sentences.append(f"{body}: not seen at all: {silent}")
         if mixed:
-            sentences.append(
-                f"{body}: {mixed} show only in combination with other parameters"
-            )
+            sentences.append(f"{body}: seen only in combination with others: {mixed}")
     return sentences
 
 

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from types import MappingProxyType
 from typing import Any, Literal
 
 import numpy as np
@@ -98,15 +97,13 @@ class Robot:
     """S in the base link's frame, m."""
     wheels: tuple[Wheel, ...] = ()
     thrusters: tuple[Thruster, ...] = ()
-    structure: Mapping[str, Structure] = field(
-        default_factory=lambda: MappingProxyType({})
-    )
+    structure: Mapping[str, Structure] = field(default_factory=dict)
     """By body name; a body that is absent is arbitrary."""
-    sensors: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
+    sensors: Mapping[str, Any] = field(default_factory=dict)
     """The robot file's sensor section, in SI units."""
     warnings: tuple[str, ...] = ()
     """What the readers found odd, in words: non-physical inertias and the like."""
-    document: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
+    document: Mapping[str, Any] = field(default_factory=dict)
     """The robot file as read, so that a result can keep what it was made from."""
     urdf: str = ""
     """The URDF's text."""

@@ -6,11 +6,13 @@ from pathlib import Path
 import yaml
 
 from orbident.errors import InputError
+from orbident.files.schema_errors import validated
+from orbident.files.text import read_text, write_text
+from orbident.files.yaml_mapping import read_yaml_mapping
 from orbident.robot.assembly import assembled
 from orbident.robot.description import Robot
-from orbident.robot.names import suggestion
-from orbident.robot.schema_errors import checked_robot_file
-from orbident.robot.text_files import read_text, read_yaml_mapping
+from orbident.files.names import suggestion
+from orbident.robot.schema import RobotFile
 from orbident.robot.urdf import read_urdf
 
 _SCHEMA = "orbident/robot/1"
@@ -68,11 +70,11 @@ def write_robot(robot: Robot, folder: str | Path) -> Path:
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except FileExistsError:
-        raise InputError(f"{folder}: this is a file; give a folder") from None
+        raise InputError(f"{folder}: is a file; give a folder") from None
     document = {**robot.document, "name": robot.name, "urdf": "robot.urdf"}
     text = yaml.safe_dump(document, sort_keys=False, allow_unicode=True)
-    (folder / "robot.urdf").write_bytes(robot.urdf.encode())
-    (folder / "robot.yaml").write_bytes(text.encode())
+    write_text(folder / "robot.urdf", robot.urdf)
+    write_text(folder / "robot.yaml", text)
     return folder / "robot.yaml"
 
 
@@ -84,14 +86,13 @@ def _from_urdf(path: Path) -> Robot:
     text = read_text(path)
     urdf = read_urdf(text, str(path))
     document = {"schema": _SCHEMA, "name": urdf.name, "urdf": path.name}
-    return assembled(
-        checked_robot_file(document, str(path)), document, urdf, text, str(path)
-    )
+    file = validated(RobotFile, document, str(path))
+    return assembled(file, document, urdf, text, str(path))
 
 
 def _from_robot_file(path: Path, place: str) -> Robot:
-    document = read_yaml_mapping(read_text(path), place)
-    file = checked_robot_file(document, place)
+    document = read_yaml_mapping(read_text(path), place, _SCHEMA)
+    file = validated(RobotFile, document, place)
     urdf_path = path.parent / file.urdf
     if not urdf_path.is_file():
         raise InputError(
@@ -109,7 +110,7 @@ def _not_a_robot(path: Path) -> str:
     if path.is_dir():
         inside = path / "robot.yaml"
         hint = inside if inside.is_file() else kinds
-        return f"{path}: this is a directory; give {hint}"
+        return f"{path}: is a folder; give {hint}"
     if path.suffix.lower() == ".xacro":
         return f"{path}: this is xacro; expand it first: xacro {path} > robot.urdf"
     if path.is_file():

@@ -1,44 +1,24 @@
 """The robot file as pydantic models: what may stand where."""
 
-import math
-from contextlib import suppress
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
 from orbident.errors import InputError
 from orbident.robot.description import Axis
-from orbident.robot.names import first_duplicate, suggestion
+from orbident.files.names import first_duplicate
+from orbident.files.schema_parts import (
+    Positive,
+    Section,
+    Vector3,
+    finite_number,
+    finite_vector,
+)
 from orbident.robot.units import quantity
 
 
-def _number(value: object) -> float:
-    # YAML reads 1e-4 as text (it wants 1.0e-4), and "yes" as a truth value.
-    if isinstance(value, int | float | str) and not isinstance(value, bool):
-        with suppress(ValueError, OverflowError):
-            if math.isfinite(number := float(value)):
-                return number
-    raise InputError("give a finite number")
-
-
-def _positive(value: object) -> float:
-    number = _number(value)
-    if number <= 0:
-        raise InputError("give a number above zero")
-    return number
-
-
-def _vector(value: object) -> tuple[float, ...]:
-    if not isinstance(value, list | tuple) or len(value) != 3:
-        raise InputError("give a 3-vector")
-    try:
-        return tuple(_number(each) for each in value)
-    except InputError:
-        raise InputError("give a 3-vector of finite numbers") from None
-
-
 def _direction(value: object) -> tuple[float, ...]:
-    vector = _vector(value)
+    vector = finite_vector(value, 3)
     if not any(vector):
         raise InputError("give a nonzero 3-vector")
     return vector
@@ -47,7 +27,7 @@ def _direction(value: object) -> tuple[float, ...]:
 def _range(value: object) -> tuple[float, ...]:
     if not isinstance(value, list | tuple) or len(value) != 2:
         raise InputError("give [lower, upper]")
-    ends = tuple(_number(each) for each in value)
+    ends = tuple(finite_number(each) for each in value)
     if ends[0] >= ends[1]:
         raise InputError("give [lower, upper] with lower below upper")
     return ends
@@ -72,35 +52,11 @@ def _rate(value: object) -> float:
     return number
 
 
-Positive = Annotated[float, BeforeValidator(_positive)]
-Vector = Annotated[tuple[float, float, float], BeforeValidator(_vector)]
 Direction = Annotated[tuple[float, float, float], BeforeValidator(_direction)]
 Range = Annotated[tuple[float, float], BeforeValidator(_range)]
 Name = Annotated[str, Field(min_length=1)]
 Angle = Annotated[float, _measure("angle")]
 Length = Annotated[float, _measure("length")]
-
-
-class Section(BaseModel):
-    """A mapping with fixed keys."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-    @model_validator(mode="before")
-    @classmethod
-    def _known_keys(cls, data: Any) -> Any:
-        """Names an unknown key and the known ones, which pydantic does not."""
-        if not isinstance(data, dict):
-            raise InputError("give keys and values: " + ", ".join(cls._keys()))
-        for key in data:
-            if key not in cls._keys():
-                known = suggestion(str(key), cls._keys(), "keys")
-                raise InputError(f"unknown key {key!r}; {known}")
-        return data
-
-    @classmethod
-    def _keys(cls) -> tuple[str, ...]:
-        return tuple(field.alias or name for name, field in cls.model_fields.items())
 
 
 class WheelEntry(Section):
@@ -143,7 +99,7 @@ class ThrusterEntry(Section):
     """A thruster on the base."""
 
     name: Name
-    position: Vector
+    position: Vector3
     direction: Direction
 
 
@@ -225,7 +181,7 @@ class RobotFile(Section):
     urdf: Name
     base_link: Name | None = None
     motion: Literal["spatial", "planar"] = "spatial"
-    feature_point: Vector = (0.0, 0.0, 0.0)
+    feature_point: Vector3 = (0.0, 0.0, 0.0)
     wheels: tuple[WheelEntry, ...] = ()
     thrusters: tuple[ThrusterEntry, ...] = ()
     limits: dict[str, LimitEntry] = {}

@@ -5,7 +5,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 from orbident.errors import InputError
-from orbident.robot.names import suggestion
+from orbident.files.names import suggestion
 from orbident.robot.urdf import Urdf, UrdfJoint, UrdfLink
 
 _UNACTUATED = {"floating", "planar"}

@@ -5,7 +5,7 @@ import xml.etree.ElementTree as ET
 from collections.abc import Iterable
 
 from orbident.errors import InputError
-from orbident.robot.names import first_duplicate, suggestion
+from orbident.files.names import first_duplicate, suggestion
 
 KINDS = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
 

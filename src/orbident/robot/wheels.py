@@ -7,7 +7,7 @@ from jaxtyping import Float
 
 from orbident.errors import InputError
 from orbident.robot.fusing import fused
-from orbident.robot.names import suggestion
+from orbident.files.names import suggestion
 from orbident.robot.parameters import (
     FIRST_MOMENT,
     MASS,

@@ -3,6 +3,7 @@
 import numpy as np
 
 from orbident.dynamics.free_floating import BaseState, FreeFloating, free_floating
+from orbident.dynamics.regularity import check_regular
 from orbident.errors import InputError
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
@@ -27,9 +28,11 @@ def simulate(
         tolerance: of the attitude, rad.
 
     Raises:
-        InputError: the trajectory is not for this robot's joints and wheels, the rate
-            is not positive, or the base turns too fast for it.
+        InputError: the trajectory is not for this robot's joints and wheels, its mass
+            matrix is singular, the rate is not positive, or the base turns too fast
+            for it.
     """
+    check_regular(robot)
     rate = robot.sensors.get("rate", RATE) if rate is None else rate
     if not 0.0 < rate < np.inf:
         raise InputError(f"rate {rate} Hz: give a positive number of samples a second")

@@ -1,7 +1,15 @@
-"""How a message helps with a name that is not known."""
+"""How a message helps with a name that is not known, or given twice."""
 
-from collections.abc import Iterable
+from collections.abc import Hashable, Iterable
 from difflib import get_close_matches
+from typing import TypeVar
+
+Name = TypeVar("Name", bound=Hashable)
+
+
+def closest(name: str, known: Iterable[str]) -> str | None:
+    """The known name that may have been meant, if one is close."""
+    return next(iter(get_close_matches(name, tuple(known), n=1)), None)
 
 
 def suggestion(name: str, known: Iterable[str], what: str) -> str:
@@ -14,12 +22,12 @@ def suggestion(name: str, known: Iterable[str], what: str) -> str:
     """
     known = tuple(known)
     listed = ", ".join(repr(each) for each in known) or "none"
-    close = get_close_matches(name, known, n=1)
-    hint = f"did you mean {close[0]!r}? " if close else ""
+    close = closest(name, known)
+    hint = f"did you mean {close!r}? " if close else ""
     return f"{hint}known {what}: {listed}"
 
 
-def first_duplicate(names: Iterable[str]) -> str | None:
+def first_duplicate(names: Iterable[Name]) -> Name | None:
     """The first name that comes a second time, if any does."""
     seen = set()
     for name in names:

@@ -1,15 +1,17 @@
 """A pydantic error as one clear line: place, what was found, what to do."""
 
-from typing import Any
+from typing import Any, TypeVar
 
-from pydantic import ValidationError
+from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
 from orbident.errors import InputError
-from orbident.robot.schema import RobotFile
+
+Model = TypeVar("Model", bound=BaseModel)
 
 _REMEDIES = {
     "tuple_type": "give a list",
+    "list_type": "give a list",
     "dict_type": "give names and their entries",
     "string_type": "give text, in quotes if it looks like a number",
     "bool_type": "give true or false",
@@ -18,10 +20,11 @@ _REMEDIES = {
 }
 
 
-def checked_robot_file(document: dict[str, Any], place: str) -> RobotFile:
-    """The document as a robot file.
+def validated(model: type[Model], document: dict[Any, Any], place: str) -> Model:
+    """The document as an instance of a schema.
 
     Args:
+        model: the schema.
         document: keys and values, as read.
         place: the file's name, for messages.
 
@@ -29,7 +32,7 @@ def checked_robot_file(document: dict[str, Any], place: str) -> RobotFile:
         InputError: the first thing that is wrong, and how many more there are.
     """
     try:
-        return RobotFile.model_validate(document)
+        return model.model_validate(document)
     except ValidationError as error:
         raise InputError(_one_line(error, place)) from None
 
@@ -37,7 +40,7 @@ def checked_robot_file(document: dict[str, Any], place: str) -> RobotFile:
 def _one_line(error: ValidationError, place: str) -> str:
     first, *others = error.errors(include_url=False)
     where = ": ".join(filter(None, (place, _path(first["loc"]))))
-    more = f" (and {len(others)} more such problems)" if others else ""
+    more = f" (and {len(others)} more)" if others else ""
     return " ".join(f"{where}: {_problem(first)}{more}".split())
 
 
@@ -53,7 +56,7 @@ def _problem(detail: ErrorDetails) -> str:
     if detail["type"] == "missing":
         return "this key is missing; add it"
     cause = detail.get("ctx", {}).get("error")
-    if isinstance(cause, InputError) and isinstance(detail["input"], dict):
+    if isinstance(cause, ValueError) and isinstance(detail["input"], dict):
         return str(cause)
     expected = detail["msg"].removeprefix("Input should be ")
     remedy = cause or _REMEDIES.get(detail["type"], f"give {expected}")

@@ -1,0 +1,22 @@
+"""Arguments and options that several verbs share."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+RobotName = Annotated[
+    str,
+    typer.Argument(metavar="ROBOT", help="A bundled name, a URDF, or a robot file."),
+]
+Json = Annotated[
+    str | None,
+    typer.Option("--json", metavar="FILE|-", help="Write the result there as JSON."),
+]
+Quiet = Annotated[bool, typer.Option("--quiet", help="Print no tables.")]
+RecordingFile = Annotated[
+    Path, typer.Argument(metavar="REC", help="A recording: CSV or Parquet.")
+]
+RunFolder = Annotated[
+    Path, typer.Argument(metavar="RUN", help="A folder that 'identify -o' wrote.")
+]

@@ -1,0 +1,93 @@
+"""Where results go: tables for people, JSON for machines, progress for the patient."""
+
+import json
+import os
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+from orbident.errors import InputError
+from orbident.files.replacing import replacing
+
+WIDTH = 110
+"""Columns of a table that goes to a file or a pipe."""
+
+
+class Output:
+    """One verb's results, in words and as JSON."""
+
+    def __init__(self, json_to: str | None, quiet: bool) -> None:
+        # With the JSON on standard output nothing else may stand there.
+        silent = quiet or json_to == "-"
+        width = None if sys.stdout.isatty() else WIDTH
+        self._json_to = json_to
+        self._console = Console(quiet=silent, width=width, highlight=False)
+
+    def say(self, *things: Any) -> None:
+        """Tables and words for people; names are shown as they are, never as markup."""
+        for thing in things:
+            # Words are for the terminal to wrap, so that a formula can be copied.
+            self._console.print(thing, markup=False, soft_wrap=isinstance(thing, str))
+
+    def write_json(self, document: dict[str, Any]) -> None:
+        """The machine-readable result, where it was asked for.
+
+        Raises:
+            InputError: the place cannot be written.
+        """
+        if self._json_to is None:
+            return
+        text = json.dumps(document, indent=1, allow_nan=False)
+        if self._json_to == "-":
+            print(text)
+            return
+        with replacing(Path(self._json_to)) as path:
+            path.write_text(text + "\n", encoding="utf-8")
+
+
+@contextmanager
+def progress(what: str) -> Iterator[Any]:
+    """A bar on standard error, none when it is no terminal.
+
+    Yields:
+        A function to be called with the fraction done; without a call the bar pulses.
+    """
+    console = Console(stderr=True)
+    columns = TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn()
+    with Progress(
+        *columns, console=console, transient=True, disable=not console.is_terminal
+    ) as bar:
+        task = bar.add_task(what, total=None)
+        yield lambda fraction: bar.update(task, total=1.0, completed=fraction)
+
+
+def check_json_place(json_to: str | None) -> None:
+    """Refuse a place for the JSON before the work is done, not after.
+
+    Raises:
+        InputError: its folder does not exist.
+    """
+    if json_to not in (None, "-") and not Path(str(json_to)).parent.is_dir():
+        raise InputError(f"--json {json_to}: the folder does not exist; create it")
+
+
+def prepare_jax() -> None:
+    """float64, and compiled functions kept in the user's cache folder."""
+    import jax
+    from platformdirs import user_cache_path
+
+    jax.config.update("jax_enable_x64", True)
+    cache = user_cache_path("orbident") / "compiled"
+    try:
+        cache.mkdir(parents=True, exist_ok=True)
+    except OSError:
+        return
+    if os.access(cache, os.W_OK):
+        jax.config.update("jax_compilation_cache_dir", str(cache))
+        jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)
+        jax.config.update("jax_persistent_cache_min_entry_size_bytes", -1)

@@ -1,0 +1,29 @@
+"""`orbident robots`."""
+
+from orbident.cli.options import Json, Quiet
+
+
+def robots(json: Json = None, quiet: Quiet = False) -> None:
+    """List the bundled robots, each usable wherever ROBOT stands."""
+    from rich.table import Table
+
+    from orbident.cli.output import Output
+    from orbident.robot.robot_file import bundled_robots, load_robot
+
+    output = Output(json, quiet)
+    table = Table("name", "motion", "joints", "wheels", "mass (kg)", box=None)
+    entries = []
+    for name in bundled_robots():
+        robot = load_robot(name)
+        entry = {
+            "name": name,
+            "motion": robot.motion,
+            "joints": len(robot.joints),
+            "wheels": len(robot.wheels),
+            "mass": robot.mass,
+        }
+        entries.append(entry)
+        *words, mass = entry.values()
+        table.add_row(*map(str, words), f"{mass:.6g}")
+    output.say(table)
+    output.write_json({"robots": entries})

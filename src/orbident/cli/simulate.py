@@ -1,0 +1,59 @@
+"""`orbident simulate ROBOT TRAJ -o REC`."""
+
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from orbident.cli.options import Json, Quiet, RobotName
+
+
+class Noise(StrEnum):
+    """What sensors add."""
+
+    none = "none"
+
+
+def simulate(
+    robot: RobotName,
+    trajectory: Annotated[
+        Path, typer.Argument(metavar="TRAJ", help="A trajectory file (YAML).")
+    ],
+    out: Annotated[
+        Path, typer.Option("-o", metavar="REC", help="The recording: .csv or .parquet.")
+    ],
+    rate: Annotated[
+        float | None,
+        typer.Option(help="Samples per second; the robot file's by default."),
+    ] = None,
+    noise: Annotated[Noise, typer.Option(help="What sensors add.")] = Noise.none,
+    json: Json = None,
+    quiet: Quiet = False,
+) -> None:
+    """Float the robot along a trajectory and record it."""
+    from orbident.cli.output import Output, check_json_place, prepare_jax, progress
+    from orbident.recordings.tables import check_writable, write_recording
+    from orbident.robot.robot_file import load_robot
+    from orbident.sensing.simulate import simulate as simulated
+    from orbident.trajectories.trajectory_file import load_trajectory
+
+    check_json_place(json)
+    check_writable(out)
+    output = Output(json, quiet)
+    described = load_robot(robot)
+    motion = load_trajectory(trajectory)
+    prepare_jax()
+    with progress("floating"):
+        recording = simulated(described, motion, rate=rate)
+        write_recording(recording, out)
+    duration = float(recording.t[-1])
+    output.say(f"{out}: {recording.t.size} samples over {duration:g} s, noise {noise}")
+    output.write_json(
+        {
+            "recording": str(out),
+            "samples": recording.t.size,
+            "duration": duration,
+            "noise": str(noise),
+        }
+    )

@@ -1,0 +1,34 @@
+"""`orbident validate RUN REC`."""
+
+from orbident.cli.options import Json, Quiet, RecordingFile, RunFolder
+
+
+def validate(
+    run: RunFolder,
+    recording: RecordingFile,
+    json: Json = None,
+    quiet: Quiet = False,
+) -> None:
+    """Predict a recording that was not used, and score the prediction."""
+    from orbident.cli.output import Output, check_json_place, prepare_jax, progress
+    from orbident.identified.run_folder import load_result
+    from orbident.identified.validate import validate as validated
+    from orbident.recordings.tables import read_recording
+
+    check_json_place(json)
+    output = Output(json, quiet)
+    result = load_result(run)
+    table = read_recording(recording)
+    prepare_jax()
+    with progress("predicting"):
+        scores = validated(result, table)
+    output.say(f"{scores.samples} samples predicted by {run}")
+    for name, unit in (("gyro", "rad/s"), ("velocity", "m/s")):
+        rms, nrmse = scores.rms[name], scores.nrmse[name]
+        if rms == rms:
+            output.say(
+                f"{name:9} error {rms:.3g} {unit} RMS, {100 * nrmse:.3g} % of the signal"
+            )
+        else:
+            output.say(f"{name:9} was not measured")
+    output.write_json(scores.to_json())

@@ -1,0 +1,234 @@
+"""Every quantity of the model agrees with Pinocchio, on random trees."""
+
+from typing import NamedTuple
+
+import jax
+import numpy as np
+import pinocchio as pin
+import pytest
+from pinocchio_model import PinocchioRobot, pinocchio_model
+from random_robots import random_parents, random_robot
+
+from orbident.dynamics.inertia import Inertia, Masses, inertia, masses_about_S
+from orbident.dynamics.kinematics import (
+    JointFields,
+    Velocities,
+    joint_fields,
+    point_jacobian,
+    velocities,
+)
+from orbident.dynamics.tree import Poses, Tree, poses, tree_of
+from orbident.regressors.momentum import Momentum, momentum
+from orbident.robot.description import Robot
+
+ROBOTS, STATES, JOINTS = 24, 4, 7
+CASES = range(ROBOTS * STATES)
+
+# Both sides multiply some tens of float64 matrices: 1e-15 each, and seldom in step.
+# Relative to the largest entry of the quantity; the worst observed is 2e-14.
+TOLERANCE = 1e-12
+
+
+class Ours(NamedTuple):
+    """Everything orbident computes for one case."""
+
+    poses: Poses
+    fields: JointFields
+    velocities: Velocities
+    masses: Masses
+    inertia: Inertia
+    momentum: Momentum
+    point: np.ndarray
+    """Jacobian of a point of the last body."""
+
+
+class Case(NamedTuple):
+    """A robot in a state, with what either side makes of it."""
+
+    robot: Robot
+    tree: Tree
+    point: np.ndarray
+    ours: Ours
+    theirs: PinocchioRobot
+    data: pin.Data
+    q: np.ndarray
+    v: np.ndarray
+    """Pinocchio's configuration and velocity."""
+
+
+@jax.jit
+@jax.vmap
+def everything(tree, theta, q, qd, w, point):
+    at = poses(tree, q)
+    return Ours(
+        at,
+        joint_fields(tree, at),
+        velocities(tree, at, qd, w),
+        masses_about_S(at, theta),
+        inertia(tree, theta, q),
+        momentum(tree, q, qd, w),
+        point_jacobian(tree, q, JOINTS, point),
+    )
+
+
+def some_robot(seed: int) -> Robot:
+    random = np.random.default_rng(seed)
+    parents = random_parents(random, JOINTS)
+    return random_robot(seed, parents, np.flatnonzero(random.random(JOINTS) < 0.3))
+
+
+@pytest.fixture(scope="module")
+def cases() -> list[Case]:
+    """Each robot in several states; one compiled call for all of ours."""
+    robots = [some_robot(seed) for seed in range(ROBOTS) for _ in range(STATES)]
+    trees = [tree_of(robot) for robot in robots]
+    random = np.random.default_rng(0)
+    q, qd = random.standard_normal((2, len(robots), JOINTS))
+    w, point = random.standard_normal((2, len(robots), 3))
+    stacked = jax.tree.map(lambda *leaves: np.stack(leaves), *trees)
+    theta = np.stack([robot.theta for robot in robots])
+    ours = jax.tree.map(np.asarray, everything(stacked, theta, q, qd, w, point))
+    cases = []
+    for k, robot in enumerate(robots):
+        theirs = pinocchio_model(robot)
+        data = theirs.model.createData()
+        at, rate = theirs.q(q[k]), theirs.v(w[k], qd[k])
+        pin.forwardKinematics(theirs.model, data, at, rate)
+        # Fills oYcrb, J, Ag, Ig and hg; S is Pinocchio's world origin.
+        pin.ccrba(theirs.model, data, at, rate)
+        pin.jacobianCenterOfMass(theirs.model, data, at)
+        mine = jax.tree.map(lambda leaf, k=k: leaf[k], ours)
+        cases.append(
+            Case(robot, trees[k], point[k], mine, theirs, data, at, rate)
+        )
+    return cases
+
+
+def assert_close(ours, theirs):
+    np.testing.assert_allclose(
+        ours, theirs, rtol=0, atol=TOLERANCE * np.abs(theirs).max()
+    )
+
+
+def joint_space_inertia(case: Case) -> np.ndarray:
+    """Over `[v_S, w, qd]`, in orbident's order of the joints."""
+    model = case.theirs.model
+    upper = np.triu(pin.crba(model, model.createData(), case.q))
+    H = upper + np.triu(upper, 1).T
+    return H[np.ix_(case.theirs.rows, case.theirs.rows)]
+
+
+def test_robots_have_sliding_joints_and_several_arms(cases):
+    kinds = {joint.kind for case in cases for joint in case.robot.joints}
+    assert kinds == {"revolute", "prismatic"}
+    for case in cases:
+        assert [joint.parent for joint in case.robot.joints].count(0) >= 2
+
+
+@pytest.mark.parametrize("k", CASES)
+class TestCase:
+    """One robot in one state."""
+
+    @pytest.fixture
+    def case(self, cases, k) -> Case:
+        return cases[k]
+
+    def test_body_poses(self, case):
+        placed = [case.data.oMi[i] for i in case.theirs.bodies]
+        assert_close(case.ours.poses.R, np.array([M.rotation for M in placed]))
+        assert_close(case.ours.poses.d, np.array([M.translation for M in placed]))
+
+    def test_joint_fields(self, case):
+        J = case.data.J[:, case.theirs.rows[6:]].T
+        assert_close(case.ours.fields.u, J[:, :3])
+        assert_close(case.ours.fields.w, J[:, 3:])
+
+    def test_body_velocities(self, case):
+        moving = [
+            (case.data.oMi[i].rotation, case.data.v[i]) for i in case.theirs.bodies
+        ]
+        v = np.array([R @ twist.linear for R, twist in moving])
+        w = np.array([R @ twist.angular for R, twist in moving])
+        assert_close(case.ours.velocities.v, v)
+        assert_close(case.ours.velocities.w, w)
+
+    def test_each_body_about_S(self, case):
+        model = case.theirs.model
+        at_S = [case.data.oMi[i].act(model.inertias[i]) for i in case.theirs.bodies]
+        assert_close(case.ours.masses.m, np.array([Y.mass for Y in at_S]))
+        assert_close(case.ours.masses.s, np.array([Y.mass * Y.lever for Y in at_S]))
+        assert_close(
+            case.ours.masses.J, np.array([Y.matrix()[3:, 3:] for Y in at_S])
+        )
+
+    def test_composite_of_what_each_joint_carries(self, case):
+        composites = [case.data.oYcrb[i] for i in case.theirs.bodies[1:]]
+        moves, ours = case.tree.moves, case.ours.masses
+        carried = np.array([Y.mass * Y.lever for Y in composites])
+        assert_close(moves @ ours.m, np.array([Y.mass for Y in composites]))
+        assert_close(moves @ ours.s, carried)
+        assert_close(
+            np.einsum("ki,iab->kab", moves, ours.J),
+            np.array([Y.matrix()[3:, 3:] for Y in composites]),
+        )
+
+    def test_inertia_is_the_schur_complement_of_the_joint_space_inertia(self, case):
+        """`H` over `[v_S, w, qd]`, with `v_S` eliminated."""
+        H = joint_space_inertia(case)
+        C = H[3:, 3:] - H[3:, :3] @ np.linalg.solve(H[:3, :3], H[:3, 3:])
+        ours = case.ours.inertia
+        assert_close(ours.M, H[0, 0])
+        assert_close(np.block([[ours.D, ours.D_q], [ours.D_q.T, ours.D_qq]]), C)
+
+    def test_inertia_is_centroidal(self, case):
+        """`D` and `D_q` again, by Pinocchio's own centroidal route."""
+        assert_close(case.ours.inertia.D, case.data.Ig.inertia)
+        assert_close(case.ours.inertia.D_q, case.data.Ag[3:, case.theirs.rows[6:]])
+
+    def test_system_cm_and_its_jacobian(self, case):
+        assert_close(case.ours.inertia.r_cm, case.data.com[0])
+        assert_close(case.ours.inertia.J_cm, case.data.Jcom[:, case.theirs.rows[6:]])
+
+    def test_momentum(self, case):
+        theta, ours = case.robot.theta.ravel(), case.ours.momentum
+        S, P, A = ours.S @ theta, ours.P @ theta, ours.A @ theta
+        M = case.robot.mass
+        assert_close(S, M * case.data.com[0])
+        assert_close(P, case.data.hg.linear)
+        assert_close(A, (joint_space_inertia(case) @ case.v[case.theirs.rows])[3:6])
+        assert_close(A - np.cross(S, P) / M, case.data.hg.angular)
+
+    def test_momentum_regressors(self, case):
+        """At zero velocity the force is `H a`: with `a = v`, the momentum."""
+        model = case.theirs.model
+        rows = pin.computeJointTorqueRegressor(
+            model, model.createData(), case.q, np.zeros(model.nv), case.v
+        )[:6]
+        # Pinocchio's columns are in its own order of the bodies.
+        columns = [10 * (i - 1) + k for i in case.theirs.bodies for k in range(10)]
+        assert_close(case.ours.momentum.P, rows[:3, columns])
+        assert_close(case.ours.momentum.A, rows[3:, columns])
+
+    def test_point_jacobian(self, case):
+        model, body = case.theirs.model, case.theirs.bodies[JOINTS]
+        J = pin.getFrameJacobian(
+            model,
+            case.data,
+            body,
+            pin.SE3(np.eye(3), case.point),
+            pin.LOCAL_WORLD_ALIGNED,
+        )
+        assert_close(case.ours.point, J[:, case.theirs.rows[3:]])
+
+
+def test_point_jacobian_of_every_body(cases):
+    """Of the base, of bodies in the middle, and of all tips."""
+    case = cases[0]
+    q = case.q[case.theirs.rows[6:] + 1]
+    for body, index in enumerate(case.theirs.bodies):
+        placement = pin.SE3(np.eye(3), case.point)
+        J = pin.getFrameJacobian(
+            case.theirs.model, case.data, index, placement, pin.LOCAL_WORLD_ALIGNED
+        )
+        ours = point_jacobian(case.tree, jax.numpy.array(q), body, case.point)
+        assert_close(ours, J[:, case.theirs.rows[3:]])
