@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Literal
 
 import numpy as np
 
@@ -114,7 +115,7 @@ def random_planar_robot(
 
 
 def random_wheels(
-    seed: int, modes: Sequence[str] = ("held", "held", "held")
+    seed: int, modes: Sequence[Literal["held", "free"]]
 ) -> tuple[Wheel, ...]:
     """Reaction wheels with random axes."""
     random = np.random.default_rng(seed)

@@ -1,5 +1,8 @@
 """An orbident robot as a Pinocchio model, floating without gravity."""
 
+# Pinocchio is compiled and has no stubs.
+# pyright: reportAttributeAccessIssue=false
+
 from typing import NamedTuple
 
 import numpy as np

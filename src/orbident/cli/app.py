@@ -24,7 +24,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     no_args_is_help=True,
     help="Identify every inertial parameter of a free-flying space manipulator.",
-    epilog="Exit status: 0 done; 2 the input is wrong; 1 the result must not be trusted.",
+    epilog="Exit status: 0 done, 2 wrong input, 1 the result must not be trusted.",
 )
 for verb in (robots, inspect, simulate, identify, validate, study):
     app.command()(verb)

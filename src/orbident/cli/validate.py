@@ -26,9 +26,8 @@ def validate(
     for name, unit in (("gyro", "rad/s"), ("velocity", "m/s")):
         rms, nrmse = scores.rms[name], scores.nrmse[name]
         if rms == rms:
-            output.say(
-                f"{name:9} error {rms:.3g} {unit} RMS, {100 * nrmse:.3g} % of the signal"
-            )
+            percent = f"{100 * nrmse:.3g} % of the signal"
+            output.say(f"{name:9} error {rms:.3g} {unit} RMS, {percent}")
         else:
             output.say(f"{name:9} was not measured")
     output.write_json(scores.to_json())

@@ -14,10 +14,11 @@ from typing import NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Float
 
 from orbident.dynamics.batches import BATCH
 from orbident.errors import InputError
+from orbident.spatial.arrays import AnyArray
 from orbident.spatial.rotations import (
     quaternion_matrix,
     quaternion_rate,
@@ -34,12 +35,12 @@ _angle = jax.jit(rotation_angle)
 class RateLaw(NamedTuple):
     """`w = E R_0^T h_cm - b` at some times; base axes."""
 
-    E: Float[Array | np.ndarray, "*n 3 3"]
-    b: Float[Array | np.ndarray, "*n 3"]
+    E: Float[AnyArray, "*n 3 3"]
+    b: Float[AnyArray, "*n 3"]
 
     def rate(
-        self, x_WB: Float[Array, "*n 4"], h_cm: Float[Array, "3"]
-    ) -> Float[Array, "*n 3"]:
+        self, x_WB: Float[AnyArray, "*n 4"], h_cm: Float[AnyArray, "3"]
+    ) -> Float[AnyArray, "*n 3"]:
         """The base rate, rad/s, base axes."""
         h_B = rotate_back(quaternion_matrix(x_WB), h_cm)
         return rotate(self.E, h_B) - self.b
@@ -50,11 +51,11 @@ class RateLaw(NamedTuple):
 
 
 def rate_law(
-    D: Float[np.ndarray, "n 3 3"], h_moving: Float[np.ndarray, "n 3"], planar: bool
+    D: Float[AnyArray, "n 3 3"], h_moving: Float[AnyArray, "n 3"], planar: bool
 ) -> RateLaw:
     """The law from `D w + h_moving = R_0^T h_cm`; in the plane of its z row alone."""
     if planar:
-        E = np.zeros_like(D)
+        E = np.zeros(D.shape)
         E[:, 2, 2] = 1 / D[:, 2, 2]
     else:
         E = np.linalg.inv(D)
@@ -88,13 +89,13 @@ def integrate_attitude(
 
 @jax.jit
 def _integrate(
-    h_cm: Float[Array, "3"],
-    x_WB: Float[Array, "4"],
-    dt: Float[Array, " steps"],
+    h_cm: Float[AnyArray, "3"],
+    x_WB: Float[AnyArray, "4"],
+    dt: Float[AnyArray, " steps"],
     starts: RateLaw,
     middles: RateLaw,
     ends: RateLaw,
-) -> Float[Array, "steps 4"]:
+) -> Float[AnyArray, "steps 4"]:
     def step(x, node):
         dt, start, middle, end = node
         k_1 = quaternion_rate(x, start.rate(x, h_cm))

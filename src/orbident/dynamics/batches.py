@@ -10,9 +10,7 @@ BATCH = 1024
 """Samples evaluated at once: enough to be fast, little memory."""
 
 
-def in_batches(
-    function: Callable[..., Any], *columns: Any, size: int = BATCH
-) -> Any:
+def in_batches(function: Callable[..., Any], *columns: Any, size: int = BATCH) -> Any:
     """`function(*columns)`, batch by batch, joined again.
 
     The last batch is padded by repeating its last row, so that `function` is compiled
@@ -27,7 +25,9 @@ def in_batches(
     parts = []
     for start in range(0, rows, size):
         chosen = np.minimum(np.arange(start, start + size), rows - 1)
-        part = function(*jax.tree.map(lambda column, rows=chosen: column[rows], columns))
+        part = function(
+            *jax.tree.map(lambda column, rows=chosen: column[rows], columns)
+        )
         count = rows - start
         parts.append(jax.tree.map(lambda x, n=count: np.asarray(x)[:n], part))
     return jax.tree.map(lambda *pieces: np.concatenate(pieces), *parts)

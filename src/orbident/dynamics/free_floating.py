@@ -5,7 +5,7 @@ from typing import NamedTuple, Protocol
 
 import jax
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Float
 
 from orbident.dynamics.attitude import RateLaw, float_attitude, rate_law
 from orbident.dynamics.batches import in_batches
@@ -15,6 +15,7 @@ from orbident.dynamics.wheels import wheels_of
 from orbident.errors import InputError
 from orbident.precision import in_float64
 from orbident.robot.description import Robot
+from orbident.spatial.arrays import AnyArray
 from orbident.spatial.rotations import cross, quaternion_matrix, rotate
 
 OUT_OF_PLANE = 1e-9
@@ -29,7 +30,7 @@ JointState = tuple[
 class JointMotion(Protocol):
     """What the joints do: any function of time."""
 
-    def at(self, t: Float[np.ndarray, "n"]) -> JointState:
+    def at(self, t: Float[np.ndarray, " n"]) -> JointState:
         """Positions, rates and accelerations at the times `t`, s."""
         ...
 
@@ -43,14 +44,14 @@ class BaseState(NamedTuple):
     """Unit quaternion, scalar last; rotates base vectors into inertial axes."""
     velocity: Float[np.ndarray, "3"]
     """Of S, inertial axes, m/s."""
-    wheel_speed: Float[np.ndarray, "wheels"]
+    wheel_speed: Float[np.ndarray, " wheels"]
     """Relative to the base, rad/s."""
 
 
 class FreeFloating(NamedTuple):
     """A free-floating motion at its sample times."""
 
-    t: Float[np.ndarray, "n"]
+    t: Float[np.ndarray, " n"]
     q: Float[np.ndarray, "n joints"]
     qd: Float[np.ndarray, "n joints"]
     attitude: Float[np.ndarray, "n 4"]
@@ -74,7 +75,7 @@ class FreeFloating(NamedTuple):
 def free_floating(
     robot: Robot,
     motion: JointMotion,
-    t: Float[np.ndarray, "n"],
+    t: Float[np.ndarray, " n"],
     start: BaseState,
     tolerance: float = 1e-9,
 ) -> FreeFloating:
@@ -143,23 +144,23 @@ _matrix = jax.jit(quaternion_matrix)
 class Terms(NamedTuple):
     """What momentum needs of the joint states, base axes."""
 
-    D: Float[Array, "n 3 3"]
-    h_q: Float[Array, "n 3"]
+    D: Float[AnyArray, "n 3 3"]
+    h_q: Float[AnyArray, "n 3"]
     """`D_q qd`."""
-    r_cm: Float[Array, "n 3"]
+    r_cm: Float[AnyArray, "n 3"]
     """From S to the system CM."""
-    v_q: Float[Array, "n 3"]
+    v_q: Float[AnyArray, "n 3"]
     """Velocity of the CM relative to S by the joints alone."""
 
 
 @jax.jit
 def _terms(
     tree: Tree,
-    theta: Float[Array, "bodies 10"],
-    q: Float[Array, "n joints"],
-    qd: Float[Array, "n joints"],
+    theta: Float[AnyArray, "bodies 10"],
+    q: Float[AnyArray, "n joints"],
+    qd: Float[AnyArray, "n joints"],
 ) -> Terms:
-    def terms(q: Float[Array, " joints"], qd: Float[Array, " joints"]) -> Terms:
+    def terms(q: Float[AnyArray, " joints"], qd: Float[AnyArray, " joints"]) -> Terms:
         at = inertia(tree, theta, q)
         return Terms(at.D, at.D_q @ qd, at.r_cm, at.J_cm @ qd)
 
@@ -168,12 +169,12 @@ def _terms(
 
 @jax.jit
 def _observe(
-    h_cm: Float[Array, "3"],
-    x_WB: Float[Array, "n 4"],
+    h_cm: Float[AnyArray, "3"],
+    x_WB: Float[AnyArray, "n 4"],
     law: RateLaw,
-    r_cm: Float[Array, "n 3"],
-    v_q: Float[Array, "n 3"],
-) -> tuple[Float[Array, "n 3"], Float[Array, "n 3"], Float[Array, "n 3"]]:
+    r_cm: Float[AnyArray, "n 3"],
+    v_q: Float[AnyArray, "n 3"],
+) -> tuple[Float[AnyArray, "n 3"], Float[AnyArray, "n 3"], Float[AnyArray, "n 3"]]:
     """Base rate; position and velocity of S relative to the CM, inertial axes."""
     w = law.rate(x_WB, h_cm)
     R_WB = quaternion_matrix(x_WB)

@@ -6,20 +6,21 @@ is nothing special.
 
 import equinox as eqx
 import jax.numpy as jnp
-from jaxtyping import Array, Float
+from jaxtyping import Float
 
 from orbident.dynamics.kinematics import JointFields, joint_fields
 from orbident.dynamics.tree import Poses, Tree, poses
 from orbident.robot.parameters import FIRST_MOMENT, INERTIA, MASS
+from orbident.spatial.arrays import AnyArray
 from orbident.spatial.rotations import cross, cross_matrix, product, rotate
 
 
 class Masses(eqx.Module):
     """Mass, first moment and inertia of some bodies about S, base axes."""
 
-    m: Float[Array, "*n"]
-    s: Float[Array, "*n 3"]
-    J: Float[Array, "*n 3 3"]
+    m: Float[AnyArray, "*n"]
+    s: Float[AnyArray, "*n 3"]
+    J: Float[AnyArray, "*n 3 3"]
 
 
 class Inertia(eqx.Module):
@@ -29,17 +30,17 @@ class Inertia(eqx.Module):
     `1/2 w D w + w D_q qd + 1/2 qd D_qq qd` (Eq. 6, wheels apart).
     """
 
-    M: Float[Array, ""]
-    D: Float[Array, "3 3"]
-    D_q: Float[Array, "3 joints"]
-    D_qq: Float[Array, "joints joints"]
-    r_cm: Float[Array, "3"]
+    M: Float[AnyArray, ""]
+    D: Float[AnyArray, "3 3"]
+    D_q: Float[AnyArray, "3 joints"]
+    D_qq: Float[AnyArray, "joints joints"]
+    r_cm: Float[AnyArray, "3"]
     """From S to the system CM, m."""
-    J_cm: Float[Array, "3 joints"]
+    J_cm: Float[AnyArray, "3 joints"]
     """Velocity of the CM relative to S is `w x r_cm + J_cm qd`."""
 
 
-def masses_about_S(at: Poses, theta: Float[Array, "bodies 10"]) -> Masses:
+def masses_about_S(at: Poses, theta: Float[AnyArray, "bodies 10"]) -> Masses:
     """Each body's `theta_i`, moved from its body frame to S and base axes."""
     m, d = theta[:, MASS], at.d
     s = rotate(at.R, theta[:, FIRST_MOMENT])
@@ -54,7 +55,7 @@ def masses_about_S(at: Poses, theta: Float[Array, "bodies 10"]) -> Masses:
 
 
 def inertia(
-    tree: Tree, theta: Float[Array, "bodies 10"], q: Float[Array, "joints"]
+    tree: Tree, theta: Float[AnyArray, "bodies 10"], q: Float[AnyArray, " joints"]
 ) -> Inertia:
     """`M`, `D`, `D_q`, `D_qq` and the system CM at the configuration `q`."""
     at = poses(tree, q)
@@ -78,7 +79,7 @@ def inertia(
 
 def _carried_momentum(
     tree: Tree, bodies: Masses, fields: JointFields
-) -> tuple[Float[Array, "joints 3"], Float[Array, "joints 3"]]:
+) -> tuple[Float[AnyArray, "joints 3"], Float[AnyArray, "joints 3"]]:
     """Linear and angular momentum about S of what each joint carries, at unit rate."""
     m = tree.moves @ bodies.m
     s = tree.moves @ bodies.s

@@ -6,17 +6,18 @@ S. Everything is in base axes and relative to S, whose own velocity drops out.
 
 import equinox as eqx
 import jax.numpy as jnp
-from jaxtyping import Array, Float
+from jaxtyping import Float
 
 from orbident.dynamics.tree import Poses, Tree, poses
+from orbident.spatial.arrays import AnyArray
 from orbident.spatial.rotations import cross, rotate
 
 
 class JointFields(eqx.Module):
     """The motion that a unit rate of each joint gives to all that it carries."""
 
-    w: Float[Array, "joints 3"]
-    u: Float[Array, "joints 3"]
+    w: Float[AnyArray, "joints 3"]
+    u: Float[AnyArray, "joints 3"]
 
 
 def joint_fields(tree: Tree, at: Poses) -> JointFields:
@@ -29,12 +30,12 @@ def joint_fields(tree: Tree, at: Poses) -> JointFields:
 class Velocities(eqx.Module):
     """Of every body: angular velocity, and velocity of its origin relative to S."""
 
-    w: Float[Array, "bodies 3"]
-    v: Float[Array, "bodies 3"]
+    w: Float[AnyArray, "bodies 3"]
+    v: Float[AnyArray, "bodies 3"]
 
 
 def velocities(
-    tree: Tree, at: Poses, qd: Float[Array, "joints"], w: Float[Array, "3"]
+    tree: Tree, at: Poses, qd: Float[AnyArray, " joints"], w: Float[AnyArray, "3"]
 ) -> Velocities:
     """Body velocities at joint rates `qd` and base rate `w` (rad/s, base axes)."""
     fields = joint_fields(tree, at)
@@ -45,10 +46,10 @@ def velocities(
 
 def point_jacobian(
     tree: Tree,
-    q: Float[Array, "joints"],
+    q: Float[AnyArray, " joints"],
     body: int,
-    p: Float[Array, "3"],
-) -> Float[Array, "6 3+joints"]:
+    p: Float[AnyArray, "3"],
+) -> Float[AnyArray, "6 3+joints"]:
     """Velocity of a body-fixed point relative to S, over `[w, qd]`.
 
     Args:

@@ -4,22 +4,23 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float, Int
+from jaxtyping import Float, Int
 
 from orbident.robot.description import Robot
+from orbident.spatial.arrays import AnyArray
 from orbident.spatial.rotations import axis_rotation, product, rotate
 
 
 class Tree(eqx.Module):
     """A robot's geometry, without its inertia. Joint `k` moves body `k + 1`."""
 
-    parent: Int[Array | np.ndarray, "joints"]
-    revolute: Float[Array | np.ndarray, "joints"]
+    parent: Int[AnyArray, " joints"]
+    revolute: Float[AnyArray, " joints"]
     """1 for a revolute joint, 0 for a prismatic one."""
-    axis: Float[Array | np.ndarray, "joints 3"]
-    R_PJ: Float[Array | np.ndarray, "joints 3 3"]
-    p_PJ: Float[Array | np.ndarray, "joints 3"]
-    moves: Float[Array | np.ndarray, "joints bodies"]
+    axis: Float[AnyArray, "joints 3"]
+    R_PJ: Float[AnyArray, "joints 3 3"]
+    p_PJ: Float[AnyArray, "joints 3"]
+    moves: Float[AnyArray, "joints bodies"]
     """1 where the joint moves the body: the body is at or below it."""
 
 
@@ -43,11 +44,11 @@ def tree_of(robot: Robot) -> Tree:
 class Poses(eqx.Module):
     """Where every body is, seen from the base: `R_Bi` and `p_SBi` in base axes."""
 
-    R: Float[Array, "bodies 3 3"]
-    d: Float[Array, "bodies 3"]
+    R: Float[AnyArray, "bodies 3 3"]
+    d: Float[AnyArray, "bodies 3"]
 
 
-def poses(tree: Tree, q: Float[Array, "joints"]) -> Poses:
+def poses(tree: Tree, q: Float[AnyArray, " joints"]) -> Poses:
     """Forward kinematics: one scan from the base to the tips, whatever the tree."""
     slide = (1 - tree.revolute) * q
     R_PC = product(tree.R_PJ, axis_rotation(tree.axis, tree.revolute * q))

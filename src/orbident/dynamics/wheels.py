@@ -2,19 +2,20 @@
 
 import equinox as eqx
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Float
 
 from orbident.robot.description import Robot
+from orbident.spatial.arrays import AnyArray
 
 
 class Wheels(eqx.Module):
     """The reaction wheels of a base."""
 
-    axes: Float[Array | np.ndarray, "3 wheels"]
+    axes: Float[AnyArray, "3 wheels"]
     """Unit vectors, base axes."""
-    A_rw: Float[Array | np.ndarray, "3 wheels"]
+    A_rw: Float[AnyArray, "3 wheels"]
     """Columns `a_i I_rw,i`: `h_rw = A_rw qd_rw`, base axes."""
-    free: Float[Array | np.ndarray, "wheels"]
+    free: Float[AnyArray, " wheels"]
     """1 for a wheel whose motor is off, 0 for one held at its relative speed."""
 
 

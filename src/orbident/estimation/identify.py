@@ -65,7 +65,7 @@ def identify(
     sets = minimal_sets(robot)
     fits = fit(robot, sets, samples, initial_momentum, progress)
     mass = mass_of(sets, fits.pi, fits.phi)
-    verdict = judge(robot, samples, fits, mass)
+    verdict = judge(robot, samples, fits, mass, initial_momentum)
     known = verdict.pi, verdict.phi, verdict.mass
     base = base_parameters(sets, fits.pi, fits.phi, mass, known)
     words = formulas_of(robot, sets)

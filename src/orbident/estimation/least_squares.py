@@ -12,14 +12,15 @@ from typing import Literal, NamedTuple, get_args
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Float
 
 from orbident.dynamics.wheels import Wheels, wheels_of
 from orbident.errors import InputError
-from orbident.estimation.triangular import LinearFit, fold, solve
+from orbident.estimation.triangular import Layout, LinearFit, fold, solve
 from orbident.regressors.minimal_sets import MinimalSets, Regressors
 from orbident.robot.description import Robot
 from orbident.signals.samples import Batch, Samples
+from orbident.spatial.arrays import AnyArray
 from orbident.spatial.rotations import quaternion_matrix, rotate
 
 InitialMomentum = Literal["unknown", "at-rest", "first-sample"]
@@ -39,14 +40,16 @@ class Fits(NamedTuple):
     phi: LinearFit
     samples: int
     """Samples in which all that the momentum equation needs was measured."""
+    h_rw: float
+    """Norm of the wheels' momentum over these samples, N m s."""
 
 
 class KnownMomentum(NamedTuple):
     """What Section 3.1 knows of the momentum: `h_cm - R_0 Y pi = h + Y_in pi`."""
 
-    h: Float[np.ndarray | Array, "3"]
+    h: Float[AnyArray, "3"]
     """Inertial axes, N m s."""
-    Y_in: Float[np.ndarray | Array, "h pi"]
+    Y_in: Float[AnyArray, "h pi"]
     """`R_0 Y` of the first sample, where Eq. 24 subtracts it; else zero."""
 
 
@@ -66,32 +69,37 @@ def fit(
     axes_h, axes_v = len(regressors.momentum_axes), len(regressors.velocity_axes)
     pis, phis = sets.pi_of_beta.shape[0], sets.base.sigmas
     known = _known_momentum(regressors, wheels, samples, initial_momentum, pis)
-    unknowns_h = axes_h if known is None else 0
-    R_h = jnp.zeros((unknowns_h + pis + 1,) * 2)
-    R_v = jnp.zeros((axes_v + phis + 1,) * 2)
+    # Unknown momentum is a nuisance; known momentum is checked as if it were unknown.
+    layout_h = Layout(axes_h, pis, 0) if known is None else Layout(0, pis, axes_h)
+    layout_v = Layout(axes_v, phis, 0)
+    R_h = jnp.zeros((layout_h.columns,) * 2)
+    R_v = jnp.zeros((layout_v.columns,) * 2)
     turning = moving = 0
+    h_rw = 0.0
     for k, batch in enumerate(samples.batches(BATCH)):
         progress(k * BATCH / samples.t.size)
         rows_h, rows_v = _rows(regressors, wheels, known, batch)
         R_h, R_v = fold(R_h, rows_h), fold(R_v, rows_v)
         turning += int(batch.turning.sum())
         moving += int(batch.moving.sum())
-    _check_enough(turning, axes_h, unknowns_h + pis)
+        h_rw = np.hypot(h_rw, np.linalg.norm(wheels.A_rw @ batch.qd_rw.T))
+    _check_enough(turning, axes_h, layout_h.nuisances + pis)
     return Fits(
-        pi=solve(np.asarray(R_h), unknowns_h, turning * axes_h),
-        phi=solve(np.asarray(R_v), axes_v, moving * axes_v),
+        pi=solve(np.asarray(R_h), layout_h, turning * axes_h),
+        phi=solve(np.asarray(R_v), layout_v, moving * axes_v),
         samples=turning,
+        h_rw=float(h_rw),
     )
 
 
 @jax.jit
 def _rows(
     regressors: Regressors, wheels: Wheels, known: KnownMomentum | None, batch: Batch
-) -> tuple[Float[Array, "h unknowns"], Float[Array, "v unknowns"]]:
-    """The rows `[nuisance | regressor | right-hand side]` of Eqs. 24 and 31."""
+) -> tuple[Float[AnyArray, "h unknowns"], Float[AnyArray, "v unknowns"]]:
+    """The rows of Eqs. 24 and 31 for a batch."""
     turning, moving = regressors.momentum_axes, regressors.velocity_axes
 
-    def rows(sample: Batch) -> tuple[Array, Array]:
+    def rows(sample: Batch) -> tuple[AnyArray, AnyArray]:
         R_BW = quaternion_matrix(sample.x_WB).T
         Y, W = regressors(sample.q, sample.qd, sample.w)
         h = -wheels.A_rw @ sample.qd_rw
@@ -100,7 +108,7 @@ def _rows(
             momentum = [-R_turning, Y, h[turning, None]]
         else:
             h = h + rotate(R_BW, known.h)
-            momentum = [Y - R_turning @ known.Y_in, h[turning, None]]
+            momentum = [Y - R_turning @ known.Y_in, -R_turning, h[turning, None]]
         v = rotate(R_BW, sample.v_S)
         velocity = [R_BW[moving, :][:, moving], W, v[moving, None]]
         return (
@@ -140,7 +148,7 @@ def _known_momentum(
 @jax.jit
 def _seen_from_inertial_axes(
     regressors: Regressors, wheels: Wheels, first: Batch
-) -> tuple[Float[Array, "3"], Float[Array, "h pi"]]:
+) -> tuple[Float[AnyArray, "3"], Float[AnyArray, "h pi"]]:
     """`R_0 A_rw qd_rw` and `R_0 Y` of a batch's only sample."""
     R_WB = quaternion_matrix(first.x_WB[0])
     Y, _ = regressors(first.q[0], first.qd[0], first.w[0])

@@ -70,6 +70,7 @@ def mass_of(sets: MinimalSets, pi: LinearFit, phi: LinearFit) -> Mass:
         return Mass(np.nan, np.nan, forms, g, g, *nothing)
     values = pi.values[forms] / g
     M = float(np.median(values))
+    C = weights = np.zeros(0)
     for _ in range(ROUNDS):
         C = C_pi + M**2 * C_phi
         weights = _weights(C, g)

@@ -72,7 +72,8 @@ class Result:
         """Of `[pi, phi]`; None for a result that was read from a file."""
         if self.fits is None:
             return None
-        return block_diag(self.fits.pi.covariance, self.fits.phi.covariance)
+        blocks = self.fits.pi.covariance, self.fits.phi.covariance
+        return np.asarray(block_diag(*blocks))
 
     def to_json(self) -> dict[str, Any]:
         """The content of `result.json`."""
@@ -91,7 +92,9 @@ class Result:
             "pi": self.pi.to_json(),
             "phi": self.phi.to_json(),
             "base": self.base.to_json(),
-            "condition_number": {k: nulled(v) for k, v in self.condition_number.items()},
+            "condition_number": {
+                k: nulled(v) for k, v in self.condition_number.items()
+            },
             "residual": self.residual,
             "biases": {},
             "signals": self.origins,

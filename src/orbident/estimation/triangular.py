@@ -1,7 +1,7 @@
 """Least squares through a triangular factor that takes rows in as they come.
 
-`R` is the triangular factor of all rows `[nuisance | parameters | right-hand side]`
-seen so far: memory does not grow with their number, and nothing is ever squared.
+`R` is the triangular factor of all rows seen so far: memory does not grow with their
+number, and nothing is ever squared.
 """
 
 from typing import NamedTuple
@@ -9,7 +9,9 @@ from typing import NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Bool, Float
+from jaxtyping import Bool, Float
+
+from orbident.spatial.arrays import AnyArray
 
 # Singular values of the factor with unit columns: what the motion never shows comes
 # out at 1e-16 to 1e-14, and what it does show is worth reporting with its error.
@@ -20,8 +22,8 @@ UNSEEN = 1e-6
 
 @jax.jit
 def fold(
-    R: Float[Array, "n n"], rows: Float[Array, "rows n"]
-) -> Float[Array, "n n"]:
+    R: Float[AnyArray, "n n"], rows: Float[AnyArray, "rows n"]
+) -> Float[AnyArray, "n n"]:
     """The triangular factor with some more rows."""
     return jnp.linalg.qr(jnp.concatenate([R, rows]), mode="r")
 
@@ -33,50 +35,64 @@ class LinearFit(NamedTuple):
     """The shortest solution; meaningless where not `determined`."""
     covariance: Float[np.ndarray, "n n"]
     determined: Bool[np.ndarray, " n"]
-    nuisance: Float[np.ndarray, " nuisance"]
     factor: Float[np.ndarray, "n n"]
     """Triangular, of the parameters' columns with the nuisance projected out."""
     rms: float
     """Of the residual, per row that was not needed to fix an unknown."""
     explained: float
-    """Norm of the right-hand side that the parameters explain, nuisance apart."""
+    """Norm of what the parameters explain of it, nuisance apart."""
     unexplained: float
     """Norm of the residual."""
-    total: float
-    """Norm of the right-hand side."""
+    unexplained_freed: float
+    """Norm of the residual if the checked columns were unknowns too."""
 
 
-def solve(R: Float[np.ndarray, "all all"], nuisances: int, rows: int) -> LinearFit:
+class Layout(NamedTuple):
+    """What the columns are, from the left; the right-hand side is the last."""
+
+    nuisances: int
+    """Unknowns that are estimated but not reported."""
+    parameters: int
+    checked: int
+    """What was assumed to be known: columns of unknowns that should not be needed."""
+
+    @property
+    def columns(self) -> int:
+        """With the right-hand side."""
+        return sum(self) + 1
+
+
+def solve(R: Float[np.ndarray, "all all"], layout: Layout, rows: int) -> LinearFit:
     """Solve for all unknowns from the triangular factor.
 
     Args:
-        R: of `[nuisance | parameters | right-hand side]`.
-        nuisances: how many columns come before the parameters.
+        R: of `[nuisance | parameters | checked | right-hand side]`.
+        layout: how many columns are which.
         rows: how many rows went in.
     """
-    columns, z = R[:-1, :-1], R[:-1, -1]
-    unexplained = abs(float(R[-1, -1]))
+    unknowns = layout.nuisances + layout.parameters
+    columns, z = R[:unknowns, :unknowns], R[:unknowns, -1]
+    unexplained = float(np.linalg.norm(R[unknowns:, -1]))
     norms = np.linalg.norm(columns, axis=0)
     norms = np.where(norms > 0.0, norms, 1.0)
     U, s, Vt = np.linalg.svd(columns / norms)
     seen = s > RANK * s.max(initial=0.0)
     inverse = np.where(seen, 1 / np.where(seen, s, 1.0), 0.0)
-    solution = (Vt.T * inverse) @ (U.T @ z) / norms
+    root = Vt.T * inverse / norms[:, None]
+    solution = root @ (U.T @ z)
     hidden = np.linalg.norm(Vt[~seen], axis=0) > UNSEEN
     rms = unexplained / np.sqrt(max(rows - int(seen.sum()), 1))
-    root = (Vt.T * inverse) / norms[:, None]
     covariance = rms**2 * root @ root.T
-    own = np.s_[nuisances:]
+    own = np.s_[layout.nuisances :]
     return LinearFit(
         values=solution[own],
         covariance=covariance[own, own],
         determined=~hidden[own],
-        nuisance=solution[:nuisances],
         factor=columns[own, own],
         rms=rms,
         explained=float(np.linalg.norm(z[own])),
         unexplained=unexplained,
-        total=float(np.linalg.norm(R[:, -1])),
+        unexplained_freed=abs(float(R[-1, -1])),
     )
 
 

@@ -12,9 +12,11 @@ from orbident.signals.samples import Samples
 
 # The known term of the momentum equation, nuisance apart, beside the whole of it:
 # zero but for rounding.
-NO_SCALE = 1e-9
+ROUNDING = 1e-9
 # What the parameters must explain of it: noise alone is explained hardly at all.
 EXPLAINED = 0.5
+# Freeing a momentum that is rightly known hardly makes the residual smaller.
+FREED = 0.5
 
 
 class Verdict(NamedTuple):
@@ -27,14 +29,16 @@ class Verdict(NamedTuple):
     mass: bool
 
 
-def judge(robot: Robot, samples: Samples, fits: Fits, mass: Mass) -> Verdict:
+def judge(
+    robot: Robot, samples: Samples, fits: Fits, mass: Mass, initial_momentum: str
+) -> Verdict:
     """Decide what is determined, in words that say what to do."""
+    problem = _no_scale(robot, fits, initial_momentum)
     warnings = list(robot.warnings)
-    scale = _has_scale(fits)
-    pi = fits.pi.determined & scale
+    pi = fits.pi.determined & (problem is None)
     phi = fits.phi.determined & bool(samples.v_S)
-    if not scale:
-        warnings.append(f"pi has no scale: {_why_no_scale(robot)}")
+    if problem is not None:
+        warnings.append(problem)
     else:
         warnings += _undetermined("pi", pi, samples.locked)
     if not samples.v_S:
@@ -44,29 +48,41 @@ def judge(robot: Robot, samples: Samples, fits: Fits, mass: Mass) -> Verdict:
         )
     else:
         warnings += _undetermined("phi", phi, samples.locked)
-    has_mass = bool(scale and mass.forms.size)
-    if scale and not has_mass:
-        warnings.append(
-            "mass: no form of Eq. 32 has all its parameters determined; weigh the "
-            "robot with a thruster burn (Eq. 40), or see the warnings above"
-        )
-    status = "ok" if scale and has_mass else "rejected"
+    has_mass = problem is None and mass.value > 0
+    if problem is None and not has_mass:
+        warnings.append(_no_mass(mass))
+    status = "ok" if has_mass else "rejected"
     return Verdict(status, tuple(warnings), pi, phi, has_mass)
 
 
-def _has_scale(fits: Fits) -> bool:
-    """Whether the momentum equation has a known term that the motion explains."""
-    known = np.hypot(fits.pi.explained, fits.pi.unexplained)
-    if known <= NO_SCALE * fits.pi.total:
-        return False
-    return fits.pi.explained**2 > EXPLAINED * known**2
+def _no_scale(robot: Robot, fits: Fits, initial_momentum: str) -> str | None:
+    """Why `pi` has no scale, or a wrong one; None where all is well."""
+    pi = fits.pi
+    known = np.hypot(pi.explained, pi.unexplained)
+    if known <= ROUNDING * fits.h_rw or pi.explained**2 <= EXPLAINED * known**2:
+        return f"pi has no scale: {_why_no_scale(robot, initial_momentum)}"
+    assumed = initial_momentum == "at-rest" and pi.unexplained > ROUNDING * fits.h_rw
+    if assumed and pi.unexplained_freed < FREED * pi.unexplained:
+        return (
+            "pi is not determined: the robot was not at rest as assumed (with the "
+            "momentum unknown the residual falls to "
+            f"{pi.unexplained_freed / pi.unexplained:.2g} of what it is); use "
+            "--initial-momentum unknown"
+        )
+    return None
 
 
-def _why_no_scale(robot: Robot) -> str:
+def _why_no_scale(robot: Robot, initial_momentum: str) -> str:
     if not robot.wheels:
         return (
             "the robot has no reaction wheel, so only ratios show; declare its wheels "
             "and spin one up before recording"
+        )
+    if initial_momentum == "at-rest":
+        return (
+            "base and arms have no momentum of their own, or not the one that starting "
+            "from rest gives them; spin a wheel up from rest, so that the base turns, "
+            "or use --initial-momentum unknown"
         )
     remedy = "spin up a wheel before recording"
     if robot.motion == "planar":
@@ -78,6 +94,18 @@ def _why_no_scale(robot: Robot) -> str:
     return f"the wheels' momentum does not vary in the recording; {remedy}"
 
 
+def _no_mass(mass: Mass) -> str:
+    if mass.forms.size:
+        return (
+            f"mass: Eq. 32 gives {mass.value:.4g} kg, which no robot has; check the "
+            "robot's geometry, its wheels' inertia and the sign of their speeds"
+        )
+    return (
+        "mass: no form of Eq. 32 has all its parameters determined; weigh the robot "
+        "with a thruster burn (Eq. 40), or see the warnings above"
+    )
+
+
 def _undetermined(
     name: str, determined: Bool[np.ndarray, " n"], locked: tuple[str, ...]
 ) -> list[str]:
@@ -87,10 +115,8 @@ def _undetermined(
     names = ", ".join(f"{name}_{k}" for k in which)
     if locked:
         joints = ", ".join(f"'{joint}'" for joint in locked)
-        never = f"joint {joints}" if len(locked) == 1 else f"joints {joints}"
-        reason = f"{never} never moved; move it" if len(locked) == 1 else (
-            f"{never} never moved; move them"
-        )
+        noun, pronoun = ("joint", "it") if len(locked) == 1 else ("joints", "them")
+        reason = f"{noun} {joints} never moved; move {pronoun}"
     else:
         reason = "the motion does not excite them; record a richer trajectory"
     return [f"{names} not determined: {reason}"]

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Float
 from scipy.interpolate import CubicSpline
 
 from orbident.dynamics.attitude import RateLaw, float_attitude, rate_law
@@ -23,6 +23,7 @@ from orbident.precision import in_float64
 from orbident.recordings.recording import Recording
 from orbident.regressors.minimal_sets import Regressors, minimal_sets
 from orbident.signals.samples import Batch, samples_of
+from orbident.spatial.arrays import AnyArray
 from orbident.spatial.rotations import quaternion_matrix, rotate
 
 TOLERANCE = 1e-8
@@ -98,23 +99,23 @@ def predict(result: Result, recording: Recording) -> Prediction:
 class Terms(NamedTuple):
     """The identified momentum and velocity at some joint states."""
 
-    D: Float[Array, "n 3 3"]
-    h: Float[Array, "n 3"]
+    D: Float[AnyArray, "n 3 3"]
+    h: Float[AnyArray, "n 3"]
     """`h_rs = D w + D_q qd`, base axes; zero where momentum is not conserved."""
-    v: Float[Array, "n 3"]
+    v: Float[AnyArray, "n 3"]
     """Velocity of S relative to the system CM, inertial axes."""
-    R_WB: Float[Array, "n 3 3"]
+    R_WB: Float[AnyArray, "n 3 3"]
 
 
 @jax.jit
 def _terms(
     regressors: Regressors,
-    pi: Float[Array, " pi"],
-    phi: Float[Array, " phi"],
-    q: Float[Array, "n joints"],
-    qd: Float[Array, "n joints"],
-    w: Float[Array, "n 3"],
-    x_WB: Float[Array, "n 4"],
+    pi: Float[AnyArray, " pi"],
+    phi: Float[AnyArray, " phi"],
+    q: Float[AnyArray, "n joints"],
+    qd: Float[AnyArray, "n joints"],
+    w: Float[AnyArray, "n 3"],
+    x_WB: Float[AnyArray, "n 4"],
 ) -> Terms:
     turning, moving = regressors.momentum_axes, regressors.velocity_axes
 
@@ -132,7 +133,7 @@ def _terms(
 
 
 @jax.jit
-def _rate(law: RateLaw, x_WB: Float[Array, "n 4"], h_cm: Float[Array, "n 3"]):
+def _rate(law: RateLaw, x_WB: Float[AnyArray, "n 4"], h_cm: Float[AnyArray, "n 3"]):
     return law.rate(x_WB, h_cm)
 
 

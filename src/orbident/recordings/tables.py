@@ -11,10 +11,10 @@ import pyarrow.csv as arrow_csv
 import pyarrow.parquet as parquet
 
 from orbident.errors import InputError
+from orbident.files.replacing import replacing
 from orbident.recordings.csv_table import read_csv
 from orbident.recordings.parquet_table import read_parquet
 from orbident.recordings.recording import Recording
-from orbident.files.replacing import replacing
 
 SUFFIXES = (".csv", ".parquet")
 

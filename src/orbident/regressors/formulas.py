@@ -66,13 +66,15 @@ def combination(coefficients: Float[np.ndarray, " n"], names: Sequence[str]) -> 
             break
         sign = ("-" if c < 0 else "") if not text else (" - " if c < 0 else " + ")
         factor = f"{abs(c):.4g} ".removeprefix("1 ")
-        text += sign + factor + names[k]
+        text += sign + factor + names[int(k)]
     return text or "0"
 
 
 def _mass_divisors(sets: MinimalSets) -> tuple[str, ...]:
     phi = _numbered("phi", sets.base.sigmas)
-    products = [f"{phi[a]}^2" if a == b else f"{phi[a]} {phi[b]}" for a, b in sets.pairs]
+    products = [
+        f"{phi[a]}^2" if a == b else f"{phi[a]} {phi[b]}" for a, b in sets.pairs
+    ]
     rows = zip(sets.pi_of_beta[:, : 1 + len(phi)], sets.pi_of_products, strict=True)
     names = ["1", *phi, *products]
     return tuple(combination(np.concatenate(row), names) for row in rows)

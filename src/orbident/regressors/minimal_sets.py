@@ -22,7 +22,7 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float, Int
+from jaxtyping import Float, Int
 
 from orbident.dynamics.batches import in_batches
 from orbident.dynamics.tree import Tree, tree_of
@@ -31,6 +31,7 @@ from orbident.regressors.independent import independent_columns
 from orbident.regressors.momentum import Momentum, momentum
 from orbident.robot.description import Robot
 from orbident.robot.parameters import MASS, PER_BODY
+from orbident.spatial.arrays import AnyArray
 from orbident.spatial.rotations import cross
 
 
@@ -47,20 +48,20 @@ class Regressors(eqx.Module):
     """`Y` and `W` of a robot, in the coordinates of its minimal sets."""
 
     tree: Tree
-    theta_of_linear: Float[Array | np.ndarray, "theta linear"]
-    theta_of_sigma: Float[Array | np.ndarray, "theta sigma"]
-    first: Int[Array | np.ndarray, "products"]
-    second: Int[Array | np.ndarray, "products"]
+    theta_of_linear: Float[AnyArray, "theta linear"]
+    theta_of_sigma: Float[AnyArray, "theta sigma"]
+    first: Int[AnyArray, " products"]
+    second: Int[AnyArray, " products"]
     momentum_axes: tuple[int, ...] = eqx.field(static=True)
     """Base axes in which angular momentum is conserved: all, or z in the plane."""
     velocity_axes: tuple[int, ...] = eqx.field(static=True)
 
     def __call__(
         self,
-        q: Float[Array, "joints"],
-        qd: Float[Array, "joints"],
-        w: Float[Array, "3"],
-    ) -> tuple[Float[Array, "h pi"], Float[Array, "v phi"]]:
+        q: Float[AnyArray, " joints"],
+        qd: Float[AnyArray, " joints"],
+        w: Float[AnyArray, "3"],
+    ) -> tuple[Float[AnyArray, "h pi"], Float[AnyArray, "v phi"]]:
         """`Y` (Eq. 19) and `W` (Eq. 29) of one sample, base axes.
 
         Args:
@@ -91,16 +92,16 @@ class MinimalSets:
         """So many of `pi`, the first, hold one `iota` each; the others hold none."""
         return self.base.T.shape[0] - 1 - self.base.sigmas
 
-    def beta(self, theta: Float[np.ndarray, "bodies 10"]) -> Float[np.ndarray, "beta"]:
+    def beta(self, theta: Float[np.ndarray, "bodies 10"]) -> Float[np.ndarray, " beta"]:
         """The free-flying base parameters `[M, sigma, iota]`."""
         return self.base.T @ theta.ravel()
 
-    def phi(self, theta: Float[np.ndarray, "bodies 10"]) -> Float[np.ndarray, "phi"]:
+    def phi(self, theta: Float[np.ndarray, "bodies 10"]) -> Float[np.ndarray, " phi"]:
         """`sigma / M`: what the velocity of S depends on (Eq. 29)."""
         M, sigma, _ = self.split(self.beta(theta))
         return sigma / M
 
-    def pi(self, theta: Float[np.ndarray, "bodies 10"]) -> Float[np.ndarray, "pi"]:
+    def pi(self, theta: Float[np.ndarray, "bodies 10"]) -> Float[np.ndarray, " pi"]:
         """What the angular momentum depends on, linearly (Eq. 19)."""
         beta = self.beta(theta)
         M, sigma, _ = self.split(beta)
@@ -124,11 +125,11 @@ def conserved_axes(robot: Robot) -> tuple[tuple[int, ...], tuple[int, ...]]:
 
 
 def product_columns(
-    S: Float[Array, "3 sigma"],
-    P: Float[Array, "3 sigma"],
-    first: Int[Array | np.ndarray, "products"],
-    second: Int[Array | np.ndarray, "products"],
-) -> Float[Array, "3 products"]:
+    S: Float[AnyArray, "3 sigma"],
+    P: Float[AnyArray, "3 sigma"],
+    first: Int[AnyArray, " products"],
+    second: Int[AnyArray, " products"],
+) -> Float[AnyArray, "3 products"]:
     """`-(S_a x P_b + S_b x P_a)`, halved for squares: over `sigma_a sigma_b / M`."""
     S_a, S_b = S.T[first], S.T[second]
     P_a, P_b = P.T[first], P.T[second]
@@ -149,7 +150,7 @@ def minimal_sets(robot: Robot) -> MinimalSets:
     pairs = np.array(
         list(itertools.combinations_with_replacement(range(base.sigmas), 2)), dtype=int
     ).reshape(-1, 2)
-    products = np.asarray(_product_columns(S, P, *pairs.T))
+    products = _product_columns(S, P, *pairs.T)
     A = _rows(at.A @ base.theta_of, turning)
     # iota first: then each has a pi of its own, and the rest of pi is free of them.
     of_beta = np.roll(np.arange(base.T.shape[0]), -1 - base.sigmas)
@@ -198,9 +199,9 @@ _product_columns = jax.jit(jax.vmap(product_columns, (0, 0, None, None)))
 
 
 def _rows(
-    X: Float[np.ndarray, "n 3 m"], axes: tuple[int, ...]
+    X: Float[AnyArray, "n 3 m"], axes: tuple[int, ...]
 ) -> Float[np.ndarray, "r m"]:
-    return X[:, axes, :].reshape(-1, X.shape[-1])
+    return np.asarray(X)[:, axes, :].reshape(-1, X.shape[-1])
 
 
 def _base_parameters(

@@ -9,26 +9,27 @@ angular momentum about the system CM is
 
 import equinox as eqx
 import jax.numpy as jnp
-from jaxtyping import Array, Float
+from jaxtyping import Float
 
 from orbident.dynamics.kinematics import velocities
 from orbident.dynamics.tree import Tree, poses
+from orbident.spatial.arrays import AnyArray
 from orbident.spatial.rotations import cross, cross_matrix, product, rotate_back
 
 
 class Momentum(eqx.Module):
     """The regressors of one sample; columns are the flat `theta`, base first."""
 
-    S: Float[Array, "3 theta"]
-    P: Float[Array, "3 theta"]
-    A: Float[Array, "3 theta"]
+    S: Float[AnyArray, "3 theta"]
+    P: Float[AnyArray, "3 theta"]
+    A: Float[AnyArray, "3 theta"]
 
 
 def momentum(
     tree: Tree,
-    q: Float[Array, "joints"],
-    qd: Float[Array, "joints"],
-    w: Float[Array, "3"],
+    q: Float[AnyArray, " joints"],
+    qd: Float[AnyArray, " joints"],
+    w: Float[AnyArray, "3"],
 ) -> Momentum:
     """`S`, `P` and `A` at joint state `q, qd` and base rate `w` (rad/s, base axes)."""
     at = poses(tree, q)
@@ -48,7 +49,7 @@ def momentum(
     return Momentum(*(jnp.swapaxes(X, 0, 1).reshape(3, -1) for X in (S, P, A)))
 
 
-def _inertia_columns(w: Float[Array, "n 3"]) -> Float[Array, "n 3 6"]:
+def _inertia_columns(w: Float[AnyArray, "n 3"]) -> Float[AnyArray, "n 3 6"]:
     """`L(w)` such that `J w = L(w) [Jxx, Jxy, Jyy, Jxz, Jyz, Jzz]`."""
     x, y, z = w[:, 0], w[:, 1], w[:, 2]
     o = jnp.zeros_like(x)

@@ -11,11 +11,12 @@ from typing import NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Float
 
 from orbident.errors import InputError
 from orbident.precision import in_float64
 from orbident.regressors.minimal_sets import MinimalSets
+from orbident.spatial.arrays import AnyArray
 from orbident.spatial.rotations import axis_rotation, cross
 
 # Two bases of one space agree to rounding, others not at all.
@@ -26,9 +27,9 @@ SAMPLES = 64
 class PaperColumns(NamedTuple):
     """One sample of the regressors as the paper has them."""
 
-    Y: Float[Array, "h pi"]
-    W: Float[Array, "v phi"]
-    x: Float[Array, " v"]
+    Y: Float[AnyArray, "h pi"]
+    W: Float[AnyArray, "v phi"]
+    x: Float[AnyArray, " v"]
     """What of the velocity is known from geometry alone (Eq. 29)."""
 
 
@@ -51,12 +52,13 @@ class PaperBasis(NamedTuple):
 
 
 Columns = Callable[
-    [Float[Array, " joints"], Float[Array, " joints"], Float[Array, "3"]], PaperColumns
+    [Float[AnyArray, " joints"], Float[AnyArray, " joints"], Float[AnyArray, "3"]],
+    PaperColumns,
 ]
 
 
 def spatial_columns(
-    q: Float[Array, "3"], qd: Float[Array, "3"], w: Float[Array, "3"]
+    q: Float[AnyArray, "3"], qd: Float[AnyArray, "3"], w: Float[AnyArray, "3"]
 ) -> PaperColumns:
     """The 19 + 5 columns of the spatial arm (Table 4, Eqs. 42 and A.6), base axes.
 
@@ -68,7 +70,7 @@ def spatial_columns(
     x1 = axis_rotation(z, q[0]) @ x
     n = cross(x1, z)
 
-    def u(angle: Float[Array, ""]) -> Float[Array, "3"]:
+    def u(angle: Float[AnyArray, ""]) -> Float[AnyArray, "3"]:
         return jnp.cos(angle) * x1 + jnp.sin(angle) * cross(n, x1)
 
     w1 = w + qd[0] * z
@@ -77,7 +79,9 @@ def spatial_columns(
     a, b = u(q[1]), u(q[1] + q[2])
     a_dot, b_dot = cross(w2, a), cross(w3, b)
 
-    def about(e: Float[Array, "3"], f: Float[Array, "3"], f_dot: Float[Array, "3"]):
+    def about(
+        e: Float[AnyArray, "3"], f: Float[AnyArray, "3"], f_dot: Float[AnyArray, "3"]
+    ):
         return cross(e, f_dot) + cross(f, cross(w, e))
 
     along = [(x1, w), (z, w1), (a, w2), (n, w2), (b, w3), (n, w3)]
@@ -103,7 +107,7 @@ def planar_columns(
     """
 
     def columns(
-        q: Float[Array, "2"], qd: Float[Array, "2"], w: Float[Array, "3"]
+        q: Float[AnyArray, "2"], qd: Float[AnyArray, "2"], w: Float[AnyArray, "3"]
     ) -> PaperColumns:
         w0 = w[2]
         w1 = w0 + qd[0]
@@ -165,7 +169,9 @@ def _coordinates(
     return C
 
 
-def _symmetric(e: Float[Array, "3"], f: Float[Array, "3"]) -> Float[Array, "3 3"]:
+def _symmetric(
+    e: Float[AnyArray, "3"], f: Float[AnyArray, "3"]
+) -> Float[AnyArray, "3 3"]:
     """The symmetric matrix with one at the entries `ef` and `fe`."""
-    E = jnp.outer(e, f)
+    E = e[:, None] * f
     return jnp.maximum(E, E.T)

@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 
 from orbident.errors import InputError
+from orbident.files.names import suggestion
 from orbident.robot.contradictions import contradictions
 from orbident.robot.description import Joint, Robot, Structure, Thruster, Wheel
 from orbident.robot.fusing import Bodies, about_feature_point, fused
-from orbident.files.names import suggestion
 from orbident.robot.physical import nonphysical
 from orbident.robot.schema import LimitEntry, RobotFile, ThrusterEntry, WheelEntry
 from orbident.robot.tree import LinkTree, link_tree

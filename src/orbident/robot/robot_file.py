@@ -6,12 +6,12 @@ from pathlib import Path
 import yaml
 
 from orbident.errors import InputError
+from orbident.files.names import suggestion
 from orbident.files.schema_errors import validated
 from orbident.files.text import read_text, write_text
 from orbident.files.yaml_mapping import read_yaml_mapping
 from orbident.robot.assembly import assembled
 from orbident.robot.description import Robot
-from orbident.files.names import suggestion
 from orbident.robot.schema import RobotFile
 from orbident.robot.urdf import read_urdf
 

@@ -5,7 +5,6 @@ from typing import Annotated, Literal
 from pydantic import BeforeValidator, Field, model_validator
 
 from orbident.errors import InputError
-from orbident.robot.description import Axis
 from orbident.files.names import first_duplicate
 from orbident.files.schema_parts import (
     Positive,
@@ -14,6 +13,7 @@ from orbident.files.schema_parts import (
     finite_number,
     finite_vector,
 )
+from orbident.robot.description import Axis
 from orbident.robot.units import quantity
 
 

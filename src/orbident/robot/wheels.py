@@ -6,8 +6,8 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.errors import InputError
-from orbident.robot.fusing import fused
 from orbident.files.names import suggestion
+from orbident.robot.fusing import fused
 from orbident.robot.parameters import (
     FIRST_MOMENT,
     MASS,

@@ -33,7 +33,7 @@ def simulate(
             for it.
     """
     check_regular(robot)
-    rate = robot.sensors.get("rate", RATE) if rate is None else rate
+    rate = float(robot.sensors.get("rate", RATE) if rate is None else rate)
     if not 0.0 < rate < np.inf:
         raise InputError(f"rate {rate} Hz: give a positive number of samples a second")
     trajectory = trajectory.for_robot(robot)

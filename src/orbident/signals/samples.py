@@ -46,7 +46,7 @@ class Samples:
     x_WB: Columns
     qd_rw: Columns
     v_S: Columns
-    """Of S, inertial axes, m/s; empty where neither it nor the position was measured."""
+    """Of S, inertial axes, m/s; empty where it cannot be had."""
     locked: tuple[str, ...]
     """Joints that did not move: held at their mean, with zero rate."""
     origins: dict[str, str]
@@ -101,7 +101,7 @@ def samples_of(robot: Robot, recording: Recording) -> Samples:
     )
     v_S, velocity_origin = _velocity(recording)
     still = [np.nanmax(q) - np.nanmin(q) < LOCKED for q in positions]
-    zero = np.zeros(recording.t.size) if any(still) else None
+    zero = np.zeros(recording.t.size if any(still) else 0)
     return Samples(
         t=recording.t,
         q=tuple(
@@ -116,7 +116,9 @@ def samples_of(robot: Robot, recording: Recording) -> Samples:
         qd_rw=wheel_speeds,
         v_S=v_S,
         locked=tuple(
-            name for name, locked in zip(robot.joint_names, still, strict=True) if locked
+            name
+            for name, locked in zip(robot.joint_names, still, strict=True)
+            if locked
         ),
         origins={
             "joint_rates": joint_origin,

@@ -1,19 +1,21 @@
 """Rotations and cross products in JAX. Quaternions are `[x, y, z, w]`, Hamilton."""
 
 import jax.numpy as jnp
-from jaxtyping import Array, Float
+from jaxtyping import Float
+
+from orbident.spatial.arrays import AnyArray
 
 
-def cross(a: Float[Array, "*n 3"], b: Float[Array, "*n 3"]) -> Float[Array, "*n 3"]:
+def cross(
+    a: Float[AnyArray, "*n 3"], b: Float[AnyArray, "*n 3"]
+) -> Float[AnyArray, "*n 3"]:
     """`a x b`, over any leading axes."""
     ax, ay, az = a[..., 0], a[..., 1], a[..., 2]
     bx, by, bz = b[..., 0], b[..., 1], b[..., 2]
-    return jnp.stack(
-        [ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], axis=-1
-    )
+    return jnp.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], axis=-1)
 
 
-def cross_matrix(v: Float[Array, "*n 3"]) -> Float[Array, "*n 3 3"]:
+def cross_matrix(v: Float[AnyArray, "*n 3"]) -> Float[AnyArray, "*n 3 3"]:
     """`[v]x`, so that `[v]x u = v x u`."""
     x, y, z = v[..., 0], v[..., 1], v[..., 2]
     o = jnp.zeros_like(x)
@@ -22,39 +24,39 @@ def cross_matrix(v: Float[Array, "*n 3"]) -> Float[Array, "*n 3 3"]:
 
 
 def product(
-    A: Float[Array, "*n 3 3"], B: Float[Array, "*n 3 m"]
-) -> Float[Array, "*n 3 m"]:
-    """`A B`, written out: it fuses where XLA's batched product of tiny matrices cannot."""
+    A: Float[AnyArray, "*n 3 3"], B: Float[AnyArray, "*n 3 m"]
+) -> Float[AnyArray, "*n 3 m"]:
+    """`A B`, written out: it fuses, where XLA's product of tiny matrices does not."""
     terms = [A[..., :, k, None] * B[..., k, None, :] for k in range(3)]
     return terms[0] + terms[1] + terms[2]
 
 
 def rotate(
-    R: Float[Array, "*n 3 3"], v: Float[Array, "*n 3"]
-) -> Float[Array, "*n 3"]:
+    R: Float[AnyArray, "*n 3 3"], v: Float[AnyArray, "*n 3"]
+) -> Float[AnyArray, "*n 3"]:
     """`R v`."""
     terms = [R[..., :, k] * v[..., k, None] for k in range(3)]
     return terms[0] + terms[1] + terms[2]
 
 
 def rotate_back(
-    R: Float[Array, "*n 3 3"], v: Float[Array, "*n 3"]
-) -> Float[Array, "*n 3"]:
+    R: Float[AnyArray, "*n 3 3"], v: Float[AnyArray, "*n 3"]
+) -> Float[AnyArray, "*n 3"]:
     """`R^T v`."""
     terms = [R[..., k, :] * v[..., k, None] for k in range(3)]
     return terms[0] + terms[1] + terms[2]
 
 
 def axis_rotation(
-    axis: Float[Array, "*n 3"], angle: Float[Array, "*n"]
-) -> Float[Array, "*n 3 3"]:
-    """Rodrigues' formula: the rotation by `angle` (rad) about the unit vector `axis`."""
+    axis: Float[AnyArray, "*n 3"], angle: Float[AnyArray, "*n"]
+) -> Float[AnyArray, "*n 3 3"]:
+    """Rodrigues: the rotation by `angle` (rad) about the unit vector `axis`."""
     c, s = jnp.cos(angle)[..., None, None], jnp.sin(angle)[..., None, None]
     outer = axis[..., :, None] * axis[..., None, :]
     return c * jnp.eye(3) + s * cross_matrix(axis) + (1 - c) * outer
 
 
-def quaternion_matrix(x_WB: Float[Array, "*n 4"]) -> Float[Array, "*n 3 3"]:
+def quaternion_matrix(x_WB: Float[AnyArray, "*n 4"]) -> Float[AnyArray, "*n 3 3"]:
     """`R_WB` of a quaternion of any nonzero norm."""
     x, y, z, w = (x_WB[..., k] for k in range(4))
     # Dividing by the squared norm makes R orthogonal to rounding, whatever the norm.
@@ -68,8 +70,8 @@ def quaternion_matrix(x_WB: Float[Array, "*n 4"]) -> Float[Array, "*n 3 3"]:
 
 
 def quaternion_rate(
-    x_WB: Float[Array, "*n 4"], w_B: Float[Array, "*n 3"]
-) -> Float[Array, "*n 4"]:
+    x_WB: Float[AnyArray, "*n 4"], w_B: Float[AnyArray, "*n 3"]
+) -> Float[AnyArray, "*n 4"]:
     """`d/dt x_WB = 1/2 x_WB (w, 0)`, with `w_B` the rate of B in W, B's axes, rad/s."""
     v, s = x_WB[..., :3], x_WB[..., 3:]
     vector = s * w_B + cross(v, w_B)
@@ -78,8 +80,8 @@ def quaternion_rate(
 
 
 def rotation_angle(
-    x_WA: Float[Array, "*n 4"], x_WB: Float[Array, "*n 4"]
-) -> Float[Array, "*n"]:
+    x_WA: Float[AnyArray, "*n 4"], x_WB: Float[AnyArray, "*n 4"]
+) -> Float[AnyArray, "*n"]:
     """The angle between two attitudes, rad; accurate down to rounding."""
     a = x_WA / jnp.linalg.norm(x_WA, axis=-1, keepdims=True)
     b = x_WB / jnp.linalg.norm(x_WB, axis=-1, keepdims=True)

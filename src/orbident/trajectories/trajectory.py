@@ -9,8 +9,8 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.errors import InputError
-from orbident.trajectories.fourier_quintic import fourier_quintic
 from orbident.robot.description import Robot
+from orbident.trajectories.fourier_quintic import fourier_quintic
 
 QUATERNION_TOLERANCE = 0.1
 """Printed quaternions are rounded: that of Table 3 has norm 1.0024."""
