@@ -50,9 +50,7 @@ def quaternion_rotation(x: Vector) -> np.ndarray:
     return rotation(axis, 2 * np.arctan2(sine, x[3]))
 
 
-def body_motion(
-    robot: Robot, body: int, q: Vector, qd: Vector, w: Vector
-) -> Body:
+def body_motion(robot: Robot, body: int, q: Vector, qd: Vector, w: Vector) -> Body:
     """The parent's motion, carried over the joint."""
     if body == 0:
         return Body(np.eye(3), np.zeros(3), w, np.zeros(3))

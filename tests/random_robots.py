@@ -1,11 +1,12 @@
-"""Random robots, with nothing special about any of their numbers."""
+"""Random robots and motions, with nothing special about any of their numbers."""
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 
+from orbident.dynamics.free_floating import BaseState
 from orbident.robot.description import Joint, Robot, Wheel
 from orbident.robot.parameters import PER_BODY, from_mass_com_inertia
 
@@ -123,3 +124,38 @@ def random_wheels(
         Wheel(f"rw{k + 1}", random_unit_vector(random), random.uniform(0.02, 0.1), mode)
         for k, mode in enumerate(modes)
     )
+
+
+class Swing(NamedTuple):
+    """Joints that swing as sines: a smooth motion, known at all times."""
+
+    amplitude: np.ndarray
+    rate: np.ndarray
+    phase: np.ndarray
+
+    def at(self, t: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Positions, rates and accelerations, time first."""
+        angle = np.multiply.outer(t, self.rate) + self.phase
+        q = self.amplitude * np.sin(angle)
+        return q, self.amplitude * self.rate * np.cos(angle), -(self.rate**2) * q
+
+
+def random_swing(seed: int, joints: int) -> Swing:
+    """Half a radian at about a radian a second."""
+    random = np.random.default_rng(seed)
+    return Swing(
+        amplitude=random.uniform(0.3, 0.7, joints),
+        rate=random.uniform(0.5, 1.5, joints),
+        phase=random.uniform(0.0, 2 * np.pi, joints),
+    )
+
+
+def random_start(seed: int, robot: Robot, rate: float = 0.3) -> BaseState:
+    """A base that tumbles (in its plane, if it is planar) while its wheels spin."""
+    random = np.random.default_rng(seed)
+    w, v_S = rate * random.standard_normal((2, 3))
+    x_WB = random_quaternion(random)
+    if robot.motion == "planar":
+        w[:2], v_S[2], x_WB[:2] = 0.0, 0.0, 0.0
+        x_WB /= np.linalg.norm(x_WB)
+    return BaseState(w, x_WB, v_S, 200.0 * random.standard_normal(len(robot.wheels)))

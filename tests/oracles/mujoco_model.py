@@ -1,6 +1,9 @@
 """An orbident robot as a MuJoCo model, floating without gravity."""
 
-from collections.abc import Sequence
+# MuJoCo is compiled, and its stubs do not say what it exports.
+# pyright: reportAttributeAccessIssue=false
+
+from collections.abc import Iterable
 
 import mujoco
 import numpy as np
@@ -11,7 +14,7 @@ from orbident.robot.parameters import from_mass_com_inertia, inertia_about_com
 WHEEL_MASS = 0.5
 
 
-def mujoco_model(robot: Robot, wheel_positions: Sequence[np.ndarray]) -> mujoco.MjModel:
+def mujoco_model(robot: Robot, wheel_positions: Iterable[np.ndarray]) -> mujoco.MjModel:
     """A free joint with hinges and slides, and each wheel as a body of its own.
 
     What the wheels weigh is taken out of the base: the robot counts it there.

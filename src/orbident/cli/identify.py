@@ -88,14 +88,7 @@ def _summary(result: Any, out: Path | None) -> list[Any]:
     ):
         table = Table("", "value", "std", "formula", box=None, pad_edge=False)
         table.columns[3].no_wrap = True
-        rows = zip(
-            estimates.names,
-            estimates.values,
-            estimates.std,
-            estimates.formulas,
-            strict=True,
-        )
-        for name, value, std, formula in rows:
+        for name, formula, value, std in estimates:
             table.add_row(name, _number(value, ".6g"), _number(std, ".2g"), formula)
         lines += ["", title, table]
     condition = ", ".join(

@@ -1,7 +1,7 @@
 """Free-floating motion (Eqs. 2, 3, 17, 18): momentum conserved by construction."""
 
 from functools import partial
-from typing import NamedTuple, Protocol
+from typing import NamedTuple, Protocol, runtime_checkable
 
 import jax
 import numpy as np
@@ -27,6 +27,7 @@ JointState = tuple[
 ]
 
 
+@runtime_checkable
 class JointMotion(Protocol):
     """What the joints do: any function of time."""
 

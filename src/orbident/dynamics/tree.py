@@ -6,6 +6,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float, Int
 
+from orbident.precision import require_float64
 from orbident.robot.description import Robot
 from orbident.spatial.arrays import AnyArray
 from orbident.spatial.rotations import axis_rotation, product, rotate
@@ -49,7 +50,12 @@ class Poses(eqx.Module):
 
 
 def poses(tree: Tree, q: Float[AnyArray, " joints"]) -> Poses:
-    """Forward kinematics: one scan from the base to the tips, whatever the tree."""
+    """Forward kinematics: one scan from the base to the tips, whatever the tree.
+
+    Raises:
+        InputError: `q` is not float64.
+    """
+    require_float64("kinematics", q=q)
     slide = (1 - tree.revolute) * q
     R_PC = product(tree.R_PJ, axis_rotation(tree.axis, tree.revolute * q))
     p_PC = tree.p_PJ + slide[:, None] * rotate(tree.R_PJ, tree.axis)

@@ -1,5 +1,6 @@
 """What identification found: the object that all later stages are given."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
@@ -21,6 +22,10 @@ class Estimates:
     formulas: tuple[str, ...]
     values: Float[np.ndarray, " n"]
     std: Float[np.ndarray, " n"]
+
+    def __iter__(self) -> Iterator[tuple[str, str, float, float]]:
+        """Name, formula, value and standard deviation of each."""
+        return zip(self.names, self.formulas, self.values, self.std, strict=True)
 
     def to_json(self) -> dict[str, Any]:
         """As in `result.json`: null for NaN."""

@@ -8,7 +8,7 @@ from orbident.errors import InputError
 from orbident.files.names import first_duplicate
 
 # PyYAML can be built without libyaml.
-_Loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+_Loader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 _KINDS = {list: "a list", str: "text"}
 

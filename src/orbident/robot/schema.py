@@ -184,8 +184,8 @@ class RobotFile(Section):
     feature_point: Vector3 = (0.0, 0.0, 0.0)
     wheels: tuple[WheelEntry, ...] = ()
     thrusters: tuple[ThrusterEntry, ...] = ()
-    limits: dict[str, LimitEntry] = {}
-    structure: dict[str, StructureEntry] = {}
+    limits: dict[str, LimitEntry] = Field(default_factory=dict)
+    structure: dict[str, StructureEntry] = Field(default_factory=dict)
     sensors: Sensors = Sensors()
 
     @model_validator(mode="after")

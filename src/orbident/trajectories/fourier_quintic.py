@@ -3,7 +3,7 @@
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from orbident.errors import InputError
+from orbident.precision import require_float64
 
 Histories = tuple[
     Float[Array, "samples joints"],
@@ -39,12 +39,7 @@ def fourier_quintic(
     Raises:
         InputError: The numbers are not float64.
     """
-    for name, values in (("a", a), ("b", b), ("start", start), ("end", end), ("t", t)):
-        if jnp.asarray(values).dtype != jnp.float64:
-            raise InputError(
-                f"fourier_quintic: {name} is {jnp.asarray(values).dtype}; give float64 "
-                "and enable it with jax.config.update('jax_enable_x64', True)"
-            )
+    require_float64("fourier_quintic", a=a, b=b, start=start, end=end, t=t)
     # In s = t / t_f both series stay of order one: T d/dt = d/ds.
     T = duration
     s = t / T

@@ -48,7 +48,7 @@ class _Initial(Section):
     angular_velocity: Vector3 = (0.0, 0.0, 0.0)
     attitude: Vector4 = (0.0, 0.0, 0.0, 1.0)
     velocity: Vector3 = (0.0, 0.0, 0.0)
-    wheel_speed: dict[str, Number] = {}
+    wheel_speed: dict[str, Number] = Field(default_factory=dict)
 
 
 class _TrajectoryFile(Section):

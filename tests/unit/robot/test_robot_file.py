@@ -111,8 +111,7 @@ def test_importing_does_not_import_yourdfpy():
         ("1: 2", "servicer.yaml: unknown key 1; known keys: 'schema', 'name', 'urdf'"),
         ("motion: plane", "motion: found 'plane'; give 'spatial' or 'planar'"),
         ("name: 5", "name: found 5; give text"),
-        ("name: a\nname: b", "servicer.yaml:4: .*key 'name' is given twice"),
-        ("limits: {joint1: {velocity: 1, velocity: 2}}", "'velocity' is given twice"),
+        ("name: a\nname: b", "servicer.yaml:4:1: the key 'name' is given twice"),
         ("limits: {joint9: {velocity: 1}}",
          "limits: no joint 'joint9'; did you mean 'joint2'.* 'joint1', 'joint2'"),
         ("limits: {joint1: {position: [2, 1]}}",
@@ -130,9 +129,7 @@ def test_importing_does_not_import_yourdfpy():
         ("sensors: {rate: 0}", r"sensors\.rate: found 0; give a rate above zero"),
         ("sensors: {joints: {position: -1 rad}}", "found '-1 rad'; give zero or more"),
         ("sensors: {attitude: {}}", r"sensors\.attitude\.angle: this key is missing"),
-        ("name: [", "servicer.yaml:[0-9]: no valid YAML"),
-        ("name: *x", "servicer.yaml:3: no valid YAML"),
-        ("name: 2020-99-99", "no valid YAML"),
+        ("name: *x", "servicer.yaml:3:7: no valid YAML"),
     ],
 )  # fmt: skip
 def test_errors_name_file_place_finding_and_remedy(load_yaml, lines, message):
@@ -145,11 +142,8 @@ def test_errors_name_file_place_finding_and_remedy(load_yaml, lines, message):
 @pytest.mark.parametrize(
     ("content", "message"),
     [
-        (b"", "found an empty file"),
-        (b"- a\n- b\n", "found a list; give keys and values"),
-        (b"5", "found a int"),
+        (b"", "found an empty file; .* first 'schema: orbident/robot/1'"),
         (b"\xff\xfe\x00", "byte 0 is not UTF-8 text"),
-        (b"a: \x00\x01", "no valid YAML"),
         (b"urdf: x.urdf", "schema: this key is missing"),
         (b"schema: orbident/robot/1", "urdf: this key is missing"),
         (b"schema: orbident/robot/2\nurdf: x.urdf",
@@ -175,7 +169,7 @@ def test_files_that_are_no_robot_files(tmp_path, content, message):
         ("sc.urdf.xacro", "expand it first"),
         (ARM, "is no path"),
         (f"{'x' * 5000}.urdf", "cannot be read"),
-        ("", "is a directory"),
+        ("", "is a folder"),
     ],
 )
 def test_sources_that_are_no_robot(name, message):
@@ -186,10 +180,10 @@ def test_sources_that_are_no_robot(name, message):
 def test_directories_are_refused(tmp_path):
     for name in ("run", "run.urdf", "run.yaml"):
         (tmp_path / name).mkdir()
-        with pytest.raises(InputError, match="this is a directory; give a"):
+        with pytest.raises(InputError, match="is a folder; give a"):
             load_robot(tmp_path / name)
     (tmp_path / "run" / "robot.yaml").touch()
-    with pytest.raises(InputError, match=r"directory; give .*robot\.yaml"):
+    with pytest.raises(InputError, match=r"folder; give .*robot\.yaml"):
         load_robot(tmp_path / "run")
 
 

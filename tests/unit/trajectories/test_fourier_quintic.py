@@ -105,7 +105,7 @@ def test_without_harmonics_it_is_the_quintic():
 def test_float32_refused(parameters):
     a, b, start, end = parameters
     with pytest.raises(
-        InputError, match=r"b is float32; give float64 .*jax_enable_x64"
+        InputError, match=r"b is float32; give float64, .*jax_enable_x64"
     ):
         fourier_quintic(
             a, b.astype(jnp.float32), start, end, DURATION, jnp.array([0.0])

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from orbident.errors import InputError
-from orbident.trajectories.trajectory import InitialState, Trajectory
 from orbident.robot.description import Joint, Robot, Wheel
+from orbident.trajectories.trajectory import InitialState, Trajectory
 
 # Table 2
 A = [[0.0411, -0.0622, 0.0002], [0.0435, -0.0407, -0.1253], [0.0516, -0.0423, 0.1343]]
