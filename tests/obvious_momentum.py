@@ -45,9 +45,9 @@ def rotation(axis: Vector, angle: float) -> np.ndarray:
 
 def quaternion_rotation(x: Vector) -> np.ndarray:
     """`R_WB` of a scalar-last quaternion, from its axis and angle."""
-    sine = np.linalg.norm(x[:3])
+    sine = float(np.linalg.norm(x[:3]))
     axis = x[:3] / sine if sine > 0 else np.array([1.0, 0.0, 0.0])
-    return rotation(axis, 2 * np.arctan2(sine, x[3]))
+    return rotation(axis, 2 * float(np.arctan2(sine, x[3])))
 
 
 def body_motion(robot: Robot, body: int, q: Vector, qd: Vector, w: Vector) -> Body:

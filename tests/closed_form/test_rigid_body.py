@@ -29,7 +29,8 @@ class NoJoints:
     """The motion of a body without joints."""
 
     def at(self, t):
-        return (np.zeros((t.size, 0)),) * 3
+        none = np.zeros((t.size, 0))
+        return none, none, none
 
 
 class Body:
@@ -65,9 +66,9 @@ class Body:
         """`R_WB`: about `h` in `W` after, about `e` in `B` before the first one."""
         R_0, w_0 = quaternion_rotation(self.start.attitude), self.start.angular_velocity
         h = R_0 @ self.I @ w_0
-        spin = -(self.C - A) / A * (w_0 @ self.e)
-        about_h = rotation(h / np.linalg.norm(h), np.linalg.norm(h) / A * t)
-        return about_h @ R_0 @ rotation(self.e, spin * t)
+        size = float(np.linalg.norm(h))
+        spin = -(self.C - A) / A * float(w_0 @ self.e)
+        return rotation(h / size, size / A * t) @ R_0 @ rotation(self.e, spin * t)
 
 
 @pytest.fixture(scope="module", params=[1.0, 3.0, 5.5], ids=["rod", "ball", "disc"])
@@ -90,7 +91,7 @@ def test_attitude_precesses(body, floated):
 def test_base_rate_precesses(body, floated):
     """The rate turns about the axis in the body, at `-spin`."""
     w_0 = body.start.angular_velocity
-    rate = (body.C - A) / A * (w_0 @ body.e)
+    rate = (body.C - A) / A * float(w_0 @ body.e)
     for t, w in zip(T, floated.w, strict=True):
         expected = rotation(body.e, rate * t) @ w_0
         # The rate is E R^T h: off by the attitude's error times |h| / min(A, C).

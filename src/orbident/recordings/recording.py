@@ -70,17 +70,6 @@ class Recording:
             f"{self.source}: column '{name}' is missing{purpose}; add it{rename}"
         )
 
-    def columns_of(self, names: Sequence[str]) -> Float[np.ndarray, "samples K"]:
-        """These columns side by side, in the order asked for (a copy).
-
-        Raises:
-            InputError: A column is missing.
-        """
-        table = np.empty((self.t.size, len(names)))
-        for k, name in enumerate(names):
-            table[:, k] = self.column(name)
-        return table
-
     def vector(
         self, prefix: str, components: str = "xyz"
     ) -> Float[np.ndarray, "samples K"]:
@@ -93,34 +82,7 @@ class Recording:
         Raises:
             InputError: A component is missing.
         """
-        return self.columns_of([f"{prefix}.{k}" for k in components])
-
-    def joint_positions(
-        self, joint_names: Sequence[str]
-    ) -> Float[np.ndarray, "samples K"]:
-        """`q` in this order of the joints, rad or m.
-
-        Raises:
-            InputError: A joint has no position column.
-        """
-        return self.columns_of([f"joint.{name}.position" for name in joint_names])
-
-    def joint_velocities(
-        self, joint_names: Sequence[str]
-    ) -> Float[np.ndarray, "samples K"] | None:
-        """Measured joint rates, rad/s or m/s; None unless every joint has them."""
-        names = [f"joint.{name}.velocity" for name in joint_names]
-        return self.columns_of(names) if self.has(*names) else None
-
-    def wheel_speeds(
-        self, wheel_names: Sequence[str]
-    ) -> Float[np.ndarray, "samples K"] | None:
-        """Measured wheel speeds relative to the base, rad/s.
-
-        None unless every wheel has them; `signals.rates` derives them from angles.
-        """
-        names = [f"wheel.{name}.speed" for name in wheel_names]
-        return self.columns_of(names) if self.has(*names) else None
+        return np.column_stack([self.column(f"{prefix}.{k}") for k in components])
 
     def check_joints(self, robot: Robot) -> None:
         """Refuses joints that the robot lacks, and joints without a position.

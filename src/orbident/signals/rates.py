@@ -1,13 +1,12 @@
 """Rates of measured positions, and samples between samples, by cubic splines."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 import numpy as np
 from jaxtyping import Float
 from scipy.interpolate import CubicSpline
 
 from orbident.errors import InputError
-from orbident.recordings.recording import Recording
 
 
 def spline_rates(
@@ -57,48 +56,6 @@ def fill(
         return result
 
     return _by_column(x, name, filled)
-
-
-def joint_rates(
-    recording: Recording, joint_names: Sequence[str]
-) -> Float[np.ndarray, "samples K"]:
-    """`qd`, rad/s or m/s: measured where there is a column, else from positions.
-
-    Raises:
-        InputError: A joint has neither a velocity nor a position column, or too few
-            positions.
-    """
-    return _rates(
-        recording,
-        [(f"joint.{n}.velocity", f"joint.{n}.position") for n in joint_names],
-    )
-
-
-def wheel_speeds(
-    recording: Recording, wheel_names: Sequence[str]
-) -> Float[np.ndarray, "samples K"]:
-    """`qd_rw`, rad/s relative to the base: measured, else from unwrapped angles.
-
-    Raises:
-        InputError: A wheel has neither a speed nor a position column, or too few
-            positions.
-    """
-    return _rates(
-        recording, [(f"wheel.{n}.speed", f"wheel.{n}.position") for n in wheel_names]
-    )
-
-
-def _rates(
-    recording: Recording, names: Sequence[tuple[str, str]]
-) -> Float[np.ndarray, "samples K"]:
-    table = np.empty((recording.t.size, len(names)))
-    for k, (rate, position) in enumerate(names):
-        if recording.has(rate) or not recording.has(position):
-            table[:, k] = recording.column(rate)
-        else:
-            label = f"{recording.source}: column '{position}'"
-            table[:, k] = spline_rates(recording.t, recording.column(position), label)
-    return table
 
 
 def _by_column(

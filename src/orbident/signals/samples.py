@@ -77,7 +77,8 @@ class Samples:
             np.where(turning[:, None], table, 0.0) for table in tables
         )
         x_WB[~turning, 3] = 1.0
-        v_S = np.where(moving[:, None], v_S, np.zeros((size, 3)))
+        unknown = np.zeros((size, 3))
+        v_S = np.where(moving[:, None], v_S if self.v_S else unknown, unknown)
         return Batch(q, qd, w, x_WB, qd_rw, v_S, turning, moving)
 
 
@@ -155,17 +156,18 @@ def _derived(recording: Recording, name: str) -> Float[np.ndarray, " samples"]:
 def _positions_and_rates(
     recording: Recording, what: str, names: Sequence[str], rate: str
 ) -> tuple[Columns, Columns, str]:
-    measured = recording.has(*(f"{what}.{name}.{rate}" for name in names))
-    positions, rates = [], []
+    positions, rates, origins = [], [], set()
     for name in names:
-        position = f"{what}.{name}.position"
+        position, measured = f"{what}.{name}.position", f"{what}.{name}.{rate}"
         if recording.has(position):
             positions.append(_without_gaps(recording, position))
-        if measured:
-            rates.append(_without_gaps(recording, f"{what}.{name}.{rate}"))
+        if recording.has(measured):
+            rates.append(_without_gaps(recording, measured))
+            origins.add(MEASURED)
         else:
             rates.append(_derived(recording, position))
-    return tuple(positions), tuple(rates), MEASURED if measured else DERIVED
+            origins.add(DERIVED)
+    return tuple(positions), tuple(rates), "; ".join(sorted(origins)) or "none"
 
 
 def _velocity(recording: Recording) -> tuple[Columns, str]:

@@ -7,8 +7,8 @@ from orbident.spatial.arrays import AnyArray
 
 
 def cross(
-    a: Float[AnyArray, "*n 3"], b: Float[AnyArray, "*n 3"]
-) -> Float[AnyArray, "*n 3"]:
+    a: Float[AnyArray, "*#n 3"], b: Float[AnyArray, "*#n 3"]
+) -> Float[AnyArray, "*#n 3"]:
     """`a x b`, over any leading axes."""
     ax, ay, az = a[..., 0], a[..., 1], a[..., 2]
     bx, by, bz = b[..., 0], b[..., 1], b[..., 2]
@@ -24,24 +24,24 @@ def cross_matrix(v: Float[AnyArray, "*n 3"]) -> Float[AnyArray, "*n 3 3"]:
 
 
 def product(
-    A: Float[AnyArray, "*n 3 3"], B: Float[AnyArray, "*n 3 m"]
-) -> Float[AnyArray, "*n 3 m"]:
+    A: Float[AnyArray, "*#n 3 3"], B: Float[AnyArray, "*#n 3 m"]
+) -> Float[AnyArray, "*#n 3 m"]:
     """`A B`, written out: it fuses, where XLA's product of tiny matrices does not."""
     terms = [A[..., :, k, None] * B[..., k, None, :] for k in range(3)]
     return terms[0] + terms[1] + terms[2]
 
 
 def rotate(
-    R: Float[AnyArray, "*n 3 3"], v: Float[AnyArray, "*n 3"]
-) -> Float[AnyArray, "*n 3"]:
+    R: Float[AnyArray, "*#n 3 3"], v: Float[AnyArray, "*#n 3"]
+) -> Float[AnyArray, "*#n 3"]:
     """`R v`."""
     terms = [R[..., :, k] * v[..., k, None] for k in range(3)]
     return terms[0] + terms[1] + terms[2]
 
 
 def rotate_back(
-    R: Float[AnyArray, "*n 3 3"], v: Float[AnyArray, "*n 3"]
-) -> Float[AnyArray, "*n 3"]:
+    R: Float[AnyArray, "*#n 3 3"], v: Float[AnyArray, "*#n 3"]
+) -> Float[AnyArray, "*#n 3"]:
     """`R^T v`."""
     terms = [R[..., k, :] * v[..., k, None] for k in range(3)]
     return terms[0] + terms[1] + terms[2]

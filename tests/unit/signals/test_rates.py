@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from orbident.errors import InputError
-from orbident.recordings.recording import Recording
-from orbident.signals.rates import fill, joint_rates, spline_rates, wheel_speeds
+from orbident.signals.rates import fill, spline_rates
 
 # Unequal steps; a not-a-knot spline reproduces a cubic to rounding.
 T = np.sort(np.concatenate([np.linspace(0, 2, 9), [0.1, 0.77, 1.3]]))
@@ -83,32 +82,6 @@ def test_refusals(work):
         work(T, np.where(T > 1, np.inf, T))
     with pytest.raises(InputError, match="strictly increasing"):
         work(np.zeros(5), np.arange(5.0))
-
-
-def test_rates_of_a_recording():
-    columns = {
-        "joint.a.position": CUBIC(T),
-        "joint.b.position": T,
-        "joint.b.velocity": np.full(T.size, 7.0),
-        "wheel.r.position": CUBIC(T),
-        "wheel.s.speed": np.full(T.size, 9.0),
-    }
-    rec = Recording(T, columns, source="flight.csv")
-    rate = CUBIC.deriv()(T)
-    for rates, measured in (
-        (joint_rates(rec, ["b", "a"]), 7.0),
-        (wheel_speeds(rec, ["s", "r"]), 9.0),
-    ):
-        np.testing.assert_array_equal(rates[:, 0], measured)
-        np.testing.assert_allclose(rates[:, 1], rate, atol=1e-12)
-    with pytest.raises(InputError, match=r"'wheel\.q\.speed' is missing"):
-        wheel_speeds(rec, ["q"])
-
-
-def test_too_few_positions_name_the_column():
-    rec = Recording(T[:3], {"joint.a.position": T[:3]}, source="flight.csv")
-    with pytest.raises(InputError, match=r"flight\.csv: column 'joint\.a\.position'"):
-        joint_rates(rec, ["a"])
 
 
 def test_memory_is_bounded_by_one_column():

@@ -1,0 +1,65 @@
+"""The command run in this process, and recordings that many tests share."""
+
+import os
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from running import Orbident, Ran
+
+from orbident.cli.app import main
+from orbident.recordings.recording import Recording
+from orbident.robot.robot_file import load_robot
+from orbident.sensing.simulate import simulate
+from random_motions import random_motion
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _own_cache(request: pytest.FixtureRequest) -> Iterator[None]:
+    """Compiled functions are kept apart from the user's, and apart for each worker:
+    the cache is not made for two that write at once."""
+    worker = os.environ.get("PYTEST_XDIST_WORKER", "gw0")
+    cache = request.config.cache
+    assert cache is not None
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("XDG_CACHE_HOME", str(cache.mkdir(f"orbident-{worker}")))
+        yield
+
+
+@pytest.fixture
+def orbident(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> Orbident:
+    """Runs the command: `orbident("inspect", "dual-arm")`."""
+
+    def run(*arguments: object) -> Ran:
+        monkeypatch.setattr(sys, "argv", ["orbident", *map(str, arguments)])
+        capsys.readouterr()
+        with pytest.raises(SystemExit) as exited:
+            main()
+        captured = capsys.readouterr()
+        assert isinstance(exited.value.code, int)
+        return Ran(exited.value.code, captured.out, captured.err)
+
+    return run
+
+
+@pytest.fixture(scope="session")
+def flight() -> Recording:
+    """`paper-spatial`, all columns, no noise: 40 s at 20 Hz."""
+    robot = load_robot("paper-spatial")
+    return simulate(robot, random_motion(robot))
+
+
+@pytest.fixture(scope="session")
+def table_run() -> Recording:
+    """`cepheus-like`, which was at rest before its wheel spun up: 10 s at 100 Hz."""
+    robot = load_robot("cepheus-like")
+    return simulate(robot, random_motion(robot, duration=10.0, at_rest=True))
+
+
+@pytest.fixture(autouse=True)
+def _inside(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Relative paths are inside the test's own folder."""
+    monkeypatch.chdir(tmp_path)
