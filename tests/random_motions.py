@@ -1,13 +1,23 @@
 """Random manoeuvres: joints on random Fourier series, wheels spinning, base turning."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from typing import Literal
 
+import jax.numpy as jnp
 import numpy as np
 
+from orbident.dynamics.inertia import inertia
+from orbident.dynamics.tree import tree_of
+from orbident.dynamics.wheels import wheels_of
+from orbident.precision import in_float64
 from orbident.robot.description import Robot
 from orbident.trajectories.trajectory import InitialState, Trajectory
 
 HARMONICS = 5
+
+Start = Literal["turning", "at rest", "spun up"]
+"""The base turns; the base is at rest and the wheels spin; or the base turns because
+the wheels spun up when all was at rest, so that the momentum is zero."""
 
 
 def random_motion(
@@ -15,32 +25,29 @@ def random_motion(
     seed: int = 0,
     duration: float = 40.0,
     wheel_speed: float = 200.0,
-    start: Mapping[str, float] | None = None,
-    still: tuple[str, ...] = (),
-    at_rest: bool = False,
+    start: Start = "turning",
+    start_at: Mapping[str, float] | None = None,
+    still: Sequence[str] = (),
 ) -> Trajectory:
-    """A trajectory that excites everything.
+    """A trajectory that excites everything; its joints start and end at rest.
 
     Args:
         robot: whose joints move.
         seed: of the random coefficients.
         duration: s.
         wheel_speed: of every wheel at the start, rad/s.
-        start: where a joint starts and ends; zero where absent.
+        start: how base and wheels start.
+        start_at: where a joint starts and ends; zero where absent.
         still: joints that do not move.
-        at_rest: whether the base does not turn at the start.
     """
     random = np.random.default_rng(seed)
     joints = len(robot.joints)
     a, b = 0.15 * random.standard_normal((2, joints, HARMONICS))
     ends = np.zeros((joints, 3))
     for k, name in enumerate(robot.joint_names):
-        ends[k, 0] = (start or {}).get(name, 0.0)
+        ends[k, 0] = (start_at or {}).get(name, 0.0)
         if name in still:
             a[k] = b[k] = 0.0
-    spatial = robot.motion == "spatial"
-    w = [0.01, 0.03, 0.025] if spatial else [0.0, 0.0, 0.3]
-    attitude = [0.2, 0.1, 0.3, 0.93] if spatial else [0.0, 0.0, 0.6, 0.8]
     return Trajectory(
         duration=duration,
         joints=robot.joint_names,
@@ -49,8 +56,26 @@ def random_motion(
         start=ends,
         end=ends,
         initial=InitialState(
-            angular_velocity=np.zeros(3) if at_rest else np.array(w),
-            attitude=np.array(attitude),
+            angular_velocity=_rate(robot, ends[:, 0], wheel_speed, start),
+            attitude=np.array(
+                [0.2, 0.1, 0.3, 0.93]
+                if robot.motion == "spatial"
+                else [0.0, 0.0, 0.6, 0.8]
+            ),
             wheel_speed=dict.fromkeys(robot.wheel_names, wheel_speed),
         ),
     )
+
+
+@in_float64
+def _rate(robot: Robot, q: np.ndarray, wheel_speed: float, start: Start) -> np.ndarray:
+    planar = robot.motion == "planar"
+    if start == "at rest":
+        return np.zeros(3)
+    if start == "turning":
+        return np.array([0.0, 0.0, 0.3] if planar else [0.01, 0.03, 0.025])
+    D = np.asarray(inertia(tree_of(robot), jnp.asarray(robot.theta), jnp.asarray(q)).D)
+    h_rw = wheels_of(robot).A_rw @ np.full(len(robot.wheels), wheel_speed)
+    if planar:
+        return np.array([0.0, 0.0, -h_rw[2] / D[2, 2]])
+    return -np.linalg.solve(D, h_rw)

@@ -1,9 +1,10 @@
 """The command `orbident`: verbs, exit statuses, and errors in one line."""
 
+import io
 import os
 import sys
+from typing import Annotated
 
-import click
 import typer
 
 from orbident.cli.identify import identify
@@ -22,7 +23,6 @@ app = typer.Typer(
     add_completion=False,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
-    no_args_is_help=True,
     help="Identify every inertial parameter of a free-flying space manipulator.",
     epilog="Exit status: 0 done, 2 wrong input, 1 the result must not be trusted.",
 )
@@ -30,34 +30,47 @@ for verb in (robots, inspect, simulate, identify, validate, study):
     app.command()(verb)
 
 
-@app.callback(invoke_without_command=True)
-def _version(
-    context: typer.Context,
-    version: bool = typer.Option(False, "--version", help="Print the version."),
-) -> None:
-    if version:
+def _print_version(wanted: bool) -> bool:
+    if wanted:
         from importlib.metadata import version as installed
 
         print(f"orbident {installed('orbident')}")
         raise typer.Exit
-    if context.invoked_subcommand is None:
-        print(context.get_help())
+    return wanted
+
+
+@app.callback()
+def _for_all_verbs(
+    version: Annotated[
+        bool,
+        typer.Option(
+            "--version",
+            callback=_print_version,
+            is_eager=True,
+            help="Print the version.",
+        ),
+    ] = False,
+) -> None:
+    """Options that stand before the verb."""
 
 
 def main() -> None:
     """Run the command; every failure is one line on standard error."""
+    _accept_any_output()
     try:
-        status = app(standalone_mode=False)
-    except InputError as error:
-        status = _complain(str(error), WRONG_INPUT)
-    except click.ClickException as error:
-        status = _complain(error.format_message(), error.exit_code)
-    except (KeyboardInterrupt, click.Abort):
-        status = _complain("interrupted", INTERRUPTED)
-    except BrokenPipeError:
+        status = app(sys.argv[1:] or ["--help"], "orbident", standalone_mode=False)
+        # Not at exit, where a reader that has gone could not be caught.
+        sys.stdout.flush()
+    except OSError as error:
+        if error.filename is None:
+            _drop_output()
         # The reader of our output has gone: nothing is left to be said.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        status = 0
+        gone = isinstance(error, BrokenPipeError)
+        status = 0 if gone else _complain(_refusal(error), WRONG_INPUT)
+    except (InputError, MemoryError, typer.TyperException) as error:
+        status = _complain(_refusal(error), WRONG_INPUT)
+    except (KeyboardInterrupt, typer.Abort):
+        status = _complain("interrupted", INTERRUPTED)
     except Exception as error:
         if os.environ.get("ORBIDENT_TRACEBACK"):
             raise
@@ -66,7 +79,33 @@ def main() -> None:
             "(a bug; set ORBIDENT_TRACEBACK=1 to see where, and please report it)",
             UNTRUSTED,
         )
-    sys.exit(status)
+    sys.exit(status or 0)
+
+
+def _refusal(error: Exception) -> str:
+    if isinstance(error, OSError):
+        return f"{error.filename or 'standard output'}: {error.strerror or error}"
+    if isinstance(error, typer.TyperException):
+        message = error.format_message().replace("Value error, ", "").rstrip(".")
+        context = getattr(error, "ctx", None)
+        verb = "orbident" if context is None else context.command_path
+        return f"{message}; see {verb} --help"
+    if isinstance(error, MemoryError):
+        return f"not enough memory: {error}"
+    return str(error)
+
+
+def _accept_any_output() -> None:
+    """Neither a name that the terminal cannot show nor a closed output is an error."""
+    if sys.stdout is None:
+        sys.stdout = os.fdopen(os.open(os.devnull, os.O_WRONLY), "w")
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="backslashreplace")
+
+
+def _drop_output() -> None:
+    """What is still buffered is not to fail once more when Python exits."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _complain(message: str, status: int) -> int:

@@ -46,16 +46,15 @@ def identify(
     quiet: Quiet = False,
 ) -> None:
     """Identify pi, phi and the total mass from a recording."""
-    from orbident.cli.output import Output, check_json_place, prepare_jax, progress
+    from orbident.cli.output import Output, prepare_jax, progress
     from orbident.estimation.identify import identify as identified
     from orbident.identified.run_folder import check_absent, save_result
     from orbident.recordings.tables import read_recording
     from orbident.robot.robot_file import load_robot
 
-    check_json_place(json)
+    output = Output(json, quiet)
     if out is not None:
         check_absent(out, force)
-    output = Output(json, quiet)
     described = load_robot(robot)
     with progress("reading"):
         table = read_recording(recording)
@@ -67,43 +66,43 @@ def identify(
     if out is not None:
         save_result(result, out, force)
     output.say(*_summary(result, out))
+    output.warn(result.warnings)
     output.write_json(result.to_json())
     if result.status == "rejected":
         raise typer.Exit(1)
 
 
-def _summary(result: Any, out: Path | None) -> list[Any]:
-    from rich.table import Table
-
-    lines: list[Any] = [
+def _summary(result: Any, out: Path | None) -> list[str]:
+    lines = [
         f"{result.robot.name}: {result.status}, {result.samples} samples, "
         f"{result.elapsed_s:.2f} s",
-        f"mass {_pm(result.mass.value, result.mass.std)} kg, from "
-        f"{len(result.mass_forms.names)} forms of Eq. 32",
+        _mass(result),
     ]
     for title, estimates in (
-        ("pi", result.pi),
-        ("phi (m)", result.phi),
-        ("base parameters", result.base),
+        ("pi, kg m^2", result.pi),
+        ("phi, m", result.phi),
+        ("base parameters: M, kg; sigma, kg m; iota, kg m^2", result.base),
     ):
-        table = Table("", "value", "std", "formula", box=None, pad_edge=False)
-        table.columns[3].no_wrap = True
+        lines += ["", title, f"  {'':8} {'value':>12} {'std':>8}   formula"]
         for name, formula, value, std in estimates:
-            table.add_row(name, _number(value, ".6g"), _number(std, ".2g"), formula)
-        lines += ["", title, table]
+            numbers = f"{_number(value, '.6g'):>12} {_number(std, '.2g'):>8}"
+            lines.append(f"  {name:8} {numbers}   {formula}")
     condition = ", ".join(
         f"{name} {value:.4g}" for name, value in result.condition_number.items()
     )
     lines += ["", f"condition numbers: {condition}"]
-    lines += [f"warning: {warning}" for warning in result.warnings]
     if out is not None:
         lines.append(f"written: {out}")
     return lines
 
 
+def _mass(result: Any) -> str:
+    mass, forms = result.mass, len(result.mass_forms.names)
+    if mass.value != mass.value:
+        return "mass not determined"
+    source = f"{forms} form{'' if forms == 1 else 's'} of Eq. 32"
+    return f"mass {mass.value:.6g} +- {mass.std:.2g} kg, from {source}"
+
+
 def _number(value: float, form: str) -> str:
     return f"{value:{form}}" if value == value else "-"
-
-
-def _pm(value: float, std: float) -> str:
-    return f"{value:.6g} +- {std:.2g}" if value == value else "not determined:"

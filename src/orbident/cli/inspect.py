@@ -7,14 +7,13 @@ from orbident.cli.options import Json, Quiet, RobotName
 
 def inspect(robot: RobotName, json: Json = None, quiet: Quiet = False) -> None:
     """Bodies, joints, wheels, and the minimal sets that a recording can identify."""
-    from orbident.cli.output import Output, check_json_place, prepare_jax, progress
+    from orbident.cli.output import Output, prepare_jax, progress
     from orbident.dynamics.regularity import check_regular
     from orbident.regressors.formulas import formulas_of
     from orbident.regressors.identifiability import not_identifiable
     from orbident.regressors.minimal_sets import minimal_sets
     from orbident.robot.robot_file import load_robot
 
-    check_json_place(json)
     output = Output(json, quiet)
     described = load_robot(robot)
     prepare_jax()
@@ -66,9 +65,10 @@ def _lines(robot: Any, document: dict[str, Any]) -> list[str]:
             f"{wheel.mode}"
         )
     titles = {
-        "base": f"{count['base']} free-flying base parameters (nominal values)",
-        "phi": f"{count['phi']} phi, of the velocity of the feature point (m)",
-        "pi": f"{count['pi']} pi, of the angular momentum",
+        "base": f"{count['base']} free-flying base parameters, nominal values: "
+        "M, kg; sigma, kg m; iota, kg m^2",
+        "phi": f"{count['phi']} phi, m: what the feature point's velocity shows",
+        "pi": f"{count['pi']} pi, kg m^2: what the angular momentum shows",
     }
     for name, title in titles.items():
         entries = document[name]

@@ -3,7 +3,7 @@
 import json
 import os
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -22,17 +22,36 @@ class Output:
     """One verb's results, in words and as JSON."""
 
     def __init__(self, json_to: str | None, quiet: bool) -> None:
+        """Refuse a place for the JSON before the work is done, not after.
+
+        Raises:
+            InputError: it is a folder, or in a folder that does not exist.
+        """
+        if json_to not in {None, "-"}:
+            check_place(Path(str(json_to)))
         # With the JSON on standard output nothing else may stand there.
-        silent = quiet or json_to == "-"
-        width = None if sys.stdout.isatty() else WIDTH
+        self._silent = quiet or json_to == "-"
         self._json_to = json_to
-        self._console = Console(quiet=silent, width=width, highlight=False)
+        width = None if sys.stdout.isatty() else WIDTH
+        self._console = Console(width=width, highlight=False)
 
     def say(self, *things: Any) -> None:
-        """Tables and words for people; names are shown as they are, never as markup."""
+        """Words and tables for people; names are shown as they are, never as markup."""
+        if self._silent:
+            return
         for thing in things:
             # Words are for the terminal to wrap, so that a formula can be copied.
-            self._console.print(thing, markup=False, soft_wrap=isinstance(thing, str))
+            print(thing if isinstance(thing, str) else self._drawn(thing))
+
+    def warn(self, warnings: Iterable[str]) -> None:
+        """Lines on standard error, quiet or not."""
+        for warning in warnings:
+            print(f"orbident: warning: {' '.join(warning.split())}", file=sys.stderr)
+
+    def _drawn(self, table: Any) -> str:
+        with self._console.capture() as drawn:
+            self._console.print(table, markup=False)
+        return "\n".join(line.rstrip() for line in drawn.get().splitlines())
 
     def write_json(self, document: dict[str, Any]) -> None:
         """The machine-readable result, where it was asked for.
@@ -46,7 +65,12 @@ class Output:
         if self._json_to == "-":
             print(text)
             return
-        with replacing(Path(self._json_to)) as path:
+        place = Path(self._json_to)
+        if place.exists() and not place.is_file():
+            # A pipe or a terminal is written to, not replaced.
+            place.write_text(text + "\n", encoding="utf-8")
+            return
+        with replacing(place) as path:
             path.write_text(text + "\n", encoding="utf-8")
 
 
@@ -66,14 +90,16 @@ def progress(what: str) -> Iterator[Any]:
         yield lambda fraction: bar.update(task, total=1.0, completed=fraction)
 
 
-def check_json_place(json_to: str | None) -> None:
-    """Refuse a place for the JSON before the work is done, not after.
+def check_place(path: Path) -> None:
+    """Refuse a place for a file.
 
     Raises:
-        InputError: its folder does not exist.
+        InputError: it is a folder, or in a folder that does not exist.
     """
-    if json_to not in (None, "-") and not Path(str(json_to)).parent.is_dir():
-        raise InputError(f"--json {json_to}: the folder does not exist; create it")
+    if not path.parent.is_dir():
+        raise InputError(f"{path}: folder '{path.parent}' does not exist; create it")
+    if path.is_dir():
+        raise InputError(f"{path}: is a folder; give a file name")
 
 
 def prepare_jax() -> None:

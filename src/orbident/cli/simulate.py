@@ -32,15 +32,15 @@ def simulate(
     quiet: Quiet = False,
 ) -> None:
     """Float the robot along a trajectory and record it."""
-    from orbident.cli.output import Output, check_json_place, prepare_jax, progress
+    from orbident.cli.output import Output, check_place, prepare_jax, progress
     from orbident.recordings.tables import check_writable, write_recording
     from orbident.robot.robot_file import load_robot
     from orbident.sensing.simulate import simulate as simulated
     from orbident.trajectories.trajectory_file import load_trajectory
 
-    check_json_place(json)
-    check_writable(out)
     output = Output(json, quiet)
+    check_writable(out)
+    check_place(out)
     described = load_robot(robot)
     motion = load_trajectory(trajectory)
     prepare_jax()

@@ -7,6 +7,10 @@ from typing import Annotated, Any
 import typer
 
 from orbident.cli.options import Json, Quiet
+from orbident.errors import InputError
+
+TRAJECTORY = "trajectory.yaml"
+RECORDING = "recording.csv"
 
 
 class Study(StrEnum):
@@ -35,23 +39,23 @@ def study(
     quiet: Quiet = False,
 ) -> None:
     """Run a study of the paper, printed beside the paper's own numbers."""
-    from orbident.cli.output import Output, check_json_place, prepare_jax, progress
+    from orbident.cli.output import Output, prepare_jax, progress
     from orbident.identified.run_folder import check_absent, save_result
     from orbident.recordings.tables import write_recording
     from orbident.studies.runner import run_spatial
     from orbident.trajectories.trajectory_file import save_trajectory
 
-    check_json_place(json)
+    output = Output(json, quiet)
     if out is not None:
         check_absent(out / "run", force)
-    output = Output(json, quiet)
+        _check_free(out, force)
     prepare_jax()
     with progress(f"study {name}"):
         done = run_spatial()
     if out is not None:
         out.mkdir(parents=True, exist_ok=True)
-        save_trajectory(done.trajectory, out / "trajectory.yaml")
-        write_recording(done.recording, out / "recording.csv")
+        save_trajectory(done.trajectory, out / TRAJECTORY)
+        write_recording(done.recording, out / RECORDING)
         save_result(done.result, out / "run", force)
     output.say(*_lines(done))
     if out is not None:
@@ -59,6 +63,14 @@ def study(
     output.write_json(done.to_json())
     if not done.trusted:
         raise typer.Exit(1)
+
+
+def _check_free(out: Path, force: bool) -> None:
+    for name in (TRAJECTORY, RECORDING):
+        if (out / name).exists() and not force:
+            raise InputError(
+                f"{out / name}: exists already; name another DIR, or use --force"
+            )
 
 
 def _lines(done: Any) -> list[Any]:

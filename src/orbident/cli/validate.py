@@ -10,12 +10,11 @@ def validate(
     quiet: Quiet = False,
 ) -> None:
     """Predict a recording that was not used, and score the prediction."""
-    from orbident.cli.output import Output, check_json_place, prepare_jax, progress
+    from orbident.cli.output import Output, prepare_jax, progress
     from orbident.identified.run_folder import load_result
     from orbident.identified.validate import validate as validated
     from orbident.recordings.tables import read_recording
 
-    check_json_place(json)
     output = Output(json, quiet)
     result = load_result(run)
     table = read_recording(recording)

@@ -39,7 +39,7 @@ class RateLaw(NamedTuple):
     b: Float[AnyArray, "*n 3"]
 
     def rate(
-        self, x_WB: Float[AnyArray, "*n 4"], h_cm: Float[AnyArray, "3"]
+        self, x_WB: Float[AnyArray, "*n 4"], h_cm: Float[AnyArray, "*#n 3"]
     ) -> Float[AnyArray, "*n 3"]:
         """The base rate, rad/s, base axes."""
         h_B = rotate_back(quaternion_matrix(x_WB), h_cm)

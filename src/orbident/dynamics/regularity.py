@@ -32,16 +32,16 @@ def check_regular(robot: Robot) -> None:
     scale = np.abs(np.diag(H))
     still = scale <= SINGULAR * scale.max()
     if still.any():
-        _refuse(names[int(still.argmax())])
+        _refuse(robot, names[int(still.argmax())])
     unit = H / np.sqrt(np.outer(scale, scale))
     values, vectors = np.linalg.eigh(unit)
     smallest = int(np.abs(values).argmin())
     if abs(values[smallest]) <= SINGULAR:
-        _refuse(names[int(np.abs(vectors[:, smallest]).argmax())])
+        _refuse(robot, names[int(np.abs(vectors[:, smallest]).argmax())])
 
 
-def _refuse(who: str) -> None:
+def _refuse(robot: Robot, who: str) -> None:
     raise InputError(
-        f"the mass matrix is singular: {who} can turn or slide without moving any "
-        "mass; give the links beyond it an inertia, or make the joint fixed"
+        f"{robot.name}: the mass matrix is singular: {who} can turn or slide without "
+        "moving any mass; give the links beyond it an inertia, or make the joint fixed"
     )

@@ -60,18 +60,16 @@ def poses(tree: Tree, q: Float[AnyArray, " joints"]) -> Poses:
     R_PC = product(tree.R_PJ, axis_rotation(tree.axis, tree.revolute * q))
     p_PC = tree.p_PJ + slide[:, None] * rotate(tree.R_PJ, tree.axis)
 
-    def place(above, joint):
-        k, parent, R_PC, p_PC = joint
-        R_P, d_P = above.R[parent], above.d[parent]
-        R = above.R.at[k + 1].set(product(R_P, R_PC))
-        d = above.d.at[k + 1].set(d_P + rotate(R_P, p_PC))
-        return Poses(R, d), None
+    # [R | p] as one array: one update a joint is what the scan costs.
+    X_PC = jnp.concatenate([R_PC, p_PC[:, :, None]], axis=-1)
 
-    bodies = tree.moves.shape[1]
-    base = Poses(
-        jnp.zeros((bodies, 3, 3), q.dtype).at[0].set(jnp.eye(3, dtype=q.dtype)),
-        jnp.zeros((bodies, 3), q.dtype),
-    )
+    def place(X_B, joint):
+        k, parent, X_PC = joint
+        X_BP = X_B[parent]
+        X_BC = product(X_BP[:, :3], X_PC).at[:, 3].add(X_BP[:, 3])
+        return X_B.at[k + 1].set(X_BC), None
+
+    X_BB = jnp.zeros((tree.moves.shape[1], 3, 4), q.dtype).at[0, :, :3].set(jnp.eye(3))
     order = jnp.arange(tree.parent.shape[0])
-    placed, _ = jax.lax.scan(place, base, (order, tree.parent, R_PC, p_PC))
-    return placed
+    X_B, _ = jax.lax.scan(place, X_BB, (order, tree.parent, X_PC))
+    return Poses(X_B[:, :, :3], X_B[:, :, 3])

@@ -81,7 +81,7 @@ def identify(
         phi=_estimates(words.phi, fits.phi.values, _std(fits.phi), verdict.phi),
         base=_estimates(words.base, base.values, base.std, base.determined),
         condition_number=_condition(fits),
-        residual=_residual(fits),
+        residual=_residual(fits, has_velocity=bool(samples.v_S)),
         origins=samples.origins,
         samples=fits.samples,
         elapsed_s=time.perf_counter() - started,
@@ -136,7 +136,10 @@ def _condition(fits: Fits) -> dict[str, float]:
     }
 
 
-def _residual(fits: Fits) -> dict[str, Any]:
+def _residual(fits: Fits, has_velocity: bool) -> dict[str, Any]:
     """RMS per equation: momentum in N m s, velocity in m/s."""
-    rms = {"momentum": fits.pi.rms, "velocity": fits.phi.rms}
+    rms = {
+        "momentum": fits.pi.rms,
+        "velocity": fits.phi.rms if has_velocity else None,
+    }
     return {"rms": rms, "chi2_per_dof": None}

@@ -72,21 +72,21 @@ def fit(
     # Unknown momentum is a nuisance; known momentum is checked as if it were unknown.
     layout_h = Layout(axes_h, pis, 0) if known is None else Layout(0, pis, axes_h)
     layout_v = Layout(axes_v, phis, 0)
-    R_h = jnp.zeros((layout_h.columns,) * 2)
-    R_v = jnp.zeros((layout_v.columns,) * 2)
+    R_h = np.zeros((layout_h.columns,) * 2)
+    R_v = np.zeros((layout_v.columns,) * 2)
     turning = moving = 0
     h_rw = 0.0
     for k, batch in enumerate(samples.batches(BATCH)):
         progress(k * BATCH / samples.t.size)
         rows_h, rows_v = _rows(regressors, wheels, known, batch)
-        R_h, R_v = fold(R_h, rows_h), fold(R_v, rows_v)
+        R_h, R_v = fold(R_h, np.asarray(rows_h)), fold(R_v, np.asarray(rows_v))
         turning += int(batch.turning.sum())
         moving += int(batch.moving.sum())
         h_rw = np.hypot(h_rw, np.linalg.norm(wheels.A_rw @ batch.qd_rw.T))
-    _check_enough(turning, axes_h, layout_h.nuisances + pis)
+    _check_enough(samples.source, turning, axes_h, layout_h.nuisances + pis)
     return Fits(
-        pi=solve(np.asarray(R_h), layout_h, turning * axes_h),
-        phi=solve(np.asarray(R_v), layout_v, moving * axes_v),
+        pi=solve(R_h, layout_h, turning * axes_h),
+        phi=solve(R_v, layout_v, moving * axes_v),
         samples=turning,
         h_rw=float(h_rw),
     )
@@ -95,7 +95,7 @@ def fit(
 @jax.jit
 def _rows(
     regressors: Regressors, wheels: Wheels, known: KnownMomentum | None, batch: Batch
-) -> tuple[Float[AnyArray, "h unknowns"], Float[AnyArray, "v unknowns"]]:
+) -> tuple[Float[AnyArray, "h h_columns"], Float[AnyArray, "v v_columns"]]:
     """The rows of Eqs. 24 and 31 for a batch."""
     turning, moving = regressors.momentum_axes, regressors.velocity_axes
 
@@ -157,10 +157,10 @@ def _seen_from_inertial_axes(
     return h_rw, R_WB[turning, :][:, turning] @ Y
 
 
-def _check_enough(samples: int, axes: int, unknowns: int) -> None:
+def _check_enough(source: str, samples: int, axes: int, unknowns: int) -> None:
     if samples * axes < unknowns:
         raise InputError(
-            f"{samples} complete samples give {samples * axes} momentum equations for "
+            f"{source}: {samples} complete samples give {samples * axes} momentum equations for "
             f"{unknowns} unknowns; record at least {-(-unknowns // axes)} samples with "
             "joints, wheels, gyro and attitude all measured"
         )

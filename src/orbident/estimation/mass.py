@@ -19,7 +19,8 @@ from orbident.regressors.minimal_sets import MinimalSets
 # Directions of the combined covariance below this fraction of the largest are
 # rounding: they would be trusted without limit.
 FLOOR = 1e-12
-ROUNDS = 5
+# The weights depend on M only a little: two rounds settle M, the third its deviation.
+ROUNDS = 3
 
 
 class ProductForms(NamedTuple):

@@ -6,12 +6,9 @@ number, and nothing is ever squared.
 
 from typing import NamedTuple
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Bool, Float
-
-from orbident.spatial.arrays import AnyArray
+from scipy.linalg.lapack import dtpqrt
 
 # Singular values of the factor with unit columns: what the motion never shows comes
 # out at 1e-16 to 1e-14, and what it does show is worth reporting with its error.
@@ -20,12 +17,20 @@ RANK = 1e-12
 UNSEEN = 1e-6
 
 
-@jax.jit
+# Columns that LAPACK factors at once: 16 to 32 are equally fast up to 500 columns.
+BLOCK = 16
+
+
 def fold(
-    R: Float[AnyArray, "n n"], rows: Float[AnyArray, "rows n"]
-) -> Float[AnyArray, "n n"]:
-    """The triangular factor with some more rows."""
-    return jnp.linalg.qr(jnp.concatenate([R, rows]), mode="r")
+    R: Float[np.ndarray, "n n"], rows: Float[np.ndarray, "rows n"]
+) -> Float[np.ndarray, "n n"]:
+    """The triangular factor with some more rows.
+
+    LAPACK's tpqrt leaves alone the zeros that `R` already has: half the time of a QR
+    of the two stacked.
+    """
+    factor, _, _, _ = dtpqrt(0, min(BLOCK, len(R)), R, rows)
+    return factor
 
 
 class LinearFit(NamedTuple):

@@ -21,7 +21,7 @@ from orbident.errors import InputError
 from orbident.estimation.result import Result
 from orbident.precision import in_float64
 from orbident.recordings.recording import Recording
-from orbident.regressors.minimal_sets import Regressors, minimal_sets
+from orbident.regressors.minimal_sets import MinimalSets, Regressors, minimal_sets
 from orbident.signals.samples import Batch, samples_of
 from orbident.spatial.arrays import AnyArray
 from orbident.spatial.rotations import quaternion_matrix, rotate
@@ -57,7 +57,9 @@ def predict(result: Result, recording: Recording) -> Prediction:
             prediction needs.
     """
     _check_complete(result)
-    robot, regressors = result.robot, minimal_sets(result.robot).regressors
+    robot, sets = result.robot, minimal_sets(result.robot)
+    _check_sizes(result, sets)
+    regressors = sets.regressors
     pi, phi = result.pi.values, result.phi.values
     samples = samples_of(robot, recording)
     everything = samples.batch(0, samples.t.size)
@@ -135,6 +137,16 @@ def _terms(
 @jax.jit
 def _rate(law: RateLaw, x_WB: Float[AnyArray, "n 4"], h_cm: Float[AnyArray, "n 3"]):
     return law.rate(x_WB, h_cm)
+
+
+def _check_sizes(result: Result, sets: MinimalSets) -> None:
+    found = result.pi.values.size, result.phi.values.size
+    needed = sets.pi_of_beta.shape[0], sets.base.sigmas
+    if found != needed:
+        raise InputError(
+            f"the result has {found[0]} pi and {found[1]} phi, but robot "
+            f"'{result.robot.name}' has {needed[0]} and {needed[1]}; identify again"
+        )
 
 
 def _check_complete(result: Result) -> None:

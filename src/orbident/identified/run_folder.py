@@ -1,6 +1,7 @@
 """The folder that keeps a result: `result.json`, the robot file and its URDF."""
 
 import json
+import os
 import shutil
 from pathlib import Path
 from typing import Any
@@ -37,11 +38,20 @@ def check_absent(folder: Path, force: bool) -> None:
         InputError: it exists and `force` is false, or is something else than a RUN.
     """
     if not folder.exists():
+        _check_above(folder)
         return
     if not force:
         raise InputError(f"{folder}: exists already; name another, or use --force")
     if not (folder / "result.json").is_file():
         raise InputError(f"{folder}: is not a RUN folder, so it is not overwritten")
+
+
+def _check_above(folder: Path) -> None:
+    above = next(above for above in folder.absolute().parents if above.exists())
+    if not above.is_dir():
+        raise InputError(f"{folder}: '{above}' is a file; name a place in a folder")
+    if not os.access(above, os.W_OK):
+        raise InputError(f"{folder}: cannot be written (Permission denied)")
 
 
 def load_result(folder: Path) -> Result:
@@ -58,14 +68,11 @@ def load_result(folder: Path) -> Result:
             f"{path}: cannot be read ({error.strerror}); give the folder that "
             "'orbident identify -o' wrote"
         ) from error
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise InputError(f"{path}: is not JSON ({error}); identify again") from error
     robot = load_robot(folder / "robot.yaml")
     try:
-        if document["schema"] != SCHEMA:
-            raise InputError(
-                f"{path}: schema: found {document['schema']!r}; give {SCHEMA!r}"
-            )
+        _check_schema(document, path)
         mass = document["mass"]
         return Result(
             robot=robot,
@@ -88,10 +95,20 @@ def load_result(folder: Path) -> Result:
             elapsed_s=document["elapsed_s"],
             versions=document["versions"],
         )
-    except (KeyError, TypeError, AttributeError) as error:
+    except InputError:
+        raise
+    except (KeyError, TypeError, AttributeError, ValueError) as error:
+        what = f"{error} is missing" if isinstance(error, KeyError) else error
         raise InputError(
-            f"{path}: is not a result of this version ({error}); identify again"
+            f"{path}: is not a result of this version ({what}); identify again"
         ) from error
+
+
+def _check_schema(document: dict[str, Any], path: Path) -> None:
+    if document["schema"] != SCHEMA:
+        raise InputError(
+            f"{path}: schema: found {document['schema']!r}; give {SCHEMA!r}"
+        )
 
 
 def _number(value: float | None) -> float:
@@ -99,6 +116,9 @@ def _number(value: float | None) -> float:
 
 
 def _estimates(document: dict[str, Any]) -> Estimates:
+    lengths = {len(column) for column in document.values()}
+    if len(lengths) > 1:
+        raise ValueError(f"lists of {lengths} parameters side by side")
     return Estimates(
         names=tuple(document["names"]),
         formulas=tuple(document["formulas"]),

@@ -39,14 +39,20 @@ def momentum(
     wR = product(w_x, R)
     none = jnp.zeros((*d.shape, 6), d.dtype)
     # m_i v_i + w_i x R_i s_i
-    S = jnp.concatenate([d[:, :, None], R, none], axis=-1)
-    P = jnp.concatenate([v.v[:, :, None], wR, none], axis=-1)
+    S = _beside(d[:, :, None], R, none)
+    P = _beside(v.v[:, :, None], wR, none)
     # d_i x (m_i v_i + w_i x R_i s_i) + R_i s_i x v_i + R_i J_i R_i^T w_i
     A_m = cross(d, v.v)[:, :, None]
     A_s = product(cross_matrix(d), wR) - product(cross_matrix(v.v), R)
     A_J = product(R, _inertia_columns(rotate_back(R, v.w)))
-    A = jnp.concatenate([A_m, A_s, A_J], axis=-1)
-    return Momentum(*(jnp.swapaxes(X, 0, 1).reshape(3, -1) for X in (S, P, A)))
+    return Momentum(S, P, _beside(A_m, A_s, A_J))
+
+
+def _beside(*parts: Float[AnyArray, "bodies 3 _"]) -> Float[AnyArray, "3 theta"]:
+    """Mass, first-moment and inertia columns of each body, body after body."""
+    # Turning each part before they are joined takes XLA half the time of after.
+    turned = [jnp.swapaxes(part, 0, 1) for part in parts]
+    return jnp.concatenate(turned, axis=-1).reshape(3, -1)
 
 
 def _inertia_columns(w: Float[AnyArray, "n 3"]) -> Float[AnyArray, "n 3 6"]:

@@ -154,7 +154,9 @@ def paper_basis(sets: MinimalSets, columns: Columns) -> PaperBasis:
     paper = jax.jit(jax.vmap(columns))(q, qd, w)
     both = np.concatenate([W, -np.asarray(paper.x)[:, :, None]], axis=2)
     phi = _coordinates(np.asarray(paper.W), both)
-    return PaperBasis(_coordinates(np.asarray(paper.Y), Y), phi[:, :-1], phi[:, -1])
+    return PaperBasis(
+        _coordinates(np.asarray(paper.Y), np.asarray(Y)), phi[:, :-1], phi[:, -1]
+    )
 
 
 def _coordinates(

@@ -51,6 +51,8 @@ class Samples:
     """Joints that did not move: held at their mean, with zero rate."""
     origins: dict[str, str]
     """How joint rates, wheel speeds and the velocity of S were obtained."""
+    source: str
+    """Where the recording came from, for messages."""
 
     def batches(self, size: int) -> Iterator[Batch]:
         """All samples in batches of this size, the last one padded."""
@@ -126,6 +128,7 @@ def samples_of(robot: Robot, recording: Recording) -> Samples:
             "wheel_speeds": wheel_origin,
             "velocity": velocity_origin,
         },
+        source=recording.source,
     )
 
 

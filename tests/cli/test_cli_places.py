@@ -1,0 +1,213 @@
+"""Where results go: places that cannot be written, RUN folders that cannot be read."""
+
+import json
+import os
+from pathlib import Path
+from typing import Any
+
+import pytest
+from random_motions import random_motion
+from running import Orbident, written
+
+from orbident.recordings.recording import Recording
+from orbident.robot.robot_file import load_robot
+from orbident.trajectories.trajectory_file import save_trajectory
+
+as_root = pytest.mark.skipif(
+    os.geteuid() == 0, reason="root may write and read everywhere"
+)
+
+
+@pytest.fixture
+def run(orbident: Orbident, flight: Recording) -> Path:
+    """A RUN folder beside its recording `r.csv`."""
+    written(flight, "r.csv", rows=slice(40))
+    orbident("identify", "paper-spatial", "r.csv", "-o", "run", "--quiet").done()
+    return Path("run")
+
+
+@pytest.fixture
+def motion() -> Path:
+    save_trajectory(random_motion(load_robot("paper-spatial"), duration=1.0), "m.yaml")
+    return Path("m.yaml")
+
+
+COMMANDS = [
+    ("robots",),
+    ("inspect", "paper-spatial"),
+    ("simulate", "paper-spatial", "m.yaml", "-o", "s.csv"),
+    ("identify", "paper-spatial", "r.csv"),
+    ("validate", "run", "r.csv"),
+    ("study", "spatial"),
+]
+
+
+@pytest.mark.parametrize("command", COMMANDS, ids=lambda command: command[0])
+def test_json_into_a_missing_folder(orbident: Orbident, command: tuple[str, ...]):
+    """Refused before any work is done: not even the inputs are looked at."""
+    orbident(*command, "--json", "gone/x.json").refused("gone/x.json", "create it")
+
+
+@pytest.mark.parametrize("command", COMMANDS, ids=lambda command: command[0])
+def test_json_onto_a_folder(orbident: Orbident, command: tuple[str, ...]):
+    Path("folder").mkdir()
+    orbident(*command, "--json", "folder").refused("folder: is a folder")
+
+
+def test_simulate_into_a_missing_folder(orbident: Orbident, motion: Path):
+    run = ("simulate", "paper-spatial", motion, "-o")
+    orbident(*run, "gone/r.csv").refused("gone/r.csv", "create it")
+    orbident(*run, "r.txt").refused("r.txt: suffix '.txt'", ".csv or .parquet")
+    orbident(*run, "r").refused("r: suffix ''")
+    Path("folder.csv").mkdir()
+    orbident(*run, "folder.csv").refused("folder.csv: is a folder")
+
+
+def test_identify_makes_the_folders_of_its_run(orbident: Orbident, run: Path):
+    orbident(
+        "identify", "paper-spatial", "r.csv", "-o", "deep/er/run", "--quiet"
+    ).done()
+    assert Path("deep/er/run/result.json").is_file()
+
+
+def test_identify_below_a_file(orbident: Orbident, run: Path):
+    orbident("identify", "paper-spatial", "r.csv", "-o", "r.csv/run").refused(
+        "r.csv/run: ", "file"
+    )
+    orbident("identify", "paper-spatial", "r.csv", "-o", "r.csv").refused("r.csv: ")
+    assert Path("r.csv").is_file()
+
+
+def test_study_below_a_file(orbident: Orbident):
+    Path("taken").write_text("")
+    orbident("study", "spatial", "-o", "taken").refused("taken' is a file")
+    orbident("study", "spatial", "-o", "taken/x").refused("taken' is a file")
+
+
+@pytest.mark.parametrize("name", ["trajectory.yaml", "recording.csv"])
+def test_study_spares_what_is_there(orbident: Orbident, name: str):
+    Path(name).write_text("mine")
+    orbident("study", "spatial", "-o", ".").refused(f"{name}: exists already")
+    assert Path(name).read_text() == "mine"
+
+
+@pytest.mark.skipif(not Path("/proc").is_dir(), reason="needs Linux's /proc")
+def test_places_that_refuse(orbident: Orbident, motion: Path):
+    orbident("robots", "--quiet", "--json", "/proc/x.json").refused(
+        "/proc/x.json: cannot be written"
+    )
+    orbident(
+        "simulate", "paper-spatial", motion, "-o", "/proc/r.csv", "--quiet"
+    ).refused("/proc/r.csv: cannot be written")
+
+
+def test_json_into_a_pipe(orbident: Orbident):
+    """As with a shell's `--json >(jq .mass)`: the pipe is not replaced by a file."""
+    os.mkfifo("pipe")
+    reader = os.open("pipe", os.O_RDONLY | os.O_NONBLOCK)
+    orbident("robots", "--json", "pipe").done()
+    assert json.loads(os.read(reader, 1 << 16))["robots"]
+    os.close(reader)
+    assert Path("pipe").is_fifo()
+
+
+@as_root
+def test_unwritable_folder(orbident: Orbident, run: Path, motion: Path):
+    Path("locked").mkdir(mode=0o500)
+    for command in (
+        ("identify", "paper-spatial", "r.csv", "-o", "locked/run"),
+        ("identify", "paper-spatial", "r.csv", "--json", "locked/x.json"),
+        ("simulate", "paper-spatial", motion, "-o", "locked/r.csv"),
+        ("study", "spatial", "-o", "locked/study"),
+    ):
+        orbident(*command, "--quiet").refused("locked", "ermission denied")
+
+
+@as_root
+@pytest.mark.parametrize("name", ["r.csv", "r.urdf", "r.yaml"])
+def test_unreadable_file(orbident: Orbident, name: str):
+    Path(name).write_text("secret")
+    Path(name).chmod(0)
+    command = (
+        ("identify", "paper-spatial", name) if name == "r.csv" else ("inspect", name)
+    )
+    orbident(*command).refused(name, "ermission denied")
+
+
+def test_no_run(orbident: Orbident, run: Path):
+    orbident("validate", "gone", "r.csv").refused("gone", "identify -o")
+    Path("empty").mkdir()
+    orbident("validate", "empty", "r.csv").refused("empty", "identify -o")
+    orbident("validate", "r.csv", "r.csv").refused("r.csv", "identify -o")
+    orbident("validate", "paper-spatial", "r.csv").refused("paper-spatial")
+
+
+TRASH = {
+    "empty": b"",
+    "binary": b"\x00\xff\xfe" * 9,
+    "cut off": b'{"schema": "orbident/result/1", "mass',
+    "a list": b"[1, 2]",
+    "a number": b"3",
+    "nothing in it": b"{}",
+    "deep": b"[" * 100_000,
+}
+
+
+@pytest.mark.parametrize("case", TRASH)
+def test_corrupt_result(orbident: Orbident, run: Path, case: str):
+    (run / "result.json").write_bytes(TRASH[case])
+    orbident("validate", run, "r.csv").refused("run/result.json: ", "identify")
+
+
+def edited(run: Path, *keys: str, value: Any) -> None:
+    """One entry of result.json changed; removed where the value is `...`."""
+    path = run / "result.json"
+    document = json.loads(path.read_text())
+    *path_to, last = keys
+    place = document
+    for key in path_to:
+        place = place[key]
+    if value is ...:
+        del place[last]
+    else:
+        place[last] = value
+    path.write_text(json.dumps(document))
+
+
+EDITS: dict[str, tuple[tuple[str, ...], Any]] = {
+    "no pi": (("pi",), ...),
+    "no values of pi": (("pi", "values"), ...),
+    "a word in pi": (("pi", "values"), ["one"] * 19),
+    "fewer pi": (("pi", "values"), [1.0] * 18),
+    "a list in pi": (("pi", "values"), [[1.0]] * 19),
+    "pi of another robot": (
+        ("pi",),
+        {"names": ["pi_1"], "formulas": ["a"], "values": [1.0], "std": [1.0]},
+    ),
+    "no mass": (("mass",), None),
+    "mass a word": (("mass", "value"), "heavy"),
+}
+
+
+@pytest.mark.parametrize("case", EDITS)
+def test_edited_result(orbident: Orbident, run: Path, case: str):
+    keys, value = EDITS[case]
+    edited(run, *keys, value=value)
+    orbident("validate", run, "r.csv").refused("identify again")
+
+
+def test_result_of_another_version(orbident: Orbident, run: Path):
+    edited(run, "schema", value="orbident/result/2")
+    orbident("validate", run, "r.csv").refused("run/result.json: ", "orbident/result/1")
+
+
+def test_run_without_its_robot(orbident: Orbident, run: Path):
+    (run / "robot.urdf").unlink()
+    orbident("validate", run, "r.csv").refused("run/robot.yaml", "robot.urdf")
+    (run / "robot.yaml").unlink()
+    orbident("validate", run, "r.csv").refused("run/robot.yaml")
+
+
+def test_run_of_another_robot(orbident: Orbident, run: Path, table_run: Recording):
+    written(table_run, "table.csv")
+    orbident("validate", run, "table.csv").refused("table.csv: column")

@@ -1,0 +1,52 @@
+import numpy as np
+import pytest
+from random_robots import random_robot
+
+from orbident.regressors.formulas import combination, formulas_of
+from orbident.regressors.minimal_sets import minimal_sets
+from orbident.robot.robot_file import load_robot
+
+
+@pytest.mark.parametrize(
+    ("coefficients", "text"),
+    [
+        ([1.0, 0.0, 0.0], "a"),
+        ([-1.0, 0.0, 0.0], "-a"),
+        ([0.5, -2.0, 1.0], "-2 b + c + 0.5 a"),
+        ([0.0, 1.0, -1.0], "b - c"),
+        ([1 / 3, 0.0, 12345.678], "1.235e+04 c + 0.3333 a"),
+        ([1.0, 1e-13, 0.0], "a"),
+        ([1.0, 1.0 + 1e-12, 1.0], "a + b + c"),
+        ([0.0, 0.0, 0.0], "0"),
+    ],
+)
+def test_combination(coefficients, text):
+    assert combination(np.array(coefficients), ["a", "b", "c"]) == text
+
+
+def test_nothing_is_combined_of_nothing():
+    assert combination(np.zeros(0), []) == "0"
+
+
+def test_formulas_of_the_papers_arm():
+    robot = load_robot("paper-spatial")
+    found = formulas_of(robot, minimal_sets(robot))
+    assert found.base.names[:6] == ("M", *(f"sigma_{k}" for k in range(1, 6)))
+    assert found.base.names[6:] == tuple(f"iota_{k}" for k in range(1, 13))
+    assert found.base.formulas[0] == "m(base) + m(link1) + m(link2) + m(link3)"
+    assert found.phi.formulas[0] == "mx(base)/M"
+    assert found.phi.formulas[3] == "(2 m(link3) + mx(link2))/M"
+    assert "sigma_1 sigma_4/M" in found.pi.formulas
+    assert found.pi.formulas[9] == "4 m(link3) + Iyy(link2) - sigma_4^2/M"
+    # Eq. 42's mass is one of these.
+    assert "phi_1 phi_5" in found.mass_divisors
+
+
+def test_formulas_are_as_many_as_the_parameters():
+    robot = random_robot(0, (0, 1), prismatic=(1,))
+    sets = minimal_sets(robot)
+    found = formulas_of(robot, sets)
+    assert len(found.pi.names) == len(found.pi.formulas) == len(found.mass_divisors)
+    assert len(found.pi.names) == len(sets.pi(robot.theta))
+    assert found.pi.names[0] == "pi_1"
+    assert found.phi.names[-1] == f"phi_{len(sets.phi(robot.theta))}"
