@@ -119,23 +119,25 @@ def test_the_reason_is_said_even_when_quiet(orbident: Orbident, flight: Recordin
 
 
 WRONG_SIGNALS = {
-    "wheel speeds with the wrong sign": ("wheel.rw_", -1.0),
-    "gyro in degrees": ("gyro.", np.degrees(1.0)),
-    "joint angles in degrees": ("joint.joint1.position", np.degrees(1.0)),
+    "all wheels with the wrong sign": ("wheel.rw_", -1.0, "the sign of their speeds"),
+    "one wheel with the wrong sign": ("wheel.rw_x", -1.0, "check units"),
+    "gyro in degrees": ("gyro.", np.degrees(1.0), "check units"),
+    "a joint in degrees": ("joint.joint1.position", np.degrees(1.0), "check units"),
 }
 
 
 @pytest.mark.parametrize("case", WRONG_SIGNALS)
 def test_wrong_signals_give_no_mass(orbident: Orbident, flight: Recording, case: str):
-    start, factor = WRONG_SIGNALS[case]
+    start, factor, words = WRONG_SIGNALS[case]
     wrong = {
         name: factor * column
         for name, column in flight.columns.items()
         if name.startswith(start)
     }
     written(flight, "r.csv", replace=wrong)
-    result, _ = identified(orbident, "paper-spatial", "r.csv")
+    result, said = identified(orbident, "paper-spatial", "r.csv")
     assert result["mass"]["value"] is None
+    assert words in said
 
 
 @pytest.mark.xfail(

@@ -6,7 +6,7 @@ from orbident.cli.options import Json, Quiet, RobotName
 
 
 def inspect(robot: RobotName, json: Json = None, quiet: Quiet = False) -> None:
-    """Bodies, joints, wheels, and the minimal sets that a recording can identify."""
+    """What a robot has, and what a recording of it can identify."""
     from orbident.cli.output import Output, prepare_jax, progress
     from orbident.dynamics.regularity import check_regular
     from orbident.regressors.formulas import formulas_of

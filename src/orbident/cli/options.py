@@ -13,7 +13,7 @@ Json = Annotated[
     str | None,
     typer.Option("--json", metavar="FILE|-", help="Write the result there as JSON."),
 ]
-Quiet = Annotated[bool, typer.Option("--quiet", help="Print no tables.")]
+Quiet = Annotated[bool, typer.Option("--quiet", help="Print warnings only.")]
 RecordingFile = Annotated[
     Path, typer.Argument(metavar="REC", help="A recording: CSV or Parquet.")
 ]

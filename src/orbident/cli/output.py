@@ -3,6 +3,7 @@
 import json
 import os
 import sys
+import warnings
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -15,7 +16,7 @@ from orbident.errors import InputError
 from orbident.files.replacing import replacing
 
 WIDTH = 110
-"""Columns of a table that goes to a file or a pipe."""
+"""Columns of a table, in a narrower terminal too: a number is never cut short."""
 
 
 class Output:
@@ -32,8 +33,7 @@ class Output:
         # With the JSON on standard output nothing else may stand there.
         self._silent = quiet or json_to == "-"
         self._json_to = json_to
-        width = None if sys.stdout.isatty() else WIDTH
-        self._console = Console(width=width, highlight=False)
+        self._console = Console(width=WIDTH, highlight=False)
 
     def say(self, *things: Any) -> None:
         """Words and tables for people; names are shown as they are, never as markup."""
@@ -43,10 +43,10 @@ class Output:
             # Words are for the terminal to wrap, so that a formula can be copied.
             print(thing if isinstance(thing, str) else self._drawn(thing))
 
-    def warn(self, warnings: Iterable[str]) -> None:
+    def warn(self, sentences: Iterable[str]) -> None:
         """Lines on standard error, quiet or not."""
-        for warning in warnings:
-            print(f"orbident: warning: {' '.join(warning.split())}", file=sys.stderr)
+        for sentence in sentences:
+            print(f"orbident: warning: {' '.join(sentence.split())}", file=sys.stderr)
 
     def _drawn(self, table: Any) -> str:
         with self._console.capture() as drawn:
@@ -106,6 +106,11 @@ def prepare_jax() -> None:
     """float64, and compiled functions kept in the user's cache folder."""
     import jax
     from platformdirs import user_cache_path
+
+    # What a killed process left half written there is compiled again.
+    warnings.filterwarnings(
+        "ignore", r"Error (reading|writing) persistent compilation cache"
+    )
 
     jax.config.update("jax_enable_x64", True)
     cache = user_cache_path("orbident") / "compiled"

@@ -10,9 +10,10 @@ from orbident.cli.options import Json, Quiet, RobotName
 
 
 class Noise(StrEnum):
-    """What sensors add."""
+    """Who measures."""
 
     none = "none"
+    sensors = "sensors"
 
 
 def simulate(
@@ -25,9 +26,18 @@ def simulate(
     ],
     rate: Annotated[
         float | None,
-        typer.Option(help="Samples per second; the robot file's by default."),
+        typer.Option(help="Samples per second, Hz; the robot file's by default."),
     ] = None,
-    noise: Annotated[Noise, typer.Option(help="What sensors add.")] = Noise.none,
+    noise: Annotated[
+        Noise,
+        typer.Option(
+            help="none: ideal sensors of everything; sensors: those of the robot file."
+        ),
+    ] = Noise.none,
+    seed: Annotated[int, typer.Option(help="Of the sensors' noise.", min=0)] = 0,
+    truth: Annotated[
+        bool, typer.Option("--truth", help="Add noise-free columns truth.*.")
+    ] = False,
     json: Json = None,
     quiet: Quiet = False,
 ) -> None:
@@ -45,7 +55,9 @@ def simulate(
     motion = load_trajectory(trajectory)
     prepare_jax()
     with progress("floating"):
-        recording = simulated(described, motion, rate=rate)
+        recording = simulated(
+            described, motion, rate=rate, noise=noise.value, seed=seed, truth=truth
+        )
         write_recording(recording, out)
     duration = float(recording.t[-1])
     output.say(f"{out}: {recording.t.size} samples over {duration:g} s, noise {noise}")
@@ -55,5 +67,6 @@ def simulate(
             "samples": recording.t.size,
             "duration": duration,
             "noise": str(noise),
+            "seed": seed,
         }
     )

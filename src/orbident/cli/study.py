@@ -33,12 +33,12 @@ def study(
         typer.Option("-o", metavar="DIR", help="Keep trajectory, recording and RUN."),
     ] = None,
     force: Annotated[
-        bool, typer.Option("--force", help="Overwrite an existing DIR/run.")
+        bool, typer.Option("--force", help="Overwrite what DIR holds of it.")
     ] = False,
     json: Json = None,
     quiet: Quiet = False,
 ) -> None:
-    """Run a study of the paper, printed beside the paper's own numbers."""
+    """Run a study of the paper, beside the paper's own numbers."""
     from orbident.cli.output import Output, prepare_jax, progress
     from orbident.identified.run_folder import check_absent, save_result
     from orbident.recordings.tables import write_recording

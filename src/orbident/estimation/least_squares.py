@@ -160,7 +160,7 @@ def _seen_from_inertial_axes(
 def _check_enough(source: str, samples: int, axes: int, unknowns: int) -> None:
     if samples * axes < unknowns:
         raise InputError(
-            f"{source}: {samples} complete samples give {samples * axes} momentum equations for "
-            f"{unknowns} unknowns; record at least {-(-unknowns // axes)} samples with "
+            f"{source}: {samples} complete samples give {samples * axes} momentum "
+            f"equations for {unknowns} unknowns; record at least {-(-unknowns // axes)} samples with "
             "joints, wheels, gyro and attitude all measured"
         )

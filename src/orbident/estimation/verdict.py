@@ -15,6 +15,8 @@ from orbident.signals.samples import Samples
 ROUNDING = 1e-9
 # What the parameters must explain of it: noise alone is explained hardly at all.
 EXPLAINED = 0.5
+# Below this part of the wheels' momentum the known term may be noise of their speeds.
+VARIES = 1e-2
 # Freeing a momentum that is rightly known hardly makes the residual smaller.
 FREED = 0.5
 
@@ -60,7 +62,8 @@ def _no_scale(robot: Robot, fits: Fits, initial_momentum: str) -> str | None:
     pi = fits.pi
     known = np.hypot(pi.explained, pi.unexplained)
     if known <= ROUNDING * fits.h_rw or pi.explained**2 <= EXPLAINED * known**2:
-        return f"pi has no scale: {_why_no_scale(robot, initial_momentum)}"
+        varies = known > VARIES * fits.h_rw
+        return f"pi has no scale: {_why_no_scale(robot, initial_momentum, varies)}"
     assumed = initial_momentum == "at-rest" and pi.unexplained > ROUNDING * fits.h_rw
     if assumed and pi.unexplained_freed < FREED * pi.unexplained:
         return (
@@ -72,7 +75,7 @@ def _no_scale(robot: Robot, fits: Fits, initial_momentum: str) -> str | None:
     return None
 
 
-def _why_no_scale(robot: Robot, initial_momentum: str) -> str:
+def _why_no_scale(robot: Robot, initial_momentum: str, varies: bool) -> str:
     if not robot.wheels:
         return (
             "the robot has no reaction wheel, so only ratios show; declare its wheels "
@@ -83,6 +86,12 @@ def _why_no_scale(robot: Robot, initial_momentum: str) -> str:
             "base and arms have no momentum of their own, or not the one that starting "
             "from rest gives them; spin a wheel up from rest, so that the base turns, "
             "or use --initial-momentum unknown"
+        )
+    if varies:
+        return (
+            "base and arms do not answer the wheels' momentum as a free-floating robot "
+            "does; check units (rad, rad/s), signs, the wheels' axes, and the attitude "
+            "(scalar last, from base to inertial axes)"
         )
     remedy = "spin up a wheel before recording"
     if robot.motion == "planar":

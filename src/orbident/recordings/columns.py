@@ -9,6 +9,7 @@ from orbident.errors import InputError
 VECTORS = {
     "gyro": ("xyz", "base angular velocity in base axes, rad/s"),
     "accelerometer": ("xyz", "specific force at S in base axes, m/s^2"),
+    "velocity_increment": ("xyz", "integrated specific force over a sample, m/s"),
     "attitude": ("xyzw", "base orientation in the inertial frame, scalar last"),
     "position": ("xyz", "of S, inertial axes, m"),
     "velocity": ("xyz", "of S, inertial axes, m/s"),

@@ -60,7 +60,9 @@ def combination(coefficients: Float[np.ndarray, " n"], names: Sequence[str]) -> 
     """`2 a + b - 0.5 c`: rounded, the largest first, without what is negligible."""
     largest = np.abs(coefficients).max(initial=0.0)
     text = ""
-    for k in np.argsort(-np.abs(coefficients).round(9), kind="stable"):
+    # Rounded, so that what is equal but for rounding keeps its order.
+    sizes = np.abs(coefficients / (largest or 1.0)).round(9)
+    for k in np.argsort(-sizes, kind="stable"):
         c = coefficients[k]
         if abs(c) <= NEGLIGIBLE * largest:
             break

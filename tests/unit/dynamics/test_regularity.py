@@ -27,9 +27,10 @@ def test_bundled_robots_are_regular(name):
         random_robot(0, ()),
         random_robot(0, DUAL_ARM, prismatic=(1, 5)),
         random_robot(0, DUAL_ARM, base=1e5),
+        random_robot(0, DUAL_ARM, base=1e16),
         random_planar_robot(0, (0, 1, 0), prismatic=(1,)),
     ],
-    ids=["no-joints", "slides", "heavy-base", "planar"],
+    ids=["no-joints", "slides", "heavy-base", "heaviest-base", "planar"],
 )
 def test_bodies_with_mass_are_regular(robot):
     check_regular(robot)

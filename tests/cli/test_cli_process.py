@@ -1,0 +1,221 @@
+"""The command as a process: exit status, streams, pipes, start-up."""
+
+import json
+import os
+import pty
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from running import written
+
+from orbident.recordings.recording import Recording
+
+ORBIDENT = (sys.executable, "-m", "orbident.cli.app")
+
+
+def run(*arguments: object, **options) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [*ORBIDENT, *map(str, arguments)],
+        capture_output=True,
+        text=True,
+        timeout=300,
+        check=False,
+        **options,
+    )
+
+
+def refused(*arguments: object) -> str:
+    ran = run(*arguments)
+    assert ran.returncode == 2
+    assert ran.stdout == ""
+    assert ran.stderr.startswith("orbident: ")
+    assert ran.stderr.count("\n") == 1
+    assert "Traceback" not in ran.stderr
+    return ran.stderr
+
+
+def test_statuses_and_streams(flight: Recording):
+    written(flight, "r.csv")
+    ran = run("identify", "paper-spatial", "r.csv", "--json", "-")
+    assert (ran.returncode, ran.stderr) == (0, "")
+    assert json.loads(ran.stdout)["status"] == "ok"
+
+    written(flight, "r.csv", drop=["velocity", "position"])
+    ran = run("identify", "paper-spatial", "r.csv", "--json", "-")
+    assert ran.returncode == 1
+    assert json.loads(ran.stdout)["status"] == "rejected"
+    assert all(
+        line.startswith("orbident: warning: ") for line in ran.stderr.splitlines()
+    )
+
+    written(flight, "r.csv", drop=["gyro.x"])
+    assert "gyro.x" in refused("identify", "paper-spatial", "r.csv", "--json", "-")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("bogus",), "No such command 'bogus'"),
+        (("inspec",), "Did you mean 'inspect'"),
+        (("inspect",), "Missing argument 'ROBOT'"),
+        (("inspect", "paper-spatial", "--loud"), "No such option: --loud"),
+        (("simulate", "paper-spatial", "m.yaml"), "Missing option '-o'"),
+        (("identify", "r", "s", "--method", "guess"), "'--method': 'guess'"),
+        (("identify", "r", "s", "--initial-momentum", "x"), "'--initial-momentum'"),
+        (("simulate", "r", "m", "-o", "s.csv", "--rate", "fast"), "'--rate'"),
+        (("study", "lunar"), "'lunar'"),
+        (("inspect", "a", "b"), "unexpected extra argument"),
+        (("robots", "--json"), "'--json' requires an argument"),
+    ],
+)
+def test_wrong_usage(orbident, arguments: tuple[str, ...], words: str):
+    line = orbident(*arguments).refused(words)
+    assert line.rstrip().endswith("--help")
+
+
+def test_wrong_usage_of_the_process():
+    assert "No such command" in refused("bogus")
+
+
+@pytest.mark.parametrize("verb", ["robots", "inspect", "simulate", "identify"])
+def test_help(orbident, verb: str):
+    words = orbident(verb, "--help").done().out
+    assert f"Usage: orbident {verb}" in words
+    assert "--json" in words
+    assert "--quiet" in words
+
+
+def test_help_without_arguments_and_version(orbident):
+    words = orbident().done().out
+    for verb in ("robots", "inspect", "simulate", "identify", "validate", "study"):
+        assert f"  {verb} " in words
+    assert orbident("--help").done().out == words
+    assert orbident("--version").done().out.startswith("orbident ")
+
+
+def test_a_reader_that_goes_away():
+    """`orbident inspect dual-arm | head -1`, with pipefail."""
+    with subprocess.Popen(
+        [*ORBIDENT, "inspect", "dual-arm"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    ) as process:
+        assert process.stdout is not None
+        assert process.stderr is not None
+        first = process.stdout.readline()
+        process.stdout.close()
+        assert process.wait(300) == 0
+        assert process.stderr.read() == ""
+    assert first == "dual-arm: spatial, 1354.67 kg nominal\n"
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs Linux's /dev/full")
+def test_a_full_disk():
+    with Path("/dev/full").open("w") as full:
+        ran = subprocess.run(
+            [*ORBIDENT, "robots"],
+            stdout=full,
+            stderr=subprocess.PIPE,
+            text=True,
+            check=False,
+        )
+    assert ran.returncode == 2
+    assert ran.stderr == "orbident: standard output: No space left on device\n"
+
+
+def test_no_output_at_all():
+    ran = subprocess.run(
+        ["sh", "-c", '"$@" >&-', "sh", *ORBIDENT, "robots"],
+        stderr=subprocess.PIPE,
+        text=True,
+        check=False,
+    )
+    assert (ran.returncode, ran.stderr) == (0, "")
+
+
+def test_names_that_the_terminal_cannot_show():
+    Path("r.urdf").write_text(
+        '<robot name="Gelenk-ä"><link name="b"><inertial><mass value="1"/><inertia '
+        'ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link></robot>',
+        encoding="utf-8",
+    )
+    ascii_only = os.environ | {"PYTHONIOENCODING": "ascii", "PYTHONUTF8": "0"}
+    ran = run("inspect", "r.urdf", env=ascii_only)
+    assert (ran.returncode, ran.stderr) == (0, "")
+    assert "Gelenk-\\xe4" in ran.stdout
+
+
+def test_compiled_functions_that_were_cut_off(tmp_path: Path):
+    """A process that was killed may leave half a file in the cache of compiled
+    functions: they are compiled again, without a word."""
+    own = os.environ | {"XDG_CACHE_HOME": str(tmp_path / "cache")}
+    assert run("inspect", "cepheus-like", env=own).returncode == 0
+    entries = [path for path in (tmp_path / "cache").rglob("*") if path.is_file()]
+    assert entries
+    for path in entries:
+        path.write_bytes(path.read_bytes()[:100])
+    ran = run("inspect", "cepheus-like", env=own)
+    assert (ran.returncode, ran.stderr) == (0, "")
+
+
+def test_a_cache_that_cannot_be_written(tmp_path: Path):
+    (tmp_path / "file").write_text("")
+    own = os.environ | {"XDG_CACHE_HOME": str(tmp_path / "file" / "below")}
+    ran = run("inspect", "cepheus-like", env=own)
+    assert (ran.returncode, ran.stderr) == (0, "")
+
+
+def test_progress_in_a_terminal(flight: Recording):
+    """On standard error, and gone when it is done; none in a pipe."""
+    written(flight, "r.csv")
+    terminal, inside = pty.openpty()
+    with subprocess.Popen(
+        [*ORBIDENT, "identify", "paper-spatial", "r.csv", "--json", "-"],
+        stdout=subprocess.PIPE,
+        stderr=inside,
+        text=True,
+    ) as process:
+        os.close(inside)
+        shown = b""
+        # Linux reports the end of a terminal as an error.
+        try:
+            while block := os.read(terminal, 1 << 12):
+                shown += block
+        except OSError:
+            pass
+        out, _ = process.communicate(timeout=300)
+    os.close(terminal)
+    assert process.returncode == 0
+    assert json.loads(out)["status"] == "ok"
+    assert b"identifying" in shown
+    # The line is erased at last.
+    assert shown.rstrip().endswith(b"\x1b[2K") or b"\x1b[1A" in shown[-60:]
+
+
+HEAVY = ("jax", "numpy", "scipy", "pyarrow", "yourdfpy")
+
+
+def test_help_loads_nothing_heavy():
+    """What keeps `orbident --help` below half a second, without a clock."""
+    code = (
+        "import sys; import orbident.cli.app; "
+        f"print([name for name in {HEAVY} if name in sys.modules])"
+    )
+    ran = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True
+    )
+    assert ran.stdout == "[]\n"
+
+
+def test_importing_the_package_loads_nothing_heavy():
+    code = (
+        "import sys; import orbident; "
+        f"print([name for name in {HEAVY} if name in sys.modules])"
+    )
+    ran = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True
+    )
+    assert ran.stdout == "[]\n"

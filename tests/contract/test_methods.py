@@ -1,0 +1,279 @@
+"""What every method of identification must do, whatever it is inside."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from random_motions import random_motion
+
+from orbident.errors import InputError
+from orbident.estimation.identify import METHODS, Method, identify
+from orbident.estimation.result import Estimates, Result
+from orbident.identified.validate import validate
+from orbident.recordings.recording import Recording
+from orbident.regressors.minimal_sets import minimal_sets
+from orbident.robot.description import Robot
+from orbident.robot.robot_file import load_robot
+from orbident.sensing.simulate import simulate
+
+pytestmark = pytest.mark.parametrize("method", METHODS)
+
+EXACT = 1e-9
+"""Relative error without noise; a method that iterates may stop there."""
+
+
+@pytest.fixture(scope="module")
+def robot() -> Robot:
+    return load_robot("paper-spatial")
+
+
+@pytest.fixture(scope="module")
+def recording(robot: Robot) -> Recording:
+    return simulate(robot, random_motion(robot))
+
+
+def changed(
+    recording: Recording,
+    columns: Mapping[str, np.ndarray] | None = None,
+    keep: Callable[[str], bool] = lambda _: True,
+    rows: slice | np.ndarray = slice(None),
+) -> Recording:
+    merged = {**recording.columns, **(columns or {})}
+    kept = {name: column[rows] for name, column in merged.items() if keep(name)}
+    return Recording(recording.t[rows], kept)
+
+
+def values(result: Result) -> dict[str, np.ndarray]:
+    return {name: getattr(result, name).values for name in ("pi", "phi", "base")} | {
+        "mass": np.array([result.mass.value])
+    }
+
+
+def truth(robot: Robot) -> dict[str, np.ndarray]:
+    sets, theta = minimal_sets(robot), robot.theta
+    return {
+        "pi": sets.pi(theta),
+        "phi": sets.phi(theta),
+        "base": sets.beta(theta),
+        "mass": np.array([robot.mass]),
+    }
+
+
+def check_close(
+    found: Mapping[str, np.ndarray],
+    true: Mapping[str, np.ndarray],
+    tolerance: float = EXACT,
+) -> None:
+    """Relative to each set's largest."""
+    for name, expected in true.items():
+        error = np.abs(found[name] - expected).max() / np.abs(expected).max()
+        assert error < tolerance, name
+
+
+def test_exact_data_are_recovered(method: Method, robot: Robot, recording: Recording):
+    result = identify(robot, recording, method)
+    assert result.status == "ok"
+    assert result.warnings == ()
+    assert result.method == method
+    assert result.samples == recording.t.size
+    check_close(values(result), truth(robot))
+
+
+def test_the_nominal_inertia_is_not_the_answer(
+    method: Method, robot: Robot, recording: Recording
+):
+    """A CAD model 20 % too heavy must not show in the result."""
+    result = identify(replace(robot, theta=1.2 * robot.theta), recording, method)
+    check_close(values(result), truth(robot))
+
+
+def test_all_estimates_have_deviations(
+    method: Method, robot: Robot, recording: Recording
+):
+    result = identify(robot, recording, method)
+    for estimates in (result.pi, result.phi, result.base, result.mass_forms):
+        assert isinstance(estimates, Estimates)
+        assert np.isfinite(estimates.std).all()
+        assert (estimates.std >= 0).all()
+    assert result.mass.std >= 0
+    C = result.covariance
+    assert C is not None
+    assert C.shape == (result.pi.values.size + result.phi.values.size,) * 2
+    np.testing.assert_allclose(C, C.T, atol=1e-12 * np.abs(C).max())
+    deviations = np.concatenate([result.pi.std, result.phi.std])
+    np.testing.assert_allclose(np.sqrt(np.diag(C)), deviations)
+
+
+def test_fewer_rows_give_the_same(method: Method, robot: Robot, recording: Recording):
+    some = np.sort(np.random.default_rng(0).permutation(recording.t.size)[:300])
+    check_close(
+        values(identify(robot, changed(recording, rows=some), method)), truth(robot)
+    )
+
+
+def test_rows_that_lack_something_are_ignored(
+    method: Method, robot: Robot, recording: Recording
+):
+    """Whatever else stands in a row without gyro or attitude does not count."""
+    random = np.random.default_rng(0)
+    holes = {}
+    for sensor, every in (("gyro", 3), ("attitude", 4)):
+        for name, column in recording.columns.items():
+            if name.startswith(sensor):
+                holes[name] = column.copy()
+                holes[name][::every] = np.nan
+    wrong = np.isnan(holes["gyro.x"]) | np.isnan(holes["attitude.x"])
+    for name in ("velocity.x", "velocity.y"):
+        holes[name] = np.where(
+            wrong, random.standard_normal(wrong.size), recording.columns[name]
+        )
+    result = identify(robot, changed(recording, holes), method)
+    assert result.samples == np.count_nonzero(~wrong)
+    check_close(values(result), truth(robot))
+
+
+def test_velocity_may_have_its_own_gaps(
+    method: Method, robot: Robot, recording: Recording
+):
+    holes = {f"velocity.{k}": recording.columns[f"velocity.{k}"].copy() for k in "xyz"}
+    for column in holes.values():
+        column[np.arange(column.size) % 5 != 0] = np.nan
+    result = identify(robot, changed(recording, holes), method)
+    assert result.samples == recording.t.size
+    check_close(values(result), truth(robot))
+
+
+def test_columns_that_mean_nothing_do_not_matter(
+    method: Method, robot: Robot, recording: Recording
+):
+    extra = {"temperature": np.full(recording.t.size, np.nan)}
+    reverse = dict(reversed({**recording.columns, **extra}.items()))
+    result = identify(robot, Recording(recording.t, reverse), method)
+    check_close(values(result), values(identify(robot, recording, method)), 1e-15)
+
+
+@pytest.mark.parametrize("factor", [1e-3, 1e3])
+def test_heavier_robots(
+    method: Method, robot: Robot, recording: Recording, factor: float
+):
+    """`pi`, `sigma`, `iota` and `M` scale with mass, `phi` does not. With wheels as
+    much heavier the same motion is a heavier robot's."""
+    wheels = tuple(replace(w, inertia=factor * w.inertia) for w in robot.wheels)
+    heavier = replace(robot, theta=factor * robot.theta, wheels=wheels)
+    check_close(values(identify(heavier, recording, method)), truth(heavier))
+
+
+@pytest.mark.parametrize("factor", [1e-2, 1e2])
+def test_longer_robots(
+    method: Method, robot: Robot, recording: Recording, factor: float
+):
+    """In other units of length: first moments scale once, inertias twice."""
+    joints = tuple(replace(j, p_PJ=factor * j.p_PJ) for j in robot.joints)
+    scale = np.array([1.0] + [factor] * 3 + [factor**2] * 6)
+    wheels = tuple(replace(w, inertia=factor**2 * w.inertia) for w in robot.wheels)
+    longer = replace(robot, joints=joints, theta=scale * robot.theta, wheels=wheels)
+    faster = {
+        name: factor * column
+        for name, column in recording.columns.items()
+        if name.startswith(("velocity", "position"))
+    }
+    result = identify(longer, changed(recording, faster), method)
+    check_close(values(result), truth(longer))
+
+
+def test_another_clock(method: Method, robot: Robot, recording: Recording):
+    """Where time begins does not matter."""
+    later = Recording(recording.t + 1.7e9, recording.columns)
+    check_close(values(identify(robot, later, method)), truth(robot))
+
+
+def test_noise_shows_in_the_deviations(
+    method: Method, robot: Robot, recording: Recording
+):
+    """Ten times the noise gives ten times the deviations; small noise, small errors."""
+    random = np.random.default_rng(0)
+    noise = {
+        f"velocity.{k}": random.standard_normal(recording.t.size) for k in "xyz"
+    } | {f"wheel.rw_{k}.speed": random.standard_normal(recording.t.size) for k in "xyz"}
+    results = []
+    for level in (1e-6, 1e-5):
+        noisy = {
+            name: recording.columns[name] + level * draw for name, draw in noise.items()
+        }
+        results.append(identify(robot, changed(recording, noisy), method))
+    for name in ("pi", "phi", "base"):
+        small, large = (getattr(result, name) for result in results)
+        np.testing.assert_allclose(large.std, 10 * small.std, rtol=1e-3)
+        error = getattr(results[0], name).values - truth(robot)[name]
+        # Of some 20 standard normal numbers the largest is hardly ever beyond 4.
+        assert np.abs(error / small.std).max() < 4.5
+    assert abs(results[0].mass.value - robot.mass) < 4.5 * results[0].mass.std
+
+
+def test_it_predicts(method: Method, robot: Robot, recording: Recording):
+    result = identify(robot, recording, method)
+    other = simulate(robot, random_motion(robot, seed=5, duration=10.0))
+    scores = validate(result, other)
+    assert scores.samples == other.t.size
+    # The spline between 20 samples a second.
+    assert max(scores.nrmse.values()) < 1e-6
+
+
+def test_no_scale_is_rejected(method: Method, robot: Robot):
+    silent = simulate(robot, random_motion(robot, wheel_speed=0.0))
+    result = identify(robot, silent, method)
+    assert result.status == "rejected"
+    assert np.isnan(result.mass.value)
+    assert np.isnan(result.pi.values).all()
+    assert np.isfinite(result.phi.values).all()
+    assert any("pi has no scale" in warning for warning in result.warnings)
+
+
+def test_no_velocity_is_rejected(method: Method, robot: Robot, recording: Recording):
+    blind = changed(
+        recording, keep=lambda name: not name.startswith(("velocity", "position"))
+    )
+    result = identify(robot, blind, method)
+    assert result.status == "rejected"
+    assert np.isnan(result.mass.value)
+    assert np.isnan(result.phi.values).all()
+    assert any("velocity.x" in warning for warning in result.warnings)
+
+
+def test_too_few_samples_are_refused(
+    method: Method, robot: Robot, recording: Recording
+):
+    with pytest.raises(InputError, match="complete samples"):
+        identify(robot, changed(recording, rows=slice(5)), method)
+
+
+@pytest.mark.parametrize("column", ["gyro.y", "attitude.z", "joint.joint1.position"])
+def test_missing_columns_are_refused(
+    method: Method, robot: Robot, recording: Recording, column: str
+):
+    with pytest.raises(InputError, match=column):
+        identify(robot, changed(recording, keep=lambda name: name != column), method)
+
+
+def test_inputs_are_left_alone(method: Method, robot: Robot, recording: Recording):
+    before = {name: column.copy() for name, column in recording.columns.items()}
+    theta = robot.theta.copy()
+    identify(robot, recording, method)
+    np.testing.assert_array_equal(robot.theta, theta)
+    for name, column in before.items():
+        np.testing.assert_array_equal(recording.columns[name], column)
+
+
+def test_twice_the_same(method: Method, robot: Robot, recording: Recording):
+    first, second = (values(identify(robot, recording, method)) for _ in range(2))
+    for name, expected in first.items():
+        np.testing.assert_array_equal(second[name], expected)
+
+
+def test_progress_is_told(method: Method, robot: Robot, recording: Recording):
+    told: list[float] = []
+    identify(robot, recording, method, progress=told.append)
+    assert told
+    assert told == sorted(told)
+    assert all(0 <= fraction <= 1 for fraction in told)
