@@ -22,8 +22,8 @@ from orbident.studies.tables import SPATIAL_DURATION, SPATIAL_RATE
 
 FASTER = 10
 MOST_STEPS = 24
-LOOSE = 1e-8
-"""rad. MuJoCo, too, is far below with the fewest steps that give every sample: one."""
+LOOSE = 1e-6
+"""rad, which a MuJoCo step from each sample to the next may well reach."""
 
 
 @pytest.fixture(scope="module")

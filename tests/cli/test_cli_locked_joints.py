@@ -57,7 +57,6 @@ def check(
         {"joint2": -0.4},
         {"joint3": 0.4},
         {"joint1": 0.0, "joint2": 0.0},
-        {"joint1": 0.4, "joint2": -0.3},
         {"joint1": 0.4, "joint3": 0.5},
     ],
     ids=str,
@@ -66,12 +65,14 @@ def test_locked(orbident: Orbident, at: dict[str, float]):
     check(orbident, locked(at), list(at), EXACT)
 
 
-@pytest.mark.xfail(
-    strict=True,
-    reason="each form of Eq. 32 needs single parameters; here only sums are determined",
-)
 @pytest.mark.parametrize(
-    "at", [{"joint3": 0.0}, {"joint2": 0.3, "joint3": 0.5}], ids=str
+    "at",
+    [
+        {"joint3": 0.0},
+        {"joint1": 0.4, "joint2": -0.3},
+        {"joint2": 0.3, "joint3": 0.5},
+    ],
+    ids=str,
 )
 def test_locked_with_mass_in_sums_only(orbident: Orbident, at: dict[str, float]):
     """With joint 3 at zero, links 2 and 3 are one body with an axis in common: only

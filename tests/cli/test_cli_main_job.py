@@ -47,12 +47,15 @@ def test_simulate_rate_and_json(orbident: Orbident):
     ran = orbident(
         "simulate", "cepheus-like", "m.yaml", "-o", "r.csv", "--rate", 10, "--json", "-"
     )
-    assert ran.done().json == {
-        "recording": "r.csv",
-        "samples": 21,
-        "duration": 2.0,
-        "noise": "none",
-    }
+    assert (
+        ran.done().json.items()
+        >= {
+            "recording": "r.csv",
+            "samples": 21,
+            "duration": 2.0,
+            "noise": "none",
+        }.items()
+    )
 
 
 @pytest.mark.parametrize(("robot", "momentum"), CASES)

@@ -61,12 +61,15 @@ def main() -> None:
         status = app(sys.argv[1:] or ["--help"], "orbident", standalone_mode=False)
         # Not at exit, where a reader that has gone could not be caught.
         sys.stdout.flush()
+    except (BrokenPipeError, SystemExit):
+        # The reader of our output has gone, which Typer answers with SystemExit:
+        # nothing is left to be said.
+        _drop_output()
+        status = 0
     except OSError as error:
         if error.filename is None:
             _drop_output()
-        # The reader of our output has gone: nothing is left to be said.
-        gone = isinstance(error, BrokenPipeError)
-        status = 0 if gone else _complain(_refusal(error), WRONG_INPUT)
+        status = _complain(_refusal(error), WRONG_INPUT)
     except (InputError, MemoryError, typer.TyperException) as error:
         status = _complain(_refusal(error), WRONG_INPUT)
     except (KeyboardInterrupt, typer.Abort):

@@ -160,8 +160,9 @@ def float_attitude(
         if substeps == MOST_SUBSTEPS:
             raise InputError(
                 f"the base turns too fast for samples up to {np.diff(t).max():g} s "
-                f"apart: attitude error {error:.2g} rad with {substeps} steps a sample, "
-                f"more than {tolerance:g}; sample faster or start with less momentum"
+                f"apart: attitude error {error:.2g} rad with {substeps} steps a "
+                f"sample, more than {tolerance:g}; sample faster or start with less "
+                "momentum"
             )
         coarse, substeps = fine, 2 * substeps
         law = law_at(step_nodes(t, substeps))

@@ -23,8 +23,8 @@ from orbident.estimation.triangular import LinearFit, condition_numbers
 from orbident.estimation.verdict import judge
 from orbident.precision import in_float64
 from orbident.recordings.recording import Recording
-from orbident.regressors.formulas import Formulas, SetFormulas, formulas_of
-from orbident.regressors.minimal_sets import minimal_sets
+from orbident.regressors.formulas import Formulas, SetFormulas, formulas_of, mass_form
+from orbident.regressors.minimal_sets import MinimalSets, minimal_sets
 from orbident.robot.description import Robot
 from orbident.signals.samples import samples_of
 
@@ -76,7 +76,7 @@ def identify(
         status=verdict.status,
         warnings=verdict.warnings,
         mass=Estimate(mass.value, mass.std) if verdict.mass else Estimate(NAN, NAN),
-        mass_forms=_mass_forms(words, mass, verdict.mass),
+        mass_forms=_mass_forms(sets, words, mass, verdict.mass),
         pi=_estimates(words.pi, fits.pi.values, _std(fits.pi), verdict.pi),
         phi=_estimates(words.phi, fits.phi.values, _std(fits.phi), verdict.phi),
         base=_estimates(words.base, base.values, base.std, base.determined),
@@ -113,15 +113,17 @@ def _estimates(
     )
 
 
-def _mass_forms(words: SetFormulas, mass: Mass, known: bool) -> Estimates:
-    forms = mass.forms if known else mass.forms[:0]
+def _mass_forms(
+    sets: MinimalSets, words: SetFormulas, mass: Mass, known: bool
+) -> Estimates:
+    forms = [
+        mass_form(sets, form, words) for form in mass.forms[: None if known else 0]
+    ]
     return Estimates(
-        names=tuple(f"M from {words.pi.names[i]}" for i in forms),
-        formulas=tuple(
-            f"{words.pi.names[i]}/({words.mass_divisors[i]})" for i in forms
-        ),
-        values=mass.values[: forms.size],
-        std=mass.stds[: forms.size],
+        names=tuple(f"M from {above}" for above, _ in forms),
+        formulas=tuple(formula for _, formula in forms),
+        values=mass.values[: len(forms)],
+        std=mass.stds[: len(forms)],
     )
 
 

@@ -161,6 +161,7 @@ def _check_enough(source: str, samples: int, axes: int, unknowns: int) -> None:
     if samples * axes < unknowns:
         raise InputError(
             f"{source}: {samples} complete samples give {samples * axes} momentum "
-            f"equations for {unknowns} unknowns; record at least {-(-unknowns // axes)} samples with "
-            "joints, wheels, gyro and attitude all measured"
+            f"equations for {unknowns} unknowns; record at least "
+            f"{-(-unknowns // axes)} samples with joints, wheels, gyro and attitude "
+            "all measured"
         )

@@ -8,12 +8,14 @@ so each is a form of Eq. 32, with its own variance. They are combined by their
 covariance: generalised least squares on `pi - M g(phi) = 0`.
 """
 
+import itertools
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Float
+from scipy.linalg import null_space, qr
 
-from orbident.estimation.triangular import LinearFit
+from orbident.estimation.triangular import UNSEEN, LinearFit
 from orbident.regressors.minimal_sets import MinimalSets
 
 # Directions of the combined covariance below this fraction of the largest are
@@ -37,10 +39,12 @@ class Mass(NamedTuple):
     value: float
     """kg; NaN where no form gives it."""
     std: float
-    forms: Int[np.ndarray, " forms"]
-    """Which `pi` gave a form."""
+    forms: Float[np.ndarray, "forms pi"]
+    """Each form is `c pi = M c g(phi)`: the rows are `c`."""
     values: Float[np.ndarray, " forms"]
     stds: Float[np.ndarray, " forms"]
+    spread: float
+    """Weighted RMS of the forms' values about the combined one, over it."""
     of_pi: Float[np.ndarray, " pi"]
     """Derivative of the value, for propagation."""
     of_phi: Float[np.ndarray, " phi"]
@@ -60,50 +64,78 @@ def product_forms(sets: MinimalSets, phi: Float[np.ndarray, " phi"]) -> ProductF
 
 
 def mass_of(sets: MinimalSets, pi: LinearFit, phi: LinearFit) -> Mass:
-    """Combine every form of Eq. 32 whose `pi` and `phi` are determined."""
+    """Combine every form of Eq. 32 that the recording determines."""
     products = product_forms(sets, phi.values)
-    forms = _usable(sets, products, pi.determined, phi.determined)
-    g, dg = products.g[forms], products.dg[forms]
-    C_pi = pi.covariance[np.ix_(forms, forms)]
+    forms = _forms(sets, products, pi, phi)
+    g, dg = forms @ products.g, forms @ products.dg
+    found = forms @ pi.values
+    if not found.any():
+        nothing = np.zeros(pi.values.size), np.zeros(phi.values.size)
+        return Mass(np.nan, np.nan, forms[:0], g[:0], g[:0], np.nan, *nothing)
+    C_pi = forms @ pi.covariance @ forms.T
     C_phi = dg @ phi.covariance @ dg.T
-    nothing = np.zeros_like(products.g), np.zeros_like(phi.values)
-    if forms.size == 0:
-        return Mass(np.nan, np.nan, forms, g, g, *nothing)
-    values = pi.values[forms] / g
-    M = float(np.median(values))
+    M = float(np.median(found / g))
     C = weights = np.zeros(0)
     for _ in range(ROUNDS):
         C = C_pi + M**2 * C_phi
         weights = _weights(C, g)
-        M = float(weights @ pi.values[forms] / (weights @ g))
+        M = float(weights @ found / (weights @ g))
     scale = weights @ g
-    of_pi, of_phi = nothing
-    of_pi[forms] = weights / scale
-    of_phi = -M * (weights @ dg) / scale
+    stds = np.sqrt(np.diag(C)) / np.abs(g)
+    trust = 1 / np.maximum(stds, FLOOR * abs(M)) ** 2
+    spread = np.sqrt(trust @ (found / g - M) ** 2 / trust.sum()) / abs(M)
     return Mass(
         value=M,
         std=float(np.sqrt(weights @ C @ weights) / abs(scale)),
         forms=forms,
-        values=values,
-        stds=np.sqrt(np.diag(C)) / np.abs(g),
-        of_pi=of_pi,
-        of_phi=of_phi,
+        values=found / g,
+        stds=stds,
+        spread=float(spread),
+        of_pi=weights @ forms / scale,
+        of_phi=-M * (weights @ dg) / scale,
     )
 
 
-def _usable(
-    sets: MinimalSets,
-    products: ProductForms,
-    pi: Bool[np.ndarray, " pi"],
-    phi: Bool[np.ndarray, " phi"],
-) -> Int[np.ndarray, " forms"]:
-    """Forms without inertia, of determined parameters, with a denominator."""
-    largest = np.abs(products.g).max(initial=0.0)
-    usable = pi & (np.abs(products.g) > FLOOR * largest)
-    usable[: sets.iotas] = False
-    undetermined = np.abs(products.dg[:, ~phi]).max(axis=1, initial=0.0)
-    usable &= undetermined <= FLOOR * np.abs(products.dg).max(initial=1.0)
-    return np.flatnonzero(usable)
+def _forms(
+    sets: MinimalSets, products: ProductForms, pi: LinearFit, phi: LinearFit
+) -> Float[np.ndarray, "forms pi"]:
+    """All `c` without inertia for which the rows show both `c pi` and `c g(phi)`.
+
+    Where everything is determined, they are the `pi` one by one. Where only sums are,
+    as with a joint that never moved, they are the sums.
+    """
+    pure = np.arange(sets.iotas, pi.values.size)
+    a, b = sets.pairs.T
+    curved = [
+        sets.pi_of_products @ (u[a] * v[b] + u[b] * v[a])
+        for u, v in itertools.combinations_with_replacement(phi.hidden.T, 2)
+    ]
+    # c must not change along what is hidden, of pi or, to second order, of phi.
+    rows = [*pi.hidden.T, *(products.dg @ phi.hidden).T, *curved]
+    hidden = np.reshape([row[pure] for row in rows], (len(rows), pure.size))
+    forms = np.zeros((0, pi.values.size))
+    if pure.size:
+        combinations = _orthogonal(hidden)
+        forms = np.zeros((len(combinations), pi.values.size))
+        forms[:, pure] = combinations
+    g = np.abs(forms @ products.g)
+    return forms[g > FLOOR * np.abs(products.g).max(initial=0.0)]
+
+
+def _orthogonal(
+    hidden: Float[np.ndarray, "rows n"],
+) -> Float[np.ndarray, "rest n"]:
+    """A sparse basis of what is orthogonal to all rows."""
+    sizes = np.linalg.norm(hidden, axis=1)
+    used = hidden[sizes > FLOOR * sizes.max(initial=0.0)]
+    if len(used) == 0:
+        return np.eye(hidden.shape[1])
+    basis = null_space(used / np.linalg.norm(used, axis=1, keepdims=True), rcond=UNSEEN)
+    # One where each is chosen, zero at the other choices: as few terms as there can be.
+    *_, order = qr(basis.T, mode="r", pivoting=True)
+    chosen = np.sort(order[: basis.shape[1]])
+    sparse = np.linalg.solve(basis[chosen].T, basis.T)
+    return np.where(np.abs(sparse) > UNSEEN, sparse, 0.0)
 
 
 def _weights(

@@ -7,7 +7,7 @@ from jaxtyping import Bool, Float
 from scipy.linalg import block_diag
 
 from orbident.estimation.mass import Mass, product_forms
-from orbident.estimation.triangular import LinearFit
+from orbident.estimation.triangular import UNSEEN, LinearFit
 from orbident.regressors.minimal_sets import MinimalSets
 
 
@@ -49,7 +49,8 @@ def base_parameters(
     diota[:, pi.values.size :] -= M * dg[own]
     J = np.vstack([dM, dsigma, diota])
     C = block_diag(pi.covariance, phi.covariance)
-    needs_unknown = np.abs(dg[own][:, ~phi_known]).max(axis=1, initial=0.0) > 0
+    unseen = np.abs(dg[own] @ phi.hidden).max(axis=1, initial=0.0)
+    needs_unknown = unseen > UNSEEN * np.abs(dg).max(initial=0.0)
     determined = np.concatenate([[True], phi_known, pi_known[own] & ~needs_unknown])
     return BaseEstimate(
         values=values,

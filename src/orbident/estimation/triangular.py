@@ -8,17 +8,17 @@ from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Bool, Float
-from scipy.linalg.lapack import dtpqrt
+from scipy.linalg import get_lapack_funcs
 
 # Singular values of the factor with unit columns: what the motion never shows comes
 # out at 1e-16 to 1e-14, and what it does show is worth reporting with its error.
 RANK = 1e-12
 # A parameter with this much of the unseen directions in it is not determined.
 UNSEEN = 1e-6
-
-
 # Columns that LAPACK factors at once: 16 to 32 are equally fast up to 500 columns.
 BLOCK = 16
+
+(_tpqrt,) = get_lapack_funcs(("tpqrt",), dtype=np.float64)
 
 
 def fold(
@@ -29,7 +29,7 @@ def fold(
     LAPACK's tpqrt leaves alone the zeros that `R` already has: half the time of a QR
     of the two stacked.
     """
-    factor, _, _, _ = dtpqrt(0, min(BLOCK, len(R)), R, rows)
+    factor, _, _, _ = _tpqrt(0, min(BLOCK, len(R)), R, rows)
     return factor
 
 
@@ -40,6 +40,8 @@ class LinearFit(NamedTuple):
     """The shortest solution; meaningless where not `determined`."""
     covariance: Float[np.ndarray, "n n"]
     determined: Bool[np.ndarray, " n"]
+    hidden: Float[np.ndarray, "n hidden"]
+    """Columns: changes of the parameters that no row shows."""
     factor: Float[np.ndarray, "n n"]
     """Triangular, of the parameters' columns with the nuisance projected out."""
     rms: float
@@ -85,14 +87,15 @@ def solve(R: Float[np.ndarray, "all all"], layout: Layout, rows: int) -> LinearF
     inverse = np.where(seen, 1 / np.where(seen, s, 1.0), 0.0)
     root = Vt.T * inverse / norms[:, None]
     solution = root @ (U.T @ z)
-    hidden = np.linalg.norm(Vt[~seen], axis=0) > UNSEEN
+    own = np.s_[layout.nuisances :]
+    hidden = Vt[~seen][:, own].T
     rms = unexplained / np.sqrt(max(rows - int(seen.sum()), 1))
     covariance = rms**2 * root @ root.T
-    own = np.s_[layout.nuisances :]
     return LinearFit(
         values=solution[own],
         covariance=covariance[own, own],
-        determined=~hidden[own],
+        determined=np.linalg.norm(hidden, axis=1) <= UNSEEN,
+        hidden=hidden / norms[own, None],
         factor=columns[own, own],
         rms=rms,
         explained=float(np.linalg.norm(z[own])),

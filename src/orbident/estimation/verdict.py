@@ -7,18 +7,22 @@ from jaxtyping import Bool
 
 from orbident.estimation.least_squares import Fits
 from orbident.estimation.mass import Mass
+from orbident.estimation.triangular import LinearFit
 from orbident.robot.description import Robot
 from orbident.signals.samples import Samples
 
 # The known term of the momentum equation, nuisance apart, beside the whole of it:
 # zero but for rounding.
 ROUNDING = 1e-9
-# What the parameters must explain of it: noise alone is explained hardly at all.
-EXPLAINED = 0.5
+# What the parameters must explain of it, squared: noise is explained hardly at all, and
+# signals in wrong units or frames in part.
+EXPLAINED = 0.9
 # Below this part of the wheels' momentum the known term may be noise of their speeds.
 VARIES = 1e-2
 # Freeing a momentum that is rightly known hardly makes the residual smaller.
 FREED = 0.5
+# Forms of Eq. 32 that differ by more than this do not measure one mass.
+SPREAD = 0.5
 
 
 class Verdict(NamedTuple):
@@ -35,35 +39,39 @@ def judge(
     robot: Robot, samples: Samples, fits: Fits, mass: Mass, initial_momentum: str
 ) -> Verdict:
     """Decide what is determined, in words that say what to do."""
-    problem = _no_scale(robot, fits, initial_momentum)
+    no_scale = _no_scale(robot, fits, initial_momentum)
+    no_phi = _no_phi(samples, fits.phi)
+    pi = fits.pi.determined & (no_scale is None)
+    phi = fits.phi.determined & (no_phi is None)
+    has_mass = not (no_scale or no_phi) and mass.value > 0 and mass.spread < SPREAD
     warnings = list(robot.warnings)
-    pi = fits.pi.determined & (problem is None)
-    phi = fits.phi.determined & bool(samples.v_S)
-    if problem is not None:
-        warnings.append(problem)
-    else:
-        warnings += _undetermined("pi", pi, samples.locked)
-    if not samples.v_S:
-        warnings.append(
-            "phi is not determined: the recording has no velocity.x .y .z of the "
-            "feature point (nor position.x .y .z); record one of them"
-        )
-    else:
-        warnings += _undetermined("phi", phi, samples.locked)
-    has_mass = problem is None and mass.value > 0
-    if problem is None and not has_mass:
+    warnings += [no_scale] if no_scale else _undetermined("pi", pi, samples.locked)
+    warnings += [no_phi] if no_phi else _undetermined("phi", phi, samples.locked)
+    if not (no_scale or no_phi or has_mass):
         warnings.append(_no_mass(mass))
     status = "ok" if has_mass else "rejected"
     return Verdict(status, tuple(warnings), pi, phi, has_mass)
 
 
+def _no_phi(samples: Samples, phi: LinearFit) -> str | None:
+    """Why `phi` is not determined, or wrong; None where all is well."""
+    if not samples.v_S:
+        return (
+            "phi and the mass are not determined: the recording has no velocity.x .y "
+            ".z of the feature point (nor position.x .y .z); record one of them"
+        )
+    if phi.explained**2 <= EXPLAINED * (phi.explained**2 + phi.unexplained**2):
+        return (
+            "phi and the mass are not determined: the velocity of the feature point "
+            "does not follow from joints, gyro and attitude; check its units and frame "
+            "(inertial axes), and the attitude (scalar last, base to inertial axes)"
+        )
+    return None
+
+
 def _no_scale(robot: Robot, fits: Fits, initial_momentum: str) -> str | None:
     """Why `pi` has no scale, or a wrong one; None where all is well."""
     pi = fits.pi
-    known = np.hypot(pi.explained, pi.unexplained)
-    if known <= ROUNDING * fits.h_rw or pi.explained**2 <= EXPLAINED * known**2:
-        varies = known > VARIES * fits.h_rw
-        return f"pi has no scale: {_why_no_scale(robot, initial_momentum, varies)}"
     assumed = initial_momentum == "at-rest" and pi.unexplained > ROUNDING * fits.h_rw
     if assumed and pi.unexplained_freed < FREED * pi.unexplained:
         return (
@@ -72,6 +80,10 @@ def _no_scale(robot: Robot, fits: Fits, initial_momentum: str) -> str | None:
             f"{pi.unexplained_freed / pi.unexplained:.2g} of what it is); use "
             "--initial-momentum unknown"
         )
+    known = np.hypot(pi.explained, pi.unexplained)
+    if known <= ROUNDING * fits.h_rw or pi.explained**2 <= EXPLAINED * known**2:
+        varies = bool(known > VARIES * fits.h_rw)
+        return f"pi has no scale: {_why_no_scale(robot, initial_momentum, varies)}"
     return None
 
 
@@ -104,14 +116,15 @@ def _why_no_scale(robot: Robot, initial_momentum: str, varies: bool) -> str:
 
 
 def _no_mass(mass: Mass) -> str:
-    if mass.forms.size:
+    if len(mass.forms) == 0:
         return (
-            f"mass: Eq. 32 gives {mass.value:.4g} kg, which no robot has; check the "
-            "robot's geometry, its wheels' inertia and the sign of their speeds"
+            "mass: no form of Eq. 32 is determined; weigh the robot with a thruster "
+            "burn (Eq. 40), or see the warnings above"
         )
     return (
-        "mass: no form of Eq. 32 has all its parameters determined; weigh the robot "
-        "with a thruster burn (Eq. 40), or see the warnings above"
+        f"mass: the forms of Eq. 32 give {mass.values.min():.4g} to "
+        f"{mass.values.max():.4g} kg; check the robot's geometry, its wheels' inertia, "
+        "and the signs and frames of wheel speeds and velocity"
     )
 
 

@@ -63,7 +63,11 @@ class Recording:
         if name in self.columns:
             return self.columns[name]
         purpose = f" ({meaning(name)})" if meaning(name) else ""
-        strangers = [other for other in self.columns if not is_known(other)]
+        strangers = [
+            other
+            for other in self.columns
+            if not (is_known(other) or other.startswith("truth."))
+        ]
         close = closest(name, strangers)
         rename = f", or rename '{close}' if it is that" if close else ""
         raise InputError(

@@ -27,8 +27,6 @@ class SetFormulas(NamedTuple):
     base: Formulas
     phi: Formulas
     pi: Formulas
-    mass_divisors: tuple[str, ...]
-    """`g_i(phi)` of Eq. 32, for those `pi` that hold no inertia."""
 
 
 def formulas_of(robot: Robot, sets: MinimalSets) -> SetFormulas:
@@ -52,7 +50,6 @@ def formulas_of(robot: Robot, sets: MinimalSets) -> SetFormulas:
         base=Formulas(tuple(names), base),
         phi=Formulas(_numbered("phi", sigmas), phi),
         pi=Formulas(_numbered("pi", len(pi)), pi),
-        mass_divisors=_mass_divisors(sets),
     )
 
 
@@ -72,14 +69,18 @@ def combination(coefficients: Float[np.ndarray, " n"], names: Sequence[str]) -> 
     return text or "0"
 
 
-def _mass_divisors(sets: MinimalSets) -> tuple[str, ...]:
-    phi = _numbered("phi", sets.base.sigmas)
+def mass_form(
+    sets: MinimalSets, form: Float[np.ndarray, " pi"], words: SetFormulas
+) -> tuple[str, str]:
+    """`c pi` and `c pi / (c g(phi))` of a form of Eq. 32."""
+    phi = words.phi.names
     products = [
         f"{phi[a]}^2" if a == b else f"{phi[a]} {phi[b]}" for a, b in sets.pairs
     ]
-    rows = zip(sets.pi_of_beta[:, : 1 + len(phi)], sets.pi_of_products, strict=True)
-    names = ["1", *phi, *products]
-    return tuple(combination(np.concatenate(row), names) for row in rows)
+    g = [form @ sets.pi_of_beta[:, : 1 + len(phi)], form @ sets.pi_of_products]
+    above = combination(form, words.pi.names)
+    below = combination(np.concatenate(g), ["1", *phi, *products])
+    return above, f"({above})/({below})" if " " in above else f"{above}/({below})"
 
 
 def _numbered(name: str, count: int) -> tuple[str, ...]:

@@ -26,7 +26,7 @@ def independent_columns(X: Float[np.ndarray, "rows all"]) -> Independent:
     Gram-Schmidt, twice for orthogonality to rounding.
     """
     # The triangular factor has the same dependencies, and fewer rows.
-    X = np.linalg.qr(X, mode="r")
+    X = np.asarray(np.linalg.qr(X, mode="r"))
     norms = np.linalg.norm(X, axis=0)
     largest = norms.max(initial=0.0)
     Q = np.empty((X.shape[0], min(X.shape)))

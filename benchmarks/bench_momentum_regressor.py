@@ -1,0 +1,100 @@
+"""The momentum regressor of a dual-arm robot against Pinocchio's, per sample.
+
+Rows 0 to 5 of Pinocchio's joint-torque regressor without gravity, at rest and with the
+rates for accelerations, are the momentum: `P` and `A`.
+"""
+
+from typing import NamedTuple
+
+import jax
+import numpy as np
+import pinocchio as pin
+import pytest
+from manoeuvres import dual_arm
+from pinocchio_model import pinocchio_model
+
+from orbident.dynamics.tree import Tree, tree_of
+from orbident.regressors.momentum import momentum
+from orbident.robot.parameters import PER_BODY
+
+FASTER = 3
+SAMPLES = 3000
+
+
+class States(NamedTuple):
+    q: np.ndarray
+    qd: np.ndarray
+    w: np.ndarray
+
+
+@pytest.fixture(scope="module")
+def states() -> States:
+    random = np.random.default_rng(0)
+    joints = len(dual_arm().joints)
+    q, qd = random.standard_normal((2, SAMPLES, joints))
+    return States(q, qd, random.standard_normal((SAMPLES, 3)))
+
+
+@pytest.fixture(scope="module")
+def tree() -> Tree:
+    return tree_of(dual_arm())
+
+
+@jax.jit
+def ours(tree, states):
+    """Linear, then angular momentum: six rows a sample, as Pinocchio gives them."""
+
+    def rows(q, qd, w):
+        at = momentum(tree, q, qd, w)
+        return at.P, at.A
+
+    return jax.vmap(rows)(*states)
+
+
+@pytest.fixture(scope="module")
+def theirs(states):
+    """A loop over the samples, and where our columns are in its rows."""
+    robot = pinocchio_model(dual_arm())
+    model, data = robot.model, robot.model.createData()
+    configurations = [robot.q(q) for q in states.q]
+    velocities = [robot.v(w, qd) for qd, w in zip(states.qd, states.w, strict=True)]
+    at_rest = np.zeros(model.nv)
+    rows = np.empty((SAMPLES, 6, PER_BODY * len(robot.bodies)))
+
+    def loop():
+        for k in range(SAMPLES):
+            rows[k] = pin.computeJointTorqueRegressor(
+                model, data, configurations[k], at_rest, velocities[k]
+            )[:6]
+        return rows
+
+    columns = [np.arange(PER_BODY) + PER_BODY * (body - 1) for body in robot.bodies]
+    return loop, np.concatenate(columns)
+
+
+@pytest.fixture(scope="module")
+def difference(tree, states, theirs) -> float:
+    """The largest between the two, beside the largest entry."""
+    loop, columns = theirs
+    expected = loop()[:, :, columns]
+    found = np.concatenate(ours(tree, states), axis=1)
+    return float(np.abs(found - expected).max() / np.abs(expected).max())
+
+
+@pytest.mark.benchmark(group="momentum regressor, 3000 samples")
+def bench_orbident(benchmark, record, tree, states, difference):
+    benchmark(lambda: [np.asarray(rows) for rows in ours(tree, states)])
+    median = record("orbident", difference=difference)
+    benchmark.extra_info["us_per_sample"] = 1e6 * median / SAMPLES
+    assert difference < 1e-12
+
+
+@pytest.mark.benchmark(group="momentum regressor, 3000 samples")
+def bench_pinocchio(benchmark, record, medians, theirs):
+    loop, _ = theirs
+    benchmark(loop)
+    median = record("pinocchio")
+    benchmark.extra_info["us_per_sample"] = 1e6 * median / SAMPLES
+    if "orbident" in medians:
+        benchmark.extra_info["ratio"] = median / medians["orbident"]
+        assert median >= FASTER * medians["orbident"]
