@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from obvious_momentum import system_motion
 from random_robots import random_planar_robot, random_robot
 
-from orbident.regressors.formulas import formulas_of
+from orbident.regressors.formulas import formulas_of, mass_form
 from orbident.regressors.minimal_sets import MinimalSets, Regressors, minimal_sets
 from orbident.robot.description import Axis, Robot, Structure
 
@@ -187,9 +187,12 @@ def check_formulas(robot: Robot, sets: MinimalSets):
             # Rounding to four digits is off by 5e-4 of a coefficient at most.
             assert abs(value - number) <= 5e-4 * size + 1e-9
     # g_i(phi) is what pi / M holds without inertia (Eq. 32).
-    for i, formula in enumerate(formulas.mass_divisors[sets.iotas :]):
-        value, size = evaluate(formula, values)
-        number = sets.pi(robot.theta)[sets.iotas + i] / robot.mass
+    pi = sets.pi(robot.theta)
+    for i in range(sets.iotas, pi.size):
+        above, quotient = mass_form(sets, np.eye(pi.size)[i], formulas)
+        divisor = quotient.removeprefix(f"{above}/(").removesuffix(")")
+        value, size = evaluate(divisor, values)
+        number = pi[i] / robot.mass
         assert abs(value - number) <= 5e-4 * size + 1e-9
 
 

@@ -66,7 +66,7 @@ def poses(tree: Tree, q: Float[AnyArray, " joints"]) -> Poses:
     def place(X_B, joint):
         k, parent, X_PC = joint
         X_BP = X_B[parent]
-        X_BC = product(X_BP[:, :3], X_PC).at[:, 3].add(X_BP[:, 3])
+        X_BC = jnp.asarray(product(X_BP[:, :3], X_PC)).at[:, 3].add(X_BP[:, 3])
         return X_B.at[k + 1].set(X_BC), None
 
     X_BB = jnp.zeros((tree.moves.shape[1], 3, 4), q.dtype).at[0, :, :3].set(jnp.eye(3))

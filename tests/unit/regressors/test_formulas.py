@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from random_robots import random_robot
 
-from orbident.regressors.formulas import combination, formulas_of
+from orbident.regressors.formulas import combination, formulas_of, mass_form
 from orbident.regressors.minimal_sets import minimal_sets
 from orbident.robot.robot_file import load_robot
 
@@ -38,15 +38,26 @@ def test_formulas_of_the_papers_arm():
     assert found.phi.formulas[3] == "(2 m(link3) + mx(link2))/M"
     assert "sigma_1 sigma_4/M" in found.pi.formulas
     assert found.pi.formulas[9] == "4 m(link3) + Iyy(link2) - sigma_4^2/M"
-    # Eq. 42's mass is one of these.
-    assert "phi_1 phi_5" in found.mass_divisors
+
+
+def test_mass_forms_of_the_papers_arm():
+    """Eq. 42's mass is one of them; a sum is in parentheses."""
+    robot = load_robot("paper-spatial")
+    sets = minimal_sets(robot)
+    words = formulas_of(robot, sets)
+    one, two = np.eye(19)[13], np.eye(19)[12] + np.eye(19)[13]
+    assert mass_form(sets, one, words) == ("pi_14", "pi_14/(phi_1 phi_5)")
+    assert mass_form(sets, two, words) == (
+        "pi_13 + pi_14",
+        "(pi_13 + pi_14)/(phi_1 phi_4 + phi_1 phi_5)",
+    )
 
 
 def test_formulas_are_as_many_as_the_parameters():
     robot = random_robot(0, (0, 1), prismatic=(1,))
     sets = minimal_sets(robot)
     found = formulas_of(robot, sets)
-    assert len(found.pi.names) == len(found.pi.formulas) == len(found.mass_divisors)
+    assert len(found.pi.names) == len(found.pi.formulas)
     assert len(found.pi.names) == len(sets.pi(robot.theta))
     assert found.pi.names[0] == "pi_1"
     assert found.phi.names[-1] == f"phi_{len(sets.phi(robot.theta))}"
