@@ -85,6 +85,17 @@ def test_a_robot_that_was_not_at_rest(orbident: Orbident, flight: Recording):
     assert "--initial-momentum unknown" in said
 
 
+def test_a_table_robot_that_was_not_at_rest(orbident: Orbident, table_run: Recording):
+    """In the plane the data cannot show it: the mass is half, and a warning says so."""
+    columns = {name: 0.5 * table_run.columns[name] for name in ("wheel.rw.speed",)}
+    written(table_run, "r.csv", replace=columns)
+    ran = orbident(
+        *("identify", "cepheus-like", "r.csv", "--initial-momentum", "at-rest")
+    )
+    assert ran.status == 0
+    assert "was the robot at rest before the wheels spun up?" in ran.err
+
+
 def test_without_velocity_and_position(orbident: Orbident, flight: Recording):
     written(flight, "r.csv", drop=["velocity", "position"])
     true = orbident("inspect", "paper-spatial", "--json", "-").done().json

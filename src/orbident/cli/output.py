@@ -13,7 +13,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
 from orbident.errors import InputError
-from orbident.files.replacing import replacing
+from orbident.files.text import write_text
 
 WIDTH = 110
 """Columns of a table, in a narrower terminal too: a number is never cut short."""
@@ -65,13 +65,7 @@ class Output:
         if self._json_to == "-":
             print(text)
             return
-        place = Path(self._json_to)
-        if place.exists() and not place.is_file():
-            # A pipe or a terminal is written to, not replaced.
-            place.write_text(text + "\n", encoding="utf-8")
-            return
-        with replacing(place) as path:
-            path.write_text(text + "\n", encoding="utf-8")
+        write_text(Path(self._json_to), text + "\n")
 
 
 @contextmanager

@@ -23,6 +23,8 @@ VARIES = 1e-2
 FREED = 0.5
 # Forms of Eq. 32 that differ by more than this do not measure one mass.
 SPREAD = 0.5
+# CAD values are off by some ten percent; a robot that was not at rest by far more.
+SURPRISING = 0.3
 
 
 class Verdict(NamedTuple):
@@ -46,6 +48,12 @@ def judge(
     has_mass = not (no_scale or no_phi) and mass.value > 0 and mass.spread < SPREAD
     warnings = list(robot.warnings)
     warnings += [no_scale] if no_scale else _undetermined("pi", pi, samples.locked)
+    if not no_scale and fits.surprise > SURPRISING:
+        warnings.append(
+            "was the robot at rest before the wheels spun up? the scale of pi and the "
+            "mass rest on that, and with nominal inertia the first sample's momentum "
+            f"is off by {fits.surprise:.2g} times the wheels'"
+        )
     warnings += [no_phi] if no_phi else _undetermined("phi", phi, samples.locked)
     if not (no_scale or no_phi or has_mass):
         warnings.append(_no_mass(mass))

@@ -20,10 +20,15 @@ def replacing(path: Path) -> Iterator[Path]:
         raise InputError(f"{path}: folder '{path.parent}' does not exist; create it")
     if path.is_dir():
         raise InputError(f"{path}: is a folder; give a file name")
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
+    target = path.resolve()
+    temporary = target.with_name(f".{target.name}.{os.getpid()}.part")
     try:
-        yield temporary
-        temporary.replace(path)
+        if target.exists() and not target.is_file():
+            # A pipe or a device takes what is written; it is not to be replaced.
+            yield target
+        else:
+            yield temporary
+            temporary.replace(target)
     except OSError as error:
         reason = error.strerror or error
         raise InputError(f"{path}: cannot be written ({reason})") from error

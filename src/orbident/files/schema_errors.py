@@ -38,7 +38,9 @@ def validated(model: type[Model], document: dict[Any, Any], place: str) -> Model
 
 
 def _one_line(error: ValidationError, place: str) -> str:
-    first, *others = error.errors(include_url=False)
+    # A file of another kind has many faults; the schema is the one that says so.
+    faults = error.errors(include_url=False)
+    first, *others = sorted(faults, key=lambda fault: fault["loc"] != ("schema",))
     where = ": ".join(filter(None, (place, _path(first["loc"]))))
     more = f" (and {len(others)} more)" if others else ""
     return " ".join(f"{where}: {_problem(first)}{more}".split())
