@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from obvious_momentum import system_motion
 from random_robots import random_planar_robot, random_robot
 
-from orbident.regressors.formulas import formulas_of, mass_form
+from orbident.regressors.formulas import formulas_of, mass_forms
 from orbident.regressors.minimal_sets import MinimalSets, Regressors, minimal_sets
 from orbident.robot.description import Axis, Robot, Structure
 
@@ -188,9 +188,10 @@ def check_formulas(robot: Robot, sets: MinimalSets):
             assert abs(value - number) <= 5e-4 * size + 1e-9
     # g_i(phi) is what pi / M holds without inertia (Eq. 32).
     pi = sets.pi(robot.theta)
-    for i in range(sets.iotas, pi.size):
-        above, quotient = mass_form(sets, np.eye(pi.size)[i], formulas)
-        divisor = quotient.removeprefix(f"{above}/(").removesuffix(")")
+    pure = np.eye(pi.size)[sets.iotas :]
+    forms = mass_forms(sets, pure, formulas)
+    for i, (name, formula) in enumerate(zip(*forms, strict=True), start=sets.iotas):
+        divisor = formula.removeprefix(f"{name}/(").removesuffix(")")
         value, size = evaluate(divisor, values)
         number = pi[i] / robot.mass
         assert abs(value - number) <= 5e-4 * size + 1e-9

@@ -23,7 +23,7 @@ from orbident.estimation.triangular import LinearFit, condition_numbers
 from orbident.estimation.verdict import judge
 from orbident.precision import in_float64
 from orbident.recordings.recording import Recording
-from orbident.regressors.formulas import Formulas, SetFormulas, formulas_of, mass_form
+from orbident.regressors.formulas import Formulas, SetFormulas, formulas_of, mass_forms
 from orbident.regressors.minimal_sets import MinimalSets, minimal_sets
 from orbident.robot.description import Robot
 from orbident.signals.samples import samples_of
@@ -116,14 +116,13 @@ def _estimates(
 def _mass_forms(
     sets: MinimalSets, words: SetFormulas, mass: Mass, known: bool
 ) -> Estimates:
-    forms = [
-        mass_form(sets, form, words) for form in mass.forms[: None if known else 0]
-    ]
+    count = len(mass.forms) if known else 0
+    forms = mass_forms(sets, mass.forms[:count], words)
     return Estimates(
-        names=tuple(f"M from {above}" for above, _ in forms),
-        formulas=tuple(formula for _, formula in forms),
-        values=mass.values[: len(forms)],
-        std=mass.stds[: len(forms)],
+        names=tuple(f"M from {name}" for name in forms.names),
+        formulas=forms.formulas,
+        values=mass.values[:count],
+        std=mass.stds[:count],
     )
 
 

@@ -69,18 +69,21 @@ def combination(coefficients: Float[np.ndarray, " n"], names: Sequence[str]) -> 
     return text or "0"
 
 
-def mass_form(
-    sets: MinimalSets, form: Float[np.ndarray, " pi"], words: SetFormulas
-) -> tuple[str, str]:
-    """`c pi` and `c pi / (c g(phi))` of a form of Eq. 32."""
+def mass_forms(
+    sets: MinimalSets, forms: Float[np.ndarray, "forms pi"], words: SetFormulas
+) -> Formulas:
+    """Forms of Eq. 32: `c pi`, and `c pi / (c g(phi))`, for every row `c`."""
     phi = words.phi.names
-    products = [
-        f"{phi[a]}^2" if a == b else f"{phi[a]} {phi[b]}" for a, b in sets.pairs
-    ]
-    g = [form @ sets.pi_of_beta[:, : 1 + len(phi)], form @ sets.pi_of_products]
-    above = combination(form, words.pi.names)
-    below = combination(np.concatenate(g), ["1", *phi, *products])
-    return above, f"({above})/({below})" if " " in above else f"{above}/({below})"
+    pairs = [(phi[a], phi[b]) for a, b in sets.pairs]
+    below = ["1", *phi, *(f"{a}^2" if a == b else f"{a} {b}" for a, b in pairs)]
+    g = np.hstack([sets.pi_of_beta[:, : 1 + len(phi)], sets.pi_of_products])
+    names, formulas = [], []
+    for c, divisor in zip(forms, forms @ g, strict=True):
+        name = combination(c, words.pi.names)
+        above = f"({name})" if " " in name else name
+        names.append(name)
+        formulas.append(f"{above}/({combination(divisor, below)})")
+    return Formulas(tuple(names), tuple(formulas))
 
 
 def _numbered(name: str, count: int) -> tuple[str, ...]:

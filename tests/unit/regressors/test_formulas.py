@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from random_robots import random_robot
 
-from orbident.regressors.formulas import combination, formulas_of, mass_form
+from orbident.regressors.formulas import combination, formulas_of, mass_forms
 from orbident.regressors.minimal_sets import minimal_sets
 from orbident.robot.robot_file import load_robot
 
@@ -46,9 +46,10 @@ def test_mass_forms_of_the_papers_arm():
     sets = minimal_sets(robot)
     words = formulas_of(robot, sets)
     one, two = np.eye(19)[13], np.eye(19)[12] + np.eye(19)[13]
-    assert mass_form(sets, one, words) == ("pi_14", "pi_14/(phi_1 phi_5)")
-    assert mass_form(sets, two, words) == (
-        "pi_13 + pi_14",
+    forms = mass_forms(sets, np.stack([one, two]), words)
+    assert forms.names == ("pi_14", "pi_13 + pi_14")
+    assert forms.formulas == (
+        "pi_14/(phi_1 phi_5)",
         "(pi_13 + pi_14)/(phi_1 phi_4 + phi_1 phi_5)",
     )
 
