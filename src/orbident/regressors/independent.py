@@ -23,7 +23,7 @@ def independent_columns(X: Float[np.ndarray, "rows all"]) -> Independent:
 
     First come, first kept: so the order of the columns decides which parameters
     stand for the others, as in the classical regrouping (Khalil and Dombre, 2002).
-    Gram-Schmidt, twice for orthogonality to rounding.
+    Gram-Schmidt, on the triangular factor: there one pass is orthogonal to rounding.
     """
     # The triangular factor has the same dependencies, and fewer rows.
     X = np.asarray(np.linalg.qr(X, mode="r"))
@@ -36,8 +36,7 @@ def independent_columns(X: Float[np.ndarray, "rows all"]) -> Independent:
             continue
         v = X[:, k] / norm
         basis = Q[:, : len(columns)]
-        for _ in range(2):
-            v = v - basis @ (basis.T @ v)
+        v = v - basis @ (basis.T @ v)
         distance = np.linalg.norm(v)
         if distance > DEPENDENT:
             Q[:, len(columns)] = v / distance

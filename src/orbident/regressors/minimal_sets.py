@@ -15,7 +15,7 @@ trees, prismatic joints and what is known of the bodies need no case of their ow
 
 import itertools
 from dataclasses import dataclass
-from functools import partial
+from functools import lru_cache, partial
 from typing import NamedTuple
 
 import equinox as eqx
@@ -32,7 +32,6 @@ from orbident.regressors.momentum import Momentum, momentum
 from orbident.robot.description import Robot
 from orbident.robot.parameters import MASS, PER_BODY
 from orbident.spatial.arrays import AnyArray
-from orbident.spatial.rotations import cross
 
 
 class BaseParameters(NamedTuple):
@@ -131,15 +130,20 @@ def product_columns(
     second: Int[AnyArray, " products"],
 ) -> Float[AnyArray, "3 products"]:
     """`-(S_a x P_b + S_b x P_a)`, halved for squares: over `sigma_a sigma_b / M`."""
-    S_a, S_b = S.T[first], S.T[second]
-    P_a, P_b = P.T[first], P.T[second]
-    half = jnp.where(first == second, 0.5, 1.0)[:, None]
-    return -(half * (cross(S_a, P_b) + cross(S_b, P_a))).T
+    # Columns stay last, where they are many: the cross product is along the rows.
+    half = jnp.where(first == second, 0.5, 1.0)
+    S_a, S_b = S[:, first], S[:, second]
+    P_a, P_b = P[:, first], P[:, second]
+    return -half * (jnp.cross(S_a, P_b, axis=0) + jnp.cross(S_b, P_a, axis=0))
 
 
+@lru_cache(maxsize=16)
 @in_float64
 def minimal_sets(robot: Robot) -> MinimalSets:
-    """Find the minimal sets of a robot under what its `structure` says is known."""
+    """Find the minimal sets of a robot under what its `structure` says is known.
+
+    Found once for each robot of a process.
+    """
     tree = tree_of(robot)
     turning, moving = conserved_axes(robot)
     at = _random_momentum(tree, robot, 3 * PER_BODY * len(robot.bodies))

@@ -78,14 +78,14 @@ class Structure:
         return frozenset(zero)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Robot:
     """A spacecraft with arms and reaction wheels.
 
     Body 0 is the base. Its body frame is the paper's frame b: origin at the tracked
     feature point S, axes of the base link. The body frame of link `i` is at its
     joint. Fixed joints are fused. `theta` is nominal (CAD): a starting point, never
-    the answer.
+    the answer. A robot is equal to itself alone.
     """
 
     name: str
