@@ -15,7 +15,7 @@ trees, prismatic joints and what is known of the bodies need no case of their ow
 
 import itertools
 from dataclasses import dataclass
-from functools import lru_cache, partial
+from functools import lru_cache
 from typing import NamedTuple
 
 import equinox as eqx
@@ -24,7 +24,6 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float, Int
 
-from orbident.dynamics.batches import in_batches
 from orbident.dynamics.tree import Tree, tree_of
 from orbident.precision import in_float64
 from orbident.regressors.independent import independent_columns
@@ -195,7 +194,7 @@ def _random_momentum(tree: Tree, robot: Robot, samples: int) -> Momentum:
     w = random.standard_normal((samples, 3))
     if robot.motion == "planar":
         w[:, :2] = 0.0
-    return in_batches(partial(_momentum, tree), q, qd, w)
+    return jax.tree.map(np.asarray, _momentum(tree, q, qd, w))
 
 
 _momentum = jax.jit(jax.vmap(momentum, (None, 0, 0, 0)))
