@@ -4,6 +4,9 @@ Rows 0 to 5 of Pinocchio's joint-torque regressor without gravity, at rest and w
 rates for accelerations, are the momentum: `P` and `A`.
 """
 
+# Pinocchio is compiled and has no stubs.
+# pyright: reportAttributeAccessIssue=false
+
 from typing import NamedTuple
 
 import jax

@@ -1,8 +1,9 @@
 """Memory: what identifying 1,000,000 samples of the dual-arm robot needs.
 
 Writes a recording, then identifies it twice, each time in a fresh process: step by
-step through the library, and by the command. Fails where the peak of either is more
-than 500 MB above the recording itself, in memory. It takes some minutes:
+step through the library, and by the command. Fails where the peak of either process,
+JAX and all, is more than 500 MiB above the recording's own size in memory. It takes
+some minutes:
 
     python benchmarks/million_samples.py
 """
@@ -15,7 +16,8 @@ import tempfile
 import time
 from pathlib import Path
 
-BEYOND = 500e6
+MiB = 2**20
+BEYOND = 500 * MiB
 DURATION = 1000.0
 """s."""
 
@@ -41,7 +43,7 @@ def measure(folder: Path, samples: int) -> int:
     path = folder / "recording.parquet"
     itself = [sys.executable, __file__]
     peak_of([*itself, "--record", str(path), "--samples", str(samples)], folder)
-    print(f"on disk         {path.stat().st_size / 1e6:8.0f} MB")
+    print(f"on disk         {path.stat().st_size / MiB:8.0f} MiB")
     print("\nthe library, step by step")
     library = peak_of([*itself, "--identify", str(path)], folder)
     print("\nthe command: orbident identify dual-arm recording.parquet")
@@ -55,8 +57,8 @@ def measure(folder: Path, samples: int) -> int:
         within = beyond <= BEYOND
         status |= not within
         print(
-            f"{what}: {beyond / 1e6:.0f} MB beyond the recording's {size / 1e6:.0f} MB"
-            f" ({'within' if within else 'ABOVE'} {BEYOND / 1e6:.0f} MB)"
+            f"{what}: {beyond / MiB:.0f} MiB beyond the recording's {size / MiB:.0f}"
+            f" ({'within' if within else 'ABOVE'} {BEYOND / MiB:.0f} MiB)"
         )
     return int(status)
 
@@ -70,7 +72,7 @@ def peak_of(command: list[str], cache: Path) -> int:
     if status:
         sys.exit(f"{' '.join(command)}: failed")
     peak = usage.ru_maxrss * 1024
-    print(f"whole process   {peak / 1e6:8.0f} MB peak", end="")
+    print(f"whole process   {peak / MiB:8.0f} MiB peak", end="")
     print(f"  {time.perf_counter() - started:6.1f} s")
     return peak
 
@@ -112,11 +114,11 @@ def identify_step_by_step(path: Path) -> None:
 
 def say(after: str) -> None:
     """Resident memory now, and its peak so far."""
-    lines = Path("/proc/self/status").read_text().splitlines()
-    kilobytes = {line.split(":")[0]: line.split()[1] for line in lines if "VmR" in line}
-    peak = next(line.split()[1] for line in lines if line.startswith("VmHWM"))
-    now = int(kilobytes["VmRSS"]) * 1.024e-3
-    print(f"{after:15} {now:8.0f} MB, peak {int(peak) * 1.024e-3:.0f} MB", flush=True)
+    status = Path("/proc/self/status").read_text().split("\n")
+    words = [line.split() for line in status if line.endswith("kB")]
+    kilobytes = {name.rstrip(":"): int(count) for name, count, _ in words}
+    now, peak = (kilobytes[name] / 1024 for name in ("VmRSS", "VmHWM"))
+    print(f"{after:15} {now:8.0f} MiB, peak {peak:.0f}", flush=True)
 
 
 if __name__ == "__main__":

@@ -4,6 +4,9 @@
 callback. `Prescribed` is the fastest way found: no control law, no Python in the loop.
 """
 
+# MuJoCo is compiled, and its stubs do not say what it exports.
+# pyright: reportAttributeAccessIssue=false
+
 from typing import NamedTuple, Protocol
 
 import mujoco
@@ -127,7 +130,7 @@ class Prescribed:
             model, data, first[None], control[None], control_spec=int(self.CONTROL)
         )
         # Time comes before the positions.
-        attitudes = states[0, steps - 1 :: steps, 4:8]
+        attitudes = np.asarray(states)[0, steps - 1 :: steps, 4:8]
         return np.vstack([flight.start.attitude, np.roll(attitudes, -1, axis=1)])
 
     def _control(self, steps: int) -> np.ndarray:
@@ -162,6 +165,8 @@ class Servoed:
         self.driven = np.array([*self.mujoco.joints, *self.mujoco.wheels])
         self.positions = np.array(self.mujoco.joints) + 1
         self.M = np.zeros((model.nv, model.nv))
+        self.per_second = 0.0
+        self.commanded: tuple[np.ndarray, ...] = ()
 
     def run(self, steps: int) -> np.ndarray:
         model, data, flight = self.mujoco.model, self.mujoco.data, self.mujoco.flight
