@@ -17,7 +17,7 @@ import time
 from pathlib import Path
 
 MiB = 2**20
-BEYOND = 500 * MiB
+BEYOND = 500e6
 DURATION = 1000.0
 """s."""
 
