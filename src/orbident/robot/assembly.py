@@ -50,7 +50,7 @@ def assembled(
         wheels=wheels,
         thrusters=tuple(_thruster(entry) for entry in file.thrusters),
         structure=structure,
-        sensors=file.sensors.model_dump(exclude_none=True),
+        sensors=file.sensors.in_si(),
         warnings=(
             *urdf.warnings,
             *_nonphysical_links(tree, bodies),

@@ -14,7 +14,7 @@ from orbident.files.schema_parts import (
     finite_vector,
 )
 from orbident.robot.description import Axis
-from orbident.robot.units import quantity
+from orbident.robot.sensor_schema import Sensors
 
 
 def _direction(value: object) -> tuple[float, ...]:
@@ -33,30 +33,9 @@ def _range(value: object) -> tuple[float, ...]:
     return ends
 
 
-def _measure(dimension: str) -> BeforeValidator:
-    """Zero or more of a dimension, in SI."""
-
-    def in_si(value: object) -> float:
-        number = quantity(value, dimension)
-        if number < 0:
-            raise InputError("give zero or more")
-        return number
-
-    return BeforeValidator(in_si)
-
-
-def _rate(value: object) -> float:
-    number = quantity(value, "frequency")
-    if number <= 0:
-        raise InputError("give a rate above zero")
-    return number
-
-
 Direction = Annotated[tuple[float, float, float], BeforeValidator(_direction)]
 Range = Annotated[tuple[float, float], BeforeValidator(_range)]
 Name = Annotated[str, Field(min_length=1)]
-Angle = Annotated[float, _measure("angle")]
-Length = Annotated[float, _measure("length")]
 
 
 class WheelEntry(Section):
@@ -126,50 +105,6 @@ class StructureEntry(Section):
                 "leave principal_axes out"
             )
         return self
-
-
-class Gyro(Section):
-    """Noise of the base's angular rate."""
-
-    angle_random_walk: Annotated[float, _measure("angle random walk")] = 0.0
-    bias_instability: Annotated[float, _measure("angular rate")] = 0.0
-
-
-class Accelerometer(Section):
-    """Noise of the specific force at S."""
-
-    velocity_random_walk: Annotated[float, _measure("velocity random walk")] = 0.0
-    bias_instability: Annotated[float, _measure("acceleration")] = 0.0
-
-
-class Encoder(Section):
-    """Standard deviation of an angle that is read."""
-
-    position: Angle
-
-
-class Attitude(Section):
-    """Star tracker or motion capture."""
-
-    angle: Angle
-
-
-class Position(Section):
-    """Motion capture."""
-
-    std: Length
-
-
-class Sensors(Section):
-    """What is measured, how often and how well, SI; absent is not measured."""
-
-    rate: Annotated[float, BeforeValidator(_rate)] | None = None
-    gyro: Gyro | None = None
-    accelerometer: Accelerometer | None = None
-    joints: Encoder | None = None
-    attitude: Attitude | None = None
-    position: Position | None = None
-    wheels: Encoder | None = None
 
 
 class RobotFile(Section):

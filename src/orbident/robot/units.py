@@ -21,6 +21,7 @@ UNITS: dict[str, dict[str, float]] = {
         "arcmin": _DEG / 60,
         "arcsec": _DEG / 3600,
     },
+    "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0, "h": _HOUR},
     "length": {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6},
     "frequency": {"Hz": 1.0, "kHz": 1e3},
     "angular rate": {

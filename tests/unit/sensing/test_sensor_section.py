@@ -6,9 +6,9 @@ from random_motions import random_motion
 
 from orbident.errors import InputError
 from orbident.robot.robot_file import load_robot
+from orbident.robot.sensor_suites import SUITES, sensor_suite
 from orbident.sensing.sensors import Sensors, sensors_of
 from orbident.sensing.simulate import simulate
-from orbident.sensing.suites import SUITES, sensor_suite
 
 
 def test_nothing_declared_is_nothing_measured():

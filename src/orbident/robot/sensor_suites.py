@@ -1,9 +1,6 @@
 """Ready-made sensors, in the form of `Robot.sensors`.
 
-```python
-suite = sensor_suite("astrobee-like")
-robot = dataclasses.replace(robot, sensors={**robot.sensors, **suite})
-```
+In a robot file, `sensors: {suites: [tactical-imu, phasespace-like]}`.
 
 Only the paper's is anybody's specification. The others have typical numbers of their
 kind of instrument, rounded, to try an identification with before there is hardware.

@@ -1,0 +1,151 @@
+"""The sensor section of a robot file as pydantic models."""
+
+import math
+from typing import Annotated, Any
+
+from pydantic import BeforeValidator, field_validator
+
+from orbident.errors import InputError
+from orbident.files.schema_parts import Section, Vector3, finite_number, finite_vector
+from orbident.robot.sensor_suites import sensor_suite
+from orbident.robot.units import quantity
+
+
+def _measure(dimension: str) -> BeforeValidator:
+    """Zero or more of a dimension, in SI."""
+
+    def in_si(value: object) -> float:
+        number = quantity(value, dimension)
+        if number < 0:
+            raise InputError("give zero or more")
+        return number
+
+    return BeforeValidator(in_si)
+
+
+def _each(dimension: str) -> BeforeValidator:
+    """Three numbers of a dimension, in SI."""
+
+    def in_si(value: object) -> tuple[float, ...]:
+        if not isinstance(value, list | tuple):
+            raise InputError("give a 3-vector")
+        return finite_vector([quantity(each, dimension) for each in value], 3)
+
+    return BeforeValidator(in_si)
+
+
+def _rate(value: object) -> float:
+    number = quantity(value, "frequency")
+    if number <= 0:
+        raise InputError("give a rate above zero")
+    return number
+
+
+def _lasting(value: object) -> float:
+    """A time above zero; infinite for what never changes."""
+    if value == math.inf:
+        return math.inf
+    number = quantity(value, "time")
+    if number <= 0:
+        raise InputError("give a time above zero, or .inf")
+    return number
+
+
+def _probability(value: object) -> float:
+    number = finite_number(value)
+    if not 0 <= number <= 1:
+        raise InputError("give a probability, from 0 to 1")
+    return number
+
+
+Rate = Annotated[float, BeforeValidator(_rate)]
+Lasting = Annotated[float, BeforeValidator(_lasting)]
+Time = Annotated[float, _measure("time")]
+Angle = Annotated[float, _measure("angle")]
+Length = Annotated[float, _measure("length")]
+
+
+class Sampled(Section):
+    """What every sensor may say of its samples."""
+
+    rate: Rate | None = None
+    latency: Time | None = None
+    drop_out: Annotated[float, BeforeValidator(_probability)] | None = None
+
+
+class Inertial(Sampled):
+    """What gyros and accelerometers share."""
+
+    correlation_time: Lasting | None = None
+    scale: Vector3 | None = None
+    misalignment: Annotated[tuple[float, float, float], _each("angle")] | None = None
+
+
+class Gyro(Inertial):
+    """Noise of the base's angular rate."""
+
+    angle_random_walk: Annotated[float, _measure("angle random walk")] = 0.0
+    bias_instability: Annotated[float, _measure("angular rate")] = 0.0
+    turn_on_bias: Annotated[float, _measure("angular rate")] | None = None
+    constant_bias: (
+        Annotated[tuple[float, float, float], _each("angular rate")] | None
+    ) = None
+
+
+class Accelerometer(Inertial):
+    """Noise of the specific force at S."""
+
+    velocity_random_walk: Annotated[float, _measure("velocity random walk")] = 0.0
+    bias_instability: Annotated[float, _measure("acceleration")] = 0.0
+    turn_on_bias: Annotated[float, _measure("acceleration")] | None = None
+    constant_bias: (
+        Annotated[tuple[float, float, float], _each("acceleration")] | None
+    ) = None
+    increments: bool | None = None
+
+
+class Encoder(Sampled):
+    """Standard deviation of an angle that is read, and one count of it."""
+
+    position: Angle
+    resolution: Angle | None = None
+
+
+class Attitude(Sampled):
+    """Star tracker or motion capture."""
+
+    angle: Angle
+
+
+class Position(Sampled):
+    """Motion capture."""
+
+    std: Length
+
+
+class Sensors(Section):
+    """What is measured, how often and how well, SI; absent is not measured."""
+
+    suites: tuple[str, ...] = ()
+    """Ready-made sensors; a sensor that the file gives itself stands instead."""
+    rate: Rate | None = None
+    gyro: Gyro | None = None
+    accelerometer: Accelerometer | None = None
+    joints: Encoder | None = None
+    attitude: Attitude | None = None
+    position: Position | None = None
+    wheels: Encoder | None = None
+
+    @field_validator("suites")
+    @classmethod
+    def _known(cls, names: tuple[str, ...]) -> tuple[str, ...]:
+        for name in names:
+            sensor_suite(name)
+        return names
+
+    def in_si(self) -> dict[str, Any]:
+        """By sensor, what is said of it."""
+        sensors: dict[str, Any] = {}
+        for name in self.suites:
+            sensors |= sensor_suite(name)
+        return sensors | self.model_dump(exclude_none=True, exclude={"suites"})
