@@ -1,0 +1,66 @@
+"""`orbident topics BAG [-o MAP]`."""
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from orbident.cli.convert import BagFile
+from orbident.cli.options import Json, Quiet
+
+
+def topics(
+    bag: BagFile,
+    out: Annotated[
+        Path | None,
+        typer.Option("-o", metavar="MAP", help="Write the proposed map there."),
+    ] = None,
+    json: Json = None,
+    quiet: Quiet = False,
+) -> None:
+    """List what a bag holds, and propose a topic map."""
+    from orbident.cli.output import Output, check_place, progress
+    from orbident.files.text import write_text
+    from orbident.recordings.bags.proposal import proposed_map
+    from orbident.recordings.bags.survey import survey_bag
+
+    output = Output(json, quiet)
+    if out is not None:
+        check_place(out)
+    with progress("reading") as done:
+        surveyed = survey_bag(bag, done)
+    proposal = proposed_map(surveyed)
+    # As comments, so that what is printed is a map as a whole.
+    output.say(*(f"# {line}" for line in _lines(surveyed)))
+    if out is None:
+        output.say(proposal.rstrip())
+    else:
+        write_text(out, proposal)
+        output.say(f"# written: {out}; decide at every TODO in it")
+    output.write_json({"bag": str(bag), "topics": _rows(surveyed), "map": proposal})
+
+
+def _rows(surveyed: Any) -> list[dict[str, Any]]:
+    return [
+        {
+            "topic": each.topic.name,
+            "type": each.topic.type,
+            "messages": each.topic.count,
+            "rate": each.rate,
+            "names": list(each.labels),
+        }
+        for each in surveyed
+    ]
+
+
+def _lines(surveyed: Any) -> list[str]:
+    rows = [("topic", "type", "messages", "rate (Hz)")]
+    for each in surveyed:
+        rate = "-" if each.rate is None else f"{each.rate:.5g}"
+        rows.append((each.topic.name, each.topic.type, str(each.topic.count), rate))
+    widths = [max(len(row[k]) for row in rows) for k in range(4)]
+    return [
+        f"{name:{widths[0]}}  {kind:{widths[1]}}  {count:>{widths[2]}}  "
+        f"{rate:>{widths[3]}}"
+        for name, kind, count, rate in rows
+    ]

@@ -1,0 +1,155 @@
+"""What every entry of a topic map has: a topic, its clock, and what is taken."""
+
+from abc import abstractmethod
+from collections.abc import Iterator, Sequence
+from typing import Annotated, Any, Generic, Literal, NamedTuple, TypeVar
+
+import numpy as np
+from jaxtyping import Float
+from pydantic import BeforeValidator, Field, model_validator
+
+from orbident.errors import InputError
+from orbident.files.schema_parts import Section, finite_vector
+from orbident.recordings.bags.quaternions import (
+    Quaternions,
+    Vectors,
+    conjugate,
+    product,
+    rotate,
+)
+from orbident.recordings.columns import VECTORS
+
+Name = Annotated[str, Field(min_length=1)]
+TURNED = {"gyro", "accelerometer", "attitude", "force", "torque"}
+"""What is in, or of, the base's axes."""
+AT_S = {"accelerometer", "position", "velocity", "torque"}
+"""What is of the feature point, or about it."""
+
+
+class Sample(NamedTuple):
+    """What an entry takes from one message."""
+
+    stamp: int | None
+    """The header's, ns; None for a type without a header."""
+    values: Sequence[float]
+    """As they are in the message; NaN where it has none."""
+
+
+def header_stamp(header: Any) -> int:
+    """A header's stamp, ns."""
+    return header.stamp.sec * 1_000_000_000 + header.stamp.nanosec
+
+
+class Take(Section):
+    """What is taken from a message, each with its unit."""
+
+    @model_validator(mode="after")
+    def _something(self) -> "Take":
+        if not self.taken:
+            raise InputError(
+                f"nothing is taken; give some of {', '.join(self._keys())}"
+            )
+        return self
+
+    @property
+    def taken(self) -> tuple[str, ...]:
+        """The keys that are given."""
+        return tuple(key for key, value in self if value is not None)
+
+
+class Entry(Section):
+    """One entry: how a topic's messages become columns."""
+
+    topic: Name
+    type: str
+    clock: Name | None = None
+    time: Literal["header", "receive"] = "header"
+
+    @property
+    @abstractmethod
+    def columns(self) -> tuple[str, ...]:
+        """The recording's columns that it fills."""
+
+    @property
+    def wanted(self) -> frozenset[str]:
+        """Labels (names of joints, of transforms) that messages must have."""
+        return frozenset()
+
+    @property
+    def quaternion(self) -> slice | None:
+        """Where in a sample's values a unit quaternion stands, if one is used."""
+        return None
+
+    @staticmethod
+    def labels(message: Any) -> tuple[str, ...]:
+        """The labels that a message has."""
+        del message
+        return ()
+
+    @abstractmethod
+    def samples(self, message: Any) -> Iterator[Sample]:
+        """What a message holds."""
+
+    @abstractmethod
+    def table(self, raw: Float[np.ndarray, "n K"]) -> Float[np.ndarray, "n columns"]:
+        """Samples' values, their quaternions of length one, as columns in SI."""
+
+
+def _rotation(value: object) -> tuple[float, ...]:
+    quaternion = finite_vector(value, 4)
+    norm = float(np.linalg.norm(quaternion))
+    if abs(norm - 1) > 0.01:
+        raise InputError(f"its norm is {norm:.4g}; give a unit quaternion, scalar last")
+    return tuple(each / norm for each in quaternion)
+
+
+Taken = TypeVar("Taken", bound=Take)
+
+
+class PlacedEntry(Entry, Generic[Taken]):
+    """Of a sensor that is turned against the base, `x_BS`, and may be at S."""
+
+    take: Taken
+    frame: Literal["base"] | None = None
+    rotation: (
+        Annotated[tuple[float, float, float, float], BeforeValidator(_rotation)] | None
+    ) = None
+    point: Literal["S"] | None = None
+
+    @model_validator(mode="after")
+    def _stated(self) -> "PlacedEntry[Taken]":
+        turned = [each for each in self.take.taken if each in TURNED]
+        if turned and (self.frame is None) == (self.rotation is None):
+            found = "neither" if self.frame is None else "both"
+            raise InputError(
+                f"{found} of frame and rotation given for {', '.join(turned)}; give "
+                "'frame: base' if the axes are the base's, else 'rotation: [x, y, z, "
+                "w]', which turns vectors from the sensor's axes to the base's"
+            )
+        placed = [each for each in self.take.taken if each in AT_S]
+        if placed and self.point is None:
+            raise InputError(
+                f"point missing for {', '.join(placed)}; give 'point: S' if the place "
+                "that is measured is the robot's feature_point, else move that there"
+            )
+        return self
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Those of the vectors that are taken."""
+        return tuple(
+            f"{name}.{axis}" for name in self.take.taken for axis in VECTORS[name][0]
+        )
+
+    def in_base(self, v_S: Vectors) -> Vectors:
+        """`v_B = R_BS v_S`."""
+        # Turning by nothing would let a NaN of one axis into the others.
+        return v_S if self.rotation is None else rotate(self._x_BS, v_S)
+
+    def of_base(self, x_WS: Quaternions) -> Quaternions:
+        """`R_WB = R_WS R_BS^T`."""
+        return x_WS if self.rotation is None else product(x_WS, conjugate(self._x_BS))
+
+    @property
+    def _x_BS(self) -> Quaternions:
+        return np.array([self.rotation], dtype=np.float64)

@@ -1,0 +1,37 @@
+"""The optional libraries that read bags; nothing else imports them."""
+
+from orbident.errors import InputError
+
+try:
+    from mcap.reader import NonSeekingReader as McapStream
+    from mcap.reader import SeekingReader as McapIndex
+    from mcap.records import Schema as McapSchema
+    from rosbags.interfaces import MessageDefinition, MessageDefinitionFormat, TopicInfo
+    from rosbags.rosbag1 import Reader as Ros1Reader
+    from rosbags.rosbag1.reader import Header as Ros1Header
+    from rosbags.rosbag1.reader import RecordType as Ros1Record
+    from rosbags.rosbag1.reader import read_bytes, read_uint32
+    from rosbags.rosbag2 import Reader as Ros2Reader
+    from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+except ModuleNotFoundError as error:
+    raise InputError(
+        f"reading bags needs `pip install orbident[ros]` ({error.name} is missing)"
+    ) from error
+
+__all__ = [
+    "McapIndex",
+    "McapSchema",
+    "McapStream",
+    "MessageDefinition",
+    "MessageDefinitionFormat",
+    "Ros1Header",
+    "Ros1Reader",
+    "Ros1Record",
+    "Ros2Reader",
+    "Stores",
+    "TopicInfo",
+    "get_types_from_msg",
+    "get_typestore",
+    "read_bytes",
+    "read_uint32",
+]

@@ -1,0 +1,136 @@
+"""A topic map to start from, with what only a person knows left open.
+
+Units are those of REP 103, SI, stated so that they can be checked. What no message
+tells (frames, directions, which number feeds what) is missing, so the map does not load
+until it is filled in.
+"""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+
+import yaml
+
+from orbident.recordings.bags.survey import Surveyed
+from orbident.recordings.bags.topic_map import SCHEMA
+
+_SI = "# REP 103 says SI; check that the sender keeps to it"
+_FRAME = (
+    "# TODO 'frame: base' if its axes are the base's, else 'rotation: [x, y, z, w]',",
+    "#      which turns vectors from its axes to the base's",
+)
+_POINT = (
+    "# TODO 'point: S' if {what} the robot's feature_point;",
+    "#      else move feature_point there, or take less",
+)
+_POSE = "# TODO pose: base-in-inertial, or inertial-in-base"
+
+
+def proposed_map(surveyed: Sequence[Surveyed]) -> str:
+    """The YAML text of a topic map; a person completes it at each TODO."""
+    lines = [
+        "# Proposed by 'orbident topics'. Decide at every TODO; delete the topics that",
+        "# are not needed. Two topics cannot feed one column: keep the better one.",
+        f"schema: {SCHEMA}",
+        "topics:",
+    ]
+    for each in surveyed:
+        topic = each.topic
+        propose = _PROPOSALS.get(topic.type)
+        if propose is None or each.example is None:
+            why = "has no messages" if not topic.count else "cannot be mapped"
+            lines.append(f"  # {topic.name} ({topic.type}) {why}")
+            continue
+        lines.append(f"  - topic: {_scalar(topic.name)}")
+        body = [f"type: {topic.type}", *propose(each)]
+        lines += [f"    {line}" for line in body]
+    return "\n".join(lines) + "\n"
+
+
+def _joint_states(found: Surveyed) -> Iterable[str]:
+    units = {"position": "rad", "velocity": "rad/s"}
+    given = {key: u for key, u in units.items() if len(getattr(found.example, key))}
+    yield _take(given or units)
+    yield "# TODO prismatic joints (m, m/s) need an entry of their own"
+    yield "joints:  # name in the messages: name in the robot"
+    yield from (f"  {_scalar(name)}: {_scalar(name)}" for name in found.labels)
+    yield "# TODO move reaction wheels to"
+    yield "# wheels: {name in the messages: name in the robot}"
+
+
+def _imu(found: Surveyed) -> Iterable[str]:
+    x = found.example.orientation
+    has_attitude = any((x.x, x.y, x.z, x.w))
+    attitude = {"attitude": "quaternion"} if has_attitude else {}
+    yield _take({"gyro": "rad/s", "accelerometer": "m/s^2", **attitude})
+    if not has_attitude:
+        yield "# its orientation is all zero, so attitude is left out"
+    yield from _FRAME
+    yield from _point("the accelerometer is at")
+
+
+def _pose(found: Surveyed) -> Iterable[str]:
+    del found
+    yield _take({"position": "m", "attitude": "quaternion"})
+    yield _POSE
+    yield from _FRAME
+    yield from _point("the body that is tracked has its origin at")
+
+
+def _transform(found: Surveyed) -> Iterable[str]:
+    pairs = [label.split(" -> ") for label in found.labels]
+    if len(pairs) == 1:
+        yield f"parent: {_scalar(pairs[0][0])}"
+        yield f"child: {_scalar(pairs[0][1])}"
+    else:
+        yield "# TODO parent and child, one of"
+        for parent, child in pairs:
+            yield f"# parent: {_scalar(parent)}, child: {_scalar(child)}"
+    yield from _pose(found)
+
+
+def _odometry(found: Surveyed) -> Iterable[str]:
+    del found
+    taken = {"position": "m", "attitude": "quaternion", "velocity": "m/s"}
+    yield _take({**taken, "gyro": "rad/s"})
+    yield "# TODO twist: child (as the message is defined), or parent"
+    yield from _FRAME
+    yield from _point("the child frame has its origin at")
+
+
+def _wrench(found: Surveyed) -> Iterable[str]:
+    del found
+    yield _take({"force": "N", "torque": "N m"})
+    yield from _FRAME
+    yield from _point("the torque is about")
+
+
+def _float64(found: Surveyed) -> Iterable[str]:
+    del found
+    yield "# TODO take: {wheel.<name>.speed: rad/s}, or another column, and its unit"
+
+
+_PROPOSALS: Mapping[str, Callable[[Surveyed], Iterable[str]]] = {
+    "sensor_msgs/JointState": _joint_states,
+    "sensor_msgs/Imu": _imu,
+    "geometry_msgs/PoseStamped": _pose,
+    "geometry_msgs/PoseWithCovarianceStamped": _pose,
+    "geometry_msgs/TransformStamped": _transform,
+    "tf2_msgs/TFMessage": _transform,
+    "nav_msgs/Odometry": _odometry,
+    "geometry_msgs/WrenchStamped": _wrench,
+    "std_msgs/Float64": _float64,
+}
+
+
+def _take(units: Mapping[str, str]) -> str:
+    listed = ", ".join(f"{key}: {name}" for key, name in units.items())
+    return f"take: {{{listed}}}  {_SI}"
+
+
+def _point(what: str) -> Iterable[str]:
+    return (line.format(what=what) for line in _POINT)
+
+
+def _scalar(name: str) -> str:
+    """A name as YAML writes it, quoted where it must be."""
+    listed = yaml.safe_dump([name], default_flow_style=True, allow_unicode=True)
+    return listed.strip()[1:-1]

@@ -1,0 +1,103 @@
+"""What a bag says of its topics, and how a message's bytes are read."""
+
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from orbident.errors import InputError
+from orbident.recordings.bags.libraries import (
+    MessageDefinition,
+    MessageDefinitionFormat,
+    Stores,
+    TopicInfo,
+    get_types_from_msg,
+    get_typestore,
+)
+
+
+class RawMessage(NamedTuple):
+    """A message as the bag has it."""
+
+    topic: str
+    received: int
+    """When it was recorded, ns since the epoch of the recorder's clock."""
+    data: bytes
+
+
+@dataclass(frozen=True)
+class Topic:
+    """One topic of a bag."""
+
+    name: str
+    type: str
+    """Without `/msg/`: `sensor_msgs/Imu`."""
+    count: int
+    """Messages."""
+    encoding: str
+    """`ros1` and `cdr` can be read."""
+    definition: str
+    """The message definition that the bag carries; empty where it has none."""
+
+    def decoder(self, place: str) -> Callable[[bytes], Any]:
+        """What turns a message's bytes into the message, or None if they are not one.
+
+        The bag's own definition of the type is used, else ROS's.
+
+        Args:
+            place: the bag, for messages.
+
+        Raises:
+            InputError: the encoding is none of ROS, or the definition cannot be read.
+        """
+        name = self.type.replace("/", "/msg/")
+        known = {"ros1": Stores.ROS1_NOETIC, "cdr": Stores.ROS2_HUMBLE}
+        if self.encoding not in known:
+            raise InputError(
+                f"{place}: topic '{self.name}' is encoded as {self.encoding!r}; only "
+                "ROS messages (ros1, cdr) can be read"
+            )
+        if self.definition:
+            store = get_typestore(Stores.EMPTY)
+            try:
+                store.register(get_types_from_msg(self.definition, name))
+            except Exception as error:
+                raise InputError(
+                    f"{place}: topic '{self.name}': the definition of {self.type} "
+                    f"cannot be read ({one_line(error)})"
+                ) from error
+        else:
+            store = get_typestore(known[self.encoding])
+        read = (
+            store.deserialize_ros1 if self.encoding == "ros1" else store.deserialize_cdr
+        )
+
+        def decoded(data: bytes) -> Any:
+            # Bytes that are not of their type raise errors of many kinds.
+            with suppress(Exception):
+                return read(data, name)
+            return None
+
+        return decoded
+
+
+def short_type(name: str) -> str:
+    """`sensor_msgs/msg/Imu` as ROS 1 writes it: `sensor_msgs/Imu`."""
+    return name.replace("/msg/", "/")
+
+
+def described(name: str, info: TopicInfo, encoding: str) -> Topic:
+    """A topic as the library rosbags describes it."""
+    types = sorted({short_type(each.msgtype) for each in info.connections})
+    return Topic(name, " and ".join(types), info.msgcount, encoding, _text(info.msgdef))
+
+
+def one_line(error: Exception) -> str:
+    """An error of a library, short enough for the end of a message."""
+    text = " ".join(str(error).split()) or type(error).__name__
+    return text if len(text) <= 160 else text[:157] + "..."
+
+
+def _text(definition: MessageDefinition) -> str:
+    plain = definition.format == MessageDefinitionFormat.MSG
+    return definition.data if plain else ""

@@ -1,0 +1,84 @@
+"""Topic maps: what each topic feeds, in which unit and frame; nothing is guessed."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Literal
+
+from pydantic import Field
+
+from orbident.errors import InputError
+from orbident.files.names import suggestion
+from orbident.files.schema_errors import validated
+from orbident.files.schema_parts import Section
+from orbident.files.text import read_text
+from orbident.files.yaml_mapping import read_yaml_mapping
+from orbident.recordings.bags.entry import Entry
+from orbident.recordings.bags.imu import Imu
+from orbident.recordings.bags.joint_states import JointStates
+from orbident.recordings.bags.odometry import Odometry
+from orbident.recordings.bags.poses import Pose, Transform
+from orbident.recordings.bags.scalar import Scalar
+from orbident.recordings.bags.wrench import Wrench
+
+SCHEMA = "orbident/topic-map/1"
+
+MESSAGE_TYPES: Mapping[str, type[Entry]] = {
+    "sensor_msgs/JointState": JointStates,
+    "sensor_msgs/Imu": Imu,
+    "geometry_msgs/PoseStamped": Pose,
+    "geometry_msgs/PoseWithCovarianceStamped": Pose,
+    "geometry_msgs/TransformStamped": Transform,
+    "tf2_msgs/TFMessage": Transform,
+    "nav_msgs/Odometry": Odometry,
+    "geometry_msgs/WrenchStamped": Wrench,
+    "std_msgs/Float64": Scalar,
+}
+"""The messages that can be mapped."""
+
+
+class _TopicMap(Section):
+    schema_: Literal["orbident/topic-map/1"] = Field(alias="schema")
+    topics: tuple[dict[str, Any], ...] = Field(min_length=1)
+
+
+def load_topic_map(path: str | Path) -> tuple[Entry, ...]:
+    """Reads a topic map.
+
+    Raises:
+        InputError: The file is missing, not YAML or of another schema; an entry has an
+            unknown type or key, lacks a unit or a frame; or two feed one column.
+    """
+    place = str(path)
+    document = read_yaml_mapping(read_text(Path(path)), place, SCHEMA)
+    file = validated(_TopicMap, document, place)
+    entries = tuple(
+        _entry(each, _where(place, number, each))
+        for number, each in enumerate(file.topics)
+    )
+    fed: dict[str, str] = {}
+    for entry in entries:
+        for column in entry.columns:
+            if column in fed:
+                raise InputError(
+                    f"{place}: column '{column}' is fed twice, by '{fed[column]}' and "
+                    f"'{entry.topic}'; keep one"
+                )
+            fed[column] = entry.topic
+    return entries
+
+
+def _where(place: str, number: int, entry: Mapping[str, Any]) -> str:
+    topic = entry.get("topic")
+    return f"{place}: topics[{number}]" + (f" ({topic})" if topic else "")
+
+
+def _entry(document: dict[str, Any], place: str) -> Entry:
+    if "type" not in document:
+        raise InputError(
+            f"{place}: type: this key is missing; add it, 'orbident topics' shows it"
+        )
+    kind = str(document["type"]).replace("/msg/", "/")
+    if kind not in MESSAGE_TYPES:
+        known = suggestion(kind, MESSAGE_TYPES, "types")
+        raise InputError(f"{place}: type: '{kind}' cannot be mapped; {known}")
+    return validated(MESSAGE_TYPES[kind], {**document, "type": kind}, place)

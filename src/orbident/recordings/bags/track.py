@@ -1,0 +1,169 @@
+"""What one entry of the map takes from a bag, in the order in which it comes."""
+
+from array import array
+from collections import Counter
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from orbident.errors import InputError
+from orbident.files.names import suggestion
+from orbident.recordings.bags.entry import Entry
+from orbident.recordings.bags.row_file import RowFile
+from orbident.recordings.recording import QUATERNION_TOLERANCE
+
+_BATCH_ROWS = 8192
+
+
+@dataclass(frozen=True, eq=False)
+class Values:
+    """All samples of one entry, in a file in the order in which they came."""
+
+    entry: Entry
+    rows: RowFile
+    """Columns in SI; NaN where a message has no finite number."""
+    messages: int
+    undecodable: int
+    """Messages whose bytes are not of their type."""
+    incomplete: int
+    """Messages without a joint or transform that the entry wants."""
+    not_finite: int
+    """Samples with a NaN, an infinity or no number where there should be one."""
+
+
+@dataclass(frozen=True, eq=False)
+class Arrived:
+    """The samples with their times."""
+
+    values: Values
+    stamps: Int[np.ndarray, " n"]
+    """Of the headers, ns; 0 where there is none."""
+    received: Int[np.ndarray, " n"]
+    """When recorded, ns."""
+
+
+class Track:
+    """Collects the samples of one entry."""
+
+    def __init__(self, entry: Entry, file: Path) -> None:
+        """Nothing yet.
+
+        Args:
+            entry: what is taken.
+            file: where rows are kept.
+        """
+        self.entry = entry
+        self.rows = RowFile(file, len(entry.columns))
+        self._stamps, self._received = array("q"), array("q")
+        self._waiting: list[Any] = []
+        self._labels: Counter[tuple[str, ...]] = Counter()
+        self._undecodable = self._with_gaps = self._bad = 0
+        self._first_bad = ""
+        self._ever = np.zeros(len(entry.columns), dtype=bool)
+
+    def add(self, received: int, message: Any) -> None:
+        """Takes what the entry wants from a message."""
+        self._labels[self.entry.labels(message)] += 1
+        for sample in self.entry.samples(message):
+            self._stamps.append(sample.stamp or 0)
+            self._received.append(received)
+            self._waiting.append(sample.values)
+            if len(self._waiting) == _BATCH_ROWS:
+                self._flush()
+
+    def skip(self) -> None:
+        """Counts a message that cannot be decoded."""
+        self._undecodable += 1
+
+    def finished(self, bag: str) -> Arrived:
+        """Everything that came; to be called once.
+
+        Args:
+            bag: its name, for messages.
+
+        Raises:
+            InputError: Nothing came, a label never occurs, a column never has a
+                number, or a quaternion is not of length one.
+        """
+        self._flush()
+        place = f"{bag}: topic '{self.entry.topic}'"
+        decoded = self._labels.total()
+        if not decoded:
+            raise InputError(
+                f"{place}: none of its {self._undecodable} messages can be decoded as "
+                f"{self.entry.type}; record again"
+            )
+        self._check_labels(place)
+        if self._bad:
+            raise InputError(
+                f"{place}: {self._bad} of {len(self._stamps)} quaternions are not of "
+                f"length one within 1 %, first {self._first_bad}; correct the sender, "
+                "or take from this topic nothing that needs its attitude"
+            )
+        if not self._ever.all():
+            never = self.entry.columns[int(np.argmin(self._ever))]
+            raise InputError(
+                f"{place}: column '{never}' never has a finite number; take it out of "
+                "the map"
+            )
+        wanted = self.entry.wanted
+        incomplete = sum(
+            count
+            for labels, count in self._labels.items()
+            if not wanted.issubset(labels)
+        )
+        # A transform that is not in a message is no sample, so it leaves no gap.
+        gaps = incomplete if len(self._stamps) == decoded else 0
+        values = Values(
+            entry=self.entry,
+            rows=self.rows,
+            messages=decoded + self._undecodable,
+            undecodable=self._undecodable,
+            incomplete=incomplete,
+            not_finite=max(self._with_gaps - gaps, 0),
+        )
+        arrived = Arrived(
+            values,
+            np.frombuffer(self._stamps, dtype=np.int64),
+            np.frombuffer(self._received, dtype=np.int64),
+        )
+        # Times are sorted once, and then these are no longer needed.
+        self._stamps, self._received = array("q"), array("q")
+        return arrived
+
+    def _check_labels(self, place: str) -> None:
+        seen = sorted({label for labels in self._labels for label in labels})
+        for label in sorted(self.entry.wanted.difference(seen)):
+            raise InputError(
+                f"{place}: '{label}' never occurs in its messages; "
+                + suggestion(label, seen, "names")
+            )
+
+    def _flush(self) -> None:
+        if not self._waiting:
+            return
+        raw = np.array(self._waiting, dtype=np.float64)
+        self._waiting.clear()
+        where = self.entry.quaternion
+        if where is not None:
+            raw[:, where] = self._of_length_one(raw[:, where])
+        rows = self.entry.table(raw)
+        finite = np.isfinite(rows)
+        self._with_gaps += int(np.sum(~finite.all(axis=1)))
+        self._ever |= finite.any(axis=0)
+        self.rows.append(np.where(finite, rows, np.nan))
+
+    def _of_length_one(self, x: Float[np.ndarray, "n 4"]) -> Float[np.ndarray, "n 4"]:
+        norm = np.linalg.norm(x, axis=1)
+        bad = np.flatnonzero(np.abs(norm - 1) > QUATERNION_TOLERANCE)
+        if bad.size and not self._bad:
+            k = bad[0]
+            number = len(self._stamps) - norm.size + int(k)
+            ns = self._stamps[number] or self._received[number]
+            self._first_bad = f"at {ns / 1e9:.3f} s with norm {norm[k]:.4g}"
+        self._bad += bad.size
+        norm[bad] = np.nan
+        return x / norm[:, None]

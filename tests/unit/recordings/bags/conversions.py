@@ -1,0 +1,44 @@
+"""A bag and a map in a folder, converted, and the table read again."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from bag_writers import Sent, write_bag
+
+from orbident.recordings.bags.convert import convert_bag
+from orbident.recordings.bags.report import ConversionReport
+from orbident.recordings.recording import Recording
+from orbident.recordings.tables import read_recording
+
+HEAD = "schema: orbident/topic-map/1\ntopics:\n"
+
+
+def converted(
+    folder: Path,
+    sent: Sequence[Sent],
+    entries: str,
+    kind: str = "mcap-ros2",
+    suffix: str = ".parquet",
+) -> tuple[Recording, ConversionReport]:
+    """What is read after conversion, and the report.
+
+    Args:
+        folder: for the files.
+        sent: the messages, in the order in which the bag has them.
+        entries: of the map, YAML without the head.
+        kind: of bag.
+        suffix: of the recording.
+    """
+    bag = write_bag(kind, folder, sent)
+    topic_map = folder / "map.yaml"
+    topic_map.write_text(HEAD + entries)
+    out = folder / f"recording{suffix}"
+    report = convert_bag(bag, topic_map, out)
+    return read_recording(out), report
+
+
+def cells(recording: Recording, prefix: str, axes: str) -> np.ndarray:
+    """A vector's samples, rows without one left out."""
+    table = recording.vector(prefix, axes)
+    return table[~np.isnan(table).all(axis=1)]
