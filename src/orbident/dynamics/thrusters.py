@@ -1,0 +1,115 @@
+"""Thruster pulses: on-off forces, and what they amount to about S."""
+
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+
+from orbident.errors import InputError
+from orbident.files.names import suggestion
+from orbident.robot.description import Robot
+
+
+class Pulse(NamedTuple):
+    """One thruster, on for a while at a constant force."""
+
+    thruster: str
+    on: float
+    """s."""
+    off: float
+    """s."""
+    force: float
+    """N."""
+
+
+def pwm(
+    thruster: str, on: float, off: float, force: float, full: float, period: float
+) -> tuple[Pulse, ...]:
+    """A mean force as pulses of full force, one at the start of each period.
+
+    Args:
+        thruster: its name.
+        on: start of the first period, s.
+        off: end of the burn, s: a whole number of periods after `on`.
+        force: mean over a period, N.
+        full: of the open valve, N.
+        period: s.
+
+    Raises:
+        InputError: the mean is not between zero and the full force, or the burn is
+            not a whole number of periods.
+    """
+    where = f"thruster '{thruster}'"
+    if not 0 <= force <= full:
+        raise InputError(
+            f"{where}: mean force {force:g} N of {full:g} N; give one from 0 to that"
+        )
+    count = round((off - on) / period)
+    # Times are rounded to 1e-16 of themselves.
+    if count < 1 or abs(on + count * period - off) > 1e-9 * period:
+        raise InputError(
+            f"{where}: a burn of {off - on:g} s in periods of {period:g} s; give a "
+            "whole number of periods"
+        )
+    starts = on + period * np.arange(count)
+    # At full force pulses touch: rounding must not make them overlap.
+    ends = np.minimum(starts + period * force / full, [*starts[1:], off])
+    edges = zip(starts.tolist(), ends.tolist(), strict=True)
+    return tuple(Pulse(thruster, *edge, full) for edge in edges if force > 0)
+
+
+def check_pulses(
+    robot: Robot, pulses: Sequence[Pulse], start: float, end: float
+) -> None:
+    """Refuse a schedule that no thruster can fly.
+
+    Raises:
+        InputError: a thruster is unknown, a pulse is empty, outside of the run or
+            pulls, or two pulses of one thruster overlap.
+    """
+    names = [thruster.name for thruster in robot.thrusters]
+    for pulse in pulses:
+        where = f"{robot.name}: thruster '{pulse.thruster}'"
+        if pulse.thruster not in names:
+            raise InputError(
+                f"{robot.name}: no thruster '{pulse.thruster}'; "
+                + suggestion(pulse.thruster, names, "thrusters")
+            )
+        if not 0 <= pulse.force < np.inf:
+            raise InputError(
+                f"{where}: force {pulse.force:g} N; a thruster only pushes, give a "
+                "positive force"
+            )
+        if not start <= pulse.on < pulse.off <= end:
+            raise InputError(
+                f"{where}: pulse from {pulse.on:g} to {pulse.off:g} s; it must end "
+                f"after it begins, within the run from {start:g} to {end:g} s"
+            )
+    for first, second in pairwise(sorted(pulses)):
+        if first.thruster == second.thruster and second.on < first.off:
+            raise InputError(
+                f"{robot.name}: thruster '{first.thruster}': the pulses at "
+                f"{first.on:g} s and {second.on:g} s overlap; join them"
+            )
+
+
+def thrust(
+    robot: Robot, pulses: Sequence[Pulse], t: Float[np.ndarray, " n"]
+) -> Float[np.ndarray, "n 6"]:
+    """Net force on the base and its moment about S, base axes, N and N m.
+
+    Args:
+        robot: whose thrusters fire.
+        pulses: checked; each is on from `on` until just before `off`.
+        t: times, s.
+    """
+    net = np.zeros((t.size, 6))
+    by_name = {thruster.name: thruster for thruster in robot.thrusters}
+    for name, on, off, force in pulses:
+        thruster = by_name[name]
+        arm = thruster.position - robot.feature_point
+        unit = np.append(thruster.direction, np.cross(arm, thruster.direction))
+        net += np.where((on <= t) & (t < off), force, 0.0)[:, None] * unit
+    return net

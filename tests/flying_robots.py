@@ -1,0 +1,44 @@
+"""What free-flying robots are given to do in tests: torques, thrusters, a start."""
+
+from collections.abc import Sequence
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+from random_robots import random_start, random_unit_vector
+
+from orbident.dynamics.control_laws import Now
+from orbident.dynamics.flight import FlyingState, standing
+from orbident.robot.description import Robot, Thruster
+
+
+class Waving(eqx.Module):
+    """Torques that swing as sines, whatever the robot does."""
+
+    amplitude: np.ndarray
+    rate: np.ndarray
+
+    def __call__(self, now: Now):
+        return self.amplitude * jnp.sin(self.rate * now.t + 1.0)
+
+
+def waving(seed: int, count: int) -> Waving:
+    """Half a newton metre at some radians a second."""
+    random = np.random.default_rng(seed)
+    return Waving(random.uniform(0.2, 0.8, count), random.uniform(1.0, 4.0, count))
+
+
+def random_thrusters(seed: int, names: Sequence[str]) -> tuple[Thruster, ...]:
+    """Anywhere on the base, in any direction."""
+    random = np.random.default_rng(seed)
+    return tuple(
+        Thruster(name, random.standard_normal(3), random_unit_vector(random))
+        for name in names
+    )
+
+
+def moving_start(seed: int, robot: Robot) -> FlyingState:
+    """Base and joints move, wheels spin."""
+    random = np.random.default_rng(seed)
+    q, qd = 0.3 * random.standard_normal((2, len(robot.joints)))
+    return standing(random_start(seed, robot), q)._replace(qd=qd)
