@@ -1,6 +1,7 @@
 """Random manoeuvres: joints on random Fourier series, wheels spinning, base turning."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Literal
 
 import jax.numpy as jnp
@@ -48,13 +49,14 @@ def random_motion(
         ends[k, 0] = (start_at or {}).get(name, 0.0)
         if name in still:
             a[k] = b[k] = 0.0
-    return Trajectory(
-        duration=duration,
-        joints=robot.joint_names,
-        a=a,
-        b=b,
-        start=ends,
-        end=ends,
+    free = Trajectory(
+        duration=duration, joints=robot.joint_names, a=a, b=b, start=ends, end=ends
+    )
+    room = _room(robot, free)[:, None]
+    return replace(
+        free,
+        a=room * a,
+        b=room * b,
         initial=InitialState(
             angular_velocity=_rate(robot, ends[:, 0], wheel_speed, start),
             attitude=np.array(
@@ -65,6 +67,20 @@ def random_motion(
             wheel_speed=dict.fromkeys(robot.wheel_names, wheel_speed),
         ),
     )
+
+
+def _room(robot: Robot, free: Trajectory) -> np.ndarray:
+    """By how much each joint must move less to stay within its range."""
+    q, _, _ = free.at(np.linspace(0.0, free.duration, 1000))
+    room = np.ones(len(robot.joints))
+    for k, joint in enumerate(robot.joints):
+        if joint.position is not None:
+            start = free.start[k, 0]
+            away = q[:, k] - start
+            stops = np.where(away > 0, *(stop - start for stop in joint.position[::-1]))
+            moving = np.abs(away) > 1e-9
+            room[k] = np.min(stops[moving] / away[moving], initial=1.0)
+    return room
 
 
 @in_float64

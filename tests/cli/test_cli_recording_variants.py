@@ -16,7 +16,7 @@ SPLINE = 1e-6
 
 JOINTS = ("joint1", "joint2", "joint3")
 MEASURED = "measured"
-DERIVED = "derived: cubic spline through the positions"
+DERIVED = "derived: smoothed positions"
 
 
 @pytest.fixture(scope="module")

@@ -10,6 +10,7 @@ from jaxtyping import Bool, Float
 
 from orbident.dynamics.regularity import check_regular
 from orbident.errors import InputError
+from orbident.estimation.clocks import base_clocks, in_words, joint_delay
 from orbident.estimation.least_squares import (
     INITIAL_MOMENTA,
     Fits,
@@ -26,7 +27,10 @@ from orbident.recordings.recording import Recording
 from orbident.regressors.formulas import Formulas, SetFormulas, formulas_of, mass_forms
 from orbident.regressors.minimal_sets import MinimalSets, minimal_sets
 from orbident.robot.description import Robot
-from orbident.signals.samples import samples_of
+from orbident.signals.delays import corrections
+from orbident.signals.samples import Samples, samples_of
+from orbident.signals.screening import in_words as spikes_in_words
+from orbident.signals.screening import screened
 
 Method = Literal["least-squares"]
 NAN = float("nan")
@@ -61,9 +65,18 @@ def identify(
     _check_choice("initial momentum", initial_momentum, INITIAL_MOMENTA)
     started = time.perf_counter()
     check_regular(robot)
-    samples = samples_of(robot, recording)
+    recording.check_joints(robot)
+    clean = screened(robot, recording)
+    recording = clean.recording
     sets = minimal_sets(robot)
+    clocks = base_clocks(recording)
+    samples = samples_of(robot, recording, corrections(clocks))
     fits = fit(robot, sets, samples, initial_momentum, progress)
+    joints = joint_delay(robot, sets, samples, initial_momentum)
+    clocks["joints"] = joints
+    if joints.believed:
+        samples = samples_of(robot, recording, corrections(clocks))
+        fits = fit(robot, sets, samples, initial_momentum, progress)
     mass = mass_of(sets, fits.pi, fits.phi)
     verdict = judge(robot, samples, fits, mass, initial_momentum)
     known = verdict.pi, verdict.phi, verdict.mass
@@ -74,7 +87,11 @@ def identify(
         method=method,
         initial_momentum=initial_momentum,
         status=verdict.status,
-        warnings=verdict.warnings,
+        warnings=(
+            *spikes_in_words(clean.rejected),
+            *in_words(clocks),
+            *verdict.warnings,
+        ),
         mass=Estimate(mass.value, mass.std) if verdict.mass else Estimate(NAN, NAN),
         mass_forms=_mass_forms(sets, words, mass, verdict.mass),
         pi=_estimates(words.pi, fits.pi.values, _std(fits.pi), verdict.pi),
@@ -82,6 +99,9 @@ def identify(
         base=_estimates(words.base, base.values, base.std, base.determined),
         condition_number=_condition(fits),
         residual=_residual(fits, has_velocity=bool(samples.v_S)),
+        biases=_biases(sets, samples, fits),
+        clocks=clocks,
+        rejected=clean.rejected,
         origins=samples.origins,
         samples=fits.samples,
         elapsed_s=time.perf_counter() - started,
@@ -124,6 +144,21 @@ def _mass_forms(
         values=mass.values[:count],
         std=mass.stds[:count],
     )
+
+
+def _biases(
+    sets: MinimalSets, samples: Samples, fits: Fits
+) -> dict[str, dict[str, Any]]:
+    """That of the accelerometer, where the velocity was integrated from it."""
+    if not samples.drift:
+        return {}
+    axes = len(sets.regressors.velocity_axes)
+    names = [f"accelerometer.{'xyz'[k]}" for k in sets.regressors.velocity_axes]
+    values, stds = fits.phi.nuisances[axes:], fits.phi.nuisances_std[axes:]
+    return {
+        name: {"value": float(value), "std": float(std)}
+        for name, value, std in zip(names, values, stds, strict=True)
+    }
 
 
 def _condition(fits: Fits) -> dict[str, float]:

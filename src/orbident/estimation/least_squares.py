@@ -4,9 +4,13 @@ Both are written in base axes, which turns their rows and changes nothing else:
 
     Y pi - R_0^T h_cm = -A_rw qd_rw
     W phi + R_0^T v_cm = R_0^T v_S
+
+Where `v_S` is an integrated accelerometer, its constant bias `b` is one more unknown:
+`R_0^T (integral of R_0) b` is added on the left.
 """
 
 from collections.abc import Callable
+from functools import partial
 from typing import Literal, NamedTuple, get_args
 
 import jax
@@ -21,7 +25,7 @@ from orbident.regressors.minimal_sets import MinimalSets, Regressors
 from orbident.robot.description import Robot
 from orbident.signals.samples import Batch, Samples
 from orbident.spatial.arrays import AnyArray
-from orbident.spatial.rotations import quaternion_matrix, rotate
+from orbident.spatial.rotations import product, quaternion_matrix, rotate
 
 InitialMomentum = Literal["unknown", "at-rest", "first-sample"]
 INITIAL_MOMENTA: tuple[InitialMomentum, ...] = get_args(InitialMomentum)
@@ -71,17 +75,17 @@ def fit(
     wheels, regressors = wheels_of(robot), sets.regressors
     axes_h, axes_v = len(regressors.momentum_axes), len(regressors.velocity_axes)
     pis, phis = sets.pi_of_beta.shape[0], sets.base.sigmas
-    known = _known_momentum(regressors, wheels, samples, initial_momentum, pis)
-    # Unknown momentum is a nuisance; known momentum is checked as if it were unknown.
-    layout_h = Layout(axes_h, pis, 0) if known is None else Layout(0, pis, axes_h)
-    layout_v = Layout(axes_v, phis, 0)
+    known = known_momentum(robot, sets, samples, initial_momentum)
+    layout_h = momentum_layout(regressors, known, pis)
+    # Beside v_cm, the bias of an accelerometer.
+    layout_v = Layout(axes_v * (2 if samples.drift else 1), phis, 0)
     R_h = np.zeros((layout_h.columns,) * 2)
     R_v = np.zeros((layout_v.columns,) * 2)
     turning = moving = 0
     h_rw = 0.0
     for k, batch in enumerate(samples.batches(BATCH)):
         progress(k * BATCH / samples.t.size)
-        rows_h, rows_v = _rows(regressors, wheels, known, batch)
+        rows_h, rows_v = rows_of(regressors, wheels, known, batch, bool(samples.drift))
         R_h, R_v = fold(R_h, np.asarray(rows_h)), fold(R_v, np.asarray(rows_v))
         turning += int(batch.turning.sum())
         moving += int(batch.moving.sum())
@@ -96,9 +100,23 @@ def fit(
     )
 
 
-@jax.jit
-def _rows(
-    regressors: Regressors, wheels: Wheels, known: KnownMomentum | None, batch: Batch
+def momentum_layout(
+    regressors: Regressors, known: KnownMomentum | None, parameters: int
+) -> Layout:
+    """Unknown momentum is a nuisance; known, it is checked as if it were unknown."""
+    axes = len(regressors.momentum_axes)
+    if known is None:
+        return Layout(axes, parameters, 0)
+    return Layout(0, parameters, axes)
+
+
+@partial(jax.jit, static_argnames="biased")
+def rows_of(
+    regressors: Regressors,
+    wheels: Wheels,
+    known: KnownMomentum | None,
+    batch: Batch,
+    biased: bool,
 ) -> tuple[Float[AnyArray, "h h_columns"], Float[AnyArray, "v v_columns"]]:
     """The rows of Eqs. 24 and 31 for a batch."""
     turning, moving = regressors.momentum_axes, regressors.velocity_axes
@@ -114,7 +132,13 @@ def _rows(
             h = h + rotate(R_BW, known.h)
             momentum = [Y - R_turning @ known.Y_in, -R_turning, h[turning, None]]
         v = rotate(R_BW, sample.v_S)
-        velocity = [R_BW[moving, :][:, moving], W, v[moving, None]]
+        bias = product(R_BW, sample.drift)[moving, :][:, moving]
+        velocity = [
+            R_BW[moving, :][:, moving],
+            *([bias] if biased else []),
+            W,
+            v[moving, None],
+        ]
         return (
             jnp.where(sample.turning, jnp.concatenate(momentum, axis=1), 0.0),
             jnp.where(sample.moving, jnp.concatenate(velocity, axis=1), 0.0),
@@ -125,18 +149,18 @@ def _rows(
     return momentum, velocity
 
 
-def _known_momentum(
-    regressors: Regressors,
-    wheels: Wheels,
+def known_momentum(
+    robot: Robot,
+    sets: MinimalSets,
     samples: Samples,
     initial_momentum: InitialMomentum,
-    pis: int,
 ) -> KnownMomentum | None:
     """Section 3.1's three cases; None where `h_cm` is unknown."""
     if initial_momentum == "unknown":
         return None
     first = samples.first()
-    nothing = np.zeros((len(regressors.momentum_axes), pis))
+    wheels, regressors = wheels_of(robot), sets.regressors
+    nothing = np.zeros((len(regressors.momentum_axes), len(sets.pi_of_beta)))
     if first is None:
         return KnownMomentum(np.zeros(3), nothing)
     h_rw, Y_in = _seen_from_inertial_axes(regressors, wheels, first)

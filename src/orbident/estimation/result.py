@@ -1,6 +1,6 @@
 """What identification found: the object that all later stages are given."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
@@ -10,6 +10,7 @@ from scipy.linalg import block_diag
 
 from orbident.estimation.least_squares import Fits
 from orbident.robot.description import Robot
+from orbident.signals.delays import Delay
 
 SCHEMA = "orbident/result/1"
 
@@ -64,6 +65,12 @@ class Result:
     """The free-flying base parameters `M, sigma, iota`."""
     condition_number: dict[str, float]
     residual: dict[str, Any]
+    biases: dict[str, dict[str, float]]
+    """Of sensors, with their standard deviations; SI."""
+    clocks: dict[str, Delay]
+    """By sensor, by how much its clock is behind that of the base rate."""
+    rejected: Mapping[str, Mapping[str, int]]
+    """By column and reason, how many samples were left out."""
     origins: dict[str, str]
     """How rates and velocities were obtained: measured, or derived."""
     samples: int
@@ -101,7 +108,16 @@ class Result:
                 k: nulled(v) for k, v in self.condition_number.items()
             },
             "residual": self.residual,
-            "biases": {},
+            "biases": self.biases,
+            "clocks": {
+                sensor: {
+                    "late": nulled(delay.late),
+                    "std": nulled(delay.std),
+                    "corrected": delay.believed,
+                }
+                for sensor, delay in self.clocks.items()
+            },
+            "rejected": {name: dict(why) for name, why in self.rejected.items()},
             "signals": self.origins,
             "samples": self.samples,
             "elapsed_s": self.elapsed_s,

@@ -44,6 +44,9 @@ class LinearFit(NamedTuple):
     """Columns: changes of the parameters that no row shows."""
     factor: Float[np.ndarray, "n n"]
     """Triangular, of the parameters' columns with the nuisance projected out."""
+    nuisances: Float[np.ndarray, " m"]
+    """The unknowns that are no parameters."""
+    nuisances_std: Float[np.ndarray, " m"]
     rms: float
     """Of the residual, per row that was not needed to fix an unknown."""
     explained: float
@@ -52,6 +55,8 @@ class LinearFit(NamedTuple):
     """Norm of the residual."""
     unexplained_freed: float
     """Norm of the residual if the checked columns were unknowns too."""
+    explained_freed: float
+    """Norm of what the parameters would explain then, beside those columns."""
 
 
 class Layout(NamedTuple):
@@ -87,7 +92,7 @@ def solve(R: Float[np.ndarray, "all all"], layout: Layout, rows: int) -> LinearF
     inverse = np.where(seen, 1 / np.where(seen, s, 1.0), 0.0)
     root = Vt.T * inverse / norms[:, None]
     solution = root @ (U.T @ z)
-    own = np.s_[layout.nuisances :]
+    other, own = np.s_[: layout.nuisances], np.s_[layout.nuisances :]
     hidden = Vt[~seen][:, own].T
     rms = unexplained / np.sqrt(max(rows - int(seen.sum()), 1))
     covariance = rms**2 * root @ root.T
@@ -97,11 +102,23 @@ def solve(R: Float[np.ndarray, "all all"], layout: Layout, rows: int) -> LinearF
         determined=np.linalg.norm(hidden, axis=1) <= UNSEEN,
         hidden=hidden / norms[own, None],
         factor=columns[own, own],
+        nuisances=solution[other],
+        nuisances_std=np.sqrt(np.diag(covariance)[other]),
         rms=rms,
         explained=float(np.linalg.norm(z[own])),
         unexplained=unexplained,
         unexplained_freed=abs(float(R[-1, -1])),
+        explained_freed=_explained_freed(R, layout),
     )
+
+
+def _explained_freed(R: Float[np.ndarray, "all all"], layout: Layout) -> float:
+    """With the checked columns in front: what is left for the parameters."""
+    own = np.arange(layout.nuisances, layout.nuisances + layout.parameters)
+    rest = np.setdiff1d(np.arange(layout.columns), own)
+    order = [*rest[:-1], *own, rest[-1]]
+    z = np.linalg.qr(R[:, order], mode="r")[:, -1]
+    return float(np.linalg.norm(z[len(rest) - 1 : -1]))
 
 
 def condition_numbers(factor: Float[np.ndarray, "n n"]) -> tuple[float, float]:

@@ -81,7 +81,10 @@ def _no_scale(robot: Robot, fits: Fits, initial_momentum: str) -> str | None:
     """Why `pi` has no scale, or a wrong one; None where all is well."""
     pi = fits.pi
     assumed = initial_momentum == "at-rest" and pi.unexplained > ROUNDING * fits.h_rw
-    if assumed and pi.unexplained_freed < FREED * pi.unexplained:
+    # Only where the parameters could be told without the assumption can it be checked.
+    freed = np.hypot(pi.explained_freed, pi.unexplained_freed)
+    checkable = bool(pi.explained_freed**2 > EXPLAINED * freed**2)
+    if assumed and checkable and pi.unexplained_freed < FREED * pi.unexplained:
         return (
             "pi is not determined: the robot was not at rest as assumed (with the "
             "momentum unknown the residual falls to "

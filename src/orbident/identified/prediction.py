@@ -22,6 +22,7 @@ from orbident.estimation.result import Result
 from orbident.precision import in_float64
 from orbident.recordings.recording import Recording
 from orbident.regressors.minimal_sets import MinimalSets, Regressors, minimal_sets
+from orbident.signals.delays import corrections
 from orbident.signals.samples import Batch, samples_of
 from orbident.spatial.arrays import AnyArray
 from orbident.spatial.rotations import quaternion_matrix, rotate
@@ -61,7 +62,8 @@ def predict(result: Result, recording: Recording) -> Prediction:
     _check_sizes(result, sets)
     regressors = sets.regressors
     pi, phi = result.pi.values, result.phi.values
-    samples = samples_of(robot, recording)
+    # Clocks are the laboratory's, not the recording's.
+    samples = samples_of(robot, recording, corrections(result.clocks))
     everything = samples.batch(0, samples.t.size)
     measured = Batch(*(part[everything.turning] for part in everything))
     t = samples.t[everything.turning]

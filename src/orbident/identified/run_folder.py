@@ -11,6 +11,7 @@ import numpy as np
 from orbident.errors import InputError
 from orbident.estimation.result import SCHEMA, Estimate, Estimates, Result
 from orbident.robot.robot_file import load_robot, write_robot
+from orbident.signals.delays import Delay
 
 
 def save_result(result: Result, folder: Path, force: bool = False) -> None:
@@ -90,6 +91,12 @@ def load_result(folder: Path) -> Result:
                 for name, value in document["condition_number"].items()
             },
             residual=document["residual"],
+            biases=document["biases"],
+            clocks={
+                sensor: Delay(_number(d["late"]), _number(d["std"]), d["corrected"])
+                for sensor, d in document["clocks"].items()
+            },
+            rejected=document["rejected"],
             origins=document["signals"],
             samples=document["samples"],
             elapsed_s=document["elapsed_s"],

@@ -49,8 +49,30 @@ def simulate(
         raise InputError(f"noise {noise!r}: give 'none' or 'sensors'")
     if truth and noise == "none":
         raise InputError("truth: a recording without noise is the truth already")
-    check_regular(robot)
     rate = float(robot.sensors.get("rate", RATE) if rate is None else rate)
+    motion = float_along(robot, trajectory, rate, tolerance)
+    if noise == "none":
+        return recorded(robot, motion)
+    return measure(robot, motion, trajectory, seed, truth)
+
+
+def float_along(
+    robot: Robot, trajectory: Trajectory, rate: float, tolerance: float = 1e-9
+) -> FreeFloating:
+    """The free-floating motion along a trajectory, from its initial state.
+
+    Args:
+        robot: with its nominal inertia.
+        trajectory: of the joints, with the initial state of base and wheels.
+        rate: samples per second.
+        tolerance: of the attitude, rad.
+
+    Raises:
+        InputError: the trajectory is not for this robot's joints and wheels, its mass
+            matrix is singular, the rate is not positive, or the base turns too fast
+            for it.
+    """
+    check_regular(robot)
     if not 0.0 < rate < np.inf:
         raise InputError(f"rate {rate} Hz: give a positive number of samples a second")
     trajectory = trajectory.for_robot(robot)
@@ -63,12 +85,9 @@ def simulate(
     )
     t = sample_times(trajectory.duration, rate)
     try:
-        motion = free_floating(robot, trajectory, t, start, tolerance)
+        return free_floating(robot, trajectory, t, start, tolerance)
     except InputError as error:
         raise InputError(f"{trajectory.source}: {error}") from None
-    if noise == "none":
-        return recorded(robot, motion)
-    return measure(robot, motion, trajectory, seed, truth)
 
 
 def sample_times(duration: float, rate: float) -> np.ndarray:

@@ -58,6 +58,26 @@ def fill(
     return _by_column(x, name, filled)
 
 
+def at_times(
+    t: Float[np.ndarray, " samples"],
+    x: Float[np.ndarray, " samples"],
+    at: Float[np.ndarray, " m"],
+    name: str = "x",
+) -> Float[np.ndarray, " m"]:
+    """The same spline at other times; NaN where it would be extrapolated.
+
+    Args:
+        t: Times, s, strictly increasing.
+        x: One column; NaN where there is no sample.
+        at: Times to evaluate at, s.
+        name: What `x` is, for messages.
+
+    Raises:
+        InputError: The column has fewer than 4 valid samples or infinite values.
+    """
+    return _spline(t, x, name)(at)
+
+
 def _by_column(
     x: np.ndarray, name: str, work: Callable[[np.ndarray, str], np.ndarray]
 ) -> np.ndarray:

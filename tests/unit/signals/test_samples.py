@@ -6,7 +6,8 @@ import pytest
 from orbident.errors import InputError
 from orbident.recordings.recording import Recording
 from orbident.robot.robot_file import load_robot
-from orbident.signals.samples import DERIVED, MEASURED, samples_of
+from orbident.signals.histories import DERIVED, MEASURED
+from orbident.signals.samples import samples_of
 
 ROBOT = load_robot("cepheus-like")
 T = np.arange(40) * 0.05

@@ -1,0 +1,1 @@
+"""Many runs of the same thing: seeds, and the statistics of what comes out."""

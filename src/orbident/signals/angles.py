@@ -1,0 +1,55 @@
+"""Angles that a sensor shows modulo a turn."""
+
+from collections import deque
+
+import numpy as np
+from jaxtyping import Float
+
+from orbident.errors import InputError
+
+REMEMBERED = 5
+"""Rates of which the median predicts the next sample: two bad ones do no harm."""
+
+
+def unwrapped(
+    t: Float[np.ndarray, " samples"],
+    angle: Float[np.ndarray, " samples"],
+    period: float = 2 * np.pi,
+) -> Float[np.ndarray, " samples"]:
+    """The same angle with whole periods added, so that it goes on as it went before.
+
+    `x_k = angle_k + period n`, the closest to `x_{k-1} + rate (t_k - t_{k-1})`, with
+    the median of the last five rates. So gaps may last several turns while the rate is
+    steady, and a wheel that spins up from rest may come to turn by more than half a
+    period from one sample to the next.
+
+    Args:
+        t: times, s, strictly increasing.
+        angle: in the unit of `period`; NaN where there is no sample.
+        period: of a turn: 2 pi rad, or whatever the sensor has.
+
+    Returns:
+        The first sample as it is; NaN where there is no sample.
+
+    Raises:
+        InputError: the period is not positive and finite.
+    """
+    if not 0 < period < np.inf:
+        raise InputError(f"period {period:g}; give a positive number")
+    valid = np.flatnonzero(np.isfinite(angle))
+    result = angle.copy()
+    if not valid.size:
+        return result
+    rates: deque[float] = deque(maxlen=REMEMBERED)
+    times, angles = t[valid].tolist(), angle[valid].tolist()
+    x = angles[0]
+    found = [x]
+    for k in range(1, len(angles)):
+        dt = times[k] - times[k - 1]
+        rate = sorted(rates)[len(rates) // 2] if rates else 0.0
+        step = angles[k] + period * round((x + rate * dt - angles[k]) / period) - x
+        rates.append(step / dt)
+        x += step
+        found.append(x)
+    result[valid] = found
+    return result

@@ -1,0 +1,104 @@
+"""Whether the clock of the attitude agrees with that of the gyro.
+
+A fix with the time `t` that shows the world of `t - l` is, to first order, turned back
+by `l w`; seen from inertial axes, beside the gyro's own error,
+
+    log(R_fix R^T) = phi_0 - (integral of R^) b - l R^ w,   R^ by the gyro alone,
+
+linear in the start `phi_0`, the gyro's bias `b` and the delay `l`. It is repeated with
+what was found.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+from scipy.interpolate import CubicSpline
+from scipy.spatial.transform import Rotation
+
+from orbident.signals.delays import Delay, delay_of
+from orbident.signals.gyro_integration import integrate_gyro
+from orbident.signals.velocity import bias_response
+
+FEWEST = 8
+"""Samples of either sensor, for seven unknowns."""
+
+ROUNDS = 8
+SETTLED = 1e-7
+"""s."""
+
+
+def attitude_delay(
+    t: Float[np.ndarray, " n"],
+    w: Float[np.ndarray, "n 3"],
+    fixes: Float[np.ndarray, "n 4"],
+) -> Delay | None:
+    """By how much the times of attitude fixes are behind the gyro's.
+
+    Args:
+        t: times, s.
+        w: the gyro's samples, base axes, rad/s; NaN where there is none.
+        fixes: attitudes from outside, unit quaternions; NaN where there is none.
+
+    Returns:
+        None where the base does not turn enough, or too few fixes are there, to tell.
+    """
+    measured = np.isfinite(w).all(axis=1)
+    fixed = np.isfinite(fixes).all(axis=1)
+    if measured.sum() < FEWEST or (measured & fixed).sum() < FEWEST:
+        return None
+    rate = CubicSpline(t[measured], w[measured], extrapolate=False)
+    start, bias, late, before = np.array([0.0, 0.0, 0.0, 1.0]), np.zeros(3), 0.0, None
+    for k in range(ROUNDS):
+        x = integrate_gyro(t, w - bias, start)
+        known = np.isfinite(x).all(axis=1)
+        then = t - late
+        usable = fixed & (t[known][0] <= then) & (then <= t[known][-1])
+        x_then = CubicSpline(t[known], x[known])(then[usable])
+        R_then = Rotation.from_quat(x_then)
+        error = Rotation.from_quat(fixes[usable]) * R_then.inv()
+        if k == 0:
+            # The start was any attitude: that of the first fix it is to be.
+            start, error = (error[0] * Rotation.from_quat(start)).as_quat(), None
+            continue
+        B = CubicSpline(t[known], bias_response(t[known], x[known]))(then[usable])
+        turning = R_then.apply(rate(then[usable]) - bias)
+        found = _solve(error.as_rotvec(), B, turning)
+        before = found.before if before is None else before
+        late, bias = late + found.change, bias + found.bias
+        start = (Rotation.from_rotvec(found.phi) * Rotation.from_quat(start)).as_quat()
+        if abs(found.change) < max(SETTLED, found.std / 10):
+            break
+    return delay_of(late, found.std, found.change, before, found.after)
+
+
+class _Round(NamedTuple):
+    change: float
+    std: float
+    phi: Float[np.ndarray, "3"]
+    bias: Float[np.ndarray, "3"]
+    before: float
+    """Norm of the residual without a change of the delay."""
+    after: float
+
+
+def _solve(
+    y: Float[np.ndarray, "m 3"],
+    B: Float[np.ndarray, "m 3 3"],
+    turning: Float[np.ndarray, "m 3"],
+) -> _Round:
+    start = np.broadcast_to(np.eye(3), B.shape)
+    A = np.concatenate([start, -B, -turning[:, :, None]], axis=2).reshape(-1, 7)
+    R = np.linalg.qr(np.column_stack([A, y.ravel()]), mode="r")
+    solution = np.linalg.lstsq(R[:7, :7], R[:7, 7], rcond=None)[0]
+    after = abs(float(R[7, 7]))
+    variance = after**2 / (y.size - 7)
+    # The delay is the last unknown: its variance is that of its own row.
+    return _Round(
+        change=float(solution[6]),
+        std=float(np.sqrt(variance) / abs(R[6, 6])) if R[6, 6] else np.inf,
+        phi=solution[:3],
+        bias=solution[3:6],
+        before=float(np.hypot(after, R[6, 7])),
+        after=after,
+    )

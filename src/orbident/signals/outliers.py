@@ -1,0 +1,126 @@
+"""Spikes: samples that have nothing to do with the motion."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float
+from scipy.ndimage import median_filter, percentile_filter
+
+from orbident.errors import InputError
+
+REACHES = range(1, 13)
+"""How far away neighbours are that predict a sample, in samples. A burst of five bad
+ones spoils less than half of them."""
+
+NEIGHBOURHOOD = 101
+"""Samples around one that tell how well samples are predicted there."""
+
+SUSPECT = 6.0
+"""Times the local scatter: one sample in five hundred million of Gaussian noise."""
+
+USUAL = 90
+"""Percentile of the steps from sample to sample around."""
+
+LEAP = 3.0
+"""Times that step: the sharpest turns of a joint that is sampled well stay below it."""
+
+LONGEST = 10
+"""Samples in a row that may be a burst; what lasts longer is motion."""
+
+BLOCK = 16_384
+"""Samples that are looked at together, and as many beside them as are needed."""
+
+SIGMA = 1.4826
+"""Std over median absolute value, of Gaussian noise."""
+
+BIT = 1e-14
+"""Of the largest sample: rounding of the predictions."""
+
+
+@dataclass(frozen=True, eq=False)
+class Spikes:
+    """Which samples are spikes, and how many; they are reported, not removed."""
+
+    mask: Bool[np.ndarray, " samples"]
+    count: int
+
+
+def find_spikes(
+    t: Float[np.ndarray, " samples"], x: Float[np.ndarray, " samples"], name: str = "x"
+) -> Spikes:
+    """Samples that their neighbours do not expect, and that leap out of the motion.
+
+    A spike is more than 6 times the local scatter off the median of 12 cubics, each
+    through four neighbours at one distance (Hampel's identifier, on residuals), and by
+    3 times more than samples around it usually move from one to the next: what does not
+    leap is left for the estimator's statistics. Next to an impact, a step of the rate
+    itself, samples may be taken for spikes.
+
+    Args:
+        t: times, s, strictly increasing.
+        x: any unit; NaN where there is no sample.
+        name: what `x` is, for messages.
+
+    Raises:
+        InputError: there are fewer than 5 valid samples, infinite values, or times that
+            do not increase.
+    """
+    valid = np.flatnonzero(~np.isnan(x))
+    if valid.size < 5:
+        raise InputError(
+            f"{name} has {valid.size} samples; spikes show among 5 or more"
+        )
+    mask = np.zeros(x.size, dtype=bool)
+    for start in range(0, valid.size, BLOCK):
+        around = valid[max(start - NEIGHBOURHOOD, 0) : start + BLOCK + NEIGHBOURHOOD]
+        found = around[_spiky(t[around], x[around])]
+        own = valid[start : start + BLOCK]
+        mask[found[(own[0] <= found) & (found <= own[-1])]] = True
+    return Spikes(mask, int(mask.sum()))
+
+
+def _spiky(t: np.ndarray, x: np.ndarray) -> Bool[np.ndarray, " n"]:
+    residual = np.abs(x - _expected(t, x))
+    scatter = SIGMA * median_filter(residual, NEIGHBOURHOOD, mode="reflect")
+    scatter = np.maximum(scatter, BIT * np.abs(x).max())
+    steps = np.abs(np.diff(x, prepend=x[0]))
+    leap = percentile_filter(steps, USUAL, NEIGHBOURHOOD, mode="reflect")
+    return _short(residual > np.maximum(SUSPECT * scatter, LEAP * leap))
+
+
+def _expected(t: np.ndarray, x: np.ndarray) -> Float[np.ndarray, " n"]:
+    """The median of what cubics through neighbours at several distances predict."""
+    rows = np.arange(x.size)
+    predictions = []
+    for reach in REACHES:
+        around = rows[:, None] + reach * np.array([-2, -1, 1, 2])
+        if around.shape[0] < 4 * reach + 1:
+            break
+        # Near an end all four are on the inner side.
+        low, high = around[:, 0] < 0, around[:, 3] >= x.size
+        around[low] = rows[low, None] + reach * np.arange(1, 5)
+        around[high] = rows[high, None] - reach * np.arange(1, 5)
+        predictions.append(_cubic(t, t[around], x[around]))
+    return np.median(predictions, axis=0)
+
+
+def _cubic(t: np.ndarray, knots: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Lagrange's polynomial through four points of each row."""
+    result = np.zeros(t.size)
+    for i in range(4):
+        weight = np.ones(t.size)
+        for j in range(4):
+            if j != i:
+                weight *= (t - knots[:, j]) / (knots[:, i] - knots[:, j])
+        result += weight * values[:, i]
+    return result
+
+
+def _short(suspect: np.ndarray) -> Bool[np.ndarray, " n"]:
+    """Those in runs that are no longer than a burst."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], suspect.view(np.int8), [0]])))
+    result = suspect.copy()
+    for start, end in edges.reshape(-1, 2):
+        if end - start > LONGEST:
+            result[start:end] = False
+    return result

@@ -1,0 +1,122 @@
+import numpy as np
+import pytest
+from random_motions import random_motion
+from scipy.spatial.transform import Rotation
+
+from orbident.errors import InputError
+from orbident.robot.robot_file import load_robot
+from orbident.sensing.noise import random_walk_rate
+from orbident.sensing.simulate import simulate
+from orbident.signals.attitude_fusion import GyroNoise, fuse_attitude
+
+N, STD = 1e-3, 5e-3
+BIAS = np.array([2e-3, -1e-3, 5e-4])
+MOTION = simulate(
+    load_robot("paper-spatial"),
+    random_motion(load_robot("paper-spatial"), duration=60.0),
+    rate=20.0,
+)
+T, W = MOTION.t, MOTION.vector("gyro")
+X = MOTION.vector("attitude", "xyzw")
+
+
+def measured(seed, every=10, bias=BIAS):
+    random = np.random.default_rng(seed)
+    w = W + bias + random_walk_rate(random, W.shape, N, 0.05)
+    fixes = np.full(X.shape, np.nan)
+    noise = Rotation.from_rotvec(STD * random.standard_normal((T.size, 3)))
+    fixes[::every] = (noise * Rotation.from_quat(X)).as_quat()[::every]
+    return w, fixes
+
+
+def error(x):
+    return (Rotation.from_quat(x) * Rotation.from_quat(X).inv()).as_rotvec()
+
+
+def test_errors_are_as_large_as_they_say():
+    squares, biases = [], []
+    for seed in range(20):
+        w, fixes = measured(seed)
+        fused = fuse_attitude(T, w, fixes, GyroNoise(N), STD)
+        squares.append((error(fused.x_WB) / fused.std) ** 2)
+        biases.append(((fused.bias - BIAS) / fused.bias_std)[0] ** 2)
+    # The error of a row is like that of its neighbours over some fixes: about 20 x 3 x
+    # 30 independent squares of mean 1, std 1.41/sqrt(1800) = 0.033. Three times that.
+    assert np.mean(squares) == pytest.approx(1.0, abs=0.1)
+    # 60 squares: std 0.18.
+    assert np.mean(biases) == pytest.approx(1.0, abs=0.54)
+
+
+def test_it_is_better_than_fixes_and_than_the_gyro_alone():
+    w, fixes = measured(1)
+    fused = fuse_attitude(T, w, fixes, GyroNoise(N), STD)
+    rms = np.sqrt(np.mean(error(fused.x_WB) ** 2))
+    # The balance of N sqrt(dt) a step against STD a fix every 0.5 s.
+    assert rms < 0.4 * STD
+    assert rms == pytest.approx(np.sqrt(np.mean(fused.std**2)), rel=0.5)
+
+
+def test_against_dense_least_squares():
+    """For a base at rest the equations are linear: solve them all at once."""
+    n, h = 60, 0.1
+    t, random = np.arange(n) * h, np.random.default_rng(4)
+    w = 2e-3 + 1e-3 * random.standard_normal((n, 3))
+    phi = 1e-3 * random.standard_normal((n, 3))
+    seen = random.random(n) < 0.3
+    seen[0] = True
+    fixes = np.where(seen[:, None], Rotation.from_rotvec(phi).as_quat(), np.nan)
+    fused = fuse_attitude(t, w, fixes, GyroNoise(1e-3), 1e-3)
+    # Unknowns: the angle at every row, and the bias; the gyro's own integral is by its
+    # spline, which the trapezoid equals to 1e-5 rad here.
+    from scipy.interpolate import CubicSpline
+
+    turned = CubicSpline(t, w).antiderivative()
+    for axis in range(3):
+        A, b = [], []
+        for k in range(n - 1):
+            row = np.zeros(n + 1)
+            row[k + 1], row[k], row[n] = 1.0, -1.0, h
+            weight = 1 / (1e-3 * np.sqrt(h))
+            A.append(row * weight)
+            b.append(weight * (turned(t[k + 1])[axis] - turned(t[k])[axis]))
+        for k in np.flatnonzero(seen):
+            A.append(np.eye(n + 1)[k] / 1e-3)
+            b.append(phi[k, axis] / 1e-3)
+        x = np.linalg.lstsq(np.array(A), np.array(b), rcond=None)[0]
+        covariance = np.linalg.inv(np.array(A).T @ np.array(A))
+        angle = Rotation.from_quat(fused.x_WB).as_rotvec()[:, axis]
+        # Turns of 1e-3 rad do not commute at 1e-6.
+        np.testing.assert_allclose(angle, x[:n], atol=1e-5)
+        np.testing.assert_allclose(fused.bias[:, axis], x[n], atol=1e-5)
+        expected = np.sqrt(np.diag(covariance))
+        np.testing.assert_allclose(fused.std[:, axis], expected[:n], rtol=1e-3)
+        np.testing.assert_allclose(fused.bias_std[:, axis], expected[n], rtol=1e-3)
+
+
+def test_a_large_bias_and_few_fixes():
+    w, fixes = measured(2, every=200, bias=20 * BIAS)
+    fused = fuse_attitude(T, w, fixes, GyroNoise(N), STD)
+    # 40 mrad/s over 60 s are more than a radian: the second round finds it.
+    np.testing.assert_allclose(fused.bias[0], 20 * BIAS, atol=5 * fused.bias_std.max())
+    last = np.flatnonzero(np.isfinite(fixes[:, 0]))[-1]
+    assert np.abs(error(fused.x_WB)[:last]).max() < 5 * fused.std[:last].max()
+
+
+def test_rows_without_gyro_or_before_it():
+    w, fixes = measured(3)
+    w[:5] = w[300:320] = np.nan
+    fused = fuse_attitude(T, w, fixes, GyroNoise(N), STD)
+    assert np.isnan(fused.x_WB[:5]).all()
+    assert np.isfinite(fused.x_WB[5:]).all()
+
+
+@pytest.mark.parametrize(
+    ("w", "fixes", "message"),
+    [
+        (np.full(W.shape, np.nan), X, "gyro has no samples"),
+        (W, np.full(X.shape, np.nan), "attitude has no samples while the gyro has"),
+    ],
+)
+def test_one_of_the_two_missing_is_refused(w, fixes, message):
+    with pytest.raises(InputError, match=message):
+        fuse_attitude(T, w, fixes, GyroNoise(N), STD)
