@@ -16,9 +16,13 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from orbident.errors import InputError as InputError
     from orbident.estimation.identify import identify as identify
+    from orbident.estimation.weigh import weigh as weigh
+    from orbident.excitation.design import design_excitation as design_excitation
     from orbident.identified.run_folder import load_result as load_result
     from orbident.identified.run_folder import save_result as save_result
     from orbident.identified.validate import validate as validate
+    from orbident.recordings.bags.convert import convert_bag as convert_bag
+    from orbident.recordings.bags.survey import survey_bag as survey_bag
     from orbident.recordings.recording import Recording as Recording
     from orbident.recordings.tables import read_recording as read_recording
     from orbident.recordings.tables import write_recording as write_recording
@@ -39,6 +43,8 @@ _PUBLIC = {
     "Robot": "orbident.robot.description",
     "Trajectory": "orbident.trajectories.trajectory",
     "bundled_robots": "orbident.robot.robot_file",
+    "convert_bag": "orbident.recordings.bags.convert",
+    "design_excitation": "orbident.excitation.design",
     "identify": "orbident.estimation.identify",
     "load_result": "orbident.identified.run_folder",
     "load_robot": "orbident.robot.robot_file",
@@ -48,7 +54,9 @@ _PUBLIC = {
     "save_result": "orbident.identified.run_folder",
     "save_trajectory": "orbident.trajectories.trajectory_file",
     "simulate": "orbident.sensing.simulate",
+    "survey_bag": "orbident.recordings.bags.survey",
     "validate": "orbident.identified.validate",
+    "weigh": "orbident.estimation.weigh",
     "write_recording": "orbident.recordings.tables",
 }
 

@@ -7,12 +7,17 @@ from typing import Annotated
 
 import typer
 
+from orbident.cli.convert import convert
+from orbident.cli.excite import excite
 from orbident.cli.identify import identify
 from orbident.cli.inspect import inspect
 from orbident.cli.robots import robots
+from orbident.cli.sample import sample
 from orbident.cli.simulate import simulate
 from orbident.cli.study import study
+from orbident.cli.topics import topics
 from orbident.cli.validate import validate
+from orbident.cli.weigh import weigh
 from orbident.errors import InputError
 
 UNTRUSTED = 1
@@ -26,7 +31,19 @@ app = typer.Typer(
     help="Identify every inertial parameter of a free-flying space manipulator.",
     epilog="Exit status: 0 done, 2 wrong input, 1 the result must not be trusted.",
 )
-for verb in (robots, inspect, simulate, identify, validate, study):
+for verb in (
+    robots,
+    inspect,
+    topics,
+    convert,
+    excite,
+    sample,
+    simulate,
+    identify,
+    weigh,
+    validate,
+    study,
+):
     app.command()(verb)
 
 

@@ -5,14 +5,7 @@ from typing import Annotated, Any
 
 import typer
 
-from orbident.cli.options import Json, Quiet
-
-BagFile = Annotated[
-    Path,
-    typer.Argument(
-        metavar="BAG", help="A ROS 1 bag, the folder of a ROS 2 bag, or an MCAP file."
-    ),
-]
+from orbident.cli.options import BagFile, Json, Quiet
 
 
 def convert(

@@ -17,6 +17,12 @@ Quiet = Annotated[bool, typer.Option("--quiet", help="Print warnings only.")]
 RecordingFile = Annotated[
     Path, typer.Argument(metavar="REC", help="A recording: CSV or Parquet.")
 ]
+BagFile = Annotated[
+    Path,
+    typer.Argument(
+        metavar="BAG", help="A ROS 1 bag, the folder of a ROS 2 bag, or an MCAP file."
+    ),
+]
 RunFolder = Annotated[
     Path, typer.Argument(metavar="RUN", help="A folder that 'identify -o' wrote.")
 ]

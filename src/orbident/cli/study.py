@@ -1,5 +1,6 @@
-"""`orbident study spatial`."""
+"""`orbident study spatial|planar`."""
 
+from collections.abc import Callable
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Any
@@ -10,27 +11,50 @@ from orbident.cli.options import Json, Quiet
 from orbident.errors import InputError
 
 TRAJECTORY = "trajectory.yaml"
-RECORDING = "recording.csv"
+RUN = "run"
+FIGURES = tuple(f"fig{number:02}" for number in range(6, 14))
 
 
 class Study(StrEnum):
     """Which part of the paper."""
 
     spatial = "spatial"
+    planar = "planar"
+
+
+RECORDINGS = {
+    Study.spatial: ("recording",),
+    Study.planar: ("identification", "burn", "validation"),
+}
 
 
 class Noise(StrEnum):
     """What sensors add."""
 
     none = "none"
+    paper = "paper"
 
 
 def study(
-    name: Annotated[Study, typer.Argument(metavar="spatial", help="Section 4.")],
-    noise: Annotated[Noise, typer.Option(help="What sensors add.")] = Noise.none,
+    name: Annotated[
+        Study,
+        typer.Argument(metavar="spatial|planar", help="Section 4, or Section 5."),
+    ],
+    noise: Annotated[
+        Noise,
+        typer.Option(help="What sensors add: nothing, or the paper's noise."),
+    ] = Noise.none,
+    seeds: Annotated[
+        int, typer.Option(help="How many runs with noise, for RMS and worst.", min=1)
+    ] = 1,
+    seed: Annotated[int, typer.Option(help="Of the first run.", min=0)] = 0,
     out: Annotated[
         Path | None,
-        typer.Option("-o", metavar="DIR", help="Keep trajectory, recording and RUN."),
+        typer.Option(
+            "-o",
+            metavar="DIR",
+            help="Keep trajectory, recordings, RUN and the figures' data.",
+        ),
     ] = None,
     force: Annotated[
         bool, typer.Option("--force", help="Overwrite what DIR holds of it.")
@@ -40,71 +64,72 @@ def study(
 ) -> None:
     """Run a study of the paper, beside the paper's own numbers."""
     from orbident.cli.output import Output, prepare_jax, progress
-    from orbident.identified.run_folder import check_absent, save_result
-    from orbident.recordings.tables import write_recording
-    from orbident.studies.runner import run_spatial
-    from orbident.trajectories.trajectory_file import save_trajectory
+    from orbident.identified.run_folder import check_absent
 
     output = Output(json, quiet)
     if out is not None:
-        check_absent(out / "run", force)
-        _check_free(out, force)
+        check_absent(out / RUN, force)
+        _check_free(out, name, force)
+    if noise == Noise.none and seeds > 1:
+        output.warn([f"--seeds {seeds}: without noise all are alike, so 1 is run"])
+        seeds = 1
     prepare_jax()
-    with progress(f"study {name}"):
-        done = run_spatial()
+    run, lines = _runner(name)
+    with progress(f"study {name}") as done_so_far:
+        done = run(noise.value, seeds, seed, done_so_far)
     if out is not None:
-        out.mkdir(parents=True, exist_ok=True)
-        save_trajectory(done.trajectory, out / TRAJECTORY)
-        write_recording(done.recording, out / RECORDING)
-        save_result(done.result, out / "run", force)
-    output.say(*_lines(done))
+        _keep(done, name, out, force)
+    output.say(*lines(done))
     if out is not None:
         output.say(f"written: {out}")
+    if done.rejected:
+        output.warn([f"{done.rejected} of {done.seeds} runs were rejected"])
     output.write_json(done.to_json())
     if not done.trusted:
+        output.warn(done.result.warnings)
         raise typer.Exit(1)
 
 
-def _check_free(out: Path, force: bool) -> None:
-    for name in (TRAJECTORY, RECORDING):
-        if (out / name).exists() and not force:
+def _runner(name: Study) -> tuple[Callable[..., Any], Callable[[Any], list[Any]]]:
+    """What runs it, and what says how it went."""
+    from orbident.cli.study_tables import planar_lines, spatial_lines
+
+    if name == Study.spatial:
+        from orbident.studies.run_spatial import run_spatial
+
+        return run_spatial, spatial_lines
+    from orbident.studies.run_planar import run_planar
+
+    return run_planar, planar_lines
+
+
+def _files(name: Study) -> list[str]:
+    tables = (*RECORDINGS[name], *(FIGURES if name == Study.planar else ()))
+    return [TRAJECTORY, *(f"{table}.csv" for table in tables)]
+
+
+def _check_free(out: Path, name: Study, force: bool) -> None:
+    for file in _files(name):
+        if (out / file).exists() and not force:
             raise InputError(
-                f"{out / name}: exists already; name another DIR, or use --force"
+                f"{out / file}: exists already; name another DIR, or use --force"
             )
 
 
-def _lines(done: Any) -> list[Any]:
-    from rich.table import Table
+def _keep(done: Any, name: Study, out: Path, force: bool) -> None:
+    from orbident.identified.run_folder import save_result
+    from orbident.recordings.tables import write_recording
+    from orbident.trajectories.trajectory_file import save_trajectory
 
-    table = Table(
-        "parameter",
-        "paper: true",
-        "paper: error (%)",
-        "true",
-        "estimate",
-        "error (%)",
-        box=None,
-    )
-    for column in table.columns[1:]:
-        column.justify = "right"
-    for row in done.rows:
-        table.add_row(
-            row.name,
-            "" if row.paper_true is None else f"{row.paper_true:.2f}",
-            "" if row.paper_error_percent is None else f"{row.paper_error_percent:.0e}",
-            f"{row.true:.2f}",
-            f"{row.estimate:.2f}",
-            f"{row.error_percent:.0e}",
-        )
-    condition = done.condition_number
-    worst = max(abs(row.error_percent) for row in done.rows)
-    return [
-        "Table 4 without noise: 80 s, 1601 samples, Table 2's trajectory",
-        "",
-        table,
-        "",
-        f"condition numbers in the paper's basis: Y {condition['Y']:.1f}, "
-        f"W {condition['W']:.2f}",
-        f"worst error {worst:.1e} %, {done.elapsed_s:.1f} s: "
-        + ("every parameter recovered" if done.trusted else "NOT recovered"),
-    ]
+    out.mkdir(parents=True, exist_ok=True)
+    save_trajectory(done.trajectory, out / TRAJECTORY)
+    if name == Study.spatial:
+        recordings = (done.recording,)
+    else:
+        from orbident.studies.planar_figures import write_figures
+
+        recordings = done.recordings
+        write_figures(done.figures, out)
+    for file, recording in zip(RECORDINGS[name], recordings, strict=True):
+        write_recording(recording, out / f"{file}.csv")
+    save_result(done.result, out / RUN, force)

@@ -5,8 +5,7 @@ from typing import Annotated, Any
 
 import typer
 
-from orbident.cli.convert import BagFile
-from orbident.cli.options import Json, Quiet
+from orbident.cli.options import BagFile, Json, Quiet
 
 
 def topics(

@@ -10,7 +10,7 @@ from orbident.dynamics.control_laws import ControlLaw, JointCommand, Now
 from orbident.dynamics.equations_of_motion import split
 from orbident.dynamics.flight import FlyingState
 from orbident.dynamics.flight_steps import Vehicle
-from orbident.dynamics.free_floating import JointMotion, _check_plane
+from orbident.dynamics.free_floating import JointMotion, check_plane
 from orbident.dynamics.regularity import check_regular
 from orbident.dynamics.thrusters import Pulse, check_pulses
 from orbident.errors import InputError
@@ -41,7 +41,7 @@ def check_flight(
         raise InputError(f"{robot.name}: the sample times do not increase; sort them")
     _check_sizes(robot, vehicle, start, command.at(t[:1]))
     if robot.motion == "planar":
-        _check_plane(start.base)
+        check_plane(start.base)
     check_regular(robot)
     _check_wheels(robot)
     check_pulses(robot, pulses, float(t[0]), float(t[-1]))

@@ -95,7 +95,7 @@ def free_floating(
     """
     planar = robot.motion == "planar"
     if planar:
-        _check_plane(start)
+        check_plane(start)
     tree, wheels = tree_of(robot), wheels_of(robot)
     # A free wheel keeps its absolute spin qd_rw + a w, a held one its relative spin.
     spin = start.wheel_speed + wheels.free * (wheels.axes.T @ start.angular_velocity)
@@ -182,7 +182,12 @@ def _observe(
     return w, -rotate(R_WB, r_cm), -rotate(R_WB, cross(w, r_cm) + v_q)
 
 
-def _check_plane(start: BaseState) -> None:
+def check_plane(start: BaseState) -> None:
+    """Refuse a planar robot's start that leaves the plane.
+
+    Raises:
+        InputError: so.
+    """
     out = {
         "angular_velocity": start.angular_velocity[:2],
         "attitude": start.attitude[:2],

@@ -41,10 +41,16 @@ from orbident.signals.delays import SETTLED, Delay, delay_of
 from orbident.signals.samples import Batch, Samples
 from orbident.spatial.arrays import AnyArray
 
-ROWS = 16 * BATCH
-"""Of the middle of a recording: a clock that is wrong is wrong everywhere."""
+NUMBERS = 2**22
+"""Of all equations together; of a longer recording the middle is enough."""
+
+MOST = 2**16
+"""Samples."""
 
 ROUNDS = 8
+STRETCHES = 20
+"""Of a recording, each taken to err for itself."""
+
 NOMINAL = 0.3
 """Std of `pi` about its nominal value, over its size."""
 
@@ -53,12 +59,12 @@ def base_clocks(recording: Recording) -> dict[str, Delay]:
     """That of the attitude against the gyro's, where there are both."""
     if not recording.has(*GYRO, *ATTITUDE):
         return {}
-    rows = _rows_in_the_middle(recording.t.size)
     w, fixes = (
-        np.column_stack([recording.column(name)[rows] for name in names])
+        np.column_stack([recording.column(name) for name in names])
         for names in (GYRO, ATTITUDE)
     )
-    delay = attitude_delay(recording.t[rows], w, fixes)
+    rows = _middle(np.isfinite(w).all(axis=1), MOST)
+    delay = attitude_delay(recording.t[rows], w[rows], fixes[rows])
     return {} if delay is None else {"attitude": delay}
 
 
@@ -94,7 +100,7 @@ def joint_delay(
     pi = sets.pi(robot.theta)
     derived = samples.origins["base_rate"] == SMOOTHED
     equations = _Equations(sets.regressors, wheels_of(robot), known, pi, derived)
-    moving, late, before = _Moving.of(_middle(samples)), 0.0, None
+    moving, late, before = _Moving.of(_part(samples, pi.size)), 0.0, None
     for _ in range(ROUNDS):
         found = equations.fit(*moving.at(late), pi)
         before = found.before if before is None else before
@@ -104,9 +110,11 @@ def joint_delay(
     return delay_of(late, found.std, found.change, before, found.after)
 
 
-def _middle(samples: Samples) -> Samples:
-    """At most `ROWS` of them."""
-    rows = _rows_in_the_middle(samples.t.size)
+def _part(samples: Samples, unknowns: int) -> Samples:
+    """As much of the middle as there is room for the equations of."""
+    axes = len(samples.w)
+    seen = np.logical_and.reduce([~np.isnan(w) for w in samples.w])
+    rows = _middle(seen, min(MOST, NUMBERS // (axes * unknowns)))
     names = ("q", "qd", "w", "x_WB", "qd_rw")
     parts = {
         name: tuple(column[rows] for column in getattr(samples, name)) for name in names
@@ -114,9 +122,13 @@ def _middle(samples: Samples) -> Samples:
     return replace(samples, t=samples.t[rows], v_S=(), drift=(), **parts)
 
 
-def _rows_in_the_middle(size: int) -> slice:
-    start = max(size - ROWS, 0) // 2
-    return np.s_[start : start + ROWS]
+def _middle(seen: Bool[np.ndarray, " n"], most: int) -> slice:
+    """Rows in the middle, of which at most so many are seen."""
+    rows = np.flatnonzero(seen)
+    if rows.size <= most:
+        return np.s_[:]
+    start = (rows.size - most) // 2
+    return np.s_[rows[start] : rows[start + most]]
 
 
 class _Moving(NamedTuple):
@@ -191,7 +203,7 @@ class _Equations(NamedTuple):
         fit = solve(R, layout, count + pi.size)
         return _Round(
             change=float(fit.values[-1]),
-            std=float(np.sqrt(fit.covariance[-1, -1]) * _correlated(table, fit)),
+            std=_std(rows, R, place, fit),
             pi=fit.values[:-1],
             before=float(np.hypot(fit.unexplained, R[place, -1])),
             after=fit.unexplained,
@@ -227,17 +239,24 @@ class _Equations(NamedTuple):
         return rows
 
 
-def _correlated(table: Float[np.ndarray, "n axes columns"], fit: LinearFit) -> float:
-    """By how much residuals that resemble their neighbours make a std larger.
+def _std(
+    rows: Float[np.ndarray, "rows columns"],
+    R: Float[np.ndarray, "columns columns"],
+    place: int,
+    fit: LinearFit,
+) -> float:
+    """Of the unknown at `place`, where residuals resemble their neighbours.
 
-    `sqrt((1 + r) / (1 - r))` with the correlation `r` from one sample to the next: the
-    ratio for a first-order process. What a smoother gives has few independent samples.
+    With `g` what is left of its column once the others are projected out, an estimate
+    is off by `g.r / g.g`: the variance of `g.r` is taken from its parts over stretches
+    much longer than what residuals remember (cluster-robust, Liang and Zeger 1986).
     """
+    others = np.linalg.lstsq(R[:place, :place], R[:place, place], rcond=None)[0]
+    g = rows[:, place] - rows[:, :place] @ others
     x = np.concatenate([fit.nuisances, fit.values])
-    residual = table[:, :, -1] - table[:, :, : x.size] @ x
-    size = np.sum(residual**2)
-    r = np.sum(residual[1:] * residual[:-1]) / size if size else 0.0
-    return float(np.sqrt((1 + max(r, 0.0)) / max(1 - r, SETTLED)))
+    residual = rows[:, -1] - rows[:, : x.size] @ x
+    parts = [part.sum() for part in np.array_split(g * residual, STRETCHES)]
+    return float(np.linalg.norm(parts) / R[place, place] ** 2)
 
 
 @jax.jit

@@ -83,7 +83,9 @@ def _no_scale(robot: Robot, fits: Fits, initial_momentum: str) -> str | None:
     assumed = initial_momentum == "at-rest" and pi.unexplained > ROUNDING * fits.h_rw
     # Only where the parameters could be told without the assumption can it be checked.
     freed = np.hypot(pi.explained_freed, pi.unexplained_freed)
-    checkable = bool(pi.explained_freed**2 > EXPLAINED * freed**2)
+    checkable = bool(
+        pi.explained_freed**2 > EXPLAINED * freed**2 and freed > VARIES * fits.h_rw
+    )
     if assumed and checkable and pi.unexplained_freed < FREED * pi.unexplained:
         return (
             "pi is not determined: the robot was not at rest as assumed (with the "
@@ -134,8 +136,9 @@ def _no_mass(mass: Mass) -> str:
         )
     return (
         f"mass: the forms of Eq. 32 give {mass.values.min():.4g} to "
-        f"{mass.values.max():.4g} kg; check the robot's geometry, its wheels' inertia, "
-        "and the signs and frames of wheel speeds and velocity"
+        f"{mass.values.max():.4g} kg; check units (rad, rad/s, m/s), the robot's "
+        "geometry, its wheels' inertia, and the signs and frames of wheel speeds and "
+        "velocity"
     )
 
 

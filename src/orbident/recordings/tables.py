@@ -1,24 +1,20 @@
 """Recordings as CSV and Parquet files."""
 
-import csv
-import io
 import os
 from collections.abc import Iterator
 from pathlib import Path
 
-import pyarrow as pa
-import pyarrow.csv as arrow_csv
-import pyarrow.parquet as parquet
+import numpy as np
 
 from orbident.errors import InputError
-from orbident.files.replacing import replacing
 from orbident.recordings.csv_table import read_csv
 from orbident.recordings.parquet_table import read_parquet
 from orbident.recordings.recording import Recording
+from orbident.recordings.table_writer import write_blocks
 
 SUFFIXES = (".csv", ".parquet")
 
-_BATCH_ROWS = 65_536
+_BLOCK_ROWS = 65_536
 
 
 def read_recording(path: str | os.PathLike[str]) -> Recording:
@@ -61,12 +57,7 @@ def write_recording(recording: Recording, path: str | os.PathLike[str]) -> None:
     """
     path = Path(path)
     _check_suffix(path)
-    schema = pa.schema([(name, pa.float64()) for name in ("t", *recording.columns)])
-    with replacing(path) as temporary:
-        if path.suffix.lower() == ".csv":
-            _write_csv(recording, schema, temporary)
-        else:
-            _write_parquet(recording, schema, temporary)
+    write_blocks(path, ("t", *recording.columns), _blocks(recording))
 
 
 def check_writable(path: str | os.PathLike[str]) -> None:
@@ -89,30 +80,8 @@ def _check_suffix(path: Path) -> None:
         )
 
 
-def _batches(recording: Recording, schema: pa.Schema) -> Iterator[pa.RecordBatch]:
+def _blocks(recording: Recording) -> Iterator[np.ndarray]:
     columns = (recording.t, *recording.columns.values())
-    for start in range(0, recording.t.size, _BATCH_ROWS):
-        rows = slice(start, start + _BATCH_ROWS)
-        arrays = [pa.array(column[rows], from_pandas=True) for column in columns]
-        yield pa.RecordBatch.from_arrays(arrays, schema=schema)
-
-
-def _write_csv(recording: Recording, schema: pa.Schema, path: Path) -> None:
-    header = io.StringIO()
-    csv.writer(header, lineterminator="\n").writerow(schema.names)
-    # Arrow prints the shortest decimal that reads back as the same float64.
-    options = arrow_csv.WriteOptions(include_header=False)
-    with pa.OSFile(str(path), "wb") as sink:
-        sink.write(header.getvalue().encode())
-        with arrow_csv.CSVWriter(sink, schema, write_options=options) as writer:
-            for batch in _batches(recording, schema):
-                writer.write_batch(batch)
-
-
-def _write_parquet(recording: Recording, schema: pa.Schema, path: Path) -> None:
-    # Measured values hardly repeat: a dictionary would cost time and memory only.
-    with parquet.ParquetWriter(
-        str(path), schema, compression="zstd", use_dictionary=False
-    ) as writer:
-        for batch in _batches(recording, schema):
-            writer.write_batch(batch)
+    for start in range(0, recording.t.size, _BLOCK_ROWS):
+        rows = slice(start, start + _BLOCK_ROWS)
+        yield np.column_stack([column[rows] for column in columns])

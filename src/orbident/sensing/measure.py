@@ -42,15 +42,37 @@ def measure(
         InputError: a sensor's parameters are not usable, its rate does not fit the
             rows, the rows are not evenly spaced, or the seed is no whole number.
     """
-    sensors = sensors_of(robot.sensors)
     if isinstance(trajectory, Trajectory):
         trajectory = trajectory.for_robot(robot)
     true = truth_of(robot, motion, trajectory)
+    return measure_truth(robot, motion.t, true, seed, truth)
+
+
+def measure_truth(
+    robot: Robot,
+    t: Float[np.ndarray, " rows"],
+    true: Truth,
+    seed: int = 0,
+    truth: bool = False,
+) -> Recording:
+    """Record what is true of any motion, as `measure` does.
+
+    Args:
+        robot: with its sensors.
+        t: evenly spaced times, s: the rows.
+        true: at these times.
+        seed: of all random numbers.
+        truth: whether to add the noise-free `truth.*` columns.
+
+    Raises:
+        InputError: as `measure`.
+    """
+    sensors = sensors_of(robot.sensors)
     columns = {}
     for channel in _channels(robot, sensors, true):
         sensor = getattr(sensors, channel.key)
         if sensor is not None:
-            values = _measured(channel, sensor, motion.t, seed)
+            values = _measured(channel, sensor, t, seed)
         elif channel.key == "joints":
             values = channel.true
         else:
@@ -61,7 +83,7 @@ def measure(
         columns |= {
             f"truth.{name}": column for name, column in true.columns(robot).items()
         }
-    return Recording(motion.t, columns, source=f"simulation of {robot.name}")
+    return Recording(t, columns, source=f"simulation of {robot.name}")
 
 
 class Channel(NamedTuple):

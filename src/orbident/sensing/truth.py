@@ -1,10 +1,11 @@
-"""What ideal sensors would show of a free-floating motion."""
+"""What ideal sensors would show of a motion, free-floating or free-flying."""
 
 from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 
+from orbident.dynamics.flight import FreeFlying
 from orbident.dynamics.free_floating import FreeFloating, JointMotion
 from orbident.robot.description import Robot
 from orbident.sensing.accelerations import accelerations
@@ -61,6 +62,25 @@ def truth_of(robot: Robot, motion: FreeFloating, trajectory: JointMotion) -> Tru
         attitude=motion.attitude,
         position=motion.r_S,
         velocity=motion.v_S,
+    )
+
+
+def truth_of_flight(flight: FreeFlying) -> Truth:
+    """The noise-free values of every sensor in free flight.
+
+    Args:
+        flight: wheels turn on from wherever they were; their angles count from here.
+    """
+    return Truth(
+        q=flight.q,
+        qd=flight.qd,
+        q_rw=flight.q_rw - flight.q_rw[0],
+        qd_rw=flight.qd_rw,
+        gyro=flight.w,
+        accelerometer=flight.f_S,
+        attitude=flight.attitude,
+        position=flight.r_S,
+        velocity=flight.v_S,
     )
 
 

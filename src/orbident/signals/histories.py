@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.recordings.recording import Recording
+from orbident.signals.angles import unwrapped
 from orbident.signals.rates import at_times, fill
 from orbident.signals.smoothing import smooth
 
@@ -15,6 +16,10 @@ Columns = tuple[Float[np.ndarray, " samples"], ...]
 
 MEASURED = "measured"
 DERIVED = "derived: smoothed positions"
+
+
+FULL_TURN = 2 * np.pi + 1e-6
+"""rad, and what a printed pi may be too large."""
 
 
 class Histories(NamedTuple):
@@ -61,7 +66,7 @@ def histories(
             origins.add(MEASURED)
         else:
             label = f"{recording.source}: column '{position}'"
-            column = recording.column(position)[:, None]
+            column = _over_turns(t, recording.column(position))[:, None]
             smoothed = smooth(t, column, encoder_noise(sensor), at, label)
             q, qd = [smoothed.x[:, 0]], smoothed.rate[:, 0]
             origins.add(DERIVED)
@@ -70,6 +75,17 @@ def histories(
     return Histories(
         tuple(positions), tuple(rates), "; ".join(sorted(origins)) or "none"
     )
+
+
+def _over_turns(
+    t: Float[np.ndarray, " samples"], x: Float[np.ndarray, " samples"]
+) -> Float[np.ndarray, " samples"]:
+    """An angle that an encoder counts within one turn, counted on."""
+    measured = x[~np.isnan(x)]
+    wrapped = measured.size and np.ptp(measured) <= FULL_TURN
+    if wrapped and np.abs(np.diff(measured)).max(initial=0.0) > np.pi:
+        return unwrapped(t, x)
+    return x
 
 
 def encoder_noise(sensor: Mapping[str, Any]) -> float | None:

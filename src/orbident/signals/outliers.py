@@ -21,11 +21,15 @@ SUSPECT = 6.0
 USUAL = 90
 """Percentile of the steps from sample to sample around."""
 
-LEAP = 3.0
+LEAP = 4.0
 """Times that step: the sharpest turns of a joint that is sampled well stay below it."""
 
 LONGEST = 10
 """Samples in a row that may be a burst; what lasts longer is motion."""
+
+ENDS = 6
+"""Samples at either end that are left alone: with neighbours on one side only, what a
+filter does there and a spike look the same."""
 
 BLOCK = 16_384
 """Samples that are looked at together, and as many beside them as are needed."""
@@ -52,7 +56,7 @@ def find_spikes(
 
     A spike is more than 6 times the local scatter off the median of 12 cubics, each
     through four neighbours at one distance (Hampel's identifier, on residuals), and by
-    3 times more than samples around it usually move from one to the next: what does not
+    4 times more than samples around it usually move from one to the next: what does not
     leap is left for the estimator's statistics. Next to an impact, a step of the rate
     itself, samples may be taken for spikes.
 
@@ -76,6 +80,7 @@ def find_spikes(
         found = around[_spiky(t[around], x[around])]
         own = valid[start : start + BLOCK]
         mask[found[(own[0] <= found) & (found <= own[-1])]] = True
+    mask[valid[:ENDS]] = mask[valid[-ENDS:]] = False
     return Spikes(mask, int(mask.sum()))
 
 
@@ -83,9 +88,10 @@ def _spiky(t: np.ndarray, x: np.ndarray) -> Bool[np.ndarray, " n"]:
     residual = np.abs(x - _expected(t, x))
     scatter = SIGMA * median_filter(residual, NEIGHBOURHOOD, mode="reflect")
     scatter = np.maximum(scatter, BIT * np.abs(x).max())
-    steps = np.abs(np.diff(x, prepend=x[0]))
-    leap = percentile_filter(steps, USUAL, NEIGHBOURHOOD, mode="reflect")
-    return _short(residual > np.maximum(SUSPECT * scatter, LEAP * leap))
+    steps = np.abs(np.diff(x, prepend=x[0], append=x[-1]))
+    leap = LEAP * percentile_filter(steps, USUAL, NEIGHBOURHOOD, mode="reflect")
+    spiky = residual > np.maximum(SUSPECT * scatter, leap[:-1])
+    return _bursts(spiky, steps > leap / 2)
 
 
 def _expected(t: np.ndarray, x: np.ndarray) -> Float[np.ndarray, " n"]:
@@ -116,11 +122,18 @@ def _cubic(t: np.ndarray, knots: np.ndarray, values: np.ndarray) -> np.ndarray:
     return result
 
 
-def _short(suspect: np.ndarray) -> Bool[np.ndarray, " n"]:
-    """Those in runs that are no longer than a burst."""
+def _bursts(
+    suspect: Bool[np.ndarray, " n"], leaps: Bool[np.ndarray, " n+1"]
+) -> Bool[np.ndarray, " n"]:
+    """Suspects in runs that are no longer than a burst, with a leap at either end.
+
+    Args:
+        suspect: samples that were not expected.
+        leaps: whether the signal leaps from the sample before each one, and after all.
+    """
     edges = np.flatnonzero(np.diff(np.concatenate([[0], suspect.view(np.int8), [0]])))
     result = suspect.copy()
     for start, end in edges.reshape(-1, 2):
-        if end - start > LONGEST:
+        if end - start > LONGEST or not (leaps[start] and leaps[end]):
             result[start:end] = False
     return result

@@ -1,4 +1,4 @@
-"""The paper's numbers, as printed: Tables 1 to 4 and Section 3.5. Data only."""
+"""The paper's numbers, as printed: Tables 1 to 6, Sections 3.5 and 5. Data only."""
 
 # Table 2: row per joint, column per harmonic.
 SPATIAL_A = (
@@ -46,3 +46,48 @@ SPATIAL_TRUE = {
     "phi_4": (0.14, 6e-13, 2.07),
     "phi_5": (-0.56, -1e-12, -1.50),
 }
+# Section 4: of the total mass by Eq. 42, with noise, percent.
+SPATIAL_MASS_ERROR = 0.97
+
+# Table 5: row per joint, column per harmonic.
+PLANAR_A = ((-0.025, -0.119, 0.100), (-0.004, -0.003, 0.113))
+PLANAR_B = ((0.007, 0.093, -0.158), (-0.050, 0.126, 0.058))
+PLANAR_DURATION = 20.0
+PLANAR_RATE = 100.0
+# Section 5.1: from S to the first joint, m; Eq. 45, rad/s.
+PLANAR_JOINT1 = (0.173, 0.091)
+PLANAR_WHEEL_SPEED = -170.0
+# Section 5.2.
+PLANAR_CONDITION = 153.0
+
+# Table 6: identified; the true values are not known.
+PLANAR_IDENTIFIED = {
+    "pi_1": 0.0029,
+    "pi_2": 0.0012,
+    "pi_3": -0.0004,
+    "pi_4": 0.0024,
+    "pi_5": 0.1448,
+    "pi_6": -0.0018,
+    "pi_7": 0.0079,
+    "pi_8": 0.0010,
+    "phi_1": 0.1579,
+    "phi_2": 0.0759,
+    "phi_3": 0.0020,
+    "phi_4": 0.0004,
+    "M": 13.56,
+}
+# Section 5.5: on scales, kg; of the mass by Eq. 40, percent.
+PLANAR_MASS_WEIGHED = 13.55
+PLANAR_MASS_ERROR = 0.1
+
+# Section 5.5: N, s, m/s along y before the burn; N m/rad and N m s/rad.
+BURN_FORCE = (0.052, -0.595)
+BURN_START = 1.0
+BURN_LASTS = 0.5
+BURN_DRIFT = 0.0024
+HOLD_KP = 0.3
+HOLD_KD = 0.3
+
+# Eq. 47: rad, s.
+VALIDATION_AMPLITUDES = (0.86, 1.0)
+VALIDATION_DURATION = 18.0

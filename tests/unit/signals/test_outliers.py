@@ -61,7 +61,7 @@ def test_spikes_and_bursts_that_leap_out_are_found(motion, burst, alike):
     x = q + STD * draws.standard_normal(t.size)
     true = np.zeros(t.size, dtype=bool)
     # Beyond the noise, and beyond the fastest samples' steps.
-    size = 12 * STD + 4 * np.abs(np.diff(q)).max()
+    size = 20 * STD + 6 * np.abs(np.diff(q)).max()
     for start in range(40, t.size - 40, 160):
         true[start : start + burst] = True
         sign = draws.choice([-1, 1], 1 if alike else burst)
@@ -85,11 +85,9 @@ def test_no_clean_column_of_a_fast_manoeuvre_has_spikes(name, noise, seed):
 def test_ends_and_gaps():
     t, q = table_2()
     x = q + STD * random(4).standard_normal(t.size)
-    x[[0, -1, 700]] += 0.2
+    x[[0, 7, -1, 700]] += 0.3
     x[500:520], x[699] = np.nan, np.nan
-    np.testing.assert_array_equal(
-        np.flatnonzero(find_spikes(t, x).mask), [0, 700, 1600]
-    )
+    np.testing.assert_array_equal(np.flatnonzero(find_spikes(t, x).mask), [7, 700])
 
 
 def test_without_noise():
@@ -112,10 +110,10 @@ def test_uneven_times():
 def test_input_is_not_changed():
     t, q = table_2()
     x = q.copy()
-    x[3] = 9.0
+    x[13] = 9.0
     before = x.copy()
     x.flags.writeable = False
-    assert find_spikes(t, x).mask[3]
+    assert find_spikes(t, x).mask[13]
     np.testing.assert_array_equal(x, before)
 
 

@@ -1,0 +1,151 @@
+"""Exciting trajectories: time to quality, against the paper and against differences."""
+
+import os
+import resource
+import subprocess
+import sys
+import time
+from functools import partial
+from pathlib import Path
+
+import jax
+import numpy as np
+import pytest
+from scipy.optimize import minimize
+
+from orbident.estimation.identify import identify
+from orbident.excitation.assembly import motions_for, problem_for
+from orbident.excitation.conditions import conditions_for
+from orbident.excitation.design import design_excitation
+from orbident.excitation.polytope import inner_point, polytope_of
+from orbident.excitation.problem import try_motion
+from orbident.recordings.recording import Recording
+from orbident.regressors.minimal_sets import minimal_sets
+from orbident.robot.robot_file import load_robot
+from orbident.sensing.simulate import simulate
+from orbident.studies.exciting import paper_case
+from orbident.trajectories.trajectory_file import load_trajectory
+
+SEEDS = 10
+
+
+def excite(folder: Path, *arguments: object) -> float:
+    """One cold command: nothing compiled, everything included; its CPU seconds."""
+    command = [sys.executable, "-m", "orbident.cli.app", "excite"]
+    command += [*map(str, arguments), "--quiet", "-o", "made.yaml"]
+    environment = {**os.environ, "XDG_CACHE_HOME": str(folder / "cache")}
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    subprocess.run(command, check=True, cwd=folder, env=environment)
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+
+
+@pytest.mark.parametrize(
+    ("robot", "starts", "bar", "seconds"),
+    [
+        ("paper-spatial", 4, 6.5, 30),
+        ("paper-spatial", 16, 6.0, 60),
+        # Under the limits of Eq. 46 nothing below 23 was found, by any method.
+        ("cepheus-like", 12, 28.0, 15),
+    ],
+)
+@pytest.mark.benchmark(group="like the paper")
+def bench_like_paper(benchmark, record, tmp_path, robot, starts, bar, seconds):
+    arguments = (tmp_path, robot, "--like-paper", "--starts", starts)
+    cpu = benchmark.pedantic(excite, arguments, rounds=1)
+    made = load_trajectory(tmp_path / "made.yaml").design
+    assert made is not None
+    wall = record(f"{robot} {starts}", cond=made["value"], cpu_seconds=cpu)
+    assert made["value"] <= bar
+    # On an idle machine; CPU seconds are more than wall seconds on two cores.
+    assert wall < seconds
+
+
+@pytest.mark.benchmark(group="dual-arm")
+def bench_dual_arm(benchmark, record):
+    """14 joints: the deviations of all 125 parameters, against random motions."""
+    robot = load_robot("dual-arm")
+    given = conditions_for(robot, 80.0, harmonics=5)
+    design = partial(
+        design_excitation, robot, objective="a", budget=60.0, conditions=given
+    )
+    made = benchmark.pedantic(design, rounds=1).design
+    wall = record("dual-arm", value=made["value"], random=made["median_random_start"])
+    assert made["median_random_start"] > 10 * made["value"]
+    assert wall < 120
+
+
+@pytest.mark.benchmark(group="differences")
+def bench_against_finite_differences(benchmark, record):
+    """SLSQP from one start, as toolboxes do: gradients by differences.
+
+    The same motion, criterion, limits and start; both compiled beforehand.
+    """
+    robot = load_robot("paper-spatial")
+    given = paper_case(robot).conditions
+    motions = motions_for(robot, given, "cond")
+    polytope = polytope_of(motions, given.limits)
+    names = robot.joint_names
+    middle = inner_point(polytope, given.limits, names)
+    problem = problem_for(robot, given, motions, "cond", 0.0)
+    value = jax.jit(lambda y, problem: try_motion(y, problem, 8.0, 0.0)[1].exact)
+    direction = np.random.default_rng([0, 0]).standard_normal(middle.shape)
+    y = middle + 0.8 * polytope.reach(middle, direction)[:, None] * direction
+    value(y, problem).block_until_ready()
+
+    # SLSQP slows down with every row: those of the search's own, coarser grid.
+    def slack(x):
+        return polytope.slack(x.reshape(middle.shape))[:, ::4].ravel()
+
+    def theirs():
+        return minimize(
+            lambda x: float(value(x.reshape(middle.shape), problem)),
+            y.ravel(),
+            constraints={"type": "ineq", "fun": slack},
+            method="SLSQP",
+            options={"maxiter": 100},
+        )
+
+    found = benchmark.pedantic(theirs, rounds=1)
+    slow = record("differences", cond=float(np.exp(found.fun)), calls=int(found.nfev))
+    design_excitation(robot, conditions=given, starts=1)
+    started = time.perf_counter()
+    ours = design_excitation(robot, conditions=given, starts=1).design
+    fast = time.perf_counter() - started
+    assert ours is not None
+    benchmark.extra_info.update(ours_seconds=fast, ours_cond=ours["value"])
+    # Three to ten times, by start; in `a, b` SLSQP often gets stuck above.
+    assert fast < slow
+
+
+@pytest.mark.benchmark(group="monte carlo")
+def bench_realised_errors(benchmark, record):
+    """Section 3.5's noise on Table 2's motion and on the designed one."""
+    robot = load_robot("paper-spatial")
+    case = paper_case(robot)
+    designed = design_excitation(
+        robot, objective="d", conditions=case.conditions, starts=6
+    )
+    pi = minimal_sets(robot).pi(robot.theta)
+
+    def rms(trajectory):
+        errors = []
+        for seed in range(SEEDS):
+            noisy = simulate(robot, trajectory, noise="sensors", seed=seed, truth=True)
+            result = identify(robot, with_attitude(noisy))
+            errors.append(result.pi.values - pi)
+        return np.sqrt(np.mean(np.square(errors), axis=0))
+
+    theirs = rms(case.trajectory)
+    ours = benchmark.pedantic(rms, (designed,), rounds=1)
+    ratio = float(np.median(theirs / ours))
+    record("monte carlo", median_ratio=ratio, worst_ratio=float((theirs / ours).min()))
+    assert ratio > 1
+
+
+def with_attitude(noisy: Recording) -> Recording:
+    """The servicer measures no attitude: the true one, so that motions compare."""
+    columns = dict(noisy.columns)
+    for sensor in ("attitude.x", "attitude.y", "attitude.z", "attitude.w"):
+        columns[sensor] = columns[f"truth.{sensor}"]
+    return Recording(noisy.t, columns)

@@ -1,0 +1,222 @@
+"""`orbident excite ROBOT -o TRAJ`, and `orbident excite ROBOT --compare TRAJ`."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from orbident.cli.excite_tables import (
+    NOT_EXCITED,
+    compared,
+    designed,
+    excites_all,
+    written,
+)
+from orbident.cli.options import Json, Quiet, RobotName
+from orbident.errors import InputError
+
+DURATION = 60.0
+HARMONICS = 3
+LIMITS = ("acceleration", "base_rate", "excursion", "wheel_speed")
+
+
+class Objective(StrEnum):
+    """What is made small."""
+
+    cond = "cond"
+    d = "d"
+    a = "a"
+    e = "e"
+
+
+Out = Annotated[
+    Path | None, typer.Option("-o", metavar="TRAJ", help="The trajectory file.")
+]
+Duration = Annotated[float | None, typer.Option(help="Seconds; 60 by default.")]
+Harmonics = Annotated[int | None, typer.Option(help="Of Eq. 41; 3 by default.")]
+Criterion = Annotated[
+    Objective,
+    typer.Option(
+        help="cond: condition number of Y-hat; d, a, e: information of all parameters."
+    ),
+]
+Starts = Annotated[int | None, typer.Option(help="Random starts; 24 by default.")]
+Budget = Annotated[
+    float | None, typer.Option(metavar="SECONDS", help="Instead of --starts.")
+]
+Uncertainty = Annotated[
+    float, typer.Option(help="Of masses and sizes, relative; the worst robot counts.")
+]
+Like = Annotated[
+    Path | None,
+    typer.Option(
+        "--like", metavar="TRAJ", help="Take ends and initial state from there."
+    ),
+]
+LikePaper = Annotated[bool, typer.Option(help="The paper's conditions.")]
+Limit = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--limit", metavar="NAME=VALUE", help=f"One of {', '.join(LIMITS)}; repeatable."
+    ),
+]
+Compare = Annotated[
+    list[Path] | None,
+    typer.Option("--compare", metavar="TRAJ", help="Score this instead; repeatable."),
+]
+Seed = Annotated[int, typer.Option(help="Of the random starts.", min=0)]
+
+
+def excite(
+    robot: RobotName,
+    out: Out = None,
+    duration: Duration = None,
+    harmonics: Harmonics = None,
+    objective: Criterion = Objective.cond,
+    starts: Starts = None,
+    budget: Budget = None,
+    uncertainty: Uncertainty = 0.0,
+    like: Like = None,
+    like_paper: LikePaper = False,
+    limit: Limit = None,
+    compare: Compare = None,
+    seed: Seed = 0,
+    json: Json = None,
+    quiet: Quiet = False,
+) -> None:
+    """Design a trajectory that excites every parameter, or compare some."""
+    from orbident.cli.output import Output, check_place, prepare_jax
+    from orbident.robot.robot_file import load_robot
+
+    output = Output(json, quiet)
+    described = load_robot(robot)
+    if compare:
+        prepare_jax()
+        _compare(described, compare, like_paper, output)
+        return
+    if out is None:
+        raise InputError("-o is missing; say where the trajectory is to be written")
+    check_place(out)
+    limits = _limits(limit or [])
+    prepare_jax()
+    given, paper = _conditions(
+        described, (duration, harmonics), like, like_paper, limits
+    )
+    from orbident.excitation.design import design_excitation
+    from orbident.trajectories.trajectory_file import save_trajectory
+
+    with _search_bar() as progress:
+        found = design_excitation(
+            described,
+            objective=objective.value,
+            starts=starts,
+            budget=budget,
+            uncertainty=uncertainty,
+            seed=seed,
+            conditions=given,
+            progress=progress,
+        )
+    save_trajectory(found, out)
+    output.say(*designed(found, paper), f"written: {out}")
+    output.write_json(written(found, paper, out))
+    if not excites_all(found):
+        output.warn([NOT_EXCITED])
+        raise typer.Exit(1)
+
+
+def _compare(robot: Any, paths: list[Path], like_paper: bool, output: Any) -> None:
+    from orbident.cli.output import progress
+    from orbident.excitation.comparison import compare
+    from orbident.trajectories.trajectory_file import load_trajectory
+
+    basis = None
+    if like_paper:
+        from orbident.studies.exciting import paper_case
+
+        basis = paper_case(robot).conditions.basis
+    trajectories = [load_trajectory(path) for path in paths]
+    with progress("comparing"):
+        found = compare(robot, trajectories, basis)
+    tables, document = compared(found)
+    output.say(*tables)
+    output.write_json(document)
+
+
+def _conditions(
+    robot: Any,
+    wanted: tuple[float | None, int | None],
+    like: Path | None,
+    like_paper: bool,
+    limits: dict[str, float],
+) -> tuple[Any, Any]:
+    """What to keep to, and the paper's case where it is meant."""
+    from dataclasses import replace
+
+    from orbident.excitation.conditions import conditions_for
+    from orbident.excitation.limits import limits_of
+    from orbident.trajectories.trajectory_file import load_trajectory
+
+    duration, harmonics = wanted
+    within = limits_of(robot, **limits)
+    if like_paper:
+        if like is not None:
+            raise InputError("--like and --like-paper exclude each other; give one")
+        from orbident.studies.exciting import paper_case
+
+        paper = paper_case(robot)
+        given = replace(
+            paper.conditions,
+            duration=duration or paper.conditions.duration,
+            harmonics=harmonics or paper.conditions.harmonics,
+            limits=within,
+        )
+        return given, paper
+    source = None if like is None else load_trajectory(like)
+    usual = DURATION if source is None else source.duration
+    return conditions_for(
+        robot,
+        usual if duration is None else duration,
+        HARMONICS if harmonics is None else harmonics,
+        within,
+        source,
+    ), None
+
+
+def _limits(entries: list[str]) -> dict[str, float]:
+    limits = {}
+    for entry in entries:
+        name, _, value = entry.partition("=")
+        try:
+            number = float(value)
+        except ValueError:
+            number = float("nan")
+        if name not in LIMITS or number != number:
+            raise InputError(
+                f"--limit: found '{entry}'; give NAME=VALUE with a number in SI and "
+                f"NAME one of {', '.join(LIMITS)}"
+            )
+        limits[name] = number
+    return limits
+
+
+@contextmanager
+def _search_bar() -> Iterator[Any]:
+    """A bar that shows the best so far, none when standard error is no terminal."""
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+    console = Console(stderr=True)
+    columns = TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn()
+    with Progress(
+        *columns, console=console, transient=True, disable=not console.is_terminal
+    ) as bar:
+        task = bar.add_task("preparing", total=None)
+
+        def show(found: Any) -> None:
+            words = f"start {found.starts}, best {found.best:.4g}"
+            bar.update(task, total=1.0, completed=found.fraction, description=words)
+
+        yield show

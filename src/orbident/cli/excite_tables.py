@@ -1,0 +1,121 @@
+"""What `orbident excite` prints, and its JSON."""
+
+import math
+from pathlib import Path
+from typing import Any
+
+CRITERIA = {
+    "cond_Y": "cond Y-hat",
+    "cond_Y_normalised": "cond Y-hat, unit columns",
+    "cond_W": "cond W-hat",
+    "cond_W_normalised": "cond W-hat, unit columns",
+    "d": "d: geometric mean deviation",
+    "a": "a: root mean square deviation",
+    "e": "e: largest deviation",
+}
+
+
+SINGULAR = 1e6
+"""Condition number from which encoders, good to 1e-5 rad or so, hide parameters."""
+
+NOT_EXCITED = (
+    "the motion does not determine all parameters; give more harmonics or a longer "
+    "duration, or declare sensors and use the objective d"
+)
+
+
+def excites_all(found: Any) -> bool:
+    """Whether the criterion that was made small shows every parameter."""
+    value = found.design["value"]
+    return value is not None and value < SINGULAR
+
+
+def designed(found: Any, paper: Any) -> list[Any]:
+    """A designed trajectory in words.
+
+    Args:
+        found: the trajectory.
+        paper: the paper's case, or None.
+    """
+    from rich.table import Table
+
+    made = found.design
+    lines: list[Any] = [
+        f"objective {made['objective']}: {_number(made['value'])}, the best of "
+        f"{made['starts']} starts (random motions: {made['median_random_start']:.4g})"
+    ]
+    if paper is not None and paper.quoted is not None:
+        lines.append(f"the paper quotes a condition number of {paper.quoted:g} for its")
+    lines += [f"  {words:30} {_number(made['scores'][key])}" for key, words in _rows()]
+    table = Table("joint", "position", "limit", "rate", "limit", box=None)
+    for name, joint in made["proven"]["joints"].items():
+        table.add_row(
+            name,
+            _range(joint["position"]),
+            _range(joint["position_limit"]),
+            f"{joint['velocity']:.4g}",
+            _number(joint["velocity_limit"]),
+        )
+    proven = made["proven"]
+    base = (
+        f"base: rate {_number(proven['rate'])} rad/s, turn "
+        f"{_number(proven['excursion'])} rad; wheels {_number(proven['wheel_speed'])} "
+        "rad/s"
+    )
+    return [*lines, "", "proven for all times, with nominal inertia:", table, base]
+
+
+def written(found: Any, paper: Any, out: Path) -> dict[str, Any]:
+    """The same as JSON."""
+    document = {"trajectory": str(out), "duration": found.duration, **found.design}
+    if paper is not None:
+        document["paper_condition_number"] = paper.quoted
+    return document
+
+
+def compared(found: Any) -> tuple[list[Any], dict[str, Any]]:
+    """Trajectories side by side, as tables and as JSON."""
+    from rich.table import Table
+
+    criteria = Table("criterion", *found.sources, box=None)
+    for key, words in _rows():
+        criteria.add_row(words, *(_number(getattr(s, key)) for s in found.scores))
+    parameters = Table("parameter", "nominal", *found.sources, box=None)
+    for k, name in enumerate(found.parameters):
+        stds = (_number(float(std)) for std in found.deviations[:, k])
+        parameters.add_row(name, f"{found.nominal[k]:.5g}", *stds)
+    for table in (criteria, parameters):
+        for column in table.columns[1:]:
+            column.justify = "right"
+    document = {
+        "trajectories": [
+            {
+                "source": source,
+                "scores": {key: _finite(getattr(score, key)) for key in CRITERIA},
+                "std": [_finite(float(std)) for std in deviations],
+            }
+            for source, score, deviations in zip(
+                found.sources, found.scores, found.deviations, strict=True
+            )
+        ],
+        "parameters": list(found.parameters),
+        "nominal": found.nominal.tolist(),
+    }
+    title = "predicted standard deviations (Cramer-Rao):"
+    return [criteria, "", title, parameters], document
+
+
+def _rows() -> list[tuple[str, str]]:
+    return list(CRITERIA.items())
+
+
+def _number(value: float | None) -> str:
+    return "-" if _finite(value) is None else f"{value:.4g}"
+
+
+def _range(ends: list[float | None]) -> str:
+    return f"{_number(ends[0])} .. {_number(ends[1])}"
+
+
+def _finite(value: float | None) -> float | None:
+    return value if value is not None and math.isfinite(value) else None

@@ -1,0 +1,71 @@
+"""`orbident sample TRAJ -o TABLE --rate HZ`."""
+
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from orbident.cli.options import Json, Quiet
+
+
+class Format(StrEnum):
+    """Who reads it."""
+
+    table = "table"
+    joint_trajectory = "joint-trajectory"
+
+
+def sample(
+    trajectory: Annotated[
+        Path, typer.Argument(metavar="TRAJ", help="A trajectory file (YAML).")
+    ],
+    out: Annotated[
+        Path,
+        typer.Option(
+            "-o", metavar="TABLE", help="The table: .csv or .parquet; else .yaml."
+        ),
+    ],
+    rate: Annotated[float, typer.Option(help="Samples per second, Hz.")],
+    format_: Annotated[
+        Format,
+        typer.Option(
+            "--format",
+            help="table: CSV or Parquet by suffix; joint-trajectory: YAML of a ROS "
+            "trajectory_msgs/JointTrajectory.",
+        ),
+    ] = Format.table,
+    json: Json = None,
+    quiet: Quiet = False,
+) -> None:
+    """Write a trajectory as samples, for a controller."""
+    from orbident.cli.output import Output, check_place, prepare_jax
+    from orbident.excitation.samples import (
+        sampled,
+        table_of,
+        write_joint_trajectory,
+    )
+    from orbident.recordings.tables import check_writable, write_recording
+    from orbident.trajectories.trajectory_file import load_trajectory
+
+    output = Output(json, quiet)
+    if format_ is Format.table:
+        check_writable(out)
+    check_place(out)
+    motion = load_trajectory(trajectory)
+    prepare_jax()
+    samples = sampled(motion, rate)
+    if format_ is Format.table:
+        write_recording(table_of(samples), out)
+    else:
+        write_joint_trajectory(samples, out)
+    count = samples.t.size
+    output.say(f"{out}: {count} samples over {motion.duration:g} s, {format_}")
+    output.write_json(
+        {
+            "table": str(out),
+            "format": str(format_),
+            "samples": count,
+            "duration": motion.duration,
+        }
+    )

@@ -1,0 +1,174 @@
+"""The studies' results as tables for people."""
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+from rich.table import Table
+
+
+def spatial_lines(done: Any) -> list[Any]:
+    """Table 4, without noise or with it."""
+    condition = done.condition_number
+    worst = max(abs(row.error_percent) for row in done.rows)
+    conditions = (
+        f"condition numbers in the paper's basis: Y {condition['Y']:.1f}, "
+        f"W {condition['W']:.2f}"
+    )
+    if not done.noisy:
+        return [
+            "Table 4 without noise: 80 s, 1601 samples, Table 2's trajectory",
+            "",
+            _exact_table(done.rows),
+            "",
+            conditions,
+            f"worst error {worst:.1e} %, {done.elapsed_s:.1f} s: "
+            + ("every parameter recovered" if done.trusted else "NOT recovered"),
+        ]
+    return [
+        f"Table 4 with Section 3.5's noise, by the paper's method: {_runs(done)}",
+        "",
+        _noisy_table(done.rows),
+        "",
+        "RMS error by the noise of one sensor alone",
+        "",
+        _sensor_table(done),
+        "",
+        conditions,
+        f"{done.elapsed_s:.1f} s",
+    ]
+
+
+def planar_lines(done: Any) -> list[Any]:
+    """Table 6, the burn, and how well Eq. 47's run was predicted."""
+    noise = (
+        f"with the noise of encoders and motion capture: {_runs(done)}"
+        if done.noisy
+        else "without noise"
+    )
+    lines: list[Any] = [f"Table 6 {noise}"]
+    for name, method in done.methods.items():
+        words = "the paper's method" if name == "paper" else name
+        lines += ["", f"by {words} (M by Eq. 32)", "", _identified_table(method.rows)]
+        lines += ["", _validation_line(method.validation, done.noisy)]
+    weighing, condition = done.mass.weighing, done.condition_number
+    return [
+        *lines,
+        "",
+        f"mass by the burn (Eq. 40), from {weighing.samples} samples of "
+        f"{weighing.signal}; the paper's 13.56 kg, weighed 13.55 kg",
+        "",
+        _mass_table(done),
+        "",
+        f"condition numbers in the paper's basis: Y {condition['Y']:.1f} (the paper's, "
+        f"of Cepheus: {condition['Y_paper']:.0f}), W {condition['W']:.2f}",
+        f"{done.elapsed_s:.1f} s",
+    ]
+
+
+def _runs(done: Any) -> str:
+    return (
+        f"{done.seeds} seed{'' if done.seeds == 1 else 's'}, the first one's estimate"
+    )
+
+
+def _table(*names: str) -> Table:
+    table = Table(*names, box=None)
+    for column in table.columns[1:]:
+        column.justify = "right"
+    return table
+
+
+def _exact_table(rows: Iterable[Any]) -> Table:
+    names = ("paper: true", "paper: error (%)", "true", "estimate", "error (%)")
+    table = _table("parameter", *names)
+    for row in rows:
+        table.add_row(
+            row.name,
+            "" if row.paper_true is None else f"{row.paper_true:.2f}",
+            "" if row.paper_error_percent is None else f"{row.paper_error_percent:.0e}",
+            f"{row.true:.2f}",
+            f"{row.estimate:.2f}",
+            f"{row.error_percent:.0e}",
+        )
+    return table
+
+
+def _noisy_table(rows: Iterable[Any]) -> Table:
+    paper, own = ("paper: true", "paper: error (%)"), ("estimate", "error (%)")
+    table = _table("parameter", *paper, *own, "RMS error (%)", "worst (%)")
+    for row in rows:
+        table.add_row(
+            row.name,
+            "" if row.paper_true is None else f"{row.paper_true:.2f}",
+            _percent(row.paper_error_percent),
+            f"{row.estimate:.2f}",
+            *_errors(row),
+        )
+    return table
+
+
+def _sensor_table(done: Any) -> Table:
+    table = _table("sensor", "worst pi (%)", "worst phi (%)", "M (%)")
+    sets = np.array([row.name.partition("_")[0] for row in done.rows])
+    for sensor, rms in done.by_sensor.items():
+        worst = (np.max(rms[sets == name]) for name in ("pi", "phi", "M"))
+        table.add_row(sensor, *map(_percent, worst))
+    return table
+
+
+def _identified_table(rows: Iterable[Any]) -> Table:
+    from orbident.studies.tables import PLANAR_IDENTIFIED
+
+    names = ("paper: identified", "true", "estimate", "error (%)")
+    table = _table("parameter", *names, "RMS error (%)", "worst (%)")
+    for row in rows:
+        paper = PLANAR_IDENTIFIED[row.name]
+        table.add_row(
+            row.name,
+            f"{paper:.4f}" if row.name != "M" else "",
+            f"{row.true:.6g}",
+            _number(row.estimate, ".6g"),
+            *_errors(row),
+        )
+    return table
+
+
+def _mass_table(done: Any) -> Table:
+    names = ("true (kg)", "estimate (kg)", "error (%)", "RMS error (%)", "worst (%)")
+    table = _table("from", *names)
+    for words, row in (
+        ("all samples (weigh)", done.mass.row),
+        ("two slopes (paper)", done.mass.slopes),
+    ):
+        numbers = f"{row.true:.2f}", _number(row.estimate, ".4f")
+        table.add_row(words, *numbers, *_errors(row))
+    return table
+
+
+def _validation_line(validation: Any, noisy: bool) -> str:
+    if validation.first is None:
+        return "Eq. 47's run: not predicted"
+    words = []
+    for name, what in (("gyro", "angular velocity"), ("velocity", "linear velocity")):
+        first = 100 * validation.first.nrmse[name]
+        over = 100 * validation.rms_nrmse[name], 100 * validation.worst_nrmse[name]
+        rest = f" (RMS {over[0]:.2g} %, worst {over[1]:.2g} %)" if noisy else ""
+        words.append(f"{what} {first:.2g} %{rest}")
+    return f"Eq. 47's run predicted: NRMSE of {', of '.join(words)}"
+
+
+def _errors(row: Any) -> tuple[str, str, str]:
+    return (
+        _percent(row.error_percent),
+        _percent(row.rms_error_percent),
+        _percent(row.worst_error_percent),
+    )
+
+
+def _percent(number: float | None) -> str:
+    return "" if number is None or number != number else f"{number:.2g}"
+
+
+def _number(number: float, form: str) -> str:
+    return f"{number:{form}}" if number == number else "-"

@@ -1,0 +1,183 @@
+"""A thruster burn with locked joints, as rows that are linear in 1/M.
+
+The CM answers the thrusters (Eqs. 33 to 36), and S turns with the base about it
+(Eq. 38). With `J` the integral of `R_0 F`, and `c` from S to the CM in base axes:
+
+    r_S = r_0 + v_0 t + (1/M) integral of J - R_0 c
+    v_S = v_0 + (1/M) J - R_0 (w x c)
+
+Joints are locked, so `c` is a constant: an unknown as `r_0` and `v_0` are.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float, Int
+from scipy.spatial.transform import Rotation
+
+from orbident.errors import InputError
+from orbident.recordings.recording import Recording
+from orbident.robot.description import Robot
+from orbident.signals.attitude_rates import same_sign
+from orbident.signals.base_motion import base_motion
+from orbident.signals.rates import at_times, fill
+from orbident.signals.velocity import bias_response, velocity_from_accelerometer
+
+Vectors = Float[np.ndarray, "n 3"]
+Matrices = Float[np.ndarray, "n 3 3"]
+
+
+class Burn(NamedTuple):
+    """What is known of a burn, on the rows where attitude and force are."""
+
+    t: Float[np.ndarray, " n"]
+    x_WB: Float[np.ndarray, "n 4"]
+    w: Vectors
+    """Base axes, rad/s; NaN where it is not known."""
+    forces: Float[np.ndarray, "n 3 4"]
+    """Columns, base axes, N: the force, and the force turned about x, y and z."""
+    impulse: Float[np.ndarray, "n 3 4"]
+    """`J` of each of these, inertial axes, N s."""
+    carried: Float[np.ndarray, "n 3 4"]
+    """Its integral."""
+    rows: Int[np.ndarray, " n"]
+    """Of the recording."""
+
+
+class Rows(NamedTuple):
+    """Equations `unknown u + pushed [1/M, turned] = measured`, inertial axes."""
+
+    unknown: Float[np.ndarray, "n 3 k"]
+    pushed: Float[np.ndarray, "n 3 4"]
+    measured: Vectors
+    """NaN where there is no sample."""
+
+
+def burn_of(robot: Robot, recording: Recording, late: float) -> Burn:
+    """Integrate the thrust along the attitude.
+
+    A force lasts from its row until the next one that has a force.
+
+    Args:
+        robot: with the noise of its sensors, where that is known.
+        recording: force and attitude.
+        late: by how much the attitude's times are behind the gyro's, s.
+
+    Raises:
+        InputError: a column is missing, the force is zero throughout, or there is no
+            row from where on both force and attitude are known.
+    """
+    force = _held(recording.vector("force"))
+    recording.vector("attitude", "xyzw")
+    if not np.nan_to_num(force).any():
+        raise InputError(
+            f"{recording.source}: columns 'force.x' to '.z' are zero throughout; "
+            "record a burn, and the net thruster force in base axes, N"
+        )
+    base = base_motion(recording, robot.sensors, late)
+    label = f"{recording.source}: attitude"
+    x_WB = fill(recording.t, same_sign(np.column_stack(base.x_WB)), label)
+    known = np.flatnonzero(np.isfinite(np.hstack([force, x_WB])).all(axis=1))
+    if known.size < 2:
+        raise InputError(
+            f"{recording.source}: {known.size} rows with force and attitude; the two "
+            "must be recorded together"
+        )
+    t, F = recording.t[known], force[known]
+    R_WB = Rotation.from_quat(x_WB[known]).as_matrix()
+    turned = np.cross(np.eye(3), F[:, None, :])
+    forces = np.concatenate([F[:, None, :], turned], axis=1).transpose(0, 2, 1)
+    impulse, carried = _integrated(t, R_WB, forces)
+    w = np.column_stack(base.w)[known]
+    return Burn(t, x_WB[known], w, forces, impulse, carried, known)
+
+
+def position_rows(burn: Burn, recording: Recording, late: float) -> Rows:
+    """Of the position of S.
+
+    Args:
+        burn: the thrust along the attitude.
+        recording: position, inertial axes, m.
+        late: by how much its times are behind the gyro's, s.
+    """
+    one = np.broadcast_to(np.eye(3), (burn.t.size, 3, 3))
+    t = (burn.t - burn.t[0])[:, None, None]
+    unknown = np.concatenate([one, t * one, -_R_WB(burn)], axis=2)
+    return Rows(unknown, burn.carried, _caught_up(burn, recording, "position", late))
+
+
+def velocity_rows(burn: Burn, recording: Recording, late: float) -> Rows:
+    """Of the velocity of S.
+
+    Args:
+        burn: the thrust along the attitude.
+        recording: velocity, inertial axes, m/s.
+        late: by how much its times are behind the gyro's, s.
+    """
+    one = np.broadcast_to(np.eye(3), (burn.t.size, 3, 3))
+    unknown = np.concatenate([one, -_R_WB(burn) @ _crossing(burn.w)], axis=2)
+    return Rows(unknown, burn.impulse, _caught_up(burn, recording, "velocity", late))
+
+
+def accelerometer_rows(burn: Burn, recording: Recording) -> Rows:
+    """Of what the velocity of S changed by from row to row, its constant bias unknown.
+
+    From row to row, because the noise of an integral adds up. Force and specific force
+    are integrated alike: between two rows both are anyone's guess.
+
+    Args:
+        burn: the thrust along the attitude.
+        recording: specific force at S, base axes, m/s^2.
+
+    Raises:
+        InputError: there are fewer than four samples.
+    """
+    f_S = recording.vector("accelerometer")[burn.rows]
+    v_S = velocity_from_accelerometer(burn.t, burn.x_WB, f_S)
+    v_S[np.isnan(f_S).any(axis=1)] = np.nan
+    J = [
+        velocity_from_accelerometer(burn.t, burn.x_WB, F)
+        for F in np.moveaxis(burn.forces, 2, 0)
+    ]
+    bias = bias_response(burn.t, burn.x_WB)
+    unknown = np.concatenate([bias, -_R_WB(burn) @ _crossing(burn.w)], axis=2)
+    return Rows(*(np.diff(x, axis=0) for x in (unknown, np.stack(J, axis=2), v_S)))
+
+
+def _R_WB(burn: Burn) -> Matrices:
+    return Rotation.from_quat(burn.x_WB).as_matrix()
+
+
+def _crossing(w: Vectors) -> Matrices:
+    """`w x`, as matrices."""
+    return np.cross(w[:, None, :], np.eye(3)).transpose(0, 2, 1)
+
+
+def _held(x: Vectors) -> Vectors:
+    """Each row without a sample has that of the row before."""
+    valid = np.isfinite(x).all(axis=1)
+    last = np.maximum.accumulate(np.where(valid, np.arange(len(x)), 0))
+    return x[last]
+
+
+def _integrated(
+    t: Float[np.ndarray, " n"], R_WB: Matrices, F: Float[np.ndarray, "n 3 4"]
+) -> tuple[Float[np.ndarray, "n 3 4"], Float[np.ndarray, "n 3 4"]]:
+    """`integral of R_0 F` and its integral, `R_0` linear and `F` constant in a step."""
+    h = np.diff(t)[:, None, None]
+    before, after = R_WB[:-1] @ F[:-1], R_WB[1:] @ F[:-1]
+    pushed = _summed(h / 2 * (before + after))
+    carried = h * pushed[:-1] + h**2 * (before / 3 + after / 6)
+    return pushed, _summed(carried)
+
+
+def _summed(steps: Float[np.ndarray, "m 3 4"]) -> Float[np.ndarray, "n 3 4"]:
+    return np.concatenate([np.zeros_like(steps[:1]), np.cumsum(steps, axis=0)])
+
+
+def _caught_up(burn: Burn, recording: Recording, sensor: str, late: float) -> Vectors:
+    x = recording.vector(sensor)
+    if late:
+        t, label = recording.t, f"{recording.source}: {sensor}"
+        x = np.column_stack([at_times(t, column, t + late, label) for column in x.T])
+    return x[burn.rows]

@@ -1,0 +1,181 @@
+"""The total mass from a thruster burn: Eq. 40 over all samples and axes."""
+
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from jaxtyping import Float
+
+from orbident.errors import InputError
+from orbident.estimation.burn import (
+    Rows,
+    accelerometer_rows,
+    burn_of,
+    position_rows,
+    velocity_rows,
+)
+from orbident.estimation.result import Estimate, nulled
+from orbident.estimation.triangular import Layout, LinearFit, fold, solve
+from orbident.precision import in_float64
+from orbident.recordings.recording import Recording
+from orbident.regressors.minimal_sets import conserved_axes
+from orbident.robot.description import Robot
+from orbident.signals.delays import delays
+
+LOCKED = 0.02
+"""rad or m: a locked joint moves less; encoders are far finer."""
+SIGNIFICANT = 3.0
+"""Standard deviations by which a push must show."""
+TURNED = 0.05
+"""A force turned by less, rad, makes the mass wrong by 0.1 % only."""
+FREED = 0.5
+"""Letting the force turn hardly makes the residual smaller where its frame is right."""
+
+SIGNALS = ("position", "velocity", "accelerometer")
+NOWHERE = Estimate(float("nan"), float("nan"))
+
+
+@dataclass(frozen=True)
+class Weighing:
+    """The total mass, and what it rests on."""
+
+    mass: Estimate
+    """kg; NaN where the status is rejected."""
+    signal: str
+    """What of S it was found from."""
+    samples: int
+    """In which that was measured."""
+    impulse: Float[np.ndarray, "3"]
+    """Of the thrusters, inertial axes, N s."""
+    rms: float
+    """Of the residual: m, or m/s."""
+    status: Literal["ok", "rejected"]
+    warnings: tuple[str, ...]
+
+    def to_json(self) -> dict[str, Any]:
+        """As `weigh --json` gives it."""
+        return {
+            "mass": {"value": nulled(self.mass.value), "std": nulled(self.mass.std)},
+            "status": self.status,
+            "warnings": list(self.warnings),
+            "signal": self.signal,
+            "samples": self.samples,
+            "impulse": nulled(self.impulse),
+            "residual_rms": nulled(self.rms),
+        }
+
+
+@in_float64
+def weigh(robot: Robot, recording: Recording) -> Weighing:
+    """Total mass from how S answers a known force, joints locked (Eqs. 33 to 40).
+
+    Eq. 40 for all samples and axes, by least squares; the attitude need not be held.
+    Of position and velocity the one that tells the mass better is used, and the
+    accelerometer where there is neither.
+
+    Args:
+        robot: its nominal inertia is not used.
+        recording: net thruster force (base axes, N), attitude, joint positions, and
+            position, velocity or accelerometer of S, before, during and after a burn.
+
+    Raises:
+        InputError: a column is missing or empty, the force is zero throughout, or a
+            joint moved.
+    """
+    recording.check_joints(robot)
+    _check_locked(robot, recording)
+    found = [s for s in SIGNALS if recording.has(*(f"{s}.{k}" for k in "xyz"))]
+    if not found:
+        raise InputError(
+            f"{recording.source}: has neither position.x .y .z nor velocity.x .y .z of "
+            "the feature point, nor accelerometer.x .y .z; record one of them"
+        )
+    behind = delays(robot, recording, {})
+    burn = burn_of(robot, recording, behind["attitude"])
+    fits: dict[str, tuple[LinearFit, int]] = {}
+    if "position" in found:
+        rows = position_rows(burn, recording, behind["position"])
+        fits["position"] = _fit(robot, rows)
+    if "velocity" in found:
+        rows = velocity_rows(burn, recording, behind["position"])
+        fits["velocity"] = _fit(robot, rows)
+    if not fits:
+        fits["accelerometer"] = _fit(robot, accelerometer_rows(burn, recording))
+    signal = min(fits, key=lambda name: _uncertainty(fits[name][0]))
+    fit, samples = fits[signal]
+    warnings = _doubts(fit)
+    return Weighing(
+        mass=NOWHERE if warnings else _mass(fit),
+        signal=signal,
+        samples=samples,
+        impulse=burn.impulse[-1, :, 0],
+        rms=fit.rms,
+        status="rejected" if warnings else "ok",
+        warnings=warnings,
+    )
+
+
+def _check_locked(robot: Robot, recording: Recording) -> None:
+    for name, joint in zip(robot.joint_names, robot.joints, strict=True):
+        column = f"joint.{name}.position"
+        q = recording.column(column)
+        where = f"{recording.source}: column '{column}'"
+        if np.isnan(q).all():
+            raise InputError(f"{where}: has no sample; record that the joint is locked")
+        moved = float(np.nanmax(q) - np.nanmin(q))
+        if moved > LOCKED:
+            unit = "rad" if joint.kind == "revolute" else "m"
+            raise InputError(
+                f"{where}: moved by {moved:.3g} {unit}; lock all joints for a burn (to "
+                f"{LOCKED:g} {unit})"
+            )
+
+
+def _fit(robot: Robot, rows: Rows) -> tuple[LinearFit, int]:
+    """Least squares for 1/M, and in how many samples."""
+    _, moving = conserved_axes(robot)
+    planar = robot.motion == "planar"
+    # In the plane a force turns about z only.
+    pushed = rows.pushed[:, moving][:, :, [0, 3] if planar else [0, 1, 2, 3]]
+    blocks = np.split(rows.unknown[:, moving], rows.unknown.shape[2] // 3, axis=2)
+    unknown = np.concatenate([block[:, :, moving] for block in blocks], axis=2)
+    measured = rows.measured[:, moving, None]
+    table = np.concatenate([unknown, pushed, measured], axis=2)
+    complete = np.isfinite(table).all(axis=(1, 2))
+    layout = Layout(unknown.shape[2], 1, pushed.shape[2] - 1)
+    used = table[complete].reshape(-1, layout.columns)
+    R = fold(np.zeros((layout.columns,) * 2), used)
+    return solve(R, layout, len(used)), int(complete.sum())
+
+
+def _uncertainty(fit: LinearFit) -> float:
+    return float(fit.covariance[0, 0]) if fit.determined[0] else np.inf
+
+
+def _mass(fit: LinearFit) -> Estimate:
+    M = 1 / float(fit.values[0])
+    return Estimate(M, M**2 * float(np.sqrt(fit.covariance[0, 0])))
+
+
+def _doubts(fit: LinearFit) -> tuple[str, ...]:
+    """Why there is no mass; nothing where all is well."""
+    per_M, std = float(fit.values[0]), float(np.sqrt(fit.covariance[0, 0]))
+    if not fit.determined[0] or abs(per_M) <= SIGNIFICANT * std:
+        return (
+            "mass: the burn does not show in the motion of the feature point; push "
+            "longer, and record seconds before and after it",
+        )
+    if per_M < 0:
+        return (
+            "mass: the robot moved against the force; check the signs and frames of "
+            "force (on the robot, base axes), position and velocity (inertial axes)",
+        )
+    turned = np.sqrt(max(fit.unexplained**2 - fit.unexplained_freed**2, 0.0))
+    angle = float(np.arctan2(turned, fit.explained))
+    if angle > TURNED and fit.unexplained_freed < FREED * fit.unexplained:
+        return (
+            f"mass: the robot moved {np.degrees(angle):.0f} deg off the force; check "
+            "the frames of force (base axes), position and velocity (inertial axes), "
+            "the attitude, and whether anything else pushed",
+        )
+    return ()

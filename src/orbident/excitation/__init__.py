@@ -1,0 +1,1 @@
+"""Exciting trajectories: what makes one good, what limits it, and the search."""

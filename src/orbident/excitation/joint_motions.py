@@ -1,0 +1,103 @@
+"""All joint motions of Eq. 41 with given ends, as a linear space.
+
+With the ends fixed, positions and rates are linear in the coefficients `a, b`. But the
+quintic nearly cancels a slow harmonic, so some coefficients may be a hundred times
+larger than the motion they make: a search over `a, b` never gets there. Here a motion
+is `y`, coordinates in which the rate has mean square 1, over the joint's limit.
+"""
+
+from typing import NamedTuple
+
+import jax
+import numpy as np
+from jaxtyping import Float
+
+from orbident.excitation.limits import Limits
+from orbident.trajectories.fourier_quintic import fourier_quintic
+
+# A rate whose coefficients are ten thousand times larger is not worth its digits.
+NEGLIGIBLE = 1e-4
+
+Histories = tuple[
+    Float[np.ndarray, "n columns"],
+    Float[np.ndarray, "n columns"],
+    Float[np.ndarray, "n columns"],
+]
+"""Position, rate and acceleration."""
+
+_evaluate = jax.jit(fourier_quintic)
+
+
+class JointMotions(NamedTuple):
+    """Histories at some times: an offset, and what each coordinate adds to it."""
+
+    t: Float[np.ndarray, " n"]
+    offset: Histories
+    """Of each joint with all `a` and `b` zero."""
+    basis: Histories
+    """Of a joint whose rate limit is 1, for each coordinate of `y`."""
+    scale: Float[np.ndarray, " joints"]
+    """The rate limits."""
+    ab_of_y: Float[np.ndarray, "2harmonics m"]
+
+    def every(self, stride: int) -> "JointMotions":
+        """The same motions at every so many of the times."""
+        (q, qd, qdd), (B, B_d, B_dd) = self.offset, self.basis
+        return self._replace(
+            t=self.t[::stride],
+            offset=(q[::stride], qd[::stride], qdd[::stride]),
+            basis=(B[::stride], B_d[::stride], B_dd[::stride]),
+        )
+
+    def coefficients(
+        self, y: Float[np.ndarray, "joints m"]
+    ) -> tuple[Float[np.ndarray, "joints N_f"], Float[np.ndarray, "joints N_f"]]:
+        """`a` and `b` of Eq. 41."""
+        ab = self.scale[:, None] * (y @ self.ab_of_y.T)
+        harmonics = ab.shape[1] // 2
+        return ab[:, :harmonics], ab[:, harmonics:]
+
+    def coordinates(
+        self, a: Float[np.ndarray, "joints N_f"], b: Float[np.ndarray, "joints N_f"]
+    ) -> Float[np.ndarray, "joints m"]:
+        """`y` of the nearest motion in the space."""
+        ab = np.concatenate([a, b], axis=1) / self.scale[:, None]
+        return ab @ np.linalg.pinv(self.ab_of_y).T
+
+
+def joint_motions(
+    start: Float[np.ndarray, "joints 3"],
+    end: Float[np.ndarray, "joints 3"],
+    duration: float,
+    harmonics: int,
+    limits: Limits,
+    nodes: int,
+) -> JointMotions:
+    """The motions between two states of the joints.
+
+    Args:
+        start: position, velocity and acceleration of each joint at t = 0.
+        end: the same at the end.
+        duration: t_f, s.
+        harmonics: N_f.
+        limits: of the joints' rates.
+        nodes: so many times, evenly spaced from 0 to the duration.
+    """
+    t = np.linspace(0.0, duration, nodes)
+    none = np.zeros((len(start), harmonics))
+    offset = _histories(none, none, start, end, duration, t)
+    one = np.eye(2 * harmonics)
+    still = np.zeros((2 * harmonics, 3))
+    q, qd, qdd = _histories(
+        one[:, :harmonics], one[:, harmonics:], still, still, duration, t
+    )
+    _, s, Vt = np.linalg.svd(qd / np.sqrt(nodes), full_matrices=False)
+    kept = s > NEGLIGIBLE * s[0]
+    ab_of_y = Vt[kept].T / s[kept]
+    basis = (q @ ab_of_y, qd @ ab_of_y, qdd @ ab_of_y)
+    return JointMotions(t, offset, basis, limits.velocity, ab_of_y)
+
+
+def _histories(*eq_41: np.ndarray | float) -> Histories:
+    q, qd, qdd = _evaluate(*eq_41)
+    return np.asarray(q), np.asarray(qd), np.asarray(qdd)

@@ -1,0 +1,84 @@
+"""A trajectory as samples, for those who have to follow it."""
+
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import yaml
+from jaxtyping import Float
+
+from orbident.files.text import write_text
+from orbident.recordings.recording import Recording
+from orbident.sensing.simulate import sample_times
+from orbident.trajectories.trajectory import Trajectory
+
+NANOSECONDS = 1_000_000_000
+
+
+class Samples(NamedTuple):
+    """A trajectory at some times, the last its end."""
+
+    joints: tuple[str, ...]
+    t: Float[np.ndarray, " n"]
+    """s."""
+    q: Float[np.ndarray, "n joints"]
+    """rad or m."""
+    qd: Float[np.ndarray, "n joints"]
+    qdd: Float[np.ndarray, "n joints"]
+
+
+def sampled(trajectory: Trajectory, rate: float) -> Samples:
+    """Samples at an even rate, and one at the end.
+
+    Args:
+        trajectory: what to sample.
+        rate: Hz.
+
+    Raises:
+        InputError: the rate is not positive, or gives too few or too many samples.
+    """
+    t = sample_times(trajectory.duration, rate)
+    if t[-1] < trajectory.duration:
+        t = np.append(t, trajectory.duration)
+    return Samples(trajectory.joints, t, *trajectory.at(t))
+
+
+def table_of(samples: Samples) -> Recording:
+    """As a table: `t`, and `joint.<name>.position`, `.velocity`, `.acceleration`."""
+    columns = {}
+    for k, name in enumerate(samples.joints):
+        columns[f"joint.{name}.position"] = samples.q[:, k]
+        columns[f"joint.{name}.velocity"] = samples.qd[:, k]
+        columns[f"joint.{name}.acceleration"] = samples.qdd[:, k]
+    return Recording(samples.t, columns, source="samples")
+
+
+def write_joint_trajectory(samples: Samples, path: Path) -> None:
+    """Writes a ROS `trajectory_msgs/JointTrajectory` as YAML.
+
+    Raises:
+        InputError: the folder does not exist or cannot be written to.
+    """
+    points = [
+        {
+            "positions": q.tolist(),
+            "velocities": qd.tolist(),
+            "accelerations": qdd.tolist(),
+            "effort": [],
+            "time_from_start": _duration(t),
+        }
+        for t, q, qd, qdd in zip(
+            samples.t, samples.q, samples.qd, samples.qdd, strict=True
+        )
+    ]
+    message: dict[str, Any] = {
+        "header": {"stamp": {"sec": 0, "nanosec": 0}, "frame_id": ""},
+        "joint_names": list(samples.joints),
+        "points": points,
+    }
+    write_text(path, yaml.safe_dump(message, sort_keys=False, default_flow_style=None))
+
+
+def _duration(t: float) -> dict[str, int]:
+    total = round(float(t) * NANOSECONDS)
+    return {"sec": total // NANOSECONDS, "nanosec": total % NANOSECONDS}

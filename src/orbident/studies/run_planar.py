@@ -1,0 +1,311 @@
+"""Section 5, run: Table 6, the burn, and the validation, without noise and with it."""
+
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+
+from orbident.campaigns.seeds import Errors, over_seeds
+from orbident.estimation.result import Result, nulled
+from orbident.estimation.triangular import condition_numbers
+from orbident.estimation.weigh import Weighing
+from orbident.identified.validate import Validation
+from orbident.precision import in_float64
+from orbident.robot.description import Robot
+from orbident.studies import tables
+from orbident.studies.comparison import Row
+from orbident.studies.filters import Filters
+from orbident.studies.planar import planar_robot, planar_trajectory
+from orbident.studies.planar_figures import Figure, Measured, planar_figures
+from orbident.studies.planar_flights import Flights, fly_planar
+from orbident.studies.planar_run import (
+    SCORED,
+    PaperFilters,
+    Reading,
+    Records,
+    Run,
+    Table6,
+    run_ideal,
+    run_noisy,
+)
+from orbident.trajectories.trajectory import Trajectory
+
+EXACT = 1e-4
+"""Relative error below which a noise-free parameter counts as recovered. That of M is
+1e-5: between two rows of a burn the base does not turn evenly."""
+
+Progress = Callable[[float], object]
+
+
+class Scores(NamedTuple):
+    """How well the validation run was predicted."""
+
+    first: Validation | None
+    """Of the first seed; None where its result could not predict."""
+    rms_nrmse: dict[str, float]
+    """Over the seeds."""
+    worst_nrmse: dict[str, float]
+
+    def to_json(self) -> dict[str, Any]:
+        """As `validate --json`, with RMS and worst over the seeds."""
+        first = {"nrmse": None, "rms": None, "samples": None}
+        return {
+            **(first if self.first is None else self.first.to_json()),
+            "rms_nrmse": {name: nulled(x) for name, x in self.rms_nrmse.items()},
+            "worst_nrmse": {name: nulled(x) for name, x in self.worst_nrmse.items()},
+        }
+
+
+class Method(NamedTuple):
+    """What one way of signal processing comes to."""
+
+    rows: tuple[Row, ...]
+    """Table 6's parameters; the last is M by Eq. 32."""
+    result: Result
+    """Of the first seed."""
+    validation: Scores
+
+
+class Weighed(NamedTuple):
+    """The mass by the burn."""
+
+    row: Row
+    """By least squares over all samples."""
+    slopes: Row
+    """By the paper's two slopes."""
+    weighing: Weighing
+    """Of the first seed."""
+
+    def to_json(self) -> dict[str, Any]:
+        """As `weigh --json`, with errors."""
+        errors = ("error_percent", "rms_error_percent", "worst_error_percent")
+        row, slopes = self.row.to_json(), self.slopes.to_json()
+        return {
+            **self.weighing.to_json(),
+            **{name: row[name] for name in errors},
+            "two_slopes": {name: slopes[name] for name in ("estimate", *errors)},
+        }
+
+
+@dataclass(frozen=True)
+class PlanarStudy:
+    """Table 6 and Figs. 6 to 13, and everything they were made from."""
+
+    methods: Mapping[str, Method]
+    """The paper's first; with ideal sensors least squares alone."""
+    mass: Weighed
+    condition_number: dict[str, float]
+    """In the paper's basis, by the first of the methods."""
+    trajectory: Trajectory
+    recordings: Records
+    """Of the first seed."""
+    figures: Mapping[str, Figure]
+    """Of the first seed, by the first of the methods."""
+    noisy: bool
+    """Whether the sensors had noise."""
+    seeds: int
+    rejected: int
+    """Seeds of which something could not be identified, weighed or predicted."""
+    elapsed_s: float
+
+    @property
+    def main(self) -> Method:
+        """The first of the methods."""
+        return next(iter(self.methods.values()))
+
+    @property
+    def rows(self) -> tuple[Row, ...]:
+        """Table 6's parameters, and M by the burn."""
+        return (*self.main.rows[:-1], self.mass.row)
+
+    @property
+    def result(self) -> Result:
+        """Of the first seed, by the first of the methods."""
+        return self.main.result
+
+    @property
+    def trusted(self) -> bool:
+        """Whether everything was found, without noise exactly."""
+        exact = all(abs(row.error_percent) < 100 * EXACT for row in self.rows)
+        return (self.noisy or exact) and not self.rejected
+
+    def to_json(self) -> dict[str, Any]:
+        """As `study --json` gives it."""
+        return {
+            "parameters": [_row_json(row) for row in self.rows],
+            "condition_number": self.condition_number,
+            "weigh": self.mass.to_json(),
+            "validation": self.main.validation.to_json(),
+            "by_method": {
+                name: {
+                    "parameters": [_row_json(row) for row in method.rows],
+                    "validation": method.validation.to_json(),
+                }
+                for name, method in self.methods.items()
+            },
+            "seeds": self.seeds,
+            "rejected": self.rejected,
+            "elapsed_s": self.elapsed_s,
+        }
+
+
+@in_float64
+def run_planar(
+    noise: Literal["none", "paper"] = "none",
+    seeds: int = 1,
+    first_seed: int = 0,
+    progress: Progress = lambda _: None,
+) -> PlanarStudy:
+    """Fly, identify by Eqs. 24 and 31, weigh by Eq. 40, predict Eq. 47's run.
+
+    Args:
+        noise: `"paper"` for encoders and motion capture, and the paper's processing of
+            them beside our own.
+        seeds: runs with noise, one a seed; the flights are the same.
+        first_seed: of them.
+        progress: is called with the fraction done.
+
+    Raises:
+        InputError: there are no seeds.
+    """
+    started = time.perf_counter()
+    robot = planar_robot()
+    trajectory = planar_trajectory(robot)
+    flights = fly_planar(robot, trajectory)
+    table = Table6.of(robot)
+    if noise == "none":
+        seeds, first = 1, run_ideal(robot, flights)
+        errors = Errors(first.quantities(table)[None])
+    else:
+        first, errors = _over_seeds(robot, flights, table, seeds, first_seed, progress)
+    columns = _Columns(errors, len(first.readings), noise == "paper")
+    methods = {
+        name: _method(reading, table, columns, k)
+        for k, (name, reading) in enumerate(first.readings.items())
+    }
+    return PlanarStudy(
+        methods=methods,
+        mass=_weighed(first, table, columns),
+        condition_number=_condition_numbers(first, table),
+        trajectory=trajectory,
+        recordings=first.records,
+        figures=_figures(robot, first),
+        noisy=noise == "paper",
+        seeds=seeds,
+        rejected=int(np.isnan(errors.runs).any(axis=1).sum()),
+        elapsed_s=time.perf_counter() - started,
+    )
+
+
+def _over_seeds(
+    robot: Robot,
+    flights: Flights,
+    table: Table6,
+    seeds: int,
+    first_seed: int,
+    progress: Progress,
+) -> tuple[Run, Errors]:
+    filters = PaperFilters(Filters(), Filters())
+    first = run_noisy(robot, flights, filters, first_seed)
+
+    def quantities(seed: int) -> Float[np.ndarray, " quantities"]:
+        if seed == first_seed:
+            return first.quantities(table)
+        return run_noisy(robot, flights, filters, seed).quantities(table)
+
+    return first, over_seeds(quantities, seeds, first_seed, progress)
+
+
+class _Columns(NamedTuple):
+    """What the columns of the errors over the seeds are."""
+
+    errors: Errors
+    methods: int
+    noisy: bool
+
+    def of_method(self, k: int) -> tuple[slice, slice]:
+        """Table 6's parameters, and the scores."""
+        width = (self.errors.runs.shape[1] - 2) // self.methods
+        end = (k + 1) * width
+        return slice(k * width, end - len(SCORED)), slice(end - len(SCORED), end)
+
+    def over(
+        self, columns: slice
+    ) -> tuple[Float[np.ndarray, " n"], Float[np.ndarray, " n"]]:
+        """RMS and worst of these columns; NaN without noise."""
+        rms, worst = self.errors.rms[columns], self.errors.worst[columns]
+        if not self.noisy:
+            return np.full_like(rms, np.nan), np.full_like(worst, np.nan)
+        return rms, worst
+
+
+def _method(reading: Reading, table: Table6, columns: _Columns, k: int) -> Method:
+    parameters, scores = columns.of_method(k)
+    rms, worst = columns.over(parameters)
+    rows = tuple(
+        Row(name, None, None, *map(float, numbers))
+        for name, *numbers in zip(
+            tables.PLANAR_IDENTIFIED,
+            table.true,
+            table.found(reading.result),
+            rms,
+            worst,
+            strict=True,
+        )
+    )
+    first = reading.scores
+    rms_nrmse, worst_nrmse = (_by_name(part) for part in columns.over(scores))
+    return Method(rows, reading.result, Scores(first, rms_nrmse, worst_nrmse))
+
+
+def _by_name(scores: Float[np.ndarray, " scores"]) -> dict[str, float]:
+    return {name: float(score) for name, score in zip(SCORED, scores, strict=True)}
+
+
+def _weighed(first: Run, table: Table6, columns: _Columns) -> Weighed:
+    rms, worst = columns.over(slice(-2, None))
+    rows = [
+        Row(
+            name="M",
+            paper_true=tables.PLANAR_MASS_WEIGHED,
+            paper_error_percent=tables.PLANAR_MASS_ERROR,
+            true=float(table.true[-1]),
+            estimate=estimate,
+            rms_error_percent=float(rms[k]),
+            worst_error_percent=float(worst[k]),
+        )
+        for k, estimate in enumerate((first.weighing.mass.value, first.by_slopes))
+    ]
+    return Weighed(*rows, weighing=first.weighing)
+
+
+def _condition_numbers(first: Run, table: Table6) -> dict[str, float]:
+    reading = next(iter(first.readings.values()))
+    assert reading.result.fits is not None
+    pi, phi = reading.result.fits.pi.factor, reading.result.fits.phi.factor
+    Y = condition_numbers(pi @ np.linalg.inv(table.basis.pi_of_pi))
+    W = condition_numbers(phi @ np.linalg.inv(table.basis.phi_of_phi))
+    names = ("Y", "Y_normalised", "W", "W_normalised")
+    numbers = dict(zip(names, (*Y, *W), strict=True))
+    return {**numbers, "Y_paper": tables.PLANAR_CONDITION}
+
+
+def _figures(robot: Robot, first: Run) -> dict[str, Figure]:
+    reading = next(iter(first.readings.values()))
+    if reading.scores is None:
+        return {}
+    records = first.records
+    return planar_figures(
+        robot,
+        Measured(records.identification, reading.identification),
+        records.burn,
+        Measured(records.validation, reading.validation),
+        reading.result,
+    )
+
+
+def _row_json(row: Row) -> dict[str, Any]:
+    return {**row.to_json(), "paper_estimate": tables.PLANAR_IDENTIFIED[row.name]}

@@ -1,0 +1,216 @@
+"""Section 4, run: Table 4 without noise and with it."""
+
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+
+from orbident.campaigns.seeds import Errors, over_seeds
+from orbident.dynamics.free_floating import FreeFloating
+from orbident.estimation.identify import identify
+from orbident.estimation.result import Result, nulled
+from orbident.estimation.triangular import condition_numbers
+from orbident.precision import in_float64
+from orbident.recordings.recording import Recording
+from orbident.regressors.minimal_sets import minimal_sets
+from orbident.regressors.paper_bases import PaperBasis, paper_basis, spatial_columns
+from orbident.robot.description import Robot
+from orbident.sensing.measure import measure
+from orbident.sensing.simulate import float_along, recorded
+from orbident.studies import tables
+from orbident.studies.comparison import Row
+from orbident.studies.filters import Filters
+from orbident.studies.imu_method import from_imu
+from orbident.studies.noise import sensors_alone
+from orbident.studies.spatial import spatial_robot, spatial_trajectory
+from orbident.trajectories.trajectory import Trajectory
+
+EXACT = 1e-9
+"""Relative error below which a noise-free parameter counts as recovered."""
+
+SEEDS_BY_SENSOR = 20
+"""At most: which sensor an error comes from is told by less than its exact size."""
+
+Progress = Callable[[float], object]
+
+
+@dataclass(frozen=True)
+class SpatialStudy:
+    """Table 4 and everything it was made from."""
+
+    rows: tuple[Row, ...]
+    by_sensor: Mapping[str, Float[np.ndarray, " parameters"]]
+    """RMS error in percent with the noise of one sensor alone; empty without noise."""
+    condition_number: dict[str, float]
+    trajectory: Trajectory
+    recording: Recording
+    """Of the first seed, as the sensors recorded it."""
+    result: Result
+    """Of the first seed."""
+    seeds: int
+    rejected: int
+    """Seeds whose result was."""
+    elapsed_s: float
+
+    @property
+    def noisy(self) -> bool:
+        """Whether the sensors had noise."""
+        return bool(self.by_sensor)
+
+    @property
+    def trusted(self) -> bool:
+        """Whether Table 4's values were met, without noise exactly."""
+        exact = self.noisy or all(
+            abs(row.error_percent) < 100 * EXACT for row in self.rows
+        )
+        return exact and not self.rejected and all(row.as_printed for row in self.rows)
+
+    def to_json(self) -> dict[str, Any]:
+        """As `study --json` gives it."""
+        return {
+            "parameters": [row.to_json() for row in self.rows],
+            "rms_error_percent_by_sensor": {
+                sensor: nulled(rms) for sensor, rms in self.by_sensor.items()
+            },
+            "condition_number": self.condition_number,
+            "seeds": self.seeds,
+            "rejected": self.rejected,
+            "elapsed_s": self.elapsed_s,
+        }
+
+
+@in_float64
+def run_spatial(
+    noise: Literal["none", "paper"] = "none",
+    seeds: int = 1,
+    first_seed: int = 0,
+    progress: Progress = lambda _: None,
+) -> SpatialStudy:
+    """Simulate, identify by Eqs. 24 and 31, compare with Table 4.
+
+    Args:
+        noise: `"paper"` for Section 3.5's, and the paper's processing of it.
+        seeds: runs with noise, one a seed.
+        first_seed: of them.
+        progress: is called with the fraction done.
+
+    Raises:
+        InputError: there are no seeds.
+    """
+    started = time.perf_counter()
+    robot = spatial_robot()
+    trajectory = spatial_trajectory(robot)
+    motion = float_along(robot, trajectory, tables.SPATIAL_RATE)
+    table = _Table.of(robot)
+    if noise == "none":
+        recording = recorded(robot, motion)
+        result = identify(robot, recording, initial_momentum="first-sample")
+        errors, by_sensor = None, {}
+    else:
+        noisy = _Noisy(robot, trajectory, motion, table, Filters())
+        recording, result = noisy.run(first_seed)
+        sensors = [key for key in robot.sensors if key != "rate"]
+        parts = 1 + len(sensors)
+        errors = over_seeds(noisy.errors, seeds, first_seed, _part(progress, 0, parts))
+        few = min(seeds, SEEDS_BY_SENSOR)
+        by_sensor = {
+            sensor: over_seeds(
+                noisy.alone(sensor).errors, few, first_seed, _part(progress, k, parts)
+            ).rms
+            for k, sensor in enumerate(sensors, 1)
+        }
+    return SpatialStudy(
+        rows=table.rows(result, errors),
+        by_sensor=by_sensor,
+        condition_number=table.condition_numbers(result),
+        trajectory=trajectory,
+        recording=recording,
+        result=result,
+        seeds=seeds if errors is not None else 1,
+        rejected=_rejected(result, errors),
+        elapsed_s=time.perf_counter() - started,
+    )
+
+
+def _part(progress: Progress, k: int, parts: int) -> Progress:
+    return lambda fraction: progress((k + fraction) / parts)
+
+
+def _rejected(result: Result, errors: Errors | None) -> int:
+    if errors is None:
+        return int(result.status == "rejected")
+    return int(np.isnan(errors.runs).any(axis=1).sum())
+
+
+class _Table(NamedTuple):
+    """Table 4's parameters: how to get them from a result, and what they are."""
+
+    basis: PaperBasis
+    true: Float[np.ndarray, " parameters"]
+
+    @classmethod
+    def of(cls, robot: Robot) -> "_Table":
+        sets = minimal_sets(robot)
+        basis = paper_basis(sets, spatial_columns)
+        pi, phi = basis.pi(sets.pi(robot.theta)), basis.phi(sets.phi(robot.theta))
+        return cls(basis, np.concatenate([pi, phi, [robot.mass]]))
+
+    def found(self, result: Result) -> Float[np.ndarray, " parameters"]:
+        pi, phi = self.basis.pi(result.pi.values), self.basis.phi(result.phi.values)
+        return np.concatenate([pi, phi, [result.mass.value]])
+
+    def rows(self, result: Result, errors: Errors | None) -> tuple[Row, ...]:
+        # The paper prints no true value of M; Table 1's masses add up to it.
+        printed = {**tables.SPATIAL_TRUE, "M": (None, None, tables.SPATIAL_MASS_ERROR)}
+        unknown = np.full(self.true.size, np.nan)
+        rms = unknown if errors is None else errors.rms
+        worst = unknown if errors is None else errors.worst
+        return tuple(
+            Row(
+                name=name,
+                paper_true=paper_true,
+                paper_error_percent=exact if errors is None else noisy,
+                true=float(true),
+                estimate=float(found),
+                rms_error_percent=float(rms[k]),
+                worst_error_percent=float(worst[k]),
+            )
+            for k, ((name, (paper_true, exact, noisy)), true, found) in enumerate(
+                zip(printed.items(), self.true, self.found(result), strict=True)
+            )
+        )
+
+    def condition_numbers(self, result: Result) -> dict[str, float]:
+        assert result.fits is not None
+        pi, phi = result.fits.pi.factor, result.fits.phi.factor
+        Y = condition_numbers(pi @ np.linalg.inv(self.basis.pi_of_pi))
+        W = condition_numbers(phi @ np.linalg.inv(self.basis.phi_of_phi))
+        names = ("Y", "Y_normalised", "W", "W_normalised")
+        return dict(zip(names, (*Y, *W), strict=True))
+
+
+class _Noisy(NamedTuple):
+    """The same motion, measured anew with every seed."""
+
+    robot: Robot
+    trajectory: Trajectory
+    motion: FreeFloating
+    table: _Table
+    filters: Filters
+
+    def alone(self, sensor: str) -> "_Noisy":
+        sensors = sensors_alone(self.robot.sensors, sensor)
+        return self._replace(robot=replace(self.robot, sensors=sensors))
+
+    def run(self, seed: int) -> tuple[Recording, Result]:
+        recording = measure(self.robot, self.motion, self.trajectory, seed)
+        initial = self.trajectory.initial
+        ready = from_imu(self.robot, recording, initial, self.filters)
+        return recording, identify(self.robot, ready, initial_momentum="first-sample")
+
+    def errors(self, seed: int) -> Float[np.ndarray, " parameters"]:
+        _, result = self.run(seed)
+        return 100 * (self.table.found(result) / self.table.true - 1)

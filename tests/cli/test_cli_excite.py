@@ -1,0 +1,161 @@
+"""`orbident excite` and `orbident sample`."""
+
+import csv
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+from orbident.cli import excite_tables
+from orbident.robot.robot_file import load_robot
+from orbident.studies.exciting import paper_case
+from orbident.trajectories.trajectory_file import load_trajectory, save_trajectory
+
+
+@pytest.fixture
+def table_5(tmp_path):
+    path = tmp_path / "table5.yaml"
+    save_trajectory(paper_case(load_robot("cepheus-like")).trajectory, path)
+    return path
+
+
+def test_like_the_paper(orbident):
+    """A file that loads, the paper's figure beside ours, and the proven margins."""
+    ran = orbident(
+        "excite", "cepheus-like", "--like-paper", "--starts", 2, "-o", "made.yaml"
+    ).done()
+    assert "paper quotes a condition number of 153" in ran.out
+    assert "proven for all times" in ran.out
+    made = load_trajectory("made.yaml")
+    assert made.duration == 20.0
+    assert made.initial.wheel_speed == {"rw": -170.0}
+    assert made.design is not None
+    assert made.design["value"] < 60
+    for joint in made.design["proven"]["joints"].values():
+        assert joint["velocity"] <= joint["velocity_limit"]
+
+
+def test_json_is_the_design(orbident):
+    ran = orbident(
+        *("excite", "cepheus-like", "--starts", 1, "--duration", 15),
+        *("--harmonics", 2, "--objective", "d", "-o", "made.yaml", "--json", "-"),
+    ).done()
+    assert ran.json["objective"] == "d"
+    assert ran.json["duration"] == 15.0
+    assert ran.json["trajectory"] == "made.yaml"
+    made = load_trajectory("made.yaml")
+    assert made.a.shape == (2, 2)
+    assert made.design is not None
+    assert ran.json["value"] == made.design["value"]
+
+
+def test_like_another_trajectory(orbident, table_5):
+    orbident(
+        *("excite", "cepheus-like", "--like", table_5, "--starts", 1),
+        *("--limit", "acceleration=0.5", "-o", "made.yaml", "--quiet"),
+    ).done()
+    made, like = load_trajectory("made.yaml"), load_trajectory(table_5)
+    assert made.duration == like.duration
+    assert made.initial.wheel_speed == like.initial.wheel_speed
+    assert made.design is not None
+    for joint in made.design["proven"]["joints"].values():
+        assert joint["acceleration"] <= 0.5
+
+
+def test_compare(orbident, table_5):
+    ran = orbident(
+        *("excite", "cepheus-like", "--like-paper", "--json", "-"),
+        *("--compare", table_5, "--compare", table_5),
+    ).done()
+    first, second = ran.json["trajectories"]
+    assert first == second
+    assert first["scores"]["cond_Y"] == pytest.approx(86, abs=0.5)
+    assert set(first["scores"]) == set(excite_tables.CRITERIA)
+    assert ran.json["parameters"][0] == "M"
+    assert len(first["std"]) == len(ran.json["parameters"]) == 1 + 8 + 4
+    words = orbident("excite", "cepheus-like", "--compare", table_5).done().out
+    assert "predicted standard deviations" in words
+
+
+def test_sample_as_a_table(orbident, table_5):
+    orbident("sample", table_5, "-o", "table.csv", "--rate", 10).done()
+    with Path("table.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == 201
+    t = 12.3
+    q, qd, qdd = load_trajectory(table_5).at(np.array([t]))
+    row = rows[123]
+    assert float(row["t"]) == pytest.approx(t, abs=1e-12)
+    for kind, values in (("position", q), ("velocity", qd), ("acceleration", qdd)):
+        for k, joint in enumerate(("joint1", "joint2")):
+            assert float(row[f"joint.{joint}.{kind}"]) == pytest.approx(
+                values[0, k], abs=1e-12
+            )
+
+
+def test_sample_for_ros(orbident, table_5):
+    ran = orbident(
+        *("sample", table_5, "-o", "joints.yaml", "--rate", 0.3),
+        *("--format", "joint-trajectory", "--json", "-"),
+    ).done()
+    # 0, 3.33 .. 16.67, 20: the end is in it even where the rate misses it.
+    assert ran.json["samples"] == 7
+    message = yaml.safe_load(Path("joints.yaml").read_text())
+    assert message["joint_names"] == ["joint1", "joint2"]
+    points = message["points"]
+    assert points[1]["time_from_start"] == {"sec": 3, "nanosec": 333333333}
+    assert points[-1]["time_from_start"] == {"sec": 20, "nanosec": 0}
+    assert all(len(point["positions"]) == 2 for point in points)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["cepheus-like"], ["-o is missing"]),
+        (["cepheus-like", "-o", "no/made.yaml"], ["'no' does not exist"]),
+        (
+            ["dual-arm", "--like-paper", "-o", "made.yaml"],
+            ["dual-arm", "no trajectory"],
+        ),
+        (["cepheus-like", "-o", "made.yaml", "--duration", 0], ["duration: found 0"]),
+        (["cepheus-like", "-o", "made.yaml", "--harmonics", 0], ["harmonics: found 0"]),
+        (["cepheus-like", "-o", "made.yaml", "--starts", 0], ["starts: found 0"]),
+        (["cepheus-like", "-o", "made.yaml", "--limit", "speed=1"], ["'speed=1'"]),
+        (
+            ["cepheus-like", "-o", "made.yaml", "--limit", "base_rate=x"],
+            ["base_rate=x"],
+        ),
+        (["cepheus-like", "-o", "made.yaml", "--limit", "base_rate=0"], ["base rate"]),
+        (["cepheus-like", "--compare", "missing.yaml"], ["missing.yaml"]),
+        (["paper-spatial", "--compare", "table5.yaml"], ["joint3"]),
+    ],
+)
+def test_wrong_input(orbident, table_5, arguments, words):
+    orbident("excite", *arguments).refused(*words)
+
+
+def test_a_duration_too_short_says_by_how_much(orbident, table_5):
+    """2 rad in 2 s, where no more than 0.7 rad/s is allowed."""
+    text = table_5.read_text().replace("end: {position: 0.0", "end: {position: 1.0", 1)
+    assert "1.0, velocity" in text
+    Path("far.yaml").write_text(text)
+    orbident(
+        *("excite", "cepheus-like", "--like", "far.yaml", "--duration", 1.5),
+        *("-o", "made.yaml"),
+    ).refused("joint1", "velocity", "0.7", "%")
+
+
+def test_a_sample_rate_that_makes_no_sense(orbident, table_5):
+    orbident("sample", table_5, "-o", "t.csv", "--rate", 0).refused("rate")
+    orbident("sample", table_5, "-o", "t.txt", "--rate", 1).refused(".txt")
+
+
+def test_a_motion_that_shows_too_little_is_not_trusted(orbident):
+    """One harmonic in 5 s: eight parameters, and hardly any motion."""
+    ran = orbident(
+        *("excite", "cepheus-like", "--starts", 1, "--duration", 0.02),
+        *("--harmonics", 1, "-o", "made.yaml"),
+    )
+    assert ran.status == 1
+    assert "does not determine all parameters" in ran.err

@@ -1,0 +1,101 @@
+"""`study`: both studies with noise, and what they leave behind."""
+
+import json
+from pathlib import Path
+
+import pytest
+from running import Orbident
+
+PLANAR_FILES = {
+    "trajectory.yaml",
+    "identification.csv",
+    "burn.csv",
+    "validation.csv",
+    "run",
+    *(f"fig{k:02}.csv" for k in range(6, 14)),
+}
+
+
+def test_planar(orbident: Orbident):
+    """Its recordings are what `identify`, `weigh` and `validate` take."""
+    ran = orbident("study", "planar", "-o", "kept", "--json", "study.json").done()
+    for words in (
+        "Table 6 without noise",
+        "Eq. 47's run predicted",
+        "all samples (weigh)",
+        "two slopes (paper)",
+        "written: kept",
+    ):
+        assert words in ran.out
+    assert {path.name for path in Path("kept").iterdir()} == PLANAR_FILES
+    study = json.loads(Path("study.json").read_text())
+    # As the study itself is tested.
+    assert all(abs(row["error_percent"]) < 5e-3 for row in study["parameters"])
+    mass = orbident("weigh", "cepheus-like", "kept/burn.csv", "--json", "-").done()
+    assert mass.json["mass"] == study["weigh"]["mass"]
+    file = "kept/identification.csv"
+    found = orbident(
+        *("identify", "cepheus-like", file, "--initial-momentum", "at-rest"),
+        *("--json", "-"),
+    )
+    assert found.done().json["status"] == "ok"
+    scores = orbident("validate", "kept/run", "kept/validation.csv", "--json", "-")
+    # The spline between samples.
+    assert max(scores.done().json["nrmse"].values()) < 1e-6
+
+
+def test_planar_with_noise(orbident: Orbident):
+    run = ("study", "planar", "--noise", "paper", "--seeds", 2, "--seed", 3)
+    words = orbident(*run, "--json", "study.json").done().out
+    assert "2 seeds" in words
+    assert "by the paper's method" in words
+    assert "by least-squares" in words
+    study = json.loads(Path("study.json").read_text())
+    assert study["seeds"] == 2
+    (M,) = (row for row in study["parameters"] if row["name"] == "M")
+    # The project's aim.
+    assert M["rms_error_percent"] < 0.5
+    assert max(study["validation"]["rms_nrmse"].values()) < 0.02
+
+
+@pytest.mark.parametrize("name", ["burn.csv", "fig09.csv", "trajectory.yaml"])
+def test_planar_spares_what_is_there(orbident: Orbident, name: str):
+    Path(name).write_text("precious")
+    orbident("study", "planar", "-o", ".").refused(f"{name}: exists already")
+    assert Path(name).read_text() == "precious"
+
+
+def test_spatial_with_noise(orbident: Orbident):
+    run = ("study", "spatial", "--noise", "paper", "--seeds", 2)
+    words = orbident(*run, "--json", "study.json").done().out
+    assert "Table 4 with Section 3.5's noise" in words
+    assert "2 seeds" in words
+    assert "RMS error by the noise of one sensor alone" in words
+    study = json.loads(Path("study.json").read_text())
+    rows = {row["name"]: row for row in study["parameters"]}
+    assert len(rows) == 25
+    for row in rows.values():
+        assert 0 < row["rms_error_percent"] <= row["worst_error_percent"]
+    for sensor in study["rms_error_percent_by_sensor"]:
+        assert f" {sensor} " in words
+
+
+def test_seeds_without_noise_are_all_alike(orbident: Orbident):
+    ran = orbident("study", "spatial", "--seeds", 3, "--json", "-")
+    assert ran.status == 0
+    assert ran.err == (
+        "orbident: warning: --seeds 3: without noise all are alike, so 1 is run\n"
+    )
+    assert ran.json["seeds"] == 1
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("study", "spatial", "--noise", "loud"), "'--noise': 'loud'"),
+        (("study", "planar", "--seeds", "0"), "'--seeds'"),
+        (("study", "planar", "--seed", "-1"), "'--seed'"),
+    ],
+)
+def test_wrong_usage(orbident: Orbident, arguments: tuple[str, ...], words: str):
+    orbident(*arguments).refused(words)

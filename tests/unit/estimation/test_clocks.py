@@ -1,0 +1,86 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from random_motions import random_motion
+
+from orbident.estimation.clocks import in_words, joint_delay
+from orbident.precision import in_float64
+from orbident.regressors.minimal_sets import minimal_sets
+from orbident.robot.description import Robot
+from orbident.robot.robot_file import load_robot
+from orbident.sensing.simulate import simulate
+from orbident.signals.delays import Delay, corrections, delay_of
+from orbident.signals.samples import samples_of
+
+SPATIAL, PLANAR = load_robot("paper-spatial"), load_robot("cepheus-like")
+
+
+def found(robot: Robot, late: float, noise, seed=0, duration=40.0) -> Delay:
+    """What is found of joints whose clock is so much behind, with CAD 20 % off."""
+    planar = robot.motion == "planar"
+    motion = random_motion(
+        robot,
+        seed=3,
+        duration=duration,
+        start="spun up" if planar else "turning",
+        wheel_speed=-170.0 if planar else 200.0,
+    )
+    recording = simulate(robot, motion, noise=noise, seed=seed)
+    samples = samples_of(robot, recording, {"joints": -late, "wheels": -late})
+    random = np.random.default_rng(seed)
+    off = 1 + 0.2 * random.choice([-1, 1], robot.theta.shape)
+    guess = replace(robot, theta=off * robot.theta)
+    momentum = "at-rest" if planar else "unknown"
+    find = in_float64(joint_delay)
+    return find(guess, minimal_sets(guess), samples, momentum)
+
+
+@pytest.mark.parametrize("late", [0.037, -0.2])
+def test_without_noise_the_delay_is_exact(late):
+    delay = found(SPATIAL, late, "none")
+    # Splines through 20 Hz samples.
+    assert delay.late == pytest.approx(late, abs=1e-7)
+    assert delay.believed
+
+
+@pytest.mark.parametrize("robot", [SPATIAL, PLANAR], ids=lambda robot: robot.name)
+def test_with_noise_the_delay_is_right_to_a_millisecond(robot):
+    for seed in range(3):
+        delay = found(robot, 0.037, "sensors", seed)
+        assert delay.late == pytest.approx(0.037, abs=1e-3)
+        assert abs(delay.late - 0.037) < 4 * delay.std
+        assert delay.believed
+
+
+@pytest.mark.parametrize("robot", [SPATIAL, PLANAR], ids=lambda robot: robot.name)
+@pytest.mark.parametrize("noise", ["none", "sensors"])
+def test_clocks_that_agree_are_left_alone(robot, noise):
+    for seed in range(3):
+        assert not found(robot, 0.0, noise, seed).believed
+
+
+def test_many_parameters_and_few_samples():
+    """440 of them take up noise; held near CAD they do not mimic a delay."""
+    robot = load_robot("dual-arm")
+    assert found(robot, 0.037, "none", duration=20.0).late == pytest.approx(
+        0.037, abs=1e-4
+    )
+
+
+def test_a_delay_is_believed_if_it_is_sure_and_worth_it():
+    assert delay_of(0.01, 1e-3, 0.0, 1.0, 0.5).believed
+    assert not delay_of(0.004, 1e-3, 0.0, 1.0, 0.5).believed
+    assert not delay_of(0.01, 1e-3, 0.0, 1.0, 0.99).believed
+    assert not delay_of(0.01, 1e-3, 0.005, 1.0, 0.5).believed
+    assert not delay_of(5e-5, 1e-9, 0.0, 1.0, 0.5).believed
+    assert not delay_of(float("nan"), 1e-9, 0.0, 1.0, 0.5).believed
+
+
+def test_what_shares_a_clock_is_corrected_together():
+    clocks = {"joints": Delay(0.037, 1e-4, True), "attitude": Delay(0.01, 1e-2, False)}
+    assert corrections(clocks) == {"joints": 0.037, "wheels": 0.037}
+    assert in_words(clocks) == (
+        "the clock of joints and wheels is 37.00 +- 0.1 ms behind that of the base "
+        "rate: corrected",
+    )

@@ -1,0 +1,61 @@
+import numpy as np
+import pytest
+from random_motions import random_motion
+from random_robots import random_planar_robot, random_robot, random_wheels
+
+from orbident.dynamics.free_floating import BaseState, free_floating
+from orbident.excitation.base_extremes import base_extremes_of
+from orbident.excitation.extremes import Derivatives, extremes_of
+from orbident.excitation.proof import NODES, floated
+
+
+def finely(robot, trajectory, times):
+    initial = trajectory.initial
+    speeds = initial.wheel_speeds(robot.wheel_names)
+    start = BaseState(
+        initial.angular_velocity, initial.attitude, initial.velocity, speeds
+    )
+    t = np.linspace(0.0, trajectory.duration, times * (NODES - 1) + 1)
+    return free_floating(robot, Derivatives(trajectory), t, start, 1e-6)
+
+
+CASES = {
+    "revolute": random_robot(0, (0, 1, 0), wheels=random_wheels(0, ("held",)), base=5),
+    "prismatic": random_robot(1, (0, 1), (1,), random_wheels(1, ("free",)), base=5),
+    "planar": random_planar_robot(2, (0, 1)),
+}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_bounds_hold_on_a_finer_grid(name):
+    robot = CASES[name]
+    trajectory = random_motion(robot, duration=10.0)
+    found = base_extremes_of(robot, floated(robot, trajectory), extremes_of(trajectory))
+    fine = finely(robot, trajectory, 10)
+    rate = np.linalg.norm(fine.w, axis=1).max()
+    half = np.clip(np.abs(fine.attitude @ fine.attitude[0]), 0.0, 1.0)
+    assert rate <= found.rate
+    assert 2 * np.arccos(half).max() <= found.excursion
+    assert np.abs(fine.qd_rw).max(initial=0.0) <= found.wheel_speed
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_the_change_of_rate_is_bounded(name):
+    """The bound between samples is that of `|w'|`, which differences show."""
+    robot = CASES[name]
+    trajectory = random_motion(robot, duration=10.0)
+    motion = floated(robot, trajectory)
+    found = base_extremes_of(robot, motion, extremes_of(trajectory))
+    sampled = np.linalg.norm(motion.w, axis=1).max()
+    step = motion.t[1]
+    fastest = np.linalg.norm(np.diff(motion.w, axis=0), axis=1).max() / step
+    allowed = (found.rate - sampled) / (step / 2)
+    assert fastest <= allowed
+
+
+def test_tight_enough_to_be_of_use(servicer, table_2):
+    found = base_extremes_of(servicer, floated(servicer, table_2), extremes_of(table_2))
+    motion = floated(servicer, table_2)
+    sampled = np.linalg.norm(motion.w, axis=1).max()
+    # Half a step of 0.01 s, if all joints did their worst at once, arm straight.
+    assert found.rate < 1.2 * sampled
