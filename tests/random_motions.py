@@ -38,7 +38,8 @@ def random_motion(
         duration: s.
         wheel_speed: of every wheel at the start, rad/s.
         start: how base and wheels start.
-        start_at: where a joint starts and ends; zero where absent.
+        start_at: where a joint starts and ends; zero where absent, or the middle of
+            its range where zero is not well inside.
         still: joints that do not move.
     """
     random = np.random.default_rng(seed)
@@ -46,7 +47,7 @@ def random_motion(
     a, b = 0.15 * random.standard_normal((2, joints, HARMONICS))
     ends = np.zeros((joints, 3))
     for k, name in enumerate(robot.joint_names):
-        ends[k, 0] = (start_at or {}).get(name, 0.0)
+        ends[k, 0] = (start_at or {}).get(name, _usual(robot.joints[k].position))
         if name in still:
             a[k] = b[k] = 0.0
     free = Trajectory(
@@ -67,6 +68,12 @@ def random_motion(
             wheel_speed=dict.fromkeys(robot.wheel_names, wheel_speed),
         ),
     )
+
+
+def _usual(stops: tuple[float, float] | None) -> float:
+    if stops is None or stops[0] < -0.1 < 0.1 < stops[1]:
+        return 0.0
+    return sum(stops) / 2
 
 
 def _room(robot: Robot, free: Trajectory) -> np.ndarray:

@@ -146,6 +146,8 @@ def test_result_json(orbident: Orbident, flight: Recording):
     assert found["signals"] == {
         "joint_rates": "measured",
         "wheel_speeds": "measured",
+        "attitude": "measured",
+        "base_rate": "measured",
         "velocity": "measured",
     }
 
@@ -212,7 +214,14 @@ def truth() -> dict[str, float]:
 def test_study_spatial_json(orbident: Orbident, truth: dict[str, float]):
     ran = orbident("study", "spatial", "--noise", "none", "--json", "-").done()
     study = ran.json
-    assert set(study) == {"parameters", "condition_number", "seeds", "elapsed_s"}
+    assert set(study) == {
+        "parameters",
+        "rms_error_percent_by_sensor",
+        "condition_number",
+        "seeds",
+        "rejected",
+        "elapsed_s",
+    }
     rows = {row["name"]: row for row in study["parameters"]}
     assert list(rows) == [*truth, "M"]
     for row in rows.values():

@@ -46,13 +46,15 @@ class Whole:
             *("-o", "run", "--force", "--json", "-"),
         )
 
-    def check(self, start: Start = "turning", **motion: Any) -> dict[str, Any]:
+    def check(
+        self, start: Start = "turning", exact: float = EXACT, **motion: Any
+    ) -> dict[str, Any]:
         """Simulate, identify, and predict a second motion."""
         momentum = "at-rest" if self.robot.motion == "planar" else "unknown"
         ran = self.identified(self.simulated("r.parquet", start, **motion), momentum)
         result = ran.json
         assert result["warnings"] == self.inspected["warnings"]
-        check_recovered(result, self.inspected, EXACT)
+        check_recovered(result, self.inspected, exact)
         assert ran.status == 0
         other = self.simulated("other.csv", start, **(motion | {"seed": 9}))
         scores = self.orbident("validate", "run", other, "--json", "-").done().json
@@ -162,7 +164,8 @@ def test_astrobee(orbident: Orbident, tmp_path: Path, wheels: int):
     path = tmp_path / "astrobee.yaml"
     path.write_text(f"schema: orbident/robot/1\nname: astrobee\n{lines}")
     whole = Whole(orbident, path)
-    result = whole.check(wheel_speed=250.0)
+    # Its fingers move by 0.35 rad only: rounding times a condition number of 4e7.
+    result = whole.check(exact=1e-7, wheel_speed=250.0)
     assert result["mass"]["value"] == pytest.approx(whole.robot.mass, rel=1e-6)
 
 

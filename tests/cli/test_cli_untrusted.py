@@ -137,7 +137,6 @@ WRONG_SIGNALS = {
     ),
     "one wheel with the wrong sign": ("wheel.rw_x", -1.0, "check units"),
     "gyro in degrees": ("gyro.", np.degrees(1.0), "check units"),
-    "a joint in degrees": ("joint.joint1.position", np.degrees(1.0), "check units"),
 }
 
 
@@ -153,6 +152,15 @@ def test_wrong_signals_give_no_mass(orbident: Orbident, flight: Recording, case:
     result, said = identified(orbident, "paper-spatial", "r.csv")
     assert result["mass"]["value"] is None
     assert words in said
+
+
+def test_a_joint_in_degrees_is_beyond_its_stops(orbident: Orbident, flight: Recording):
+    name = "joint.joint1.position"
+    degrees = {name: np.degrees(flight.columns[name])}
+    written(flight, "r.csv", replace=degrees)
+    orbident("identify", "paper-spatial", "r.csv").refused(
+        f"r.csv: column '{name}'", "beyond the joint's range -4 to 4", "unit (rad)"
+    )
 
 
 def test_velocity_with_the_wrong_sign(orbident: Orbident, flight: Recording):

@@ -68,6 +68,22 @@ def base_clocks(recording: Recording) -> dict[str, Delay]:
     return {} if delay is None else {"attitude": delay}
 
 
+def joint_clocks(
+    robot: Robot,
+    sets: MinimalSets,
+    samples: Samples,
+    initial_momentum: InitialMomentum,
+) -> dict[str, Delay]:
+    """That of joints and wheels against the base rate's, where it can show.
+
+    It cannot where no joint moves, or nothing spins that gives the momentum a scale.
+    """
+    spinning = any(np.nanmax(np.abs(speed)) > 0 for speed in samples.qd_rw)
+    if len(samples.locked) == len(samples.q) or not spinning:
+        return {}
+    return {"joints": joint_delay(robot, sets, samples, initial_momentum)}
+
+
 def in_words(clocks: Mapping[str, Delay]) -> tuple[str, ...]:
     """What was corrected."""
     names = {"joints": "joints and wheels", "attitude": "attitude and position"}

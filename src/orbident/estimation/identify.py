@@ -10,7 +10,7 @@ from jaxtyping import Bool, Float
 
 from orbident.dynamics.regularity import check_regular
 from orbident.errors import InputError
-from orbident.estimation.clocks import base_clocks, in_words, joint_delay
+from orbident.estimation.clocks import base_clocks, in_words, joint_clocks
 from orbident.estimation.least_squares import (
     INITIAL_MOMENTA,
     Fits,
@@ -72,9 +72,8 @@ def identify(
     clocks = base_clocks(recording)
     samples = samples_of(robot, recording, corrections(clocks))
     fits = fit(robot, sets, samples, initial_momentum, progress)
-    joints = joint_delay(robot, sets, samples, initial_momentum)
-    clocks["joints"] = joints
-    if joints.believed:
+    clocks |= joint_clocks(robot, sets, samples, initial_momentum)
+    if "joints" in clocks and clocks["joints"].believed:
         samples = samples_of(robot, recording, corrections(clocks))
         fits = fit(robot, sets, samples, initial_momentum, progress)
     mass = mass_of(sets, fits.pi, fits.phi)

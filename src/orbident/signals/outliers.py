@@ -100,7 +100,7 @@ def _expected(t: np.ndarray, x: np.ndarray) -> Float[np.ndarray, " n"]:
     predictions = []
     for reach in REACHES:
         around = rows[:, None] + reach * np.array([-2, -1, 1, 2])
-        if around.shape[0] < 4 * reach + 1:
+        if around.shape[0] < 6 * reach + 1:
             break
         # Near an end all four are on the inner side.
         low, high = around[:, 0] < 0, around[:, 3] >= x.size
