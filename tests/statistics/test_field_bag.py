@@ -1,16 +1,29 @@
 """A bag of the field is as good as the clean table it was made from."""
 
+from typing import NamedTuple
+
 import numpy as np
 import pytest
 from field_bag import IMU, MOCAP, OFFSET, field_bag, topic_map
-from random_motions import random_motion
+from random_motions import Start, random_motion
 
 import orbident as oi
+from orbident.estimation.least_squares import InitialMomentum
 from orbident.regressors.minimal_sets import minimal_sets
 
+
+class Case(NamedTuple):
+    robot: str
+    base: str
+    momentum: InitialMomentum
+    wheel_speed: float
+    start: Start
+    bag: str
+
+
 CASES = {
-    "table": ("cepheus-like", MOCAP, "at-rest", -170.0, "spun up", "ros1"),
-    "spacecraft": ("paper-spatial", IMU, "unknown", 200.0, "turning", "ros2-mcap"),
+    "table": Case("cepheus-like", MOCAP, "at-rest", -170.0, "spun up", "ros1"),
+    "spacecraft": Case("paper-spatial", IMU, "unknown", 200.0, "turning", "ros2-mcap"),
 }
 SEEDS = 3
 

@@ -1,6 +1,6 @@
 """`orbident study spatial|planar`."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Any
@@ -12,6 +12,9 @@ from orbident.errors import InputError
 
 TRAJECTORY = "trajectory.yaml"
 RUN = "run"
+CUT_OFFS = "cut_offs"
+UNITS = {"gyro": "rad/s", "position": "m"}
+"""Of the filtered signals; angles but for these."""
 FIGURES = tuple(f"fig{number:02}" for number in range(6, 14))
 
 
@@ -53,7 +56,8 @@ def study(
         typer.Option(
             "-o",
             metavar="DIR",
-            help="Keep trajectory, recordings, RUN and the figures' data.",
+            help="Keep trajectory, recordings, RUN, the figures' data, and pictures of "
+            "how the filters' cut-offs were chosen.",
         ),
     ] = None,
     force: Annotated[
@@ -132,4 +136,16 @@ def _keep(done: Any, name: Study, out: Path, force: bool) -> None:
         write_figures(done.figures, out)
     for file, recording in zip(RECORDINGS[name], recordings, strict=True):
         write_recording(recording, out / f"{file}.csv")
+    _draw_cut_offs(done.cut_offs, out / CUT_OFFS)
     save_result(done.result, out / RUN, force)
+
+
+def _draw_cut_offs(cut_offs: Mapping[str, Any], folder: Path) -> None:
+    if not cut_offs:
+        return
+    from orbident.report.cut_off_figure import draw_cut_off
+
+    folder.mkdir(exist_ok=True)
+    for signal, cut_off in cut_offs.items():
+        unit = UNITS.get(signal.split(".", 1)[0], "rad")
+        draw_cut_off(cut_off, folder / f"{signal}.png", signal, unit)

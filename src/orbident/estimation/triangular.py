@@ -117,7 +117,7 @@ def _explained_freed(R: Float[np.ndarray, "all all"], layout: Layout) -> float:
     own = np.arange(layout.nuisances, layout.nuisances + layout.parameters)
     rest = np.setdiff1d(np.arange(layout.columns), own)
     order = [*rest[:-1], *own, rest[-1]]
-    z = np.linalg.qr(R[:, order], mode="r")[:, -1]
+    z = np.asarray(np.linalg.qr(R[:, order], mode="r"))[:, -1]
     return float(np.linalg.norm(z[len(rest) - 1 : -1]))
 
 

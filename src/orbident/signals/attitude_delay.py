@@ -12,7 +12,7 @@ what was found.
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
@@ -44,23 +44,19 @@ def attitude_delay(
         None where the base does not turn enough, or too few fixes are there, to tell.
     """
     measured = np.isfinite(w).all(axis=1)
-    fixed = np.isfinite(fixes).all(axis=1)
+    fixed = np.asarray(np.isfinite(fixes).all(axis=1))
     if measured.sum() < FEWEST or (measured & fixed).sum() < FEWEST:
         return None
     rate = CubicSpline(t[measured], w[measured], extrapolate=False)
-    start, bias, late, before = np.array([0.0, 0.0, 0.0, 1.0]), np.zeros(3), 0.0, None
-    for k in range(ROUNDS):
+    start, bias, late = _start(t, w, fixes, fixed), np.zeros(3), 0.0
+    found = before = None
+    for _ in range(ROUNDS):
         x = integrate_gyro(t, w - bias, start)
         known = np.isfinite(x).all(axis=1)
         then = t - late
         usable = fixed & (t[known][0] <= then) & (then <= t[known][-1])
-        x_then = CubicSpline(t[known], x[known])(then[usable])
-        R_then = Rotation.from_quat(x_then)
+        R_then = Rotation.from_quat(CubicSpline(t[known], x[known])(then[usable]))
         error = Rotation.from_quat(fixes[usable]) * R_then.inv()
-        if k == 0:
-            # The start was any attitude: that of the first fix it is to be.
-            start, error = (error[0] * Rotation.from_quat(start)).as_quat(), None
-            continue
         B = CubicSpline(t[known], bias_response(t[known], x[known]))(then[usable])
         turning = R_then.apply(rate(then[usable]) - bias)
         found = _solve(error.as_rotvec(), B, turning)
@@ -69,7 +65,22 @@ def attitude_delay(
         start = (Rotation.from_rotvec(found.phi) * Rotation.from_quat(start)).as_quat()
         if abs(found.change) < max(SETTLED, found.std / 10):
             break
+    if found is None or before is None:
+        return None
     return delay_of(late, found.std, found.change, before, found.after)
+
+
+def _start(
+    t: Float[np.ndarray, " n"],
+    w: Float[np.ndarray, "n 3"],
+    fixes: Float[np.ndarray, "n 4"],
+    fixed: Bool[np.ndarray, " n"],
+) -> Float[np.ndarray, "4"]:
+    """Where the gyro must start to pass through the first fix after it."""
+    x = integrate_gyro(t, w, np.array([0.0, 0.0, 0.0, 1.0]))
+    k = int((fixed & np.isfinite(x).all(axis=1)).argmax())
+    R_fix, R_k = Rotation.from_quat(fixes[k]), Rotation.from_quat(x[k])
+    return (R_fix * R_k.inv()).as_quat()
 
 
 class _Round(NamedTuple):
@@ -89,7 +100,7 @@ def _solve(
 ) -> _Round:
     start = np.broadcast_to(np.eye(3), B.shape)
     A = np.concatenate([start, -B, -turning[:, :, None]], axis=2).reshape(-1, 7)
-    R = np.linalg.qr(np.column_stack([A, y.ravel()]), mode="r")
+    R = np.asarray(np.linalg.qr(np.column_stack([A, y.ravel()]), mode="r"))
     solution = np.linalg.lstsq(R[:7, :7], R[:7, 7], rcond=None)[0]
     after = abs(float(R[7, 7]))
     variance = after**2 / (y.size - 7)

@@ -102,6 +102,7 @@ def _fused(
     std: float,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     start, bias = _start(t, w, fixes, fixed), np.zeros(3)
+    fused, variance, found = Rotation.from_quat(start), np.zeros((1, 6)), bias[None]
     for _ in range(ROUNDS):
         x = integrate_gyro(t, w - bias, start)
         turned = Rotation.from_quat(fixes[fixed]) * Rotation.from_quat(x[fixed]).inv()

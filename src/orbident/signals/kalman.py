@@ -75,7 +75,9 @@ def smoothed(
     return mean, variance
 
 
-def _padded(value: object, rows: np.ndarray, before: int, blocks: int) -> np.ndarray:
+def _padded(
+    value: np.ndarray | float, rows: AnyArray, before: int, blocks: int
+) -> np.ndarray:
     """Rows of `value` before and after, to one more than the blocks hold."""
     table = np.empty((blocks * BATCH + 1, *rows.shape[1:]))
     table[:] = value

@@ -107,7 +107,7 @@ def _expected(t: np.ndarray, x: np.ndarray) -> Float[np.ndarray, " n"]:
         around[low] = rows[low, None] + reach * np.arange(1, 5)
         around[high] = rows[high, None] - reach * np.arange(1, 5)
         predictions.append(_cubic(t, t[around], x[around]))
-    return np.median(predictions, axis=0)
+    return np.median(predictions, axis=0) if predictions else x
 
 
 def _cubic(t: np.ndarray, knots: np.ndarray, values: np.ndarray) -> np.ndarray:

@@ -11,7 +11,7 @@ from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.signals.base_motion import base_motion
 from orbident.signals.delays import delays
-from orbident.signals.histories import Columns, histories
+from orbident.signals.histories import Columns, Histories, histories
 from orbident.signals.point_velocity import point_velocity
 
 LOCKED = 1e-3
@@ -129,28 +129,17 @@ def samples_of(
     )
     base = base_motion(recording, sensors, behind["attitude"])
     point = point_velocity(recording, base.x_WB, behind)
-    still = [np.nanmax(q) - np.nanmin(q) < LOCKED for q in joints.positions]
-    zero = np.zeros(recording.t.size if any(still) else 0)
+    moving = _locked_apart(joints, robot.joint_names)
     return Samples(
         t=recording.t,
-        q=tuple(
-            np.full_like(q, np.nanmean(q)) if locked else q
-            for q, locked in zip(joints.positions, still, strict=True)
-        ),
-        qd=tuple(
-            zero if locked else qd
-            for qd, locked in zip(joints.rates, still, strict=True)
-        ),
+        q=moving.q,
+        qd=moving.qd,
         w=base.w,
         x_WB=base.x_WB,
         qd_rw=wheels.rates,
         v_S=point.v_S,
         drift=point.drift,
-        locked=tuple(
-            name
-            for name, locked in zip(robot.joint_names, still, strict=True)
-            if locked
-        ),
+        locked=moving.locked,
         origins={
             "joint_rates": joints.origin,
             "wheel_speeds": wheels.origin,
@@ -159,6 +148,23 @@ def samples_of(
         },
         source=recording.source,
     )
+
+
+class _Joints(NamedTuple):
+    q: Columns
+    qd: Columns
+    locked: tuple[str, ...]
+
+
+def _locked_apart(joints: Histories, names: tuple[str, ...]) -> _Joints:
+    """Joints that did not move are held: their encoders' noise is no motion."""
+    q, qd, locked = [], [], []
+    for name, position, rate in zip(names, joints.positions, joints.rates, strict=True):
+        still = np.nanmax(position) - np.nanmin(position) < LOCKED
+        q.append(np.full_like(position, np.nanmean(position)) if still else position)
+        qd.append(np.zeros_like(rate) if still else rate)
+        locked += [name] if still else []
+    return _Joints(tuple(q), tuple(qd), tuple(locked))
 
 
 def _table(columns: Columns, start: int, size: int) -> Float[np.ndarray, "size k"]:

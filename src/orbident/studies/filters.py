@@ -8,7 +8,7 @@ from jaxtyping import Float
 
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
-from orbident.signals.cut_off import choose_cut_off
+from orbident.signals.cut_off import CutOff, choose_cut_off
 from orbident.signals.low_pass import low_pass
 from orbident.signals.rates import spline_rates
 
@@ -29,8 +29,8 @@ class Filters:
     As the paper does it (Section 5.3), whose cut-offs were chosen once from FFTs.
     """
 
-    cut_offs: dict[str, float] = field(default_factory=dict)
-    """By signal, Hz."""
+    cut_offs: dict[str, CutOff] = field(default_factory=dict)
+    """By signal."""
 
     def smooth(
         self, t: Float[np.ndarray, " n"], x: Float[np.ndarray, " n"], name: str
@@ -46,8 +46,9 @@ class Filters:
             InputError: there are gaps, or the samples are not evenly spaced.
         """
         if name not in self.cut_offs:
-            self.cut_offs[name] = choose_cut_off(t, x, name=name).frequency
-        return low_pass(t, x[:, None], self.cut_offs[name], name=name)[:, 0]
+            self.cut_offs[name] = choose_cut_off(t, x, name=name)
+        cut_off = self.cut_offs[name].frequency
+        return low_pass(t, x[:, None], cut_off, name=name)[:, 0]
 
     def with_rate(
         self, t: Float[np.ndarray, " n"], x: Float[np.ndarray, " n"], name: str

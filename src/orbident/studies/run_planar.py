@@ -15,6 +15,7 @@ from orbident.estimation.weigh import Weighing
 from orbident.identified.validate import Validation
 from orbident.precision import in_float64
 from orbident.robot.description import Robot
+from orbident.signals.cut_off import CutOff
 from orbident.studies import tables
 from orbident.studies.comparison import Row
 from orbident.studies.filters import Filters
@@ -104,6 +105,8 @@ class PlanarStudy:
     """Of the first seed."""
     figures: Mapping[str, Figure]
     """Of the first seed, by the first of the methods."""
+    cut_offs: Mapping[str, CutOff]
+    """Of the paper's method's filters, by signal; empty without noise."""
     noisy: bool
     """Whether the sensors had noise."""
     seeds: int
@@ -176,11 +179,14 @@ def run_planar(
     trajectory = planar_trajectory(robot)
     flights = fly_planar(robot, trajectory)
     table = Table6.of(robot)
+    filters = PaperFilters(Filters(), Filters())
     if noise == "none":
         seeds, first = 1, run_ideal(robot, flights)
         errors = Errors(first.quantities(table)[None])
     else:
-        first, errors = _over_seeds(robot, flights, table, seeds, first_seed, progress)
+        first, errors = _over_seeds(
+            robot, flights, filters, table, seeds, first_seed, progress
+        )
     columns = _Columns(errors, len(first.readings), noise == "paper")
     methods = {
         name: _method(reading, table, columns, k)
@@ -193,6 +199,7 @@ def run_planar(
         trajectory=trajectory,
         recordings=first.records,
         figures=_figures(robot, first),
+        cut_offs=filters.identification.cut_offs,
         noisy=noise == "paper",
         seeds=seeds,
         rejected=int(np.isnan(errors.runs).any(axis=1).sum()),
@@ -203,12 +210,12 @@ def run_planar(
 def _over_seeds(
     robot: Robot,
     flights: Flights,
+    filters: PaperFilters,
     table: Table6,
     seeds: int,
     first_seed: int,
     progress: Progress,
 ) -> tuple[Run, Errors]:
-    filters = PaperFilters(Filters(), Filters())
     first = run_noisy(robot, flights, filters, first_seed)
 
     def quantities(seed: int) -> Float[np.ndarray, " quantities"]:

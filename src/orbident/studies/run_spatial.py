@@ -20,6 +20,7 @@ from orbident.regressors.paper_bases import PaperBasis, paper_basis, spatial_col
 from orbident.robot.description import Robot
 from orbident.sensing.measure import measure
 from orbident.sensing.simulate import float_along, recorded
+from orbident.signals.cut_off import CutOff
 from orbident.studies import tables
 from orbident.studies.comparison import Row
 from orbident.studies.filters import Filters
@@ -44,6 +45,8 @@ class SpatialStudy:
     rows: tuple[Row, ...]
     by_sensor: Mapping[str, Float[np.ndarray, " parameters"]]
     """RMS error in percent with the noise of one sensor alone; empty without noise."""
+    cut_offs: Mapping[str, CutOff]
+    """Of the paper's filters, by signal; empty without noise."""
     condition_number: dict[str, float]
     trajectory: Trajectory
     recording: Recording
@@ -105,12 +108,13 @@ def run_spatial(
     trajectory = spatial_trajectory(robot)
     motion = float_along(robot, trajectory, tables.SPATIAL_RATE)
     table = _Table.of(robot)
+    filters = Filters()
     if noise == "none":
         recording = recorded(robot, motion)
         result = identify(robot, recording, initial_momentum="first-sample")
         errors, by_sensor = None, {}
     else:
-        noisy = _Noisy(robot, trajectory, motion, table, Filters())
+        noisy = _Noisy(robot, trajectory, motion, table, filters)
         recording, result = noisy.run(first_seed)
         sensors = [key for key in robot.sensors if key != "rate"]
         parts = 1 + len(sensors)
@@ -125,6 +129,7 @@ def run_spatial(
     return SpatialStudy(
         rows=table.rows(result, errors),
         by_sensor=by_sensor,
+        cut_offs=filters.cut_offs,
         condition_number=table.condition_numbers(result),
         trajectory=trajectory,
         recording=recording,
