@@ -24,7 +24,7 @@ from orbident.signals.attitude_delay import attitude_delay
 from orbident.signals.base_motion import AXES as GYRO
 from orbident.signals.base_motion import QUATERNION as ATTITUDE
 from orbident.signals.base_motion import SMOOTHED
-from orbident.signals.delays import SETTLED, Delay, delay_of
+from orbident.signals.delays import SETTLED, Delay, delay_of, delays
 from orbident.signals.samples import Samples
 
 NUMBERS = 2**20
@@ -36,8 +36,11 @@ MOST = 2**16
 ROUNDS = 8
 
 
-def base_clocks(recording: Recording) -> dict[str, Delay]:
-    """That of the attitude against the gyro's, where there are both."""
+def base_clocks(robot: Robot, recording: Recording) -> dict[str, Delay]:
+    """That of the attitude against the gyro's, where there are both.
+
+    What the robot file declares as latency is no error of a clock.
+    """
     if not recording.has(*GYRO, *ATTITUDE):
         return {}
     rows = _middle(_seen([recording.column(name) for name in GYRO]), MOST)
@@ -45,7 +48,8 @@ def base_clocks(recording: Recording) -> dict[str, Delay]:
         np.column_stack([recording.column(name)[rows] for name in names])
         for names in (GYRO, ATTITUDE)
     )
-    delay = attitude_delay(recording.t[rows], w, fixes)
+    declared = delays(robot, recording, {})["attitude"]
+    delay = attitude_delay(recording.t[rows], w, fixes, declared)
     return {} if delay is None else {"attitude": delay}
 
 

@@ -69,7 +69,7 @@ def identify(
     clean = screened(robot, recording)
     recording = clean.recording
     sets = minimal_sets(robot)
-    clocks = base_clocks(recording)
+    clocks = base_clocks(robot, recording)
     samples = samples_of(robot, recording, corrections(clocks))
     fits = fit(robot, sets, samples, initial_momentum, progress)
     clocks |= joint_clocks(robot, sets, samples, initial_momentum)

@@ -3,10 +3,11 @@
 A fix with the time `t` that shows the world of `t - l` is, to first order, turned back
 by `l w`; seen from inertial axes, beside the gyro's own error,
 
-    log(R_fix R^T) = phi_0 - (integral of R^) b - l R^ w,   R^ by the gyro alone,
+    log(R_fix R^T) = phi_0 - (integral of R^) b - (integral of R^ E w) - l R^ w,
 
-linear in the start `phi_0`, the gyro's bias `b` and the delay `l`. It is repeated with
-what was found.
+with `R^` by the gyro alone: linear in the start `phi_0`, the gyro's bias `b`, its scale
+and misalignment `E`, which would pass for a delay, and the delay `l`. It is repeated
+with what was found.
 """
 
 from typing import NamedTuple
@@ -18,10 +19,13 @@ from scipy.spatial.transform import Rotation
 
 from orbident.signals.delays import Delay, delay_of
 from orbident.signals.gyro_integration import integrate_gyro
-from orbident.signals.velocity import bias_response
+from orbident.signals.velocity import gyro_response
 
-FEWEST = 8
-"""Samples of either sensor, for seven unknowns."""
+UNKNOWNS = 16
+"""Start, bias, scale and misalignment, and the delay."""
+
+FEWEST = 16
+"""Samples of either sensor."""
 
 ROUNDS = 8
 SETTLED = 1e-7
@@ -32,6 +36,7 @@ def attitude_delay(
     t: Float[np.ndarray, " n"],
     w: Float[np.ndarray, "n 3"],
     fixes: Float[np.ndarray, "n 4"],
+    declared: float = 0.0,
 ) -> Delay | None:
     """By how much the times of attitude fixes are behind the gyro's.
 
@@ -39,16 +44,17 @@ def attitude_delay(
         t: times, s.
         w: the gyro's samples, base axes, rad/s; NaN where there is none.
         fixes: attitudes from outside, unit quaternions; NaN where there is none.
+        declared: by how much they are known to be behind, s.
 
     Returns:
-        None where the base does not turn enough, or too few fixes are there, to tell.
+        What is beyond the declared delay; None where too few fixes are there to tell.
     """
     measured = np.isfinite(w).all(axis=1)
     fixed = np.asarray(np.isfinite(fixes).all(axis=1))
     if measured.sum() < FEWEST or (measured & fixed).sum() < FEWEST:
         return None
     rate = CubicSpline(t[measured], w[measured], extrapolate=False)
-    start, bias, late = _start(t, w, fixes, fixed), np.zeros(3), 0.0
+    start, bias, late = _start(t, w, fixes, fixed), np.zeros(3), declared
     found = before = None
     for _ in range(ROUNDS):
         x = integrate_gyro(t, w - bias, start)
@@ -57,7 +63,9 @@ def attitude_delay(
         usable = fixed & (t[known][0] <= then) & (then <= t[known][-1])
         R_then = Rotation.from_quat(CubicSpline(t[known], x[known])(then[usable]))
         error = Rotation.from_quat(fixes[usable]) * R_then.inv()
-        B = CubicSpline(t[known], bias_response(t[known], x[known]))(then[usable])
+        shown = rate(t[known]) - bias
+        gyro = gyro_response(t[known], x[known], shown)
+        B = CubicSpline(t[known], gyro)(then[usable])
         turning = R_then.apply(rate(then[usable]) - bias)
         found = _solve(error.as_rotvec(), B, turning)
         before = found.before if before is None else before
@@ -67,7 +75,7 @@ def attitude_delay(
             break
     if found is None or before is None:
         return None
-    return delay_of(late, found.std, found.change, before, found.after)
+    return delay_of(late - declared, found.std, found.change, before, found.after)
 
 
 def _start(
@@ -95,21 +103,22 @@ class _Round(NamedTuple):
 
 def _solve(
     y: Float[np.ndarray, "m 3"],
-    B: Float[np.ndarray, "m 3 3"],
+    B: Float[np.ndarray, "m 3 12"],
     turning: Float[np.ndarray, "m 3"],
 ) -> _Round:
-    start = np.broadcast_to(np.eye(3), B.shape)
-    A = np.concatenate([start, -B, -turning[:, :, None]], axis=2).reshape(-1, 7)
+    start = np.broadcast_to(np.eye(3), (len(y), 3, 3))
+    A = np.concatenate([start, -B, -turning[:, :, None]], axis=2)
+    A = A.reshape(-1, UNKNOWNS)
     R = np.asarray(np.linalg.qr(np.column_stack([A, y.ravel()]), mode="r"))
-    solution = np.linalg.lstsq(R[:7, :7], R[:7, 7], rcond=None)[0]
-    after = abs(float(R[7, 7]))
-    variance = after**2 / (y.size - 7)
-    # The delay is the last unknown: its variance is that of its own row.
+    solution = np.linalg.lstsq(R[:-1, :-1], R[:-1, -1], rcond=None)[0]
+    after, own = abs(float(R[-1, -1])), float(abs(R[-2, -2]))
+    scatter = after / np.sqrt(y.size - UNKNOWNS)
+    # The delay is the last unknown: its deviation is that of its own row.
     return _Round(
-        change=float(solution[6]),
-        std=float(np.sqrt(variance) / abs(R[6, 6])) if R[6, 6] else np.inf,
+        change=float(solution[-1]),
+        std=scatter / own if own else np.inf,
         phi=solution[:3],
         bias=solution[3:6],
-        before=float(np.hypot(after, R[6, 7])),
+        before=float(np.hypot(after, R[-2, -1])),
         after=after,
     )

@@ -44,7 +44,7 @@ def delay_of(
     settled = abs(change) < max(SETTLED, std)
     matters = abs(late) > max(LEAST, SURE * std)
     better = after**2 < WORTH * before**2
-    return Delay(late, std, bool(settled and matters and better))
+    return Delay(float(late), float(std), bool(settled and matters and better))
 
 
 SENSORS = ("joints", "wheels", "gyro", "accelerometer", "attitude", "position")

@@ -66,6 +66,22 @@ def bias_response(
     return _integral(t, R_WB.reshape(-1, 9), t).reshape(-1, 3, 3)
 
 
+def gyro_response(
+    t: Float[np.ndarray, " n"],
+    x_WB: Float[np.ndarray, "n 4"],
+    w: Float[np.ndarray, "n 3"],
+) -> Float[np.ndarray, "n 3 12"]:
+    """How a gyro's bias `b`, and scale and misalignment `E`, turn its integral.
+
+    The attitude is wrong by `(integral of R_WB) b + (integral of R_WB E w)`, inertial
+    axes; the columns are those of `b`, s, and of `E` row by row, rad.
+    """
+    R_WB = Rotation.from_quat(x_WB).as_matrix()
+    E = (R_WB[:, :, :, None] * w[:, None, None, :]).reshape(-1, 3, 9)
+    both = np.concatenate([R_WB, E], axis=2)
+    return _integral(t, both.reshape(-1, 36), t).reshape(-1, 3, 12)
+
+
 def _integral(
     t: Float[np.ndarray, " m"],
     rate: Float[np.ndarray, "m columns"],

@@ -56,6 +56,24 @@ def test_clocks_that_agree_are_left_alone():
         assert not found.believed
 
 
+def test_a_gyro_that_is_turned_and_scaled_is_not_late():
+    E = 1e-3 * np.array([[0.5, -1.0, 1.0], [1.0, 0.5, -1.0], [-1.0, 1.0, 0.5]])
+    found = attitude_delay(T, W @ (np.eye(3) + E).T, late_fixes(0.005, 1e-4))
+    assert found is not None
+    # Without E among the unknowns: -5 ms.
+    assert found.late == pytest.approx(0.005, abs=5 * found.std)
+    assert found.std < 1e-3
+
+
+def test_what_is_declared_is_not_found_again():
+    found = attitude_delay(T, W + BIAS, late_fixes(0.037), declared=0.03)
+    assert found is not None
+    assert found.late == pytest.approx(0.007, abs=1e-6)
+    known = attitude_delay(T, W + BIAS, late_fixes(0.037), declared=0.037)
+    assert known is not None
+    assert not known.believed
+
+
 def test_a_base_that_does_not_turn_tells_nothing():
     found = attitude_delay(T, 0 * W, np.tile([0.0, 0.0, 0.0, 1.0], (T.size, 1)))
     assert found is not None
