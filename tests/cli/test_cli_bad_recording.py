@@ -244,3 +244,25 @@ def test_a_planar_robot_stays_in_its_plane(orbident: Orbident):
     orbident("simulate", "cepheus-like", "m.yaml", "-o", "r.csv").refused(
         "m.yaml", "plane"
     )
+
+
+def test_a_dead_gyro_is_named(refusal: Refusal, flight: Recording):
+    still = {f"gyro.{k}": np.full(flight.t.size, 0.01) for k in "xyz"}
+    path = written(flight, "r.csv", replace=still)
+    refusal(path, "r.csv: column 'gyro.x' is 0.01 throughout", "joint 'joint1' moves")
+
+
+def test_a_dead_attitude_is_named(refusal: Refusal, flight: Recording):
+    still = {f"attitude.{k}": np.full(flight.t.size, float(k == "w")) for k in "xyzw"}
+    path = written(flight, "r.csv", replace=still)
+    refusal(path, "column 'attitude.x' is 0 throughout", "is the sensor dead")
+
+
+def test_spikes_are_left_out_and_counted(orbident: Orbident, flight: Recording):
+    spiky = flight.columns["gyro.z"].copy()
+    spiky[[100, 300, 301]] += 2.0
+    path = written(flight, "r.csv", replace={"gyro.z": spiky})
+    ran = orbident("identify", "paper-spatial", path, "--json", "-")
+    assert ran.status == 0
+    assert ran.json["rejected"] == {"gyro.z": {"spike": 3}}
+    assert "gyro.z: 3 spikes left out" in ran.err

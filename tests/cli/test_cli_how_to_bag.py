@@ -47,10 +47,12 @@ def bag() -> Path:
 
 def test_the_page(orbident: Orbident, bag: Path):
     assert bag == Path("table.bag")
-    install, topics, convert = (
+    install, topics, convert, identify = (
         line for text in blocks("sh") for line in [text.strip()]
     )
     assert install == "pip install 'orbident[ros]'"
+    # These messages are of no flight; tests/statistics identifies from one's.
+    assert identify.startswith("orbident identify table.yaml flight.parquet")
     verb, *arguments = topics.split()
     assert verb == "orbident"
     printed = orbident(*arguments).done().out
