@@ -1,14 +1,21 @@
 """Least squares on 3000 samples of the dual-arm robot, once compiled."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 from manoeuvres import dual_arm, excitation
 
 from orbident.estimation.identify import identify
+from orbident.estimation.least_squares import fit
+from orbident.estimation.mass import mass_of
+from orbident.precision import in_float64
 from orbident.regressors.minimal_sets import minimal_sets
 from orbident.sensing.simulate import simulate
+from orbident.signals.samples import samples_of
 
 SECONDS = 0.5
+WHOLE_SECONDS = 1.0
 SAMPLES = 3000
 DURATION = 60.0
 
@@ -41,7 +48,23 @@ def bench_identify(benchmark, record, robot, recording):
     )
     assert result.status == "ok"
     assert error < 1e-9
+    assert median < WHOLE_SECONDS
+
+
+@pytest.mark.benchmark(group="dual-arm")
+def bench_least_squares(benchmark, record, robot, recording):
+    """Samples to parameters and mass, without screening, clocks and words."""
+    sets = minimal_sets(robot)
+    least_squares = in_float64(partial(_least_squares, robot, sets, recording))
+    mass = least_squares()
+    benchmark.pedantic(least_squares, rounds=9)
+    median = record("least squares", mass_error=abs(mass / robot.mass - 1))
     assert median < SECONDS
+
+
+def _least_squares(robot, sets, recording):
+    fits = fit(robot, sets, samples_of(robot, recording), "unknown", lambda _: None)
+    return mass_of(sets, fits.pi, fits.phi).value
 
 
 @pytest.mark.benchmark(group="dual-arm")

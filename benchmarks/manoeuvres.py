@@ -1,5 +1,7 @@
 """The manoeuvres that are timed."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from orbident.robot.description import Robot
@@ -11,8 +13,13 @@ WHEEL_SPEED = 200.0
 
 
 def dual_arm() -> Robot:
-    """Two arms of seven joints and three wheels: the largest bundled robot."""
-    return load_robot("dual-arm")
+    """Two arms of seven joints and three wheels: the largest bundled robot.
+
+    Without stops: no motion within them shows all of its 496 `pi` beyond rounding.
+    """
+    robot = load_robot("dual-arm")
+    joints = tuple(replace(joint, position=None) for joint in robot.joints)
+    return replace(robot, joints=joints)
 
 
 def excitation(robot: Robot, duration: float = 60.0, harmonics: int = 5) -> Trajectory:

@@ -24,7 +24,7 @@ from orbident.signals.attitude_delay import attitude_delay
 from orbident.signals.base_motion import AXES as GYRO
 from orbident.signals.base_motion import QUATERNION as ATTITUDE
 from orbident.signals.base_motion import SMOOTHED
-from orbident.signals.delays import SETTLED, Delay, delay_of, delays
+from orbident.signals.delays import SETTLED, WORTH, Delay, delay_of, delays
 from orbident.signals.samples import Samples
 
 NUMBERS = 2**20
@@ -104,7 +104,8 @@ def joint_delay(
     moving = MovingJoints.of(_part(samples, pi.size))
     found = equations.fit(*moving.at(0.0), pi)
     late, before = found.change, found.before
-    for _ in range(ROUNDS):
+    # Where no delay makes the fit better there is nothing to settle.
+    for _ in range(ROUNDS if found.after**2 < WORTH * found.before**2 else 0):
         if abs(found.change) < max(SETTLED, found.std / 10):
             break
         found = equations.fit(*moving.at(late), found.pi)

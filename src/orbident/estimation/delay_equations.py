@@ -14,6 +14,7 @@ from typing import NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
+import scipy.linalg
 from jaxtyping import Bool, Float
 from scipy.integrate import cumulative_trapezoid
 from scipy.interpolate import CubicSpline
@@ -25,7 +26,7 @@ from orbident.estimation.least_squares import (
     momentum_layout,
     rows_of,
 )
-from orbident.estimation.triangular import Layout, LinearFit, solve
+from orbident.estimation.triangular import Layout
 from orbident.regressors.minimal_sets import Regressors
 from orbident.signals.samples import Batch, Samples
 from orbident.spatial.arrays import AnyArray
@@ -111,13 +112,14 @@ class DelayEquations(NamedTuple):
         place, count = layout.nuisances + pi.size, int(seen.sum()) * axes
         prior = self._prior(layout, abs(float(R[-1, -1])) / np.sqrt(count))
         R = np.asarray(np.linalg.qr(np.concatenate([R, prior]), mode="r"))
-        fit = solve(R, layout, count + pi.size)
+        x = _solution(R[: place + 1, : place + 1], R[: place + 1, -1])
+        after = np.linalg.norm(R[place + 1 :, -1])
         return DelayFit(
-            change=float(fit.values[-1]),
-            std=_std(rows, R, place, fit),
-            pi=fit.values[:-1],
-            before=float(np.hypot(fit.unexplained, R[place, -1])),
-            after=fit.unexplained,
+            change=float(x[place]),
+            std=_std(rows, R, x),
+            pi=x[layout.nuisances : place],
+            before=float(np.hypot(after, R[place, -1])),
+            after=float(after),
         )
 
     def _table(
@@ -150,21 +152,27 @@ class DelayEquations(NamedTuple):
         return rows
 
 
+def _solution(
+    R: Float[np.ndarray, "n n"], z: Float[np.ndarray, " n"]
+) -> Float[np.ndarray, " n"]:
+    """Of `R x = z`; the shortest where the motion leaves some of it open."""
+    return scipy.linalg.lstsq(R, z, lapack_driver="gelsy")[0]
+
+
 def _std(
     rows: Float[np.ndarray, "rows columns"],
     R: Float[np.ndarray, "columns columns"],
-    place: int,
-    fit: LinearFit,
+    x: Float[np.ndarray, " unknowns"],
 ) -> float:
-    """Of the unknown at `place`, where residuals resemble their neighbours.
+    """Of the last unknown, where residuals resemble their neighbours.
 
     With `g` what is left of its column once the others are projected out, an estimate
     is off by `g.r / g.g`: the variance of `g.r` is taken from its parts over stretches
     much longer than what residuals remember (cluster-robust, Liang and Zeger 1986).
     """
-    others = np.linalg.lstsq(R[:place, :place], R[:place, place], rcond=None)[0]
+    place = x.size - 1
+    others = _solution(R[:place, :place], R[:place, place])
     g = rows[:, place] - rows[:, :place] @ others
-    x = np.concatenate([fit.nuisances, fit.values])
     residual = rows[:, -1] - rows[:, : x.size] @ x
     parts = [part.sum() for part in np.array_split(g * residual, STRETCHES)]
     return float(np.linalg.norm(parts) / R[place, place] ** 2)
