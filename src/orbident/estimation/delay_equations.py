@@ -14,7 +14,6 @@ from typing import NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
-import scipy.linalg
 from jaxtyping import Bool, Float
 from scipy.integrate import cumulative_trapezoid
 from scipy.interpolate import CubicSpline
@@ -156,7 +155,7 @@ def _solution(
     R: Float[np.ndarray, "n n"], z: Float[np.ndarray, " n"]
 ) -> Float[np.ndarray, " n"]:
     """Of `R x = z`; the shortest where the motion leaves some of it open."""
-    return scipy.linalg.lstsq(R, z, lapack_driver="gelsy")[0]
+    return np.linalg.lstsq(R, z, rcond=None)[0]
 
 
 def _std(
