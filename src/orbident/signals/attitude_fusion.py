@@ -82,15 +82,22 @@ def fuse_attitude(
     if not fixed.any():
         raise InputError("attitude has no samples while the gyro has; give both")
     inside = np.s_[first : last + 1]
-    x, variance, bias = _fused(
-        t[inside], w[inside], fixes[inside], fixed[inside], gyro, std
-    )
+    found = _fused(t[inside], w[inside], fixes[inside], fixed[inside], gyro, std)
     return Fused(
-        x_WB=_placed(x, inside, t.size),
-        std=_placed(np.sqrt(variance[:, :3]), inside, t.size),
-        bias=_placed(bias, inside, t.size),
-        bias_std=_placed(np.sqrt(variance[:, 3:]), inside, t.size),
+        x_WB=_placed(found.x_WB, inside, t.size),
+        std=_placed(np.sqrt(found.variance[:, :3]), inside, t.size),
+        bias=_placed(found.bias, inside, t.size),
+        bias_std=_placed(np.sqrt(found.variance[:, 3:]), inside, t.size),
     )
+
+
+class _Round(NamedTuple):
+    """What one pass of the smoother found, at every row."""
+
+    x_WB: Float[np.ndarray, "n 4"]
+    variance: Float[np.ndarray, "n 6"]
+    """Of `[phi, b]`."""
+    bias: Float[np.ndarray, "n 3"]
 
 
 def _fused(
@@ -100,20 +107,20 @@ def _fused(
     fixed: np.ndarray,
     gyro: GyroNoise,
     std: float,
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    start, bias = _start(t, w, fixes, fixed), np.zeros(3)
-    fused, variance, found = Rotation.from_quat(start), np.zeros((1, 6)), bias[None]
-    for _ in range(ROUNDS):
+) -> _Round:
+    def about(start: np.ndarray, bias: np.ndarray) -> _Round:
         x = integrate_gyro(t, w - bias, start)
         turned = Rotation.from_quat(fixes[fixed]) * Rotation.from_quat(x[fixed]).inv()
         y = np.zeros((t.size, 3))
         y[fixed] = turned.as_rotvec()
         mean, variance = smoothed(_model(t, x, gyro), y, fixed, std)
-        phi, deviation = mean[:, :3], mean[:, 3:]
-        fused = Rotation.from_rotvec(phi) * Rotation.from_quat(x)
-        start, found = fused[0].as_quat(), bias + deviation
-        bias = found.mean(axis=0)
-    return fused.as_quat(), variance, found
+        fused = Rotation.from_rotvec(mean[:, :3]) * Rotation.from_quat(x)
+        return _Round(fused.as_quat(), variance, bias + mean[:, 3:])
+
+    found = about(_start(t, w, fixes, fixed), np.zeros(3))
+    for _ in range(ROUNDS - 1):
+        found = about(found.x_WB[0], found.bias.mean(axis=0))
+    return found
 
 
 def _start(
