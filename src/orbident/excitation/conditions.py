@@ -12,6 +12,9 @@ from orbident.excitation.start import usual_initial
 from orbident.robot.description import Robot
 from orbident.trajectories.trajectory import InitialState, Trajectory
 
+CROWDED = 0.01
+"""Of its range: a joint closer to a stop has no room to move in."""
+
 
 @dataclass(frozen=True, eq=False)
 class Conditions:
@@ -38,6 +41,9 @@ def conditions_for(
 ) -> Conditions:
     """The usual conditions: from rest at q = 0 to rest at q = 0, in the limits.
 
+    A joint that cannot stand at zero, or at the end of its range only, starts and ends
+    in the middle of it.
+
     Args:
         robot: with its limits.
         duration: s.
@@ -57,9 +63,18 @@ def conditions_for(
         raise InputError(f"harmonics: found {harmonics}; give one or more")
     limits = limits_of(robot) if limits is None else limits
     if like is None:
-        start = end = np.zeros((len(robot.joints), 3))
+        start = end = _usual_ends(limits)
         initial = usual_initial(robot, start)
     else:
         like = like.for_robot(robot)
         start, end, initial = like.start, like.end, like.initial
     return Conditions(duration, harmonics, limits, start, end, initial)
+
+
+def _usual_ends(limits: Limits) -> Float[np.ndarray, "joints 3"]:
+    """Position, velocity and acceleration at either end."""
+    lower, upper = limits.position.T
+    ends = np.zeros((len(lower), 3))
+    crowded = np.minimum(-lower, upper) < CROWDED * (upper - lower)
+    ends[crowded, 0] = limits.position[crowded].mean(axis=1)
+    return ends
