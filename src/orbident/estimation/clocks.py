@@ -30,7 +30,7 @@ from orbident.signals.samples import Samples
 NUMBERS = 2**20
 """Of all equations together; of a longer recording the middle is enough."""
 
-MOST = 2**16
+MOST = 2**13
 """Samples."""
 
 ROUNDS = 8
