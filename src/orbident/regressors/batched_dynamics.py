@@ -1,0 +1,89 @@
+"""`H+`, `c+` and their deviations in many states, compiled for one size and for one."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Float
+
+from orbident.dynamics import equations_of_motion as one
+from orbident.dynamics.batches import BATCH, in_batches
+from orbident.dynamics.equations_of_motion import Model
+from orbident.dynamics.forces import jacobian
+from orbident.spatial.arrays import AnyArray
+
+STD_BATCH = 32
+"""States at once: each has a matrix for every parameter."""
+
+
+def over(function: Callable[..., Any], *state: Any, size: int = BATCH) -> Any:
+    """Of one state, or of each of many: `q`, and perhaps `v`."""
+    if state[0].ndim == 1:
+        alone = (x[None] for x in state)
+        return jax.tree.map(lambda x: x[0], in_batches(function, *alone, size=1))
+    return in_batches(function, *state, size=size)
+
+
+point_jacobian = jax.jit(jacobian, static_argnums=2)
+
+
+@jax.jit
+def H_plus(model: Model, q: Float[AnyArray, "n joints"]):
+    """`H+` (Eq. 14)."""
+    return jax.vmap(one.H_plus, (None, 0))(model, q)
+
+
+@jax.jit
+def c_plus(
+    model: Model, q: Float[AnyArray, "n joints"], v: Float[AnyArray, "n speeds"]
+):
+    """`c+` (Eqs. 9-13)."""
+    return jax.vmap(one.c_plus, (None, 0, 0))(model, q, v)
+
+
+@jax.jit
+def equations(
+    model: Model, q: Float[AnyArray, "n joints"], v: Float[AnyArray, "n speeds"]
+):
+    """Both, with the kinematics done once."""
+    at = jax.vmap(one.equations_of_motion, (None, 0, 0))(model, q, v)
+    return at.H, at.c
+
+
+@jax.jit
+def H_plus_std(
+    model: Model,
+    directions: Float[AnyArray, "beta bodies 10"],
+    q: Float[AnyArray, "n joints"],
+):
+    """Deviations of `H+`, where `theta` has these independent ones."""
+    return _spread(model, directions, lambda model: H_plus(model, q))
+
+
+@jax.jit
+def c_plus_std(
+    model: Model,
+    directions: Float[AnyArray, "beta bodies 10"],
+    q: Float[AnyArray, "n joints"],
+    v: Float[AnyArray, "n speeds"],
+):
+    """Deviations of `c+`, where `theta` has these independent ones."""
+    return _spread(model, directions, lambda model: c_plus(model, q, v))
+
+
+def _spread(
+    model: Model,
+    directions: Float[AnyArray, "beta bodies 10"],
+    function: Callable[[Model], Float[AnyArray, "*n"]],
+) -> Float[AnyArray, "*n"]:
+    """Root of the sum of squares along columns of the root of the covariance."""
+
+    def along(direction):
+        def of_theta(theta):
+            return function(replace(model, theta=theta))
+
+        return jax.jvp(of_theta, (jnp.asarray(model.theta),), (direction,))[1]
+
+    return jnp.sqrt(jnp.sum(jax.vmap(along)(directions) ** 2, axis=0))
