@@ -6,21 +6,26 @@ from typing import Annotated, Any
 
 import typer
 
-from orbident.cli.options import Json, Quiet, RecordingFile, RobotName
+from orbident.cli.options import (
+    InitialMomentum,
+    Json,
+    MomentumKnown,
+    Quiet,
+    RecordingFile,
+    RobotName,
+)
+
+NINETY_FIVE = 1.96
+"""Standard deviations: the 95 % interval."""
 
 
 class Method(StrEnum):
     """How parameters are estimated."""
 
+    maximum_likelihood = "maximum-likelihood"
+    structured = "structured"
     least_squares = "least-squares"
-
-
-class InitialMomentum(StrEnum):
-    """What is known of the momentum (Section 3.1)."""
-
-    unknown = "unknown"
-    at_rest = "at-rest"
-    first_sample = "first-sample"
+    recursive = "recursive"
 
 
 def identify(
@@ -30,15 +35,14 @@ def identify(
         Path | None, typer.Option("-o", metavar="RUN", help="Keep the result there.")
     ] = None,
     method: Annotated[
-        Method, typer.Option(help="How parameters are estimated.")
-    ] = Method.least_squares,
-    initial_momentum: Annotated[
-        InitialMomentum,
+        Method,
         typer.Option(
-            help="unknown: estimated too; at-rest: all was at rest before the wheels "
-            "spun up; first-sample: Eq. 24, the first sample subtracted."
+            help="maximum-likelihood: all sensors at once; structured: Eqs. 24 and 31 "
+            "for the base parameters; least-squares: the paper's; recursive: sample by "
+            "sample, watching for changes (RUN has history.csv)."
         ),
-    ] = InitialMomentum.unknown,
+    ] = Method.maximum_likelihood,
+    initial_momentum: MomentumKnown = InitialMomentum.unknown,
     force: Annotated[
         bool, typer.Option("--force", help="Overwrite an existing RUN.")
     ] = False,
@@ -78,6 +82,7 @@ def _summary(result: Any, out: Path | None) -> list[str]:
         f"{result.elapsed_s:.2f} s",
         _mass(result),
     ]
+    lines += _masses(result)
     for title, estimates in (
         ("pi, kg m^2", result.pi),
         ("phi, m", result.phi),
@@ -87,6 +92,7 @@ def _summary(result: Any, out: Path | None) -> list[str]:
         for name, formula, value, std in estimates:
             numbers = f"{_number(value, '.6g'):>12} {_number(std, '.2g'):>8}"
             lines.append(f"  {name:8} {numbers}   {formula}")
+    lines += _sensors(result)
     condition = ", ".join(
         f"{name} {value:.4g}" for name, value in result.condition_number.items()
     )
@@ -97,11 +103,43 @@ def _summary(result: Any, out: Path | None) -> list[str]:
 
 
 def _mass(result: Any) -> str:
-    mass, forms = result.mass, len(result.mass_forms.names)
+    mass = result.mass
     if mass.value != mass.value:
         return "mass not determined"
-    source = f"{forms} form{'' if forms == 1 else 's'} of Eq. 32"
-    return f"mass {mass.value:.6g} +- {mass.std:.2g} kg, from {source}"
+    low, high = mass.value - NINETY_FIVE * mass.std, mass.value + NINETY_FIVE * mass.std
+    return (
+        f"mass {mass.value:.6g} +- {mass.std:.2g} kg by {result.method} "
+        f"(95 %: {low:.6g} to {high:.6g})"
+    )
+
+
+def _masses(result: Any) -> list[str]:
+    """The mass by every route."""
+    lines = [
+        f"  {name:24} {value:12.6g} {std:8.2g}   {formula}".rstrip()
+        for name, formula, value, std in result.mass_forms
+    ]
+    return ["", "mass by every route, kg", *lines] if lines else []
+
+
+def _sensors(result: Any) -> list[str]:
+    """How well every sensor was predicted."""
+    fits = result.residual.get("sensors", {})
+    if not fits:
+        return []
+    chi2 = result.residual["chi2_per_dof"]
+    lines = [
+        "",
+        f"residuals, SI; chi-square per degree of freedom {chi2:.3g}",
+        f"  {'':14} {'noise':>9} {'declared':>9} {'whiteness':>9} {'samples':>8}",
+    ]
+    for name, fit in fits.items():
+        declared = "-" if fit["declared"] is None else f"{fit['declared']:.2g}"
+        lines.append(
+            f"  {name:14} {fit['noise']:9.2g} {declared:>9} {fit['whiteness']:9.2f} "
+            f"{fit['samples']:8.0f}"
+        )
+    return lines
 
 
 def _number(value: float, form: str) -> str:

@@ -1,11 +1,33 @@
 """`orbident inspect ROBOT`."""
 
-from typing import Any
+from pathlib import Path
+from typing import Annotated, Any
 
-from orbident.cli.options import Json, Quiet, RobotName
+import typer
+
+from orbident.cli.options import (
+    InitialMomentum,
+    Json,
+    MomentumKnown,
+    Quiet,
+    RobotName,
+)
 
 
-def inspect(robot: RobotName, json: Json = None, quiet: Quiet = False) -> None:
+def inspect(
+    robot: RobotName,
+    trajectory: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="TRAJ",
+            help="Also how well its sensors can tell the parameters on this "
+            "trajectory, at best (the Cramér-Rao bound).",
+        ),
+    ] = None,
+    initial_momentum: MomentumKnown = InitialMomentum.unknown,
+    json: Json = None,
+    quiet: Quiet = False,
+) -> None:
     """What a robot has, and what a recording of it can identify."""
     from orbident.cli.output import Output, prepare_jax, progress
     from orbident.dynamics.regularity import check_regular
@@ -22,6 +44,9 @@ def inspect(robot: RobotName, json: Json = None, quiet: Quiet = False) -> None:
         sets = minimal_sets(described)
         words = formulas_of(described, sets)
         unidentifiable = not_identifiable(described, sets)
+        bound = None
+        if trajectory is not None:
+            bound = _bound(described, trajectory, initial_momentum)
     theta = described.theta
     found = {
         "pi": (words.pi, sets.pi(theta)),
@@ -42,10 +67,28 @@ def inspect(robot: RobotName, json: Json = None, quiet: Quiet = False) -> None:
             "formulas": list(formulas.formulas),
             "values": values.tolist(),
         }
+        if bound is not None:
+            document[name]["bound"] = _deviations(getattr(bound, name))
     document["unidentifiable"] = unidentifiable
     document["warnings"] = list(described.warnings)
     output.say(*_lines(described, document))
     output.write_json(document)
+
+
+def _bound(robot: Any, trajectory: Path, initial_momentum: InitialMomentum) -> Any:
+    from orbident.estimation.bound import cramer_rao
+    from orbident.trajectories.trajectory_file import load_trajectory
+
+    return cramer_rao(robot, load_trajectory(trajectory), initial_momentum.value)
+
+
+def _deviations(known: Any) -> list[float | None]:
+    """Standard deviations; none where the trajectory does not tell."""
+    std = known.covariance.diagonal() ** 0.5
+    return [
+        float(value) if sure else None
+        for value, sure in zip(std, known.determined, strict=True)
+    ]
 
 
 def _lines(robot: Any, document: dict[str, Any]) -> list[str]:
@@ -73,10 +116,20 @@ def _lines(robot: Any, document: dict[str, Any]) -> list[str]:
     for name, title in titles.items():
         entries = document[name]
         lines += ["", title]
+        bounds = _in_words(entries)
+        if bounds[0]:
+            lines.append(f"  {'':8} {'':12} {'bound':>9} {'%':>8}")
         rows = zip(
-            entries["names"], entries["values"], entries["formulas"], strict=True
+            entries["names"],
+            entries["values"],
+            bounds,
+            entries["formulas"],
+            strict=True,
         )
-        lines += [f"  {n:8} {value:12.5g}   {formula}" for n, value, formula in rows]
+        lines += [
+            f"  {name:8} {value:12.5g}{bound}   {formula}"
+            for name, value, bound, formula in rows
+        ]
     for title, sentences in (
         ("not identifiable from free floating", document["unidentifiable"]),
         ("warnings", document["warnings"]),
@@ -84,3 +137,21 @@ def _lines(robot: Any, document: dict[str, Any]) -> list[str]:
         if sentences:
             lines += ["", title, *(f"  {sentence}" for sentence in sentences)]
     return lines
+
+
+def _in_words(entries: dict[str, Any]) -> list[str]:
+    """The bound of each, in its unit and in percent of it."""
+    words = []
+    for value, bound in zip(
+        entries["values"],
+        entries.get("bound") or len(entries["values"]) * [""],
+        strict=True,
+    ):
+        if bound == "":
+            words.append("")
+        elif bound is None:
+            words.append(f" {'-':>9} {'-':>8}")
+        else:
+            relative = f"{100 * bound / abs(value):.2g}" if value else "-"
+            words.append(f" {bound:9.2g} {relative:>8}")
+    return words

@@ -1,5 +1,6 @@
 """Arguments and options that several verbs share."""
 
+from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
@@ -25,4 +26,22 @@ BagFile = Annotated[
 ]
 RunFolder = Annotated[
     Path, typer.Argument(metavar="RUN", help="A folder that 'identify -o' wrote.")
+]
+
+
+class InitialMomentum(StrEnum):
+    """What is known of the momentum (Section 3.1)."""
+
+    unknown = "unknown"
+    at_rest = "at-rest"
+    first_sample = "first-sample"
+
+
+MomentumKnown = Annotated[
+    InitialMomentum,
+    typer.Option(
+        "--initial-momentum",
+        help="unknown: estimated too; at-rest: all was at rest before the wheels spun "
+        "up; first-sample: Eq. 24, the first sample subtracted.",
+    ),
 ]

@@ -96,15 +96,33 @@ def _integrate(
     middles: RateLaw,
     ends: RateLaw,
 ) -> Float[AnyArray, "steps 4"]:
-    def step(x, node):
-        dt, start, middle, end = node
-        k_1 = quaternion_rate(x, start.rate(x, h_cm))
-        x_2 = x + dt / 2 * k_1
-        k_2 = quaternion_rate(x_2, middle.rate(x_2, h_cm))
-        x_3 = x + dt / 2 * k_2
-        k_3 = quaternion_rate(x_3, middle.rate(x_3, h_cm))
-        x_4 = x + dt * k_3
-        k_4 = quaternion_rate(x_4, end.rate(x_4, h_cm))
+    same = jnp.broadcast_to(h_cm, (dt.size, 3))
+    return attitudes(x_WB, dt, (starts, same), (middles, same), (ends, same))
+
+
+Node = tuple[RateLaw, Float[AnyArray, "*n 3"]]
+"""The law of the rate, and the momentum, inertial axes."""
+
+
+def attitudes(
+    x_WB: Float[AnyArray, "4"],
+    dt: Float[AnyArray, " steps"],
+    starts: Node,
+    middles: Node,
+    ends: Node,
+) -> Float[AnyArray, "steps 4"]:
+    """The quaternion after each RK4 step, from what holds at its ends and middle."""
+
+    def rate(node: Node, x: Float[AnyArray, "4"]) -> Float[AnyArray, "4"]:
+        law, h_cm = node
+        return quaternion_rate(x, law.rate(x, h_cm))
+
+    def step(x, nodes):
+        dt, start, middle, end = nodes
+        k_1 = rate(start, x)
+        k_2 = rate(middle, x + dt / 2 * k_1)
+        k_3 = rate(middle, x + dt / 2 * k_2)
+        k_4 = rate(end, x + dt * k_3)
         x = x + dt / 6 * (k_1 + 2 * k_2 + 2 * k_3 + k_4)
         x = x / jnp.linalg.norm(x)
         return x, x

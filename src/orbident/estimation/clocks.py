@@ -33,6 +33,9 @@ NUMBERS = 2**20
 MOST = 2**13
 """Samples."""
 
+GAP = 10.0
+"""Times the usual step from sample to sample."""
+
 ROUNDS = 8
 
 
@@ -43,7 +46,8 @@ def base_clocks(robot: Robot, recording: Recording) -> dict[str, Delay]:
     """
     if not recording.has(*GYRO, *ATTITUDE):
         return {}
-    rows = _middle(_seen([recording.column(name) for name in GYRO]), MOST)
+    seen = _seen([recording.column(name) for name in GYRO])
+    rows = _middle(seen & _unbroken(recording.t, seen), MOST)
     w, fixes = (
         np.column_stack([recording.column(name)[rows] for name in names])
         for names in (GYRO, ATTITUDE)
@@ -129,10 +133,20 @@ def _seen(columns: Sequence[Float[np.ndarray, " n"]]) -> Bool[np.ndarray, " n"]:
     return np.logical_and.reduce([~np.isnan(column) for column in columns])
 
 
+def _unbroken(
+    t: Float[np.ndarray, " n"], seen: Bool[np.ndarray, " n"]
+) -> Bool[np.ndarray, " n"]:
+    """The longest stretch without a gap that integration cannot bridge."""
+    steps = np.diff(t[seen], prepend=t[seen][:1])
+    stretch = np.cumsum(steps > GAP * np.median(steps, keepdims=True))
+    longest = np.zeros_like(seen)
+    longest[seen] = stretch == np.argmax(np.bincount(stretch, minlength=1))
+    return longest
+
+
 def _middle(seen: Bool[np.ndarray, " n"], most: int) -> slice:
     """Rows in the middle, of which at most so many are seen."""
     rows = np.flatnonzero(seen)
-    if rows.size <= most:
-        return np.s_[:]
-    start = (rows.size - most) // 2
-    return np.s_[rows[start] : rows[start + most]]
+    start = max(rows.size - most, 0) // 2
+    inner = rows[start : start + most]
+    return slice(inner[0], inner[-1] + 1) if inner.size else np.s_[:]

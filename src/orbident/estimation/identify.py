@@ -3,7 +3,7 @@
 import time
 from collections.abc import Callable
 from importlib.metadata import version
-from typing import Any, Literal, get_args
+from typing import Literal, get_args
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -11,6 +11,7 @@ from jaxtyping import Bool, Float
 from orbident.dynamics.regularity import check_regular
 from orbident.errors import InputError
 from orbident.estimation.clocks import base_clocks, in_words, joint_clocks
+from orbident.estimation.found import Known
 from orbident.estimation.least_squares import (
     INITIAL_MOMENTA,
     Fits,
@@ -18,39 +19,52 @@ from orbident.estimation.least_squares import (
     fit,
 )
 from orbident.estimation.mass import Mass, mass_of
-from orbident.estimation.propagation import base_parameters
+from orbident.estimation.methods import (
+    Case,
+    by_least_squares,
+    disagreement,
+    refined,
+)
 from orbident.estimation.result import Estimate, Estimates, Result
-from orbident.estimation.triangular import LinearFit, condition_numbers
-from orbident.estimation.verdict import judge
+from orbident.estimation.triangular import condition_numbers
+from orbident.estimation.verdict import judge, obstacles
 from orbident.precision import in_float64
 from orbident.recordings.recording import Recording
 from orbident.regressors.formulas import Formulas, SetFormulas, formulas_of, mass_forms
 from orbident.regressors.minimal_sets import MinimalSets, minimal_sets
 from orbident.robot.description import Robot
 from orbident.signals.delays import corrections
-from orbident.signals.samples import Samples, samples_of
+from orbident.signals.samples import samples_of
 from orbident.signals.screening import in_words as spikes_in_words
 from orbident.signals.screening import screened
+from orbident.threads import one_blas_thread
 
-Method = Literal["least-squares"]
+Method = Literal["maximum-likelihood", "structured", "least-squares", "recursive"]
 NAN = float("nan")
+NO_FORMS = Estimates((), (), np.zeros(0), np.zeros(0))
 METHODS: tuple[Method, ...] = get_args(Method)
 
 
 @in_float64
+@one_blas_thread
 def identify(
     robot: Robot,
     recording: Recording,
-    method: Method = "least-squares",
+    method: Method = "maximum-likelihood",
     initial_momentum: InitialMomentum = "unknown",
     progress: Callable[[float], object] = lambda _: None,
 ) -> Result:
     """Identify `pi` (Eq. 24), `phi` (Eq. 31) and the total mass (Eq. 32).
 
     Args:
-        robot: geometry, wheels and structure; its nominal inertia is not used.
+        robot: geometry, wheels and structure; its nominal inertia is at most where a
+            search starts.
         recording: of the free-floating robot.
-        method: `"least-squares"`.
+        method: `"maximum-likelihood"` fits all sensors at once; `"structured"` the
+            equations 24 and 31, for what `pi` and `phi` are made of; `"least-squares"`
+            is the paper's: `pi` and `phi` each for itself; `"recursive"` goes sample by
+            sample, from CAD values that are 30 % uncertain, and watches for changes of
+            the robot.
         initial_momentum: `"unknown"` estimates the momentum with `pi`; `"at-rest"`
             takes it from the wheels of a base at rest, or as zero where everything
             was at rest before the wheels spun up; `"first-sample"` subtracts the
@@ -64,6 +78,7 @@ def identify(
     _check_choice("method", method, METHODS)
     _check_choice("initial momentum", initial_momentum, INITIAL_MOMENTA)
     started = time.perf_counter()
+    told = _Progress(progress)
     check_regular(robot)
     recording.check_joints(robot)
     clean = screened(robot, recording)
@@ -71,15 +86,19 @@ def identify(
     sets = minimal_sets(robot)
     clocks = base_clocks(robot, recording)
     samples = samples_of(robot, recording, corrections(clocks))
-    fits = fit(robot, sets, samples, initial_momentum, progress)
+    fits = fit(robot, sets, samples, initial_momentum, told.half)
     clocks |= joint_clocks(robot, sets, samples, initial_momentum)
     if "joints" in clocks and clocks["joints"].believed:
         samples = samples_of(robot, recording, corrections(clocks))
-        fits = fit(robot, sets, samples, initial_momentum, progress)
+        fits = fit(robot, sets, samples, initial_momentum, told.half)
     mass = mass_of(sets, fits.pi, fits.phi)
-    verdict = judge(robot, samples, fits, mass, initial_momentum)
-    known = verdict.pi, verdict.phi, verdict.mass
-    base = base_parameters(sets, fits.pi, fits.phi, mass, known)
+    hindered = obstacles(robot, samples, fits, initial_momentum)
+    applied = by_least_squares(sets, samples, fits, mass)
+    if method != "least-squares" and not hindered.any:
+        late = corrections(clocks)
+        case = Case(robot, sets, recording, samples, fits, late, initial_momentum)
+        applied = refined(case, method, applied, told.step, told.rest)
+    verdict = judge(robot, samples, fits, hindered, applied.found, applied.no_mass)
     words = formulas_of(robot, sets)
     return Result(
         robot=robot,
@@ -90,15 +109,20 @@ def identify(
             *spikes_in_words(clean.rejected),
             *in_words(clocks),
             *verdict.warnings,
+            *applied.warnings,
+            *(disagreement(applied.masses) if verdict.mass else ()),
         ),
-        mass=Estimate(mass.value, mass.std) if verdict.mass else Estimate(NAN, NAN),
-        mass_forms=_mass_forms(sets, words, mass, verdict.mass),
-        pi=_estimates(words.pi, fits.pi.values, _std(fits.pi), verdict.pi),
-        phi=_estimates(words.phi, fits.phi.values, _std(fits.phi), verdict.phi),
-        base=_estimates(words.base, base.values, base.std, base.determined),
+        mass=applied.mass if verdict.mass else Estimate(NAN, NAN),
+        mass_forms=_mass_forms(sets, words, mass, applied.masses)
+        if verdict.mass
+        else NO_FORMS,
+        pi=_estimates(words.pi, applied.found.pi, verdict.pi),
+        phi=_estimates(words.phi, applied.found.phi, verdict.phi),
+        base=_estimates(words.base, applied.found.base, verdict.base),
+        base_covariance=_among(applied.found.base.covariance, verdict.base),
         condition_number=_condition(fits),
-        residual=_residual(fits, has_velocity=bool(samples.v_S)),
-        biases=_biases(sets, samples, fits),
+        residual=applied.residual,
+        biases=applied.biases,
         clocks=clocks,
         rejected=clean.rejected,
         origins=samples.origins,
@@ -106,7 +130,27 @@ def identify(
         elapsed_s=time.perf_counter() - started,
         versions={name: version(name) for name in ("orbident", "jax", "numpy")},
         fits=fits,
+        covariance=applied.found.covariance,
+        history=applied.history,
     )
+
+
+class _Progress:
+    """Half for reading all samples, then half of the rest for every step."""
+
+    def __init__(self, progress: Callable[[float], object]):
+        self.progress, self.done = progress, 0.0
+
+    def half(self, fraction: float) -> None:
+        self.done = max(self.done, fraction / 2)
+        self.progress(self.done)
+
+    def rest(self, fraction: float) -> None:
+        self.progress((1 + fraction) / 2)
+
+    def step(self) -> None:
+        self.done += (1 - self.done) / 2
+        self.progress(self.done)
 
 
 def _check_choice(what: str, found: str, choices: tuple[str, ...]) -> None:
@@ -114,50 +158,39 @@ def _check_choice(what: str, found: str, choices: tuple[str, ...]) -> None:
         raise InputError(f"{what} '{found}' is unknown; use {' or '.join(choices)}")
 
 
-def _std(fit: LinearFit) -> Float[np.ndarray, " n"]:
-    return np.sqrt(np.diag(fit.covariance))
-
-
 def _estimates(
-    words: Formulas,
-    values: Float[np.ndarray, " n"],
-    std: Float[np.ndarray, " n"],
-    determined: Bool[np.ndarray, " n"],
+    words: Formulas, known: Known, determined: Bool[np.ndarray, " n"]
 ) -> Estimates:
+    std = np.sqrt(np.diag(known.covariance))
     return Estimates(
         names=words.names,
         formulas=words.formulas,
-        values=np.where(determined, values, NAN),
+        values=np.where(determined, known.values, NAN),
         std=np.where(determined, std, NAN),
     )
 
 
 def _mass_forms(
-    sets: MinimalSets, words: SetFormulas, mass: Mass, known: bool
+    sets: MinimalSets, words: SetFormulas, mass: Mass, routes: dict[str, Estimate]
 ) -> Estimates:
-    count = len(mass.forms) if known else 0
-    forms = mass_forms(sets, mass.forms[:count], words)
+    """Every form of Eq. 32, then every route where there are several."""
+    forms = mass_forms(sets, mass.forms, words)
+    several = routes if len(routes) > 1 else {}
     return Estimates(
-        names=tuple(f"M from {name}" for name in forms.names),
-        formulas=forms.formulas,
-        values=mass.values[:count],
-        std=mass.stds[:count],
+        names=(
+            *(f"M from {name}" for name in forms.names),
+            *(f"M by {route}" for route in several),
+        ),
+        formulas=(*forms.formulas, *("" for _ in several)),
+        values=np.array([*mass.values, *(M.value for M in several.values())]),
+        std=np.array([*mass.stds, *(M.std for M in several.values())]),
     )
 
 
-def _biases(
-    sets: MinimalSets, samples: Samples, fits: Fits
-) -> dict[str, dict[str, Any]]:
-    """That of the accelerometer, where the velocity was integrated from it."""
-    if not samples.drift:
-        return {}
-    axes = len(sets.regressors.velocity_axes)
-    names = [f"accelerometer.{'xyz'[k]}" for k in sets.regressors.velocity_axes]
-    values, stds = fits.phi.nuisances[axes:], fits.phi.nuisances_std[axes:]
-    return {
-        name: {"value": float(value), "std": float(std)}
-        for name, value, std in zip(names, values, stds, strict=True)
-    }
+def _among(
+    covariance: Float[np.ndarray, "n n"], determined: Bool[np.ndarray, " n"]
+) -> Float[np.ndarray, "n n"]:
+    return np.where(np.outer(determined, determined), covariance, NAN)
 
 
 def _condition(fits: Fits) -> dict[str, float]:
@@ -169,12 +202,3 @@ def _condition(fits: Fits) -> dict[str, float]:
         "W": W,
         "W_normalised": W_normalised,
     }
-
-
-def _residual(fits: Fits, has_velocity: bool) -> dict[str, Any]:
-    """RMS per equation: momentum in N m s, velocity in m/s."""
-    rms = {
-        "momentum": fits.pi.rms,
-        "velocity": fits.phi.rms if has_velocity else None,
-    }
-    return {"rms": rms, "chi2_per_dof": None}

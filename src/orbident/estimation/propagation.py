@@ -15,7 +15,7 @@ class BaseEstimate(NamedTuple):
     """`beta = [M, sigma, iota]`; an entry counts where it is `determined`."""
 
     values: Float[np.ndarray, " beta"]
-    std: Float[np.ndarray, " beta"]
+    covariance: Float[np.ndarray, "beta beta"]
     determined: Bool[np.ndarray, " beta"]
 
 
@@ -24,7 +24,6 @@ def base_parameters(
     pi: LinearFit,
     phi: LinearFit,
     mass: Mass,
-    known: tuple[Bool[np.ndarray, " pi"], Bool[np.ndarray, " phi"], bool],
 ) -> BaseEstimate:
     """`M`, `sigma = M phi`, `iota_i = pi_i - M g_i(phi)`.
 
@@ -33,9 +32,7 @@ def base_parameters(
         pi: estimate of `pi`.
         phi: estimate of `phi`.
         mass: estimate of `M`, with its derivatives.
-        known: which `pi`, which `phi` are determined, and whether `M` is.
     """
-    pi_known, phi_known, mass_known = known
     g, dg = product_forms(sets, phi.values)
     own = slice(0, sets.iotas)
     M = mass.value
@@ -51,9 +48,9 @@ def base_parameters(
     C = block_diag(pi.covariance, phi.covariance)
     unseen = np.abs(dg[own] @ phi.hidden).max(axis=1, initial=0.0)
     needs_unknown = unseen > UNSEEN * np.abs(dg).max(initial=0.0)
-    determined = np.concatenate([[True], phi_known, pi_known[own] & ~needs_unknown])
+    iotas = pi.determined[own] & ~needs_unknown
     return BaseEstimate(
         values=values,
-        std=np.sqrt(np.einsum("ij,ij->i", J @ C, J)),
-        determined=determined & mass_known,
+        covariance=J @ C @ J.T,
+        determined=np.concatenate([[True], phi.determined, iotas]),
     )

@@ -6,9 +6,11 @@ from typing import Any, Literal
 
 import numpy as np
 from jaxtyping import Float
-from scipy.linalg import block_diag
 
+from orbident.errors import InputError
 from orbident.estimation.least_squares import Fits
+from orbident.estimation.recursive.history import History
+from orbident.regressors.reconstruction import Dynamics, reconstructed
 from orbident.robot.description import Robot
 from orbident.signals.delays import Delay
 
@@ -76,16 +78,39 @@ class Result:
     samples: int
     elapsed_s: float
     versions: dict[str, str]
+    base_covariance: Float[np.ndarray, "beta beta"] = field(repr=False)
+    """Of `M, sigma, iota`; NaN where one is not determined."""
     fits: Fits | None = field(default=None, compare=False, repr=False)
-    """The linear fits with their covariances; not kept in `result.json`."""
+    """The linear fits; not kept in `result.json`."""
+    covariance: Float[np.ndarray, "n n"] | None = field(
+        default=None, compare=False, repr=False
+    )
+    """Of `[pi, phi]`; None for a result that was read from a file."""
+    history: History | None = field(default=None, compare=False, repr=False)
+    """How a recursive estimate came about; in a RUN it is `history.csv`."""
 
-    @property
-    def covariance(self) -> Float[np.ndarray, "n n"] | None:
-        """Of `[pi, phi]`; None for a result that was read from a file."""
-        if self.fits is None:
-            return None
-        blocks = self.fits.pi.covariance, self.fits.phi.covariance
-        return np.asarray(block_diag(*blocks))
+    def check_accepted(self) -> None:
+        """Refuse to go on with what must not be trusted.
+
+        Raises:
+            InputError: the result is rejected.
+        """
+        if self.status == "rejected":
+            reason = next(iter(self.warnings), "no reason given")
+            raise InputError(
+                f"the result for '{self.robot.name}' is rejected, so no model is made "
+                f"of it: {reason}"
+            )
+
+    def dynamics(self) -> Dynamics:
+        """`H+`, `c+` and Jacobians from `(pi, phi, M)` (Eq. 16); no CAD inertia used.
+
+        Raises:
+            InputError: the result is rejected or not complete, or no mechanism has
+                such parameters.
+        """
+        self.check_accepted()
+        return reconstructed(self.robot, self.base.values, self.base_covariance)
 
     def to_json(self) -> dict[str, Any]:
         """The content of `result.json`."""
@@ -103,7 +128,10 @@ class Result:
             },
             "pi": self.pi.to_json(),
             "phi": self.phi.to_json(),
-            "base": self.base.to_json(),
+            "base": {
+                **self.base.to_json(),
+                "covariance": [nulled(row) for row in self.base_covariance],
+            },
             "condition_number": {
                 k: nulled(v) for k, v in self.condition_number.items()
             },

@@ -44,6 +44,8 @@ class LinearFit(NamedTuple):
     """Columns: changes of the parameters that no row shows."""
     factor: Float[np.ndarray, "n n"]
     """Triangular, of the parameters' columns with the nuisance projected out."""
+    target: Float[np.ndarray, " n"]
+    """The right-hand side that goes with it."""
     nuisances: Float[np.ndarray, " m"]
     """The unknowns that are no parameters."""
     nuisances_std: Float[np.ndarray, " m"]
@@ -102,6 +104,7 @@ def solve(R: Float[np.ndarray, "all all"], layout: Layout, rows: int) -> LinearF
         determined=np.linalg.norm(hidden, axis=1) <= UNSEEN,
         hidden=hidden / norms[own, None],
         factor=columns[own, own],
+        target=z[own],
         nuisances=solution[other],
         nuisances_std=np.sqrt(np.diag(covariance)[other]),
         rms=rms,

@@ -5,6 +5,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 from jaxtyping import Bool
 
+from orbident.estimation.found import Found
 from orbident.estimation.least_squares import Fits
 from orbident.estimation.mass import Mass
 from orbident.estimation.triangular import LinearFit
@@ -23,8 +24,24 @@ VARIES = 1e-2
 FREED = 0.5
 # Forms of Eq. 32 that differ by more than this do not measure one mass.
 SPREAD = 0.5
+# A mass is told where it is more than this part of itself from zero.
+VAGUE = 0.3
 # CAD values are off by some ten percent; a robot that was not at rest by far more.
 SURPRISING = 0.3
+
+
+class Obstacles(NamedTuple):
+    """Why a recording cannot tell the parameters, whatever the method."""
+
+    scale: str | None
+    """Why `pi` has no scale, or a wrong one."""
+    phi: str | None
+    """Why `phi` is not determined, or wrong."""
+
+    @property
+    def any(self) -> bool:
+        """Whether there is one."""
+        return bool(self.scale or self.phi)
 
 
 class Verdict(NamedTuple):
@@ -34,18 +51,41 @@ class Verdict(NamedTuple):
     warnings: tuple[str, ...]
     pi: Bool[np.ndarray, " pi"]
     phi: Bool[np.ndarray, " phi"]
+    base: Bool[np.ndarray, " beta"]
     mass: bool
 
 
+def obstacles(
+    robot: Robot, samples: Samples, fits: Fits, initial_momentum: str
+) -> Obstacles:
+    """What the linear fits show."""
+    return Obstacles(
+        _no_scale(robot, fits, initial_momentum), _no_phi(samples, fits.phi)
+    )
+
+
 def judge(
-    robot: Robot, samples: Samples, fits: Fits, mass: Mass, initial_momentum: str
+    robot: Robot,
+    samples: Samples,
+    fits: Fits,
+    obstacles: Obstacles,
+    found: Found,
+    no_mass: str | None,
 ) -> Verdict:
-    """Decide what is determined, in words that say what to do."""
-    no_scale = _no_scale(robot, fits, initial_momentum)
-    no_phi = _no_phi(samples, fits.phi)
-    pi = fits.pi.determined & (no_scale is None)
-    phi = fits.phi.determined & (no_phi is None)
-    has_mass = not (no_scale or no_phi) and mass.value > 0 and mass.spread < SPREAD
+    """Decide what is determined, in words that say what to do.
+
+    Args:
+        robot: with the warnings of its readers.
+        samples: which joints did not move.
+        fits: whether an assumed momentum is plausible.
+        obstacles: of the recording.
+        found: by the method.
+        no_mass: why the method could not tell the mass; None where it could.
+    """
+    no_scale, no_phi = obstacles
+    pi = found.pi.determined & (no_scale is None)
+    phi = found.phi.determined & (no_phi is None)
+    has_mass = not (obstacles.any or no_mass)
     warnings = list(robot.warnings)
     warnings += [no_scale] if no_scale else _undetermined("pi", pi, samples.locked)
     if not no_scale and fits.surprise > SURPRISING:
@@ -55,10 +95,11 @@ def judge(
             f"is off by {fits.surprise:.2g} times the wheels'"
         )
     warnings += [no_phi] if no_phi else _undetermined("phi", phi, samples.locked)
-    if not (no_scale or no_phi or has_mass):
-        warnings.append(_no_mass(mass))
+    if no_mass and not obstacles.any:
+        warnings.append(no_mass)
     status = "ok" if has_mass else "rejected"
-    return Verdict(status, tuple(warnings), pi, phi, has_mass)
+    base = found.base.determined & has_mass
+    return Verdict(status, tuple(warnings), pi, phi, base, has_mass)
 
 
 def _no_phi(samples: Samples, phi: LinearFit) -> str | None:
@@ -128,7 +169,10 @@ def _why_no_scale(robot: Robot, initial_momentum: str, varies: bool) -> str:
     return f"the wheels' momentum does not vary in the recording; {remedy}"
 
 
-def _no_mass(mass: Mass) -> str:
+def no_linear_mass(mass: Mass) -> str | None:
+    """Why the forms of Eq. 32 do not give the mass; None where they do."""
+    if mass.value > 0 and mass.spread < SPREAD:
+        return None
     if len(mass.forms) == 0:
         return (
             "mass: no form of Eq. 32 is determined; weigh the robot with a thruster "
@@ -139,6 +183,16 @@ def _no_mass(mass: Mass) -> str:
         f"{mass.values.max():.4g} kg; check units (rad, rad/s, m/s), the robot's "
         "geometry, its wheels' inertia, and the signs and frames of wheel speeds and "
         "velocity"
+    )
+
+
+def no_direct_mass(M: float, std: float) -> str | None:
+    """Why an estimate of `M` itself cannot stand; None where it can."""
+    if std < VAGUE * M:
+        return None
+    return (
+        f"mass: found {M:.4g} kg with a standard deviation of {std:.2g} kg; record a "
+        "richer or longer motion, with more momentum in the wheels"
     )
 
 

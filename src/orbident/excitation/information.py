@@ -21,6 +21,7 @@ from jaxtyping import Float
 
 from orbident.errors import InputError
 from orbident.excitation.floating import Floating
+from orbident.regressors.derivatives import derivatives_of_beta
 from orbident.regressors.minimal_sets import MinimalSets
 from orbident.robot.description import Robot
 from orbident.spatial.arrays import AnyArray
@@ -72,23 +73,6 @@ def sensing_of(robot: Robot, sets: MinimalSets) -> Sensing:
     dpi, dphi = derivatives_of_beta(sets, sets.beta(robot.theta))
     unit = _unit(sets, dpi, dphi)
     return Sensing(weights, dpi @ unit, dphi @ unit, unit)
-
-
-def derivatives_of_beta(
-    sets: MinimalSets, beta: Float[np.ndarray, " beta"]
-) -> tuple[Float[np.ndarray, "pi beta"], Float[np.ndarray, "phi beta"]]:
-    """Of `pi` and of `phi = sigma / M`, by `beta`."""
-    M, sigma, iota = sets.split(beta)
-    n = sigma.size
-    dphi = np.hstack([-sigma[:, None] / M**2, np.eye(n) / M, np.zeros((n, iota.size))])
-    a, b = sets.pairs.T
-    products = np.zeros((len(sets.pairs), beta.size))
-    # sigma_a sigma_b / M; += twice, for squares.
-    rows = np.arange(len(sets.pairs))
-    products[:, 0] = -sigma[a] * sigma[b] / M**2
-    products[rows, 1 + a] += sigma[b] / M
-    products[rows, 1 + b] += sigma[a] / M
-    return sets.pi_of_beta + sets.pi_of_products @ products, dphi
 
 
 def _unit(

@@ -28,8 +28,22 @@ def save_result(result: Result, folder: Path, force: bool = False) -> None:
         write_robot(result.robot, folder)
         text = json.dumps(result.to_json(), indent=1)
         (folder / "result.json").write_text(text, encoding="utf-8")
+        if result.history is not None:
+            _write_history(result, folder / "history.csv")
     except OSError as error:
         raise InputError(f"{folder}: cannot be written ({error.strerror})") from error
+
+
+def _write_history(result: Result, path: Path) -> None:
+    """A row a sample: estimates, deviations, and what the detector saw."""
+    history = result.history
+    assert history is not None
+    names = result.base.names
+    header = ["t", *names, *(f"{name}.std" for name in names)]
+    header += ["innovation_squared", "degrees_of_freedom", "change_statistic"]
+    parts = (history.nis, history.dof, history.statistic)
+    table = np.column_stack([history.t, history.beta, history.std, *parts])
+    np.savetxt(path, table, "%.10g", ",", header=",".join(header), comments="")
 
 
 def check_absent(folder: Path, force: bool) -> None:
@@ -86,6 +100,7 @@ def load_result(folder: Path) -> Result:
             pi=_estimates(document["pi"]),
             phi=_estimates(document["phi"]),
             base=_estimates(document["base"]),
+            base_covariance=_table(document["base"]["covariance"]),
             condition_number={
                 name: _number(value)
                 for name, value in document["condition_number"].items()
@@ -122,8 +137,14 @@ def _number(value: float | None) -> float:
     return float("nan") if value is None else float(value)
 
 
+def _table(rows: list[list[float | None]]) -> np.ndarray:
+    table = np.array([[_number(value) for value in row] for row in rows])
+    return table.reshape(len(rows), -1)
+
+
 def _estimates(document: dict[str, Any]) -> Estimates:
-    lengths = {len(column) for column in document.values()}
+    columns = ("names", "formulas", "values", "std")
+    lengths = {len(document[column]) for column in columns}
     if len(lengths) > 1:
         raise ValueError(f"lists of {lengths} parameters side by side")
     return Estimates(

@@ -72,12 +72,21 @@ def bias_drift(
     Returns:
         In the unit of `B`; zero at the first sample.
     """
-    std = FLICKER_FLOOR / MARKOV_PEAK * B
     # expm1: T may be long, and infinite.
-    kick = std * np.sqrt(-np.expm1(-2 * dt / correlation_time))
+    kick = markov_std(B) * np.sqrt(-np.expm1(-2 * dt / correlation_time))
     kicks = gaussian(random, shape, float(kick))
     kicks[:1] = 0.0
     return np.asarray(lfilter([1.0], [1.0, -np.exp(-dt / correlation_time)], kicks, 0))
+
+
+def markov_std(B: float) -> float:
+    """Of the Gauss-Markov process with flicker's floor."""
+    return FLICKER_FLOOR / MARKOV_PEAK * B
+
+
+def bias_walk(B: float, correlation_time: float) -> float:
+    """The random walk that the drift is at first, per square root of a second."""
+    return markov_std(B) * float(np.sqrt(2 / correlation_time))
 
 
 def quantised(x: Float[np.ndarray, "*n"], step: float) -> Float[np.ndarray, "*n"]:

@@ -1,0 +1,118 @@
+"""The Cramér-Rao bound of a manoeuvre, before anything flies.
+
+No unbiased estimate from these sensors has a smaller covariance than the inverse of the
+information that they give, with momenta, biases, attitudes and the joints' histories
+unknown too.
+"""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from orbident.dynamics.free_floating import FreeFloating
+from orbident.errors import InputError
+from orbident.estimation.found import BetaEstimate, Found, found_beta
+from orbident.estimation.least_squares import InitialMomentum
+from orbident.estimation.maximum_likelihood import prior_of, problem_of
+from orbident.estimation.output_error.chain import linear
+from orbident.estimation.output_error.sensors import sensors_of
+from orbident.estimation.output_error.solve import Solution
+from orbident.estimation.output_error.start import start_of
+from orbident.estimation.output_error.unknowns import Own
+from orbident.precision import in_float64
+from orbident.regressors.minimal_sets import minimal_sets
+from orbident.robot.description import Robot
+from orbident.sensing.measure import measure
+from orbident.sensing.simulate import RATE, float_along
+from orbident.signals.delays import SENSORS
+from orbident.signals.samples import Samples
+from orbident.threads import one_blas_thread
+from orbident.trajectories.trajectory import Trajectory
+
+SIZES = {
+    "gyro": "angle_random_walk",
+    "accelerometer": "velocity_random_walk",
+    "attitude": "angle",
+    "position": "std",
+}
+"""Of the noise of the base's sensors."""
+
+TIMING = ("rate", "correlation_time")
+"""What a sensor without noise keeps."""
+
+
+@in_float64
+@one_blas_thread
+def cramer_rao(
+    robot: Robot,
+    trajectory: Trajectory,
+    initial_momentum: InitialMomentum = "unknown",
+) -> Found:
+    """The bound of `pi`, `phi` and the base parameters, at their nominal values.
+
+    Args:
+        robot: with the noise of its sensors.
+        trajectory: of the joints, with the initial state of base and wheels.
+        initial_momentum: `"at-rest"` where the momentum will be known.
+
+    Raises:
+        InputError: the robot file has no noise of a sensor of the base, or the
+            trajectory is not for the robot.
+    """
+    _check_noise(robot)
+    sets = minimal_sets(robot)
+    motion = float_along(robot, trajectory, float(robot.sensors.get("rate", RATE)))
+    ideal = replace(robot, sensors=_without_noise(robot.sensors))
+    recording = measure(ideal, motion, trajectory)
+    sensors = sensors_of(robot, recording, dict.fromkeys(SENSORS, 0.0))
+    samples = _true_samples(motion)
+    problem = problem_of(robot, sets, samples, sensors)
+    own = Own(*np.zeros((len(Own._fields), 3)))
+    own = own._replace(h_cm=motion.h_cm, v_cm=motion.v_cm)
+    beta = sets.beta(robot.theta)
+    state = start_of(samples, problem.chart.t, own, beta, len(robot.joints))
+    prior = prior_of(robot, sets, own, initial_momentum)
+    C = Solution(state, linear(problem, state), prior, True, 0).covariance
+    of_beta = slice(-beta.size, None)
+    return found_beta(robot, sets, BetaEstimate(beta, C[of_beta, of_beta]))
+
+
+def _check_noise(robot: Robot) -> None:
+    sections = ((robot.sensors.get(name) or {}, key) for name, key in SIZES.items())
+    if not any(section.get(key, 0.0) > 0 for section, key in sections):
+        raise InputError(
+            f"{robot.name}: sensors: found no noise of gyro, accelerometer, attitude "
+            "or position; the bound follows from it: give it in the robot file"
+        )
+
+
+def _without_noise(sensors: Mapping[str, Any]) -> dict[str, Any]:
+    ideal: dict[str, Any] = {}
+    for name, section in sensors.items():
+        if not isinstance(section, Mapping):
+            ideal[name] = section
+            continue
+        ideal[name] = {key: section[key] for key in TIMING if key in section}
+        if name in ("joints", "wheels"):
+            ideal[name]["position"] = 0.0
+        elif name in SIZES:
+            ideal[name][SIZES[name]] = 0.0
+    return ideal
+
+
+def _true_samples(motion: FreeFloating) -> Samples:
+    return Samples(
+        t=motion.t,
+        q=tuple(motion.q.T),
+        qd=tuple(motion.qd.T),
+        w=tuple(motion.w.T),
+        x_WB=tuple(motion.attitude.T),
+        qd_rw=tuple(motion.qd_rw.T),
+        v_S=tuple(motion.v_S.T),
+        drift=(),
+        locked=(),
+        origins={"wheel_speeds": "exact"},
+        source="simulation",
+    )

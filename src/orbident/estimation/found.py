@@ -1,0 +1,75 @@
+"""What a method found, in all three descriptions, and what it left undetermined."""
+
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Bool, Float
+from scipy.linalg import block_diag
+
+from orbident.estimation.least_squares import Fits
+from orbident.estimation.mass import Mass
+from orbident.estimation.prior import WIDE, prior_std
+from orbident.estimation.propagation import base_parameters
+from orbident.regressors.derivatives import derivatives_of_beta, sets_of_beta
+from orbident.regressors.minimal_sets import MinimalSets
+from orbident.robot.description import Robot
+
+UNSURE = 1.0
+"""Times the robot's own scale: a parameter less sure than this is not determined."""
+
+
+class BetaEstimate(NamedTuple):
+    """The free-flying base parameters `[M, sigma, iota]`."""
+
+    values: Float[np.ndarray, " beta"]
+    covariance: Float[np.ndarray, "beta beta"]
+
+
+class Known(NamedTuple):
+    """A set of parameters; meaningless where not `determined`."""
+
+    values: Float[np.ndarray, " n"]
+    covariance: Float[np.ndarray, "n n"]
+    determined: Bool[np.ndarray, " n"]
+
+
+class Found(NamedTuple):
+    """The three descriptions."""
+
+    pi: Known
+    phi: Known
+    base: Known
+    covariance: Float[np.ndarray, "n n"]
+    """Of `[pi, phi]`."""
+
+
+def found_linear(sets: MinimalSets, fits: Fits, mass: Mass) -> Found:
+    """From separate fits of `pi` and `phi`, and the mass that follows from both."""
+    pi, phi = (
+        Known(fit.values, fit.covariance, fit.determined) for fit in (fits.pi, fits.phi)
+    )
+    base = base_parameters(sets, fits.pi, fits.phi, mass)
+    both = np.asarray(block_diag(pi.covariance, phi.covariance))
+    return Found(pi, phi, Known(*base), both)
+
+
+def found_beta(robot: Robot, sets: MinimalSets, estimate: BetaEstimate) -> Found:
+    """From the base parameters that `pi` and `phi` are made of."""
+    beta, C = estimate
+    prior = np.square(prior_std(robot, sets))
+    pi, phi = sets_of_beta(sets, beta)
+    dpi, dphi = derivatives_of_beta(sets, beta)
+
+    def known(values: np.ndarray, J: np.ndarray) -> Known:
+        covariance = J @ C @ J.T
+        before = np.einsum("ij,j,ij->i", J, prior, J)
+        sure = np.diag(covariance) < (UNSURE / WIDE) ** 2 * before
+        return Known(values, covariance, sure)
+
+    J = np.vstack([dpi, dphi])
+    return Found(
+        pi=known(pi, dpi),
+        phi=known(phi, dphi),
+        base=known(beta, np.eye(beta.size)),
+        covariance=J @ C @ J.T,
+    )

@@ -1,0 +1,236 @@
+"""Maximum likelihood by output error (theory: Section 6).
+
+Momentum conservation predicts what all sensors show; the unknowns are those that make
+the whitened prediction errors smallest: `beta = [M, sigma, iota]`, momentum and CM
+motion, sensor biases, attitudes where segments of the recording meet (multiple
+shooting), and the errors of the smoothed joint histories. The information at the
+solution gives the covariance.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from orbident.dynamics.tree import tree_of
+from orbident.estimation.found import BetaEstimate
+from orbident.estimation.least_squares import Fits, InitialMomentum, known_momentum
+from orbident.estimation.output_error.chain import Problem
+from orbident.estimation.output_error.course import chart_of
+from orbident.estimation.output_error.fitting import Fitted, fitted
+from orbident.estimation.output_error.pushes import Push, freed, push_of
+from orbident.estimation.output_error.sensors import Sensors, sensors_of
+from orbident.estimation.output_error.solve import Prior
+from orbident.estimation.output_error.start import looseness, start_of
+from orbident.estimation.output_error.terms import Body
+from orbident.estimation.output_error.unknowns import LOCAL, Own
+from orbident.estimation.prior import prior_std
+from orbident.recordings.recording import Recording
+from orbident.regressors.minimal_sets import MinimalSets, conserved_axes
+from orbident.robot.description import Robot
+from orbident.signals.delays import delays
+from orbident.signals.samples import Samples
+
+UNKNOWN = 1e3
+"""Std beforehand: m/s, m, and times a momentum (or the wheels' at 1 rad/s)."""
+
+KNOWN = 1e-9
+"""Std of a known momentum, over the same."""
+
+NONE = 1e-12
+"""N m and m/s^2: std of torque and pull while there are none."""
+
+
+NOISY = 1.5
+"""Times the declared noise: worth a warning."""
+
+UNITS = {"torque": "N m", "pull": "m/s^2"}
+
+
+@dataclass(frozen=True)
+class SensorFit:
+    """How well one sensor was predicted; SI."""
+
+    rms: float
+    """Of the residuals."""
+    noise: float
+    """Std of its white noise, as the residuals show it."""
+    declared: float
+    """As the robot file has it; NaN where it does not."""
+    whiteness: float
+    """Correlation of neighbouring residuals: 0 for white noise."""
+    samples: int
+
+
+@dataclass(frozen=True)
+class Likelihood:
+    """The most likely parameters, and what else was found."""
+
+    estimate: BetaEstimate
+    biases: dict[str, dict[str, float]]
+    pushes: dict[str, Push]
+    """`"torque"` (N m) and `"pull"` (m/s^2) from outside."""
+    sensors: dict[str, SensorFit]
+    chi2_per_dof: float
+    """Of all residuals over the declared noise, or that found where none is."""
+    converged: bool
+
+    def in_words(self) -> tuple[str, ...]:
+        """What a user should know of it."""
+        words = [
+            f"{name} from outside: found {_vector(push.value)} +- "
+            f"{_vector(push.std)} {UNITS[name]}, inertial axes; estimated with the rest"
+            for name, push in self.pushes.items()
+            if push.believed
+        ]
+        words += [
+            f"{name}: its noise is {fit.noise / fit.declared:.2g} times what the robot "
+            f"file declares ({fit.noise:.2g} against {fit.declared:.2g}); check the "
+            "sensor, its frame and the robot's geometry"
+            for name, fit in self.sensors.items()
+            if fit.noise > NOISY * fit.declared
+        ]
+        if not self.converged:
+            words.append(
+                "maximum likelihood did not converge: the numbers are those of its "
+                "last step; use --method structured, or check the recording"
+            )
+        return tuple(words)
+
+
+def _vector(numbers: Float[np.ndarray, " axes"]) -> str:
+    return "[" + ", ".join(f"{number:.2g}" for number in numbers) + "]"
+
+
+def maximum_likelihood(
+    robot: Robot,
+    sets: MinimalSets,
+    recording: Recording,
+    samples: Samples,
+    fits: Fits,
+    beta: Float[np.ndarray, " beta"],
+    late: Mapping[str, float],
+    initial_momentum: InitialMomentum,
+    progress: Callable[[], object] = lambda: None,
+) -> Likelihood:
+    """Fit all sensors at once.
+
+    Args:
+        robot: geometry, wheels, and the noise of its sensors where that is known.
+        sets: its minimal sets.
+        recording: of the free-floating robot.
+        samples: of it: histories of joints and wheels, and a first attitude.
+        fits: the linear fits: a first momentum.
+        beta: where the search starts.
+        late: by sensor, by how much its clock is behind, s, beside declared latencies.
+        initial_momentum: `"at-rest"` is used; the first sample is like any other.
+        progress: is called at every step.
+    """
+    sensors = sensors_of(robot, recording, delays(robot, recording, late))
+    problem = problem_of(robot, sets, samples, sensors)
+    own = _first_momentum(robot, sets, samples, fits, initial_momentum)
+    prior = prior_of(robot, sets, own, initial_momentum)
+    state = start_of(samples, problem.chart.t, own, beta, len(robot.joints))
+    least = {name: each.least / each.std for name, each in sensors.by_name.items()}
+    found = fitted(problem, prior, state, least, progress)
+    turning, moving = conserved_axes(robot)
+    axes = {"torque": turning, "pull": moving}
+    pushes = {name: push_of(found.solution, name, axes[name]) for name in axes}
+    for name, push in pushes.items():
+        prior = freed(prior, name) if push.believed else prior
+    if any(push.believed for push in pushes.values()):
+        found = fitted(problem, prior, found.solution.state, least, progress)
+    C = found.solution.covariance
+    of_beta = np.s_[-beta.size :]
+    return Likelihood(
+        estimate=BetaEstimate(found.solution.state.beta, C[of_beta, of_beta]),
+        biases=_biases(robot, sensors, found, C),
+        pushes=pushes,
+        sensors={name: _sensor_fit(sensors, found, name) for name in found.parts},
+        chi2_per_dof=_chi2(sensors, found),
+        converged=found.solution.converged,
+    )
+
+
+def problem_of(
+    robot: Robot, sets: MinimalSets, samples: Samples, sensors: Sensors
+) -> Problem:
+    """The equations of a recording."""
+    return Problem(
+        body=Body(tree_of(robot), sets.base.theta_of),
+        planar=robot.motion == "planar",
+        chart=chart_of(robot, samples, sensors),
+        loose=looseness(robot, samples, sensors),
+    )
+
+
+def _first_momentum(
+    robot: Robot,
+    sets: MinimalSets,
+    samples: Samples,
+    fits: Fits,
+    initial_momentum: InitialMomentum,
+) -> Own:
+    """As the linear fit has it, or as it is known."""
+    axes = np.array(sets.regressors.momentum_axes)
+    known = known_momentum(robot, sets, samples, initial_momentum)
+    h_cm = np.zeros(3)
+    if known is None:
+        h_cm[axes] = fits.pi.nuisances
+    else:
+        h_cm[axes] = known.h[axes] + known.Y_in @ fits.pi.values
+    return Own(*np.zeros((len(Own._fields), 3)))._replace(h_cm=h_cm)
+
+
+def prior_of(
+    robot: Robot, sets: MinimalSets, own: Own, initial_momentum: InitialMomentum
+) -> Prior:
+    """What is known of the unknowns of all segments: `beta` is about nominal."""
+    spin = sum(wheel.inertia for wheel in robot.wheels)
+    h_std = max(float(np.linalg.norm(own.h_cm)), spin)
+    h_std *= KNOWN if initial_momentum == "at-rest" else UNKNOWN
+    std = np.repeat([h_std, UNKNOWN, UNKNOWN, NONE, NONE], 3)
+    return Prior(
+        values=np.concatenate([*own, sets.beta(robot.theta)])[LOCAL:],
+        std=np.concatenate([std, prior_std(robot, sets)]),
+    )
+
+
+def _biases(
+    robot: Robot, sensors: Sensors, found: Fitted, C: Float[np.ndarray, "n n"]
+) -> dict[str, dict[str, float]]:
+    """At the end of the recording, with what all of it tells."""
+    turning, moving = conserved_axes(robot)
+    biases = {}
+    for first, name, axes in ((3, "gyro", turning), (6, "accelerometer", moving)):
+        for k in axes if name in sensors.by_name else ():
+            biases[f"{name}.{'xyz'[k]}"] = {
+                "value": float(found.solution.state.local[-1, first + k]),
+                "std": float(np.sqrt(C[first + k, first + k])),
+            }
+    return biases
+
+
+def _sensor_fit(sensors: Sensors, found: Fitted, name: str) -> SensorFit:
+    sensed, part = sensors.by_name[name], found.parts[name]
+    noise = sensed.std * found.levels[name]
+    size = part.values.size
+    rms = float(np.sqrt(np.mean(part.values**2))) if size else np.nan
+    return SensorFit(
+        rms=rms * noise,
+        noise=noise,
+        declared=sensed.std if sensed.declared else np.nan,
+        whiteness=part.whiteness,
+        samples=len(part.values),
+    )
+
+
+def _chi2(sensors: Sensors, found: Fitted) -> float:
+    total = left = 0.0
+    for name, part in found.parts.items():
+        declared = sensors.by_name[name].declared
+        level = found.levels[name] if declared else 1.0
+        total += level**2 * float(np.sum(part.values**2))
+        left += part.values.size - part.unknowns
+    return total / max(left, 1.0)

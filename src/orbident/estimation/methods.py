@@ -1,0 +1,204 @@
+"""What each method makes of a recording, in one form."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from orbident.estimation.found import (
+    BetaEstimate,
+    Found,
+    found_beta,
+    found_linear,
+)
+from orbident.estimation.least_squares import Fits, InitialMomentum
+from orbident.estimation.mass import Mass
+from orbident.estimation.maximum_likelihood import Likelihood, maximum_likelihood
+from orbident.estimation.recursive.history import History, recursive_history
+from orbident.estimation.result import Estimate, nulled
+from orbident.estimation.structured import structured
+from orbident.estimation.verdict import no_direct_mass, no_linear_mass
+from orbident.recordings.recording import Recording
+from orbident.regressors.minimal_sets import MinimalSets
+from orbident.robot.description import Robot
+from orbident.signals.samples import Samples
+
+DISAGREE = 5.0
+"""Combined deviations by which two masses differ that cannot both be right,"""
+
+MATTERS = 0.03
+"""and this part of the mass: the linear one's deviation knows white noise only."""
+
+
+@dataclass(frozen=True)
+class Applied:
+    """A method's estimates and what else it learnt."""
+
+    found: Found
+    mass: Estimate
+    no_mass: str | None
+    """Why the mass is not told; None where it is."""
+    masses: dict[str, Estimate]
+    """By every route."""
+    biases: dict[str, dict[str, float]]
+    residual: dict[str, Any]
+    warnings: tuple[str, ...] = ()
+    history: History | None = None
+    """Of a recursion."""
+
+
+class Case(NamedTuple):
+    """What a method is given."""
+
+    robot: Robot
+    sets: MinimalSets
+    recording: Recording
+    samples: Samples
+    fits: Fits
+    late: Mapping[str, float]
+    """By sensor, by how much its clock is behind, s."""
+    initial_momentum: InitialMomentum
+
+
+def refined(
+    case: Case,
+    method: str,
+    linear: Applied,
+    step: Callable[[], object],
+    fraction: Callable[[float], object],
+) -> Applied:
+    """What a method other than least squares makes of what the linear fits left.
+
+    Args:
+        case: the recording.
+        method: `"structured"`, `"maximum-likelihood"` or `"recursive"`.
+        linear: by least squares.
+        step: is called at every step of an iteration,
+        fraction: with the fraction of the samples that is done in a recursion.
+    """
+    if method == "recursive":
+        at_rest = case.initial_momentum == "at-rest"
+        history = recursive_history(
+            case.robot, case.samples, at_rest=at_rest, progress=fraction
+        )
+        return _by_recursion(case, linear, history)
+    estimate = structured(case.robot, case.sets, case.fits)
+    found = _direct(case, linear, estimate, "structured")
+    if method == "structured":
+        return found
+    likelihood = maximum_likelihood(
+        case.robot,
+        case.sets,
+        case.recording,
+        case.samples,
+        case.fits,
+        estimate.values,
+        case.late,
+        case.initial_momentum,
+        step,
+    )
+    return _by_likelihood(case, found, likelihood)
+
+
+def by_least_squares(
+    sets: MinimalSets, samples: Samples, fits: Fits, mass: Mass
+) -> Applied:
+    """Separate linear fits; the mass by Eq. 32."""
+    M = Estimate(mass.value, mass.std)
+    velocity = fits.phi.rms if samples.v_S else None
+    return Applied(
+        found=found_linear(sets, fits, mass),
+        mass=M,
+        no_mass=no_linear_mass(mass),
+        masses={"Eq. 32": M},
+        biases=_linear_biases(sets, samples, fits),
+        residual={
+            "rms": {"momentum": fits.pi.rms, "velocity": velocity},
+            "chi2_per_dof": None,
+        },
+    )
+
+
+def _by_likelihood(case: Case, before: Applied, likelihood: Likelihood) -> Applied:
+    sensors = likelihood.sensors
+    return replace(
+        _direct(case, before, likelihood.estimate, "maximum likelihood"),
+        biases=likelihood.biases,
+        residual={
+            "rms": {name: fit.rms for name, fit in sensors.items()},
+            "chi2_per_dof": likelihood.chi2_per_dof,
+            "sensors": {
+                name: {key: nulled(value) for key, value in vars(fit).items()}
+                for name, fit in sensors.items()
+            },
+        },
+        warnings=likelihood.in_words(),
+    )
+
+
+def _by_recursion(case: Case, before: Applied, history: History) -> Applied:
+    """The estimate is that after the last sample."""
+    last = BetaEstimate(history.beta[-1], history.covariance)
+    applied = _direct(case, before, last, "recursion")
+    base = applied.found.base
+    base = base._replace(determined=base.determined & history.determined)
+    return replace(
+        applied,
+        found=applied.found._replace(base=base),
+        residual={
+            **before.residual,
+            "chi2_per_dof": float(history.nis.sum() / max(history.dof.sum(), 1.0)),
+        },
+        warnings=tuple(
+            f"the robot changed at t = {change.onset:.4g} s (found at {change.t:.4g} s; "
+            f"by chance with a probability of {1 - change.confidence:.1g}): the "
+            "estimates are those after that"
+            for change in history.changes
+        ),
+        history=history,
+    )
+
+
+def _direct(case: Case, before: Applied, estimate: BetaEstimate, route: str) -> Applied:
+    """By a method that estimates `beta`."""
+    M = Estimate(float(estimate.values[0]), float(np.sqrt(estimate.covariance[0, 0])))
+    return replace(
+        before,
+        found=found_beta(case.robot, case.sets, estimate),
+        mass=M,
+        no_mass=no_direct_mass(M.value, M.std),
+        masses={**before.masses, route: M},
+    )
+
+
+def disagreement(masses: dict[str, Estimate]) -> tuple[str, ...]:
+    """A warning where the last route's mass is none of the others'."""
+    *others, (route, M) = masses.items()
+    far = [
+        f"{value.value:.5g} +- {value.std:.1g} kg by {name}"
+        for name, value in others
+        if abs(value.value - M.value)
+        > max(DISAGREE * np.hypot(value.std, M.std), MATTERS * M.value)
+    ]
+    if not far:
+        return ()
+    return (
+        f"mass: {M.value:.5g} +- {M.std:.1g} kg by {route}, but {', '.join(far)}; "
+        "weigh the robot (Eq. 40), or record a richer motion",
+    )
+
+
+def _linear_biases(
+    sets: MinimalSets, samples: Samples, fits: Fits
+) -> dict[str, dict[str, float]]:
+    """That of the accelerometer, where the velocity was integrated from it."""
+    if not samples.drift:
+        return {}
+    axes = len(sets.regressors.velocity_axes)
+    names = [f"accelerometer.{'xyz'[k]}" for k in sets.regressors.velocity_axes]
+    values, stds = fits.phi.nuisances[axes:], fits.phi.nuisances_std[axes:]
+    return {
+        name: {"value": float(value), "std": float(std)}
+        for name, value, std in zip(names, values, stds, strict=True)
+    }

@@ -1,0 +1,1 @@
+"""Output error: what momentum conservation predicts, against what sensors showed."""

@@ -1,0 +1,105 @@
+"""Levenberg and Marquardt's method, and the noise as the residuals show it."""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+from scipy.linalg import solve_triangular
+
+from orbident.estimation.output_error.chain import Linear, Problem, State, linear
+from orbident.estimation.triangular import fold
+
+STEPS = 40
+SMALL = 1e-2
+"""A step this small beside the estimate's own deviation is the last."""
+DAMPING = 1e-3
+"""Where a step without damping did not help; relative to the information."""
+MOST_DAMPING = 1e9
+
+
+class Prior(NamedTuple):
+    """What is known of the common unknowns beforehand."""
+
+    values: Float[np.ndarray, " common"]
+    std: Float[np.ndarray, " common"]
+
+    def added(
+        self, factor: Float[np.ndarray, "n n"], state: State
+    ) -> Float[np.ndarray, "n n"]:
+        """To a triangular factor over changes of `[g, rhs]`."""
+        rhs = (self.values - state.common) / self.std
+        return fold(factor, np.column_stack([np.diag(1 / self.std), rhs]))
+
+    def cost(self, state: State) -> float:
+        """Squared, whitened."""
+        return float(np.sum(((state.common - self.values) / self.std) ** 2))
+
+
+class Solution(NamedTuple):
+    """Where the cost is least."""
+
+    state: State
+    linear: Linear
+    """At a state within a hundredth of a deviation of it."""
+    prior: Prior
+    converged: bool
+    steps: int
+
+    def with_prior(
+        self, prior: Prior
+    ) -> tuple[Float[np.ndarray, " n"], Float[np.ndarray, "n n"]]:
+        """Change to the estimate of `[z_last, g]` with another prior; covariance.
+
+        To first order, from the information at this solution.
+        """
+        known, n = self.linear.known, self.linear.known.chain
+        factor = known.factor.copy()
+        factor[n:, n:] = prior.added(known.common, self.state)
+        root = solve_triangular(factor[:-1, :-1], np.eye(len(factor) - 1))
+        return root @ factor[:-1, -1], root @ root.T
+
+    @property
+    def covariance(self) -> Float[np.ndarray, "n n"]:
+        """Of `[z_last, g]`."""
+        return self.with_prior(self.prior)[1]
+
+
+def solved(
+    problem: Problem,
+    prior: Prior,
+    state: State,
+    progress: Callable[[], object] = lambda: None,
+) -> Solution:
+    """From a state to the least cost."""
+    here = linear(problem, state)
+    cost = here.cost + prior.cost(state)
+    damping = 0.0
+    for step in range(STEPS):
+        progress()
+        factor = prior.added(here.known.common, state)
+        g = _damped(factor, damping)
+        moved = state.moved(here.known.chained(g), g)
+        last = np.linalg.norm(factor[:-1, :-1] @ g) < SMALL
+        # What nothing shows would take an undamped step too far, again and again.
+        if last and damping <= DAMPING:
+            return Solution(moved, here, prior, True, step + 1)
+        there = linear(problem, moved)
+        new_cost = there.cost + prior.cost(moved)
+        if new_cost < cost:
+            state, here, cost = moved, there, new_cost
+            damping = damping / 10 if damping > DAMPING else 0.0
+        elif damping > MOST_DAMPING:
+            break
+        else:
+            damping = max(10 * damping, DAMPING)
+    return Solution(state, here, prior, False, STEPS)
+
+
+def _damped(
+    factor: Float[np.ndarray, "n n"], damping: float
+) -> Float[np.ndarray, " g"]:
+    if damping:
+        size = np.sqrt(damping) * np.linalg.norm(factor[:-1, :-1], axis=0)
+        factor = fold(factor, np.column_stack([np.diag(size), np.zeros(size.size)]))
+    return solve_triangular(factor[:-1, :-1], factor[:-1, -1])

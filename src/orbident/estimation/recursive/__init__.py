@@ -1,0 +1,1 @@
+"""Estimation sample by sample, and the detection of changes."""

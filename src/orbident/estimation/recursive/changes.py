@@ -1,0 +1,100 @@
+"""When did the robot change? The generalised likelihood ratio of the innovations.
+
+While nothing changes, whitened innovations are independent with zero mean. A capture,
+a release or a loss gives them a mean, unknown and from an unknown sample on; twice the
+logarithm of the likelihood ratio is then (Willsky and Jones 1976; Basseville and
+Nikiforov 1993, section 4.4)
+
+    g = max over j of |white_j + ... + white_k|^2 / (k - j + 1)
+
+and each of its terms is chi-square with as many degrees of freedom as there are rows.
+The probability that any of them exceeds a threshold in a whole run is at most the sum
+over all.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+from scipy.stats import chi2
+
+COLOUR = 2.0
+"""Smoothed joint rates keep an encoder's error for half a second: sums of innovations
+vary by up to so much more than white ones."""
+
+
+class Change(NamedTuple):
+    """A change that was found."""
+
+    t: float
+    """When it was found, s."""
+    onset: float
+    """The first sample that shows it, most likely, s."""
+    statistic: float
+    """`g`, over its threshold."""
+    confidence: float
+    """One less the probability that a run without any change shows this much."""
+
+
+class Watch(NamedTuple):
+    """What a detector remembers: sums of innovations up to the last samples."""
+
+    sums: Float[np.ndarray, "window+1 e"]
+    times: Float[np.ndarray, " window+1"]
+    """Of the sample after each sum, s; NaN where there was none."""
+
+
+@dataclass(frozen=True)
+class Detector:
+    """The test, and how often it may be wrong."""
+
+    rows: int
+    """Of an innovation."""
+    window: int = 20
+    """Samples that the onset may lie back."""
+    false_alarms: float = 1e-4
+    """Probability of one in a run of so many samples without a change, at most."""
+    samples: int = 1600
+
+    @cached_property
+    def threshold(self) -> float:
+        """Of `g`."""
+        each = self.false_alarms / (self.samples * self.window)
+        return COLOUR * float(chi2.isf(each, self.rows))
+
+    def start(self) -> Watch:
+        """Nothing seen."""
+        return Watch(
+            np.zeros((self.window + 1, self.rows)), np.full(self.window + 1, np.nan)
+        )
+
+    def step(
+        self, watch: Watch, t: float, white: Float[np.ndarray, " e"]
+    ) -> tuple[Watch, float, Change | None]:
+        """Take one innovation in.
+
+        Args:
+            watch: what was seen before.
+            t: of the sample, s.
+            white: its whitened innovation.
+
+        Returns:
+            What is remembered, `g` over its threshold, and the change if there is one.
+        """
+        times = np.append(watch.times[1:], np.nan)
+        times[-2] = t
+        now = watch.sums[-1] + white
+        sums = np.vstack([watch.sums[1:], now])
+        over = now - sums[:-1]
+        lengths = np.arange(self.window, 0, -1)
+        g = np.where(np.isnan(times[:-1]), 0.0, (over * over).sum(axis=1) / lengths)
+        best = int(g.argmax())
+        ratio = float(g[best]) / self.threshold
+        found = None
+        if ratio > 1.0:
+            tests = self.samples * self.window
+            alarm = min(1.0, tests * float(chi2.sf(g[best] / COLOUR, self.rows)))
+            found = Change(t, float(times[best]), ratio, 1.0 - alarm)
+        return Watch(sums, times), ratio, found

@@ -1,0 +1,130 @@
+"""What the sensors' noise is, sample by sample."""
+
+from typing import Any
+
+import equinox as eqx
+import numpy as np
+
+from orbident.errors import InputError
+from orbident.estimation.least_squares import fit
+from orbident.regressors.minimal_sets import MinimalSets
+from orbident.robot.description import Robot
+from orbident.sensing.inertial import CORRELATION_TIME
+from orbident.sensing.noise import FLICKER_FLOOR, MARKOV_PEAK
+from orbident.signals.base_motion import INTEGRATED, SMOOTHED
+from orbident.signals.histories import DERIVED
+from orbident.signals.point_velocity import SMOOTHED as DIFFERENTIATED
+from orbident.signals.samples import Samples
+
+UNKNOWN_BIAS = 1e-2
+"""rad/s: more than any gyro's that is used for this."""
+
+MEMORY = 1.0
+"""s: a smoothed rate is as wrong as its positions are over such a time."""
+
+LEAST = 1e-9
+"""rad/s, and m/s: without noise the weights would be infinite."""
+
+COLOURED = 5.0
+"""Neighbours share the error of a smoothed pose: so much noisier they count, that many
+samples tell no more than the few that are independent."""
+
+FINE = 0.1
+"""An integrated velocity's error from sample to sample that is no random walk, over
+what the walk is."""
+
+
+class Noise(eqx.Module):
+    """Standard deviations; SI."""
+
+    gyro: float
+    """Of a sample, white, rad/s."""
+    velocity: float
+    """Of a sample, white, m/s."""
+    gyro_bias: float = LEAST
+    """Beforehand, rad/s."""
+    gyro_walk: float = 0.0
+    """Of the bias, rad/s/sqrt(s)."""
+    integrated: float = 0.0
+    """1 where the attitude is the integrated gyro, and drifts with it; else 0."""
+    attitude: float = 0.0
+    """Of a sample, white, rad."""
+    velocity_walk: float = 0.0
+    """Of a velocity that is integrated from an accelerometer, m/s/sqrt(s)."""
+    accelerometer_bias: float = LEAST
+    """Beforehand, m/s^2."""
+    accelerometer_walk: float = 0.0
+    """Of the bias, m/s^2/sqrt(s)."""
+    joint_rates: float = 0.0
+    """Of a sample, white, rad/s or m/s."""
+    accelerometer: bool = eqx.field(static=True, default=False)
+    """Whether the velocity is integrated from one, and its bias an unknown."""
+
+
+def noise_of(
+    robot: Robot, sets: MinimalSets, samples: Samples, seen: float = 0.0
+) -> Noise:
+    """As the robot file declares the sensors, where it does.
+
+    Args:
+        robot: with its sensors.
+        sets: its minimal sets.
+        samples: of a recording.
+        seen: scatter of the gyro's samples, rad/s, for one that is not declared.
+
+    Raises:
+        InputError: the base rate is that of a smoothed attitude of unknown noise.
+    """
+    dt = float(np.median(np.diff(samples.t)))
+    gyro, force, attitude, position, joints = (
+        robot.sensors.get(key) or {}
+        for key in ("gyro", "accelerometer", "attitude", "position", "joints")
+    )
+    angle, std = attitude.get("angle", 0.0), position.get("std", 0.0)
+    walk = force.get("velocity_random_walk", 0.0) if samples.drift else 0.0
+    measured = samples.origins["base_rate"] != SMOOTHED
+    integrated = samples.origins["attitude"] == INTEGRATED
+    derived = DERIVED in samples.origins["joint_rates"]
+    if not measured and not angle:
+        raise InputError(
+            f"{robot.name}: sensors: found no noise of the attitude, and the recording "
+            "has no gyro; give attitude.angle in the robot file"
+        )
+    if measured:
+        rate = gyro.get("angle_random_walk", 0.0) / np.sqrt(dt) or seen
+    else:
+        rate = COLOURED * angle / MEMORY
+    smoothed = samples.origins["velocity"] == DIFFERENTIATED and std
+    velocity = COLOURED * std / MEMORY if smoothed else FINE * walk * np.sqrt(dt)
+    return Noise(
+        gyro=max(float(rate), LEAST),
+        velocity=float(velocity) or _left_over(robot, sets, samples),
+        gyro_bias=_turn_on(gyro, UNKNOWN_BIAS) if measured else LEAST,
+        gyro_walk=_walk(gyro) if measured else 0.0,
+        integrated=float(integrated),
+        attitude=0.0 if integrated or not measured else angle,
+        velocity_walk=walk,
+        accelerometer_bias=_turn_on(force, UNKNOWN_BIAS),
+        accelerometer_walk=_walk(force),
+        joint_rates=joints.get("position", 0.0) / MEMORY if derived else 0.0,
+        accelerometer=bool(samples.drift),
+    )
+
+
+def _left_over(robot: Robot, sets: MinimalSets, samples: Samples) -> float:
+    """What least squares leaves of a velocity that no sensor is declared for, m/s."""
+    fits = fit(robot, sets, samples, "unknown", lambda _: None)
+    return max(fits.phi.rms, LEAST)
+
+
+def _turn_on(sensor: dict[str, Any], unknown: float) -> float:
+    std = sensor.get("turn_on_bias")
+    std = sensor.get("bias_instability") if std is None else std
+    return max(float(unknown if std is None else std), LEAST)
+
+
+def _walk(sensor: dict[str, Any]) -> float:
+    """A first-order Gauss-Markov process, for times short beside its own."""
+    B = sensor.get("bias_instability", 0.0)
+    T = sensor.get("correlation_time", CORRELATION_TIME)
+    return float(FLICKER_FLOOR / MARKOV_PEAK * B * np.sqrt(2 / T))

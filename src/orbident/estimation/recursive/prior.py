@@ -1,0 +1,73 @@
+"""What is believed of the parameters before any sample."""
+
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+
+from orbident.errors import InputError
+from orbident.regressors.minimal_sets import MinimalSets
+from orbident.robot.description import Robot
+from orbident.robot.parameters import INERTIA, MASS, PER_BODY
+
+UNCERTAINTY = 0.3
+"""Of CAD values, relative."""
+
+
+class Prior(NamedTuple):
+    """Gaussian; `root^T root` is the inverse of the covariance."""
+
+    beta: Float[np.ndarray, " beta"]
+    root: Float[np.ndarray, "beta beta"]
+    """Upper triangular."""
+
+
+def prior_from(
+    beta: Float[np.ndarray, " beta"], covariance: Float[np.ndarray, "beta beta"]
+) -> Prior:
+    """From a mean and a covariance.
+
+    Raises:
+        InputError: the covariance is not positive definite.
+    """
+    std = np.sqrt(np.diag(covariance))
+    try:
+        # With unit variances: kg and kg m^2 differ by orders of magnitude.
+        L = np.linalg.cholesky(covariance / np.outer(std, std))
+    except np.linalg.LinAlgError:
+        raise InputError(
+            "the covariance of beta is not positive definite; give that of an "
+            "estimate that determines every parameter"
+        ) from None
+    root = np.linalg.qr(np.linalg.inv(L) / std, mode="r")
+    return Prior(beta, np.asarray(root))
+
+
+def cad_prior(
+    robot: Robot, sets: MinimalSets, uncertainty: float = UNCERTAINTY
+) -> Prior:
+    """The nominal values, wrong by so much.
+
+    Of a body of mass `m` and size `l` the standard deviations are `uncertainty` times
+    `m`, `m l` (first moments) and `m l^2` (inertias), each parameter for itself.
+
+    Args:
+        robot: with its nominal inertia.
+        sets: its minimal sets.
+        uncertainty: relative.
+    """
+    covariance = cad_covariance(robot, sets, uncertainty)
+    return prior_from(sets.beta(robot.theta), covariance)
+
+
+def cad_covariance(
+    robot: Robot, sets: MinimalSets, uncertainty: float
+) -> Float[np.ndarray, "beta beta"]:
+    """Of `beta`, as `cad_prior` has it."""
+    m = robot.theta[:, MASS]
+    trace = robot.theta[:, INERTIA][:, [0, 2, 5]].sum(axis=1)
+    # A body's trace is twice its second moment, m l^2.
+    size = np.sqrt(trace / 2 / np.where(m > 0, m, 1.0))[:, None]
+    powers = np.array([0] + [1] * 3 + [2] * (PER_BODY - 4))
+    T = sets.base.T * (uncertainty * m[:, None] * size**powers).ravel()
+    return T @ T.T
