@@ -25,15 +25,14 @@ def spatial_lines(done: Any) -> list[Any]:
             f"worst error {worst:.1e} %, {done.elapsed_s:.1f} s: "
             + ("every parameter recovered" if done.trusted else "NOT recovered"),
         ]
+    method = "the paper's method" if done.method == "paper" else done.method
+    sensors = ["RMS error by the noise of one sensor alone", "", _sensor_table(done)]
     return [
-        f"Table 4 with Section 3.5's noise, by the paper's method: {_runs(done)}",
+        f"Table 4 with Section 3.5's noise, by {method}: {_runs(done)}",
         "",
         _noisy_table(done.rows),
         "",
-        "RMS error by the noise of one sensor alone",
-        "",
-        _sensor_table(done),
-        "",
+        *([*sensors, ""] if done.by_sensor else []),
         conditions,
         f"{done.elapsed_s:.1f} s",
     ]
@@ -48,8 +47,8 @@ def planar_lines(done: Any) -> list[Any]:
     )
     lines: list[Any] = [f"Table 6 {noise}"]
     for name, method in done.methods.items():
-        words = "the paper's method" if name == "paper" else name
-        lines += ["", f"by {words} (M by Eq. 32)", "", _identified_table(method.rows)]
+        words = "the paper's method (M by Eq. 32)" if name == "paper" else name
+        lines += ["", f"by {words}", "", _identified_table(method.rows)]
         lines += ["", _validation_line(method.validation, done.noisy)]
     weighing, condition = done.mass.weighing, done.condition_number
     return [
@@ -96,7 +95,8 @@ def _exact_table(rows: Iterable[Any]) -> Table:
 
 def _noisy_table(rows: Iterable[Any]) -> Table:
     paper, own = ("paper: true", "paper: error (%)"), ("estimate", "error (%)")
-    table = _table("parameter", *paper, *own, "RMS error (%)", "worst (%)")
+    over = "RMS error (%)", "worst (%)", "Cramér-Rao (%)"
+    table = _table("parameter", *paper, *own, *over)
     for row in rows:
         table.add_row(
             row.name,
@@ -104,6 +104,7 @@ def _noisy_table(rows: Iterable[Any]) -> Table:
             _percent(row.paper_error_percent),
             f"{row.estimate:.2f}",
             *_errors(row),
+            _percent(row.cramer_rao_percent),
         )
     return table
 

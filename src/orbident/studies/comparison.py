@@ -22,6 +22,8 @@ class Row:
     rms_error_percent: float = NAN
     """Over the seeds; NaN without noise."""
     worst_error_percent: float = NAN
+    cramer_rao_percent: float = NAN
+    """The least RMS error that an unbiased estimate can have."""
 
     @property
     def error_percent(self) -> float:
@@ -44,5 +46,5 @@ class Row:
             "error_percent": nulled(self.error_percent),
             "rms_error_percent": nulled(self.rms_error_percent),
             "worst_error_percent": nulled(self.worst_error_percent),
-            "cramer_rao_percent": None,
+            "cramer_rao_percent": nulled(self.cramer_rao_percent),
         }

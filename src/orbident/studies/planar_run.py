@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from orbident.estimation.identify import identify
+from orbident.estimation.identify import Method, identify
 from orbident.estimation.result import Result
 from orbident.estimation.weigh import Weighing, weigh
 from orbident.identified.validate import Validation, validate
@@ -100,14 +100,16 @@ class PaperFilters(NamedTuple):
     validation: Filters
 
 
-def run_ideal(robot: Robot, flights: Flights) -> Run:
+def run_ideal(robot: Robot, flights: Flights, method: Method) -> Run:
     """With ideal sensors of everything: there is nothing to be filtered."""
     records = Records(*(ideal_record(robot, flight) for flight in flights))
-    reading = _read(robot, records.identification, records.validation)
-    return _run(robot, records, {"least-squares": reading})
+    reading = _read(robot, method, records.identification, records.validation)
+    return _run(robot, records, {method: reading})
 
 
-def run_noisy(robot: Robot, flights: Flights, filters: PaperFilters, seed: int) -> Run:
+def run_noisy(
+    robot: Robot, flights: Flights, filters: PaperFilters, seed: int, method: Method
+) -> Run:
     """With the sensors of the robot's file; each recording has a noise of its own.
 
     Args:
@@ -115,6 +117,7 @@ def run_noisy(robot: Robot, flights: Flights, filters: PaperFilters, seed: int) 
         flights: all of Section 5.
         filters: of the paper's method.
         seed: of the three recordings' noise.
+        method: of `identify`, on the recordings as they are.
     """
     seeds = (len(flights) * seed + k for k in range(len(flights)))
     records = Records(
@@ -128,7 +131,10 @@ def run_noisy(robot: Robot, flights: Flights, filters: PaperFilters, seed: int) 
         from_mocap(robot, recording, own)
         for recording, own in zip(raw, filters, strict=True)
     )
-    readings = {"paper": _read(robot, *filtered), "least-squares": _read(robot, *raw)}
+    readings = {
+        "paper": _read(robot, "least-squares", *filtered),
+        method: _read(robot, method, *raw),
+    }
     return _run(robot, records, readings)
 
 
@@ -137,8 +143,10 @@ def _run(robot: Robot, records: Records, readings: dict[str, Reading]) -> Run:
     return Run(records, readings, weigh(robot, burn), mass_by_slopes(burn))
 
 
-def _read(robot: Robot, identification: Recording, validation: Recording) -> Reading:
-    result = identify(robot, identification, initial_momentum="at-rest")
+def _read(
+    robot: Robot, method: Method, identification: Recording, validation: Recording
+) -> Reading:
+    result = identify(robot, identification, method, "at-rest")
     complete = np.isfinite([*result.pi.values, *result.phi.values]).all()
     scores = validate(result, validation) if complete else None
     return Reading(result, identification, validation, scores)

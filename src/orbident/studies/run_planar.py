@@ -3,12 +3,14 @@
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 
 from orbident.campaigns.seeds import Errors, over_seeds
+from orbident.estimation.identify import Method as Estimator
 from orbident.estimation.result import Result, nulled
 from orbident.estimation.triangular import condition_numbers
 from orbident.estimation.weigh import Weighing
@@ -21,7 +23,7 @@ from orbident.studies.comparison import Row
 from orbident.studies.filters import Filters
 from orbident.studies.planar import planar_robot, planar_trajectory
 from orbident.studies.planar_figures import Figure, Measured, planar_figures
-from orbident.studies.planar_flights import Flights, fly_planar
+from orbident.studies.planar_flights import fly_planar
 from orbident.studies.planar_run import (
     SCORED,
     PaperFilters,
@@ -160,15 +162,17 @@ def run_planar(
     noise: Literal["none", "paper"] = "none",
     seeds: int = 1,
     first_seed: int = 0,
+    method: Estimator = "maximum-likelihood",
     progress: Progress = lambda _: None,
 ) -> PlanarStudy:
     """Fly, identify by Eqs. 24 and 31, weigh by Eq. 40, predict Eq. 47's run.
 
     Args:
         noise: `"paper"` for encoders and motion capture, and the paper's processing of
-            them beside our own.
+            them beside `method` on the recordings as they are.
         seeds: runs with noise, one a seed; the flights are the same.
         first_seed: of them.
+        method: of `identify`; with ideal sensors there is no other.
         progress: is called with the fraction done.
 
     Raises:
@@ -181,11 +185,15 @@ def run_planar(
     table = Table6.of(robot)
     filters = PaperFilters(Filters(), Filters())
     if noise == "none":
-        seeds, first = 1, run_ideal(robot, flights)
+        seeds, first = 1, run_ideal(robot, flights, method)
         errors = Errors(first.quantities(table)[None])
     else:
         first, errors = _over_seeds(
-            robot, flights, filters, table, seeds, first_seed, progress
+            partial(run_noisy, robot, flights, filters, method=method),
+            table,
+            seeds,
+            first_seed,
+            progress,
         )
     columns = _Columns(errors, len(first.readings), noise == "paper")
     methods = {
@@ -208,20 +216,16 @@ def run_planar(
 
 
 def _over_seeds(
-    robot: Robot,
-    flights: Flights,
-    filters: PaperFilters,
+    run: Callable[[int], Run],
     table: Table6,
     seeds: int,
     first_seed: int,
     progress: Progress,
 ) -> tuple[Run, Errors]:
-    first = run_noisy(robot, flights, filters, first_seed)
+    first = run(first_seed)
 
     def quantities(seed: int) -> Float[np.ndarray, " quantities"]:
-        if seed == first_seed:
-            return first.quantities(table)
-        return run_noisy(robot, flights, filters, seed).quantities(table)
+        return (first if seed == first_seed else run(seed)).quantities(table)
 
     return first, over_seeds(quantities, seeds, first_seed, progress)
 
