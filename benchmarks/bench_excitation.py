@@ -132,7 +132,7 @@ def bench_realised_errors(benchmark, record):
         errors = []
         for seed in range(SEEDS):
             noisy = simulate(robot, trajectory, noise="sensors", seed=seed, truth=True)
-            result = identify(robot, with_attitude(noisy))
+            result = identify(robot, with_attitude(noisy), "least-squares")
             errors.append(result.pi.values - pi)
         return np.sqrt(np.mean(np.square(errors), axis=0))
 

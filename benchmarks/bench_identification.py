@@ -34,8 +34,9 @@ def recording(robot):
 @pytest.mark.benchmark(group="dual-arm")
 def bench_identify(benchmark, record, robot, recording):
     assert recording.t.size == SAMPLES
-    result = identify(robot, recording)
-    benchmark.pedantic(identify, args=(robot, recording), rounds=9)
+    arguments = robot, recording, "least-squares"
+    result = identify(*arguments)
+    benchmark.pedantic(identify, args=arguments, rounds=9)
     expected = minimal_sets(robot).pi(robot.theta)
     error = np.abs(result.pi.values - expected).max() / np.abs(expected).max()
     mass_error = abs(result.mass.value / robot.mass - 1)

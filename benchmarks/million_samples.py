@@ -50,7 +50,10 @@ def measure(folder: Path, samples: int) -> int:
     print("\nthe command: orbident identify dual-arm recording.parquet")
     command = str(Path(sys.executable).with_name("orbident"))
     robot = str(robot_file(folder))
-    whole = peak_of([command, "identify", robot, str(path), "--quiet"], folder)
+    whole = peak_of(
+        [command, "identify", robot, str(path), "--quiet", "--method", "least-squares"],
+        folder,
+    )
     size = recording_size(path)
     status = 0
     print()
@@ -122,7 +125,7 @@ def identify_step_by_step(path: Path) -> None:
     say("imports")
     recording = read_recording(path)
     say("reading")
-    result = identify(robot, recording)
+    result = identify(robot, recording, "least-squares")
     say("identifying")
     error = abs(result.mass.value / robot.mass - 1)
     print(f"{result.status}, {result.samples} samples, mass to {error:.0e}")

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from orbident.estimation.identify import identify as identify
     from orbident.estimation.weigh import weigh as weigh
     from orbident.excitation.design import design_excitation as design_excitation
+    from orbident.identified.comparison import compare as compare
     from orbident.identified.run_folder import load_result as load_result
     from orbident.identified.run_folder import save_result as save_result
     from orbident.identified.validate import validate as validate
@@ -43,6 +44,7 @@ _PUBLIC = {
     "Robot": "orbident.robot.description",
     "Trajectory": "orbident.trajectories.trajectory",
     "bundled_robots": "orbident.robot.robot_file",
+    "compare": "orbident.identified.comparison",
     "convert_bag": "orbident.recordings.bags.convert",
     "design_excitation": "orbident.excitation.design",
     "identify": "orbident.estimation.identify",

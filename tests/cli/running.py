@@ -11,6 +11,9 @@ import numpy as np
 from orbident.recordings.recording import Recording
 from orbident.recordings.tables import write_recording
 
+LINEAR = ("--method", "least-squares")
+"""Where the method is not the point: it needs the least time."""
+
 
 class Ran(NamedTuple):
     """A finished run."""

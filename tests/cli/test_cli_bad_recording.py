@@ -6,11 +6,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 from random_motions import random_motion
-from running import Orbident, written
+from running import LINEAR, Orbident, written
 
 from orbident.recordings.recording import Recording
 from orbident.robot.robot_file import load_robot
 from orbident.trajectories.trajectory_file import save_trajectory
+
+IDENTIFY = ("identify", "paper-spatial", *LINEAR)
 
 
 @pytest.fixture
@@ -49,7 +51,7 @@ def test_a_needed_column_is_missing(
 
 def test_validate_needs_the_same_columns(orbident: Orbident, flight: Recording):
     written(flight, "r.csv")
-    orbident("identify", "paper-spatial", "r.csv", "-o", "run", "--quiet").done()
+    orbident(*IDENTIFY, "r.csv", "-o", "run", "--quiet").done()
     written(flight, "s.csv", drop=["gyro.x"])
     orbident("validate", "run", "s.csv").refused("s.csv: column 'gyro.x' is missing")
 
@@ -88,7 +90,7 @@ def test_no_position_at_all(refusal: Refusal, flight: Recording):
 
 def test_no_complete_sample_to_predict(orbident: Orbident, flight: Recording):
     written(flight, "r.csv")
-    orbident("identify", "paper-spatial", "r.csv", "-o", "run", "--quiet").done()
+    orbident(*IDENTIFY, "r.csv", "-o", "run", "--quiet").done()
     never = {"gyro.x": np.full(flight.t.size, np.nan)}
     written(flight, "s.csv", replace=never)
     orbident("validate", "run", "s.csv").refused("s.csv: 0 complete samples")
@@ -262,7 +264,7 @@ def test_spikes_are_left_out_and_counted(orbident: Orbident, flight: Recording):
     spiky = flight.columns["gyro.z"].copy()
     spiky[[100, 300, 301]] += 2.0
     path = written(flight, "r.csv", replace={"gyro.z": spiky})
-    ran = orbident("identify", "paper-spatial", path, "--json", "-")
+    ran = orbident(*IDENTIFY, path, "--json", "-")
     assert ran.status == 0
     assert ran.json["rejected"] == {"gyro.z": {"spike": 3}}
     assert "gyro.z: 3 spikes left out" in ran.err

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from bag_writers import KINDS, START, Sent, float64, imu, joint_state, pose, write_bag
-from running import Orbident, check_recovered
+from running import LINEAR, Orbident, check_recovered
 
 from orbident.recordings.recording import Recording
 from orbident.recordings.tables import read_recording
@@ -90,7 +90,8 @@ def test_the_recording_is_identified(orbident: Orbident, flight: Recording):
     bag = write_bag("ros2-mcap", Path(), as_messages(flight))
     Path("map.yaml").write_text(MAP)
     orbident("convert", bag, "--map", "map.yaml", "-o", "r.csv", "--quiet").done()
-    result = orbident("identify", "paper-spatial", "r.csv", "--json", "-").done().json
+    ran = orbident("identify", "paper-spatial", "r.csv", *LINEAR, "--json", "-")
+    result = ran.done().json
     inspected = orbident("inspect", "paper-spatial", "--json", "-").done().json
     # The velocity of S is derived from its positions, by a spline through 20 Hz.
     check_recovered(result, inspected, 1e-6)

@@ -5,8 +5,9 @@ from typing import Any
 import numpy as np
 import pytest
 from random_motions import random_motion
-from running import Orbident, missing, worst_error, written
+from running import LINEAR, Orbident, missing, worst_error, written
 
+from orbident.estimation.identify import Method
 from orbident.recordings.recording import Recording
 from orbident.robot.robot_file import load_robot
 from orbident.sensing.simulate import simulate
@@ -25,12 +26,18 @@ def locked(at: dict[str, float]) -> Recording:
 
 
 def check(
-    orbident: Orbident, recording: Recording, joints: list[str], tolerance: float
+    orbident: Orbident,
+    recording: Recording,
+    joints: list[str],
+    tolerance: float,
+    method: Method = "least-squares",
 ) -> dict[str, Any]:
     """Identify; what is null is named with the joint's name, all else is right."""
     written(recording, "r.csv")
     true = orbident("inspect", "paper-spatial", "--json", "-").done().json
-    ran = orbident("identify", "paper-spatial", "r.csv", "--json", "-")
+    ran = orbident(
+        *("identify", "paper-spatial", "r.csv", "--method", method, "--json", "-")
+    )
     result = ran.json
     null = missing(result["pi"]) + missing(result["phi"])
     assert null
@@ -65,6 +72,12 @@ def test_locked(orbident: Orbident, at: dict[str, float]):
     check(orbident, locked(at), list(at), EXACT)
 
 
+@pytest.mark.parametrize("method", ["maximum-likelihood", "structured"])
+def test_locked_by_the_other_methods(orbident: Orbident, method: Method):
+    at = {"joint1": 0.4}
+    check(orbident, locked(at), list(at), EXACT, method)
+
+
 @pytest.mark.parametrize(
     "at",
     [
@@ -79,7 +92,8 @@ def test_locked_with_mass_in_sums_only(orbident: Orbident, at: dict[str, float])
     pi_13 + pi_14 and phi_4 + phi_5 show, and M = (pi_13 + pi_14)/(phi_1 (phi_4 +
     phi_5))."""
     written(locked(at), "r.csv")
-    result = orbident("identify", "paper-spatial", "r.csv", "--json", "-").json
+    ran = orbident("identify", "paper-spatial", "r.csv", *LINEAR, "--json", "-")
+    result = ran.json
     assert result["mass"]["value"] == pytest.approx(1110.0, rel=EXACT)
 
 

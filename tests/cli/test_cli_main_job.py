@@ -3,9 +3,10 @@
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 from random_motions import Start, random_motion
-from running import Orbident, check_recovered, written
+from running import LINEAR, Orbident, check_recovered, written
 
 from orbident.recordings.recording import Recording
 from orbident.recordings.tables import read_recording
@@ -135,14 +136,27 @@ def test_result_json(orbident: Orbident, flight: Recording):
     }
     assert found["schema"] == "orbident/result/1"
     assert found["robot"] == "paper-spatial"
-    assert found["method"] == "least-squares"
+    assert found["method"] == "maximum-likelihood"
     assert found["initial_momentum"] == "unknown"
     assert found["samples"] == 801
     assert {"value", "std"} <= set(found["mass"])
-    for name in ("pi", "phi", "base"):
+    for name in ("pi", "phi"):
         assert set(found[name]) == {"names", "formulas", "values", "std"}
+    assert set(found["base"]) == {
+        *("names", "formulas", "values", "std"),
+        "covariance",
+    }
+    assert np.shape(found["base"]["covariance"]) == (15, 15)
     assert set(found["condition_number"]) == {"Y", "Y_normalised", "W", "W_normalised"}
-    assert {"rms", "chi2_per_dof"} <= set(found["residual"])
+    assert {"rms", "chi2_per_dof", "sensors"} <= set(found["residual"])
+    assert set(found["residual"]["sensors"]) == {
+        *("attitude", "gyro", "position", "velocity"),
+    }
+    assert found["mass"]["forms"]["names"][-3:] == [
+        "M by Eq. 32",
+        "M by structured",
+        "M by maximum likelihood",
+    ]
     assert found["signals"] == {
         "joint_rates": "measured",
         "wheel_speeds": "measured",
@@ -154,7 +168,7 @@ def test_result_json(orbident: Orbident, flight: Recording):
 
 def test_an_existing_run_needs_force(orbident: Orbident, flight: Recording):
     written(flight, "r.csv")
-    arguments = ("identify", "paper-spatial", "r.csv", "-o", "run", "--quiet")
+    arguments = ("identify", "paper-spatial", "r.csv", *LINEAR, "-o", "run", "--quiet")
     assert orbident(*arguments).done().out == ""
     Path("run/note.txt").write_text("mine")
     orbident(*arguments).refused("run: exists already", "--force")
@@ -185,7 +199,7 @@ def test_validate_predicts_another_motion(
 ):
     written(recorded(robot, flight, table_run), "r.parquet")
     orbident(
-        *("identify", robot, "r.parquet", "-o", "run"),
+        *("identify", robot, "r.parquet", "-o", "run", *LINEAR),
         *("--initial-momentum", momentum, "--quiet"),
     ).done()
     save_trajectory(

@@ -7,7 +7,7 @@ from typing import Any, Literal
 import numpy as np
 import pytest
 from random_motions import Start, random_motion
-from running import Orbident, Ran, check_recovered, missing, worst_error
+from running import LINEAR, Orbident, Ran, check_recovered, missing, worst_error
 from urdf_pieces import ARM, BASE, WHEELS, joint, link, robot_file, urdf
 
 from orbident.robot.robot_file import load_robot
@@ -43,6 +43,7 @@ class Whole:
     ) -> Ran:
         return self.orbident(
             *("identify", self.path, recording, "--initial-momentum", momentum),
+            *LINEAR,
             *("-o", "run", "--force", "--json", "-"),
         )
 
@@ -112,7 +113,7 @@ def test_two_arms(orbident: Orbident, tmp_path: Path):
     shown = orbident("inspect", whole.path).done().out
     for name in ("[bold]two arms: spatial", *NAMES):
         assert name in shown
-    identified = orbident("identify", whole.path, "r.parquet").done()
+    identified = orbident("identify", whole.path, "r.parquet", *LINEAR).done()
     assert identified.out.startswith("[bold]two arms: ok")
 
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 from random_motions import random_motion
-from running import Orbident, written
+from running import LINEAR, Orbident, written
 
 from orbident.recordings.recording import Recording
 from orbident.robot.robot_file import load_robot
@@ -22,7 +22,7 @@ as_root = pytest.mark.skipif(
 def run(orbident: Orbident, flight: Recording) -> Path:
     """A RUN folder beside its recording `r.csv`."""
     written(flight, "r.csv", rows=slice(40))
-    orbident("identify", "paper-spatial", "r.csv", "-o", "run", "--quiet").done()
+    orbident(*IDENTIFY, "-o", "run", "--quiet").done()
     return Path("run")
 
 
@@ -32,11 +32,13 @@ def motion() -> Path:
     return Path("m.yaml")
 
 
+IDENTIFY = ("identify", "paper-spatial", "r.csv", *LINEAR)
+
 COMMANDS = [
     ("robots",),
     ("inspect", "paper-spatial"),
     ("simulate", "paper-spatial", "m.yaml", "-o", "s.csv"),
-    ("identify", "paper-spatial", "r.csv"),
+    IDENTIFY,
     ("validate", "run", "r.csv"),
     ("study", "spatial"),
 ]
@@ -64,9 +66,7 @@ def test_simulate_into_a_missing_folder(orbident: Orbident, motion: Path):
 
 
 def test_identify_makes_the_folders_of_its_run(orbident: Orbident, run: Path):
-    orbident(
-        "identify", "paper-spatial", "r.csv", "-o", "deep/er/run", "--quiet"
-    ).done()
+    orbident(*IDENTIFY, "-o", "deep/er/run", "--quiet").done()
     assert Path("deep/er/run/result.json").is_file()
 
 
@@ -115,8 +115,8 @@ def test_json_into_a_pipe(orbident: Orbident):
 def test_unwritable_folder(orbident: Orbident, run: Path, motion: Path):
     Path("locked").mkdir(mode=0o500)
     for command in (
-        ("identify", "paper-spatial", "r.csv", "-o", "locked/run"),
-        ("identify", "paper-spatial", "r.csv", "--json", "locked/x.json"),
+        (*IDENTIFY, "-o", "locked/run"),
+        (*IDENTIFY, "--json", "locked/x.json"),
         ("simulate", "paper-spatial", motion, "-o", "locked/r.csv"),
         ("study", "spatial", "-o", "locked/study"),
     ):

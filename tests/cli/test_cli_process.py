@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from running import written
+from running import LINEAR, written
 
 from orbident.recordings.recording import Recording
 
@@ -186,7 +186,7 @@ def test_progress_in_a_terminal(flight: Recording):
     written(flight, "r.csv")
     terminal, inside = pty.openpty()
     with subprocess.Popen(
-        [*ORBIDENT, "identify", "paper-spatial", "r.csv", "--json", "-"],
+        [*ORBIDENT, "identify", "paper-spatial", "r.csv", "--json", "-", *LINEAR],
         stdout=subprocess.PIPE,
         stderr=inside,
         text=True,

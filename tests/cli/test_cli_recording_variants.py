@@ -5,10 +5,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from running import Orbident, check_recovered, worst_error, written
+from running import LINEAR, Orbident, check_recovered, worst_error, written
 
 from orbident.recordings.recording import Recording
 from orbident.recordings.tables import write_recording
+
+IDENTIFY = ("identify", "paper-spatial", *LINEAR)
 
 EXACT = 1e-9
 SPLINE = 1e-6
@@ -38,7 +40,7 @@ def check(orbident: Orbident):
     true = orbident("inspect", "paper-spatial", "--json", "-").done().json
 
     def checked(path: object, tolerance: float) -> dict[str, Any]:
-        result = orbident("identify", "paper-spatial", path, "--json", "-").done().json
+        result = orbident(*IDENTIFY, path, "--json", "-").done().json
         check_recovered(result, true, tolerance)
         return result
 
@@ -190,7 +192,7 @@ def test_the_fewest_samples(orbident: Orbident, seen: Recording):
     """8 samples have 24 momentum equations for 22 unknowns."""
     true = orbident("inspect", "paper-spatial", "--json", "-").done().json
     path = written(seen, "r.csv", rows=slice(0, 800, 100))
-    result = orbident("identify", "paper-spatial", path, "--json", "-").done().json
+    result = orbident(*IDENTIFY, path, "--json", "-").done().json
     # Hardly more equations than unknowns: the condition number costs digits.
     for name in ("pi", "phi"):
         assert worst_error(result[name], true[name]) < 1e-6

@@ -4,7 +4,7 @@ import json
 from pathlib import Path
 
 import pytest
-from running import Orbident
+from running import LINEAR, Orbident
 
 PLANAR_FILES = {
     "trajectory.yaml",
@@ -36,7 +36,7 @@ def test_planar(orbident: Orbident):
     file = "kept/identification.csv"
     found = orbident(
         *("identify", "cepheus-like", file, "--initial-momentum", "at-rest"),
-        *("--json", "-"),
+        *(*LINEAR, "--json", "-"),
     )
     assert found.done().json["status"] == "ok"
     scores = orbident("validate", "kept/run", "kept/validation.csv", "--json", "-")

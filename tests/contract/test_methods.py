@@ -2,10 +2,12 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
 from random_motions import random_motion
+from scipy.spatial.transform import Rotation
 
 from orbident.errors import InputError
 from orbident.estimation.identify import METHODS, Method, identify
@@ -20,7 +22,18 @@ from orbident.sensing.simulate import simulate
 pytestmark = pytest.mark.parametrize("method", METHODS)
 
 EXACT = 1e-9
-"""Relative error without noise; a method that iterates may stop there."""
+"""Relative error without noise. What maximum likelihood adds, splines and RK4 from row
+to row, is a few 1e-10 at 20 rows a second; it is 1e-10 of the simulated attitude too."""
+
+UNEVEN: dict[Method, float] = {
+    "maximum-likelihood": 1e-5,
+    "structured": EXACT,
+    "least-squares": EXACT,
+}
+"""Where rows are up to half a second apart: the linear methods take each row for
+itself, maximum likelihood predicts from row to row with splines: (0.3 s)^4 of a rad."""
+
+LINEAR: tuple[Method, ...] = ("structured", "least-squares")
 
 
 @pytest.fixture(scope="module")
@@ -31,6 +44,12 @@ def robot() -> Robot:
 @pytest.fixture(scope="module")
 def recording(robot: Robot) -> Recording:
     return simulate(robot, random_motion(robot))
+
+
+@pytest.fixture(scope="module")
+def identified(robot: Robot, recording: Recording) -> Callable[[Method], Result]:
+    """Of the exact recording, once by each method."""
+    return cache(lambda method: identify(robot, recording, method))
 
 
 def changed(
@@ -71,8 +90,10 @@ def check_close(
         assert error < tolerance, name
 
 
-def test_exact_data_are_recovered(method: Method, robot: Robot, recording: Recording):
-    result = identify(robot, recording, method)
+def test_exact_data_are_recovered(
+    method: Method, robot: Robot, recording: Recording, identified
+):
+    result = identified(method)
     assert result.status == "ok"
     assert result.warnings == ()
     assert result.method == method
@@ -88,10 +109,8 @@ def test_the_nominal_inertia_is_not_the_answer(
     check_close(values(result), truth(robot))
 
 
-def test_all_estimates_have_deviations(
-    method: Method, robot: Robot, recording: Recording
-):
-    result = identify(robot, recording, method)
+def test_all_estimates_have_deviations(method: Method, identified):
+    result = identified(method)
     for estimates in (result.pi, result.phi, result.base, result.mass_forms):
         assert isinstance(estimates, Estimates)
         assert np.isfinite(estimates.std).all()
@@ -103,19 +122,24 @@ def test_all_estimates_have_deviations(
     np.testing.assert_allclose(C, C.T, atol=1e-12 * np.abs(C).max())
     deviations = np.concatenate([result.pi.std, result.phi.std])
     np.testing.assert_allclose(np.sqrt(np.diag(C)), deviations)
+    B = result.base_covariance
+    np.testing.assert_allclose(np.sqrt(np.diag(B)), result.base.std)
 
 
 def test_fewer_rows_give_the_same(method: Method, robot: Robot, recording: Recording):
     some = np.sort(np.random.default_rng(0).permutation(recording.t.size)[:300])
-    check_close(
-        values(identify(robot, changed(recording, rows=some), method)), truth(robot)
-    )
+    result = identify(robot, changed(recording, rows=some), method)
+    check_close(values(result), truth(robot), UNEVEN[method])
 
 
 def test_rows_that_lack_something_are_ignored(
     method: Method, robot: Robot, recording: Recording
 ):
-    """Whatever else stands in a row without gyro or attitude does not count."""
+    """Whatever else stands in a row without gyro or attitude does not count.
+
+    To the linear methods, which need all of a row; the velocities of such rows are
+    wrong here. Maximum likelihood uses every sample, and they are right.
+    """
     random = np.random.default_rng(0)
     holes = {}
     for sensor, every in (("gyro", 3), ("attitude", 4)):
@@ -124,7 +148,7 @@ def test_rows_that_lack_something_are_ignored(
                 holes[name] = column.copy()
                 holes[name][::every] = np.nan
     wrong = np.isnan(holes["gyro.x"]) | np.isnan(holes["attitude.x"])
-    for name in ("velocity.x", "velocity.y"):
+    for name in ("velocity.x", "velocity.y") if method in LINEAR else ():
         holes[name] = np.where(
             wrong, random.standard_normal(wrong.size), recording.columns[name]
         )
@@ -145,12 +169,13 @@ def test_velocity_may_have_its_own_gaps(
 
 
 def test_columns_that_mean_nothing_do_not_matter(
-    method: Method, robot: Robot, recording: Recording
+    method: Method, robot: Robot, recording: Recording, identified
 ):
+    """Nor does the order of the columns."""
     extra = {"temperature": np.full(recording.t.size, np.nan)}
     reverse = dict(reversed({**recording.columns, **extra}.items()))
     result = identify(robot, Recording(recording.t, reverse), method)
-    check_close(values(result), values(identify(robot, recording, method)), 1e-15)
+    check_close(values(result), values(identified(method)), 1e-15)
 
 
 @pytest.mark.parametrize("factor", [1e-3, 1e3])
@@ -191,28 +216,88 @@ def test_another_clock(method: Method, robot: Robot, recording: Recording):
 def test_noise_shows_in_the_deviations(
     method: Method, robot: Robot, recording: Recording
 ):
-    """Ten times the noise gives ten times the deviations; small noise, small errors."""
+    """Ten times the noise gives ten times the deviations; small noise, small errors.
+
+    Noise of what each method takes for noisy: the right-hand sides of the linear
+    equations; all sensors of the base.
+    """
+    noisy = (
+        ("velocity", "wheel") if method in LINEAR else ("velocity", "gyro", "position")
+    )
     random = np.random.default_rng(0)
-    noise = {
-        f"velocity.{k}": random.standard_normal(recording.t.size) for k in "xyz"
-    } | {f"wheel.rw_{k}.speed": random.standard_normal(recording.t.size) for k in "xyz"}
+    draws = {
+        name: random.standard_normal(recording.t.size)
+        for name in recording.columns
+        if name.startswith(noisy)
+    }
     results = []
     for level in (1e-6, 1e-5):
-        noisy = {
-            name: recording.columns[name] + level * draw for name, draw in noise.items()
+        columns = {
+            name: recording.columns[name] + level * draw for name, draw in draws.items()
         }
-        results.append(identify(robot, changed(recording, noisy), method))
+        columns |= attitude_with_noise(
+            recording, level if method not in LINEAR else 0.0
+        )
+        results.append(identify(robot, changed(recording, columns), method))
     for name in ("pi", "phi", "base"):
         small, large = (getattr(result, name) for result in results)
-        np.testing.assert_allclose(large.std, 10 * small.std, rtol=1e-3)
+        # A search ends within a hundredth of a deviation, weights within 5 %.
+        np.testing.assert_allclose(
+            large.std, 10 * small.std, rtol=1e-3 if method in LINEAR else 0.02
+        )
         error = getattr(results[0], name).values - truth(robot)[name]
         # Of some 20 standard normal numbers the largest is hardly ever beyond 4.
         assert np.abs(error / small.std).max() < 4.5
     assert abs(results[0].mass.value - robot.mass) < 4.5 * results[0].mass.std
 
 
-def test_it_predicts(method: Method, robot: Robot, recording: Recording):
-    result = identify(robot, recording, method)
+def attitude_with_noise(recording: Recording, std: float) -> dict[str, np.ndarray]:
+    """Small random rotations, rad."""
+    x = Rotation.from_quat(recording.vector("attitude", "xyzw"))
+    draw = np.random.default_rng(1).standard_normal((recording.t.size, 3))
+    turned = (x * Rotation.from_rotvec(std * draw)).as_quat()
+    return {f"attitude.{k}": turned[:, i].copy() for i, k in enumerate("xyzw")}
+
+
+def test_bursts_without_samples(method: Method, robot: Robot, recording: Recording):
+    """Each sensor of the base is silent for some seconds, at times of its own."""
+    holes = {}
+    for k, sensor in enumerate(("gyro", "attitude", "velocity", "position")):
+        silent = (recording.t > 5 + 6 * k) & (recording.t < 9 + 6 * k)
+        for name, column in recording.columns.items():
+            if name.startswith(sensor):
+                holes[name] = np.where(silent, np.nan, column)
+    result = identify(robot, changed(recording, holes), method)
+    assert result.status == "ok"
+    check_close(values(result), truth(robot))
+
+
+def test_short_numbers(method: Method, robot: Robot, recording: Recording):
+    """Columns of float32, as many loggers write: rounded to 6e-8 of themselves."""
+    short = {
+        name: column.astype(np.float32) for name, column in recording.columns.items()
+    }
+    result = identify(robot, changed(recording, short), method)
+    assert result.status == "ok"
+    # Conditions of some hundred, 800 rows to average over.
+    check_close(values(result), truth(robot), 1e-5)
+
+
+@pytest.mark.parametrize("sensor", ["gyro", "attitude"])
+def test_a_sensor_that_never_showed_anything_is_refused(
+    method: Method, robot: Robot, recording: Recording, sensor: str
+):
+    dead = {
+        name: np.full_like(column, np.nan)
+        for name, column in recording.columns.items()
+        if name.startswith(sensor)
+    }
+    with pytest.raises(InputError, match=sensor):
+        identify(robot, changed(recording, dead), method)
+
+
+def test_it_predicts(method: Method, robot: Robot, identified):
+    result = identified(method)
     other = simulate(robot, random_motion(robot, seed=5, duration=10.0))
     scores = validate(result, other)
     assert scores.samples == other.t.size
@@ -265,9 +350,9 @@ def test_inputs_are_left_alone(method: Method, robot: Robot, recording: Recordin
         np.testing.assert_array_equal(recording.columns[name], column)
 
 
-def test_twice_the_same(method: Method, robot: Robot, recording: Recording):
-    first, second = (values(identify(robot, recording, method)) for _ in range(2))
-    for name, expected in first.items():
+def test_twice_the_same(method: Method, robot: Robot, recording: Recording, identified):
+    second = values(identify(robot, recording, method))
+    for name, expected in values(identified(method)).items():
         np.testing.assert_array_equal(second[name], expected)
 
 

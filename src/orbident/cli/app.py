@@ -7,8 +7,10 @@ from typing import Annotated
 
 import typer
 
+from orbident.cli.compare import compare
 from orbident.cli.convert import convert
 from orbident.cli.excite import excite
+from orbident.cli.export import export
 from orbident.cli.identify import identify
 from orbident.cli.inspect import inspect
 from orbident.cli.robots import robots
@@ -42,6 +44,8 @@ for verb in (
     identify,
     weigh,
     validate,
+    compare,
+    export,
     study,
 ):
     app.command()(verb)

@@ -1,7 +1,8 @@
-"""`orbident study spatial|planar`."""
+"""`orbident study spatial|planar|control`."""
 
 from collections.abc import Callable, Mapping
 from enum import StrEnum
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -19,16 +20,27 @@ FIGURES = tuple(f"fig{number:02}" for number in range(6, 14))
 
 
 class Study(StrEnum):
-    """Which part of the paper."""
+    """Which part of the paper; or what its result is good for."""
 
     spatial = "spatial"
     planar = "planar"
+    control = "control"
 
 
 RECORDINGS = {
     Study.spatial: ("recording",),
     Study.planar: ("identification", "burn", "validation"),
+    Study.control: ("recording",),
 }
+
+
+class Method(StrEnum):
+    """How parameters are estimated from noisy recordings."""
+
+    paper = "paper"
+    maximum_likelihood = "maximum-likelihood"
+    structured = "structured"
+    least_squares = "least-squares"
 
 
 class Noise(StrEnum):
@@ -41,7 +53,10 @@ class Noise(StrEnum):
 def study(
     name: Annotated[
         Study,
-        typer.Argument(metavar="spatial|planar", help="Section 4, or Section 5."),
+        typer.Argument(
+            metavar="spatial|planar|control",
+            help="Section 4, Section 5, or tracking with what Section 4 identifies.",
+        ),
     ],
     noise: Annotated[
         Noise,
@@ -51,6 +66,13 @@ def study(
         int, typer.Option(help="How many runs with noise, for RMS and worst.", min=1)
     ] = 1,
     seed: Annotated[int, typer.Option(help="Of the first run.", min=0)] = 0,
+    method: Annotated[
+        Method,
+        typer.Option(
+            help="The paper's, or one of 'identify' on the recordings as they are; "
+            "planar shows both, with maximum likelihood unless another is named."
+        ),
+    ] = Method.paper,
     out: Annotated[
         Path | None,
         typer.Option(
@@ -78,9 +100,9 @@ def study(
         output.warn([f"--seeds {seeds}: without noise all are alike, so 1 is run"])
         seeds = 1
     prepare_jax()
-    run, lines = _runner(name)
+    run, lines = _runner(name, method)
     with progress(f"study {name}") as done_so_far:
-        done = run(noise.value, seeds, seed, done_so_far)
+        done = run(noise.value, seeds, seed, progress=done_so_far)
     if out is not None:
         _keep(done, name, out, force)
     output.say(*lines(done))
@@ -94,16 +116,25 @@ def study(
         raise typer.Exit(1)
 
 
-def _runner(name: Study) -> tuple[Callable[..., Any], Callable[[Any], list[Any]]]:
+def _runner(
+    name: Study, method: Method
+) -> tuple[Callable[..., Any], Callable[[Any], list[Any]]]:
     """What runs it, and what says how it went."""
     from orbident.cli.study_tables import planar_lines, spatial_lines
 
     if name == Study.spatial:
         from orbident.studies.run_spatial import run_spatial
 
-        return run_spatial, spatial_lines
+        return partial(run_spatial, method=method.value), spatial_lines
+    if name == Study.control:
+        from orbident.cli.control_lines import control_lines
+        from orbident.studies.control import run_control
+
+        return run_control, control_lines
     from orbident.studies.run_planar import run_planar
 
+    if method != Method.paper:
+        return partial(run_planar, method=method.value), planar_lines
     return run_planar, planar_lines
 
 
@@ -127,7 +158,7 @@ def _keep(done: Any, name: Study, out: Path, force: bool) -> None:
 
     out.mkdir(parents=True, exist_ok=True)
     save_trajectory(done.trajectory, out / TRAJECTORY)
-    if name == Study.spatial:
+    if name != Study.planar:
         recordings = (done.recording,)
     else:
         from orbident.studies.planar_figures import write_figures
@@ -136,7 +167,8 @@ def _keep(done: Any, name: Study, out: Path, force: bool) -> None:
         write_figures(done.figures, out)
     for file, recording in zip(RECORDINGS[name], recordings, strict=True):
         write_recording(recording, out / f"{file}.csv")
-    _draw_cut_offs(done.cut_offs, out / CUT_OFFS)
+    if name != Study.control:
+        _draw_cut_offs(done.cut_offs, out / CUT_OFFS)
     save_result(done.result, out / RUN, force)
 
 

@@ -33,7 +33,7 @@ def test_table_5_in_the_papers_basis(emulator):
 def test_condition_numbers_are_those_of_the_identification(servicer, table_2, spatial):
     """Automatic basis, Eq. 24: the factor that least squares folds row by row."""
     recording = simulate(servicer, table_2, rate=12.5)
-    found = identify(servicer, recording, initial_momentum="first-sample")
+    found = identify(servicer, recording, "least-squares", "first-sample")
     ours = spatial.scores[0]
     # The same samples: 1001 in 80 s.
     for name, value in found.condition_number.items():

@@ -12,11 +12,7 @@ from orbident.dynamics.tree import tree_of
 from orbident.dynamics.wheels import wheels_of
 from orbident.errors import InputError
 from orbident.excitation.floating import seen_along, shown_along, spacecraft_of
-from orbident.excitation.information import (
-    derivatives_of_beta,
-    information,
-    sensing_of,
-)
+from orbident.excitation.information import information, sensing_of
 from orbident.regressors.minimal_sets import minimal_sets
 from orbident.spatial.rotations import quaternion_matrix
 
@@ -98,19 +94,6 @@ def test_the_gyro_and_the_accelerometer(servicer, table_2, motion):
     expected = left.T @ left
     # Differences are good to 1e-7 of the largest entry.
     np.testing.assert_allclose(ours, expected, rtol=0, atol=1e-6 * expected.max())
-
-
-def test_derivatives_of_beta_by_differences(servicer):
-    sets = minimal_sets(servicer)
-    beta = sets.beta(servicer.theta)
-    dpi, dphi = derivatives_of_beta(sets, beta)
-    for k in range(beta.size):
-        direction = sets.base.theta_of[:, k].reshape(servicer.theta.shape)
-        more, less = (servicer.theta + s * 1e-4 * direction for s in (1, -1))
-        for function, found in ((sets.pi, dpi), (sets.phi, dphi)):
-            difference = (function(more) - function(less)) / 2e-4
-            # Truncation (1e-4 of 1000 kg)^2, rounding 1e-16 * 1000 / 1e-4.
-            np.testing.assert_allclose(found[:, k], difference, rtol=0, atol=1e-8)
 
 
 def test_without_sensors_the_information_is_refused(servicer):

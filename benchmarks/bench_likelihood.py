@@ -1,0 +1,110 @@
+"""Maximum likelihood and recursion on the paper's servicer, and how they grow."""
+
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+
+from orbident.estimation.identify import identify
+from orbident.estimation.recursive.extended import Extended
+from orbident.estimation.recursive.history import smoothed_rate
+from orbident.estimation.recursive.noise import noise_of
+from orbident.estimation.recursive.prior import cad_prior
+from orbident.estimation.recursive.sample import stream
+from orbident.precision import in_float64
+from orbident.regressors.minimal_sets import minimal_sets
+from orbident.sensing.simulate import simulate
+from orbident.signals.samples import samples_of
+from orbident.studies.spatial import spatial_robot, spatial_trajectory
+
+SECONDS = 2.0
+COLD_SECONDS = 15.0
+STEP_SECONDS = 100e-6
+LONG = 100_000
+
+COLD = """
+from orbident.studies.spatial import spatial_robot, spatial_trajectory
+robot = spatial_robot()
+recording = oi.simulate(robot, spatial_trajectory(robot), noise="sensors")
+import time
+started = time.perf_counter()
+oi.identify(robot, recording)
+print(time.perf_counter() - started)
+"""
+
+
+@pytest.fixture(scope="module")
+def robot():
+    return spatial_robot()
+
+
+@pytest.fixture(scope="module")
+def recording(robot):
+    return simulate(robot, spatial_trajectory(robot), noise="sensors")
+
+
+@pytest.mark.benchmark(group="paper-spatial")
+def bench_identify(benchmark, record, robot, recording):
+    result = identify(robot, recording)
+    benchmark.pedantic(identify, args=(robot, recording), rounds=5)
+    error = abs(result.mass.value / robot.mass - 1)
+    median = record("maximum likelihood", samples=result.samples, mass_error=error)
+    assert error < 2e-3
+    assert median < SECONDS
+
+
+@pytest.mark.benchmark(group="paper-spatial")
+def bench_cold(benchmark, record):
+    """A new process, without any cache; importing and simulating not counted."""
+
+    def run():
+        command = [sys.executable, "-c", COLD]
+        done = subprocess.run(command, capture_output=True, text=True, check=True)
+        return float(done.stdout)
+
+    seconds = benchmark.pedantic(run, rounds=1)
+    record("cold", seconds=seconds)
+    assert seconds < COLD_SECONDS
+
+
+@pytest.mark.benchmark(group="paper-spatial")
+def bench_length(benchmark, record, robot):
+    """Time per sample, of ten thousand and of a hundred thousand."""
+    trajectory = spatial_trajectory(robot)
+    seconds = []
+    for samples in (LONG // 10, LONG):
+        rate = (samples - 1) / trajectory.duration
+        long = simulate(robot, trajectory, rate=rate, noise="sensors")
+        identify(robot, long)
+        started = time.perf_counter()
+        identify(robot, long)
+        seconds.append(time.perf_counter() - started)
+    benchmark.pedantic(lambda: None, rounds=1)
+    record("length", seconds=seconds)
+    assert seconds[1] < 12 * seconds[0]
+
+
+@pytest.mark.benchmark(group="paper-spatial")
+def bench_recursive_step(benchmark, record, robot, recording):
+    """One sample, in a loop as a controller has it."""
+    run = in_float64(_run)
+    sets = minimal_sets(robot)
+    samples = samples_of(robot, recording)
+    rate, scatter = smoothed_rate(samples)
+    kalman = Extended.of(robot, sets, noise_of(robot, sets, samples, scatter))
+    every = [sample for sample in stream(samples, rate) if sample.complete]
+    prior = cad_prior(robot, sets)
+    steps = run(kalman, prior, every)
+    benchmark.pedantic(run, args=(kalman, prior, every), rounds=5)
+    median = record("recursion", steps=steps) / steps
+    assert median < STEP_SECONDS
+
+
+def _run(kalman, prior, every):
+    state = kalman.start(prior, every[0], False)
+    for sample in every:
+        state, _ = kalman.step(state, sample)
+    assert np.isfinite(state.beta).all()
+    return len(every)

@@ -1,0 +1,97 @@
+"""`orbident compare BEFORE AFTER`."""
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from orbident.cli.options import Json, Quiet
+
+
+def compare(
+    before: Annotated[
+        Path, typer.Argument(metavar="BEFORE", help="A RUN that 'identify -o' wrote.")
+    ],
+    after: Annotated[
+        Path, typer.Argument(metavar="AFTER", help="A RUN of the same robot.")
+    ],
+    body: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME",
+            help="The body that holds what was captured; by default the one that "
+            "explains the change best.",
+        ),
+    ] = None,
+    json: Json = None,
+    quiet: Quiet = False,
+) -> None:
+    """Find what a robot captured, or let go, between two recordings."""
+    from orbident.cli.output import Output, prepare_jax
+    from orbident.identified.comparison import compare as compared
+    from orbident.identified.run_folder import load_result
+
+    output = Output(json, quiet)
+    results = load_result(before), load_result(after)
+    prepare_jax()
+    comparison = compared(*results, body)
+    output.say(*_lines(comparison))
+    output.warn(comparison.warnings)
+    output.write_json(comparison.to_json())
+    if comparison.status == "rejected":
+        raise typer.Exit(1)
+
+
+def _lines(comparison: Any) -> list[Any]:
+    change = comparison.change
+    if change is None:
+        return ["rejected"]
+    lines: list[Any] = [
+        f"{comparison.status}: the base parameters differ by chi-square "
+        f"{change.value:.4g}, expected {change.dof} (p {change.p:.2g})"
+    ]
+    if comparison.explanations:
+        lines += ["", _explanations(comparison.explanations)]
+    if comparison.added is not None:
+        lines += ["", *_added(comparison)]
+    return lines
+
+
+def _explanations(explanations: Any) -> Any:
+    from rich.table import Table
+
+    table = Table("joined", "chi-square left", "expected", "p", "probability", box=None)
+    for e in explanations:
+        left = f"{e.left.value:.4g}", f"{e.left.dof}", f"{e.left.p:.2g}"
+        table.add_row(e.body, *left, f"{e.probability:.2g}")
+    return table
+
+
+def _added(comparison: Any) -> list[Any]:
+    from rich.table import Table
+
+    added, body = comparison.added, comparison.body
+    did = "let go" if added.mass.value < 0 else "captured"
+    table = Table("", "value", "std", "95 % from", "to", box=None)
+    table.add_row("mass, kg", *_numbers(added.mass.value, added.mass.std))
+    for what, unit, found in (
+        ("", "m", added.com),
+        (", about its CM", "kg m^2", added.I_com),
+        (f", about the origin of {body}", "kg m^2", added.I_origin),
+    ):
+        for name, _, value, std in found:
+            table.add_row(f"{name}{what}, {unit}", *_numbers(value, std))
+    lines: list[Any] = [f"{did} on {body}; in the frame of {body}", table]
+    return lines + [
+        f"{name} is not determined: {why}"
+        for name, why in comparison.undetermined.items()
+    ]
+
+
+def _numbers(value: float, std: float) -> list[str]:
+    from orbident.identified.added_body import interval
+
+    if value != value:
+        return ["-"] * 4
+    low, high = interval(value, std)
+    return [f"{value:.6g}", f"{std:.2g}", f"{low:.6g}", f"{high:.6g}"]

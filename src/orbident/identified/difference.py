@@ -1,0 +1,135 @@
+"""What two results of one robot differ by, in parameters that both can be told in.
+
+A result holds `beta = T theta`, of a `theta` that its robot's structure restricts. Let
+`T_c` be for the robot of which only that is known which both structures know. Its
+momentum is linear in `theta`, with the columns of either robot among its own: what one
+result does not see of its `theta`, `T_c` does not see on the same columns. So
+
+    T_c theta = J beta,  J = T_c theta_of
+
+whatever `theta` has this `beta`. A body `theta_t` that joins body `i` adds
+`T_c[:, i] theta_t`, and for independent recordings
+
+    d = J_after beta_after - J_before beta_before = T_c[:, i] theta_t + e,
+    cov e = J_after C_after J_after^T + J_before C_before J_before^T.
+"""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Bool, Float
+from scipy.linalg import null_space
+
+from orbident.errors import InputError
+from orbident.estimation.result import Result
+from orbident.regressors.minimal_sets import minimal_sets
+from orbident.robot.description import Robot, Structure
+
+FLOOR = 1e-12
+"""Of a correlation matrix: its eigenvalues are known to rounding."""
+
+ZERO = 1e-8
+"""Of singular values with columns of length one: dependent ones have 1e-13."""
+
+
+class Difference(NamedTuple):
+    """`d = T theta_t + e`, `W` whitens `e`: what both results determine, over its std.
+
+    `T` has the columns of all bodies.
+    """
+
+    d: Float[np.ndarray, " rows"]
+    T: Float[np.ndarray, "rows theta"]
+    W: Float[np.ndarray, "rows rows"]
+    T_c: Float[np.ndarray, "beta theta"]
+    """With what one of the results does not determine."""
+
+
+class Shown(NamedTuple):
+    """What columns tell of their parameters: combinations `V z` of them, scaled."""
+
+    V: Float[np.ndarray, "columns rank"]
+    alone: Bool[np.ndarray, " columns"]
+    """Which parameters show, not only in combinations with others."""
+
+
+def difference_of(before: Result, after: Result) -> Difference:
+    """Subtract two accepted results of one robot.
+
+    Raises:
+        InputError: their structures contradict each other, or a result has not its
+            robot's number of base parameters.
+    """
+    T_c = minimal_sets(_known_of_both(before.robot, after.robot)).base.T
+    d, C = np.zeros(len(T_c)), np.zeros((len(T_c), len(T_c)))
+    lost = []
+    for sign, result in ((-1.0, before), (1.0, after)):
+        J = T_c @ _theta_of(result)
+        known = np.isfinite(result.base.values + np.diag(result.base_covariance))
+        d += sign * J[:, known] @ result.base.values[known]
+        C += J[:, known] @ result.base_covariance[known][:, known] @ J[:, known].T
+        lost.append(J[:, ~known])
+    std = np.sqrt(np.diag(C))
+    std[std == 0.0] = 1.0
+    # Combinations in which what is undetermined does not occur.
+    Q = _free_of(np.hstack(lost) / std[:, None])
+    values, vectors = np.linalg.eigh(Q.T @ (C / np.outer(std, std)) @ Q)
+    W = (vectors / np.sqrt(np.maximum(values, FLOOR))).T
+    return Difference(Q.T @ (d / std), Q.T @ (T_c / std[:, None]), W, T_c)
+
+
+def shown(X: Float[np.ndarray, "rows columns"]) -> Shown:
+    """Which parameters a matrix shows."""
+    size = np.linalg.norm(X, axis=0)
+    size[size == 0.0] = 1.0
+    _, s, Vt = np.linalg.svd(X / size)
+    rank = int(np.sum(s > ZERO * s.max(initial=0.0)))
+    alone = np.linalg.norm(Vt[rank:], axis=0) < np.sqrt(ZERO)
+    return Shown(Vt[:rank].T / size[:, None], alone)
+
+
+def _theta_of(result: Result) -> Float[np.ndarray, "theta beta"]:
+    theta_of = minimal_sets(result.robot).base.theta_of
+    size = theta_of.shape[1]
+    if result.base_covariance.shape != (size, size) or result.base.values.size != size:
+        raise InputError(
+            f"the result has not the {size} base parameters of robot "
+            f"'{result.robot.name}', or not their covariance; identify again"
+        )
+    return theta_of
+
+
+def _free_of(
+    columns: Float[np.ndarray, "beta lost"],
+) -> Float[np.ndarray, "beta rows"]:
+    size = np.linalg.norm(columns, axis=0)
+    if not size.any():
+        return np.eye(len(columns))
+    return np.asarray(null_space((columns[:, size > 0] / size[size > 0]).T, rcond=ZERO))
+
+
+def _known_of_both(before: Robot, after: Robot) -> Robot:
+    structure = {
+        body: _known(body, before.structure, after.structure) for body in after.bodies
+    }
+    both = replace(after, structure=structure)
+    # The minimal sets of the robot itself are found already.
+    return after if both.free_parameters == after.free_parameters else both
+
+
+def _known(
+    body: str, before: Mapping[str, Structure], after: Mapping[str, Structure]
+) -> Structure:
+    a, b = before.get(body, Structure()), after.get(body, Structure())
+    axes = {a.com_on_axis, b.com_on_axis}
+    if len(axes - {None}) > 1:
+        raise InputError(
+            f"structure: {body}: com_on_axis is {a.com_on_axis} before and "
+            f"{b.com_on_axis} after; identify one of them again without it"
+        )
+    return Structure(
+        com_on_axis=None if None in axes else a.com_on_axis,
+        principal_axes=a.principal_axes and b.principal_axes,
+    )

@@ -1,0 +1,142 @@
+"""A robot's URDF with other inertias, and the proof that it means them."""
+
+import xml.etree.ElementTree as ET
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+
+from orbident.errors import InputError
+from orbident.files.schema_errors import validated
+from orbident.regressors.minimal_sets import minimal_sets
+from orbident.robot.assembly import assembled
+from orbident.robot.description import Robot
+from orbident.robot.fusing import Placement, fused
+from orbident.robot.parameters import (
+    FIRST_MOMENT,
+    MASS,
+    PER_BODY,
+    inertia_about_com,
+    transformed,
+)
+from orbident.robot.schema import RobotFile
+from orbident.robot.tree import LinkTree, link_tree
+from orbident.robot.urdf import read_urdf
+
+PLACE = "exported URDF"
+SAME = 1e-9
+"""Relative difference of base parameters that are the same but for rounding."""
+
+
+class Links(NamedTuple):
+    """Where the URDF's links are in the bodies of the robot."""
+
+    tree: LinkTree
+    placements: dict[str, Placement]
+    """In frames of links: the base's is the base link's, not at S."""
+    rotors: frozenset[str]
+    """Links that turn with a wheel."""
+
+
+def links_of(robot: Robot) -> Links:
+    """The links behind a robot's bodies.
+
+    Raises:
+        InputError: the robot was not loaded from a URDF.
+    """
+    if not robot.urdf:
+        raise InputError(
+            f"robot '{robot.name}' was not loaded from a URDF; nothing can be exported"
+        )
+    file = validated(RobotFile, dict(robot.document), robot.name)
+    tree = link_tree(read_urdf(robot.urdf, robot.name), file.base_link)
+    held = frozenset(wheel.joint for wheel in file.wheels if wheel.joint is not None)
+    turning = [
+        joint.child
+        for below in tree.children.values()
+        for joint in below
+        if joint.name in held
+    ]
+    rotors = [link for root in turning for link in fused(tree, root).placements]
+    return Links(tree, fused(tree, held=held).placements, frozenset(rotors))
+
+
+def rotor_parts(robot: Robot) -> Float[np.ndarray, "bodies 10"]:
+    """What the rotors that are links of their own add to each body's `theta`.
+
+    Raises:
+        InputError: the robot was not loaded from a URDF.
+    """
+    links = links_of(robot)
+    parts = np.zeros_like(robot.theta)
+    for name in links.rotors:
+        at = links.placements[name]
+        p = at.p - robot.feature_point
+        parts[at.body] += transformed(links.tree.links[name].theta, at.R, p)
+    return parts
+
+
+def exported_urdf(robot: Robot, theta: Float[np.ndarray, "bodies 10"]) -> str:
+    """The robot's URDF with the inertias of `theta`.
+
+    Links that are fixed to a body lose theirs, become massless. The
+    rotors that are links of their own keep theirs, which `theta` has in it.
+
+    Args:
+        robot: loaded from a URDF.
+        theta: of bodies that can exist, without their rotors too.
+
+    Raises:
+        InputError: the robot was not loaded from a URDF, or what was written does not
+            read back with the same base parameters.
+    """
+    links = links_of(robot)
+    own = theta - rotor_parts(robot)
+    own[0] = transformed(own[0], np.eye(3), robot.feature_point)
+    root = ET.fromstring(
+        robot.urdf, ET.XMLParser(target=ET.TreeBuilder(insert_comments=True))
+    )
+    for link in root.findall("link"):
+        name = link.get("name", "")
+        if name not in links.placements or name in links.rotors:
+            continue
+        for inertial in link.findall("inertial"):
+            link.remove(inertial)
+        # Explicit zeros: where there is no inertial, MuJoCo weighs the geometry.
+        carries = name in robot.bodies
+        theta_link = own[robot.bodies.index(name)] if carries else np.zeros(PER_BODY)
+        link.insert(0, _inertial(theta_link))
+    ET.indent(root)
+    text = ET.tostring(root, encoding="unicode", xml_declaration=True) + "\n"
+    _check_read_back(robot, theta, text)
+    return text
+
+
+def _inertial(theta_i: Float[np.ndarray, "10"]) -> ET.Element:
+    inertial = ET.Element("inertial")
+    mass = theta_i[MASS]
+    com = theta_i[FIRST_MOMENT] / (mass or 1.0)
+    I = inertia_about_com(theta_i) if mass else np.zeros((3, 3))
+    ET.SubElement(inertial, "origin", xyz=" ".join(repr(float(x)) for x in com))
+    ET.SubElement(inertial, "mass", value=repr(float(mass)))
+    entries = {f"i{'xyz'[a]}{'xyz'[b]}": I[a, b] for a in range(3) for b in range(a, 3)}
+    ET.SubElement(
+        inertial, "inertia", {name: repr(float(x)) for name, x in entries.items()}
+    )
+    return inertial
+
+
+def _check_read_back(
+    robot: Robot, theta: Float[np.ndarray, "bodies 10"], text: str
+) -> None:
+    document = dict(robot.document)
+    file = validated(RobotFile, document, PLACE)
+    again = assembled(file, document, read_urdf(text, PLACE), text, PLACE)
+    sets = minimal_sets(robot)
+    meant, found = sets.beta(theta), sets.beta(again.theta)
+    off = np.abs(found - meant).max() / np.abs(meant).max()
+    if not off <= SAME:
+        raise InputError(
+            f"{robot.name}: the URDF reads back with base parameters that are off by "
+            f"{off:.2g}; report this with the RUN folder"
+        )

@@ -1,0 +1,87 @@
+"""`export`: the identified model as a URDF, and its matrices in one configuration."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from running import Orbident, worst_error, written
+
+from orbident.recordings.recording import Recording
+
+
+@pytest.fixture
+def run(orbident: Orbident, flight: Recording) -> str:
+    written(flight, "r.parquet")
+    arguments = ("--method", "least-squares", "-o", "run", "--quiet")
+    orbident("identify", "paper-spatial", "r.parquet", *arguments).done()
+    return "run"
+
+
+def test_urdf(orbident: Orbident, run: str):
+    """It is a robot with the identified parameters, for every other verb."""
+    words = orbident("export", run, "-o", "identified.urdf").done().out
+    assert "identified.urdf: 4 bodies, base parameters" in words
+    text = Path(f"{run}/robot.yaml").read_text()
+    Path("identified.yaml").write_text(text.replace("robot.urdf", "identified.urdf"))
+    inspected = orbident("inspect", "identified.yaml", "--json", "-").done().json
+    result = json.loads(Path(f"{run}/result.json").read_text())
+    assert worst_error(result["base"], inspected["base"]) < 1e-9
+    told = orbident("export", run, "-o", "identified.urdf", "--json", "-").done().json
+    assert told["deviation"] < 1
+    assert sum(told["masses"].values()) == pytest.approx(1110.0)
+
+
+def test_matrices(orbident: Orbident, run: str):
+    orbident("export", run, "-o", "at.json", "--q", "-0.1,0.2, 3e-1").done()
+    document = json.loads(Path("at.json").read_text())
+    assert document["q"] == {"joint1": -0.1, "joint2": 0.2, "joint3": 0.3}
+    H = np.array(document["H_plus"])
+    assert H.shape == (12, 12)
+    assert len(document["speeds"]) == 12
+    np.testing.assert_allclose(H, H.T, atol=1e-9)
+    # Eq. 14: the total mass, and the wheels' inertia.
+    np.testing.assert_allclose(np.diag(H)[:3], 1110.0, rtol=1e-9)
+    np.testing.assert_allclose(np.diag(H)[9:], 0.18, rtol=1e-12)
+    assert np.array(document["H_plus_std"]).shape == (12, 12)
+    assert {np.array(J).shape for J in document["jacobians"].values()} == {(6, 12)}
+
+
+def test_refusals(orbident: Orbident, run: str):
+    def refused(*arguments: str, words: str):
+        orbident("export", *arguments).refused(words)
+
+    refused(run, "-o", "a.xml", words="a.xml: give a name that ends in .urdf or .json")
+    refused(run, "-o", "a.json", words="give it with --q")
+    refused(run, "-o", "a.urdf", "--q", "0,0,0", words="a URDF holds in every position")
+    refused(run, "-o", "a.json", "--q", "0,0", words="expected 3 finite numbers")
+    refused(run, "-o", "a.json", "--q", "0,nan,0", words="expected 3 finite numbers")
+    refused(run, "-o", "a.json", "--q", "0;0", words="--q: found '0;0'")
+    refused(run, "-o", "no/a.urdf", words="folder 'no' does not exist")
+    refused("gone", "-o", "a.urdf", words="gone/result.json: cannot be read")
+    assert not list(Path().glob("a.*"))
+
+
+def test_a_rejected_run(orbident: Orbident, run: str):
+    path = Path(run) / "result.json"
+    document = json.loads(path.read_text())
+    path.write_text(
+        json.dumps({**document, "status": "rejected", "warnings": ["mass: too bad"]})
+    )
+    for arguments in (("-o", "a.urdf"), ("-o", "a.json", "--q", "0,0,0")):
+        orbident("export", run, *arguments).refused("is rejected", "mass: too bad")
+    assert not list(Path().glob("a.*"))
+
+
+def test_no_physical_body(orbident: Orbident, run: str):
+    """Link 3 would have less inertia than its first moment needs, with certainty."""
+    path = Path(run) / "result.json"
+    document = json.loads(path.read_text())
+    values = document["base"]["values"]
+    values[document["base"]["formulas"].index("Iyy(link3)")] = 1.0
+    path.write_text(json.dumps(document))
+    ran = orbident("export", run, "-o", "a.urdf")
+    assert ran.status == 1
+    assert "a.urdf is not written: no bodies that can exist" in ran.err
+    assert ran.err.count("\n") == 1
+    assert not Path("a.urdf").exists()

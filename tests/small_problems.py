@@ -1,0 +1,75 @@
+"""Output-error problems of a small planar robot, from a recording to its equations."""
+
+from typing import NamedTuple
+
+import numpy as np
+from random_motions import random_motion
+from random_robots import random_planar_robot
+
+from orbident.estimation.maximum_likelihood import prior_of, problem_of
+from orbident.estimation.output_error.chain import Problem, State
+from orbident.estimation.output_error.sensors import sensors_of
+from orbident.estimation.output_error.solve import Prior
+from orbident.estimation.output_error.start import start_of
+from orbident.estimation.output_error.unknowns import Own
+from orbident.recordings.recording import Recording
+from orbident.regressors.minimal_sets import minimal_sets
+from orbident.robot.description import Robot, Wheel
+from orbident.sensing.simulate import simulate
+from orbident.signals.delays import SENSORS
+from orbident.signals.samples import samples_of
+
+NOISE = {"gyro": 1e-4, "attitude": 1e-3, "position": 1e-3, "velocity": 1e-3}
+"""Std of a sample, SI."""
+
+
+SPIN = 20.0
+"""rad/s: the base then turns at half a radian a second."""
+
+
+class Small(NamedTuple):
+    """A recording's problem, where the search starts, and the truth."""
+
+    problem: Problem
+    prior: Prior
+    state: State
+    beta: np.ndarray
+
+
+def small_robot() -> Robot:
+    """One arm link on a base with one wheel."""
+    wheel = Wheel("rw", np.array([0.0, 0.0, 1.0]), 0.05, "held")
+    return random_planar_robot(2, (0,), wheels=(wheel,))
+
+
+def small_recording(robot: Robot, duration: float = 20.0) -> Recording:
+    """From rest: the base turns because the wheel spun up."""
+    motion = random_motion(robot, 1, duration, SPIN, "spun up")
+    return simulate(robot, motion)
+
+
+def noisy(recording: Recording, seed: int) -> Recording:
+    """With white noise on the sensors of the base, about z and in x and y."""
+    random = np.random.default_rng(seed)
+    columns = dict(recording.columns)
+    for name in ("gyro.z", "position.x", "position.y", "velocity.x", "velocity.y"):
+        std = NOISE[name.split(".")[0]]
+        columns[name] = columns[name] + std * random.standard_normal(recording.t.size)
+    angle = 2 * np.arctan2(columns["attitude.z"], columns["attitude.w"])
+    angle += NOISE["attitude"] * random.standard_normal(angle.size)
+    columns["attitude.z"], columns["attitude.w"] = np.sin(angle / 2), np.cos(angle / 2)
+    return Recording(recording.t, columns)
+
+
+def small_problem(robot: Robot, recording: Recording, off: float = 0.0) -> Small:
+    """With momentum known to be zero; `beta` is so far off at the start, relative."""
+    sets = minimal_sets(robot)
+    sensors = sensors_of(robot, recording, dict.fromkeys(SENSORS, 0.0))
+    samples = samples_of(robot, recording)
+    own = Own(*np.zeros((len(Own._fields), 3)))
+    problem = problem_of(robot, sets, samples, sensors)
+    beta = sets.beta(robot.theta)
+    signs = np.where(np.arange(beta.size) % 2, 1.0, -1.0)
+    start = (1 + off * signs) * beta
+    state = start_of(samples, problem.chart.t, own, start, len(robot.joints))
+    return Small(problem, prior_of(robot, sets, own, "at-rest"), state, beta)

@@ -1,0 +1,85 @@
+"""Maximum likelihood is as good as its own covariance says, from poor CAD values."""
+
+from dataclasses import replace
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from scipy.stats import chi2
+
+from orbident.estimation.identify import identify
+from orbident.regressors.minimal_sets import minimal_sets
+from orbident.robot.description import Robot
+from orbident.sensing.measure import measure
+from orbident.sensing.simulate import float_along
+from orbident.studies import tables
+from orbident.studies.run_spatial import spatial_robot, spatial_trajectory
+
+OFF = 0.2
+"""Every entry of `theta` is off by this part of itself, up or down."""
+
+CHANCE = 0.01
+"""Of a right covariance failing here, had the seeds not been chosen."""
+
+RUNS = [6, pytest.param(100, marks=pytest.mark.long)]
+
+
+class Campaign(NamedTuple):
+    """Of runs that differ in their noise and CAD values."""
+
+    errors: np.ndarray
+    """Of `[pi, phi, M]`, a row each run."""
+    std: np.ndarray
+    nees: np.ndarray
+    """Of the base parameters: squared errors whitened by their covariance."""
+    dof: int
+
+
+def off_by(robot: Robot, seed: int) -> Robot:
+    signs = np.random.default_rng(1000 + seed).choice([-1.0, 1.0], robot.theta.shape)
+    return replace(robot, theta=robot.theta * (1 + OFF * signs))
+
+
+@cache
+def campaign(runs: int) -> Campaign:
+    """Section 4's motion with Section 3.5's noise."""
+    robot = spatial_robot()
+    trajectory = spatial_trajectory(robot)
+    motion = float_along(robot, trajectory, tables.SPATIAL_RATE)
+    sets, theta = minimal_sets(robot), robot.theta
+    true, beta = np.concatenate([sets.pi(theta), sets.phi(theta)]), sets.beta(theta)
+    errors, std, nees = [], [], []
+    for seed in range(runs):
+        recording = measure(robot, motion, trajectory, seed)
+        found = identify(off_by(robot, seed), recording, "maximum-likelihood")
+        assert found.status == "ok"
+        assert found.warnings == ()
+        values = np.concatenate([found.pi.values, found.phi.values])
+        errors.append([*(values - true), found.mass.value - robot.mass])
+        std.append([*found.pi.std, *found.phi.std, found.mass.std])
+        miss = found.base.values - beta
+        nees.append(miss @ np.linalg.solve(found.base_covariance, miss))
+    return Campaign(np.array(errors), np.array(std), np.array(nees), beta.size)
+
+
+@pytest.mark.parametrize("runs", RUNS)
+def test_errors_are_as_large_as_reported(runs: int):
+    """RMS error over RMS deviation, for every `pi`, `phi` and `M`."""
+    done = campaign(runs)
+    squares = np.mean(np.square(done.errors / done.std), axis=0)
+    # Of normal errors `runs` times that is chi-square; shared among the parameters.
+    tails = CHANCE / (2 * squares.size)
+    low, high = (chi2.isf(tail, runs) / runs for tail in (1 - tails, tails))
+    assert (squares > low).all()
+    assert (squares < high).all()
+
+
+@pytest.mark.parametrize("runs", RUNS)
+def test_errors_go_together_as_reported(runs: int):
+    """Whitened by the covariance of the base parameters: 18 degrees of freedom."""
+    done = campaign(runs)
+    assert done.dof == 18
+    freedom = runs * done.dof
+    low, high = (chi2.isf(tail, freedom) for tail in (1 - CHANCE / 2, CHANCE / 2))
+    assert low < done.nees.sum() < high

@@ -1,0 +1,10 @@
+"""Tracking with models identified with the paper's noise, over seeds."""
+
+from orbident.studies.control import FACTOR, run_control
+
+
+def test_tracking_is_five_times_better_with_every_seed():
+    done = run_control("paper", seeds=5)
+    assert done.rejected == 0
+    assert done.factor >= FACTOR
+    assert done.trusted

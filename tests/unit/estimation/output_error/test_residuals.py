@@ -1,0 +1,92 @@
+"""What residuals say of the noise, on noise whose size is known."""
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+
+from orbident.estimation.output_error.residuals import (
+    HUBER,
+    LEAST,
+    Whitened,
+    change,
+    rescaled,
+    reweighted,
+    robust,
+    whitened,
+)
+from orbident.estimation.output_error.segment import Shown
+
+SAMPLES = 20000
+
+
+def noise(seed: int = 0) -> np.ndarray:
+    return np.random.default_rng(seed).standard_normal((SAMPLES, 3))
+
+
+def test_scale_of_white_noise():
+    # 60000 numbers: the std of their std is 1 / sqrt(2 n) = 0.3 %.
+    assert Whitened(2.5 * noise(), 0.0).scale == pytest.approx(2.5, rel=0.01)
+
+
+def test_scale_counts_the_unknowns():
+    """Noise of 10 samples, 6 of which were used up."""
+    values = np.array([[1.0, -1.0]] * 5)
+    assert Whitened(values, 6.0).scale == pytest.approx(np.sqrt(10 / 4))
+
+
+def test_scale_leaves_outliers_out():
+    values = noise()
+    values[::20] = 1000.0
+    # The 5 % of outliers widen the median's bound a little.
+    assert Whitened(values, 0.0).scale == pytest.approx(1.0, rel=0.01)
+
+
+def test_scale_is_never_zero():
+    assert Whitened(np.zeros((10, 3)), 0.0).scale == LEAST
+    assert Whitened(np.zeros((0, 3)), 0.0).scale == 1.0
+
+
+def test_whiteness_of_white_and_of_coloured_noise():
+    # Std of the correlation of 20000 x 3 pairs: 0.004.
+    assert abs(Whitened(noise(), 0.0).whiteness) < 0.02
+    for a in (0.5, -0.3):
+        coloured = lfilter([1.0], [1.0, -a], noise(), axis=0)
+        assert Whitened(coloured, 0.0).whiteness == pytest.approx(a, abs=0.02)
+    assert Whitened(np.zeros((10, 3)), 0.0).whiteness == 0.0
+
+
+def shown(weights: np.ndarray) -> Shown:
+    return Shown({"gyro": np.zeros(weights.shape)}, {"gyro": weights})
+
+
+def test_rows_without_a_sample_and_axes_that_do_not_count_are_left_out():
+    weights = np.ones((2, 4, 3))
+    weights[0, 1] = weights[1, 3] = 0.0
+    weights[:, :, 2] = 0.0
+    residuals = {"gyro": np.arange(24.0).reshape(2, 4, 3)}
+    found = whitened(shown(weights), residuals, {"gyro": 5.0})["gyro"]
+    expected = [[0, 1], [6, 7], [9, 10], [12, 13], [15, 16], [18, 19]]
+    np.testing.assert_array_equal(found.values, expected)
+    assert found.unknowns == 5.0
+
+
+def test_hubers_weights():
+    """The sum of squares grows linearly beyond the threshold: `HUBER |r|`."""
+    old = shown(np.ones((1, 3, 1)))
+    residuals = {"gyro": np.array([[[0.5], [-HUBER], [-100.0]]])}
+    new = robust(old, residuals)
+    again = reweighted(residuals, old, new)["gyro"].ravel()
+    np.testing.assert_allclose(again**2, [0.25, HUBER**2, HUBER * 100.0])
+
+
+def test_rescaling_and_back():
+    random = np.random.default_rng(0)
+    old = shown(np.where(random.random((2, 5, 3)) < 0.3, 0.0, 2.0))
+    new = rescaled(old, {"gyro": 4.0})
+    np.testing.assert_array_equal(new.weights["gyro"], old.weights["gyro"] / 4)
+    residuals = {"gyro": old.weights["gyro"] * random.standard_normal((2, 5, 3))}
+    found = reweighted(residuals, old, new)["gyro"]
+    np.testing.assert_allclose(found, residuals["gyro"] / 4)
+    assert change(old, old) == 0.0
+    assert change(old, new) == pytest.approx(0.75)
+    assert change(shown(np.zeros((1, 1, 1))), shown(np.zeros((1, 1, 1)))) == 0.0

@@ -1,0 +1,164 @@
+"""The whole chain, against its equations stacked and solved at once."""
+
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from small_problems import Small, noisy, small_problem, small_recording, small_robot
+
+from orbident.estimation.output_error.chain import (
+    _batches,
+    _beforehand,
+    _equations,
+    linear,
+)
+from orbident.estimation.output_error.pushes import FREE, freed, place_of
+from orbident.estimation.output_error.solve import _damped, solved
+from orbident.recordings.recording import Recording
+
+
+@pytest.fixture(scope="module")
+def recording() -> Recording:
+    return small_recording(small_robot())
+
+
+@pytest.fixture(scope="module")
+def small(recording) -> Small:
+    return small_problem(small_robot(), noisy(recording, 0))
+
+
+class Dense(NamedTuple):
+    """All equations at a state over `[z_0 ... z_S, g]`."""
+
+    A: np.ndarray
+    b: np.ndarray
+    common: int
+
+    def with_prior(self, prior, state) -> "Dense":
+        rows = np.zeros((self.common, self.A.shape[1]))
+        rows[:, -self.common :] = np.diag(1 / prior.std)
+        rhs = (prior.values - state.common) / prior.std
+        return Dense(np.vstack([self.A, rows]), np.append(self.b, rhs), self.common)
+
+    def solution(self) -> tuple[np.ndarray, np.ndarray]:
+        """Of least squares, and its covariance; columns scaled to one size."""
+        size = np.linalg.norm(self.A, axis=0)
+        Q, R = np.linalg.qr(self.A / size)
+        root = np.linalg.inv(R) / size[:, None]
+        return root @ (Q.T @ self.b), root @ root.T
+
+
+def dense(problem, state) -> Dense:
+    local, common = state.local.shape[1], state.common.size
+    chain = state.local.size
+    tables = []
+
+    def put(rows: np.ndarray, place: np.ndarray) -> None:
+        table = np.zeros((len(rows), chain + common + 1))
+        table[:, place] = rows
+        tables.append(table)
+
+    g = np.arange(chain, chain + common + 1)
+    put(_beforehand(problem, state), np.r_[:local, g])
+    for start, rows in _batches(problem, state):
+        for k in range(len(rows.residual)):
+            s = (start + k) * local
+            equations = _equations(problem, state, rows, start, k)
+            put(equations, np.r_[s : s + 2 * local, g])
+    whole = np.vstack(tables)
+    return Dense(whole[:, :-1], whole[:, -1], common)
+
+
+def test_elimination_gives_the_stacked_solution(small):
+    """The step from a state, its cost, and the covariance at the end."""
+    problem, prior, state, _ = small
+    here, stacked = linear(problem, state), dense(problem, state)
+    # Squares of some thousand rows.
+    np.testing.assert_allclose(here.cost, stacked.b @ stacked.b, rtol=1e-10)
+    stacked = stacked.with_prior(prior, state)
+    factor = prior.added(here.known.common, state)
+    g = _damped(factor, 0.0)
+    x, C = stacked.solution()
+    found = np.append(here.known.chained(g).ravel(), g)
+    # Weights of continuity are up to 1e13 times those of sensors, and so is rounding:
+    # compared with the deviation of each, of which a hundredth never matters.
+    assert np.abs((found - x) / np.sqrt(np.diag(C))).max() < 1e-2
+
+
+def test_covariance_of_the_last_boundary_and_the_common_unknowns(small):
+    problem, prior, state, _ = small
+    solution = solved(problem, prior, state)
+    assert solution.converged
+    at = solution.state
+    stacked = dense(problem, at).with_prior(prior, at)
+    n = at.local.shape[1] + at.common.size
+    _, C = stacked.solution()
+    expected = C[-n:, -n:]
+    std = np.sqrt(np.diag(expected))
+    # The information is that of a state a hundredth of a deviation away.
+    np.testing.assert_allclose(np.sqrt(np.diag(solution.covariance)), std, rtol=1e-3)
+    correlation = solution.covariance / np.outer(std, std)
+    np.testing.assert_allclose(correlation, expected / np.outer(std, std), atol=1e-2)
+
+
+def test_another_prior_needs_no_new_solution(small):
+    """To first order: with the pull free, as if it had been from the start."""
+    problem, prior, state, _ = small
+    solution = solved(problem, prior, state)
+    free = freed(prior, "pull")
+    assert (free.std[place_of("pull")] == FREE).all()
+    assert (free.std != prior.std).sum() == 3
+    step, C = solution.with_prior(free)
+    again = solved(problem, free, solution.state)
+    chain = solution.linear.known.chain
+    found = solution.state.common + step[chain:]
+    std = np.sqrt(np.diag(C))[chain:]
+    assert np.abs((found - again.state.common) / std).max() < 0.02
+    np.testing.assert_allclose(
+        np.sqrt(np.diag(again.covariance))[chain:], std, rtol=0.01
+    )
+
+
+@pytest.mark.parametrize("damping", [1e-3, 1.0, 1e3])
+def test_damping_is_relative_to_the_information(damping):
+    """`(R'R + damping diag(R'R)) g = R'z`."""
+    factor = np.triu(np.random.default_rng(0).standard_normal((6, 6)))
+    R, z = factor[:-1, :-1], factor[:-1, -1]
+    N = R.T @ R
+    expected = np.linalg.solve(N + damping * np.diag(np.diag(N)), R.T @ z)
+    np.testing.assert_allclose(_damped(factor, damping), expected, rtol=1e-10)
+    undamped = np.linalg.norm(_damped(factor, 0.0) * np.sqrt(np.diag(N)))
+    assert np.linalg.norm(expected * np.sqrt(np.diag(N))) < undamped
+
+
+def test_from_a_bad_start_to_the_same_solution(recording):
+    """Every entry of `beta` half off: the inertia of another robot."""
+    robot, shown = small_robot(), noisy(recording, 1)
+    near = small_problem(robot, shown)
+    far = small_problem(robot, shown, off=0.5)
+    expected = solved(near.problem, near.prior, near.state)
+    found = solved(far.problem, far.prior, far.state)
+    assert expected.converged
+    assert found.converged
+    n = near.beta.size
+    std = np.sqrt(np.diag(expected.covariance))[-n:]
+    # Both stop within a hundredth of a deviation.
+    assert np.abs((found.state.beta - expected.state.beta) / std).max() < 0.02
+    assert np.abs((expected.state.beta - near.beta) / std).max() < 5
+
+
+def test_the_cost_never_grows(recording):
+    """A step that does not help is not taken."""
+    small = small_problem(small_robot(), noisy(recording, 1), off=0.5)
+    problem, prior, state, _ = small
+    before = linear(problem, state).cost + prior.cost(state)
+    solution = solved(problem, prior, state)
+    assert solution.linear.cost + prior.cost(solution.state) < before
+
+
+def test_without_noise_the_parameters_are_exact(recording):
+    small = small_problem(small_robot(), recording, off=0.2)
+    problem, prior, state, beta = small
+    found = solved(problem, prior, state).state.beta
+    # Splines and RK4 at 20 Hz.
+    np.testing.assert_allclose(found, beta, rtol=0, atol=1e-7 * np.abs(beta).max())

@@ -1,0 +1,206 @@
+"""The filter from CAD values to the truth, and what it does with bad samples."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from random_motions import random_motion
+from random_robots import random_robot, random_wheels
+
+from orbident.errors import InputError
+from orbident.estimation.recursive.extended import Extended, State
+from orbident.estimation.recursive.history import recursive_history
+from orbident.estimation.recursive.linear_sets import LinearSets
+from orbident.estimation.recursive.noise import Noise, noise_of
+from orbident.estimation.recursive.prior import cad_prior, prior_from
+from orbident.estimation.recursive.sample import Sample, stream
+from orbident.regressors.minimal_sets import MinimalSets, minimal_sets
+from orbident.robot.description import Robot
+from orbident.robot.robot_file import load_robot
+from orbident.sensing.simulate import simulate
+from orbident.signals.samples import samples_of
+
+FINE = Noise(gyro=1e-6, velocity=1e-6)
+
+
+@pytest.fixture(scope="module")
+def robot() -> Robot:
+    return load_robot("paper-spatial")
+
+
+@pytest.fixture(scope="module")
+def sets(robot: Robot) -> MinimalSets:
+    return minimal_sets(robot)
+
+
+@pytest.fixture(scope="module")
+def every(robot: Robot) -> list[Sample]:
+    motion = random_motion(robot, duration=20.0)
+    return list(stream(samples_of(robot, simulate(robot, motion, rate=10.0))))
+
+
+def off(robot: Robot, seed: int = 0) -> Robot:
+    random = np.random.default_rng(seed)
+    return replace(
+        robot, theta=robot.theta * (1 + random.uniform(-0.2, 0.2, robot.theta.shape))
+    )
+
+
+def run(robot: Robot, sets: MinimalSets, every: list[Sample]) -> State:
+    kalman = Extended.of(robot, sets, FINE)
+    state = kalman.start(cad_prior(off(robot), sets), every[0])
+    for sample in every:
+        state, _ = kalman.step(state, sample)
+    return state
+
+
+def check_same(found: State, expected: State) -> None:
+    np.testing.assert_array_equal(found.beta, expected.beta)
+    np.testing.assert_array_equal(found.root, expected.root)
+
+
+def test_the_derivative_of_the_linear_sets(robot: Robot, sets: MinimalSets):
+    beta = sets.beta(robot.theta)
+    linear = LinearSets.of(sets)
+    y, J = linear.at(beta)
+    np.testing.assert_allclose(
+        y, np.concatenate([sets.pi(robot.theta), sets.phi(robot.theta)]), rtol=1e-12
+    )
+    for k, step in enumerate(1e-4 * np.abs(beta) + 1e-4):
+        d = np.zeros(beta.size)
+        d[k] = step
+        slope = (linear.at(beta + d)[0] - linear.at(beta - d)[0]) / (2 * step)
+        # Central differences: of second order in 1e-4.
+        np.testing.assert_allclose(J[:, k], slope, atol=1e-6 * np.abs(J).max())
+
+
+def test_without_noise_it_finds_the_truth(
+    robot: Robot, sets: MinimalSets, every: list[Sample]
+):
+    state = run(robot, sets, every)
+    error = state.beta - sets.beta(robot.theta)
+    # Exact samples, and a prior of 30 % that 600 rows of 1e-6 outweigh.
+    assert np.abs(error / state.beta).max() < 1e-3
+    assert np.linalg.norm(state.root @ error) < 3.0
+
+
+def test_a_tree_with_a_slide():
+    robot = random_robot(
+        3, (0, 0, 2), [1], random_wheels(3, ("held", "held", "free")), base=5.0
+    )
+    motion = random_motion(robot, duration=20.0)
+    every = list(stream(samples_of(robot, simulate(robot, motion, rate=10.0))))
+    sets = minimal_sets(robot)
+    state = run(robot, sets, every)
+    error = state.root @ (state.beta - sets.beta(robot.theta))
+    assert error @ error / error.size < 1.0
+    assert state.beta[0] == pytest.approx(robot.mass, rel=1e-3)
+
+
+@pytest.mark.parametrize("sensor", ["q", "w", "x_WB", "qd_rw"])
+def test_incomplete_samples_do_not_count(
+    robot: Robot, sets: MinimalSets, every: list[Sample], sensor: str
+):
+    holes = [
+        s._replace(**{sensor: np.full_like(getattr(s, sensor), np.nan)})
+        for s in every[20:40]
+    ]
+    check_same(
+        run(robot, sets, every[:20] + holes + every[40:60]),
+        run(robot, sets, every[:20] + every[40:60]),
+    )
+
+
+def test_rows_written_twice_count_once(
+    robot: Robot, sets: MinimalSets, every: list[Sample]
+):
+    twice = [sample for sample in every[:30] for _ in range(2)]
+    check_same(run(robot, sets, twice), run(robot, sets, every[:30]))
+    late = [*every[:30], *every[:30]]
+    check_same(run(robot, sets, late), run(robot, sets, every[:30]))
+
+
+def test_a_gyro_that_dies_is_not_believed(
+    robot: Robot, sets: MinimalSets, every: list[Sample]
+):
+    dead = [s._replace(w=every[29].w) for s in every[30:60]]
+    check_same(run(robot, sets, every[:30] + dead), run(robot, sets, every[:30]))
+
+
+def test_without_velocity_the_momentum_is_told(
+    robot: Robot, sets: MinimalSets, every: list[Sample]
+):
+    kalman = Extended.of(robot, sets, FINE)
+    state = kalman.start(cad_prior(robot, sets), every[0])
+    blind = every[0]._replace(v_S=np.full(3, np.nan))
+    after, info = kalman.step(state, blind)
+    assert info.dof == 3
+    assert not info.white[3:].any()
+    assert np.isfinite(after.beta).all()
+
+
+def test_float32_samples_are_taken(
+    robot: Robot, sets: MinimalSets, every: list[Sample]
+):
+    rounded = [
+        Sample(s.t, *(np.asarray(x, dtype=np.float32) for x in s[1:]))
+        for s in every[:40]
+    ]
+    state = run(robot, sets, rounded)
+    assert state.beta.dtype == np.float64
+    assert np.isfinite(state.root).all()
+
+
+def test_inputs_are_left_alone(robot: Robot, sets: MinimalSets, every: list[Sample]):
+    kalman = Extended.of(robot, sets, FINE)
+    state = kalman.start(cad_prior(robot, sets), every[0])
+    kept = [np.copy(part) for part in (state.top, state.R, state.z, state.beta)]
+    kalman.step(state, every[0])
+    for part, before in zip(
+        (state.top, state.R, state.z, state.beta), kept, strict=True
+    ):
+        np.testing.assert_array_equal(part, before)
+
+
+def test_a_prior_is_what_it_was_made_from():
+    random = np.random.default_rng(0)
+    A = random.standard_normal((4, 4))
+    prior = prior_from(np.arange(4.0), A @ A.T)
+    np.testing.assert_allclose(
+        np.linalg.inv(prior.root.T @ prior.root), A @ A.T, rtol=1e-9
+    )
+    with pytest.raises(InputError, match="positive definite"):
+        prior_from(np.zeros(2), np.ones((2, 2)))
+
+
+def test_without_a_wheel_there_is_no_scale():
+    robot = random_robot(5, (0, 1), base=5.0)
+    motion = random_motion(robot, duration=5.0)
+    samples = samples_of(robot, simulate(robot, motion, rate=10.0))
+    history = recursive_history(robot, samples)
+    assert not history.scale
+    assert not history.determined.any()
+    assert np.isnan(history.M).all()
+    assert history.changes == ()
+
+
+def test_noise_is_what_the_robot_file_says(robot: Robot, sets: MinimalSets):
+    motion = random_motion(robot, duration=10.0)
+    samples = samples_of(robot, simulate(robot, motion, noise="sensors"))
+    noise = noise_of(robot, sets, samples)
+    N = robot.sensors["gyro"]["angle_random_walk"]
+    assert noise.gyro == pytest.approx(N * np.sqrt(20.0))
+    assert noise.integrated == 1.0
+    assert noise.accelerometer
+
+
+def test_a_table_with_a_constant_wheel_speed_has_no_scale():
+    """Its momentum tells nothing unless it is known to be zero."""
+    robot = load_robot("cepheus-like")
+    motion = random_motion(robot, 3, 10.0, -170.0, "spun up")
+    samples = samples_of(robot, simulate(robot, motion, noise="sensors"))
+    assert not recursive_history(off(robot), samples).scale
+    history = recursive_history(off(robot), samples, at_rest=True)
+    assert history.scale
+    assert history.changes == ()
+    assert abs(history.M[-1] - robot.mass) < 3 * history.std[-1, 0]

@@ -1,0 +1,218 @@
+"""Bodies that can exist, and the URDF they are written to."""
+
+import builtins
+import sys
+import xml.etree.ElementTree as ET
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from random_motions import random_motion
+
+from orbident.errors import InputError
+from orbident.estimation.identify import identify
+from orbident.estimation.result import Result
+from orbident.identified.physical import physical_bodies
+from orbident.identified.urdf_export import exported_urdf, rotor_parts
+from orbident.regressors.minimal_sets import minimal_sets
+from orbident.robot.description import Robot
+from orbident.robot.parameters import inertia_matrix
+from orbident.robot.robot_file import load_robot
+from orbident.sensing.simulate import simulate
+from orbident.studies.control import off_by
+
+
+@pytest.fixture(scope="module")
+def found() -> Result:
+    """`paper-spatial`, identified without noise; its nominal inertia is 20 % off."""
+    robot = load_robot("paper-spatial")
+    recording = simulate(robot, random_motion(robot))
+    return identify(off_by(robot, 0.2, seed=1), recording, "least-squares")
+
+
+def with_base(result: Result, values: np.ndarray, std: np.ndarray) -> Result:
+    """The same result with other base parameters, independent of one another."""
+    base = replace(result.base, values=values, std=std)
+    return replace(result, base=base, base_covariance=np.diag(std**2))
+
+
+def smallest_eigenvalue(theta_i: np.ndarray) -> float:
+    """Of the pseudo-inertia, with first moments over lengths of a metre."""
+    I = inertia_matrix(theta_i)
+    P = np.zeros((4, 4))
+    P[:3, :3] = np.trace(I) / 2 * np.eye(3) - I
+    P[3, :3] = P[:3, 3] = theta_i[1:4]
+    P[3, 3] = theta_i[0]
+    return float(np.linalg.eigvalsh(P)[0])
+
+
+def beta_error(robot: Robot, theta: np.ndarray, beta: np.ndarray) -> float:
+    off = minimal_sets(robot).beta(theta) - beta
+    return float(np.abs(off).max() / np.abs(beta).max())
+
+
+def test_exact_parameters_are_met_exactly(found):
+    robot, beta = found.robot, found.base.values
+    bodies = physical_bodies(found, np.zeros_like(robot.theta))
+    assert bodies is not None
+    assert bodies.deviation == 0.0
+    assert beta_error(robot, bodies.theta, beta) < 1e-12
+    assert min(map(smallest_eigenvalue, bodies.theta)) > 0
+    # What structure makes zero is.
+    known = np.delete(bodies.theta.ravel(), robot.free_parameters)
+    assert not known.any()
+
+
+def test_the_nominal_bodies_are_nearest_to_themselves(found):
+    """Where they have the identified parameters already."""
+    robot = load_robot("paper-spatial")
+    true = minimal_sets(robot).beta(robot.theta)
+    itself = with_base(replace(found, robot=robot), true, 0 * true)
+    bodies = physical_bodies(itself, np.zeros_like(robot.theta))
+    assert bodies is not None
+    # The divergence is flat at its least: 1e-10 of it is 1e-5 of the bodies.
+    np.testing.assert_allclose(bodies.theta, robot.theta, rtol=1e-4, atol=1e-4)
+
+
+def test_units_and_frames_do_not_matter(found):
+    """Ten times the mass of everything: ten times the bodies."""
+    robot = found.robot
+    wheels = tuple(replace(w, inertia=10 * w.inertia) for w in robot.wheels)
+    heavier = replace(robot, theta=10 * robot.theta, wheels=wheels)
+    scaled = with_base(
+        replace(found, robot=heavier), 10 * found.base.values, 10 * found.base.std
+    )
+    rotors = np.zeros_like(robot.theta)
+    light, heavy = (physical_bodies(each, rotors) for each in (found, scaled))
+    assert light is not None
+    assert heavy is not None
+    np.testing.assert_allclose(heavy.theta, 10 * light.theta, rtol=1e-4, atol=1e-4)
+
+
+def test_impossible_parameters_move_within_their_deviations(found):
+    """A body has `Iyy - (Izz - Ixx) >= 0`; of link 3, both are identified."""
+    names, formulas = found.base.names, found.base.formulas
+    assert formulas[names.index("iota_11")] == "Ixx(link3) - Izz(link3)"
+    which = names.index("iota_12")
+    assert formulas[which] == "Iyy(link3)"
+    values = found.base.values.copy()
+    values[which] = -values[names.index("iota_11")] - 0.5
+    std = 1e-4 * np.abs(values)
+
+    std[which] = 0.4
+    bodies = physical_bodies(with_base(found, values, std), 0 * found.robot.theta)
+    assert bodies is not None
+    # 0.5 of 0.4, and a little more: bodies keep a part of their nominal thickness.
+    assert bodies.deviation == pytest.approx(1.25, rel=0.1)
+    assert min(map(smallest_eigenvalue, bodies.theta)) > 0
+    std[which] = 0.01
+    assert physical_bodies(with_base(found, values, std), 0 * bodies.theta) is None
+
+
+def test_refusals(found, monkeypatch):
+    rotors = np.zeros_like(found.robot.theta)
+    rejected = replace(found, status="rejected", warnings=("mass: too bad",))
+    with pytest.raises(InputError, match=r"is rejected, .*: mass: too bad"):
+        physical_bodies(rejected, rotors)
+    unknown = found.base.values.copy()
+    unknown[-1] = np.nan
+    with pytest.raises(InputError, match=r"1 of 18 .*\(iota_12\)"):
+        physical_bodies(with_base(found, unknown, found.base.std), rotors)
+    with pytest.raises(InputError, match="not loaded from a URDF"):
+        rotor_parts(replace(found.robot, urdf=""))
+
+    real = builtins.__import__
+
+    def absent(name, *args, **kwargs):
+        if name in {"cvxpy", "clarabel"}:
+            raise ImportError(f"No module named '{name}'")
+        return real(name, *args, **kwargs)
+
+    monkeypatch.setattr(builtins, "__import__", absent)
+    for name in ("cvxpy", "clarabel"):
+        monkeypatch.delitem(sys.modules, name, raising=False)
+    with pytest.raises(InputError, match=r"pip install 'orbident\[export\]'"):
+        physical_bodies(found, rotors)
+
+
+SERVICER = """\
+<robot name="servicer">
+  <!-- kept -->
+  <link name="world"/>
+  <link name="deck"><inertial><mass value="2"/>
+    <inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial></link>
+  <link name="bus"><inertial><origin xyz="0.1 0 0"/><mass value="100"/>
+    <inertia ixx="10" ixy="0" ixz="0" iyy="12" iyz="0" izz="11"/></inertial>
+    <visual><geometry><box size="1 1 1"/></geometry></visual></link>
+  <link name="rotor"><inertial><mass value="3"/>
+    <inertia ixx="0.02" ixy="0" ixz="0" iyy="0.02" iyz="0" izz="0.03"/></inertial>
+  </link>
+  <link name="arm"><inertial><origin xyz="0.4 0.1 0"/><mass value="5"/>
+    <inertia ixx="0.1" ixy="0" ixz="0" iyy="0.3" iyz="0" izz="0.3"/></inertial></link>
+  <link name="tool"><inertial><mass value="1"/>
+    <inertia ixx="0.01" ixy="0" ixz="0" iyy="0.01" iyz="0" izz="0.01"/></inertial>
+    <collision><geometry><sphere radius="0.2"/></geometry></collision></link>
+  <joint name="free" type="floating"><parent link="world"/><child link="deck"/></joint>
+  <joint name="bolt" type="fixed"><parent link="deck"/><child link="bus"/>
+    <origin xyz="0 0 -0.5" rpy="0.1 0.2 0.3"/></joint>
+  <joint name="spin" type="continuous"><parent link="deck"/><child link="rotor"/>
+    <origin xyz="0.2 0 0" rpy="0.4 0 0"/><axis xyz="0 0 1"/></joint>
+  <joint name="shoulder" type="revolute"><parent link="bus"/><child link="arm"/>
+    <origin xyz="0.5 0 0.2" rpy="0 0 0.5"/><axis xyz="0 1 0"/>
+    <limit lower="-2" upper="2" velocity="1" effort="1"/></joint>
+  <joint name="grip" type="fixed"><parent link="arm"/><child link="tool"/>
+    <origin xyz="0.8 0 0" rpy="0 0.3 0"/></joint>
+</robot>
+"""
+
+FILE = """\
+schema: orbident/robot/1
+urdf: servicer.urdf
+base_link: bus
+feature_point: [0.3, -0.2, 0.6]
+wheels:
+  - {name: rw, joint: spin}
+  - {name: rw_x, axis: [1, 0, 0], inertia: 0.03}
+"""
+
+
+@pytest.fixture
+def servicer(tmp_path: Path) -> Robot:
+    """Fixed links above and below, a rotor, and a feature point off the base link."""
+    (tmp_path / "servicer.urdf").write_text(SERVICER)
+    (tmp_path / "servicer.yaml").write_text(FILE)
+    return load_robot(tmp_path / "servicer.yaml")
+
+
+def test_the_urdf_has_the_bodies(servicer, tmp_path):
+    """Not only their momentum: read again, `theta` is what was to be written."""
+    theta = 1.1 * servicer.theta
+    text = exported_urdf(servicer, theta)
+    (tmp_path / "servicer.urdf").write_text(text)
+    again = load_robot(tmp_path / "servicer.yaml")
+    # Moved to the CM and back: rounding of 100 kg m^2.
+    np.testing.assert_allclose(again.theta, theta, rtol=1e-13, atol=1e-12)
+    assert again.wheels[0].inertia == servicer.wheels[0].inertia
+    assert "<!-- kept -->" in text
+    links = {link.get("name"): link for link in ET.fromstring(text).iter("link")}
+    assert links["world"].find("inertial") is None
+    assert links["bus"].find("visual") is not None
+    masses = {name: weighed(links[name]) for name in ("deck", "rotor", "tool")}
+    assert masses == {"deck": 0.0, "rotor": 3.0, "tool": 0.0}
+
+
+def weighed(link: ET.Element) -> float:
+    mass = link.find("inertial/mass")
+    assert mass is not None
+    return float(mass.attrib["value"])
+
+
+def test_the_base_exists_without_its_rotors(servicer):
+    """Rotors that are bodies of their own are not for the base to make up for."""
+    parts = rotor_parts(servicer)
+    assert parts[0, 0] == 3.0
+    assert not parts[1:].any()
+    text = exported_urdf(servicer, servicer.theta)
+    links = {link.get("name"): link for link in ET.fromstring(text).iter("link")}
+    assert weighed(links["bus"]) == pytest.approx(102.0)
