@@ -146,7 +146,7 @@ def test_result_json(orbident: Orbident, flight: Recording):
         *("names", "formulas", "values", "std"),
         "covariance",
     }
-    assert np.shape(found["base"]["covariance"]) == (15, 15)
+    assert np.shape(found["base"]["covariance"]) == (18, 18)
     assert set(found["condition_number"]) == {"Y", "Y_normalised", "W", "W_normalised"}
     assert {"rms", "chi2_per_dof", "sensors"} <= set(found["residual"])
     assert set(found["residual"]["sensors"]) == {
@@ -210,7 +210,7 @@ def test_validate_predicts_another_motion(
     words = orbident("validate", "run", "other.csv").done().out
     assert "rad/s RMS" in words
     scores = orbident("validate", "run", "other.csv", "--json", "-").done().json
-    assert set(scores) == {"nrmse", "rms", "samples"}
+    assert set(scores) == {"nrmse", "rms", "samples", "inside_95", "predicted_std"}
     assert set(scores["nrmse"]) == set(scores["rms"]) == {"gyro", "velocity"}
     # As the issue asks; what is left is the spline between samples.
     assert max(scores["nrmse"].values()) < 1e-6
@@ -229,6 +229,7 @@ def test_study_spatial_json(orbident: Orbident, truth: dict[str, float]):
     ran = orbident("study", "spatial", "--noise", "none", "--json", "-").done()
     study = ran.json
     assert set(study) == {
+        "method",
         "parameters",
         "rms_error_percent_by_sensor",
         "condition_number",

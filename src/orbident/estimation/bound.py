@@ -13,14 +13,15 @@ import numpy as np
 
 from orbident.dynamics.free_floating import FreeFloating
 from orbident.errors import InputError
-from orbident.estimation.found import BetaEstimate, Found, found_beta
+from orbident.estimation.found import Found, found_beta
 from orbident.estimation.least_squares import InitialMomentum
-from orbident.estimation.maximum_likelihood import prior_of, problem_of
+from orbident.estimation.maximum_likelihood import estimate_of, prior_of, problem_of
 from orbident.estimation.output_error.chain import linear
 from orbident.estimation.output_error.sensors import sensors_of
 from orbident.estimation.output_error.solve import Solution
 from orbident.estimation.output_error.start import start_of
 from orbident.estimation.output_error.unknowns import Own
+from orbident.estimation.prior import prior_std
 from orbident.precision import in_float64
 from orbident.regressors.minimal_sets import minimal_sets
 from orbident.robot.description import Robot
@@ -74,9 +75,8 @@ def cramer_rao(
     beta = sets.beta(robot.theta)
     state = start_of(samples, problem.chart.t, own, beta, len(robot.joints))
     prior = prior_of(robot, sets, own, initial_momentum)
-    C = Solution(state, linear(problem, state), prior, True, 0).covariance
-    of_beta = slice(-beta.size, None)
-    return found_beta(robot, sets, BetaEstimate(beta, C[of_beta, of_beta]))
+    there = Solution(state, linear(problem, state), prior, True, 0)
+    return found_beta(robot, sets, estimate_of(there, prior_std(robot, sets)))
 
 
 def _check_noise(robot: Robot) -> None:

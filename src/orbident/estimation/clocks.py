@@ -137,10 +137,12 @@ def _unbroken(
     t: Float[np.ndarray, " n"], seen: Bool[np.ndarray, " n"]
 ) -> Bool[np.ndarray, " n"]:
     """The longest stretch without a gap that integration cannot bridge."""
-    steps = np.diff(t[seen], prepend=t[seen][:1])
-    stretch = np.cumsum(steps > GAP * np.median(steps, keepdims=True))
+    if not seen.any():
+        return seen
+    steps = np.diff(t[seen], prepend=t[seen][0])
+    stretch = np.cumsum(steps > GAP * np.median(steps))
     longest = np.zeros_like(seen)
-    longest[seen] = stretch == np.argmax(np.bincount(stretch, minlength=1))
+    longest[seen] = stretch == np.argmax(np.bincount(stretch))
     return longest
 
 

@@ -10,9 +10,13 @@ from orbident.estimation.least_squares import Fits
 from orbident.estimation.mass import Mass
 from orbident.estimation.prior import WIDE, prior_std
 from orbident.estimation.propagation import base_parameters
+from orbident.estimation.triangular import UNSEEN
 from orbident.regressors.derivatives import derivatives_of_beta, sets_of_beta
 from orbident.regressors.minimal_sets import MinimalSets
 from orbident.robot.description import Robot
+
+RANK = 1e-10
+"""Singular values over the largest: rounding leaves 1e-15, integration 1e-13."""
 
 UNSURE = 1.0
 """Times the robot's own scale: a parameter less sure than this is not determined."""
@@ -23,6 +27,23 @@ class BetaEstimate(NamedTuple):
 
     values: Float[np.ndarray, " beta"]
     covariance: Float[np.ndarray, "beta beta"]
+    hidden: Float[np.ndarray, "beta hidden"]
+    """Columns: changes that nothing in the recording shows."""
+
+
+def hidden_of(
+    factor: Float[np.ndarray, "_ beta"], scale: Float[np.ndarray, " beta"]
+) -> Float[np.ndarray, "beta hidden"]:
+    """Directions that a factor of the information does not see, but for rounding.
+
+    Args:
+        factor: of what is known of changes of `beta`, without a prior.
+        scale: of `beta`.
+    """
+    _, s, Vt = np.linalg.svd(factor * scale, full_matrices=True)
+    seen = np.zeros(len(Vt), dtype=bool)
+    seen[: s.size] = s > RANK * s.max(initial=0.0)
+    return scale[:, None] * Vt[~seen].T
 
 
 class Known(NamedTuple):
@@ -55,8 +76,9 @@ def found_linear(sets: MinimalSets, fits: Fits, mass: Mass) -> Found:
 
 def found_beta(robot: Robot, sets: MinimalSets, estimate: BetaEstimate) -> Found:
     """From the base parameters that `pi` and `phi` are made of."""
-    beta, C = estimate
-    prior = np.square(prior_std(robot, sets))
+    beta, C, hidden = estimate
+    scale = prior_std(robot, sets)
+    prior = np.square(scale)
     pi, phi = sets_of_beta(sets, beta)
     dpi, dphi = derivatives_of_beta(sets, beta)
 
@@ -64,6 +86,8 @@ def found_beta(robot: Robot, sets: MinimalSets, estimate: BetaEstimate) -> Found
         covariance = J @ C @ J.T
         before = np.einsum("ij,j,ij->i", J, prior, J)
         sure = np.diag(covariance) < (UNSURE / WIDE) ** 2 * before
+        unseen = np.linalg.norm(J @ hidden, axis=1)
+        sure &= unseen <= UNSEEN * np.linalg.norm(J * scale, axis=1)
         return Known(values, covariance, sure)
 
     J = np.vstack([dpi, dphi])

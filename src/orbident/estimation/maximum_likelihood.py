@@ -14,14 +14,14 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.dynamics.tree import tree_of
-from orbident.estimation.found import BetaEstimate
+from orbident.estimation.found import BetaEstimate, hidden_of
 from orbident.estimation.least_squares import Fits, InitialMomentum, known_momentum
 from orbident.estimation.output_error.chain import Problem
 from orbident.estimation.output_error.course import chart_of
 from orbident.estimation.output_error.fitting import Fitted, fitted
 from orbident.estimation.output_error.pushes import Push, freed, push_of
 from orbident.estimation.output_error.sensors import Sensors, sensors_of
-from orbident.estimation.output_error.solve import Prior
+from orbident.estimation.output_error.solve import Prior, Solution
 from orbident.estimation.output_error.start import looseness, start_of
 from orbident.estimation.output_error.terms import Body
 from orbident.estimation.output_error.unknowns import LOCAL, Own
@@ -142,14 +142,23 @@ def maximum_likelihood(
     if any(push.believed for push in pushes.values()):
         found = fitted(problem, prior, found.solution.state, least, progress)
     C = found.solution.covariance
-    of_beta = np.s_[-beta.size :]
     return Likelihood(
-        estimate=BetaEstimate(found.solution.state.beta, C[of_beta, of_beta]),
+        estimate=estimate_of(found.solution, prior_std(robot, sets)),
         biases=_biases(robot, sensors, found, C),
         pushes=pushes,
         sensors={name: _sensor_fit(sensors, found, name) for name in found.parts},
         chi2_per_dof=_chi2(sensors, found),
         converged=found.solution.converged,
+    )
+
+
+def estimate_of(solution: Solution, scale: Float[np.ndarray, " beta"]) -> BetaEstimate:
+    """The part of a solution that is about `beta`."""
+    n = scale.size
+    return BetaEstimate(
+        values=solution.state.beta,
+        covariance=solution.covariance[-n:, -n:],
+        hidden=hidden_of(solution.linear.known.common[-n - 1 : -1, -n - 1 : -1], scale),
     )
 
 

@@ -129,7 +129,10 @@ def _by_likelihood(case: Case, before: Applied, likelihood: Likelihood) -> Appli
             "rms": {name: fit.rms for name, fit in sensors.items()},
             "chi2_per_dof": likelihood.chi2_per_dof,
             "sensors": {
-                name: {key: nulled(value) for key, value in vars(fit).items()}
+                name: {
+                    key: nulled(value) if isinstance(value, float) else value
+                    for key, value in vars(fit).items()
+                }
                 for name, fit in sensors.items()
             },
         },
@@ -139,7 +142,8 @@ def _by_likelihood(case: Case, before: Applied, likelihood: Likelihood) -> Appli
 
 def _by_recursion(case: Case, before: Applied, history: History) -> Applied:
     """The estimate is that after the last sample."""
-    last = BetaEstimate(history.beta[-1], history.covariance)
+    nothing = np.zeros((history.beta.shape[1], 0))
+    last = BetaEstimate(history.beta[-1], history.covariance, nothing)
     applied = _direct(case, before, last, "recursion")
     base = applied.found.base
     base = base._replace(determined=base.determined & history.determined)
@@ -151,8 +155,8 @@ def _by_recursion(case: Case, before: Applied, history: History) -> Applied:
             "chi2_per_dof": float(history.nis.sum() / max(history.dof.sum(), 1.0)),
         },
         warnings=tuple(
-            f"the robot changed at t = {change.onset:.4g} s (found at {change.t:.4g} s; "
-            f"by chance with a probability of {1 - change.confidence:.1g}): the "
+            f"the robot changed at t = {change.onset:.4g} s (found at {change.t:.4g} "
+            f"s; by chance with a probability of {1 - change.confidence:.1g}): the "
             "estimates are those after that"
             for change in history.changes
         ),

@@ -13,7 +13,7 @@ import numpy as np
 from jaxtyping import Float
 from scipy.optimize import least_squares
 
-from orbident.estimation.found import BetaEstimate
+from orbident.estimation.found import BetaEstimate, hidden_of
 from orbident.estimation.least_squares import Fits
 from orbident.estimation.prior import prior_std
 from orbident.estimation.triangular import LinearFit
@@ -60,8 +60,10 @@ def structured(robot: Robot, sets: MinimalSets, fits: Fits) -> BetaEstimate:
         ftol=PRECISION,
         gtol=PRECISION,
     )
-    root = np.linalg.inv(np.linalg.qr(slopes(found.x), mode="r")) * wide[:, None]
-    return BetaEstimate(nominal + wide * found.x, root @ root.T)
+    J = slopes(found.x)
+    root = np.linalg.inv(np.linalg.qr(J, mode="r")) * wide[:, None]
+    hidden = hidden_of(J[: -wide.size] / wide, wide)
+    return BetaEstimate(nominal + wide * found.x, root @ root.T, hidden)
 
 
 def _scatter(fit: LinearFit) -> float:

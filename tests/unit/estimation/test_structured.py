@@ -54,7 +54,7 @@ def fitted(robot: Robot, samples: Samples) -> Fits:
 
 
 def stacked(robot: Robot, samples: Samples):
-    """Rows of Eqs. 24 and 31 over `[pi, h_cm]` and `[phi, v_cm]`, and right-hand sides."""
+    """Rows of Eqs. 24 and 31 over `[pi, h_cm]` and `[phi, v_cm]`, and targets."""
     sets = minimal_sets(robot)
     q, qd, w, x, qd_rw, v_S = (
         np.column_stack(getattr(samples, name))

@@ -51,7 +51,7 @@ class Loose(NamedTuple):
 
     first: Float[np.ndarray, " local"]
     """At the recording's start."""
-    corrections: float
+    corrections: Float[np.ndarray, " corrections"]
     """Of the joints, rad or m, and of their rates, per second, anywhere."""
     walk: Float[np.ndarray, "9"]
     """Of attitude and biases, per square root of a second."""
@@ -145,7 +145,6 @@ def _equations(
     """Of one segment, over `[z_s, z_{s+1}, g, rhs]`."""
     s = start + k
     local, n = state.local.shape[1], rows.slopes.shape[-1]
-    corrections = local - LOCAL
     # Where the columns [own, corrections, beta] of a segment's rows belong.
     place = np.r_[
         :LOCAL,
@@ -171,7 +170,7 @@ def _equations(
 
     correcting = table[sensed + LOCAL :]
     std = problem.loose.corrections
-    correcting[:, local + LOCAL : 2 * local] = np.eye(corrections) / std
+    correcting[:, local + LOCAL : 2 * local] = np.diag(1 / std)
     correcting[:, -1] = -state.local[s + 1, LOCAL:] / std
     return table
 

@@ -44,12 +44,17 @@ def looseness(robot: Robot, samples: Samples, sensors: Sensors) -> Loose:
         sensed = sensors.by_name.get(name)
         walk = max(sensed.drift, STEADY * sensed.std, SLIGHT) if sensed else 1.0
         walks += 3 * [walk]
-    # Joints whose rates are measured have no corrections.
-    free = ENCODERS if "joints" in sensors.by_name else FIXED
-    corrections = np.full(2 * len(robot.joints), free)
+    # Joints whose rates are measured, or that do not move, have no corrections.
+    free = [
+        ENCODERS
+        if "joints" in sensors.by_name and name not in samples.locked
+        else FIXED
+        for name in robot.joint_names
+    ]
+    corrections = np.tile(free, 2)
     return Loose(
         first=np.concatenate([[turn] * 3, BIAS, corrections]),
-        corrections=free,
+        corrections=corrections,
         walk=np.array([*3 * [_turn_walk(robot, samples)], *walks]),
     )
 

@@ -1,4 +1,4 @@
-"""What sensors should show, against the simulator; slopes by automatic differentiation."""
+"""What sensors should show: the simulator's values, and automatic derivatives."""
 
 import jax
 import jax.numpy as jnp
