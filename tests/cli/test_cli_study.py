@@ -46,6 +46,7 @@ def test_planar(orbident: Orbident):
 
 def test_planar_with_noise(orbident: Orbident):
     run = ("study", "planar", "--noise", "paper", "--seeds", 2, "--seed", 3)
+    run = *run, *LINEAR
     words = orbident(*run, "--json", "study.json").done().out
     assert "2 seeds" in words
     assert "by the paper's method" in words

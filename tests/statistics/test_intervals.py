@@ -17,6 +17,8 @@ from orbident.regressors.minimal_sets import minimal_sets
 from orbident.robot.robot_file import load_robot
 from orbident.sensing.simulate import simulate
 
+pytestmark = pytest.mark.long
+
 DRAWS = 50
 RELATIVE = 1e-3
 

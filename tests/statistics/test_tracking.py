@@ -1,6 +1,10 @@
 """Tracking with models identified with the paper's noise, over seeds."""
 
+import pytest
+
 from orbident.studies.control import FACTOR, run_control
+
+pytestmark = pytest.mark.long
 
 
 def test_tracking_is_five_times_better_with_every_seed():

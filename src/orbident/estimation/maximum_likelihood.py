@@ -154,11 +154,14 @@ def maximum_likelihood(
 
 def estimate_of(solution: Solution, scale: Float[np.ndarray, " beta"]) -> BetaEstimate:
     """The part of a solution that is about `beta`."""
-    n = scale.size
+    n, prior, state = scale.size, solution.prior, solution.state
+    # What is known beforehand of all else counts: a momentum gives the scale.
+    std = np.append(prior.std[:-n], np.full(n, np.inf))
+    factor = prior._replace(std=std).added(solution.linear.known.common, state)
     return BetaEstimate(
-        values=solution.state.beta,
+        values=state.beta,
         covariance=solution.covariance[-n:, -n:],
-        hidden=hidden_of(solution.linear.known.common[-n - 1 : -1, -n - 1 : -1], scale),
+        hidden=hidden_of(factor[-n - 1 : -1, -n - 1 : -1], scale),
     )
 
 

@@ -120,7 +120,7 @@ def _beforehand(problem: Problem, state: State) -> Float[np.ndarray, "local colu
 def _batches(problem: Problem, state: State) -> Iterator[tuple[int, Rows]]:
     body, planar, chart, _ = problem
     K = chart.course.joints.q.shape[-1]
-    corrections = state.local[:, LOCAL:].reshape(-1, 2, K)
+    corrections = state.local[:, LOCAL:].reshape(len(state.local), 2, K)
     both = np.concatenate([corrections[:-1], corrections[1:]], axis=1)
     for start in range(0, len(both), BATCH):
         part = slice(start, start + BATCH)
