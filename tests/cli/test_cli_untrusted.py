@@ -169,7 +169,7 @@ def test_velocity_with_the_wrong_sign(orbident: Orbident, flight: Recording):
     written(flight, "r.csv", replace=wrong)
     result, said = identified(orbident, "paper-spatial", "r.csv")
     assert result["mass"]["value"] is None
-    assert "the forms of Eq. 32 give" in said
+    assert "the signs and frames of wheel speeds and velocity" in said
 
 
 def test_attitude_the_other_way_round(orbident: Orbident, flight: Recording):

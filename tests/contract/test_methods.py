@@ -7,6 +7,7 @@ from functools import cache
 import numpy as np
 import pytest
 from random_motions import random_motion
+from random_robots import random_robot, random_wheels
 from scipy.spatial.transform import Rotation
 
 from orbident.errors import InputError
@@ -319,6 +320,38 @@ def test_no_scale_is_rejected(method: Method, robot: Robot):
     assert np.isnan(result.pi.values).all()
     assert np.isfinite(result.phi.values).all()
     assert any("pi has no scale" in warning for warning in result.warnings)
+
+
+@pytest.mark.parametrize(
+    ("start", "factor"),
+    [("wheel", -1.0), ("gyro", np.degrees(1.0)), ("velocity", -1.0)],
+    ids=["wheels' signs", "gyro in degrees", "velocity's sign"],
+)
+def test_wrong_signals_are_rejected(
+    method: Method, robot: Robot, recording: Recording, start: str, factor: float
+):
+    """The equations have a solution all the same; it must not pass for a result."""
+    wrong = {
+        name: factor * column
+        for name, column in recording.columns.items()
+        if name.startswith(start)
+    }
+    result = identify(robot, changed(recording, wrong), method)
+    assert result.status == "rejected"
+    assert np.isnan(result.mass.value)
+    assert any("check units" in warning for warning in result.warnings)
+
+
+def test_a_body_without_joints(method: Method):
+    """Its inertia shows; its mass does not, and is not told."""
+    body = random_robot(5, (), wheels=random_wheels(5, ("held", "held", "free")))
+    drifting = simulate(body, random_motion(body, 1, 20.0, 100.0))
+    result = identify(body, drifting, method)
+    assert result.status == "rejected"
+    assert np.isnan(result.mass.value)
+    # Rows of a base that turns at several radians a second, 0.05 s apart: RK4.
+    close = {name: truth(body)[name] for name in ("pi", "phi")}
+    check_close(values(result), close, EXACT if method in LINEAR else 1e-5)
 
 
 def test_no_velocity_is_rejected(method: Method, robot: Robot, recording: Recording):

@@ -30,6 +30,11 @@ class BetaEstimate(NamedTuple):
     hidden: Float[np.ndarray, "beta hidden"]
     """Columns: changes that nothing in the recording shows."""
 
+    @property
+    def mass(self) -> tuple[float, float]:
+        """`M` and its standard deviation, kg."""
+        return float(self.values[0]), float(np.sqrt(self.covariance[0, 0]))
+
 
 def hidden_of(
     factor: Float[np.ndarray, "_ beta"], scale: Float[np.ndarray, " beta"]

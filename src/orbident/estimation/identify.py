@@ -161,7 +161,8 @@ def _check_choice(what: str, found: str, choices: tuple[str, ...]) -> None:
 def _estimates(
     words: Formulas, known: Known, determined: Bool[np.ndarray, " n"]
 ) -> Estimates:
-    std = np.sqrt(np.diag(known.covariance))
+    # Deviations of what is known but for a cancelling unknown may round to below zero.
+    std = np.sqrt(np.maximum(np.diag(known.covariance), 0.0))
     return Estimates(
         names=words.names,
         formulas=words.formulas,

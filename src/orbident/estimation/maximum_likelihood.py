@@ -26,6 +26,7 @@ from orbident.estimation.output_error.start import looseness, start_of
 from orbident.estimation.output_error.terms import Body
 from orbident.estimation.output_error.unknowns import LOCAL, Own
 from orbident.estimation.prior import prior_std
+from orbident.estimation.verdict import no_direct_mass
 from orbident.recordings.recording import Recording
 from orbident.regressors.minimal_sets import MinimalSets, conserved_axes
 from orbident.robot.description import Robot
@@ -44,6 +45,9 @@ NONE = 1e-12
 
 NOISY = 1.5
 """Times the declared noise: worth a warning."""
+
+ABSURD = 100.0
+"""Times the declared noise: no noise."""
 
 UNITS = {"torque": "N m", "pull": "m/s^2"}
 
@@ -91,12 +95,24 @@ class Likelihood:
             for name, fit in self.sensors.items()
             if fit.noise > NOISY * fit.declared
         ]
-        if not self.converged:
-            words.append(
-                "maximum likelihood did not converge: the numbers are those of its "
-                "last step; use --method structured, or check the recording"
-            )
         return tuple(words)
+
+    @property
+    def no_mass(self) -> str | None:
+        """Why its mass cannot stand; None where it can."""
+        if any(fit.noise > ABSURD * fit.declared for fit in self.sensors.values()):
+            return (
+                "mass: what the sensors show does not follow from momentum "
+                "conservation; check units (rad, rad/s, m/s), the robot's geometry, "
+                "its wheels' inertia, and the signs and frames of wheel speeds and "
+                "velocity"
+            )
+        if not self.converged:
+            return (
+                "mass: maximum likelihood did not converge; use --method structured, "
+                "or check the recording"
+            )
+        return no_direct_mass(*self.estimate.mass)
 
 
 def _vector(numbers: Float[np.ndarray, " axes"]) -> str:

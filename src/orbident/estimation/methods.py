@@ -124,6 +124,7 @@ def _by_likelihood(case: Case, before: Applied, likelihood: Likelihood) -> Appli
     sensors = likelihood.sensors
     return replace(
         _direct(case, before, likelihood.estimate, "maximum likelihood"),
+        no_mass=likelihood.no_mass,
         biases=likelihood.biases,
         residual={
             "rms": {name: fit.rms for name, fit in sensors.items()},
@@ -166,12 +167,14 @@ def _by_recursion(case: Case, before: Applied, history: History) -> Applied:
 
 def _direct(case: Case, before: Applied, estimate: BetaEstimate, route: str) -> Applied:
     """By a method that estimates `beta`."""
-    M = Estimate(float(estimate.values[0]), float(np.sqrt(estimate.covariance[0, 0])))
+    M = Estimate(*estimate.mass)
+    # Forms of Eq. 32 that contradict each other do so in any equations for beta.
+    contradicted = before.no_mass if np.isfinite(before.mass.value) else None
     return replace(
         before,
         found=found_beta(case.robot, case.sets, estimate),
         mass=M,
-        no_mass=no_direct_mass(M.value, M.std),
+        no_mass=contradicted or no_direct_mass(*estimate.mass),
         masses={**before.masses, route: M},
     )
 

@@ -111,7 +111,7 @@ def _motion(
     unknowns = jnp.eye(by_terms.h_q.shape[-1])
     by_own = Own(*unknowns[:OWN].reshape(-1, 3, unknowns.shape[1]))
     K = joints.q.shape[1]
-    by_corrections = unknowns[OWN : OWN + 4 * K].reshape(4, K, -1)
+    by_corrections = unknowns[OWN : OWN + 4 * K].reshape(4, K, unknowns.shape[1])
     t = course.t[:, None]
     h_cm = at.own.h_cm + t * at.own.torque
     by_h_cm = by_own.h_cm + t[..., None] * by_own.torque

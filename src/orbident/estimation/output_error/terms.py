@@ -64,7 +64,8 @@ def expanded(
 
     def columns(beta, q, qd):
         by = q[..., None, :] * basis[0][:, None] + qd[..., None, :] * basis[1][:, None]
-        return jnp.concatenate([by.reshape(*by.shape[:-2], -1), beta], axis=-1)
+        by = by.reshape(*by.shape[:-2], by.shape[-2] * by.shape[-1])
+        return jnp.concatenate([by, beta], axis=-1)
 
     return Expansion(
         terms=found,
