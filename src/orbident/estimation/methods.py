@@ -31,6 +31,12 @@ MATTERS = 0.03
 """and this part of the mass: the linear one's deviation knows white noise only."""
 
 
+NOTHING_LEARNT = (
+    "mass: the recording tells hardly more than the nominal value that the recursion "
+    "starts from; record a richer or longer motion, with more momentum in the wheels"
+)
+
+
 @dataclass(frozen=True)
 class Applied:
     """A method's estimates and what else it learnt."""
@@ -151,6 +157,7 @@ def _by_recursion(case: Case, before: Applied, history: History) -> Applied:
     return replace(
         applied,
         found=applied.found._replace(base=base),
+        no_mass=applied.no_mass or (None if history.determined[0] else NOTHING_LEARNT),
         residual={
             **before.residual,
             "chi2_per_dof": float(history.nis.sum() / max(history.dof.sum(), 1.0)),

@@ -50,7 +50,7 @@ def test_whiteness_of_white_and_of_coloured_noise():
     # Std of the correlation of 20000 x 3 pairs: 0.004.
     assert abs(Whitened(noise(), 0.0).whiteness) < 0.02
     for a in (0.5, -0.3):
-        coloured = lfilter([1.0], [1.0, -a], noise(), axis=0)
+        coloured = np.asarray(lfilter([1.0], [1.0, -a], noise(), axis=0))
         assert Whitened(coloured, 0.0).whiteness == pytest.approx(a, abs=0.02)
     assert Whitened(np.zeros((10, 3)), 0.0).whiteness == 0.0
 
@@ -84,7 +84,9 @@ def test_rescaling_and_back():
     old = shown(np.where(random.random((2, 5, 3)) < 0.3, 0.0, 2.0))
     new = rescaled(old, {"gyro": 4.0})
     np.testing.assert_array_equal(new.weights["gyro"], old.weights["gyro"] / 4)
-    residuals = {"gyro": old.weights["gyro"] * random.standard_normal((2, 5, 3))}
+    residuals = {
+        "gyro": np.asarray(old.weights["gyro"]) * random.standard_normal((2, 5, 3))
+    }
     found = reweighted(residuals, old, new)["gyro"]
     np.testing.assert_allclose(found, residuals["gyro"] / 4)
     assert change(old, old) == 0.0

@@ -1,5 +1,7 @@
 """Elimination along the chain, against one dense least-squares problem."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 
@@ -31,7 +33,7 @@ class Chain:
 
 
 # Rounding of some hundred rotations, times the condition of a random matrix.
-CLOSE = {"rtol": 1e-9, "atol": 1e-10}
+close = partial(np.testing.assert_allclose, rtol=1e-9, atol=1e-10)
 
 
 @pytest.mark.parametrize("segments", [1, 2, 7])
@@ -43,8 +45,8 @@ def test_the_chain_gives_what_the_dense_problem_gives(segments):
     known = swept(chain.before, chain.parts, Z)
     assert len(known.links) == segments
     found = np.linalg.solve(known.common[:G, :G], known.common[:G, -1])
-    np.testing.assert_allclose(found, g, **CLOSE)
-    np.testing.assert_allclose(known.chained(found), z, **CLOSE)
+    close(found, g)
+    close(known.chained(found), z)
     # What is left of the right-hand side is the residual.
     left = np.linalg.norm(b - A @ x)
     np.testing.assert_allclose(abs(known.factor[-1, -1]), left, rtol=1e-9)
@@ -55,7 +57,7 @@ def test_what_is_known_at_the_end_is_the_information():
     A, _ = chain.dense()
     covariance = np.linalg.inv(A.T @ A)[-Z - G :, -Z - G :]
     factor = swept(chain.before, chain.parts, Z).factor[:-1, :-1]
-    np.testing.assert_allclose(np.linalg.inv(factor.T @ factor), covariance, **CLOSE)
+    close(np.linalg.inv(factor.T @ factor), covariance)
 
 
 def test_boundaries_for_any_common_unknowns():
@@ -65,7 +67,7 @@ def test_boundaries_for_any_common_unknowns():
     g = np.array([3.0, -2.0, 1.0])
     expected, *_ = np.linalg.lstsq(A[:, :-G], b - A[:, -G:] @ g)
     found = swept(chain.before, chain.parts, Z).chained(g)
-    np.testing.assert_allclose(found.ravel(), expected, **CLOSE)
+    close(found.ravel(), expected)
 
 
 def test_segments_without_equations_of_their_own_change_nothing():
@@ -78,5 +80,5 @@ def test_segments_without_equations_of_their_own_change_nothing():
     g = np.linalg.solve(plain.common[:G, :G], plain.common[:G, -1])
     z = longer.chained(g)
     # Fillers weigh 1e5 times as much as all else, and so does their rounding.
-    np.testing.assert_allclose(z[:-1], plain.chained(g), **CLOSE)
-    np.testing.assert_allclose(z[-1], z[-2], **CLOSE)
+    close(z[:-1], plain.chained(g))
+    close(z[-1], z[-2])

@@ -47,9 +47,13 @@ def test_terms_and_their_derivatives(name):
     terms, rates, by = expected(np.zeros((4, n)), beta)
     found = jax.jit(expanded)(body, beta, JointState(q, qd, qdd), basis)
     for ours, expected in zip(found.terms, terms, strict=True):
-        np.testing.assert_allclose(ours, expected, rtol=ROUNDING, atol=ROUNDING)
+        np.testing.assert_allclose(
+            ours, np.asarray(expected), rtol=ROUNDING, atol=ROUNDING
+        )
     for ours, expected in zip(found.rates, rates, strict=True):
-        np.testing.assert_allclose(ours, expected, rtol=ROUNDING, atol=ROUNDING)
+        np.testing.assert_allclose(
+            ours, np.asarray(expected), rtol=ROUNDING, atol=ROUNDING
+        )
     for ours, (corrections, betas) in zip(found.by, by, strict=True):
         flat = corrections.reshape(*corrections.shape[:-2], -1)
         both = np.concatenate([flat, betas], axis=-1)
