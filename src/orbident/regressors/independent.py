@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Float
 
 # Over random samples the distance of an independent column from the span of those
-# before it is 1e-3 to 1 of its norm, of a dependent one 1e-13 (14 joints): the
+# before it is 1e-3 to 1 of its norm, of a dependent one 1e-14 (14 joints): the
 # threshold lies in the middle of that gap.
 DEPENDENT = 1e-8
 
@@ -23,7 +23,7 @@ def independent_columns(X: Float[np.ndarray, "rows all"]) -> Independent:
 
     First come, first kept: so the order of the columns decides which parameters
     stand for the others, as in the classical regrouping (Khalil and Dombre, 2002).
-    Gram-Schmidt, on the triangular factor: there one pass is orthogonal to rounding.
+    Gram-Schmidt with a second pass, which makes it orthogonal to rounding.
     """
     # The triangular factor has the same dependencies, and fewer rows.
     X = np.asarray(np.linalg.qr(X, mode="r"))
@@ -36,7 +36,8 @@ def independent_columns(X: Float[np.ndarray, "rows all"]) -> Independent:
             continue
         v = X[:, k] / norm
         basis = Q[:, : len(columns)]
-        v = v - basis @ (basis.T @ v)
+        for _ in range(2):
+            v = v - basis @ (basis.T @ v)
         distance = np.linalg.norm(v)
         if distance > DEPENDENT:
             Q[:, len(columns)] = v / distance

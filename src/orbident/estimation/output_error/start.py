@@ -11,6 +11,7 @@ from orbident.dynamics.wheels import wheels_of
 from orbident.estimation.output_error.chain import Loose, State
 from orbident.estimation.output_error.sensors import Sensors, scatter
 from orbident.estimation.output_error.unknowns import LOCAL, Own
+from orbident.regressors.minimal_sets import conserved_axes
 from orbident.robot.description import Robot
 from orbident.signals.histories import MEASURED
 from orbident.signals.samples import Samples
@@ -38,7 +39,10 @@ _inertia = jax.jit(inertia)
 
 def looseness(robot: Robot, samples: Samples, sensors: Sensors) -> Loose:
     """How freely attitude, biases and joints may vary from segment to segment."""
-    turn = np.pi if "attitude" in sensors.by_name else FIXED
+    turns = np.full(3, FIXED)
+    if "attitude" in sensors.by_name:
+        # Nothing would hold a planar base's tilt, and it is none.
+        turns[list(conserved_axes(robot)[0])] = np.pi
     walks = []
     for name in ("gyro", "accelerometer"):
         sensed = sensors.by_name.get(name)
@@ -53,7 +57,7 @@ def looseness(robot: Robot, samples: Samples, sensors: Sensors) -> Loose:
     ]
     corrections = np.tile(free, 2)
     return Loose(
-        first=np.concatenate([[turn] * 3, BIAS, corrections]),
+        first=np.concatenate([turns, BIAS, corrections]),
         corrections=corrections,
         walk=np.array([*3 * [_turn_walk(robot, samples)], *walks]),
     )
