@@ -25,6 +25,7 @@ STEP_SECONDS = 100e-6
 LONG = 100_000
 
 COLD = """
+import orbident as oi
 from orbident.studies.spatial import spatial_robot, spatial_trajectory
 robot = spatial_robot()
 recording = oi.simulate(robot, spatial_trajectory(robot), noise="sensors")

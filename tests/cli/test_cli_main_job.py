@@ -8,6 +8,7 @@ import pytest
 from random_motions import Start, random_motion
 from running import LINEAR, Orbident, check_recovered, written
 
+from orbident.identified.signals_file import read_signals
 from orbident.recordings.recording import Recording
 from orbident.recordings.tables import read_recording
 from orbident.robot.robot_file import load_robot
@@ -107,10 +108,25 @@ def test_identify_prints_and_keeps_its_result(orbident: Orbident, flight: Record
     kept = json.loads(Path("run/result.json").read_text())
     assert kept == json.loads(Path("copy.json").read_text())
     assert {path.name for path in Path("run").iterdir()} == {
+        "report.html",
         "result.json",
         "robot.urdf",
         "robot.yaml",
+        "signals.parquet",
     }
+    for signal in read_signals(Path("run/signals.parquet")):
+        fit = kept["residual"]["sensors"][signal.name]
+        assert signal.std == fit["noise"]
+        error = signal.measured - signal.predicted
+        # float32.
+        assert np.sqrt(np.mean(error**2)) == pytest.approx(fit["rms"], rel=1e-5)
+        if signal.name == "attitude":
+            assert (signal.predicted == 0).all()
+            continue
+        for axis, measured in zip(signal.axes, signal.measured.T, strict=True):
+            column = flight.column(f"{signal.name}.{axis}")
+            assert (signal.t == flight.t).all()
+            np.testing.assert_allclose(measured, column, rtol=1e-6)
 
 
 def test_result_json(orbident: Orbident, flight: Recording):
@@ -209,6 +225,7 @@ def test_validate_predicts_another_motion(
 
     words = orbident("validate", "run", "other.csv").done().out
     assert "rad/s RMS" in words
+    assert "within 1.96 of it" in words
     scores = orbident("validate", "run", "other.csv", "--json", "-").done().json
     assert set(scores) == {"nrmse", "rms", "samples", "inside_95", "predicted_std"}
     assert set(scores["nrmse"]) == set(scores["rms"]) == {"gyro", "velocity"}
@@ -269,7 +286,10 @@ def test_study_spatial_keeps_what_it_made(orbident: Orbident):
     assert {path.name for path in Path("kept/spatial").iterdir()} == {
         "trajectory.yaml",
         "recording.csv",
+        "report.html",
         "run",
+        "table4.png",
+        "table4.svg",
     }
     scores = orbident("validate", "kept/spatial/run", "kept/spatial/recording.csv")
     scores.done()

@@ -12,8 +12,10 @@ PLANAR_FILES = {
     "burn.csv",
     "validation.csv",
     "run",
-    *(f"fig{k:02}.csv" for k in range(6, 14)),
+    "report.html",
+    *(f"fig{k:02}.{kind}" for k in range(6, 14) for kind in ("csv", "png", "svg")),
 }
+CONTROL_FILES = {"trajectory.yaml", "recording.csv", "report.html", "run"}
 
 
 def test_planar(orbident: Orbident):
@@ -79,6 +81,17 @@ def test_spatial_with_noise(orbident: Orbident):
         assert 0 < row["rms_error_percent"] <= row["worst_error_percent"]
     for sensor in study["rms_error_percent_by_sensor"]:
         assert f" {sensor} " in words
+
+
+def test_control(orbident: Orbident):
+    ran = orbident("study", "control", "-o", "kept", "--json", "study.json").done()
+    assert "times better with the identified model" in ran.out
+    assert {path.name for path in Path("kept").iterdir()} == CONTROL_FILES
+    study = json.loads(Path("study.json").read_text())
+    errors = study["rms_error"]
+    # The aim.
+    for name in ("joints", "base"):
+        assert errors["CAD"][name] > 5 * errors["identified"][name]
 
 
 def test_seeds_without_noise_are_all_alike(orbident: Orbident):

@@ -26,10 +26,12 @@ CASES = {
     "spacecraft": Case("paper-spatial", IMU, "unknown", 200.0, "turning", "ros2-mcap"),
 }
 SEEDS = 3
+METHODS = ["least-squares", pytest.param("maximum-likelihood", marks=pytest.mark.long)]
 
 
+@pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("case", CASES)
-def test_a_bag_is_identified_as_well_as_its_table(case, tmp_path):
+def test_a_bag_is_identified_as_well_as_its_table(case, method, tmp_path):
     name, base, momentum, speed, start, kind = CASES[case]
     robot = oi.load_robot(name)
     sets = minimal_sets(robot)
@@ -47,7 +49,7 @@ def test_a_bag_is_identified_as_well_as_its_table(case, tmp_path):
         assert all(topic["rejected"] for topic in counts)
         converted = oi.read_recording(folder / "bag.parquet")
         for source, recording in (("table", table), ("bag", converted)):
-            result = oi.identify(robot, recording, initial_momentum=momentum)
+            result = oi.identify(robot, recording, method, momentum)
             assert result.status == "ok"
             found = [*result.pi.values, *result.phi.values, result.mass.value]
             errors[source].append(np.array(found) / true - 1)

@@ -16,6 +16,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
+from orbident.compilation import compiled
 from orbident.dynamics.batches import BATCH
 from orbident.errors import InputError
 from orbident.spatial.arrays import AnyArray
@@ -29,7 +30,7 @@ from orbident.spatial.rotations import (
 
 MOST_SUBSTEPS = 256
 
-_angle = jax.jit(rotation_angle)
+_angle = compiled(rotation_angle)
 
 
 class RateLaw(NamedTuple):
@@ -87,7 +88,7 @@ def integrate_attitude(
     return np.concatenate(x)
 
 
-@jax.jit
+@compiled
 def _integrate(
     h_cm: Float[AnyArray, "3"],
     x_WB: Float[AnyArray, "4"],

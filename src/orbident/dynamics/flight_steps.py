@@ -9,6 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Bool, Float
 
+from orbident.compilation import compiled
 from orbident.dynamics.control_laws import ControlLaw, JointCommand, Now
 from orbident.dynamics.equations_of_motion import (
     Model,
@@ -108,7 +109,7 @@ def integrate(
     return jax.tree.map(lambda *parts: np.concatenate(parts), *pieces)
 
 
-@jax.jit
+@compiled
 def _scan(
     vehicle: Vehicle, start: Moving, h: Float[AnyArray, " steps"], told: Told
 ) -> tuple[Moving, tuple[Moving, Seen]]:

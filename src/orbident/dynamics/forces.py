@@ -3,11 +3,11 @@
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
-import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
+from orbident.compilation import compiled
 from orbident.dynamics.equations_of_motion import (
     Model,
     model_of,
@@ -92,7 +92,7 @@ def generalised_forces(
     return Q
 
 
-_jacobian = jax.jit(jacobian, static_argnums=2)
+_jacobian = compiled(jacobian, static_argnums=2)
 
 
 def _in_order(

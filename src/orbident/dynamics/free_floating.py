@@ -7,6 +7,7 @@ import jax
 import numpy as np
 from jaxtyping import Float
 
+from orbident.compilation import compiled
 from orbident.dynamics.attitude import RateLaw, float_attitude, rate_law
 from orbident.dynamics.batches import in_batches
 from orbident.dynamics.inertia import inertia
@@ -139,7 +140,7 @@ def free_floating(
     )
 
 
-_matrix = jax.jit(quaternion_matrix)
+_matrix = compiled(quaternion_matrix)
 
 
 class Terms(NamedTuple):
@@ -154,7 +155,7 @@ class Terms(NamedTuple):
     """Velocity of the CM relative to S by the joints alone."""
 
 
-@jax.jit
+@compiled
 def _terms(
     tree: Tree,
     theta: Float[AnyArray, "bodies 10"],
@@ -168,7 +169,7 @@ def _terms(
     return jax.vmap(terms)(q, qd)
 
 
-@jax.jit
+@compiled
 def _observe(
     h_cm: Float[AnyArray, "3"],
     x_WB: Float[AnyArray, "n 4"],

@@ -8,6 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
+from orbident.compilation import compiled
 from orbident.dynamics.batches import in_batches
 from orbident.dynamics.control_laws import ControlLaw, JointCommand
 from orbident.dynamics.equations_of_motion import Model, model_of
@@ -126,7 +127,7 @@ def _commanded(command: JointMotion, t: Float[np.ndarray, "steps 3"]) -> JointCo
     return JointCommand(*(x.reshape(*t.shape, x.shape[1]) for x in (q, qd, qdd)))
 
 
-@jax.jit
+@compiled
 def _at_start(model: Model, start: FlyingState) -> Moving:
     base, at = start.base, inertia(model.tree, model.theta, start.q)
     R_WB = quaternion_matrix(base.attitude)
@@ -163,7 +164,7 @@ def _refined(
     )
 
 
-@jax.jit
+@compiled
 def _difference(a: Moving, b: Moving) -> Float[AnyArray, ""]:
     """The largest of attitude, joints and position, rad or m."""
     largest = [
@@ -209,7 +210,7 @@ def _flown(
     )
 
 
-@jax.jit
+@compiled
 def _rotated(
     x_WB: Float[AnyArray, "n 4"], vectors: tuple[Float[AnyArray, "n 3"], ...]
 ) -> tuple[Float[AnyArray, "n 3"], ...]:

@@ -1,9 +1,9 @@
 """Is the nominal mass matrix one that a mechanism can have?"""
 
-import jax
 import numpy as np
 from jaxtyping import Float
 
+from orbident.compilation import compiled
 from orbident.dynamics.inertia import inertia, masses_about_S
 from orbident.dynamics.tree import Tree, poses, tree_of
 from orbident.errors import InputError
@@ -14,7 +14,7 @@ from orbident.spatial.arrays import AnyArray
 # Of the mass matrix with unit diagonal: real arms reach 1e-6, rounding is 1e-16.
 SINGULAR = 1e-12
 
-_inertia = jax.jit(inertia)
+_inertia = compiled(inertia)
 
 
 @in_float64
@@ -52,7 +52,7 @@ def _refuse(robot: Robot, who: str) -> None:
     )
 
 
-@jax.jit
+@compiled
 def _sizes(
     tree: Tree, theta: Float[AnyArray, "bodies 10"], q: Float[AnyArray, " joints"]
 ) -> tuple[Float[AnyArray, ""], Float[AnyArray, " joints"]]:

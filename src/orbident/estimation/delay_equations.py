@@ -18,6 +18,7 @@ from jaxtyping import Bool, Float
 from scipy.integrate import cumulative_trapezoid
 from scipy.interpolate import CubicSpline
 
+from orbident.compilation import compiled
 from orbident.dynamics.wheels import Wheels
 from orbident.estimation.least_squares import (
     BATCH,
@@ -177,7 +178,7 @@ def _std(
     return float(np.linalg.norm(parts) / R[place, place] ** 2)
 
 
-@jax.jit
+@compiled
 def _shift(
     regressors: Regressors,
     wheels: Wheels,

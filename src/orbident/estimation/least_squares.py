@@ -18,6 +18,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
+from orbident.compilation import compiled
 from orbident.dynamics.wheels import Wheels, wheels_of
 from orbident.errors import InputError
 from orbident.estimation.triangular import Layout, LinearFit, fold, solve
@@ -110,7 +111,7 @@ def momentum_layout(
     return Layout(0, parameters, axes)
 
 
-@partial(jax.jit, static_argnames="biased")
+@partial(compiled, static_argnames="biased")
 def rows_of(
     regressors: Regressors,
     wheels: Wheels,
@@ -173,7 +174,7 @@ def known_momentum(
     return KnownMomentum(h_rw if still else np.zeros(3), nothing)
 
 
-@jax.jit
+@compiled
 def _seen_from_inertial_axes(
     regressors: Regressors, wheels: Wheels, first: Batch
 ) -> tuple[Float[AnyArray, "3"], Float[AnyArray, "h pi"]]:

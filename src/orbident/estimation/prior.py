@@ -1,9 +1,9 @@
 """What is known of `beta` before anything is measured: hardly anything."""
 
-import jax
 import numpy as np
 from jaxtyping import Float
 
+from orbident.compilation import compiled
 from orbident.dynamics.inertia import inertia
 from orbident.dynamics.tree import tree_of
 from orbident.regressors.minimal_sets import MinimalSets
@@ -12,7 +12,7 @@ from orbident.robot.description import Robot
 WIDE = 100.0
 """Times the robot's own scale: no robot is so far from its CAD values."""
 
-_inertia = jax.jit(inertia)
+_inertia = compiled(inertia)
 
 
 def prior_std(robot: Robot, sets: MinimalSets) -> Float[np.ndarray, " beta"]:

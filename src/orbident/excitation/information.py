@@ -19,6 +19,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
+from orbident.compilation import compiled
 from orbident.errors import InputError
 from orbident.excitation.floating import Floating
 from orbident.regressors.derivatives import derivatives_of_beta
@@ -87,7 +88,7 @@ def _unit(
     w = random.standard_normal((4 * len(dpi), 3))
     if len(sets.regressors.momentum_axes) == 1:
         w[:, :2] = 0.0
-    Y, W = jax.jit(jax.vmap(sets.regressors))(q, qd, w)
+    Y, W = compiled(jax.vmap(sets.regressors))(q, qd, w)
     shown = np.concatenate(
         [
             (X @ d).reshape(-1, d.shape[1])

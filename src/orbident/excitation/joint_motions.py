@@ -8,10 +8,10 @@ is `y`, coordinates in which the rate has mean square 1, over the joint's limit.
 
 from typing import NamedTuple
 
-import jax
 import numpy as np
 from jaxtyping import Float
 
+from orbident.compilation import compiled
 from orbident.excitation.limits import Limits
 from orbident.trajectories.fourier_quintic import fourier_quintic
 
@@ -25,7 +25,7 @@ Histories = tuple[
 ]
 """Position, rate and acceleration."""
 
-_evaluate = jax.jit(fourier_quintic)
+_evaluate = compiled(fourier_quintic)
 
 
 class JointMotions(NamedTuple):

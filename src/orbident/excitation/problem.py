@@ -8,6 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
+from orbident.compilation import compiled
 from orbident.excitation.floating import (
     Floating,
     Spacecraft,
@@ -104,11 +105,9 @@ def try_motion(
 
 
 _value_and_gradient = jax.value_and_grad(try_motion, has_aux=True)
-_compiled = jax.jit(_value_and_gradient)
-# Without XLA's newer fusion it compiles in half the time; small problems run as fast.
-_compiled_quickly = jax.jit(
-    _value_and_gradient, compiler_options={"xla_cpu_use_fusion_emitters": False}
-)
+# Large problems run faster with XLA's newer fusion, small ones do not.
+_large = jax.jit(_value_and_gradient)
+_small = compiled(_value_and_gradient)
 
 
 def value_and_gradient(
@@ -116,7 +115,7 @@ def value_and_gradient(
 ) -> tuple[float, float, Float[np.ndarray, "joints m"]]:
     """The smooth value, the exact one, and the gradient of the smooth one."""
     small = problem.basis.pi_of.size <= SMALL**2
-    function = _compiled_quickly if small else _compiled
+    function = _small if small else _large
     (_, tried), gradient = function(y, problem, p, mu)
     return float(tried.smooth), float(tried.exact), np.asarray(gradient)
 

@@ -6,6 +6,7 @@ import jax
 import numpy as np
 from jaxtyping import Float
 
+from orbident.compilation import compiled
 from orbident.dynamics.free_floating import FreeFloating
 from orbident.errors import InputError
 from orbident.excitation.floating import (
@@ -142,7 +143,7 @@ class Seen(NamedTuple):
     qd_rw: Float[AnyArray, "n wheels"]
 
 
-@jax.jit
+@compiled
 def _stacked(
     craft: Spacecraft,
     pi_phi: tuple[Float[AnyArray, " pi"], Float[AnyArray, " phi"]],

@@ -1,9 +1,9 @@
 """The state in which a manoeuvre starts: its momentum is what fixes the scale."""
 
-import jax
 import numpy as np
 from jaxtyping import Float
 
+from orbident.compilation import compiled
 from orbident.dynamics.inertia import inertia
 from orbident.dynamics.tree import tree_of
 from orbident.dynamics.wheels import wheels_of
@@ -20,7 +20,7 @@ TUMBLE = (0.01, 0.03, 0.025)
 # Of the wheels' momentum: rounding in a file is far below, any tumbling far above.
 NO_MOMENTUM = 1e-6
 
-_inertia = jax.jit(inertia)
+_inertia = compiled(inertia)
 
 
 def usual_initial(robot: Robot, start: Float[np.ndarray, "joints 3"]) -> InitialState:

@@ -18,6 +18,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
+from orbident.compilation import compiled
 from orbident.dynamics.batches import in_batches
 from orbident.dynamics.wheels import wheels_of
 from orbident.estimation.result import Result
@@ -106,7 +107,7 @@ def _turns(
     return f
 
 
-@jax.jit
+@compiled
 def _terms(
     regressors: Regressors,
     pi: Float[AnyArray, " pi"],

@@ -14,6 +14,7 @@ import numpy as np
 from jaxtyping import Float
 from scipy.interpolate import CubicSpline
 
+from orbident.compilation import compiled
 from orbident.dynamics.attitude import RateLaw, float_attitude, rate_law
 from orbident.dynamics.batches import in_batches
 from orbident.dynamics.wheels import wheels_of
@@ -111,7 +112,7 @@ class Terms(NamedTuple):
     R_WB: Float[AnyArray, "n 3 3"]
 
 
-@jax.jit
+@compiled
 def _terms(
     regressors: Regressors,
     pi: Float[AnyArray, " pi"],
@@ -136,7 +137,7 @@ def _terms(
     return jax.vmap(terms)(q, qd, w, x_WB)
 
 
-@jax.jit
+@compiled
 def _rate(law: RateLaw, x_WB: Float[AnyArray, "n 4"], h_cm: Float[AnyArray, "n 3"]):
     return law.rate(x_WB, h_cm)
 

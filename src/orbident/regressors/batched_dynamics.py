@@ -8,6 +8,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Float
 
+from orbident.compilation import compiled
 from orbident.dynamics import equations_of_motion as one
 from orbident.dynamics.batches import BATCH, in_batches
 from orbident.dynamics.equations_of_motion import Model
@@ -26,24 +27,15 @@ def over(function: Callable[..., Any], *state: Any, size: int = BATCH) -> Any:
     return in_batches(function, *state, size=size)
 
 
-point_jacobian = jax.jit(jacobian, static_argnums=2)
+_H_plus = jax.vmap(one.H_plus, (None, 0))
+_c_plus = jax.vmap(one.c_plus, (None, 0, 0))
+
+point_jacobian = compiled(jacobian, static_argnums=2)
+H_plus = compiled(_H_plus)
+c_plus = compiled(_c_plus)
 
 
-@jax.jit
-def H_plus(model: Model, q: Float[AnyArray, "n joints"]):
-    """`H+` (Eq. 14)."""
-    return jax.vmap(one.H_plus, (None, 0))(model, q)
-
-
-@jax.jit
-def c_plus(
-    model: Model, q: Float[AnyArray, "n joints"], v: Float[AnyArray, "n speeds"]
-):
-    """`c+` (Eqs. 9-13)."""
-    return jax.vmap(one.c_plus, (None, 0, 0))(model, q, v)
-
-
-@jax.jit
+@compiled
 def equations(
     model: Model, q: Float[AnyArray, "n joints"], v: Float[AnyArray, "n speeds"]
 ):
@@ -52,17 +44,17 @@ def equations(
     return at.H, at.c
 
 
-@jax.jit
+@compiled
 def H_plus_std(
     model: Model,
     directions: Float[AnyArray, "beta bodies 10"],
     q: Float[AnyArray, "n joints"],
 ):
     """Deviations of `H+`, where `theta` has these independent ones."""
-    return _spread(model, directions, lambda model: H_plus(model, q))
+    return _spread(model, directions, lambda model: _H_plus(model, q))
 
 
-@jax.jit
+@compiled
 def c_plus_std(
     model: Model,
     directions: Float[AnyArray, "beta bodies 10"],
@@ -70,7 +62,7 @@ def c_plus_std(
     v: Float[AnyArray, "n speeds"],
 ):
     """Deviations of `c+`, where `theta` has these independent ones."""
-    return _spread(model, directions, lambda model: c_plus(model, q, v))
+    return _spread(model, directions, lambda model: _c_plus(model, q, v))
 
 
 def _spread(

@@ -24,6 +24,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float, Int
 
+from orbident.compilation import compiled
 from orbident.dynamics.tree import Tree, tree_of
 from orbident.precision import in_float64
 from orbident.regressors.independent import independent_columns
@@ -197,8 +198,8 @@ def _random_momentum(tree: Tree, robot: Robot, samples: int) -> Momentum:
     return jax.tree.map(np.asarray, _momentum(tree, q, qd, w))
 
 
-_momentum = jax.jit(jax.vmap(momentum, (None, 0, 0, 0)))
-_product_columns = jax.jit(jax.vmap(product_columns, (0, 0, None, None)))
+_momentum = compiled(jax.vmap(momentum, (None, 0, 0, 0)))
+_product_columns = compiled(jax.vmap(product_columns, (0, 0, None, None)))
 
 
 def _rows(

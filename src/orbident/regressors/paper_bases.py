@@ -13,6 +13,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
+from orbident.compilation import compiled
 from orbident.errors import InputError
 from orbident.precision import in_float64
 from orbident.regressors.minimal_sets import MinimalSets
@@ -150,8 +151,8 @@ def paper_basis(sets: MinimalSets, columns: Columns) -> PaperBasis:
     w = random.standard_normal((SAMPLES, 3))
     if len(sets.regressors.momentum_axes) == 1:
         w[:, :2] = 0.0
-    Y, W = jax.jit(jax.vmap(sets.regressors))(q, qd, w)
-    paper = jax.jit(jax.vmap(columns))(q, qd, w)
+    Y, W = compiled(jax.vmap(sets.regressors))(q, qd, w)
+    paper = compiled(jax.vmap(columns))(q, qd, w)
     both = np.concatenate([W, -np.asarray(paper.x)[:, :, None]], axis=2)
     phi = _coordinates(np.asarray(paper.W), both)
     return PaperBasis(

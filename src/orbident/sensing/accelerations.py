@@ -7,6 +7,7 @@ import jax
 import numpy as np
 from jaxtyping import Float
 
+from orbident.compilation import compiled
 from orbident.dynamics.attitude import rate_law
 from orbident.dynamics.batches import in_batches
 from orbident.dynamics.free_floating import FreeFloating, Terms
@@ -72,7 +73,7 @@ def accelerations(
     )
 
 
-@jax.jit
+@compiled
 def _terms_and_rates(
     tree: Tree,
     theta: Float[AnyArray, "bodies 10"],

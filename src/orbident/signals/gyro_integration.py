@@ -6,6 +6,7 @@ import numpy as np
 from jaxtyping import Float
 from scipy.interpolate import CubicSpline
 
+from orbident.compilation import compiled
 from orbident.dynamics.batches import BATCH
 from orbident.errors import InputError
 from orbident.precision import in_float64
@@ -62,7 +63,7 @@ def _rotation_vectors(h: np.ndarray, w_1: np.ndarray, w_2: np.ndarray) -> np.nda
     return h / 2 * (w_1 + w_2) + np.sqrt(3) / 12 * h**2 * np.cross(w_1, w_2)
 
 
-@jax.jit
+@compiled
 def _turn(
     x: Float[AnyArray, "4"], steps: Float[AnyArray, "m 3"]
 ) -> Float[AnyArray, "m 4"]:

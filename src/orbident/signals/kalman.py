@@ -7,6 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Bool, Float
 
+from orbident.compilation import compiled
 from orbident.dynamics.batches import BATCH
 from orbident.spatial.arrays import AnyArray
 
@@ -90,7 +91,7 @@ def _rows(steps: _Step, block: int, ahead: int) -> _Step:
     return _Step(*(part[start : start + BATCH] for part in steps))
 
 
-@jax.jit
+@compiled
 def _forward(state: _State, steps: _Step) -> _State:
     """The filter: state and covariance at each row, given all up to it."""
 
@@ -111,7 +112,7 @@ def _forward(state: _State, steps: _Step) -> _State:
     return jax.lax.scan(step, state, steps)[1]
 
 
-@jax.jit
+@compiled
 def _backward(after: _State, filtered: _State, following: _Step) -> _State:
     """The smoother: the same given all; `following` are the steps to the next rows."""
 

@@ -21,6 +21,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
+from orbident.compilation import compiled
 from orbident.spatial.arrays import AnyArray
 
 ORDER = 4
@@ -76,7 +77,7 @@ NOTHING_KNOWN = Information(
 """Before the first sample."""
 
 
-@jax.jit
+@compiled
 def forward(
     start: Information,
     dt: Float[AnyArray, "n lanes"],
@@ -125,7 +126,7 @@ def forward(
     return jax.lax.scan(step, start, (*_motion(dt, ratio), y, weight))
 
 
-@jax.jit
+@compiled
 def backward(
     end: Estimate,
     dt: Float[AnyArray, "n lanes"],

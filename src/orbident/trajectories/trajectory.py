@@ -8,6 +8,7 @@ import jax
 import numpy as np
 from jaxtyping import Float
 
+from orbident.compilation import compiled
 from orbident.errors import InputError
 from orbident.robot.description import Robot
 from orbident.trajectories.fourier_quintic import fourier_quintic
@@ -16,7 +17,7 @@ QUATERNION_TOLERANCE = 0.1
 """Printed quaternions are rounded: that of Table 3 has norm 1.0024."""
 
 _ROUNDING = 1e-9
-_evaluate = jax.jit(fourier_quintic)
+_evaluate = compiled(fourier_quintic)
 
 
 @dataclass(frozen=True, eq=False)

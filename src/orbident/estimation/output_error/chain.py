@@ -8,6 +8,7 @@ import jax
 import numpy as np
 from jaxtyping import Float
 
+from orbident.compilation import compiled
 from orbident.estimation.output_error.course import BATCH, Chart
 from orbident.estimation.output_error.segment import Point, Rows, linearised
 from orbident.estimation.output_error.sweep import Known, swept
@@ -133,7 +134,7 @@ def _batches(problem: Problem, state: State) -> Iterator[tuple[int, Rows]]:
         yield start, jax.tree.map(np.asarray, rows)
 
 
-@partial(jax.jit, static_argnames="planar")
+@partial(compiled, static_argnames="planar")
 def _linearised(body, planar, beta, at, course, shown):
     one = partial(linearised, body, planar, beta)
     return jax.vmap(one)(at, course, shown)

@@ -1,10 +1,10 @@
 """Where the search begins: attitude as measured, the rest from linear estimates."""
 
-import jax
 import numpy as np
 from jaxtyping import Float
 from scipy.spatial.transform import Rotation, Slerp
 
+from orbident.compilation import compiled
 from orbident.dynamics.inertia import inertia
 from orbident.dynamics.tree import tree_of
 from orbident.dynamics.wheels import wheels_of
@@ -34,7 +34,7 @@ BIAS = np.repeat([0.1, 1.0], 3)
 ENCODERS = 1e-2
 """Std of the error of smoothed encoders beforehand, rad or m, and per second."""
 
-_inertia = jax.jit(inertia)
+_inertia = compiled(inertia)
 
 
 def looseness(robot: Robot, samples: Samples, sensors: Sensors) -> Loose:

@@ -22,6 +22,7 @@ from jax.scipy.linalg import solve_triangular
 from jaxtyping import Float, Shaped
 from scipy.linalg import get_lapack_funcs
 
+from orbident.compilation import compiled
 from orbident.dynamics.inertia import inertia
 from orbident.estimation.recursive.equations import Model, equations, measured
 from orbident.estimation.recursive.linear_sets import LinearSets
@@ -267,7 +268,7 @@ def _newton(
     return beta, np.triu(qr[:k, :k])
 
 
-@jax.jit
+@compiled
 def _first(
     model: Model, beta: Float[AnyArray, " beta"], packed: Float[AnyArray, " sample"]
 ) -> tuple[Float[AnyArray, "3"], Float[AnyArray, "3 3"]]:
@@ -280,7 +281,7 @@ def _first(
     return rotate(R_WB, h_B), R_WB
 
 
-@partial(jax.jit, static_argnums=0)
+@partial(compiled, static_argnums=0)
 def _linear(
     treedef: Any,
     leaves: tuple[AnyArray, ...],
