@@ -2,7 +2,7 @@
 PYTHON ?= python3.11
 BIN := .venv/bin
 
-.PHONY: demo test clean
+.PHONY: demo test site clean
 
 demo: .venv/installed
 	$(BIN)/orbident study spatial
@@ -13,6 +13,10 @@ test: .venv/installed
 	$(BIN)/pyright --pythonpath $(BIN)/python
 	$(BIN)/lint-imports
 	$(BIN)/pytest -n 2
+
+# The documentation, in build/site.
+site: .venv/installed
+	$(BIN)/mkdocs build --quiet
 
 .venv/installed: pyproject.toml
 	$(PYTHON) -m venv .venv

@@ -30,6 +30,7 @@ class Segment(NamedTuple):
 
     body: Body
     planar: bool
+    substeps: int
     beta: np.ndarray
     point: Point
     course: Course
@@ -38,7 +39,9 @@ class Segment(NamedTuple):
     """At the nodes."""
 
 
-def segment_of(robot: Robot, seed: int, rows: int = 8, dt: float = 0.02) -> Segment:
+def segment_of(
+    robot: Robot, seed: int, rows: int = 8, dt: float = 0.02, substeps: int = 1
+) -> Segment:
     """From the simulator, at every node; nothing is interpolated."""
     t = np.arange(2 * rows + 1) * dt / 2
     swing = random_swing(seed, len(robot.joints))
@@ -82,6 +85,7 @@ def segment_of(robot: Robot, seed: int, rows: int = 8, dt: float = 0.02) -> Segm
     return Segment(
         body=Body(tree_of(robot), sets.base.theta_of),
         planar=planar,
+        substeps=substeps,
         beta=sets.beta(robot.theta),
         point=Point(motion.attitude[0], own, np.zeros((4, len(robot.joints)))),
         course=course,

@@ -108,6 +108,7 @@ def test_identify_prints_and_keeps_its_result(orbident: Orbident, flight: Record
     kept = json.loads(Path("run/result.json").read_text())
     assert kept == json.loads(Path("copy.json").read_text())
     assert {path.name for path in Path("run").iterdir()} == {
+        "replay.json",
         "report.html",
         "result.json",
         "robot.urdf",

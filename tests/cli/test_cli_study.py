@@ -30,6 +30,10 @@ def test_planar(orbident: Orbident):
     ):
         assert words in ran.out
     assert {path.name for path in Path("kept").iterdir()} == PLANAR_FILES
+    page = Path("kept/report.html").read_text()
+    for words in ("Table 6 and the burn", "the study&#39;s aim is met", "Fig. 13."):
+        assert words in page
+    assert page.count("data:image/svg+xml") == 8
     study = json.loads(Path("study.json").read_text())
     # As the study itself is tested.
     assert all(abs(row["error_percent"]) < 5e-3 for row in study["parameters"])
@@ -61,7 +65,9 @@ def test_planar_with_noise(orbident: Orbident):
     assert max(study["validation"]["rms_nrmse"].values()) < 0.02
 
 
-@pytest.mark.parametrize("name", ["burn.csv", "fig09.csv", "trajectory.yaml"])
+@pytest.mark.parametrize(
+    "name", ["burn.csv", "fig09.csv", "fig09.svg", "trajectory.yaml", "report.html"]
+)
 def test_planar_spares_what_is_there(orbident: Orbident, name: str):
     Path(name).write_text("precious")
     orbident("study", "planar", "-o", ".").refused(f"{name}: exists already")

@@ -13,12 +13,14 @@ from orbident.cli.excite import excite
 from orbident.cli.export import export
 from orbident.cli.identify import identify
 from orbident.cli.inspect import inspect
+from orbident.cli.report import report
 from orbident.cli.robots import robots
 from orbident.cli.sample import sample
 from orbident.cli.simulate import simulate
 from orbident.cli.study import study
 from orbident.cli.topics import topics
 from orbident.cli.validate import validate
+from orbident.cli.view import view
 from orbident.cli.weigh import weigh
 from orbident.errors import InputError
 
@@ -42,10 +44,12 @@ for verb in (
     sample,
     simulate,
     identify,
+    report,
     weigh,
     validate,
     compare,
     export,
+    view,
     study,
 ):
     app.command()(verb)

@@ -32,7 +32,10 @@ def identify(
     robot: RobotName,
     recording: RecordingFile,
     out: Annotated[
-        Path | None, typer.Option("-o", metavar="RUN", help="Keep the result there.")
+        Path | None,
+        typer.Option(
+            "-o", metavar="RUN", help="Keep the result there, and a report of it."
+        ),
     ] = None,
     method: Annotated[
         Method,
@@ -50,8 +53,11 @@ def identify(
     quiet: Quiet = False,
 ) -> None:
     """Identify pi, phi and the total mass from a recording."""
+    from dataclasses import replace
+
     from orbident.cli.output import Output, prepare_jax, progress
     from orbident.estimation.identify import identify as identified
+    from orbident.files.checksum import sha256
     from orbident.identified.run_folder import check_absent, save_result
     from orbident.recordings.tables import read_recording
     from orbident.robot.robot_file import load_robot
@@ -67,8 +73,15 @@ def identify(
         result = identified(
             described, table, method.value, initial_momentum.value, progress=done
         )
+    file = {"file": recording.name, "sha256": sha256(recording)}
+    result = replace(result, input=file)
     if out is not None:
+        from orbident.report.replay_figure import write_replay
+        from orbident.report.write import write_report
+
         save_result(result, out, force)
+        write_replay(described, table, out)
+        write_report(result, out)
     output.say(*_summary(result, out))
     output.warn(result.warnings)
     output.write_json(result.to_json())

@@ -14,8 +14,7 @@ from orbident.errors import InputError
 TRAJECTORY = "trajectory.yaml"
 RUN = "run"
 CUT_OFFS = "cut_offs"
-UNITS = {"gyro": "rad/s", "position": "m"}
-"""Of the filtered signals; angles but for these."""
+REPORT = "report.html"
 FIGURES = tuple(f"fig{number:02}" for number in range(6, 14))
 
 
@@ -104,7 +103,7 @@ def study(
     with progress(f"study {name}") as done_so_far:
         done = run(noise.value, seeds, seed, progress=done_so_far)
     if out is not None:
-        _keep(done, name, out, force)
+        _keep(done, name, out, force, seed if noise == Noise.paper else None)
     output.say(*lines(done))
     if out is not None:
         output.say(f"written: {out}")
@@ -140,7 +139,13 @@ def _runner(
 
 def _files(name: Study) -> list[str]:
     tables = (*RECORDINGS[name], *(FIGURES if name == Study.planar else ()))
-    return [TRAJECTORY, *(f"{table}.csv" for table in tables)]
+    pictures = {Study.planar: FIGURES, Study.spatial: ("table4",)}.get(name, ())
+    return [
+        TRAJECTORY,
+        REPORT,
+        *(f"{table}.csv" for table in tables),
+        *(f"{picture}.{kind}" for picture in pictures for kind in ("png", "svg")),
+    ]
 
 
 def _check_free(out: Path, name: Study, force: bool) -> None:
@@ -151,9 +156,13 @@ def _check_free(out: Path, name: Study, force: bool) -> None:
             )
 
 
-def _keep(done: Any, name: Study, out: Path, force: bool) -> None:
+def _keep(done: Any, name: Study, out: Path, force: bool, seed: int | None) -> None:
+    from dataclasses import replace
+
+    from orbident.files.checksum import sha256
     from orbident.identified.run_folder import save_result
     from orbident.recordings.tables import write_recording
+    from orbident.report.study import write_study_report
     from orbident.trajectories.trajectory_file import save_trajectory
 
     out.mkdir(parents=True, exist_ok=True)
@@ -169,15 +178,19 @@ def _keep(done: Any, name: Study, out: Path, force: bool) -> None:
         write_recording(recording, out / f"{file}.csv")
     if name != Study.control:
         _draw_cut_offs(done.cut_offs, out / CUT_OFFS)
-    save_result(done.result, out / RUN, force)
+    recording = out / f"{RECORDINGS[name][0]}.csv"
+    known = {"file": recording.name, "sha256": sha256(recording), "seed": seed}
+    result = replace(done.result, input=known)
+    save_result(result, out / RUN, force)
+    write_study_report(done, result, f"Study: {name}", out)
 
 
 def _draw_cut_offs(cut_offs: Mapping[str, Any], folder: Path) -> None:
     if not cut_offs:
         return
     from orbident.report.cut_off_figure import draw_cut_off
+    from orbident.report.cut_offs import unit_of
 
     folder.mkdir(exist_ok=True)
     for signal, cut_off in cut_offs.items():
-        unit = UNITS.get(signal.split(".", 1)[0], "rad")
-        draw_cut_off(cut_off, folder / f"{signal}.png", signal, unit)
+        draw_cut_off(cut_off, folder / f"{signal}.png", signal, unit_of(signal))

@@ -28,10 +28,10 @@ def validate(
             percent = f"{100 * nrmse:.3g} % of the signal"
             output.say(f"{name:9} error {rms:.3g} {unit} RMS, {percent}")
             if (std := scores.std[name]) == std:
+                inside = f"{100 * scores.inside[name]:.3g} % of the errors"
                 output.say(
-                    f"{'':9} +- {std:.3g} {unit} RMS is what the parameters' deviations "
-                    f"explain; within 1.96 of it {100 * scores.inside[name]:.3g} % of "
-                    "the errors (95 % without sensor noise)"
+                    f"{'':9} +- {std:.3g} {unit} RMS is what the parameters' deviations"
+                    f" explain; within 1.96 of it {inside} (95 % without sensor noise)"
                 )
         else:
             output.say(f"{name:9} was not measured")

@@ -6,6 +6,7 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 
 BATCH = 1024
@@ -24,7 +25,7 @@ def in_batches(function: Callable[..., Any], *columns: Any, size: int = BATCH) -
         size: rows of a batch.
     """
     rows = len(jax.tree.leaves(columns)[0])
-    x64 = jax.config.jax_enable_x64
+    x64 = jnp.result_type(float) == jnp.float64
 
     def batch(start: int) -> Any:
         chosen = np.minimum(np.arange(start, start + size), rows - 1)

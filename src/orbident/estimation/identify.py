@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable
+from functools import partial
 from importlib.metadata import version
 from typing import Literal, get_args
 
@@ -20,11 +21,14 @@ from orbident.estimation.least_squares import (
 )
 from orbident.estimation.mass import Mass, mass_of
 from orbident.estimation.methods import (
+    Applied,
     Case,
     by_least_squares,
     disagreement,
     refined,
 )
+from orbident.estimation.motion import motion_of
+from orbident.estimation.predicted import Signals, equation_signals
 from orbident.estimation.result import Estimate, Estimates, Result
 from orbident.estimation.triangular import condition_numbers
 from orbident.estimation.verdict import judge, obstacles
@@ -34,7 +38,7 @@ from orbident.regressors.formulas import Formulas, SetFormulas, formulas_of, mas
 from orbident.regressors.minimal_sets import MinimalSets, minimal_sets
 from orbident.robot.description import Robot
 from orbident.signals.delays import corrections
-from orbident.signals.samples import samples_of
+from orbident.signals.samples import Samples, samples_of
 from orbident.signals.screening import in_words as spikes_in_words
 from orbident.signals.screening import screened
 from orbident.threads import one_blas_thread
@@ -132,6 +136,24 @@ def identify(
         fits=fits,
         covariance=applied.found.covariance,
         history=applied.history,
+        motion=motion_of(robot, samples),
+        signals=_signals(robot, sets, samples, initial_momentum, applied),
+    )
+
+
+def _signals(
+    robot: Robot,
+    sets: MinimalSets,
+    samples: Samples,
+    initial_momentum: InitialMomentum,
+    applied: Applied,
+) -> Callable[[], Signals]:
+    """Of a million samples the equations' would take memory that few want."""
+    if applied.signals:
+        return lambda: applied.signals
+    pi, phi = applied.found.pi.values, applied.found.phi.values
+    return partial(
+        equation_signals, robot, sets, samples, initial_momentum, pi=pi, phi=phi
     )
 
 

@@ -22,9 +22,10 @@ from orbident.estimation.output_error.fitting import Fitted, fitted
 from orbident.estimation.output_error.pushes import Push, freed, push_of
 from orbident.estimation.output_error.sensors import Sensors, sensors_of
 from orbident.estimation.output_error.solve import Prior, Solution
-from orbident.estimation.output_error.start import looseness, start_of
+from orbident.estimation.output_error.start import looseness, start_of, substeps_of
 from orbident.estimation.output_error.terms import Body
 from orbident.estimation.output_error.unknowns import LOCAL, Own
+from orbident.estimation.predicted import Signals, sensor_signals
 from orbident.estimation.prior import prior_std
 from orbident.estimation.verdict import no_direct_mass
 from orbident.recordings.recording import Recording
@@ -79,6 +80,7 @@ class Likelihood:
     chi2_per_dof: float
     """Of all residuals over the declared noise, or that found where none is."""
     converged: bool
+    signals: Signals
 
     def in_words(self) -> tuple[str, ...]:
         """What a user should know of it."""
@@ -165,6 +167,7 @@ def maximum_likelihood(
         sensors={name: _sensor_fit(sensors, found, name) for name in found.parts},
         chi2_per_dof=_chi2(sensors, found),
         converged=found.solution.converged,
+        signals=sensor_signals(robot, problem, sensors, found),
     )
 
 
@@ -188,6 +191,7 @@ def problem_of(
     return Problem(
         body=Body(tree_of(robot), sets.base.theta_of),
         planar=robot.motion == "planar",
+        substeps=substeps_of(robot, samples),
         chart=chart_of(robot, samples, sensors),
         loose=looseness(robot, samples, sensors),
     )

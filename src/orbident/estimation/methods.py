@@ -15,6 +15,7 @@ from orbident.estimation.found import (
 from orbident.estimation.least_squares import Fits, InitialMomentum
 from orbident.estimation.mass import Mass
 from orbident.estimation.maximum_likelihood import Likelihood, maximum_likelihood
+from orbident.estimation.predicted import Signals
 from orbident.estimation.recursive.history import History, recursive_history
 from orbident.estimation.result import Estimate, nulled
 from orbident.estimation.structured import structured
@@ -52,6 +53,8 @@ class Applied:
     warnings: tuple[str, ...] = ()
     history: History | None = None
     """Of a recursion."""
+    signals: Signals = ()
+    """Of the sensors, where these are what is fitted."""
 
 
 class Case(NamedTuple):
@@ -144,6 +147,7 @@ def _by_likelihood(case: Case, before: Applied, likelihood: Likelihood) -> Appli
             },
         },
         warnings=likelihood.in_words(),
+        signals=likelihood.signals,
     )
 
 

@@ -1,6 +1,6 @@
 """What identification found: the object that all later stages are given."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
@@ -9,6 +9,7 @@ from jaxtyping import Float
 
 from orbident.errors import InputError
 from orbident.estimation.least_squares import Fits
+from orbident.estimation.predicted import Signals
 from orbident.estimation.recursive.history import History
 from orbident.regressors.reconstruction import Dynamics, reconstructed
 from orbident.robot.description import Robot
@@ -88,6 +89,12 @@ class Result:
     """Of `[pi, phi]`; None for a result that was read from a file."""
     history: History | None = field(default=None, compare=False, repr=False)
     """How a recursive estimate came about; in a RUN it is `history.csv`."""
+    motion: Mapping[str, Any] = field(default_factory=dict, repr=False)
+    """How far and how fast all moved that was recorded."""
+    input: Mapping[str, Any] = field(default_factory=dict)
+    """The recording's `file` and its `sha256`, and the `seed` of a simulated one."""
+    signals: Callable[[], Signals] = field(default=tuple, compare=False, repr=False)
+    """What was measured and predicted; in a RUN it is `signals.parquet`."""
 
     def check_accepted(self) -> None:
         """Refuse to go on with what must not be trusted.
@@ -148,6 +155,8 @@ class Result:
             "rejected": {name: dict(why) for name, why in self.rejected.items()},
             "signals": self.origins,
             "samples": self.samples,
+            "motion": dict(self.motion),
+            "input": dict(self.input),
             "elapsed_s": self.elapsed_s,
             "versions": self.versions,
         }

@@ -26,6 +26,8 @@ FREED = 0.5
 SPREAD = 0.5
 # A mass is told where it is more than this part of itself from zero.
 VAGUE = 0.3
+# So many neighbours are named; more are given by the first and the last.
+LISTED = 20
 # CAD values are off by some ten percent; a robot that was not at rest by far more.
 SURPRISING = 0.3
 
@@ -202,7 +204,13 @@ def _undetermined(
     which = np.flatnonzero(~determined) + 1
     if which.size == 0:
         return []
-    names = ", ".join(f"{name}_{k}" for k in which)
+    runs = np.split(which, np.flatnonzero(np.diff(which) > 1) + 1)
+    names = ", ".join(
+        f"{name}_{run[0]} to {name}_{run[-1]}"
+        if run.size > LISTED
+        else ", ".join(f"{name}_{k}" for k in run)
+        for run in runs
+    )
     if locked:
         joints = ", ".join(f"'{joint}'" for joint in locked)
         noun, pronoun = ("joint", "it") if len(locked) == 1 else ("joints", "them")

@@ -1,8 +1,9 @@
-"""The folder that keeps a result: `result.json`, the robot file and its URDF."""
+"""The folder that keeps a result: `result.json`, the robot and its URDF, signals."""
 
 import json
 import os
 import shutil
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -10,8 +11,11 @@ import numpy as np
 
 from orbident.errors import InputError
 from orbident.estimation.result import SCHEMA, Estimate, Estimates, Result
+from orbident.identified.signals_file import read_signals, write_signals
 from orbident.robot.robot_file import load_robot, write_robot
 from orbident.signals.delays import Delay
+
+SIGNALS, HISTORY = "signals.parquet", "history.csv"
 
 
 def save_result(result: Result, folder: Path, force: bool = False) -> None:
@@ -21,6 +25,8 @@ def save_result(result: Result, folder: Path, force: bool = False) -> None:
         InputError: the folder exists and `force` is false, or cannot be written.
     """
     check_absent(folder, force)
+    # They may come from the folder that is replaced.
+    signals = result.signals()
     try:
         if folder.is_dir():
             shutil.rmtree(folder)
@@ -28,8 +34,9 @@ def save_result(result: Result, folder: Path, force: bool = False) -> None:
         write_robot(result.robot, folder)
         text = json.dumps(result.to_json(), indent=1)
         (folder / "result.json").write_text(text, encoding="utf-8")
+        write_signals(signals, folder / SIGNALS)
         if result.history is not None:
-            _write_history(result, folder / "history.csv")
+            _write_history(result, folder / HISTORY)
     except OSError as error:
         raise InputError(f"{folder}: cannot be written ({error.strerror})") from error
 
@@ -114,6 +121,9 @@ def load_result(folder: Path) -> Result:
             rejected=document["rejected"],
             origins=document["signals"],
             samples=document["samples"],
+            motion=document.get("motion", {}),
+            input=document.get("input", {}),
+            signals=partial(read_signals, folder / SIGNALS),
             elapsed_s=document["elapsed_s"],
             versions=document["versions"],
         )

@@ -63,6 +63,8 @@ class Problem(NamedTuple):
 
     body: Body
     planar: bool
+    substeps: int
+    """Of the attitude, from row to row."""
     chart: Chart
     loose: Loose
 
@@ -119,7 +121,7 @@ def _beforehand(problem: Problem, state: State) -> Float[np.ndarray, "local colu
 
 
 def _batches(problem: Problem, state: State) -> Iterator[tuple[int, Rows]]:
-    body, planar, chart, _ = problem
+    body, planar, substeps, chart, _ = problem
     K = chart.course.joints.q.shape[-1]
     corrections = state.local[:, LOCAL:].reshape(len(state.local), 2, K)
     both = np.concatenate([corrections[:-1], corrections[1:]], axis=1)
@@ -130,13 +132,13 @@ def _batches(problem: Problem, state: State) -> Iterator[tuple[int, Rows]]:
         own = Own(*np.split(np.hstack([local, common]), len(Own._fields), axis=1))
         at = Point(state.x_WB[:-1][part], own, both[part])
         here = jax.tree.map(lambda x, part=part: x[part], (chart.course, chart.shown))
-        rows = _linearised(body, planar, state.beta, at, *here)
+        rows = _linearised(body, planar, substeps, state.beta, at, *here)
         yield start, jax.tree.map(np.asarray, rows)
 
 
-@partial(compiled, static_argnames="planar")
-def _linearised(body, planar, beta, at, course, shown):
-    one = partial(linearised, body, planar, beta)
+@partial(compiled, static_argnames=("planar", "substeps"))
+def _linearised(body, planar, substeps, beta, at, course, shown):
+    one = partial(linearised, body, planar, substeps, beta)
     return jax.vmap(one)(at, course, shown)
 
 

@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 from orbident.estimation.output_error.chain import Problem, State
 from orbident.estimation.output_error.residuals import (
+    Residuals,
     Whitened,
     change,
     rescaled,
@@ -29,6 +30,8 @@ class Fitted(NamedTuple):
     """Residuals over the noise found, by sensor."""
     levels: dict[str, float]
     """The noise found, over what was assumed at first."""
+    residuals: Residuals
+    """At all rows, over the noise found; zero where there was no sample."""
 
 
 def fitted(
@@ -60,7 +63,7 @@ def fitted(
         before, used = used, robust(plain, residuals)
         if rounds == ROUNDS or change(before, used) < SETTLED:
             parts = whitened(plain, residuals, unknowns)
-            return Fitted(solution, parts, levels)
+            return Fitted(solution, parts, levels, residuals)
 
 
 def _unknowns(problem: Problem, state: State) -> Mapping[str, float]:

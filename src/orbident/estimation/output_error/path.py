@@ -69,6 +69,20 @@ def path_of(
     return Path(x, R_WB, law.E, rotate_back(R_WB, h_cm), law.rate(x, h_cm))
 
 
+def refined(
+    x: Float[AnyArray, " nodes *k"], substeps: int
+) -> Float[AnyArray, " fine *k"]:
+    """At the nodes of so many equal steps a row, by the parabola through its nodes.
+
+    The joints move slowly; a base that nutates fast needs smaller steps than they do.
+    """
+    s = jnp.arange(2 * substeps) / (2 * substeps)
+    parabola = jnp.stack([(1 - s) * (1 - 2 * s), 4 * s * (1 - s), s * (2 * s - 1)])
+    three = jnp.stack([x[ROW], x[MIDDLE], x[NEXT]])
+    fine = jnp.einsum("ls,lr...->rs...", parabola, three)
+    return jnp.concatenate([fine.reshape(-1, *x.shape[1:]), x[-1:]])
+
+
 def _law(
     planar: bool, D: Float[AnyArray, "n 3 3"], h_moving: Float[AnyArray, "n 3"]
 ) -> RateLaw:

@@ -7,7 +7,14 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Float
 
-from orbident.estimation.output_error.path import changes_of, path_of
+from orbident.dynamics.free_floating import Terms
+from orbident.estimation.output_error.path import (
+    Changes,
+    Path,
+    changes_of,
+    path_of,
+    refined,
+)
 from orbident.estimation.output_error.predictions import PREDICTIONS, Motion
 from orbident.estimation.output_error.terms import (
     Body,
@@ -70,13 +77,14 @@ class Rows(NamedTuple):
 def linearised(
     body: Body,
     planar: bool,
+    substeps: int,
     beta: Float[AnyArray, " beta"],
     at: Point,
     course: Course,
     shown: Shown,
 ) -> Rows:
     """The equations of one segment at a point."""
-    at_all = _motion(body, planar, beta, at, course)
+    at_all = _motion(body, planar, substeps, beta, at, course)
     residual, slopes = [], []
     for sensor, weight in sorted(shown.weights.items()):
         predicted = PREDICTIONS[sensor](at_all)
@@ -98,6 +106,7 @@ def linearised(
 def _motion(
     body: Body,
     planar: bool,
+    substeps: int,
     beta: Float[AnyArray, " beta"],
     at: Point,
     course: Course,
@@ -115,10 +124,13 @@ def _motion(
     t = course.t[:, None]
     h_cm = at.own.h_cm + t * at.own.torque
     by_h_cm = by_own.h_cm + t[..., None] * by_own.torque
-    path = path_of(planar, terms, course.h_rw, course.dt, at.x_WB, h_cm)
+    slow = _Slow(terms, by_terms, course.h_rw, h_cm, by_h_cm)
+    if substeps > 1:
+        slow = jax.tree.map(lambda x: refined(x, substeps), slow)
+    path, by_path = _turning(planar, slow, at.x_WB, by_own.turn, course.dt)
     return Motion(
         terms=terms,
-        path=path,
+        path=jax.tree.map(lambda x: x[::substeps], path),
         own=at.own,
         q=joints.q,
         t=course.t,
@@ -126,10 +138,34 @@ def _motion(
         rates=rates,
         h_rw_rate=course.h_rw_rate,
         by_terms=by_terms,
-        by_path=changes_of(path, course.dt, by_own.turn, by_h_cm, by_terms),
+        by_path=jax.tree.map(lambda x: x[::substeps], by_path),
         by_own=by_own,
         by_q=jnp.einsum("nf,fkc->nkc", course.basis[:, 0], by_corrections),
     )
+
+
+class _Slow(NamedTuple):
+    """What the attitude depends on, at the nodes of its steps."""
+
+    terms: Terms
+    by_terms: Terms
+    h_rw: Float[AnyArray, "nodes 3"]
+    h_cm: Float[AnyArray, "nodes 3"]
+    by_h_cm: Float[AnyArray, "nodes 3 unknowns"]
+
+
+def _turning(
+    planar: bool,
+    at: _Slow,
+    x_WB: Float[AnyArray, "4"],
+    by_turn: Float[AnyArray, "3 unknowns"],
+    dt: Float[AnyArray, " rows"],
+) -> tuple[Path, Changes]:
+    """The base, in one step a row or in several."""
+    substeps = at.h_rw.shape[0] // (2 * dt.size)
+    dt = jnp.repeat(dt / substeps, substeps)
+    path = path_of(planar, at.terms, at.h_rw, dt, x_WB, at.h_cm)
+    return path, changes_of(path, dt, by_turn, at.by_h_cm, at.by_terms)
 
 
 def _after_own(x: Float[AnyArray, "*n columns"]) -> Float[AnyArray, "*n unknowns"]:

@@ -34,6 +34,11 @@ BIAS = np.repeat([0.1, 1.0], 3)
 ENCODERS = 1e-2
 """Std of the error of smoothed encoders beforehand, rad or m, and per second."""
 
+STEP = 1 / 16
+"""rad of nutation: steps of RK4 so large are wrong by 1e-8 rad."""
+
+MOST_SUBSTEPS = 32
+
 _inertia = compiled(inertia)
 
 
@@ -67,13 +72,40 @@ def _turn_walk(robot: Robot, samples: Samples) -> float:
     """What noise of measured wheel speeds adds to the attitude, rad/sqrt(s)."""
     if samples.origins["wheel_speeds"] != MEASURED or not robot.wheels:
         return CONTINUOUS
-    h_rw = np.column_stack(samples.qd_rw) @ wheels_of(robot).A_rw.T
+    h_rw = _wheels_momentum(robot, samples)
     known = np.isfinite(h_rw).all(axis=1)
-    D = _inertia(tree_of(robot), robot.theta, np.zeros(len(robot.joints))).D
-    D = D[2:, 2:] if robot.motion == "planar" else D
     dt = float(np.median(np.diff(samples.t[known])))
-    rate = scatter(h_rw[known]) / float(np.linalg.eigvalsh(D)[0])
+    rate = scatter(h_rw[known]) / float(_principal_inertias(robot)[0])
     return max(rate * np.sqrt(dt), CONTINUOUS)
+
+
+def substeps_of(robot: Robot, samples: Samples) -> int:
+    """How many RK4 steps a sample follow the fastest nutation; few sizes are compiled.
+
+    It turns with at most `|h_cm| / D`, and its phase is wrong by the fourth power of
+    the step.
+    """
+    if robot.motion == "planar":
+        return 1
+    D = _principal_inertias(robot)
+    w, h_rw = (
+        np.nanmax(np.linalg.norm(vectors, axis=1), initial=0.0)
+        for vectors in (np.column_stack(samples.w), _wheels_momentum(robot, samples))
+    )
+    rate = w + (D[-1] * w + h_rw) / D[0]
+    turned = rate * float(np.median(np.diff(samples.t)))
+    return int(2 ** np.ceil(np.log2(np.clip(turned / STEP, 1, MOST_SUBSTEPS))))
+
+
+def _wheels_momentum(robot: Robot, samples: Samples) -> Float[np.ndarray, "n 3"]:
+    qd_rw = np.reshape(samples.qd_rw, (len(robot.wheels), samples.t.size))
+    return qd_rw.T @ wheels_of(robot).A_rw.T
+
+
+def _principal_inertias(robot: Robot) -> Float[np.ndarray, " axes"]:
+    """Nominal, of the whole robot; about z alone in the plane."""
+    D = _inertia(tree_of(robot), robot.theta, np.zeros(len(robot.joints))).D
+    return np.linalg.eigvalsh(D[2:, 2:] if robot.motion == "planar" else D)
 
 
 def start_of(

@@ -1,0 +1,31 @@
+"""`orbident report RUN`."""
+
+from typing import Annotated
+
+import typer
+
+from orbident.cli.options import Json, Quiet, RunFolder
+from orbident.errors import InputError
+
+
+def report(
+    run: RunFolder,
+    force: Annotated[
+        bool, typer.Option("--force", help="Overwrite the report that is there.")
+    ] = False,
+    json: Json = None,
+    quiet: Quiet = False,
+) -> None:
+    """Write RUN/report.html: one page to look at, which needs no network."""
+    from orbident.cli.output import Output, prepare_jax
+    from orbident.identified.run_folder import load_result
+    from orbident.report.write import REPORT, write_report
+
+    output = Output(json, quiet)
+    result = load_result(run)
+    if (run / REPORT).exists() and not force:
+        raise InputError(f"{run / REPORT}: exists already; use --force")
+    prepare_jax()
+    path = write_report(result, run)
+    output.say(f"written: {path}")
+    output.write_json({"report": str(path)})

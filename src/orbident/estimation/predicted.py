@@ -1,0 +1,174 @@
+"""What was measured, and what the estimate predicts of it: what people judge by."""
+
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+
+from orbident.dynamics.wheels import wheels_of
+from orbident.estimation.least_squares import (
+    BATCH,
+    InitialMomentum,
+    known_momentum,
+    rows_of,
+)
+from orbident.estimation.output_error.chain import Problem
+from orbident.estimation.output_error.fitting import Fitted
+from orbident.estimation.output_error.sensors import Sensors
+from orbident.precision import in_float64
+from orbident.regressors.minimal_sets import MinimalSets
+from orbident.robot.description import Robot
+from orbident.signals.samples import Samples
+
+UNITS = {
+    "gyro": "rad/s",
+    "accelerometer": "m/s^2",
+    "attitude": "rad",
+    "position": "m",
+    "velocity": "m/s",
+}
+JOINT_UNITS = {"revolute": "rad", "prismatic": "m"}
+
+
+class Signal(NamedTuple):
+    """One sensor, or one equation, at its own times.
+
+    Of an attitude the measured one is the turn by which it is off the predicted one,
+    which is zero: rotation vectors in base axes.
+    """
+
+    name: str
+    axes: tuple[str, ...]
+    units: tuple[str, ...]
+    """Of each axis."""
+    t: Float[np.ndarray, " n"]
+    """s."""
+    measured: Float[np.ndarray, "n axes"]
+    predicted: Float[np.ndarray, "n axes"]
+    std: float
+    """Of the noise that the residuals show."""
+
+
+Signals = tuple[Signal, ...]
+
+
+def sensor_signals(
+    robot: Robot, problem: Problem, sensors: Sensors, found: Fitted
+) -> Signals:
+    """What maximum likelihood predicts that every sensor shows.
+
+    Args:
+        robot: the names and units of its joints.
+        problem: all equations.
+        sensors: with the noise that was assumed.
+        found: residuals, and the noise that they show.
+    """
+    course, shown = problem.chart.course, problem.chart.shown
+    times = problem.chart.t[0] + np.asarray(course.t)[:, :-1:2]
+    signals = []
+    for name, weights in shown.weights.items():
+        seen, counts = weights.any(axis=2), weights.any(axis=(0, 1))
+        std = sensors.by_name[name].std * found.levels[name]
+        error = found.residuals[name][seen][:, counts] * std
+        if name == "attitude":
+            measured = error
+        else:
+            measured = np.asarray(shown.values[name])[seen][:, counts]
+        labels = robot.joint_names if name == "joints" else tuple("xyz")
+        kinds = [JOINT_UNITS[joint.kind] for joint in robot.joints]
+        units = kinds if name == "joints" else 3 * [UNITS[name]]
+        signals.append(
+            Signal(
+                name=name,
+                axes=tuple(np.array(labels, dtype=object)[counts]),
+                units=tuple(np.array(units, dtype=object)[counts]),
+                t=times[seen],
+                measured=measured,
+                predicted=measured - error,
+                std=std,
+            )
+        )
+    return tuple(signals)
+
+
+@in_float64
+def equation_signals(
+    robot: Robot,
+    sets: MinimalSets,
+    samples: Samples,
+    initial_momentum: InitialMomentum,
+    pi: Float[np.ndarray, " pi"],
+    phi: Float[np.ndarray, " phi"],
+) -> Signals:
+    """What the linear equations predict of momentum and velocity, base axes.
+
+        R_0^T h_cm - A_rw qd_rw = Y pi                                     (Eq. 24)
+        R_0^T (v_S - v_cm) = W phi                                         (Eq. 31)
+
+    `h_cm`, where it is not known, and `v_cm` are those that fit best.
+
+    Args:
+        robot: that was recorded.
+        sets: its minimal sets.
+        samples: of the recording.
+        initial_momentum: what is known of `h_cm`.
+        pi: as estimated, kg m^2,
+        phi: and m.
+    """
+    wheels, regressors = wheels_of(robot), sets.regressors
+    known = known_momentum(robot, sets, samples, initial_momentum)
+    turning, moving, momenta, velocities = [], [], [], []
+    for batch in samples.batches(BATCH):
+        both = rows_of(regressors, wheels, known, batch, bool(samples.drift))
+        h, v = (np.asarray(rows).reshape(BATCH, -1, rows.shape[-1]) for rows in both)
+        turning.append(batch.turning)
+        moving.append(batch.moving)
+        free = h.shape[1] if known is None else 0
+        momenta.append(_sides(h[batch.turning], free, pi))
+        velocities.append(_sides(v[batch.moving], v.shape[2] - 1 - phi.size, phi))
+    signals = []
+    for name, unit, axes, seen, sides in (
+        ("momentum", "N m s", regressors.momentum_axes, turning, momenta),
+        ("velocity", "m/s", regressors.velocity_axes, moving, velocities),
+    ):
+        at = np.concatenate(seen)[: samples.t.size]
+        if at.any():
+            labels = tuple("xyz"[k] for k in axes)
+            signals.append(_fitted(name, labels, unit, samples.t[at], sides))
+    return tuple(signals)
+
+
+class _Sides(NamedTuple):
+    """Of an equation, `known = predicted + nuisances n`."""
+
+    known: Float[np.ndarray, "n axes"]
+    predicted: Float[np.ndarray, "n axes"]
+    nuisances: Float[np.ndarray, "n axes free"]
+
+
+def _sides(
+    rows: Float[np.ndarray, "n axes columns"],
+    free: int,
+    parameters: Float[np.ndarray, " k"],
+) -> _Sides:
+    own = rows[..., free : free + parameters.size]
+    return _Sides(rows[..., -1], own @ parameters, rows[..., :free])
+
+
+def _fitted(
+    name: str,
+    axes: tuple[str, ...],
+    unit: str,
+    t: Float[np.ndarray, " n"],
+    batches: list[_Sides],
+) -> Signal:
+    """With the nuisances that fit best."""
+    known, predicted, N = (
+        np.concatenate(parts) for parts in zip(*batches, strict=True)
+    )
+    free = N.shape[-1]
+    off = (known - predicted).ravel()
+    n = np.linalg.lstsq(N.reshape(-1, free), off)[0] if free else np.zeros(0)
+    measured = known - N @ n
+    std = float(np.sqrt(np.mean((measured - predicted) ** 2)))
+    return Signal(name, axes, len(axes) * (unit,), t, measured, predicted, std)

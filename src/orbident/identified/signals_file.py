@@ -1,0 +1,79 @@
+"""Measured and predicted signals of a RUN, in one compact file: a row a signal."""
+
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as parquet
+
+from orbident.errors import InputError
+from orbident.estimation.predicted import Signal, Signals
+
+SCHEMA = pa.schema(
+    [
+        ("name", pa.string()),
+        ("axes", pa.list_(pa.string())),
+        ("units", pa.list_(pa.string())),
+        ("t", pa.list_(pa.float64())),
+        ("measured", pa.list_(pa.float32())),
+        # Less predicted: beside large values float32 would lose it.
+        ("error", pa.list_(pa.float32())),
+        ("std", pa.float64()),
+    ]
+)
+
+
+def write_signals(signals: Signals, path: Path) -> None:
+    """Write them; an existing file is replaced."""
+    rows = [
+        {
+            **signal._asdict(),
+            "measured": signal.measured.astype(np.float32).ravel(),
+            "error": (signal.measured - signal.predicted).astype(np.float32).ravel(),
+        }
+        for signal in signals
+    ]
+    table = pa.table(
+        [pa.array([row[field.name] for row in rows], field.type) for field in SCHEMA],
+        schema=SCHEMA,
+    )
+    # Neighbours share their upper bytes.
+    parquet.write_table(
+        table,
+        path,
+        compression="zstd",
+        use_dictionary=False,
+        use_byte_stream_split=[  # pyright: ignore[reportArgumentType]: stubs know bool
+            f"{column}.list.element" for column in ("t", "measured", "error")
+        ],
+    )
+
+
+def read_signals(path: Path) -> Signals:
+    """Read them; none where there is no file.
+
+    Raises:
+        InputError: it is not what `write_signals` writes.
+    """
+    if not path.exists():
+        return ()
+    try:
+        table = parquet.read_table(path, schema=SCHEMA)
+    except (pa.ArrowException, OSError, ValueError) as error:
+        reason = str(error).splitlines()[0]
+        raise InputError(
+            f"{path}: is not what 'orbident identify' wrote ({reason}); identify again"
+        ) from error
+    return tuple(_signal(table, k) for k in range(table.num_rows))
+
+
+def _signal(table: pa.Table, k: int) -> Signal:
+    name, axes, units, std = (
+        table[column][k].as_py() for column in ("name", "axes", "units", "std")
+    )
+    t, measured, error = (
+        np.asarray(table[column][k].values).astype(np.float64)
+        for column in ("t", "measured", "error")
+    )
+    measured, error = (x.reshape(t.size, len(axes)) for x in (measured, error))
+    return Signal(name, tuple(axes), tuple(units), t, measured, measured - error, std)

@@ -1,0 +1,198 @@
+"""Pieces of charts: plain data as plotly takes it, colours by their role."""
+
+import base64
+import html
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from orbident.report.decimation import extremes, with_gaps
+
+MEASURED, PREDICTED, ERROR, BAND = "--measured", "--predicted", "--error", "--band"
+LIMIT = "--limit"
+
+MANY = 40
+"""Rows of a chart: they come closer."""
+
+LONGEST = 40
+"""Characters of a name in a chart."""
+
+Trace = dict[str, Any]
+Figure = dict[str, Any]
+
+
+class Panel(NamedTuple):
+    """One of several plots above each other."""
+
+    title: str
+    traces: Sequence[Trace]
+    band: float | None = None
+    """Half the height of what is shaded about zero."""
+    y: Mapping[str, Any] = MappingProxyType({})
+    """More of the vertical axis."""
+
+
+def label(text: str) -> str:
+    """A name as plotly shows it: no markup, not too long."""
+    return html.escape(shortened(" ".join(text.split())), quote=False)
+
+
+def shortened(text: str) -> str:
+    """The beginning of what is long."""
+    return text if len(text) <= LONGEST else text[: LONGEST - 1] + "…"
+
+
+def numbers(x: np.ndarray, kind: str = "<f8") -> dict[str, str]:
+    """An array in a third of the space that its digits would take."""
+    raw = np.ascontiguousarray(x, dtype=kind).tobytes()
+    return {"dtype": kind[1:], "bdata": base64.b64encode(raw).decode()}
+
+
+def line(x: np.ndarray, y: np.ndarray, color: str, **more: Any) -> Trace:
+    """A curve through all points."""
+    return {
+        "type": "scatter",
+        "mode": "lines",
+        "x": numbers(x),
+        "y": numbers(y, "<f4"),
+        "line": {"color": color, "width": 1.2},
+        "showlegend": "name" in more,
+        **more,
+    }
+
+
+def history(t: np.ndarray, x: np.ndarray, color: str, **more: Any) -> Trace:
+    """A curve of many samples."""
+    shown = extremes(t, x)
+    return line(*with_gaps(t[shown], x[shown]), color, **more)
+
+
+def _intervals(x: np.ndarray, half: np.ndarray) -> Trace:
+    return {
+        "type": "scatter",
+        "mode": "markers",
+        "x": numbers(x),
+        "y": list(range(len(x))),
+        "error_x": {"array": numbers(half), "color": PREDICTED, "thickness": 1.5},
+        "marker": {"color": PREDICTED, "size": 7},
+        "showlegend": False,
+    }
+
+
+def stacked(panels: Sequence[Panel], x_title: str, **x: Any) -> Figure:
+    """Panels above each other, with one horizontal axis."""
+    height, between = 110, 34
+    whole = len(panels) * (height + between)
+    data, annotations, shapes = [], [], []
+    named = any(trace["showlegend"] for panel in panels for trace in panel.traces)
+    above, below = (28 if named else 0), 44
+    layout: Figure = {
+        "height": whole + above + below,
+        "margin": {"t": above, "b": below},
+    }
+    for k, panel in enumerate(panels):
+        top = 1 - k * (height + between) / whole - between / whole
+        axis = "" if k == 0 else str(k + 1)
+        bottom = max(top - height / whole, 0.0)
+        layout[f"yaxis{axis}"] = {"domain": [bottom, top], "nticks": 5, **panel.y}
+        data += [{**trace, "yaxis": f"y{axis}"} for trace in panel.traces]
+        annotations.append(_heading(panel.title, top))
+        if panel.band:
+            shapes.append(_band(panel.band, f"y{axis}"))
+    last = "" if len(panels) == 1 else str(len(panels))
+    layout["xaxis"] = {"anchor": f"y{last}", "title": {"text": x_title}, **x}
+    return {
+        "data": data,
+        "layout": {**layout, "annotations": annotations, "shapes": shapes},
+    }
+
+
+def decades(*values: np.ndarray) -> dict[str, Any]:
+    """A logarithmic axis whose ends are powers of ten."""
+    positive = [x[x > 0] for x in values]
+    low, high = (
+        round_(np.log10([end(x) for x in positive if x.size] or [1.0]))
+        for end, round_ in ((np.min, _floor), (np.max, _ceil))
+    )
+    return {
+        "type": "log",
+        "range": [low, max(high, low + 1)],
+        "dtick": max(1, -(-(high - low) // 4)),
+        "exponentformat": "power",
+    }
+
+
+def _floor(x: np.ndarray) -> int:
+    return int(np.floor(x.min()))
+
+
+def _ceil(x: np.ndarray) -> int:
+    return int(np.ceil(x.max()))
+
+
+def _heading(text: str, top: float) -> Figure:
+    return {
+        "text": label(text),
+        "xref": "paper",
+        "yref": "paper",
+        "x": 0,
+        "y": top,
+        "xanchor": "left",
+        "yanchor": "bottom",
+        "showarrow": False,
+    }
+
+
+def _band(half: float, axis: str) -> Figure:
+    return {
+        "type": "rect",
+        "xref": "paper",
+        "yref": axis,
+        "x0": 0,
+        "x1": 1,
+        "y0": -half,
+        "y1": half,
+        "fillcolor": BAND,
+        "line": {"width": 0},
+        "layer": "below",
+    }
+
+
+def listed(
+    names: Sequence[str],
+    x: np.ndarray,
+    half: np.ndarray,
+    zero: float,
+    least: float,
+    x_title: str,
+) -> Figure:
+    """Intervals, one below the other, with a line at what is expected.
+
+    Args:
+        names: of the rows.
+        x: estimates,
+        half: and half of their intervals.
+        zero: what is expected.
+        least: half the axis at least: rounding is not to fill a chart.
+        x_title: of the axis.
+    """
+    upright = line(np.full(2, zero), np.array([-0.5, len(names) - 0.5]), LIMIT)
+    reach = float(np.max(np.abs(x - zero) + half, initial=0.0))
+    ends = {"range": [zero - least, zero + least]} if reach < least else {}
+    return {
+        "data": [upright, _intervals(x, half)],
+        "layout": {
+            "height": (24 if len(names) < MANY else 13) * len(names) + 80,
+            "margin": {"t": 8, "b": 44},
+            "xaxis": {"title": {"text": x_title}, "nticks": 5, "tickangle": 0, **ends},
+            "yaxis": {
+                # Numbered: shortened names may be alike.
+                "tickvals": list(range(len(names))),
+                "ticktext": [label(name) for name in names],
+                "range": [len(names) - 0.5, -0.5],
+                "automargin": True,
+            },
+        },
+    }

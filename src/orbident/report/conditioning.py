@@ -1,0 +1,107 @@
+"""How well the recording tells the parameters apart."""
+
+import numpy as np
+
+from orbident.estimation.result import Result
+from orbident.report.charts import Figure, label, numbers
+from orbident.report.numbers import short
+from orbident.report.section import Chart, Row, Section, Table
+
+CLOSE = 0.95
+"""A correlation worth a word."""
+
+LISTED = 8
+"""Pairs in a sentence."""
+
+TICKS = 26
+"""Names along an axis."""
+
+COLORS = [[0, "--negative"], [0.5, "--card"], [1, "--positive"]]
+
+
+def conditioning(result: Result) -> Section:
+    """Condition numbers, and the correlations of the base parameters."""
+    words = [
+        "A condition number says by how much noise may grow on the way to a parameter: "
+        "of the columns as they are, which depends on units, and scaled to unit norm."
+    ]
+    names, R = _correlations(result)
+    charts = ()
+    if names:
+        words.append(_close(names, R))
+        charts = (
+            Chart(
+                "correlations",
+                "Correlations of the base parameters",
+                _heat_map(names, R),
+            ),
+        )
+    else:
+        words.append("No correlations: no parameter is determined.")
+    condition = result.condition_number
+    rows = tuple(
+        Row(
+            (
+                f"{name} ({equation})",
+                short(condition.get(name)),
+                short(condition.get(f"{name}_normalised")),
+            )
+        )
+        for name, equation in (("Y", "momentum"), ("W", "velocity"))
+    )
+    return Section(
+        name="conditioning",
+        title="Condition and correlation",
+        words=tuple(words),
+        tables=(Table("Condition numbers", ("regressor", "as it is", "scaled"), rows),),
+        charts=charts,
+    )
+
+
+def _correlations(result: Result) -> tuple[list[str], np.ndarray]:
+    C = result.base_covariance
+    std = np.sqrt(np.diag(C))
+    sure = np.isfinite(std) & (std > 0)
+    names = [name for name, one in zip(result.base.names, sure, strict=True) if one]
+    return names, (C / np.outer(std, std))[np.ix_(sure, sure)]
+
+
+def _close(names: list[str], R: np.ndarray) -> str:
+    pairs = np.argwhere(np.triu(np.abs(R) > CLOSE, 1))
+    if not len(pairs):
+        return f"No two base parameters are correlated by more than {CLOSE}."
+    order = np.argsort(-np.abs(R[tuple(pairs.T)]))[:LISTED]
+    listed = ", ".join(
+        f"{names[i]} and {names[j]} ({short(float(R[i, j]))})" for i, j in pairs[order]
+    )
+    more = " and others" if len(pairs) > LISTED else ""
+    return f"Hardly told apart (correlation): {listed}{more}."
+
+
+def _heat_map(names: list[str], R: np.ndarray) -> Figure:
+    step = -(-len(names) // TICKS)
+    ticks = {
+        "tickvals": list(range(0, len(names), step)),
+        "ticktext": [label(name) for name in names[::step]],
+        "showgrid": False,
+    }
+    return {
+        "data": [
+            {
+                "type": "heatmap",
+                "z": {**numbers(R, "<f4"), "shape": f"{len(names)}, {len(names)}"},
+                "zmin": -1,
+                "zmax": 1,
+                "colorscale": COLORS,
+                "showlegend": False,
+                "colorbar": {"thickness": 10, "tickvals": [-1, 0, 1]},
+                "hovertemplate": "%{y}, %{x}: %{z:.3f}<extra></extra>",
+            }
+        ],
+        "layout": {
+            "height": 480,
+            "margin": {"t": 12, "b": 64},
+            "xaxis": {**ticks, "tickangle": -90, "automargin": True},
+            "yaxis": {**ticks, "autorange": "reversed", "automargin": True},
+        },
+    }

@@ -1,0 +1,91 @@
+"""What no recording tells, how far this one went, and what the limits would allow."""
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from orbident.estimation.result import Result
+from orbident.precision import in_float64
+from orbident.regressors.identifiability import not_identifiable
+from orbident.regressors.minimal_sets import minimal_sets
+from orbident.report.numbers import NONE, short
+from orbident.report.section import Row, Section, Table
+from orbident.robot.description import Joint
+
+
+@in_float64
+def identifiability(result: Result) -> Section:
+    """What free floating never shows of this robot."""
+    sentences = not_identifiable(result.robot, minimal_sets(result.robot))
+    words = tuple(f"{sentence}." for sentence in sentences)
+    return Section(
+        name="identifiability",
+        title="What free floating cannot tell",
+        words=(
+            "The base parameters are all that the motion depends on. Of single bodies "
+            "no free-floating recording tells more than this, however rich:",
+            *words,
+        )
+        if words
+        else ("Every parameter of every body can be identified.",),
+    )
+
+
+def excitation(result: Result) -> Section | None:
+    """How far and how fast all moved; None for results that do not say."""
+    motion = result.motion
+    if not motion:
+        return None
+    locked = motion["locked"]
+    words = [
+        f"{short(motion['duration'])} s at {short(motion['rate'])} rows a second. What "
+        "moves little tells little; a faster motion within the limits tells more."
+    ]
+    if locked:
+        words.append(f"Never moved: {', '.join(locked)}.")
+    return Section(
+        name="excitation",
+        title="Excitation and limits",
+        words=tuple(words),
+        tables=tuple(_tables(result, motion)),
+    )
+
+
+def _tables(result: Result, motion: Mapping[str, Any]) -> Iterator[Table]:
+    if result.robot.joints:
+        rows = tuple(
+            _joint(joint, motion["joints"][joint.name]) for joint in result.robot.joints
+        )
+        head = "joint", "position", "limits", "fastest", "limit"
+        yield Table("Joints", head, rows)
+    rows = tuple(
+        Row((name, f"{_range(wheel['speed'])} rad/s"))
+        for name, wheel in motion["wheels"].items()
+    )
+    yield Table("Wheels", ("wheel", "speed"), rows)
+    rows = tuple(
+        Row((axis, f"{short(base['rate'])} rad/s"))
+        for axis, base in motion["base"].items()
+    )
+    yield Table("Base", ("axis", "fastest"), rows)
+
+
+def _joint(joint: Joint, moved: Mapping[str, Any]) -> Row:
+    unit = "rad" if joint.kind == "revolute" else "m"
+    limits = NONE if joint.position is None else f"{_range(joint.position)} {unit}"
+    limit = NONE if joint.velocity is None else f"{short(joint.velocity)} {unit}/s"
+    return Row(
+        (
+            joint.name,
+            f"{_range(moved['position'])} {unit}",
+            limits,
+            f"{short(moved['rate'])} {unit}/s",
+            limit,
+        )
+    )
+
+
+def _range(ends: Any) -> str:
+    if ends is None:
+        return NONE
+    low, high = map(short, ends)
+    return low if low == high else f"{low} to {high}"

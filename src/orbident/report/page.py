@@ -1,0 +1,57 @@
+"""A report as one HTML file that needs nothing else, no network either."""
+
+import base64
+import gzip
+import json
+from collections.abc import Sequence
+from functools import lru_cache
+
+from orbident.report.section import Section
+from orbident.report.verdict import Judgement
+
+
+def page(
+    title: str, subtitle: str, judgement: Judgement, sections: Sequence[Section]
+) -> str:
+    """The page.
+
+    Args:
+        title: what it is about.
+        subtitle: how that came about.
+        judgement: what it says first.
+        sections: all else.
+    """
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+
+    environment = Environment(
+        loader=PackageLoader("orbident.report", "template"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    figures = {
+        chart.name: chart.figure for section in sections for chart in section.charts
+    }
+    return environment.get_template("page.html").render(
+        title=title,
+        subtitle=subtitle,
+        judgement=judgement,
+        sections=sections,
+        figures=embedded(figures),
+        plotly=plotly() if figures else "",
+    )
+
+
+def embedded(data: object) -> str:
+    """JSON that ends no script element, whatever names are in it."""
+    text = json.dumps(data, allow_nan=False, separators=(",", ":"))
+    return text.replace("<", "\\u003c")
+
+
+@lru_cache(maxsize=1)
+def plotly() -> str:
+    """plotly.js, packed to two fifths of its size: a page unpacks it when opened."""
+    from plotly.offline import get_plotlyjs
+
+    return base64.b64encode(gzip.compress(get_plotlyjs().encode(), 6, mtime=0)).decode()

@@ -1,0 +1,141 @@
+"""The paper's Figs. 6 to 13, and the errors of its Table 4, drawn as in the paper."""
+
+from collections.abc import Mapping, Sequence
+from io import StringIO
+from pathlib import Path
+
+import numpy as np
+from matplotlib import rc_context
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure as Drawing
+
+from orbident.files.replacing import replacing
+from orbident.files.text import write_text
+from orbident.report.section import Picture
+from orbident.studies.comparison import Row
+from orbident.studies.planar_figures import Figure
+
+COLORS = "#4477aa", "#ee6677", "#228833", "#ccbb44"
+"""Told apart by the colour-blind too (Tol 2021, bright)."""
+
+QUANTITIES = {
+    "rad": "angle (rad)",
+    "rad/s": "rate (rad/s)",
+    "m": "position (m)",
+    "m/s": "velocity (m/s)",
+    "N": "force (N)",
+}
+"""By unit."""
+
+PREDICTED = " predicted"
+"""How the names of predicted curves end."""
+
+EXACT = 1e-14
+"""Percent: errors are drawn no smaller, and zero has no logarithm."""
+
+
+def draw_figures(figures: Mapping[str, Figure], folder: Path) -> tuple[Picture, ...]:
+    """Each as `fig06.png`, `fig06.svg` and so on; the same for a report.
+
+    Args:
+        figures: by name.
+        folder: that exists.
+
+    Raises:
+        InputError: nothing can be written there.
+    """
+    return tuple(
+        _kept(_figure(figure), folder / name, f"Fig. {int(name[3:])}. {figure.title}")
+        for name, figure in figures.items()
+    )
+
+
+def draw_errors(rows: Sequence[Row], path: Path, title: str) -> Picture:
+    """Errors of a table's parameters, the paper's and ours, as PNG and SVG.
+
+    Args:
+        rows: of the table.
+        path: without a suffix.
+        title: over it.
+
+    Raises:
+        InputError: nothing can be written there.
+    """
+    drawing = Drawing(figsize=(10.0, 4.2), layout="constrained")
+    axes = drawing.subplots()
+    places = np.arange(len(rows))
+    curves = {
+        "paper": ([row.paper_error_percent for row in rows], "D"),
+        "estimate": ([row.error_percent for row in rows], "o"),
+        "RMS over seeds": ([row.rms_error_percent for row in rows], "s"),
+        "Cramér-Rao bound": ([row.cramer_rao_percent for row in rows], "_"),
+    }
+    for (name, (errors, marker)), color in zip(curves.items(), COLORS, strict=True):
+        size = np.abs(np.array(errors, dtype=float))
+        if np.isfinite(size).any():
+            size = np.maximum(size, EXACT)
+            axes.plot(places, size, marker, color=color, label=name, fillstyle="none")
+    axes.set(yscale="log", ylabel="relative error (%)")
+    axes.set_xticks(places, [row.name for row in rows], rotation=90)
+    _finish(axes)
+    return _kept(drawing, path, title)
+
+
+def _figure(figure: Figure) -> Drawing:
+    t_name, *names = figure.columns
+    panels = _panels(names)
+    drawing = Drawing(figsize=(7.0, 2.4 * len(panels)), layout="constrained")
+    every = drawing.subplots(len(panels), sharex=True, squeeze=False)[:, 0]
+    for axes, curves in zip(every, panels, strict=True):
+        for k, name in enumerate(curves):
+            foreseen = PREDICTED in name
+            axes.plot(
+                figure.columns[t_name],
+                figure.columns[name],
+                color=COLORS[k % len(COLORS)],
+                linestyle="--" if foreseen else "-",
+                linewidth=1.2 if foreseen or len(curves) == 1 else 1.6,
+                label=_parted(name)[0],
+            )
+        axes.set_ylabel(QUANTITIES[_parted(curves[0])[1]])
+        _finish(axes)
+    every[-1].set_xlabel(t_name)
+    return drawing
+
+
+def _panels(names: Sequence[str]) -> list[list[str]]:
+    """A measured curve and its prediction together; else what has the same unit."""
+    foreseen = any(PREDICTED in name for name in names)
+    panels: dict[str, list[str]] = {}
+    for name in names:
+        what, unit = _parted(name)
+        panels.setdefault(what.replace(PREDICTED, "") if foreseen else unit, []).append(
+            name
+        )
+    return list(panels.values())
+
+
+def _parted(name: str) -> tuple[str, str]:
+    """`"S x (m)"` in name and unit."""
+    what, _, unit = name.rpartition(" (")
+    return what, unit.removesuffix(")")
+
+
+def _finish(axes: Axes) -> None:
+    axes.grid(visible=True, color="0.9")
+    axes.set_axisbelow(True)
+    axes.margins(x=0.02)
+    # Above, where no curve is.
+    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=4, frameon=False)
+
+
+def _kept(drawing: Drawing, path: Path, title: str) -> Picture:
+    """As PNG and SVG files, and for a report."""
+    with replacing(path.with_suffix(".png")) as target:
+        drawing.savefig(target, format="png", dpi=150)
+    # Without a date and with a fixed salt the same data give the same file.
+    svg = StringIO()
+    with rc_context({"svg.hashsalt": path.name}):
+        drawing.savefig(svg, format="svg", metadata={"Date": None})
+    write_text(path.with_suffix(".svg"), svg.getvalue())
+    return Picture(title, svg.getvalue())

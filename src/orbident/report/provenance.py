@@ -1,0 +1,75 @@
+"""From what, with what and by what the numbers came about."""
+
+from collections.abc import Iterator
+
+from orbident.estimation.result import Result
+from orbident.report.numbers import NONE, short
+from orbident.report.references import BY_METHOD, SMOOTHING, SPECTRA, THE_PAPER
+from orbident.report.section import Row, Section, Table
+
+
+def provenance(result: Result) -> Section:
+    """Settings, input, signals, versions."""
+    tables = [
+        Table("Settings", ("", "value"), tuple(_settings(result)), in_words=True),
+        Table(
+            "How signals were obtained",
+            ("signal", "origin"),
+            tuple(
+                Row((name.replace("_", " "), origin))
+                for name, origin in result.origins.items()
+            ),
+            in_words=True,
+        ),
+        Table(
+            "Clocks", ("sensor", "behind", "± std", "corrected"), tuple(_clocks(result))
+        ),
+        Table(
+            "Left out", ("column", "samples"), tuple(_left_out(result)), in_words=True
+        ),
+    ]
+    return Section(
+        name="provenance",
+        title="Settings and origin",
+        tables=tuple(table for table in tables if table.rows),
+    )
+
+
+def references(result: Result) -> Section:
+    """Of the methods that were used."""
+    smoothed = any("smooth" in origin for origin in result.origins.values())
+    return Section(
+        name="references",
+        title="References",
+        words=(
+            THE_PAPER,
+            *BY_METHOD.get(result.method, ()),
+            *([SMOOTHING] if smoothed else []),
+            SPECTRA,
+        ),
+    )
+
+
+def _settings(result: Result) -> Iterator[Row]:
+    yield Row(("method", result.method))
+    yield Row(("initial momentum", result.initial_momentum))
+    yield Row(("recording", str(result.input.get("file", NONE))))
+    yield Row(("its SHA-256", str(result.input.get("sha256", NONE))))
+    if result.input.get("seed") is not None:
+        yield Row(("seed of its noise", str(result.input["seed"])))
+    yield Row(("samples", str(result.samples)))
+    yield Row(("computing time", f"{short(result.elapsed_s)} s"))
+    for name, version in result.versions.items():
+        yield Row((f"{name}, version", version))
+
+
+def _clocks(result: Result) -> Iterator[Row]:
+    for sensor, delay in result.clocks.items():
+        late, std = (f"{short(1e3 * x, 2)} ms" for x in (delay.late, delay.std))
+        yield Row((sensor, late, std, "yes" if delay.believed else "no"))
+
+
+def _left_out(result: Result) -> Iterator[Row]:
+    for column, reasons in result.rejected.items():
+        words = ", ".join(f"{count} {reason}" for reason, count in reasons.items())
+        yield Row((column, words))

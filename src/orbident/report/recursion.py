@@ -1,0 +1,142 @@
+"""How a recursive estimate came about, sample by sample."""
+
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.csv as arrow_csv
+from jaxtyping import Float
+
+from orbident.errors import InputError
+from orbident.report.charts import (
+    BAND,
+    LIMIT,
+    PREDICTED,
+    Panel,
+    Trace,
+    history,
+    line,
+    numbers,
+    stacked,
+)
+from orbident.report.decimation import extremes
+from orbident.report.numbers import NINETY_FIVE
+from orbident.report.section import Chart, Section
+
+UNITS = {"M": "kg", "sigma": "kg m", "iota": "kg m²"}
+
+LEARNING = 5
+"""The first fifth sets no scale."""
+
+DRAWN = 12
+"""Base parameters with a panel of their own: more would be a page each."""
+
+
+class Trail(NamedTuple):
+    """The columns of `history.csv`."""
+
+    names: tuple[str, ...]
+    t: Float[np.ndarray, " n"]
+    values: Float[np.ndarray, "n beta"]
+    std: Float[np.ndarray, "n beta"]
+    surprise: Float[np.ndarray, " n"]
+    """Squared innovation over what is expected of it."""
+    statistic: Float[np.ndarray, " n"]
+    """Of the detector of changes, over its threshold."""
+
+
+def read_trail(path: Path) -> Trail | None:
+    """From a RUN's `history.csv`; None where there is none.
+
+    Raises:
+        InputError: it is not what `identify` writes.
+    """
+    if not path.exists():
+        return None
+    try:
+        table = arrow_csv.read_csv(path)
+        names = [
+            name for name in table.column_names if f"{name}.std" in table.schema.names
+        ]
+        column = {
+            name: table[name].to_numpy().astype(float) for name in table.column_names
+        }
+        return Trail(
+            names=tuple(names),
+            t=column["t"],
+            values=np.column_stack([column[name] for name in names]),
+            std=np.column_stack([column[f"{name}.std"] for name in names]),
+            surprise=column["innovation_squared"]
+            / np.maximum(column["degrees_of_freedom"], 1.0),
+            statistic=column["change_statistic"],
+        )
+    except (pa.ArrowException, OSError, ValueError, KeyError) as error:
+        reason = str(error).splitlines()[0]
+        raise InputError(
+            f"{path}: is not what 'orbident identify' wrote ({reason}); identify again"
+        ) from error
+
+
+def recursion(trail: Trail | None) -> Section | None:
+    """Estimates over time with their 95 % bands, and what the detector saw."""
+    if trail is None or not np.isfinite(trail.values).all():
+        return None
+    panels = [
+        Panel(
+            f"{name} ({UNITS[name.split('_')[0]]})", _course(trail, k), y=_y(trail, k)
+        )
+        for k, name in enumerate(trail.names[:DRAWN])
+    ]
+    threshold = line(trail.t[[0, -1]], np.ones(2), LIMIT)
+    seen = [
+        Panel(
+            "squared innovation, over what is expected", [_curve(trail, trail.surprise)]
+        ),
+        Panel(
+            "change, over its threshold", [_curve(trail, trail.statistic), threshold]
+        ),
+    ]
+    return Section(
+        name="recursion",
+        title="Sample by sample",
+        words=(
+            "From CAD values that are 30 % uncertain; bands are 95 %. Above its "
+            "threshold the detector takes the robot for changed, and begins anew.",
+        ),
+        charts=(
+            Chart("course", "Estimates over time", stacked(panels, "t (s)")),
+            Chart(
+                "detector", "What the filter was surprised by", stacked(seen, "t (s)")
+            ),
+        ),
+    )
+
+
+def _course(trail: Trail, k: int) -> list[Trace]:
+    shown = extremes(trail.t, trail.values[:, k])
+    t, value = trail.t[shown], trail.values[shown, k]
+    half = NINETY_FIVE * trail.std[shown, k]
+    band = {
+        "type": "scatter",
+        "x": numbers(np.concatenate([t, t[::-1]])),
+        "y": numbers(np.concatenate([value + half, (value - half)[::-1]]), "<f4"),
+        "fill": "toself",
+        "fillcolor": BAND,
+        "line": {"width": 0},
+        "mode": "lines",
+        "hoverinfo": "skip",
+        "showlegend": False,
+    }
+    return [band, line(t, value, PREDICTED)]
+
+
+def _y(trail: Trail, k: int) -> dict[str, list[float]]:
+    """What is learnt at first is far off, and would flatten the rest."""
+    later = slice(trail.t.size // LEARNING, None)
+    value, half = trail.values[later, k], NINETY_FIVE * trail.std[later, k]
+    return {"range": [float(np.min(value - half)), float(np.max(value + half))]}
+
+
+def _curve(trail: Trail, x: Float[np.ndarray, " n"]) -> Trace:
+    return history(trail.t, x, PREDICTED)

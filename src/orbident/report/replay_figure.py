@@ -1,0 +1,198 @@
+"""A recorded motion as a chart that turns, plays and can be scrubbed."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float
+
+from orbident.errors import InputError
+from orbident.files.text import read_text, write_text
+from orbident.recordings.recording import Recording
+from orbident.report.charts import ERROR, Figure, numbers
+from orbident.report.section import Chart, Section
+from orbident.robot.description import Robot
+from orbident.scene.motion import Motion, momentum, placed
+from orbident.scene.replay import recorded_motion
+from orbident.scene.scene import Scene, scene_of
+from orbident.scene.shapes import Shape, box
+
+FRAMES = 40
+MOST_VERTICES = 60
+"""Of a shape; a finer one is shown as the box around it."""
+REPLAY = "replay.json"
+
+
+def replay_figure(scene: Scene, motion: Motion) -> Figure:
+    """The robot and its angular momentum, about its CM.
+
+    Args:
+        scene: of the robot, whose nominal inertia gives CM and momentum.
+        motion: as recorded.
+    """
+    shown = motion.thinned(FRAMES)
+    at = placed(scene, shown, np.zeros_like(shown.qd_rw))
+    found = momentum(scene.robot, shown)
+    shapes = [_plain(shape) for shape in scene.shapes]
+    p = at.p - found.r_cm[:, None]
+    points = np.concatenate(
+        [s.vertices @ at.R[:, s.frame].mT + p[:, s.frame, None] for s in shapes], axis=1
+    )
+    h = found.h_rs + found.h_rw
+    longest = np.linalg.norm(h, axis=1).max() or 1.0
+    reach = float(np.abs(points).max())
+    arrows = 0.7 * reach / longest * h
+    frames = [
+        {
+            "name": str(k),
+            "data": [_at(points[k]), _arrow(arrows[k])],
+            "traces": [0, 1],
+        }
+        for k in range(shown.t.size)
+    ]
+    data = [{**_body(shapes), **_at(points[0])}, {**_ARROW, **_arrow(arrows[0])}]
+    return {"data": data, "frames": frames, "layout": _layout(shown.t, reach)}
+
+
+def _plain(shape: Shape) -> Shape:
+    """The shape, or the box around it."""
+    if len(shape.vertices) <= MOST_VERTICES:
+        return shape
+    low, high = shape.vertices.min(axis=0), shape.vertices.max(axis=0)
+    around = box(high - low, shape.colour)
+    return around.moved(shape.frame, np.eye(3), (low + high) / 2)
+
+
+def _body(shapes: list[Shape]) -> dict[str, Any]:
+    """What stays: which vertices make a face, and of which colour."""
+    first = np.cumsum([0, *(len(shape.vertices) for shape in shapes[:-1])])
+    faces = np.vstack([s.faces + k for s, k in zip(shapes, first, strict=True)])
+    colours = [f"rgb{s.colour}" for s in shapes for _ in s.faces]
+    return {
+        "type": "mesh3d",
+        **{name: numbers(faces[:, k], "<i4") for k, name in enumerate("ijk")},
+        "facecolor": colours,
+        "flatshading": True,
+        "hoverinfo": "skip",
+        "lighting": {"ambient": 0.6, "diffuse": 0.7, "specular": 0.05},
+    }
+
+
+_ARROW = {
+    "type": "scatter3d",
+    "mode": "lines+markers",
+    "line": {"color": ERROR, "width": 6},
+    "marker": {"color": ERROR, "size": [2, 5]},
+    "hoverinfo": "skip",
+    "name": "angular momentum about the CM",
+    "showlegend": True,
+}
+
+
+def _at(points: Float[np.ndarray, "v 3"]) -> dict[str, Any]:
+    return {name: numbers(points[:, k], "<f4") for k, name in enumerate("xyz")}
+
+
+def _arrow(end: Float[np.ndarray, "3"]) -> dict[str, Any]:
+    return _at(np.vstack([np.zeros(3), end]))
+
+
+def _layout(t: Float[np.ndarray, " n"], reach: float) -> dict[str, Any]:
+    axis = {
+        "range": [-1.05 * reach, 1.05 * reach],
+        "showbackground": False,
+        "gridcolor": "--grid",
+        "nticks": 4,
+        "showspikes": False,
+    }
+    return {
+        "height": 560,
+        "margin": {"t": 30, "b": 10, "l": 0, "r": 0},
+        "dragmode": "turntable",
+        "scene": {
+            **{f"{k}axis": {**axis, "title": {"text": f"{k}, m"}} for k in "xyz"},
+            "aspectmode": "cube",
+            "camera": {"eye": {"x": 1.3, "y": -1.5, "z": 0.8}},
+        },
+        "sliders": [_slider(t)],
+        "updatemenus": [_play()],
+    }
+
+
+def _slider(t: Float[np.ndarray, " n"]) -> dict[str, Any]:
+    return {
+        "steps": [
+            {
+                "label": f"{time:.3g}",
+                "method": "animate",
+                "args": [[str(k)], {**_AT_ONCE, "frame": _frame(0)}],
+            }
+            for k, time in enumerate(t)
+        ],
+        "x": 0.16,
+        "len": 0.82,
+        "pad": {"t": 10, "b": 10},
+        "currentvalue": {"prefix": "t = ", "suffix": " s"},
+        "ticklen": 0,
+        "minorticklen": 0,
+    }
+
+
+def _play() -> dict[str, Any]:
+    onwards = {**_AT_ONCE, "fromcurrent": True, "frame": _frame(120)}
+    return {
+        "type": "buttons",
+        "x": 0.0,
+        "y": 0.0,
+        "xanchor": "left",
+        "yanchor": "top",
+        "pad": {"t": 30},
+        "showactive": False,
+        "bgcolor": "--card",
+        "buttons": [{"label": "Play", "method": "animate", "args": [None, onwards]}],
+    }
+
+
+_AT_ONCE = {"mode": "immediate", "transition": {"duration": 0}}
+
+
+def _frame(milliseconds: int) -> dict[str, Any]:
+    return {"duration": milliseconds, "redraw": True}
+
+
+def write_replay(robot: Robot, recording: Recording, folder: Path) -> None:
+    """Keep in a RUN folder what a later report shows of the motion.
+
+    A recording that shows no motion of the whole robot leaves nothing.
+
+    Raises:
+        InputError: the folder cannot be written.
+    """
+    try:
+        motion = recorded_motion(robot, recording).measured
+    except InputError:
+        return
+    figure = replay_figure(scene_of(robot), motion)
+    write_text(folder / REPLAY, json.dumps(figure, separators=(",", ":")))
+
+
+def replay_sections(folder: Path) -> list[Section]:
+    """The motion that a RUN folder keeps; nothing where it keeps none.
+
+    Raises:
+        InputError: its file is damaged.
+    """
+    path = folder / REPLAY
+    if not path.exists():
+        return []
+    try:
+        figure = json.loads(read_text(path))
+    except ValueError as error:
+        raise InputError(f"{path}: is not JSON ({error}); identify again") from error
+    words = (
+        "As recorded, about the system CM. Drag to turn, scroll to come closer. With "
+        "the predicted motion beside it: orbident view RUN --recording REC."
+    )
+    chart = Chart("replay", "The motion, inertial axes", figure)
+    return [Section("replay", "Replay", words=(words,), charts=(chart,))]

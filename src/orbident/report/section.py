@@ -1,0 +1,58 @@
+"""What a report is made of: sections of words, tables and charts."""
+
+import base64
+from typing import Any, NamedTuple
+
+
+class Row(NamedTuple):
+    """Of a table."""
+
+    cells: tuple[str, ...]
+    note: str = ""
+    """In small letters below it: a formula."""
+
+
+class Table(NamedTuple):
+    """Of numbers, with units in its head."""
+
+    title: str
+    head: tuple[str, ...]
+    rows: tuple[Row, ...]
+    in_words: bool = False
+    """Whether its cells are words more than numbers."""
+
+
+class Chart(NamedTuple):
+    """A plotly figure as plain data; a colour may be the name of one of the page's."""
+
+    name: str
+    """Unique in a report."""
+    title: str
+    figure: dict[str, Any]
+    first: bool = False
+    """Whether it begins a line of the page."""
+
+
+class Picture(NamedTuple):
+    """A drawing that is kept as a file too."""
+
+    title: str
+    svg: str
+
+    @property
+    def source(self) -> str:
+        """The drawing inside the page, where its styles and names touch no other's."""
+        packed = base64.b64encode(self.svg.encode()).decode()
+        return f"data:image/svg+xml;base64,{packed}"
+
+
+class Section(NamedTuple):
+    """A heading and what stands below it."""
+
+    name: str
+    """Unique in a report."""
+    title: str
+    words: tuple[str, ...] = ()
+    tables: tuple[Table, ...] = ()
+    charts: tuple[Chart, ...] = ()
+    pictures: tuple[Picture, ...] = ()

@@ -1,0 +1,77 @@
+"use strict";
+(async () => {
+  const root = document.documentElement;
+  const figures = JSON.parse(document.querySelector("script.figures").textContent);
+  const charts = [...document.querySelectorAll(".chart")];
+
+  async function load() {
+    const packed = atob(document.querySelector("script.plotly").textContent);
+    const bytes = Uint8Array.from(packed, (c) => c.charCodeAt(0));
+    const unpacked = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
+    const script = document.createElement("script");
+    script.textContent = await new Response(unpacked).text();
+    document.head.append(script);
+  }
+
+  // A colour's role becomes the colour that the page has for it just now.
+  function coloured(value, style) {
+    if (typeof value === "string") {
+      return value.startsWith("--") ? style.getPropertyValue(value).trim() || value : value;
+    }
+    if (Array.isArray(value)) return value.map((each) => coloured(each, style));
+    if (value === null || typeof value !== "object") return value;
+    return Object.fromEntries(
+      Object.entries(value).map(([key, each]) => [key, coloured(each, style)]));
+  }
+
+  // Fingers scroll the page, a mouse zooms.
+  const touch = matchMedia("(pointer: coarse)").matches;
+
+  function layout(own, style, width) {
+    const axis = {
+      gridcolor: style.getPropertyValue("--grid"), linecolor: style.getPropertyValue("--rule"),
+      zeroline: false, showline: true, fixedrange: touch, tickfont: { size: 11 },
+    };
+    const axes = Object.keys(own).filter((key) => /^[xy]axis/.test(key));
+    return {
+      paper_bgcolor: "transparent", plot_bgcolor: "transparent",
+      font: { family: "system-ui, sans-serif", size: 12, color: style.getPropertyValue("--ink") },
+      legend: { orientation: "h", x: 1, xanchor: "right", y: 1, yanchor: "bottom" },
+      dragmode: touch ? false : "zoom",
+      ...own,
+      ...Object.fromEntries(axes.map((key) => [key, { ...axis, ...own[key] }])),
+      margin: { l: 58, r: 10, ...own.margin },
+      ...(width ? { width, autosize: false } : { autosize: true }),
+    };
+  }
+
+  function draw(chart, width) {
+    const style = getComputedStyle(root);
+    const figure = coloured(figures[chart.dataset.figure], style);
+    return Plotly.react(chart, {
+      data: figure.data, frames: figure.frames,
+      layout: layout(figure.layout, style, width),
+      config: { displayModeBar: false, responsive: true },
+    });
+  }
+
+  const all = (width) => charts.forEach((chart) => draw(chart, width));
+  const soon = () => new Promise((resolve) => setTimeout(resolve));
+
+  await load();
+  for (const chart of charts) {
+    await draw(chart);
+    chart.dataset.drawn = "yes";
+    await soon();
+  }
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => all());
+  addEventListener("beforeprint", () => {
+    document.querySelectorAll("details").forEach((each) => { each.open = true; });
+    root.classList.add("paper");
+    all(330);
+  });
+  addEventListener("afterprint", () => {
+    root.classList.remove("paper");
+    all();
+  });
+})();

@@ -1,0 +1,100 @@
+"""The report of a RUN: which sections there are, and where it goes."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from orbident.estimation.predicted import Signals
+from orbident.estimation.result import Result
+from orbident.files.text import write_text
+from orbident.identified.run_folder import HISTORY
+from orbident.report.conditioning import conditioning
+from orbident.report.fit import fits
+from orbident.report.limits import excitation, identifiability
+from orbident.report.page import page
+from orbident.report.parameters import masses, nominal_of, parameters
+from orbident.report.provenance import provenance, references
+from orbident.report.recursion import Trail, read_trail, recursion
+from orbident.report.replay_figure import replay_sections
+from orbident.report.section import Section
+from orbident.report.verdict import judgement
+
+REPORT = "report.html"
+
+METHODS = {
+    "least-squares": "least squares",
+    "structured": "structured least squares",
+    "maximum-likelihood": "maximum likelihood",
+    "recursive": "recursion",
+}
+
+FEWEST = 16
+"""Samples of a signal that says anything."""
+
+
+def write_report(result: Result, folder: Path) -> Path:
+    """Write `report.html` into a RUN folder.
+
+    Args:
+        result: that is kept there.
+        folder: that exists.
+
+    Raises:
+        InputError: a file of the folder is damaged, or it cannot be written.
+    """
+    path = folder / REPORT
+    trail, replay = read_trail(folder / HISTORY), replay_sections(folder)
+    write_text(path, report(result, trail, replay))
+    return path
+
+
+def report(
+    result: Result, trail: Trail | None = None, replay: Sequence[Section] = ()
+) -> str:
+    """The report as HTML.
+
+    Args:
+        result: of an identification.
+        trail: of a recursive one.
+        replay: of the motion, where the folder keeps it.
+    """
+    signals = seen(result)
+    return page(
+        title=result.robot.name,
+        subtitle=f"Identified by {METHODS.get(result.method, result.method)}",
+        judgement=judgement(result, signals),
+        sections=[*sections_of(result, signals, trail), *replay],
+    )
+
+
+def seen(result: Result) -> Signals:
+    """The signals of which there are enough samples to look at."""
+    return tuple(signal for signal in result.signals() if signal.t.size >= FEWEST)
+
+
+def sections_of(
+    result: Result,
+    signals: Signals,
+    trail: Trail | None = None,
+    known_as: str = "CAD",
+) -> list[Section]:
+    """All that is said of a result, in order.
+
+    Args:
+        result: of an identification.
+        signals: `seen` of it.
+        trail: of a recursive one.
+        known_as: what the robot's own inertia is.
+    """
+    nominal = nominal_of(result)
+    sections = [
+        parameters(result, nominal, known_as),
+        masses(result, nominal, known_as),
+        fits(result, signals),
+        recursion(trail),
+        conditioning(result),
+        identifiability(result),
+        excitation(result),
+        provenance(result),
+        references(result),
+    ]
+    return [section for section in sections if section is not None]

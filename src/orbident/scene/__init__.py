@@ -1,0 +1,1 @@
+"""What a robot looks like, and where its bodies are over time."""

@@ -1,0 +1,133 @@
+"""A recorded motion, and beside it the motion that an identified model predicts."""
+
+from functools import partial
+from typing import NamedTuple
+
+import jax
+import numpy as np
+from jaxtyping import Float
+from scipy.integrate import cumulative_trapezoid
+
+from orbident.compilation import compiled
+from orbident.dynamics.batches import in_batches
+from orbident.dynamics.inertia import inertia
+from orbident.dynamics.tree import Tree, tree_of
+from orbident.errors import InputError
+from orbident.estimation.result import Result
+from orbident.identified.prediction import predict
+from orbident.precision import in_float64
+from orbident.recordings.recording import Recording
+from orbident.robot.description import Robot
+from orbident.scene.motion import Motion
+from orbident.signals.samples import Batch, samples_of
+from orbident.spatial.arrays import AnyArray
+from orbident.spatial.rotations import cross, quaternion_matrix, rotate
+
+
+class Replay(NamedTuple):
+    """Motions at the same times; what was not measured is derived."""
+
+    measured: Motion
+    predicted: Motion | None
+    """None without a model, or where it cannot predict."""
+    model: Robot | None
+    """The robot with the inertia that momentum is computed with; None as above."""
+    velocity_known: bool
+    """Whether the velocity of S was measured; else the system CM is taken to rest."""
+    warnings: tuple[str, ...]
+
+
+def recorded_motion(robot: Robot, recording: Recording) -> Replay:
+    """What a recording shows of a robot; momentum is that of its nominal inertia.
+
+    Raises:
+        InputError: the recording lacks joints, wheels, or gyro and attitude, or has
+            fewer than two complete samples.
+    """
+    samples = samples_of(robot, recording)
+    everything = samples.batch(0, samples.t.size)
+    measured = Batch(*(part[everything.turning] for part in everything))
+    t = samples.t[everything.turning]
+    if t.size < 2:
+        raise InputError(
+            f"{recording.source}: {t.size} complete samples; a replay needs joints, "
+            "wheels, gyro and attitude all measured, twice at least"
+        )
+    motion = _measured(robot, recording, t, measured)
+    return Replay(motion, None, robot, bool(measured.moving.any()), ())
+
+
+def predicted_motion(result: Result, recording: Recording) -> Replay:
+    """What was measured, and what the identified model makes of the same joints.
+
+    A result that cannot predict leaves the measured motion alone, and says why.
+
+    Raises:
+        InputError: as `recorded_motion`.
+    """
+    try:
+        model = result.dynamics().robot
+        prediction = predict(result, recording)
+    except InputError as error:
+        alone = recorded_motion(result.robot, recording)
+        return alone._replace(model=None, warnings=(f"no prediction: {error}",))
+    measured, t = prediction.measured, prediction.t
+    motion = _measured(model, recording, t, measured)
+    known = bool(measured.moving.any())
+    predicted = motion._replace(
+        x_WB=prediction.x_WB, w=prediction.w, v_S=prediction.v_S
+    )
+    r_S = motion.r_S[0] + cumulative_trapezoid(prediction.v_S, t, axis=0, initial=0)
+    return Replay(motion, predicted._replace(r_S=r_S), model, known, ())
+
+
+def _measured(
+    robot: Robot, recording: Recording, t: Float[np.ndarray, " n"], batch: Batch
+) -> Motion:
+    if batch.moving.any():
+        v_S = _between(t, t[batch.moving], batch.v_S[batch.moving])
+        r_S = cumulative_trapezoid(v_S, t, axis=0, initial=0)
+    else:
+        r_S, v_S = _about_resting_cm(robot, batch)
+    if recording.has(*(f"position.{k}" for k in "xyz")):
+        position = recording.vector("position")
+        seen = np.isfinite(position).all(axis=1)
+        if seen.any():
+            r_S = _between(t, recording.t[seen], position[seen])
+    return Motion(t, batch.q, batch.qd, batch.x_WB, batch.w, r_S, v_S, batch.qd_rw)
+
+
+def _between(
+    t: Float[np.ndarray, " n"],
+    t_seen: Float[np.ndarray, " m"],
+    values: Float[np.ndarray, "m 3"],
+) -> Float[np.ndarray, "n 3"]:
+    return np.column_stack([np.interp(t, t_seen, column) for column in values.T])
+
+
+@in_float64
+def _about_resting_cm(
+    robot: Robot, batch: Batch
+) -> tuple[Float[np.ndarray, "n 3"], Float[np.ndarray, "n 3"]]:
+    """Position and velocity of S about a CM that rests at the origin (Eq. 28)."""
+    function = partial(_from_cm, tree_of(robot), robot.theta)
+    return in_batches(function, batch.q, batch.qd, batch.w, batch.x_WB)
+
+
+@compiled
+def _from_cm(
+    tree: Tree,
+    theta: Float[AnyArray, "bodies 10"],
+    q: Float[AnyArray, "n joints"],
+    qd: Float[AnyArray, "n joints"],
+    w: Float[AnyArray, "n 3"],
+    x_WB: Float[AnyArray, "n 4"],
+) -> tuple[Float[AnyArray, "n 3"], Float[AnyArray, "n 3"]]:
+    def each(q, qd, w, x_WB):
+        at, R_WB = inertia(tree, theta, q), quaternion_matrix(x_WB)
+        return (
+            -rotate(R_WB, at.r_cm),
+            -rotate(R_WB, cross(w, at.r_cm) + at.J_cm @ qd),
+        )
+
+    return jax.vmap(each)(q, qd, w, x_WB)

@@ -1,0 +1,125 @@
+"""A robot as frames with shapes in them: its bodies, and wheels that turn."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+
+from orbident.identified.urdf_export import links_of
+from orbident.robot.description import Robot, Wheel
+from orbident.robot.fusing import fused
+from orbident.scene.made_shapes import made_shapes, robot_size
+from orbident.scene.shapes import MARK, WHEEL, Shape, box, cylinder, z_towards
+from orbident.scene.urdf_shapes import link_shapes
+
+DISC = 0.35
+"""Radius of a wheel that is only declared, of the base's smallest half extent."""
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """What to draw of a robot.
+
+    Frames are the bodies in their order, then the wheels in theirs. A wheel's frame is
+    fixed in the base but for turning about its z axis, the spin axis.
+    """
+
+    robot: Robot
+    shapes: tuple[Shape, ...]
+    R_BWheel: Float[np.ndarray, "wheels 3 3"]
+    p_BWheel: Float[np.ndarray, "wheels 3"]
+    """From S, base axes, m."""
+    size: float
+    """The longest way from S along the joints, m."""
+    missing: tuple[str, ...]
+    """Meshes that the URDF names and that could not be read."""
+
+
+def scene_of(robot: Robot, folder: Path | None = None) -> Scene:
+    """Shapes from the robot's URDF; made up where it shows nothing.
+
+    Args:
+        robot: with its nominal inertia.
+        folder: of the URDF, for its meshes; without one no mesh is looked for.
+    """
+    size = robot_size(robot)
+    shown, missing = _shown(robot, folder)
+    for body in range(len(robot.bodies)):
+        if not any(shape.frame == body for shape in shown):
+            shown += made_shapes(robot, body, size)
+    base = np.vstack([shape.vertices for shape in shown if shape.frame == 0])
+    turning, shapes = rotors(robot), []
+    R = np.reshape([z_towards(wheel.axis) for wheel in robot.wheels], (-1, 3, 3))
+    p = np.zeros((len(robot.wheels), 3))
+    for k, wheel in enumerate(robot.wheels):
+        frame = len(robot.bodies) + k
+        own = [shape for shape in shown if shape.frame == frame]
+        if own:
+            p[k] = turning[k].p
+            shapes += [each.moved(frame, R[k].T, -R[k].T @ p[k]) for each in own]
+        else:
+            same = [abs(w.axis @ wheel.axis) > 0.99 for w in robot.wheels[:k]]
+            p[k], radius = _outside(base, wheel, sum(map(bool, same)))
+            shapes += _disc(frame, radius)
+    shapes += [shape for shape in shown if shape.frame < len(robot.bodies)]
+    return Scene(robot, tuple(shapes), R, p, size, missing)
+
+
+class Rotor(NamedTuple):
+    """A wheel that is a joint of the URDF."""
+
+    links: frozenset[str]
+    """That turn with it."""
+    p: Float[np.ndarray, "3"]
+    """Of its joint from S, base axes, m."""
+
+
+def rotors(robot: Robot) -> dict[int, Rotor]:
+    """By index of the wheel, those that the URDF has as joints."""
+    entries = enumerate(robot.document.get("wheels", ()))
+    joints = {entry["joint"]: k for k, entry in entries if "joint" in entry}
+    if not joints:
+        return {}
+    links = links_of(robot)
+    found = {}
+    for joint in (each for below in links.tree.children.values() for each in below):
+        if joint.name in joints:
+            below = frozenset(fused(links.tree, joint.child).placements)
+            p = links.placements[joint.child].p - robot.feature_point
+            found[joints[joint.name]] = Rotor(below, p)
+    return found
+
+
+def _shown(robot: Robot, folder: Path | None) -> tuple[list[Shape], tuple[str, ...]]:
+    """What the URDF shows, in frames of bodies; of rotors in the base's, but theirs."""
+    if not robot.urdf:
+        return [], ()
+    by_link, missing = link_shapes(robot.urdf, folder)
+    turning = {link: k for k, rotor in rotors(robot).items() for link in rotor.links}
+    shown = []
+    for link, at in links_of(robot).placements.items():
+        p = at.p - robot.feature_point if at.body == 0 else at.p
+        wheel = turning.get(link)
+        frame = at.body if wheel is None else len(robot.bodies) + wheel
+        shown += [shape.moved(frame, at.R, p) for shape in by_link[link]]
+    return shown, missing
+
+
+def _outside(
+    base: Float[np.ndarray, "v 3"], wheel: Wheel, before: int
+) -> tuple[Float[np.ndarray, "3"], float]:
+    """Where a wheel is seen: on the base's side towards which its axis points."""
+    low, high = base.min(axis=0), base.max(axis=0)
+    centre, half = (low + high) / 2, (high - low) / 2
+    radius = DISC * float(half.min())
+    side = float(((base - centre) @ wheel.axis).max())
+    return centre + wheel.axis * (side + (0.3 + 0.6 * before) * radius), radius
+
+
+def _disc(frame: int, radius: float) -> list[Shape]:
+    disc = cylinder(radius, 0.4 * radius, WHEEL)
+    # A bar across the disc shows that it turns.
+    bar = box(np.array([1.8, 0.35, 0.5]) * radius, MARK)
+    return [shape._replace(frame=frame) for shape in (disc, bar)]

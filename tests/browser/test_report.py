@@ -1,0 +1,139 @@
+"""The report as a browser shows it: from disk, without a network, names as text."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+import report_runs
+from chromium import chromium
+from selenium.webdriver import Chrome
+from selenium.webdriver.support.wait import WebDriverWait
+
+from orbident.report.write import report
+
+SIZES = {"desk": (1400, 900), "phone": (400, 800)}
+
+PATIENCE = 60.0
+"""s: on two busy cores."""
+
+
+@pytest.fixture(scope="module")
+def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Chrome]:
+    with chromium(tmp_path_factory.mktemp("profile"), 1400, 900) as browser:
+        yield browser
+
+
+@pytest.fixture(scope="module", params=SIZES)
+def page(
+    request: pytest.FixtureRequest,
+    browser: Chrome,
+    tmp_path_factory: pytest.TempPathFactory,
+) -> Chrome:
+    """The report of a robot with hostile names, all charts drawn."""
+    path: Path = tmp_path_factory.mktemp("run") / "report.html"
+    path.write_text(report(report_runs.hostile()), encoding="utf-8")
+    width, height = SIZES[request.param]
+    _emulate(browser, "setDeviceMetricsOverride", width=width, height=height)
+    browser.get(path.as_uri())
+    WebDriverWait(browser, PATIENCE).until(_drawn)
+    return browser
+
+
+def _emulate(browser: Chrome, what: str, **options: object) -> None:
+    if "width" in options:
+        phone = options["width"] == SIZES["phone"][0]
+        options |= {"deviceScaleFactor": 1, "mobile": phone}
+    browser.execute_cdp_cmd(f"Emulation.{what}", options)
+
+
+def _drawn(browser: Chrome) -> bool:
+    return browser.execute_script(
+        "return !document.querySelector('.chart:not([data-drawn])')"
+    )
+
+
+def test_nothing_on_the_console(page: Chrome):
+    severe = [line for line in page.get_log("browser") if line["level"] == "SEVERE"]
+    assert severe == []
+
+
+def test_every_chart_is_drawn(page: Chrome):
+    empty = page.execute_script(
+        "return [...document.querySelectorAll('.chart')]"
+        ".filter((c) => !c.querySelector('.trace path, .heatmaplayer image'))"
+        ".map((c) => c.dataset.figure)"
+    )
+    assert empty == []
+    assert page.execute_script("return document.querySelectorAll('.chart').length") > 8
+
+
+def test_the_verdict_is_seen_first(page: Chrome):
+    """Without scrolling: the words and the mass."""
+    for part in ("#verdict h2", "#verdict .mass"):
+        box = page.execute_script(
+            "const r = document.querySelector(arguments[0]).getBoundingClientRect();"
+            "return [r.top, r.bottom, scrollY, innerHeight]",
+            part,
+        )
+        top, bottom, scrolled, height = box
+        assert scrolled == 0
+        assert 0 < top < bottom < height
+
+
+def test_no_scrolling_to_the_side(page: Chrome):
+    wide, window = page.execute_script(
+        "return [document.documentElement.scrollWidth, innerWidth]"
+    )
+    assert wide <= window
+
+
+def test_hostile_names_are_text(page: Chrome):
+    assert "taken" not in page.title.replace(report_runs.HOSTILE["name"], "")
+    body = page.execute_script("return document.body.innerText")
+    for name in report_runs.HOSTILE.values():
+        assert name.strip() in body
+    # Headings of panels, shortened.
+    drawn = page.execute_script(
+        "return [...document.querySelectorAll('.chart svg text')]"
+        ".map((each) => each.textContent)"
+    )
+    assert any(text.startswith("<img src=x onerror=") for text in drawn)
+    assert any("<b>bold</b> %{y} &amp;" in text for text in drawn)
+    assert (
+        page.execute_script("return document.querySelectorAll('.chart a').length") == 0
+    )
+
+
+COLORS = """
+const color = (where, of) => getComputedStyle(document.querySelector(where))[of];
+return [color("body", "color"), color(".chart .xtick text", "fill"),
+        color(".chart .ytick text", "fill")]
+"""
+
+
+def test_dark_as_well_as_light(page: Chrome):
+    inks = set()
+    for scheme in ("dark", "light"):
+        feature = {"name": "prefers-color-scheme", "value": scheme}
+        _emulate(page, "setEmulatedMedia", features=[feature])
+        WebDriverWait(page, PATIENCE).until(_of_one_color)
+        inks.add(page.execute_script(COLORS)[0])
+    assert len(inks) == 2
+
+
+def _of_one_color(browser: Chrome) -> bool:
+    return len(set(browser.execute_script(COLORS))) == 1
+
+
+def test_print(page: Chrome):
+    """Two charts side by side on paper, all tables open."""
+    page.execute_script("document.querySelector('details').open = false")
+    page.execute_script("dispatchEvent(new Event('beforeprint'))")
+    widths, closed = page.execute_script(
+        "return [[...document.querySelectorAll('.chart > .plot-container .main-svg')]"
+        ".map((svg) => svg.clientWidth),"
+        "document.querySelectorAll('details:not([open])').length]"
+    )
+    page.execute_script("dispatchEvent(new Event('afterprint'))")
+    assert set(widths) == {330}
+    assert closed == 0

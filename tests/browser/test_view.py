@@ -1,0 +1,127 @@
+"""The replay page in a browser: it is drawn, it plays, and it can be scrubbed."""
+
+import io
+import threading
+import time
+from collections.abc import Callable, Iterator
+from typing import Any, NamedTuple
+
+import numpy as np
+import pytest
+from chromium import chromium
+from PIL import Image
+from random_motions import random_motion
+from selenium.webdriver.common.by import By
+from selenium.webdriver.common.keys import Keys
+
+from orbident.robot.robot_file import load_robot
+from orbident.scene.replay import recorded_motion
+from orbident.scene.scene import scene_of
+from orbident.sensing.simulate import simulate
+from orbident.viewer.replay_page import ReplayPage
+from orbident.viewer.server import PERIOD, address, close, open_server
+
+PATIENCE = 60.0
+"""A processor that draws instead of a graphics card, and is shared, takes seconds."""
+WIDTH, HEIGHT = 900, 700
+SCENE = (0, 160, 520, 520)
+"""Where nothing but the scene is drawn: left, top, right, bottom, pixels."""
+
+
+class Shown(NamedTuple):
+    browser: Any
+    page: ReplayPage
+    server: Any
+
+    def until(self, condition: Callable[[], bool]) -> None:
+        deadline = time.monotonic() + PATIENCE
+        while not condition():
+            assert time.monotonic() < deadline
+            time.sleep(0.1)
+
+    def press(self, label: str) -> None:
+        found = (By.XPATH, f"//button[.='{label}']")
+        self.until(lambda: len(self.browser.find_elements(*found)) == 1)
+        self.browser.find_element(*found).click()
+
+    def picture(self) -> np.ndarray:
+        image = Image.open(io.BytesIO(self.browser.get_screenshot_as_png()))
+        return np.asarray(image.convert("RGB").crop(SCENE)).astype(int)
+
+    def link_moves_from(self, before: np.ndarray) -> bool:
+        """Whether more than some hundred pixels have changed."""
+        changed = np.abs(self.picture() - before).max(axis=2) > 40
+        return changed.sum() > 300
+
+
+@pytest.fixture(scope="module")
+def shown(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Shown]:
+    robot = load_robot("cepheus-like")
+    motion = random_motion(robot, duration=20.0)
+    replay = recorded_motion(robot, simulate(robot, motion))
+    # The ghost is the robot half a second later.
+    late = replay.measured.x_WB[np.minimum(np.arange(2001) + 50, 2000)]
+    replay = replay._replace(predicted=replay.measured._replace(x_WB=late))
+    hostile = "<script>document.title='hit'</script>\"'" + "x" * 300
+    with chromium(tmp_path_factory.mktemp("profile"), WIDTH, HEIGHT) as browser:
+        server = open_server("127.0.0.1", 0)
+        page = ReplayPage(server, scene_of(robot), replay, hostile)
+        ended = threading.Event()
+
+        def play() -> None:
+            while not ended.wait(PERIOD):
+                page.advance(PERIOD)
+
+        player = threading.Thread(target=play)
+        player.start()
+        try:
+            browser.get(address(server, "127.0.0.1"))
+            yield Shown(browser, page, server)
+        finally:
+            ended.set()
+            player.join()
+            close(server)
+
+
+def test_the_robot_is_drawn(shown: Shown):
+    def drawn() -> bool:
+        # The base's grey and the arm's orange, in many lights.
+        return len(np.unique(shown.picture().reshape(-1, 3), axis=0)) > 100
+
+    shown.until(drawn)
+    r, g, b = np.moveaxis(shown.picture(), -1, 0)
+    assert ((r > b + 60) & (g > b + 20)).sum() > 200
+
+
+def test_a_hostile_name_is_text(shown: Shown):
+    shown.until(
+        lambda: "<script>" in shown.browser.find_element(By.TAG_NAME, "body").text
+    )
+    assert shown.browser.title != "hit"
+
+
+def test_it_plays(shown: Shown):
+    before = shown.picture()
+    shown.press("Play")
+    shown.until(lambda: shown.page._time.value > 2.0)
+    shown.until(lambda: shown.link_moves_from(before))
+    shown.press("Pause")
+    shown.until(lambda: not shown.page._playing)
+    stopped = shown.page._time.value
+    time.sleep(3 * PERIOD)
+    assert shown.page._time.value == stopped
+
+
+def test_it_can_be_scrubbed(shown: Shown):
+    before = shown.picture()
+    start = shown.page._time.value
+    handle = shown.browser.find_elements(By.CSS_SELECTOR, "[role='slider']")[0]
+    for _ in range(60):
+        handle.send_keys(Keys.ARROW_RIGHT)
+    shown.until(lambda: shown.page._time.value > start + 0.5)
+    shown.until(lambda: shown.link_moves_from(before))
+
+
+def test_no_error_in_the_console(shown: Shown):
+    errors = [e for e in shown.browser.get_log("browser") if e["level"] == "SEVERE"]
+    assert errors == []

@@ -1,0 +1,57 @@
+"""`report`: a page that needs nothing else, or one line that says why not."""
+
+import hashlib
+import json
+from pathlib import Path
+
+import pytest
+from running import LINEAR, Orbident, written
+
+from orbident.recordings.recording import Recording
+
+
+@pytest.fixture
+def run(orbident: Orbident, flight: Recording) -> Path:
+    """A RUN in the test's own folder."""
+    written(flight, "r.csv", rows=slice(0, 400))
+    orbident("identify", "paper-spatial", "r.csv", "-o", "run", *LINEAR).done()
+    return Path("run")
+
+
+def test_identify_writes_one(orbident: Orbident, run: Path):
+    page = (run / "report.html").read_text()
+    checksum = hashlib.sha256(Path("r.csv").read_bytes()).hexdigest()
+    assert checksum in page
+    kept = json.loads((run / "result.json").read_text())
+    assert kept["input"] == {"file": "r.csv", "sha256": checksum}
+    assert kept["motion"]["joints"]["joint1"]["position"][0] < 0.1
+
+    orbident("report", run).refused("run/report.html: exists already", "--force")
+    assert (run / "report.html").read_text() == page
+    (run / "report.html").unlink()
+    assert orbident("report", run).done().out == "written: run/report.html\n"
+    assert (run / "report.html").read_text() == page
+    assert orbident("report", run, "--force", "--quiet").done().out == ""
+    ran = orbident("report", run, "--force", "--json", "-").done()
+    assert ran.json == {"report": "run/report.html"}
+
+
+def test_bad_signals(orbident: Orbident, run: Path):
+    (run / "signals.parquet").write_bytes(b"PAR1 no more")
+    words = "signals.parquet: is not what 'orbident identify' wrote", "identify again"
+    orbident("report", run, "--force").refused(*words)
+    # A RUN of an older version has none.
+    (run / "signals.parquet").unlink()
+    orbident("report", run, "--force").done()
+
+
+def test_bad_history(orbident: Orbident, run: Path):
+    (run / "history.csv").write_text("t,M\n0,1,2\n")
+    orbident("report", run, "--force").refused("history.csv", "identify again")
+
+
+def test_no_run(orbident: Orbident):
+    orbident("report", "nowhere").refused("nowhere/result.json: cannot be read")
+    Path("run").mkdir()
+    Path("run/result.json").write_text("{")
+    orbident("report", "run").refused("run/result.json: is not JSON")

@@ -1,0 +1,146 @@
+"""The page: every section, names as text, not too large."""
+
+import html
+import json
+import re
+from dataclasses import replace
+from html.parser import HTMLParser
+
+import numpy as np
+import plotly.graph_objects as go
+import pytest
+import report_runs
+
+from orbident.estimation.result import Result
+from orbident.report.charts import label, numbers
+from orbident.report.page import embedded
+from orbident.report.write import report
+
+SECTIONS = (
+    "parameters",
+    "masses",
+    "fit",
+    "conditioning",
+    "identifiability",
+    "excitation",
+    "provenance",
+    "references",
+)
+
+
+class _Seen(HTMLParser):
+    """Tags, and the text that a person reads."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.ids: list[str] = []
+        self.tags: list[str] = []
+        self.text = ""
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.append(tag)
+        self.ids += [value or "" for name, value in attrs if name == "id"]
+
+    def handle_data(self, data):
+        if self.tags and self.tags[-1] not in {"script", "style"}:
+            self.text += data
+
+
+def _seen(page: str) -> _Seen:
+    seen = _Seen()
+    seen.feed(page)
+    return seen
+
+
+def _figures(page: str) -> dict:
+    (found,) = re.findall(r'<script class="figures"[^>]*>(.*?)</script>', page, re.S)
+    return json.loads(found)
+
+
+@pytest.fixture(scope="module")
+def page() -> str:
+    return report(report_runs.result())
+
+
+def test_sections(page: str):
+    seen = _seen(page)
+    assert [name for name in seen.ids if name != "verdict"] == list(SECTIONS)
+    assert page.index("Trust it, with care") < page.index('id="parameters"')
+    for words in (
+        *("pi_19", "phi_5", "sigma_1", "M from pi_13", "SHA-256", "mx(link3)"),
+        *("Numerische Mathematik", "N m s", "0.360 rad/s"),
+    ):
+        assert words in seen.text, words
+
+
+def test_nothing_from_elsewhere(page: str):
+    own = re.sub(r"<script.*?</script>", "", page, flags=re.S)
+    assert "http" not in own
+    assert re.findall(r"<link [^>]*>", own) == ['<link rel="icon" href="data:,">']
+
+
+def test_size(page: str):
+    # Most of it is plotly.js; the issue's aim is 8 MB.
+    assert len(page.encode()) < 3e6
+
+
+def test_charts_are_what_plotly_takes(page: str):
+    figures = _figures(page)
+    assert {"base", "masses", "momentum-signal", "velocity-lags"} <= set(figures)
+    for figure in figures.values():
+        # Roles of colours become colours in the page.
+        text = re.sub(r'"--[a-z]+"', '"#123456"', json.dumps(figure))
+        go.Figure(json.loads(text))
+
+
+def test_hostile_names_are_text():
+    page = report(report_runs.hostile())
+    seen = _seen(page)
+    # Of the page itself: figures, plotly and its own.
+    assert seen.tags.count("script") == 3
+    assert not {"img", "b"} & set(seen.tags)
+    for name in report_runs.HOSTILE.values():
+        assert name.strip() in seen.text, name
+    headings = [
+        annotation["text"]
+        for figure in _figures(page).values()
+        for annotation in figure["layout"].get("annotations", ())
+    ]
+    assert any("&lt;img" in text for text in headings)
+    assert not any("<" in text for text in headings)
+
+
+def test_rejected_has_a_report_too():
+    seen = _seen(report(report_runs.rejected()))
+    assert "Do not trust it" in seen.text
+    assert "Why, and what to do" in seen.text
+    assert "record one of them" in seen.text
+    # There is no mass, by any route.
+    assert "masses" not in seen.ids
+
+
+def test_a_result_that_says_little_has_one():
+    """As one that an older version wrote."""
+    found: Result = replace(
+        report_runs.result(), signals=tuple, motion={}, input={}, residual={}
+    )
+    ids = _seen(report(found)).ids
+    assert "parameters" in ids
+    assert not {"fit", "excitation"} & set(ids)
+
+
+def test_labels():
+    assert label("<b>&amp;") == "&lt;b&gt;&amp;amp;"
+    assert len(html.unescape(label("x" * 300))) == 40
+
+
+def test_numbers_read_back():
+    packed = numbers(np.array([1.5, np.nan]))
+    figure = go.Figure(go.Scatter(y=packed))
+    assert packed["dtype"] == "f8"
+    assert figure.to_dict()["data"][0]["y"] == packed
+
+
+def test_json_ends_no_script():
+    assert "<" not in embedded({"a": "</script><!--"})
+    assert json.loads(embedded({"a": "</script><!--"})) == {"a": "</script><!--"}

@@ -1,0 +1,97 @@
+"""A replay shows what was measured, and derives what was not."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from random_motions import random_motion
+
+from orbident.errors import InputError
+from orbident.estimation.identify import identify
+from orbident.recordings.recording import Recording
+from orbident.robot.robot_file import load_robot
+from orbident.scene.motion import momentum
+from orbident.scene.replay import predicted_motion, recorded_motion
+from orbident.sensing.simulate import simulate
+
+
+@pytest.fixture(scope="module")
+def robot():
+    return load_robot("paper-spatial")
+
+
+@pytest.fixture(scope="module")
+def flight(robot) -> Recording:
+    return simulate(robot, random_motion(robot, duration=10.0))
+
+
+def without(flight: Recording, *starts: str) -> Recording:
+    kept = {k: v for k, v in flight.columns.items() if not k.startswith(starts)}
+    return Recording(flight.t, kept)
+
+
+def test_measured_positions_are_shown(robot, flight: Recording):
+    replay = recorded_motion(robot, flight)
+    assert np.array_equal(replay.measured.r_S, flight.vector("position"))
+    assert replay.predicted is None
+    assert replay.velocity_known
+
+
+def test_without_positions_velocities_are_integrated(robot, flight: Recording):
+    replay = recorded_motion(robot, without(flight, "position"))
+    # Trapezoids of 0.05 s on a motion of a radian in some seconds.
+    off = np.abs(replay.measured.r_S - flight.vector("position")).max()
+    assert off < 1e-3
+
+
+def test_without_velocities_the_cm_rests(robot, flight: Recording):
+    replay = recorded_motion(robot, without(flight, "position", "velocity"))
+    assert not replay.velocity_known
+    found = momentum(robot, replay.measured)
+    assert np.abs(found.r_cm).max() < 1e-12
+    # N s, of a robot of 1110 kg.
+    assert np.abs(found.p).max() < 1e-9
+
+
+def test_momentum_is_conserved(robot, flight: Recording):
+    found = momentum(robot, recorded_motion(robot, flight).measured)
+    h = found.h_rs + found.h_rw
+    # The simulated attitude is right to 1e-9 rad.
+    assert np.abs(h - h[0]).max() < 1e-7 * np.abs(h[0]).max()
+    assert np.abs(found.p - found.p[0]).max() < 1e-7 * np.abs(found.p[0]).max()
+
+
+def test_the_ghost_goes_where_the_robot_went(robot, flight: Recording):
+    result = identify(robot, flight, method="least-squares")
+    replay = predicted_motion(result, flight)
+    assert replay.predicted is not None
+    assert replay.warnings == ()
+    # A least-squares model of noise-free data: 1e-9, times a prediction over 10 s.
+    assert np.abs(replay.predicted.x_WB - replay.measured.x_WB).max() < 1e-6
+    assert np.abs(replay.predicted.r_S - replay.measured.r_S).max() < 1e-3
+    # The identified inertia alone has the same momentum as the true one.
+    assert replay.model is not None
+    theirs = momentum(robot, replay.measured)
+    ours = momentum(replay.model, replay.measured)
+    assert np.abs(ours.h_rs - theirs.h_rs).max() < 1e-6 * np.abs(theirs.h_rs).max()
+
+    rejected = replace(result, status="rejected", warnings=("no scale",))
+    alone = predicted_motion(rejected, flight)
+    assert alone.predicted is alone.model is None
+    assert "no scale" in alone.warnings[0]
+
+
+def test_too_little_is_refused(robot, flight: Recording):
+    blind = {**flight.columns, "gyro.x": np.full(flight.t.size, np.nan)}
+    blind["gyro.x"][3] = 0.0
+    with pytest.raises(InputError, match="complete samples"):
+        recorded_motion(robot, Recording(flight.t, blind))
+
+
+def test_thinning_keeps_at_most_so_many(robot, flight: Recording):
+    motion = recorded_motion(robot, flight).measured
+    thin = motion.thinned(100)
+    assert 50 < thin.t.size <= 100
+    assert motion.thinned(motion.t.size).t.size == motion.t.size
+    # The wheels are held at 200 rad/s.
+    assert np.allclose(motion.wheel_angles()[-1], 200.0 * 10.0)

@@ -1,0 +1,112 @@
+"""What a URDF shows is drawn; what cannot be drawn costs no more than itself."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+from scipy.spatial.transform import Rotation
+
+from orbident.scene.mesh_files import mesh_file, read_mesh
+from orbident.scene.shapes import BASE
+from orbident.scene.urdf_shapes import link_shapes
+
+PLACE = '<origin xyz="1 2 3" rpy="0.3 -0.4 0.5"/>'
+
+
+def urdf(*elements: str) -> str:
+    return (
+        '<robot name="r"><material name="red"><color rgba="1 0 0 1"/></material>'
+        f'<link name="a">{"".join(elements)}</link></robot>'
+    )
+
+
+def visual(geometry: str, rest: str = "", tag: str = "visual") -> str:
+    return f"<{tag}>{rest}<geometry>{geometry}</geometry></{tag}>"
+
+
+def test_a_box_is_placed_by_roll_pitch_yaw():
+    text = urdf(visual('<box size="2 4 6"/>', PLACE + '<material name="red"/>'))
+    (shape,) = link_shapes(text, None).by_link["a"]
+    R = Rotation.from_euler("xyz", [0.3, -0.4, 0.5]).as_matrix()
+    corners = np.array([[x, y, z] for x in (-1, 1) for y in (-2, 2) for z in (-3, 3)])
+    assert np.allclose(shape.vertices, corners @ R.T + [1, 2, 3], atol=1e-12)
+    assert shape.colour == (255, 0, 0)
+
+
+@pytest.mark.parametrize(
+    ("geometry", "reach"),
+    [
+        ('<sphere radius="0.5"/>', [0.5, 0.5, 0.5]),
+        ('<cylinder radius="0.5" length="3"/>', [0.5, 0.5, 1.5]),
+    ],
+)
+def test_round_ones(geometry: str, reach: list[float]):
+    (shape,) = link_shapes(urdf(visual(geometry)), None).by_link["a"]
+    assert np.allclose(shape.vertices.max(axis=0), reach, atol=1e-12)
+    assert shape.colour == BASE
+
+
+@pytest.mark.parametrize(
+    "bad",
+    [
+        '<box size="1 2"/>',
+        '<box size="one two three"/>',
+        '<box size="nan 1 1"/>',
+        '<sphere radius=""/>',
+        "<box/>",
+        "<capsule/>",
+        "",
+        '<mesh filename="nowhere.stl"/>',
+        '<mesh filename="package://no/where.dae"/>',
+        '<mesh filename="\\0"/>'.replace("\\0", "%00"),
+    ],
+)
+def test_what_cannot_be_shown_is_left_to_its_collision_shape(bad: str, tmp_path: Path):
+    collision = visual('<box size="1 1 1"/>', tag="collision")
+    found = link_shapes(urdf(visual(bad), collision), tmp_path)
+    (shape,) = found.by_link["a"]
+    assert np.allclose(np.abs(shape.vertices), 0.5)
+    assert bool(found.missing) == ("mesh" in bad)
+    assert link_shapes(urdf(visual(bad)), tmp_path).by_link["a"] == ()
+
+
+def test_collision_shapes_are_not_drawn_over_visuals():
+    text = urdf(
+        visual('<sphere radius="1"/>'), visual('<box size="9 9 9"/>', tag="collision")
+    )
+    assert len(link_shapes(text, None).by_link["a"]) == 1
+
+
+def test_meshes_are_found_and_scaled(tmp_path: Path):
+    urdf_folder = tmp_path / "arm_description" / "urdf"
+    meshes = tmp_path / "arm_description" / "meshes"
+    for folder in (urdf_folder, meshes):
+        folder.mkdir(parents=True)
+    trimesh.creation.box((1, 2, 3)).export(meshes / "link.stl")
+    names = ["package://arm_description/meshes/link.stl", "../meshes/link.stl"]
+    names.append(f"file://{meshes / 'link.stl'}")
+    for name in names:
+        text = urdf(visual(f'<mesh filename="{name}" scale="0.1 0.1 -0.1"/>'))
+        (shape,) = link_shapes(text, urdf_folder).by_link["a"]
+        # STL keeps single precision.
+        assert np.allclose(shape.vertices.max(axis=0), [0.05, 0.1, 0.15], atol=1e-6)
+    # Without a folder nothing is opened.
+    named = urdf(visual(f'<mesh filename="{names[0]}"/>'))
+    assert link_shapes(named, None).missing == (names[0],)
+
+
+def test_what_is_no_mesh_is_none(tmp_path: Path):
+    for name, content in {
+        "text.stl": b"solid nothing",
+        "noise.stl": bytes(range(256)) * 4,
+        "broken.dae": b"<COLLADA>",
+        "empty.obj": b"",
+        "model.unknown": b"x",
+    }.items():
+        (tmp_path / name).write_bytes(content)
+        path = mesh_file(name, tmp_path)
+        assert path is not None
+        assert read_mesh(path) is None, name
+    assert mesh_file("", tmp_path) is None
+    assert mesh_file("a\0b", tmp_path) is None

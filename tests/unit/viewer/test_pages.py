@@ -1,0 +1,160 @@
+"""Pages follow their controls; no browser is needed for that."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from random_motions import random_motion
+
+from orbident.errors import InputError
+from orbident.recordings.recording import Recording
+from orbident.recordings.tables import write_recording
+from orbident.robot.robot_file import load_robot
+from orbident.scene.motion import momentum, placed
+from orbident.scene.reaction import BasePose, reaction
+from orbident.scene.replay import recorded_motion
+from orbident.scene.scene import scene_of
+from orbident.sensing.simulate import simulate
+from orbident.viewer.pages import prepared
+from orbident.viewer.plots import Plot
+from orbident.viewer.replay_page import ReplayPage, slow_motion
+from orbident.viewer.sliders_page import SlidersPage
+from orbident.viewer.stage import heading
+
+ROBOT = "cepheus-like"
+
+
+def at(server: Any, node: str) -> np.ndarray:
+    return np.array(server.scene.get_handle_by_name(node).position)
+
+
+def control(server: Any, label: str) -> Any:
+    handles = server.gui._gui_input_handle_from_uuid.values()
+    (found,) = (h for h in handles if getattr(h, "label", None) == label)
+    return found
+
+
+@pytest.fixture(scope="module")
+def replay():
+    robot = load_robot(ROBOT)
+    motion = random_motion(robot, duration=5.0)
+    return recorded_motion(robot, simulate(robot, motion))
+
+
+def test_playing_moves_the_robot_and_stops_at_the_end(server: Any, replay):
+    page = ReplayPage(server, scene_of(load_robot(ROBOT)), replay, "title")
+    time = control(server, "Time, s")
+    before = at(server, "/robot/2")
+    page.advance(1.0)
+    assert time.value == 0.0
+    page._pressed = True
+    page.advance(1.5)
+    assert time.value == 1.5
+    moved = at(server, "/robot/2")
+    # The arm is 0.5 m long.
+    assert np.linalg.norm(moved - before) > 0.01
+    # As computed; the page follows the CM.
+    found = placed(scene_of(load_robot(ROBOT)), replay.measured, np.zeros((501, 1)))
+    r_cm = momentum(load_robot(ROBOT), replay.measured).r_cm
+    assert np.allclose(moved, found.p[150, 2] - r_cm[150], atol=1e-12)
+    control(server, "Speed").value = "10"
+    page.advance(1.0)
+    assert time.value == 5.0
+    page.advance(1.0)
+    assert np.allclose(at(server, "/robot/2"), found.p[500, 2] - r_cm[500], atol=1e-12)
+    page._pressed = True
+    page.advance(0.01)
+    assert time.value == pytest.approx(0.1)
+
+
+def test_scrubbing_and_hiding(server: Any, replay):
+    page = ReplayPage(server, scene_of(load_robot(ROBOT)), replay, "title")
+    control(server, "Time, s").value = 3.0
+    control(server, "Momentum").value = False
+    page.advance(0.03)
+    assert not server.scene.get_handle_by_name("/momentum").visible
+    follow = control(server, "Follow")
+    there = at(server, "/robot/0")
+    follow.value = False
+    page.advance(0.03)
+    r_cm = momentum(load_robot(ROBOT), replay.measured).r_cm
+    moved = at(server, "/robot/0") - there
+    assert np.allclose(moved, r_cm[300] - r_cm[0], atol=1e-12)
+
+
+def test_the_arrows_are_the_momentum(server: Any, replay):
+    robot = load_robot(ROBOT)
+    page = ReplayPage(server, scene_of(robot), replay, "title")
+    control(server, "Time, s").value = 2.0
+    page.advance(0.03)
+    found = momentum(robot, replay.measured)
+    points = server.scene.get_handle_by_name("/momentum").points
+    lengths = np.linalg.norm(points[:, 1] - points[:, 0], axis=1)
+    h, h_rs, h_rw = (
+        np.linalg.norm(x[200])
+        for x in (found.h_rs + found.h_rw, found.h_rs, found.h_rw)
+    )
+    # All three on one scale.
+    assert lengths[0] / lengths[1] == pytest.approx(h / h_rs)
+    assert lengths[2] / lengths[1] == pytest.approx(h_rw / h_rs)
+
+
+def test_wheels_turn_so_that_an_eye_can_follow(replay):
+    # The wheel spins at 200 rad/s.
+    assert slow_motion(replay.measured) == 100.0
+    slower = replay.measured._replace(qd_rw=replay.measured.qd_rw / 100)
+    assert slow_motion(slower) == 1.0
+
+
+def test_sliders_move_the_base(server: Any):
+    robot = load_robot(ROBOT)
+    page = SlidersPage(server, scene_of(robot), robot, "title")
+    start = at(server, "/robot/0")
+    slider = control(server, "joint1, rad")
+    assert (slider.min, slider.max) == (-1.05, 2.5)
+    slider.value = 1.0
+    page.advance(0.03)
+    base = BasePose(np.array([0.0, 0.0, 0.0, 1.0]), start)
+    expected = reaction(robot, base, np.zeros(2), np.array([1.0, 0.0]))
+    assert np.allclose(at(server, "/robot/0"), expected.r_S, atol=1e-12)
+    page._again = True
+    page.advance(0.03)
+    assert slider.value == 0.0
+    assert np.allclose(at(server, "/robot/0"), start, atol=1e-12)
+
+
+def test_hostile_names_are_text():
+    contents = []
+
+    class Server:
+        class gui:  # noqa: N801
+            add_html = contents.append
+
+    heading(Server, "<script>alert(1)</script>", '"><img src=x onerror=alert(1)>')
+    assert "<script" not in contents[0]
+    assert "<img" not in contents[0]
+
+
+def test_plots_have_few_points_and_a_line(server: Any):
+    t = np.linspace(0.0, 10.0, 100_001)
+    curves = np.column_stack([np.sin(t), np.cos(t)])
+    plot = Plot(server, "title", t, curves, ("a", "<b>"), curves)
+    plot.place(4.0)
+    t_shown, *_, now = plot._handle.data
+    assert t_shown.size <= 400
+    shown = t_shown[np.isfinite(now)]
+    assert np.all(np.abs(shown - 4.0) < 0.06)
+    plot.place(10.0)
+    assert np.isfinite(plot._handle.data[-1]).sum() == 2
+
+
+def test_what_cannot_be_shown_is_refused(tmp_path: Path):
+    with pytest.raises(InputError, match="neither a file nor a bundled robot"):
+        prepared("cepheus", None)
+    with pytest.raises(InputError, match=r"result\.json: cannot be read"):
+        prepared(str(tmp_path), None)
+    other = Recording(np.arange(2.0), {"joint.joint3.position": np.zeros(2)})
+    write_recording(other, tmp_path / "r.csv")
+    with pytest.raises(InputError, match="no joint 'joint3'"):
+        prepared(ROBOT, tmp_path / "r.csv")

@@ -1,0 +1,70 @@
+"""The server says what is wrong with where it is to listen."""
+
+import builtins
+import socket
+import urllib.request
+from typing import Any
+
+import pytest
+
+from orbident.errors import InputError
+from orbident.viewer.server import address, open_server, run
+
+
+def test_it_serves_a_page_here_only(server: Any, capsys: pytest.CaptureFixture[str]):
+    url = address(server, "127.0.0.1")
+    assert url.startswith("http://127.0.0.1:")
+    with urllib.request.urlopen(url) as answer:
+        assert b"<html" in answer.read(1000)
+    # Standard output is for results.
+    assert capsys.readouterr().out == ""
+
+
+def test_a_taken_port_is_refused(server: Any):
+    with pytest.raises(InputError, match=r"--port: \d+ at 127.0.0.1 cannot be used"):
+        open_server("127.0.0.1", server.get_port())
+
+
+@pytest.mark.parametrize("host", ["no such host", "999.1.1.1", "192.0.2.1", "x" * 300])
+def test_a_host_that_is_not_here_is_refused(host: str):
+    with pytest.raises(InputError, match="--host"):
+        open_server(host, 0)
+
+
+def test_addresses_are_for_browsers():
+    class Listening:
+        def get_port(self) -> int:
+            return 8080
+
+    assert address(Listening(), "::1") == "http://[::1]:8080"
+    everywhere = address(Listening(), "0.0.0.0")
+    assert everywhere == f"http://{socket.gethostname()}:8080"
+
+
+def test_without_viser_one_line_says_what_to_install(monkeypatch: pytest.MonkeyPatch):
+    real = builtins.__import__
+
+    def absent(name: str, *rest: Any) -> Any:
+        if name == "viser":
+            raise ModuleNotFoundError("No module named 'viser'", name="viser")
+        return real(name, *rest)
+
+    monkeypatch.setattr(builtins, "__import__", absent)
+    with pytest.raises(InputError, match=r"pip install orbident\[view\].*viser"):
+        open_server("127.0.0.1", 0)
+
+
+def test_an_interrupt_ends_it_quietly(capsys: pytest.CaptureFixture[str]):
+    server = open_server("127.0.0.1", 0)
+    told = []
+
+    class Once:
+        def advance(self, seconds: float) -> None:
+            told.append(seconds)
+            raise KeyboardInterrupt
+
+    run(server, Once())
+    assert len(told) == 1
+    assert capsys.readouterr() == ("", "")
+    with pytest.raises(OSError, match="refused"):
+        urllib.request.urlopen(address(server, "127.0.0.1"))
