@@ -84,7 +84,9 @@ def solved(
         # What nothing shows would take an undamped step too far, again and again.
         if last and damping <= DAMPING:
             return Solution(moved, here, prior, True, step + 1)
-        there = linear(problem, moved)
+        # A step too far may overflow; its cost is not less.
+        with np.errstate(over="ignore", invalid="ignore"):
+            there = linear(problem, moved)
         new_cost = there.cost + prior.cost(moved)
         if new_cost < cost:
             state, here, cost = moved, there, new_cost
