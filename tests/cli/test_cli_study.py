@@ -89,6 +89,7 @@ def test_spatial_with_noise(orbident: Orbident):
         assert f" {sensor} " in words
 
 
+@pytest.mark.long
 def test_control(orbident: Orbident):
     ran = orbident("study", "control", "-o", "kept", "--json", "study.json").done()
     assert "times better with the identified model" in ran.out

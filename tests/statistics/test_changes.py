@@ -22,7 +22,7 @@ from orbident.sensing.simulate import float_along, sample_times
 from orbident.signals.samples import samples_of
 from orbident.studies.spatial import spatial_robot, spatial_trajectory
 
-RUNS = int(os.environ.get("ORBIDENT_RUNS", "2"))
+RUNS = int(os.environ.get("ORBIDENT_RUNS", "1"))
 CAPTURE = 40.0
 RATE = 20.0
 TARGET = Target(50.0, np.array([1.0, 0.0, 0.0]), 4.0 * np.eye(3))
