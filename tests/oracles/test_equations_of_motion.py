@@ -24,6 +24,7 @@ from orbident.dynamics.equations_of_motion import (
     model_of,
 )
 from orbident.dynamics.forces import jacobian
+from orbident.dynamics.loops.equations import equations, machine_of
 from orbident.robot.description import Robot
 from orbident.robot.robot_file import load_robot
 
@@ -128,6 +129,15 @@ def test_system_inertia_matrix(cases):
 def test_velocity_dependent_forces(cases):
     for case in cases:
         assert_close(case.ours.c, case.theirs.c)
+
+
+def test_compiled_loops(cases):
+    """All states in one call."""
+    q, v = (np.array([getattr(case, name) for case in cases]) for name in "qv")
+    H, c = equations(machine_of(cases[0].model), q, v)
+    for k, case in enumerate(cases):
+        assert_close(H[k], case.theirs.H)
+        assert_close(c[k], case.theirs.c)
 
 
 def test_feature_point(cases):

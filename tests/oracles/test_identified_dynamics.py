@@ -123,7 +123,7 @@ def test_jacobians(case):
     each = jax.jit(jax.vmap(jacobian, (None, 0, None, None)), static_argnums=2)
     for body in (0, len(bodies) - 1):
         expected = np.asarray(each(true, case.q, body, point))
-        for q, J in zip(case.q[:20], expected[:20], strict=True):
+        for q, J in zip(case.q, expected, strict=True):
             assert worst(identified.jacobian(q, bodies[body], point), J) < EXACT
 
 

@@ -87,12 +87,12 @@ def generalised_forces(
     model = model_of(robot)
     for body, p, force, moment in wrenches:
         _check_known(robot, body, robot.bodies, "body", "bodies")
-        J = _jacobian(model, q, robot.bodies.index(body), p)
+        J = compiled_jacobian(model, q, robot.bodies.index(body), p)
         Q += np.asarray(J).T @ np.concatenate([force, moment])
     return Q
 
 
-_jacobian = compiled(jacobian, static_argnums=2)
+compiled_jacobian = compiled(jacobian, static_argnums=2)
 
 
 def _in_order(

@@ -64,10 +64,7 @@ def predict(result: Result, recording: Recording) -> Prediction:
     regressors = sets.regressors
     pi, phi = result.pi.values, result.phi.values
     # Clocks are the laboratory's, not the recording's.
-    samples = samples_of(robot, recording, corrections(result.clocks))
-    everything = samples.batch(0, samples.t.size)
-    measured = Batch(*(part[everything.turning] for part in everything))
-    t = samples.t[everything.turning]
+    t, measured = samples_of(robot, recording, corrections(result.clocks)).complete()
     if t.size < 4:
         raise InputError(
             f"{recording.source}: {t.size} complete samples; prediction needs at least "

@@ -8,7 +8,7 @@ need not be any that can exist.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -17,12 +17,12 @@ from jaxtyping import Float
 from orbident.dynamics import forces
 from orbident.dynamics.equations_of_motion import Model, model_of
 from orbident.dynamics.forces import Wrench
+from orbident.dynamics.loops.equations import Machine, equations, machine_of
 from orbident.errors import InputError
 from orbident.files.names import suggestion
 from orbident.precision import in_float64
-from orbident.regressors import batched_dynamics as batched
-from orbident.regressors.batched_dynamics import over
 from orbident.regressors.definite import check_definite
+from orbident.regressors.deviations import H_plus_std, c_plus_std, over
 from orbident.regressors.formulas import formulas_of
 from orbident.regressors.minimal_sets import minimal_sets
 from orbident.robot.description import Robot
@@ -62,7 +62,8 @@ class Dynamics:
             InputError: `q` has not the robot's size.
         """
         q = self._sized(q, "q", self._joints)
-        return self._shown(over(partial(batched.H_plus, self.model), q), rows=2)
+        at_rest = np.zeros((*q.shape[:-1], self.model.free.size))
+        return self._shown(self._equations(q, at_rest)[0], rows=2)
 
     @in_float64
     def c_plus(
@@ -78,13 +79,13 @@ class Dynamics:
             InputError: `q` or `v` has not the robot's size, or leaves its plane.
         """
         q, v = self._state(q, v)
-        return self._shown(over(partial(batched.c_plus, self.model), q, v), rows=1)
+        return self._shown(self._equations(q, v)[1], rows=1)
 
     @in_float64
     def equations(
         self, q: Float[np.ndarray, "*n joints"], v: Float[np.ndarray, "*n speeds"]
     ) -> tuple[Float[np.ndarray, "*n speeds speeds"], Float[np.ndarray, "*n speeds"]]:
-        """`H+` and `c+` at once: faster than one after the other.
+        """`H+` and `c+` at once: as fast as either of them.
 
         Args:
             q: joint positions, rad or m.
@@ -94,7 +95,7 @@ class Dynamics:
             InputError: `q` or `v` has not the robot's size, or leaves its plane.
         """
         q, v = self._state(q, v)
-        H, c = over(partial(batched.equations, self.model), q, v)
+        H, c = self._equations(q, v)
         return self._shown(H, rows=2), self._shown(c, rows=1)
 
     @in_float64
@@ -110,7 +111,7 @@ class Dynamics:
             InputError: `q` has not the robot's size.
         """
         q = self._sized(q, "q", self._joints)
-        return self._shown(self._std(batched.H_plus_std, q), rows=2)
+        return self._shown(self._std(H_plus_std, q), rows=2)
 
     @in_float64
     def c_plus_std(
@@ -126,7 +127,7 @@ class Dynamics:
             InputError: `q` or `v` has not the robot's size, or leaves its plane.
         """
         q, v = self._state(q, v)
-        return self._shown(self._std(batched.c_plus_std, q, v), rows=1)
+        return self._shown(self._std(c_plus_std, q, v), rows=1)
 
     @in_float64
     def jacobian(
@@ -157,7 +158,7 @@ class Dynamics:
                 f"{self.robot.name}: no body '{body}'; "
                 + suggestion(body, bodies, "bodies")
             )
-        J = np.array(batched.point_jacobian(self.model, q, bodies.index(body), point))
+        J = np.array(forces.compiled_jacobian(self.model, q, bodies.index(body), point))
         return self._shown(J, rows=1)
 
     def generalised_forces(
@@ -188,6 +189,18 @@ class Dynamics:
     @property
     def _joints(self) -> int:
         return len(self.robot.joints)
+
+    @cached_property
+    def _machine(self) -> Machine:
+        return machine_of(self.model)
+
+    def _equations(
+        self, q: Float[np.ndarray, "*n joints"], v: Float[np.ndarray, "*n speeds"]
+    ) -> tuple[Float[np.ndarray, "*n speeds speeds"], Float[np.ndarray, "*n speeds"]]:
+        if q.ndim == 1:
+            H, c = self._equations(q[None], v[None])
+            return H[0], c[0]
+        return equations(self._machine, *map(np.ascontiguousarray, (q, v)))
 
     def _sized(
         self, values: Any, what: str, size: int, states: bool = True
@@ -221,9 +234,7 @@ class Dynamics:
     def _std(self, function: Callable[..., Any], *state: Any) -> Any:
         minimal = minimal_sets(self.robot).base.theta_of
         directions = (minimal @ self.root).T.reshape(-1, *self.robot.theta.shape)
-        return over(
-            partial(function, self.model, directions), *state, size=batched.STD_BATCH
-        )
+        return over(partial(function, self.model, directions), *state)
 
     def _shown(self, entries: Any, rows: int) -> Any:
         """With NaN for what a planar motion does not tell."""

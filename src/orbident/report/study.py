@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import singledispatch
 from pathlib import Path
 
 from orbident.estimation.result import Result
@@ -55,14 +54,18 @@ def write_study_report(done: Study, result: Result, title: str, folder: Path) ->
     return path
 
 
-@singledispatch
 def own_sections(done: Study, folder: Path) -> Sequence[Section]:
     """What is a study's own; its pictures go to the folder."""
-    raise NotImplementedError
+    match done:
+        case SpatialStudy():
+            return _spatial(done, folder)
+        case PlanarStudy():
+            return _planar(done, folder)
+        case ControlStudy():
+            return _control(done)
 
 
-@own_sections.register
-def _(done: SpatialStudy, folder: Path) -> Sequence[Section]:
+def _spatial(done: SpatialStudy, folder: Path) -> Sequence[Section]:
     title = "Table 4: relative errors, " + ("with noise" if done.noisy else "no noise")
     table = Section(
         name="table4",
@@ -77,8 +80,7 @@ def _(done: SpatialStudy, folder: Path) -> Sequence[Section]:
     return [table, *_present(cut_offs(done.cut_offs))]
 
 
-@own_sections.register
-def _(done: PlanarStudy, folder: Path) -> Sequence[Section]:
+def _planar(done: PlanarStudy, folder: Path) -> Sequence[Section]:
     tables = [
         Table(
             f"By {_method(name)}: pi, kg m²; phi, m; M, kg",
@@ -115,8 +117,7 @@ def _(done: PlanarStudy, folder: Path) -> Sequence[Section]:
     return [table6, figures, *_present(cut_offs(done.cut_offs))]
 
 
-@own_sections.register
-def _(done: ControlStudy, folder: Path) -> Sequence[Section]:
+def _control(done: ControlStudy) -> Sequence[Section]:
     rows = tuple(
         Row((f"the {name} model", short(tracked.joints), short(tracked.base)))
         for name, tracked in done.errors.items()

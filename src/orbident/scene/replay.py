@@ -44,10 +44,7 @@ def recorded_motion(robot: Robot, recording: Recording) -> Replay:
         InputError: the recording lacks joints, wheels, or gyro and attitude, or has
             fewer than two complete samples.
     """
-    samples = samples_of(robot, recording)
-    everything = samples.batch(0, samples.t.size)
-    measured = Batch(*(part[everything.turning] for part in everything))
-    t = samples.t[everything.turning]
+    t, measured = samples_of(robot, recording).complete()
     if t.size < 2:
         raise InputError(
             f"{recording.source}: {t.size} complete samples; a replay needs joints, "

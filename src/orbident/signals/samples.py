@@ -69,6 +69,12 @@ class Samples:
                 return self.batch(k * size + int(batch.turning.argmax()), 1)
         return None
 
+    def complete(self) -> tuple[Float[np.ndarray, " n"], Batch]:
+        """Times, s, and all that was measured then: valid samples only."""
+        everything = self.batch(0, self.t.size)
+        valid = everything.turning
+        return self.t[valid], Batch(*(part[valid] for part in everything))
+
     def batch(self, start: int, size: int) -> Batch:
         """The samples from `start` on, padded to `size` where the recording ends."""
         names = ("q", "qd", "w", "x_WB", "qd_rw", "v_S", "drift")

@@ -1,6 +1,7 @@
 """Pages follow their controls; no browser is needed for that."""
 
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -125,13 +126,9 @@ def test_sliders_move_the_base(server: Any):
 
 
 def test_hostile_names_are_text():
-    contents = []
-
-    class Server:
-        class gui:  # noqa: N801
-            add_html = contents.append
-
-    heading(Server, "<script>alert(1)</script>", '"><img src=x onerror=alert(1)>')
+    contents: list[str] = []
+    server: Any = SimpleNamespace(gui=SimpleNamespace(add_html=contents.append))
+    heading(server, "<script>alert(1)</script>", '"><img src=x onerror=alert(1)>')
     assert "<script" not in contents[0]
     assert "<img" not in contents[0]
 

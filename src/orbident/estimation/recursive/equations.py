@@ -7,7 +7,9 @@ In base axes, with the rate `w = w_gyro - b_g - n`,
 
 with `D = d h_rs / dw` and `U = d (velocity of the CM relative to S) / dw` at the
 parameters known so far. The gyro's noise `n` adds `D n` and `-U n` on the right, and
-the noise of attitude and joint rates adds to that.
+the noise of attitude and joint rates adds to that. That of both laws counts as if each
+had its own. What they have in common is told by `D` and `U`, and while these are wrong
+by some ten percent it would be wrong.
 
 `Y` and `W` are evaluated at a smoothed rate, and `D`, `U` take them to the gyro's.
 Noise in a regressor is mistaken for excitation: as long as the base has hardly
@@ -16,92 +18,108 @@ changed its rate, least squares would find that it has no inertia.
 
 from typing import NamedTuple
 
-import equinox as eqx
-import jax
-import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
-from orbident.dynamics.inertia import inertia
-from orbident.dynamics.wheels import Wheels, wheels_of
-from orbident.estimation.recursive.noise import Noise
-from orbident.regressors.minimal_sets import MinimalSets, Regressors
+from orbident.dynamics.loops.bodies import move, place, room, weigh
+from orbident.dynamics.loops.mass_matrix import mass_matrix
+from orbident.dynamics.loops.matrices import applied, finite
+from orbident.dynamics.loops.vectors import cross, load, plus, rotated_back, times
+from orbident.dynamics.wheels import wheels_of
+from orbident.loops import looped
+from orbident.regressors.loops import Columns, columns_of, regressors
+from orbident.regressors.minimal_sets import MinimalSets
 from orbident.robot.description import Robot
 from orbident.robot.parameters import PER_BODY
-from orbident.spatial.arrays import AnyArray
-from orbident.spatial.rotations import cross_matrix, quaternion_matrix, rotate_back
 
 
-class Model(eqx.Module):
+class Model(NamedTuple):
     """A robot's regressors, and a `theta` for every `beta`."""
 
-    regressors: Regressors
-    wheels: Wheels
-    theta_of: Float[AnyArray, "theta beta"]
-    accelerometer: bool = eqx.field(static=True)
-    """Whether its bias is an unknown."""
+    columns: Columns
+    theta_of: Float[np.ndarray, "theta beta"]
+    A_rw: Float[np.ndarray, "wheels 3"]
+    turning: Int[np.ndarray, " h"]
+    """Base axes in which angular momentum is conserved."""
+    moving: Int[np.ndarray, " v"]
+    """Base axes in which linear momentum is."""
 
-    @classmethod
-    def of(cls, robot: Robot, sets: MinimalSets, accelerometer: bool) -> "Model":
-        """The model of a robot, on JAX's side once and for all."""
-        model = cls(
-            regressors=sets.regressors,
-            wheels=wheels_of(robot),
-            theta_of=sets.base.theta_of,
-            accelerometer=accelerometer,
-        )
-        return jax.tree.map(jnp.asarray, model)
 
-    @property
-    def axes(self) -> tuple[np.ndarray, np.ndarray]:
-        """Base axes in which angular and linear momentum are conserved."""
-        regressors = self.regressors
-        return np.array(regressors.momentum_axes), np.array(regressors.velocity_axes)
+def model_of(robot: Robot, sets: MinimalSets) -> Model:
+    """What the filter needs of a robot."""
+    own = sets.regressors
+    return Model(
+        columns=columns_of(own),
+        theta_of=np.ascontiguousarray(sets.base.theta_of),
+        A_rw=np.ascontiguousarray(wheels_of(robot).A_rw.T),
+        turning=np.array(own.momentum_axes),
+        moving=np.array(own.velocity_axes),
+    )
 
 
 class Measured(NamedTuple):
     """The parts of `Sample.packed` that the laws need."""
 
-    q: Float[AnyArray, " joints"]
-    qd: Float[AnyArray, " joints"]
-    w: Float[AnyArray, "3"]
-    x_WB: Float[AnyArray, "4"]
-    qd_rw: Float[AnyArray, " wheels"]
-    v_S: Float[AnyArray, "3"]
-    w_smooth: Float[AnyArray, "3"]
+    q: Float[np.ndarray, " joints"]
+    qd: Float[np.ndarray, " joints"]
+    w: Float[np.ndarray, "3"]
+    x_WB: Float[np.ndarray, "4"]
+    qd_rw: Float[np.ndarray, " wheels"]
+    v_S: Float[np.ndarray, "3"]
+    w_smooth: Float[np.ndarray, "3"]
+    drift: Float[np.ndarray, "9"]
+    """By an accelerometer's bias, row-major, s."""
 
 
-class Equations(NamedTuple):
-    """`H [h_cm, v_cm, b_g, b_a, pi, phi] = rhs`, and the noise.
-
-    That of both laws counts as if each had its own. What they have in common is told
-    by `D` and `U`, and while these are wrong by some ten percent it would be wrong.
-    """
-
-    momentum: Float[AnyArray, "h unknowns+1"]
-    """`[H | rhs]`."""
-    velocity: Float[AnyArray, "v unknowns+1"]
-    L_h: Float[AnyArray, "h h"]
-    """Lower triangular root of the noise's covariance."""
-    L_v: Float[AnyArray, "v v"]
-    R_WB: Float[AnyArray, "3 3"]
-
-
-def measured(model: Model, packed: Float[AnyArray, " sample"]) -> Measured:
+@looped
+def measured(model, packed):
     """What `Sample.packed` holds."""
-    joints, wheels = len(model.regressors.tree.parent), model.wheels.A_rw.shape[1]
-    cuts = np.cumsum([joints, joints, 3, 4, wheels, 3, 3])
-    return Measured(*jnp.split(packed, cuts)[:7])
+    n, wheels = len(model.columns.joints.parent), len(model.A_rw)
+    k = 2 * n + 7 + wheels
+    return Measured(
+        packed[:n],
+        packed[n : 2 * n],
+        packed[2 * n : 2 * n + 3],
+        packed[2 * n + 3 : 2 * n + 7],
+        packed[2 * n + 7 : k],
+        packed[k : k + 3],
+        packed[k + 3 : k + 6],
+        packed[k + 6 :],
+    )
 
 
-def equations(
-    model: Model,
-    noise: Noise,
-    beta: Float[AnyArray, " beta"],
-    h_cm: Float[AnyArray, "3"],
-    at: Measured,
-) -> Equations:
-    """Both laws at one sample.
+@looped
+def complete(at):
+    """Whether all is there but, perhaps, the velocity."""
+    for part in (at.q, at.qd, at.w, at.x_WB, at.qd_rw, at.w_smooth):
+        if not finite(part):
+            return False
+    return True
+
+
+@looped
+def rates_at(w, qd):
+    """Of the base and of the joints."""
+    rates = np.empty(3 + len(qd))
+    for i in range(3):
+        rates[i] = w[i]
+    for k in range(len(qd)):
+        rates[3 + k] = qd[k]
+    return rates
+
+
+@looped
+def inertia_at(model, beta, q, bodies, H):
+    """Place and weigh the bodies of `beta` at `q`, and fill `H` from `H+`."""
+    theta = applied(model.theta_of, beta).reshape((len(bodies.m), PER_BODY))
+    place(model.columns.joints, q, bodies)
+    weigh(theta, bodies)
+    mass_matrix(model.columns.joints, bodies, H)
+
+
+@looped
+def equations(model, noise, beta, h_cm, at, R_WB):
+    """Both laws at one sample, whitened: `[H | rhs]`, momentum first.
 
     Args:
         model: of the robot.
@@ -109,41 +127,155 @@ def equations(
         beta: where `D`, `U` and the noise's gains are evaluated.
         h_cm: the momentum known so far, for the noise of the attitude.
         at: what was measured.
+        R_WB: of the base, alone in its first axis.
+
+    Returns:
+        Of the unknowns `[h_cm, v_cm, b_g, b_a, pi, phi]`; zeros where `v_S` was not
+        measured.
     """
-    h, v = model.axes
-    R_WB = quaternion_matrix(at.x_WB)
-    R_h, R_v = R_WB.T[h, :][:, h], R_WB.T[v, :][:, v]
-    theta = (model.theta_of @ beta).reshape(-1, PER_BODY)
-    I = inertia(model.regressors.tree, theta, at.q)
-    D, U = I.D[h, :][:, h], -cross_matrix(I.r_cm)[v, :][:, h]
-    excess = (at.w - at.w_smooth)[h]
-    # In the plane the other two rates are zero, and stay what was measured.
-    Y, W = model.regressors(at.q, at.qd, jnp.asarray(at.w).at[h].add(-excess))
-    none = jnp.zeros((len(h), len(v)))
-    b_a = none[:, : len(v) if model.accelerometer else 0]
-    b_v = jnp.zeros((len(v), b_a.shape[1]))
-    rhs_h = -(model.wheels.A_rw @ at.qd_rw)[h] - D @ excess
-    rhs_v = rotate_back(R_WB, at.v_S)[v] + U @ excess
-    momentum = [-R_h, none, -D, b_a, Y, jnp.zeros((len(h), W.shape[1])), rhs_h[:, None]]
-    velocity = [none.T, R_v, U, b_v, jnp.zeros((len(v), Y.shape[1])), W, rhs_v[:, None]]
-    # A turn phi of the attitude turns R_0^T h_cm by R_0^T (h_cm x phi).
-    turn = (R_WB.T @ cross_matrix(h_cm))[h, :]
-    C_h = [noise.gyro * D, noise.joint_rates * I.D_q[h, :], noise.attitude * turn]
-    C_v = [
-        noise.gyro * U,
-        noise.joint_rates * I.J_cm[v, :],
-        noise.velocity * jnp.eye(len(v)),
-    ]
-    return Equations(
-        momentum=jnp.concatenate(momentum, axis=1),
-        velocity=jnp.concatenate(velocity, axis=1),
-        L_h=_root(C_h),
-        L_v=_root(C_v),
-        R_WB=R_WB,
-    )
+    joints, n_h, n_v = len(at.q), len(model.turning), len(model.moving)
+    bodies, H = room(joints + 1), np.zeros((6 + joints, 6 + joints))
+    inertia_at(model, beta, at.q, bodies, H)
+    D, U = _slopes(H, bodies)
+    motion = np.empty((2, joints + 1, 3))
+    move(model.columns.joints, bodies, motion, _rates(model, at))
+    Y, W = regressors(model.columns, bodies, motion)
+    pi = 2 * n_h + n_v + (n_v if noise.accelerometer else 0)
+    rows = np.zeros((n_h + n_v, pi + Y.shape[1] + W.shape[1] + 1))
+    h_rw = momentum_of_wheels(model, at)
+    v_S = rotated_back(R_WB, 0, (at.v_S[0], at.v_S[1], at.v_S[2]))
+    for i in range(n_h):
+        axis = model.turning[i]
+        put_rotation(R_WB, model.turning, axis, -1.0, rows[i], 0)
+        _put_bias(model, at, D, axis, -1.0, rows[i])
+        for k in range(Y.shape[1]):
+            rows[i, pi + k] = Y[axis, k]
+        rows[i, -1] -= h_rw[axis]
+    for i in range(n_v if finite(at.v_S) else 0):
+        axis, row = model.moving[i], rows[n_h + i]
+        put_rotation(R_WB, model.moving, axis, 1.0, row, n_h)
+        _put_bias(model, at, U, axis, 1.0, row)
+        for k in range(W.shape[1]):
+            row[pi + Y.shape[1] + k] = W[axis, k]
+        row[-1] += v_S[axis]
+    _whiten(_of_momentum(model, noise, H, D, h_cm, R_WB), rows[:n_h])
+    _whiten(_of_velocity(model, noise, bodies, U), rows[n_h:])
+    return rows
 
 
-def _root(C: list[Float[AnyArray, "e _"]]) -> Float[AnyArray, "e e"]:
-    """Lower triangular, of the covariance of noises that add up."""
-    gains = jnp.concatenate(C, axis=1)
-    return jnp.linalg.cholesky(gains @ gains.T)
+@looped
+def momentum_of_wheels(model, at):
+    """`A_rw qd_rw`."""
+    h = (0.0, 0.0, 0.0)
+    for k in range(len(at.qd_rw)):
+        h = plus(h, times(at.qd_rw[k], load(model.A_rw, k)))
+    return h
+
+
+@looped
+def _rates(model, at):
+    """Of the base, smoothed, and of the joints.
+
+    In the plane the other two rates are zero, and stay what was measured.
+    """
+    rates = rates_at(at.w, at.qd)
+    for axis in model.turning:
+        rates[axis] = at.w_smooth[axis]
+    return rates
+
+
+@looped
+def _slopes(H, bodies):
+    """`D`, and `U = -[r_cm]x`."""
+    D, U = np.empty((3, 3)), np.zeros((3, 3))
+    for i in range(3):
+        for j in range(i + 1):
+            D[i, j] = D[j, i] = H[3 + i, 3 + j]
+    x, y, z = times(1.0 / bodies.m[0], load(bodies.s, 0))
+    U[0, 1], U[0, 2], U[1, 2] = z, -y, x
+    U[1, 0], U[2, 0], U[2, 1] = -z, y, -x
+    return D, U
+
+
+@looped
+def put_rotation(R_WB, axes, axis, sign, row, column):
+    """A row of `R_0^T`."""
+    for j in range(len(axes)):
+        row[column + j] = sign * R_WB[0, axes[j], axis]
+
+
+@looped
+def _put_bias(model, at, slope, axis, sign, row):
+    """That of the gyro, and what takes the smoothed rate to its rate."""
+    bias = len(model.turning) + len(model.moving)
+    for j in range(len(model.turning)):
+        h = model.turning[j]
+        row[bias + j] = sign * slope[axis, h]
+        row[-1] += sign * slope[axis, h] * (at.w[h] - at.w_smooth[h])
+
+
+# The covariance of either law's noise, from what each unit of noise does to it.
+
+
+@looped
+def _of_momentum(model, noise, H, D, h_cm, R_WB):
+    h, joints = model.turning, len(H) - 6
+    C = np.zeros((len(h), len(h)))
+    gains = np.empty(len(h))
+    for k in h:
+        for i in range(len(h)):
+            gains[i] = noise.gyro * D[h[i], k]
+        _add_square(C, gains)
+    for k in range(joints):
+        for i in range(len(h)):
+            gains[i] = noise.joint_rates * H[6 + k, 3 + h[i]]
+        _add_square(C, gains)
+    for k in range(3):
+        # A turn phi of the attitude turns R_0^T h_cm by R_0^T (h_cm x phi).
+        for i in range(len(h)):
+            column = R_WB[0, 0, h[i]], R_WB[0, 1, h[i]], R_WB[0, 2, h[i]]
+            gains[i] = noise.attitude * cross(column, h_cm)[k]
+        _add_square(C, gains)
+    return C
+
+
+@looped
+def _of_velocity(model, noise, bodies, U):
+    v = model.moving
+    C = np.zeros((len(v), len(v)))
+    gains = np.empty(len(v))
+    for k in model.turning:
+        for i in range(len(v)):
+            gains[i] = noise.gyro * U[v[i], k]
+        _add_square(C, gains)
+    for k in range(len(bodies.p)):
+        for i in range(len(v)):
+            # J_cm = p / M.
+            gains[i] = noise.joint_rates * bodies.p[k, v[i]] / bodies.m[0]
+        _add_square(C, gains)
+    for i in range(len(v)):
+        C[i, i] += noise.velocity**2
+    return C
+
+
+@looped
+def _add_square(C, gains):
+    for i in range(len(gains)):
+        for j in range(len(gains)):
+            C[i, j] += gains[i] * gains[j]
+
+
+@looped
+def _whiten(C, rows):
+    """`L^-1 rows` in place, with `L L^T = C`."""
+    L = np.zeros(C.shape)
+    for i in range(len(C)):
+        for j in range(i + 1):
+            rest = C[i, j]
+            for k in range(j):
+                rest -= L[i, k] * L[j, k]
+            L[i, j] = np.sqrt(rest) if i == j else rest / L[j, j]
+        for c in range(rows.shape[1]):
+            for k in range(i):
+                rows[i, c] -= L[i, k] * rows[k, c]
+            rows[i, c] /= L[i, i]

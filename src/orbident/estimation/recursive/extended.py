@@ -12,30 +12,36 @@ and take the differences for information: from CAD values it gets lost.
 """
 
 from dataclasses import dataclass
-from functools import cached_property, partial
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-import jax
-import jax.numpy as jnp
 import numpy as np
-from jax.scipy.linalg import solve_triangular
-from jaxtyping import Float, Shaped
-from scipy.linalg import get_lapack_funcs
+from jaxtyping import Float
 
-from orbident.compilation import compiled
-from orbident.dynamics.inertia import inertia
-from orbident.estimation.recursive.equations import Model, equations, measured
-from orbident.estimation.recursive.linear_sets import LinearSets
+from orbident.dynamics.loops.bodies import room
+from orbident.dynamics.loops.matrices import add_scaled, applied, finite, left
+from orbident.dynamics.loops.vectors import quaternion_matrix
+from orbident.estimation.recursive.equations import (
+    Model,
+    complete,
+    equations,
+    inertia_at,
+    measured,
+    model_of,
+    momentum_of_wheels,
+)
+from orbident.estimation.recursive.folding import fold, solved
+from orbident.estimation.recursive.linear_sets import (
+    LinearSets,
+    linear_sets_at,
+    linear_sets_of,
+)
 from orbident.estimation.recursive.noise import Noise
 from orbident.estimation.recursive.prior import Prior, prior_from
 from orbident.estimation.recursive.sample import Sample
-from orbident.estimation.recursive.transition import changed, nuisances_of, walks_of
-from orbident.precision import in_float64
+from orbident.estimation.recursive.transition import moved
+from orbident.loops import looped
 from orbident.regressors.minimal_sets import MinimalSets
 from orbident.robot.description import Robot
-from orbident.robot.parameters import PER_BODY
-from orbident.spatial.arrays import AnyArray
-from orbident.spatial.rotations import quaternion_matrix, rotate
 
 WIDE = 10.0
 """The momentum is unknown to so many times what CAD values say it is."""
@@ -46,28 +52,20 @@ FASTEST = 10.0
 EXACTLY = 1e-6
 """N m s: what is left of a momentum that is zero."""
 
-BLOCK = 12
-"""Columns that LAPACK factors at once."""
-
-_geqrf, _ormqr, _tpqrt, _tpmqrt, _trtrs = get_lapack_funcs(
-    ("geqrf", "ormqr", "tpqrt", "tpmqrt", "trtrs"), dtype=np.float64
-)
-
 
 class State(NamedTuple):
     """What is carried from sample to sample."""
 
     t: float
     """Of the last sample, s; NaN before the first."""
-    w: Shaped[np.ndarray, "3"]
+    w: Float[np.ndarray, "3"]
     """The gyro's last sample."""
-    R_WB: Float[np.ndarray, "3 3"]
+    R_WB: Float[np.ndarray, "1 3 3"]
     top: Float[np.ndarray, "n all"]
-    """`[N | Y | z]`: `N x + Y y = z` tells the nuisances `x`; `N` is upper triangular,
-    and what is below its diagonal does not count."""
-    R: Float[np.ndarray, "y y"]
-    """Upper triangular: `R y = z` tells `y = [pi, phi]`."""
-    z: Float[np.ndarray, "y 1"]
+    """`[N | Y | z]`: `N x + Y y = z` tells the nuisances `x`; `N` is upper
+    triangular."""
+    R_z: Float[np.ndarray, "y y+1"]
+    """`[R | z]`: `R y = z` tells `y = [pi, phi]`; `R` is upper triangular."""
     prior: Prior
     beta: Float[np.ndarray, " beta"]
     """The estimate `[M, sigma, iota]`."""
@@ -102,25 +100,14 @@ class Extended:
     noise: Noise
     sets: LinearSets
 
-    @cached_property
-    def treedef(self) -> Any:
-        """Of `(model, noise)`: flattened once, as that takes longer than a step."""
-        return jax.tree.structure((self.model, self.noise))
-
-    @cached_property
-    def leaves(self) -> tuple[AnyArray, ...]:
-        """Of `(model, noise)`."""
-        return tuple(jax.tree.leaves((self.model, self.noise)))
-
     @classmethod
-    @in_float64
     def of(cls, robot: Robot, sets: MinimalSets, noise: Noise) -> "Extended":
         """The filter of a robot whose sensors have this noise."""
-        noise = jax.tree.map(lambda std: jnp.asarray(std, dtype=jnp.float64), noise)
-        model = Model.of(robot, sets, noise.accelerometer)
-        return cls(model, noise, LinearSets.of(sets))
+        # Of one type: whole numbers would be compiled for again.
+        stds = (float(std) for std in noise[:-1])
+        noise = Noise(*stds, accelerometer=noise.accelerometer)
+        return cls(model_of(robot, sets), noise, linear_sets_of(sets))
 
-    @in_float64
     def start(self, prior: Prior, sample: Sample, at_rest: bool = False) -> State:
         """Nothing is known but the prior; the sample itself is not used up.
 
@@ -130,13 +117,12 @@ class Extended:
             at_rest: all was at rest before the wheels spun up, so `h_cm = 0` is known
                 (Eqs. 25 and 26).
         """
-        h_cm, R_WB = _first(self.model, prior.beta, sample.packed)
-        h, v = self.model.axes
-        v_cm = np.nan_to_num(sample.v_S)[v]
-        places = nuisances_of(self.model)
+        h_cm, R_WB = _momentum(self.model, prior.beta, sample.packed)
+        places = self._nuisances
         x = np.zeros(sum(place.size for place in places))
-        x[places[0]], x[places[1]] = np.asarray(h_cm)[h], v_cm
-        state = self._fresh(np.nan, np.asarray(R_WB), prior, x)
+        x[places[0]] = h_cm[self.model.turning]
+        x[places[1]] = np.nan_to_num(sample.v_S)[self.model.moving]
+        state = self._fresh(np.nan, R_WB, prior, x)
         if at_rest:
             state.top[places[0], places[0]] = 1 / EXACTLY
             state.top[places[0], -1] = 0.0
@@ -146,7 +132,7 @@ class Extended:
     @property
     def rows(self) -> int:
         """Of a sample's innovation."""
-        return sum(axes.size for axes in self.model.axes)
+        return self.model.turning.size + self.model.moving.size
 
     def opened(self, state: State, covariance: Float[np.ndarray, "beta beta"]) -> State:
         """The robot has changed: the estimate becomes the prior of what it is now.
@@ -158,20 +144,27 @@ class Extended:
         prior = prior_from(state.beta, state.covariance + covariance)
         return self._fresh(state.t, state.R_WB, prior, state.nuisances)
 
+    @property
+    def _nuisances(self) -> list[np.ndarray]:
+        """Where `h_cm`, `v_cm`, `b_g` and `b_a` are among the nuisances."""
+        h, v = self.model.turning.size, self.model.moving.size
+        sizes = [h, v, h, v if self.noise.accelerometer else 0]
+        return np.split(np.arange(sum(sizes)), np.cumsum(sizes)[:-1])
+
     def biases(self, state: State) -> dict[str, Float[np.ndarray, " k"]]:
         """Of gyro (rad/s) and accelerometer (m/s^2), base axes."""
-        _, _, b_g, b_a = (state.nuisances[own] for own in nuisances_of(self.model))
+        _, _, b_g, b_a = (state.nuisances[own] for own in self._nuisances)
         return {"gyro": b_g, "accelerometer": b_a}
 
     def _fresh(
         self,
         t: float,
-        R_WB: Float[np.ndarray, "3 3"],
+        R_WB: Float[np.ndarray, "1 3 3"],
         prior: Prior,
         x: Float[np.ndarray, " n"],
     ) -> State:
         """Nothing is known but the prior, and the nuisances hardly at all."""
-        h, _, _, _ = places = nuisances_of(self.model)
+        h, _, _, _ = places = self._nuisances
         noise = self.noise
         stds = (
             WIDE * max(float(np.linalg.norm(x[h])), 1.0),
@@ -182,7 +175,7 @@ class Extended:
         std = np.concatenate(
             [np.full(own.size, s) for own, s in zip(places, stds, strict=True)]
         )
-        y = self.sets.size
+        y = len(self.sets.pi_of_beta) + self.sets.sigmas
         return State(
             t=t,
             w=np.full(3, np.nan),
@@ -190,8 +183,7 @@ class Extended:
             top=np.hstack(
                 [np.diag(1 / std), np.zeros((x.size, y)), (x / std)[:, None]]
             ),
-            R=np.zeros((y, y)),
-            z=np.zeros((y, 1)),
+            R_z=np.zeros((y, y + 1)),
             prior=prior,
             beta=prior.beta,
             root=prior.root,
@@ -205,106 +197,93 @@ class Extended:
         it is; so does one whose rate is the last one's to the last digit: that is how
         a gyro dies, or how a row is written twice.
         """
-        e = self.rows
-        again = sample.t <= state.t or np.array_equal(sample.w, state.w)
-        if again or not sample.complete:
-            return state, Info(np.zeros(e), 0.0, 0)
-        with jax.enable_x64(True):
-            linear = _linear(
-                self.treedef,
-                self.leaves,
-                state.beta,
-                state.nuisances,
-                state.top,
-                state.R_WB,
-                np.array([state.t, sample.t]),
-                sample.packed,
-            )
-        rows, R_WB = (np.asarray(part) for part in linear)
-        y, J = self.sets.at(state.beta)
-        top, rest = _eliminated(rows, walks_of(self.model), len(state.top))
-        R, V, T, _ = _tpqrt(0, min(BLOCK, y.size), state.R, rest[:, :-1])
-        z, white, _ = _tpmqrt(0, V, T, state.z, rest[:, -1:], trans="T")
-        beta, root = _newton(state, R, z, J, y)
-        n = len(top)
-        told = top[:, -1] - top[:, n:-1] @ (y + J @ (beta - state.beta))
-        x, _ = _trtrs(top[:, :n], told)
-        after = State(sample.t, sample.w, R_WB, top, R, z, state.prior, beta, root, x)
-        dof = e if np.isfinite(sample.v_S).all() else self.model.axes[0].size
-        return after, Info(white[:, 0], float(white[:, 0] @ white[:, 0]), dof)
+        return _step(self.model, self.noise, self.sets, state, sample.t, sample.packed)
 
 
-def _eliminated(
-    rows: Float[np.ndarray, "rows columns"], walks: int, n: int
-) -> tuple[Float[np.ndarray, "n all"], Float[np.ndarray, "e right"]]:
-    """Rotate walks and nuisances out of the last rows.
+@looped
+def _step(model, noise, sets, state, t, packed):
+    """`Extended.step`, compiled."""
+    at = measured(model, packed)
+    n_h, n_v, n = len(model.turning), len(model.moving), len(state.top)
+    if t <= state.t or not complete(at) or _same(at.w, state.w):
+        return state, Info(np.zeros(n_h + n_v), 0.0, 0)
 
-    Only these columns are factored: what is left of the sample keeps its directions.
-    """
-    k = walks + n
-    qr, tau, _, _ = _geqrf(rows[:, :k])
-    right, _, _ = _ormqr("L", "T", qr, tau, rows[:, k:], BLOCK * rows.shape[1])
-    top = np.hstack([qr[walks:k, walks:], right[walks:k]])
-    return top, right[k:]
+    x = state.nuisances
+    h_cm = (0.0, 0.0, x[0]) if n_h == 1 else (x[0], x[1], x[2])
+    R_WB = quaternion_matrix(at.x_WB[0], at.x_WB[1], at.x_WB[2], at.x_WB[3])
+    dt = 0.0 if np.isnan(state.t) else t - state.t
+    top = moved(model, noise, state, R_WB, h_cm, dt)
+    rows = equations(model, noise, state.beta, h_cm, at, R_WB)
+    moving = finite(at.v_S)
+    fold(top, rows, 0, n)
+    R_z = state.R_z.copy()
+    fold(R_z, rows, n, len(R_z))
 
-
-def _newton(
-    state: State,
-    R: Float[np.ndarray, "y y"],
-    z: Float[np.ndarray, "y 1"],
-    J: Float[np.ndarray, "y beta"],
-    y: Float[np.ndarray, " y"],
-) -> tuple[Float[np.ndarray, " beta"], Float[np.ndarray, "beta beta"]]:
-    """One step of Gauss and Newton from `state.beta`, where `y` and `J` are."""
-    prior = state.prior
-    k = prior.beta.size
-    rows = np.empty((y.size + k, k + 1), order="F")
-    rows[: y.size, :k] = R @ J
-    rows[: y.size, k:] = z - R @ (y - J @ state.beta)[:, None]
-    rows[y.size :, :k] = prior.root
-    rows[y.size :, k] = prior.root @ prior.beta
-    qr, _, _, _ = _geqrf(rows, overwrite_a=1)
-    beta, _ = _trtrs(qr[:k, :k], qr[:k, k])
-    return beta, np.triu(qr[:k, :k])
+    beta, root, y = _newton(sets, state, R_z)
+    white, nis = np.empty(n_h + n_v), 0.0
+    for i in range(len(white)):
+        white[i] = rows[i, -1]
+        nis += white[i] ** 2
+    x = _nuisances(top, y)
+    after = State(t, at.w.copy(), R_WB, top, R_z, state.prior, beta, root, x)
+    return after, Info(white, nis, n_h + n_v if moving else n_h)
 
 
-@compiled
-def _first(
-    model: Model, beta: Float[AnyArray, " beta"], packed: Float[AnyArray, " sample"]
-) -> tuple[Float[AnyArray, "3"], Float[AnyArray, "3 3"]]:
+@looped
+def _same(a, b):
+    equal = True
+    for i in range(len(a)):
+        equal = equal and a[i] == b[i]
+    return equal
+
+
+@looped
+def _newton(sets, state, R_z):
+    """`beta` after a step of Gauss and Newton from the last, its root, and `y`."""
+    prior, k, n = state.prior, len(state.beta), len(R_z)
+    _, tangent = linear_sets_at(sets, state.beta)
+    rows, root = np.zeros((n, k + 1)), np.zeros((k, k + 1))
+    for i in range(n):
+        rows[i, k] = R_z[i, n]
+        for j in range(i, n):
+            add_scaled(R_z[i, j], tangent[j], rows[i])
+    for i in range(k):
+        for j in range(i, k):
+            root[i, j] = prior.root[i, j]
+            root[i, k] += prior.root[i, j] * prior.beta[j]
+    fold(root, rows, 0, k)
+    beta = solved(root)
+    y = applied(tangent, beta)
+    for i in range(n):
+        y[i] -= tangent[i, k]
+    return beta, left(root, k), y
+
+
+@looped
+def _nuisances(top, y):
+    """`x` of `N x + Y y = z`."""
+    n = len(top)
+    N_z = np.empty((n, n + 1))
+    for i in range(n):
+        for j in range(n):
+            N_z[i, j] = top[i, j]
+        N_z[i, n] = top[i, -1]
+        for j in range(len(y)):
+            N_z[i, n] -= top[i, n + j] * y[j]
+    return solved(N_z)
+
+
+@looped
+def _momentum(model, beta, packed):
     """`R_0 (D w + D_q qd + A_rw qd_rw)` (Eq. 2), and `R_0`."""
-    at = measured(model, packed)
-    theta = (model.theta_of @ beta).reshape(-1, PER_BODY)
-    I = inertia(model.regressors.tree, theta, at.q)
-    R_WB = quaternion_matrix(at.x_WB)
-    h_B = I.D @ at.w + I.D_q @ at.qd + model.wheels.A_rw @ at.qd_rw
-    return rotate(R_WB, h_B), R_WB
-
-
-@partial(compiled, static_argnums=0)
-def _linear(
-    treedef: Any,
-    leaves: tuple[AnyArray, ...],
-    beta: Float[AnyArray, " beta"],
-    nuisances: Float[AnyArray, " n"],
-    top: Float[AnyArray, "n all"],
-    R_was: Float[AnyArray, "3 3"],
-    times: Float[AnyArray, "2"],
-    packed: Float[AnyArray, " sample"],
-) -> tuple[Float[AnyArray, "rows columns"], Float[AnyArray, "3 3"]]:
-    """Rows of the transition and of the sample, whitened; and `R_WB`."""
-    model, noise = jax.tree.unflatten(treedef, leaves)
-    at = measured(model, packed)
-    moving = jnp.isfinite(at.v_S).all()
-    at = at._replace(v_S=jnp.where(moving, at.v_S, 0.0))
-    h = model.axes[0]
-    h_cm = jnp.zeros(3).at[h].set(nuisances[: h.size])
-    laws = equations(model, noise, beta, h_cm, at)
-    dt = jnp.where(jnp.isnan(times[0]), 0.0, times[1] - times[0])
-    moved = changed(model, noise, top, h_cm, dt * (laws.R_WB + R_was) / 2, dt)
-    momentum = solve_triangular(laws.L_h, laws.momentum, lower=True)
-    velocity = solve_triangular(laws.L_v, laws.velocity, lower=True)
-    velocity = jnp.where(moving, velocity, 0.0)
-    own = jnp.concatenate([momentum, velocity])
-    own = jnp.pad(own, ((0, 0), (moved.shape[1] - own.shape[1], 0)))
-    return jnp.concatenate([moved, own]), laws.R_WB
+    at, joints = measured(model, packed), len(model.columns.joints.parent)
+    bodies, H = room(joints + 1), np.zeros((6 + joints, 6 + joints))
+    inertia_at(model, beta, at.q, bodies, H)
+    h_B = np.array(momentum_of_wheels(model, at))
+    for i in range(3):
+        for j in range(3):
+            h_B[i] += H[3 + max(i, j), 3 + min(i, j)] * at.w[j]
+        for k in range(joints):
+            h_B[i] += H[6 + k, 3 + i] * at.qd[k]
+    R_WB = quaternion_matrix(at.x_WB[0], at.x_WB[1], at.x_WB[2], at.x_WB[3])
+    return applied(R_WB[0], h_B), R_WB

@@ -9,6 +9,7 @@ from jaxtyping import Bool, Float
 from orbident.errors import InputError
 from orbident.estimation.recursive.changes import Change, Detector
 from orbident.estimation.recursive.extended import Extended, State
+from orbident.estimation.recursive.linear_sets import linear_sets_at
 from orbident.estimation.recursive.noise import Noise, noise_of
 from orbident.estimation.recursive.prior import (
     UNCERTAINTY,
@@ -115,7 +116,7 @@ def recursive_history(
     t, beta, std, nis, dof, statistic = (np.array(c) for c in zip(*rows, strict=True))
     inverse = np.linalg.inv(prior.root)
     beforehand = np.linalg.norm(inverse, axis=1)
-    y = np.array([kalman.sets.at(row)[0] for row in beta])
+    y = np.array([linear_sets_at(kalman.sets, row)[0] for row in beta])
     pis = len(sets.pi_of_beta)
     scale |= _scaled(robot, state)
     unknown = 0.0 if scale else np.nan
@@ -151,7 +152,7 @@ def _scaled(robot: Robot, state: State) -> bool:
     nothing, and beside so small a robot's noise anything would be known.
     """
     pis = len(minimal_sets(robot).pi_of_beta)
-    known = np.linalg.norm(state.z[:pis]) * state.beta[0] / robot.mass
+    known = np.linalg.norm(state.R_z[:pis, -1]) * state.beta[0] / robot.mass
     return bool(robot.wheels and known**2 > KNOWN * pis)
 
 

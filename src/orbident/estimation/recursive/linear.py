@@ -10,20 +10,29 @@ forgetting they are what least squares of the whole recording makes.
 from dataclasses import dataclass
 from typing import NamedTuple
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
-from orbident.dynamics.wheels import Wheels, wheels_of
+from orbident.dynamics.loops.bodies import move, place, room
+from orbident.dynamics.loops.matrices import finite
+from orbident.dynamics.loops.vectors import quaternion_matrix, rotated_back
 from orbident.errors import InputError
-from orbident.estimation.least_squares import rows_of
+from orbident.estimation.recursive.equations import (
+    Model,
+    complete,
+    measured,
+    model_of,
+    momentum_of_wheels,
+    put_rotation,
+    rates_at,
+)
+from orbident.estimation.recursive.folding import fold
 from orbident.estimation.recursive.sample import Sample
-from orbident.estimation.triangular import Layout, LinearFit, fold, solve
-from orbident.precision import in_float64
-from orbident.regressors.minimal_sets import MinimalSets, Regressors
+from orbident.estimation.triangular import Layout, LinearFit, solve
+from orbident.loops import looped
+from orbident.regressors.loops import regressors
+from orbident.regressors.minimal_sets import MinimalSets
 from orbident.robot.description import Robot
-from orbident.signals.samples import Batch
 
 
 class LinearState(NamedTuple):
@@ -50,14 +59,12 @@ class LinearInfo(NamedTuple):
 class Linear:
     """The recursive least squares of one robot."""
 
-    regressors: Regressors
-    wheels: Wheels
+    model: Model
     pi: Layout
     phi: Layout
     forgetting: float
 
     @classmethod
-    @in_float64
     def of(
         cls,
         robot: Robot,
@@ -82,12 +89,10 @@ class Linear:
             )
         h, v = sets.regressors.momentum_axes, sets.regressors.velocity_axes
         return cls(
-            # On JAX's side once and for all, not at every step.
-            regressors=jax.tree.map(jnp.asarray, sets.regressors),
-            wheels=jax.tree.map(jnp.asarray, wheels_of(robot)),
+            model=model_of(robot, sets),
             pi=Layout(len(h), len(sets.pi_of_beta), 0),
             phi=Layout(len(v) * (2 if accelerometer else 1), sets.base.sigmas, 0),
-            forgetting=forgetting,
+            forgetting=float(forgetting),
         )
 
     def start(self) -> LinearState:
@@ -99,26 +104,9 @@ class Linear:
         self, state: LinearState, sample: Sample
     ) -> tuple[LinearState, LinearInfo]:
         """Take one sample in, in any order; one that is not complete is left out."""
-        batch = _batch(sample)
-        if not batch.turning[0]:
-            return state, LinearInfo(0.0, 0.0)
-        biased = self.phi.nuisances > len(self.regressors.velocity_axes)
-        with jax.enable_x64(True):
-            rows = rows_of(self.regressors, self.wheels, None, batch, biased)
-        rows_h, rows_v = (np.asarray(part) for part in rows)
-        keep = np.sqrt(self.forgetting)
-        R_h, R_v = fold(keep * state.R_h, rows_h), fold(keep * state.R_v, rows_v)
-        after = LinearState(
-            R_h,
-            R_v,
-            self.forgetting * state.weight_h + len(rows_h),
-            self.forgetting * state.weight_v + len(rows_v) * bool(batch.moving[0]),
+        return _step(
+            self.model, self.phi.nuisances, self.forgetting, state, sample.packed
         )
-        added = (
-            float(R[-1, -1] ** 2 - self.forgetting * before[-1, -1] ** 2)
-            for R, before in ((R_h, state.R_h), (R_v, state.R_v))
-        )
-        return after, LinearInfo(*added)
 
     def estimate(self, state: LinearState) -> tuple[LinearFit, LinearFit]:
         """`pi` and `phi` with their covariances, as `least_squares.fit` gives them."""
@@ -128,15 +116,57 @@ class Linear:
         )
 
 
-def _batch(sample: Sample) -> Batch:
-    """One sample in the form that the rows are made from."""
-    parts = (sample.q, sample.qd, sample.w, sample.x_WB, sample.qd_rw)
-    turning = all(np.isfinite(part).all() for part in parts)
-    moving = turning and bool(np.isfinite(sample.v_S).all())
-    v_S = sample.v_S if moving else np.zeros(3)
-    values = (*parts, v_S, sample.drift)
-    q, qd, w, x_WB, qd_rw, v_S, drift = (
-        np.asarray(value, dtype=np.float64)[None] for value in values
+@looped
+def _step(model, nuisances, forgetting, state, packed):
+    """`Linear.step`, compiled; so many nuisances has the velocity."""
+    at = measured(model, packed)
+    if not complete(at):
+        return state, LinearInfo(0.0, 0.0)
+    joints, n_h, n_v = len(at.q), len(model.turning), len(model.moving)
+    bodies, motion = room(joints + 1), np.empty((2, joints + 1, 3))
+    place(model.columns.joints, at.q, bodies)
+    move(model.columns.joints, bodies, motion, rates_at(at.w, at.qd))
+    Y, W = regressors(model.columns, bodies, motion)
+    R_WB = quaternion_matrix(at.x_WB[0], at.x_WB[1], at.x_WB[2], at.x_WB[3])
+
+    rows_h, h_rw = np.zeros((n_h, len(state.R_h))), momentum_of_wheels(model, at)
+    for i in range(n_h):
+        axis = model.turning[i]
+        put_rotation(R_WB, model.turning, axis, -1.0, rows_h[i], 0)
+        for k in range(Y.shape[1]):
+            rows_h[i, n_h + k] = Y[axis, k]
+        rows_h[i, -1] = -h_rw[axis]
+    v_S = rotated_back(R_WB, 0, (at.v_S[0], at.v_S[1], at.v_S[2]))
+    moving, rows_v = finite(at.v_S), np.zeros((n_v, len(state.R_v)))
+    for i in range(n_v if moving else 0):
+        axis = model.moving[i]
+        put_rotation(R_WB, model.moving, axis, 1.0, rows_v[i], 0)
+        for k in range(n_v, nuisances):
+            # Of an accelerometer's bias.
+            for j in range(3):
+                drift = at.drift[3 * j + model.moving[k - n_v]]
+                rows_v[i, k] += R_WB[0, j, axis] * drift
+        for k in range(W.shape[1]):
+            rows_v[i, nuisances + k] = W[axis, k]
+        rows_v[i, -1] = v_S[axis]
+
+    R_h, added_h = _folded(state.R_h, rows_h, forgetting)
+    R_v, added_v = _folded(state.R_v, rows_v, forgetting)
+    after = LinearState(
+        R_h,
+        R_v,
+        forgetting * state.weight_h + n_h,
+        forgetting * state.weight_v + (n_v if moving else 0),
     )
-    flags = np.array([turning]), np.array([moving])
-    return Batch(q, qd, w, x_WB, qd_rw, v_S, drift, *flags)
+    return after, LinearInfo(added_h, added_v)
+
+
+@looped
+def _folded(R, rows, forgetting):
+    """With some more rows, and by how much the squared residual grew."""
+    after, n = np.empty(R.shape), len(R)
+    for i in range(n):
+        for j in range(n):
+            after[i, j] = np.sqrt(forgetting) * R[i, j]
+    fold(after, rows, 0, n)
+    return after, after[-1, -1] ** 2 - forgetting * R[-1, -1] ** 2

@@ -1,52 +1,57 @@
 """`y = [pi, phi]` of `beta`, and its derivative."""
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
+from orbident.dynamics.loops.matrices import applied
+from orbident.loops import looped
 from orbident.regressors.minimal_sets import MinimalSets
 
 
-@dataclass(frozen=True)
-class LinearSets:
+class LinearSets(NamedTuple):
     """What the conservation laws are linear in, as functions of `[M, sigma, iota]`."""
 
     pi_of_beta: Float[np.ndarray, "pi beta"]
     pi_of_products: Float[np.ndarray, "pi pairs"]
-    a: Float[np.ndarray, "pairs sigma"]
-    """`a sigma` and `b sigma` are the factors of the products."""
-    b: Float[np.ndarray, "pairs sigma"]
+    pairs: Int[np.ndarray, "pairs 2"]
+    """Which of `sigma` are multiplied."""
+    sigmas: int
 
-    @classmethod
-    def of(cls, sets: MinimalSets) -> "LinearSets":
-        """Those of a robot's minimal sets."""
-        unit = np.eye(sets.base.sigmas)
-        a, b = (unit[column] for column in sets.pairs.T)
-        return cls(sets.pi_of_beta, sets.pi_of_products, a, b)
 
-    @property
-    def size(self) -> int:
-        """Of `y`."""
-        return len(self.pi_of_beta) + self.a.shape[1]
+def linear_sets_of(sets: MinimalSets) -> LinearSets:
+    """Those of a robot's minimal sets."""
+    return LinearSets(
+        pi_of_beta=np.ascontiguousarray(sets.pi_of_beta),
+        pi_of_products=np.ascontiguousarray(sets.pi_of_products),
+        pairs=np.ascontiguousarray(sets.pairs),
+        sigmas=sets.base.sigmas,
+    )
 
-    def at(
-        self, beta: Float[np.ndarray, " beta"]
-    ) -> tuple[Float[np.ndarray, " y"], Float[np.ndarray, "y beta"]]:
-        """`y` and `dy / dbeta`."""
-        M, sigma = beta[0], beta[1 : 1 + self.a.shape[1]]
-        phi = sigma / M
-        left, right = self.a @ phi, self.b @ phi
+
+@looped
+def linear_sets_at(sets, beta):
+    """`y`, and its tangent `[J | J beta - y]`: near `beta`, `y` is `J beta` less it."""
+    pis, sigmas, M, n = len(sets.pi_of_beta), sets.sigmas, beta[0], len(beta)
+    y, J = np.zeros(pis + sigmas), np.zeros((pis + sigmas, n + 1))
+    for k in range(sigmas):
+        y[pis + k] = beta[1 + k] / M
+        J[pis + k, 0] = -beta[1 + k] / M**2
+        J[pis + k, 1 + k] = 1 / M
+    phi = y[pis:]
+    for i in range(pis):
+        for k in range(n):
+            y[i] += sets.pi_of_beta[i, k] * beta[k]
+            J[i, k] += sets.pi_of_beta[i, k]
         # pi = pi_of_beta beta + pi_of_products (M phi_a phi_b)
-        n, own = len(self.pi_of_beta), slice(1, 1 + sigma.size)
-        y = np.empty(self.size)
-        y[:n] = self.pi_of_beta @ beta + self.pi_of_products @ (M * left * right)
-        y[n:] = phi
-        J = np.zeros((self.size, beta.size))
-        J[:n] = self.pi_of_beta
-        J[:n, 0] -= self.pi_of_products @ (left * right)
-        by_sigma = right[:, None] * self.a + left[:, None] * self.b
-        J[:n, own] += self.pi_of_products @ by_sigma
-        J[n:, 0] = -phi / M
-        J[n:, own] = np.eye(sigma.size) / M
-        return y, J
+        for k in range(len(sets.pairs)):
+            a, b, share = sets.pairs[k, 0], sets.pairs[k, 1], sets.pi_of_products[i, k]
+            y[i] += share * M * phi[a] * phi[b]
+            J[i, 0] -= share * phi[a] * phi[b]
+            J[i, 1 + a] += share * phi[b]
+            J[i, 1 + b] += share * phi[a]
+    at_beta = applied(J, beta)
+    for i in range(len(y)):
+        J[i, n] = at_beta[i] - y[i]
+    return y, J

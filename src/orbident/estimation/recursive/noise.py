@@ -1,8 +1,7 @@
 """What the sensors' noise is, sample by sample."""
 
-from typing import Any
+from typing import Any, NamedTuple
 
-import equinox as eqx
 import numpy as np
 
 from orbident.errors import InputError
@@ -34,7 +33,7 @@ FINE = 0.1
 what the walk is."""
 
 
-class Noise(eqx.Module):
+class Noise(NamedTuple):
     """Standard deviations; SI."""
 
     gyro: float
@@ -57,7 +56,7 @@ class Noise(eqx.Module):
     """Of the bias, m/s^2/sqrt(s)."""
     joint_rates: float = 0.0
     """Of a sample, white, rad/s or m/s."""
-    accelerometer: bool = eqx.field(static=True, default=False)
+    accelerometer: bool = False
     """Whether the velocity is integrated from one, and its bias an unknown."""
 
 

@@ -8,71 +8,94 @@ The axes in which momentum and velocity are known drift with the sensors; in the
 both constants do.
 """
 
-import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float
 
-from orbident.estimation.recursive.equations import Model
-from orbident.estimation.recursive.noise import Noise
-from orbident.spatial.arrays import AnyArray
-from orbident.spatial.rotations import cross_matrix
+from orbident.dynamics.loops.vectors import cross
+from orbident.estimation.recursive.folding import fold
+from orbident.loops import looped
 
 
-def changed(
-    model: Model,
-    noise: Noise,
-    top: Float[AnyArray, "n all"],
-    h_cm: Float[AnyArray, "3"],
-    integral: Float[AnyArray, "3 3"],
-    dt: Float[AnyArray, ""],
-) -> Float[AnyArray, "rows columns"]:
+@looped
+def moved(model, noise, state, R_WB, h_cm, dt):
     """The rows `[N | Y | z]`, of `N x + Y y = z`, for the nuisances a time later.
 
-    With `x_before = back x - kick w`, `w` of unit variance, they are
+    With `x_before = back x - kick w`, `w` of unit variance, they are what is left of
 
         w = 0
         -N kick w + N back x + Y y = z
 
+    without `w`.
+
     Args:
         model: of the robot.
         noise: of its sensors.
-        top: the rows before; `n` nuisances `x = [h_cm, v_cm, b_g, b_a]`.
+        state: before; its nuisances are `x = [h_cm, v_cm, b_g, b_a]`.
+        R_WB: now.
         h_cm: the momentum known so far, N m s.
-        integral: of `R_WB` since then, s.
         dt: since then, s.
+
+    Returns:
+        As many rows, and their nuisances are upper triangular again.
     """
-    h, v = model.axes
-    n_h, n_v, n = len(h), len(v), len(top)
-    bias = slice(n_h + n_v, 2 * n_h + n_v)
-    turn = noise.integrated * (-cross_matrix(h_cm) @ integral)[h, :][:, h]
-    back = jnp.eye(n).at[:n_h, bias].add(-turn)
-    walks = [
-        jnp.zeros((n, n_h)).at[:n_h].set(noise.gyro * turn),
-        jnp.zeros((n, n_h)).at[bias].set(noise.gyro_walk * jnp.sqrt(dt) * jnp.eye(n_h)),
-    ]
-    if model.accelerometer:
-        white = jnp.sqrt(dt) * jnp.eye(n_v)
-        moved = jnp.zeros((n, 2 * n_v))
-        moved = moved.at[n_h : n_h + n_v, :n_v].set(noise.velocity_walk * white)
-        walks.append(moved.at[-n_v:, n_v:].set(noise.accelerometer_walk * white))
-        back = back.at[n_h : n_h + n_v, -n_v:].add(-integral[v, :][:, v])
-    kick = jnp.concatenate(walks, axis=1)
-    w = kick.shape[1]
-    N = jnp.triu(top[:, :n])
-    none = jnp.eye(w, w + top.shape[1])
-    return jnp.concatenate(
-        [none, jnp.concatenate([-N @ kick, N @ back, top[:, n:]], axis=1)]
-    )
+    top, n_h, n_v = state.top, len(model.turning), len(model.moving)
+    n, columns = top.shape
+    b_v = n_v if noise.accelerometer else 0
+    walks = 2 * (n_h + b_v)
+    rows = np.zeros((n, walks + columns))
+    for i in range(n):
+        for j in range(columns):
+            rows[i, walks + j] = top[i, j]
+    b_g = n_h + n_v
+    _kick(noise.velocity_walk * np.sqrt(dt), top, n_h, rows, n_h, b_v)
+    _kick(noise.gyro_walk * np.sqrt(dt), top, b_g, rows, n_h + b_v, n_h)
+    last = noise.accelerometer_walk * np.sqrt(dt)
+    _kick(last, top, b_g + n_h, rows, walks - b_v, b_v)
+    # The integral of R_0 over the step.
+    integral = np.empty((3, 3))
+    for i in range(3):
+        for j in range(3):
+            integral[i, j] = dt / 2 * (state.R_WB[0, i, j] + R_WB[0, i, j])
+    _turn(model, noise, top, integral, h_cm, rows, walks)
+    if noise.accelerometer:
+        _drift(model, top, integral, rows, walks)
+    before = np.zeros((walks, walks + columns))
+    for k in range(walks):
+        before[k, k] = 1.0
+    fold(before, rows, 0, walks)
+    after = np.zeros((n, columns))
+    fold(after, rows, walks, n)
+    return after
 
 
-def walks_of(model: Model) -> int:
-    """How many random walks there are: the columns before those of the nuisances."""
-    h, v = model.axes
-    return 2 * len(h) + (2 * len(v) if model.accelerometer else 0)
+@looped
+def _kick(std, N, first, rows, column, count):
+    """`-N kick` of so many unknowns that walk."""
+    for i in range(len(N)):
+        for j in range(count):
+            rows[i, column + j] = -std * N[i, first + j]
 
 
-def nuisances_of(model: Model) -> tuple[np.ndarray, ...]:
-    """Where `h_cm`, `v_cm`, `b_g` and `b_a` are among the nuisances."""
-    h, v = (len(axes) for axes in model.axes)
-    sizes = [h, v, h, v if model.accelerometer else 0]
-    return tuple(np.split(np.arange(sum(sizes)), np.cumsum(sizes)[:-1]))
+@looped
+def _turn(model, noise, N, integral, h_cm, rows, walks):
+    """`h_cm` turns with an integrated attitude: by the bias, and by the noise."""
+    h = model.turning
+    bias = walks + len(h) + len(model.moving)
+    for j in range(len(h)):
+        column = integral[0, h[j]], integral[1, h[j]], integral[2, h[j]]
+        turn = cross(column, h_cm)
+        for k in range(len(h)):
+            for i in range(len(N)):
+                by_turn = noise.integrated * N[i, k] * turn[h[k]]
+                rows[i, bias + j] -= by_turn
+                rows[i, j] -= noise.gyro * by_turn
+
+
+@looped
+def _drift(model, N, integral, rows, walks):
+    """`v_cm` drifts with the accelerometer's bias."""
+    h, v = model.turning, model.moving
+    bias = walks + 2 * len(h) + len(v)
+    for j in range(len(v)):
+        for k in range(len(v)):
+            for i in range(len(N)):
+                rows[i, bias + j] -= N[i, len(h) + k] * integral[v[k], v[j]]

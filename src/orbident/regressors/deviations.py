@@ -1,4 +1,4 @@
-"""`H+`, `c+` and their deviations in many states, compiled for one size and for one."""
+"""The deviations of `H+` and `c+`, in one state or in batches of them."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -10,38 +10,24 @@ from jaxtyping import Float
 
 from orbident.compilation import compiled
 from orbident.dynamics import equations_of_motion as one
-from orbident.dynamics.batches import BATCH, in_batches
+from orbident.dynamics.batches import in_batches
 from orbident.dynamics.equations_of_motion import Model
-from orbident.dynamics.forces import jacobian
 from orbident.spatial.arrays import AnyArray
 
-STD_BATCH = 32
-"""States at once: each has a matrix for every parameter."""
+STATES = 32
+"""At once: each has a matrix for every parameter."""
 
 
-def over(function: Callable[..., Any], *state: Any, size: int = BATCH) -> Any:
+def over(function: Callable[..., Any], *state: Any) -> Any:
     """Of one state, or of each of many: `q`, and perhaps `v`."""
     if state[0].ndim == 1:
         alone = (x[None] for x in state)
         return jax.tree.map(lambda x: x[0], in_batches(function, *alone, size=1))
-    return in_batches(function, *state, size=size)
+    return in_batches(function, *state, size=STATES)
 
 
 _H_plus = jax.vmap(one.H_plus, (None, 0))
 _c_plus = jax.vmap(one.c_plus, (None, 0, 0))
-
-point_jacobian = compiled(jacobian, static_argnums=2)
-H_plus = compiled(_H_plus)
-c_plus = compiled(_c_plus)
-
-
-@compiled
-def equations(
-    model: Model, q: Float[AnyArray, "n joints"], v: Float[AnyArray, "n speeds"]
-):
-    """Both, with the kinematics done once."""
-    at = jax.vmap(one.equations_of_motion, (None, 0, 0))(model, q, v)
-    return at.H, at.c
 
 
 @compiled

@@ -1,0 +1,83 @@
+"""What no method of identification may take for an answer."""
+
+import numpy as np
+import pytest
+from edited_recordings import changed
+from random_motions import random_motion
+
+from orbident.errors import InputError
+from orbident.estimation.identify import METHODS, Method, identify
+from orbident.recordings.recording import Recording
+from orbident.robot.description import Robot
+from orbident.sensing.simulate import simulate
+
+pytestmark = pytest.mark.parametrize("method", METHODS)
+
+
+@pytest.mark.parametrize("sensor", ["gyro", "attitude"])
+def test_a_sensor_that_never_showed_anything_is_refused(
+    method: Method, robot: Robot, recording: Recording, sensor: str
+):
+    dead = {
+        name: np.full_like(column, np.nan)
+        for name, column in recording.columns.items()
+        if name.startswith(sensor)
+    }
+    with pytest.raises(InputError, match=sensor):
+        identify(robot, changed(recording, dead), method)
+
+
+def test_no_scale_is_rejected(method: Method, robot: Robot):
+    silent = simulate(robot, random_motion(robot, wheel_speed=0.0))
+    result = identify(robot, silent, method)
+    assert result.status == "rejected"
+    assert np.isnan(result.mass.value)
+    assert np.isnan(result.pi.values).all()
+    assert np.isfinite(result.phi.values).all()
+    assert any("pi has no scale" in warning for warning in result.warnings)
+
+
+@pytest.mark.parametrize(
+    ("start", "factor"),
+    [("wheel", -1.0), ("gyro", np.degrees(1.0)), ("velocity", -1.0)],
+    ids=["wheels' signs", "gyro in degrees", "velocity's sign"],
+)
+def test_wrong_signals_are_rejected(
+    method: Method, robot: Robot, recording: Recording, start: str, factor: float
+):
+    """The equations have a solution all the same; it must not pass for a result."""
+    wrong = {
+        name: factor * column
+        for name, column in recording.columns.items()
+        if name.startswith(start)
+    }
+    result = identify(robot, changed(recording, wrong), method)
+    assert result.status == "rejected"
+    assert np.isnan(result.mass.value)
+    assert any("check units" in warning for warning in result.warnings)
+
+
+def test_no_velocity_is_rejected(method: Method, robot: Robot, recording: Recording):
+    blind = changed(
+        recording, keep=lambda name: not name.startswith(("velocity", "position"))
+    )
+    result = identify(robot, blind, method)
+    assert result.status == "rejected"
+    assert np.isnan(result.mass.value)
+    assert np.isnan(result.phi.values).all()
+    assert any("velocity.x" in warning for warning in result.warnings)
+
+
+def test_too_few_samples_are_refused(
+    method: Method, robot: Robot, recording: Recording
+):
+    with pytest.raises(InputError, match="complete samples"):
+        identify(robot, changed(recording, rows=slice(5)), method)
+
+
+@pytest.mark.parametrize("column", ["gyro.y", "attitude.z", "joint.joint1.position"])
+def test_missing_columns_are_refused(
+    method: Method, robot: Robot, recording: Recording, column: str
+):
+    with pytest.raises(InputError, match=column):
+        identify(robot, changed(recording, keep=lambda name: name != column), method)

@@ -1,0 +1,205 @@
+"""One step of the filter against the same equations, stacked and solved at once.
+
+Nothing is carried in triangular factors here, and the regressors are JAX's.
+"""
+
+from typing import Any, NamedTuple
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from random_motions import random_motion
+from random_robots import random_robot, random_wheels
+from scipy.linalg import block_diag
+from scipy.spatial.transform import Rotation
+
+from orbident.dynamics.inertia import inertia
+from orbident.dynamics.wheels import wheels_of
+from orbident.estimation.recursive.extended import Extended, Info, State
+from orbident.estimation.recursive.history import smoothed_rate
+from orbident.estimation.recursive.linear_sets import linear_sets_at
+from orbident.estimation.recursive.noise import Noise, noise_of
+from orbident.estimation.recursive.prior import cad_prior
+from orbident.estimation.recursive.sample import Sample, stream
+from orbident.regressors.minimal_sets import MinimalSets, minimal_sets
+from orbident.robot.description import Robot
+from orbident.robot.parameters import cross_matrix
+from orbident.robot.robot_file import load_robot
+from orbident.sensing.simulate import simulate
+from orbident.signals.samples import samples_of
+
+ROBOTS: dict[str, Robot] = {
+    "sensors": load_robot("paper-spatial"),
+    "table": load_robot("cepheus-like"),
+    "tree": random_robot(
+        3, (0, 0, 2), [1], random_wheels(3, ("held", "held", "free")), base=5.0
+    ),
+}
+
+
+class Case(NamedTuple):
+    robot: Robot
+    kalman: Extended
+    state: State
+    sample: Sample
+    after: State
+    info: Info
+
+
+@pytest.fixture(scope="module", params=ROBOTS)
+def case(request) -> Case:
+    """After a hundred samples, one more."""
+    robot = ROBOTS[request.param]
+    start = "spun up" if robot.motion == "planar" else "turning"
+    motion = random_motion(robot, duration=12.0, start=start)
+    noise = "none" if request.param == "tree" else "sensors"
+    samples = samples_of(robot, simulate(robot, motion, rate=10.0, noise=noise))
+    rate, scatter = smoothed_rate(samples)
+    sets = minimal_sets(robot)
+    stds = noise_of(robot, sets, samples, scatter)
+    if request.param == "tree":
+        stds = Noise(1e-4, 1e-4, joint_rates=1e-4, attitude=1e-4, gyro_walk=1e-5)
+    kalman = Extended.of(robot, sets, stds)
+    every = [sample for sample in stream(samples, rate) if sample.complete]
+    state = kalman.start(cad_prior(robot, sets), every[0])
+    for sample in every[:100]:
+        state, _ = kalman.step(state, sample)
+    return Case(robot, kalman, state, every[100], *kalman.step(state, every[100]))
+
+
+class Axes(NamedTuple):
+    h: np.ndarray
+    v: np.ndarray
+
+
+def axes_of(sets: MinimalSets) -> Axes:
+    own = sets.regressors
+    return Axes(np.array(own.momentum_axes), np.array(own.velocity_axes))
+
+
+def spread(vector: np.ndarray, axes: np.ndarray) -> np.ndarray:
+    full = np.zeros(3)
+    full[axes] = vector
+    return full
+
+
+def transition(case: Case, axes: Axes) -> tuple[np.ndarray, np.ndarray]:
+    """`x_before = back x - kick w`."""
+    noise, state = case.kalman.noise, case.state
+    h, v = axes
+    n_h, n_v = h.size, v.size
+    n = len(state.top)
+    dt = case.sample.t - state.t
+    turned = rotation(case.sample) + state.R_WB[0]
+    integral = dt * turned / 2
+    h_cm = spread(state.nuisances[:n_h], h)
+    turn = noise.integrated * (-cross_matrix(h_cm) @ integral)[np.ix_(h, h)]
+    back, bias = np.eye(n), np.arange(n_h + n_v, 2 * n_h + n_v)
+    back[np.ix_(np.arange(n_h), bias)] -= turn
+    kick = np.zeros((n, 2 * n_h))
+    kick[:n_h, :n_h] = noise.gyro * turn
+    kick[bias, n_h:] = noise.gyro_walk * np.sqrt(dt) * np.eye(n_h)
+    if noise.accelerometer:
+        speeds, last = np.arange(n_h, n_h + n_v), np.arange(n - n_v, n)
+        back[np.ix_(speeds, last)] -= integral[np.ix_(v, v)]
+        more = np.zeros((n, 2 * n_v))
+        more[speeds, :n_v] = noise.velocity_walk * np.sqrt(dt) * np.eye(n_v)
+        more[last, n_v:] = noise.accelerometer_walk * np.sqrt(dt) * np.eye(n_v)
+        kick = np.hstack([kick, more])
+    return back, kick
+
+
+def rotation(sample: Sample) -> np.ndarray:
+    return Rotation.from_quat(sample.x_WB).as_matrix()
+
+
+def laws(case: Case, axes: Axes) -> np.ndarray:
+    """Both conservation laws, whitened: `[h_cm, v_cm, b_g, b_a, pi, phi | rhs]`."""
+    robot, state, sample = case.robot, case.state, case.sample
+    noise, sets = case.kalman.noise, minimal_sets(robot)
+    h, v = axes
+    R_BW = rotation(sample).T
+    theta = (sets.base.theta_of @ state.beta).reshape(-1, 10)
+    I: Any = inertia(sets.regressors.tree, jnp.asarray(theta), sample.q)
+    D = np.asarray(I.D)[np.ix_(h, h)]
+    U = -cross_matrix(np.asarray(I.r_cm))[np.ix_(v, h)]
+    excess = (sample.w - sample.w_smooth)[h]
+    w = np.array(sample.w)
+    w[h] -= excess
+    Y, W = map(np.asarray, sets.regressors(sample.q, sample.qd, w))
+    b_a = np.zeros((h.size, v.size if noise.accelerometer else 0))
+    b_v = np.zeros((v.size, b_a.shape[1]))
+    none_h, none_v = np.zeros((h.size, v.size)), np.zeros((v.size, h.size))
+    no_phi, no_pi = np.zeros((h.size, W.shape[1])), np.zeros((v.size, Y.shape[1]))
+    rhs_h = -(wheels_of(robot).A_rw @ sample.qd_rw)[h] - D @ excess
+    rhs_v = (R_BW @ sample.v_S)[v] + U @ excess
+    R_h, R_v = R_BW[np.ix_(h, h)], R_BW[np.ix_(v, v)]
+    momentum = np.hstack([-R_h, none_h, -D, b_a, Y, no_phi, rhs_h[:, None]])
+    velocity = np.hstack([none_v, R_v, U, b_v, no_pi, W, rhs_v[:, None]])
+    turn = (R_BW @ cross_matrix(spread(state.nuisances[: h.size], h)))[h]
+    D_q, J_cm = np.asarray(I.D_q)[h], np.asarray(I.J_cm)[v]
+    C_h = [noise.gyro * D, noise.joint_rates * D_q, noise.attitude * turn]
+    C_v = [noise.gyro * U, noise.joint_rates * J_cm, noise.velocity * np.eye(v.size)]
+    roots = (np.linalg.cholesky(G @ G.T) for G in map(np.hstack, (C_h, C_v)))
+    root = np.asarray(block_diag(*roots))
+    return np.linalg.solve(root, np.vstack([momentum, velocity]))
+
+
+def information(rows: np.ndarray, eliminated: int) -> np.ndarray:
+    """`A^T A` of `[A | b]` with the first unknowns eliminated."""
+    R = np.asarray(np.linalg.qr(rows, mode="r"))[eliminated:, eliminated:]
+    return R.T @ R
+
+
+def check_close(found: np.ndarray, expected: np.ndarray) -> None:
+    """Relative to the diagonal: units differ by orders of magnitude."""
+    scale = np.sqrt(np.outer(np.diag(expected), np.diag(expected)))
+    assert np.abs((found - expected) / scale).max() < 1e-9
+
+
+def test_what_is_known_of_the_parameters(case: Case):
+    """All equations since the start in one least-squares problem, one step after."""
+    axes = axes_of(minimal_sets(case.robot))
+    back, kick = transition(case, axes)
+    n, w = len(back), kick.shape[1]
+    N, rest = case.state.top[:, :n], case.state.top[:, n:]
+    y = len(case.state.R_z)
+    own = laws(case, axes)
+    stacked = np.vstack(
+        [
+            np.eye(w, w + n + y + 1),
+            np.hstack([-N @ kick, N @ back, rest]),
+            np.hstack([np.zeros((len(own), w)), own]),
+            np.hstack([np.zeros((y, w + n)), case.state.R_z]),
+        ]
+    )
+    after = case.after
+    expected = information(stacked, w + n)
+    found = after.R_z.T @ after.R_z
+    # The last entry is the residual, which the innovation has the new part of.
+    check_close(found[:-1, :-1], expected[:-1, :-1])
+    np.testing.assert_allclose(found[:-1, -1], expected[:-1, -1], rtol=1e-6)
+    total = found[-1, -1] + case.info.nis
+    np.testing.assert_allclose(total, expected[-1, -1], rtol=1e-9)
+    assert case.info.dof == len(own)
+
+    both = np.vstack([after.top, np.hstack([np.zeros((y, n)), after.R_z])])
+    check_close((both.T @ both)[:-1, :-1], information(stacked, w)[:-1, :-1])
+
+
+def test_the_estimate(case: Case):
+    """Gauss and Newton from the last one, with the prior; the nuisances after it."""
+    state, after = case.state, case.after
+    y, tangent = linear_sets_at(case.kalman.sets, state.beta)
+    J = tangent[:, :-1]
+    R, z = after.R_z[:, :-1], after.R_z[:, -1]
+    A = np.vstack([R @ J, state.prior.root])
+    b = np.append(z - R @ (y - J @ state.beta), state.prior.root @ state.prior.beta)
+    beta = np.linalg.lstsq(A, b, rcond=None)[0]
+    np.testing.assert_allclose(after.beta, beta, atol=1e-9 * np.abs(beta).max())
+    check_close(after.root.T @ after.root, A.T @ A)
+    assert not np.tril(after.root, -1).any()
+    n = len(after.top)
+    told = after.top[:, -1] - after.top[:, n:-1] @ (y + J @ (after.beta - state.beta))
+    x = np.linalg.solve(after.top[:, :n], told)
+    np.testing.assert_allclose(after.nuisances, x, atol=1e-9 * np.abs(x).max())
