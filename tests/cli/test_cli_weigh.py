@@ -1,14 +1,17 @@
 """`weigh`: the total mass from a thruster burn."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from burns import Body, burn, changed, without
+from random_motions import random_motion
 from running import Orbident, written
 
 from orbident.recordings.recording import Recording
 from orbident.robot.robot_file import load_robot
+from orbident.sensing.simulate import simulate
 
 BODY = Body(load_robot("cepheus-like").joint_names, mass=12.3)
 
@@ -91,3 +94,32 @@ def test_help(orbident: Orbident):
     assert "Usage: orbident weigh" in words
     assert "ROBOT" in words
     assert "REC" in words
+
+
+def test_beside_the_other_masses(orbident: Orbident, table_burn: Recording):
+    """`identify --burn` of the same robot, and of a heavier one."""
+    robot = load_robot("cepheus-like")
+    motion = random_motion(robot, start="spun up")
+    flight = written(simulate(robot, motion, noise="sensors"), "flight.csv")
+    burns = [burn(replace(BODY, mass=m * robot.mass)) for m in (1.0, 1.05)]
+    files = [written(b, f"burn{k}.csv") for k, b in enumerate(burns)]
+    common = "identify", "cepheus-like", flight, "--initial-momentum", "at-rest"
+    ran = [orbident(*common, "--burn", file, "--json", "-") for file in files]
+    same, heavier = ran[0].done().json, ran[1].json
+    assert "check the burn's force" in ran[1].err
+    forms = same["mass"]["forms"]
+    routes = ["M by Eq. 40", "M by Eq. 32", "M by maximum likelihood"]
+    assert forms["names"][-3:] == routes
+    assert forms["values"][-3] == pytest.approx(robot.mass, rel=1e-6)
+    assert same["warnings"] == []
+    assert any("kg by Eq. 40" in words for words in heavier["warnings"])
+    assert same["mass"]["value"] == heavier["mass"]["value"]
+
+
+def test_a_burn_that_cannot_be_weighed(orbident: Orbident, table_burn: Recording):
+    robot = load_robot("cepheus-like")
+    flight = written(simulate(robot, random_motion(robot)), "flight.csv")
+    without_force = written(without(table_burn, "force"), "burn.csv")
+    orbident("identify", "cepheus-like", flight, "--burn", without_force).refused(
+        "burn.csv", "force.x"
+    )

@@ -46,6 +46,14 @@ def identify(
         ),
     ] = Method.maximum_likelihood,
     initial_momentum: MomentumKnown = InitialMomentum.unknown,
+    burn: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="REC",
+            help="A thruster burn with locked joints: what it weighs (Eq. 40) is put "
+            "beside the other masses.",
+        ),
+    ] = None,
     force: Annotated[
         bool, typer.Option("--force", help="Overwrite an existing RUN.")
     ] = False,
@@ -68,10 +76,16 @@ def identify(
     described = load_robot(robot)
     with progress("reading"):
         table = read_recording(recording)
+        pushed = None if burn is None else read_recording(burn)
     prepare_jax()
     with progress("identifying") as done:
         result = identified(
-            described, table, method.value, initial_momentum.value, progress=done
+            described,
+            table,
+            method.value,
+            initial_momentum.value,
+            pushed,
+            progress=done,
         )
     file = {"file": recording.name, "sha256": sha256(recording)}
     result = replace(result, input=file)

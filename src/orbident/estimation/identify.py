@@ -21,6 +21,7 @@ from orbident.estimation.least_squares import (
 )
 from orbident.estimation.mass import Mass, mass_of
 from orbident.estimation.methods import (
+    BURN,
     Applied,
     Case,
     by_least_squares,
@@ -32,6 +33,7 @@ from orbident.estimation.predicted import Signals, equation_signals
 from orbident.estimation.result import Estimate, Estimates, Result
 from orbident.estimation.triangular import condition_numbers
 from orbident.estimation.verdict import judge, obstacles
+from orbident.estimation.weigh import Weighing, weigh
 from orbident.precision import in_float64
 from orbident.recordings.recording import Recording
 from orbident.regressors.formulas import Formulas, SetFormulas, formulas_of, mass_forms
@@ -56,6 +58,7 @@ def identify(
     recording: Recording,
     method: Method = "maximum-likelihood",
     initial_momentum: InitialMomentum = "unknown",
+    burn: Recording | None = None,
     progress: Callable[[float], object] = lambda _: None,
 ) -> Result:
     """Identify `pi` (Eq. 24), `phi` (Eq. 31) and the total mass (Eq. 32).
@@ -73,17 +76,21 @@ def identify(
             takes it from the wheels of a base at rest, or as zero where everything
             was at rest before the wheels spun up; `"first-sample"` subtracts the
             first sample (Eq. 24).
+        burn: of the same robot, joints locked, by a known thrust: the mass that it
+            tells (Eq. 40) is put beside the others. What `weigh` needs.
         progress: is called with the fraction of the samples that is done.
 
     Raises:
         InputError: a column is missing, there are too few samples, the nominal mass
-            matrix is singular, or an argument is not one of those named.
+            matrix is singular, the burn cannot be weighed, or an argument is not one
+            of those named.
     """
     _check_choice("method", method, METHODS)
     _check_choice("initial momentum", initial_momentum, INITIAL_MOMENTA)
     started = time.perf_counter()
     told = _Progress(progress)
     check_regular(robot)
+    weighing = None if burn is None else weigh(robot, burn)
     recording.check_joints(robot)
     clean = screened(robot, recording)
     recording = clean.recording
@@ -104,6 +111,7 @@ def identify(
         applied = refined(case, method, applied, told.step, told.rest)
     verdict = judge(robot, samples, fits, hindered, applied.found, applied.no_mass)
     words = formulas_of(robot, sets)
+    masses = {**_by_burn(weighing), **applied.masses}
     return Result(
         robot=robot,
         method=method,
@@ -114,12 +122,11 @@ def identify(
             *in_words(clocks),
             *verdict.warnings,
             *applied.warnings,
-            *(disagreement(applied.masses) if verdict.mass else ()),
+            *(disagreement(masses) if verdict.mass else ()),
+            *(() if weighing is None else (f"burn: {w}" for w in weighing.warnings)),
         ),
         mass=applied.mass if verdict.mass else Estimate(NAN, NAN),
-        mass_forms=_mass_forms(sets, words, mass, applied.masses)
-        if verdict.mass
-        else NO_FORMS,
+        mass_forms=_mass_forms(sets, words, mass, masses) if verdict.mass else NO_FORMS,
         pi=_estimates(words.pi, applied.found.pi, verdict.pi),
         phi=_estimates(words.phi, applied.found.phi, verdict.phi),
         base=_estimates(words.base, applied.found.base, verdict.base),
@@ -155,6 +162,12 @@ def _signals(
     return partial(
         equation_signals, robot, sets, samples, initial_momentum, pi=pi, phi=phi
     )
+
+
+def _by_burn(weighing: Weighing | None) -> dict[str, Estimate]:
+    if weighing is None or weighing.status == "rejected":
+        return {}
+    return {BURN: weighing.mass}
 
 
 class _Progress:

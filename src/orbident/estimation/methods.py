@@ -31,6 +31,8 @@ DISAGREE = 5.0
 MATTERS = 0.03
 """and this part of the mass: the linear one's deviation knows white noise only."""
 
+BURN = "Eq. 40"
+"""The mass by a thruster burn, among others."""
 
 NOTHING_LEARNT = (
     "mass: the recording tells hardly more than the nominal value that the recursion "
@@ -201,9 +203,10 @@ def disagreement(masses: dict[str, Estimate]) -> tuple[str, ...]:
     ]
     if not far:
         return ()
+    remedy = "check the burn's force" if BURN in masses else f"weigh the robot ({BURN})"
     return (
         f"mass: {M.value:.5g} +- {M.std:.1g} kg by {route}, but {', '.join(far)}; "
-        "weigh the robot (Eq. 40), or record a richer motion",
+        f"{remedy}, or record a richer motion",
     )
 
 
