@@ -33,6 +33,10 @@ NUMBERS = 2**20
 MOST = 2**13
 """Samples."""
 
+STEP = 0.02
+"""s: joints move little meanwhile. A short stretch of samples that follow each other
+faster would show hardly any motion, and that could be anything's."""
+
 GAP = 10.0
 """Times the usual step from sample to sample."""
 
@@ -120,7 +124,10 @@ def joint_delay(
 def _part(samples: Samples, unknowns: int) -> Samples:
     """As much of the middle as there is room for the equations of."""
     axes = len(samples.w)
-    rows = _middle(_seen(samples.w), min(MOST, NUMBERS // (axes * unknowns)))
+    seen = np.flatnonzero(_seen(samples.w))
+    fast = float(np.median(np.diff(samples.t[seen]))) if seen.size > 1 else STEP
+    seen = seen[:: max(int(STEP / fast), 1)]
+    rows = seen[_inner(seen.size, min(MOST, NUMBERS // (axes * unknowns)))]
     names = ("q", "qd", "w", "x_WB", "qd_rw")
     parts = {
         name: tuple(column[rows] for column in getattr(samples, name)) for name in names
@@ -149,6 +156,10 @@ def _unbroken(
 def _middle(seen: Bool[np.ndarray, " n"], most: int) -> slice:
     """Rows in the middle, of which at most so many are seen."""
     rows = np.flatnonzero(seen)
-    start = max(rows.size - most, 0) // 2
-    inner = rows[start : start + most]
+    inner = rows[_inner(rows.size, most)]
     return slice(inner[0], inner[-1] + 1) if inner.size else np.s_[:]
+
+
+def _inner(count: int, most: int) -> slice:
+    start = max(count - most, 0) // 2
+    return slice(start, start + most)

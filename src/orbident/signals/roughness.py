@@ -10,6 +10,13 @@ from orbident.signals.white_snap import BLOCK, LANES, NOTHING_KNOWN, ORDER, forw
 STRETCHES = 4
 """Of `BLOCK` samples each, evenly spread: what is searched of a longer record."""
 
+AVERAGED = 8
+"""Samples that are averaged where motion is slow."""
+
+SLOW = 64.0
+"""Samples that smoothing reaches over. Beyond, a stretch of `BLOCK` is too short to
+show how rough the motion is; and `AVERAGED` of them are as good as one."""
+
 LARGEST = 1e12
 """Of the ratio. The spline then misses no sample by more than some millionths of what
 that differs from its prediction; beyond, rounding takes over."""
@@ -51,12 +58,32 @@ def most_likely(column: Column, std: float | None) -> Fit:
     `-2 log L = misfit / R + log_det + freedom log R`, `R = std^2`, is least, with the
     state at the start integrated out. Where `std` is None, `R = misfit / freedom`.
     Searched on a grid from "a cubic" to "through every sample", then on two finer ones;
-    of more than 4096 samples, 4 stretches of 1024 stand for all.
+    of more than 4096 samples, 4 stretches of 1024 stand for all, of averages where
+    samples follow each other fast.
 
     Args:
         column: samples, any unit.
         std: of the measurement noise, in the unit of the column; None if unknown.
     """
+    fit = _searched(column, std)
+    reach = fit.ratio ** (-1 / (2 * ORDER))
+    if column.t.size <= STRETCHES * BLOCK or reach < SLOW:
+        return fit
+    slow = most_likely(_averaged(column), fit.noise_std / np.sqrt(AVERAGED))
+    return Fit(slow.ratio / float(AVERAGED) ** (2 * ORDER), fit.noise_std)
+
+
+def _averaged(column: Column) -> Column:
+    """Averages of neighbours, but for those across a gap."""
+    n = column.t.size // AVERAGED * AVERAGED
+    t, x = (each[:n].reshape(-1, AVERAGED) for each in (column.t, column.x))
+    h = AVERAGED * column.h
+    close = np.ptp(t, axis=1) < 2 * h
+    return Column(t[close].mean(axis=1), x[close].mean(axis=1), h, column.offset)
+
+
+def _searched(column: Column, std: float | None) -> Fit:
+    """On the samples as they are."""
     stretches = _stretches(column)
     freedom = sum(t.size - ORDER for t, _ in stretches)
     # Samples are no better than their last bit, even of a joint that stands still.

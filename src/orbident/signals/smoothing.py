@@ -46,7 +46,7 @@ def smooth(
     `sample = x + N(0, std^2)`, `x''''` white, nothing known at the start: the posterior
     mean is the smoothing spline (Wahba 1978). The density of `x''''` is the most likely
     one, so that the noise alone decides how smooth the result is; of more than 4096
-    samples it is found from 4 stretches of 1024.
+    samples it is found from 4 stretches of 1024, or of averages of 8, or 64, or more.
 
     The standard deviations hold where the motion is equally smooth throughout. Next to
     a step of the acceleration they are too small.

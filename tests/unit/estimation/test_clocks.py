@@ -2,6 +2,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from edited_recordings import changed
 from random_motions import random_motion
 
 from orbident.estimation.clocks import in_words, joint_delay
@@ -12,6 +13,7 @@ from orbident.robot.robot_file import load_robot
 from orbident.sensing.simulate import simulate
 from orbident.signals.delays import Delay, corrections, delay_of
 from orbident.signals.samples import samples_of
+from orbident.studies.spatial import spatial_robot, spatial_trajectory
 
 SPATIAL, PLANAR = load_robot("paper-spatial"), load_robot("cepheus-like")
 
@@ -58,6 +60,17 @@ def test_with_noise_the_delay_is_right_to_a_millisecond(robot):
 def test_clocks_that_agree_are_left_alone(robot, noise):
     for seed in range(3):
         assert not found(robot, 0.0, noise, seed).believed
+
+
+def test_a_fast_logger():
+    """Of samples at 1000 Hz, a few thousand show too little motion to tell."""
+    robot = spatial_robot()
+    flight = simulate(robot, spatial_trajectory(robot), 1000.0, noise="sensors")
+    part = changed(flight, rows=slice(25_000, 55_000))
+    samples = samples_of(robot, part)
+    delay = in_float64(joint_delay)(robot, minimal_sets(robot), samples, "unknown")
+    assert delay.late == pytest.approx(0.0, abs=5e-3)
+    assert not delay.believed
 
 
 def test_many_parameters_and_few_samples():

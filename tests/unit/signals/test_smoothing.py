@@ -137,6 +137,32 @@ def white_snap(columns, n, h, q):
     return np.array(states)
 
 
+@pytest.mark.parametrize("std", [ENCODER, None])
+def test_a_fast_logger_and_slow_motion(std):
+    """At 1250 Hz a thousand samples show next to nothing of Table 2's motion."""
+    t = np.linspace(0.0, 80.0, 100_001)
+    q, qd, _ = spatial_trajectory(spatial_robot()).at(t)
+    smoothed = smooth(t, q + ENCODER * random().standard_normal(q.shape), std)
+    inner = slice(1000, -1000)
+    # Hundreds of samples are averaged; of 1600 in the same time, tens.
+    errors = np.std((smoothed.x - q)[inner], axis=0)
+    assert errors.max() < ENCODER / 15
+    np.testing.assert_allclose(smoothed.std_x[inner].mean(axis=0), errors, rtol=0.3)
+    assert np.std((smoothed.rate - qd)[inner], axis=0).max() < 5e-6
+    # Found from 4096 samples, within four of its own deviations.
+    rtol = 4 / np.sqrt(2 * 4096)
+    np.testing.assert_allclose(smoothed.noise_std, ENCODER, rtol=rtol)
+
+
+def test_a_gap_in_a_fast_log_is_not_averaged_over():
+    t = np.linspace(0.0, 80.0, 100_001)
+    t = t[(t < 30.0) | (t > 42.0003)]
+    q, _, _ = spatial_trajectory(spatial_robot()).at(t)
+    smoothed = smooth(t, q + ENCODER * random().standard_normal(q.shape))
+    errors = np.std((smoothed.x - q)[1000:-1000], axis=0)
+    assert errors.max() < ENCODER / 10
+
+
 def test_standard_deviations_cover_the_errors():
     columns, n, h, std = 96, 200, 0.1, 0.02
     states = white_snap(columns, n, h, q=4.0)

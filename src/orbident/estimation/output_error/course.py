@@ -20,7 +20,7 @@ BATCH = 8
 SHORT, LONG = 4, 128
 """Rows of a segment."""
 
-ENOUGH = 512
+ENOUGH = 4096
 """Samples that tell how smooth the joints move."""
 
 OF_A_RADIAN = 0.75
