@@ -1,9 +1,7 @@
 """What every test runs under: float64, the same hypothesis examples each time, and
 compiled functions that are kept between workers and runs."""
 
-import hashlib
 import os
-from pathlib import Path
 
 import jax
 import pytest
@@ -23,10 +21,4 @@ def pytest_configure(config: pytest.Config) -> None:
     jax.config.update("jax_compilation_cache_dir", str(cache))
     jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.5)
     jax.config.update("jax_persistent_cache_min_entry_size_bytes", -1)
-    # Numba sees no change of what a function calls in another file: a folder for each
-    # state of the sources.
-    sources = sorted((Path(__file__).parents[1] / "src").rglob("*.py"))
-    state = hashlib.sha256(b"".join(path.read_bytes() for path in sources))
-    os.environ["NUMBA_CACHE_DIR"] = str(
-        config.cache.mkdir(f"loops-{state.hexdigest()}")
-    )
+    os.environ["NUMBA_CACHE_DIR"] = str(config.cache.mkdir("loops"))
