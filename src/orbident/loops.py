@@ -31,8 +31,10 @@ def looped(function: Callable[..., Any]) -> Callable[..., Any]:
 
 @cache
 def _folder() -> str:
-    """One for each state of the sources: Numba sees no change of what a function calls
-    in another file, and old and new do not go together.
+    """One for each state of the sources.
+
+    Numba sees no change of what a function calls in another file, and old and new do
+    not go together.
     """
     sources = sorted(Path(__file__).parent.rglob("*.py"))
     text = b"".join(path.read_bytes() for path in sources)
