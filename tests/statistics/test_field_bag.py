@@ -30,7 +30,9 @@ METHODS = ["least-squares", pytest.param("maximum-likelihood", marks=pytest.mark
 
 
 @pytest.mark.parametrize("method", METHODS)
-@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize(
+    "case", [pytest.param("table", marks=pytest.mark.long), "spacecraft"]
+)
 def test_a_bag_is_identified_as_well_as_its_table(case, method, tmp_path):
     name, base, momentum, speed, start, kind = CASES[case]
     robot = oi.load_robot(name)
