@@ -23,7 +23,9 @@ def looped(function: Callable[..., Any]) -> Callable[..., Any]:
     """
     # Without what the type checker of the tests may have put around it.
     plain = inspect.unwrap(function)
-    compiled: Any = numba.njit(plain, error_model="numpy", fastmath={"contract"})
+    compiled: Any = numba.njit(
+        plain, error_model="numpy", fastmath={"contract", "reassoc"}
+    )
     with contextlib.suppress(RuntimeError), _caching_in(_folder()):
         compiled.enable_caching()
     return compiled

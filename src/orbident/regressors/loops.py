@@ -6,10 +6,10 @@ The formulas are those of `regressors.momentum` and `regressors.minimal_sets`.
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Int
 
 from orbident.dynamics.loops.bodies import Joints, joints_of
-from orbident.dynamics.loops.matrices import product
+from orbident.dynamics.loops.matrices import Sparse, product, sparse_of
 from orbident.dynamics.loops.vectors import cross, load, plus, rotated_back, times
 from orbident.loops import looped
 from orbident.regressors.minimal_sets import Regressors
@@ -20,21 +20,21 @@ class Columns(NamedTuple):
     """What `Y` and `W` need of a robot."""
 
     joints: Joints
-    theta_of_linear: Float[np.ndarray, "theta linear"]
-    theta_of_sigma: Float[np.ndarray, "theta sigma"]
+    theta_of_linear: Sparse
+    theta_of_sigma: Sparse
     first: Int[np.ndarray, " products"]
     second: Int[np.ndarray, " products"]
 
 
 def columns_of(regressors: Regressors) -> Columns:
     """A robot's regressors, as the loops take them."""
-    parts = (
-        regressors.theta_of_linear,
-        regressors.theta_of_sigma,
-        regressors.first,
-        regressors.second,
+    return Columns(
+        joints_of(regressors.tree),
+        sparse_of(np.asarray(regressors.theta_of_linear)),
+        sparse_of(np.asarray(regressors.theta_of_sigma)),
+        np.ascontiguousarray(regressors.first),
+        np.ascontiguousarray(regressors.second),
     )
-    return Columns(joints_of(regressors.tree), *map(np.ascontiguousarray, parts))
 
 
 @looped

@@ -12,24 +12,27 @@ and take the differences for information: from CAD values it gets lost.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 
 from orbident.dynamics.loops.bodies import room
-from orbident.dynamics.loops.matrices import add_scaled, applied, finite, left
-from orbident.dynamics.loops.vectors import quaternion_matrix
+from orbident.dynamics.loops.matrices import add_scaled, applied, assign, dot, finite
+from orbident.dynamics.loops.vectors import put, quaternion_matrix, row
 from orbident.estimation.recursive.equations import (
     Model,
     complete,
     equations,
     inertia_at,
     measured,
+    model_in,
     model_of,
     momentum_of_wheels,
+    plain,
 )
-from orbident.estimation.recursive.folding import fold, solved
+from orbident.estimation.recursive.folding import fold, fold_columns, solved
 from orbident.estimation.recursive.linear_sets import (
     LinearSets,
     linear_sets_at,
@@ -38,7 +41,8 @@ from orbident.estimation.recursive.linear_sets import (
 from orbident.estimation.recursive.noise import Noise
 from orbident.estimation.recursive.prior import Prior, prior_from
 from orbident.estimation.recursive.sample import Sample
-from orbident.estimation.recursive.transition import moved
+from orbident.estimation.recursive.state import Parts, State, parts_of, state_of
+from orbident.estimation.recursive.transition import move_on
 from orbident.loops import looped
 from orbident.regressors.minimal_sets import MinimalSets
 from orbident.robot.description import Robot
@@ -51,34 +55,6 @@ FASTEST = 10.0
 
 EXACTLY = 1e-6
 """N m s: what is left of a momentum that is zero."""
-
-
-class State(NamedTuple):
-    """What is carried from sample to sample."""
-
-    t: float
-    """Of the last sample, s; NaN before the first."""
-    w: Float[np.ndarray, "3"]
-    """The gyro's last sample."""
-    R_WB: Float[np.ndarray, "1 3 3"]
-    top: Float[np.ndarray, "n all"]
-    """`[N | Y | z]`: `N x + Y y = z` tells the nuisances `x`; `N` is upper
-    triangular."""
-    R_z: Float[np.ndarray, "y y+1"]
-    """`[R | z]`: `R y = z` tells `y = [pi, phi]`; `R` is upper triangular."""
-    prior: Prior
-    beta: Float[np.ndarray, " beta"]
-    """The estimate `[M, sigma, iota]`."""
-    root: Float[np.ndarray, "beta beta"]
-    """Upper triangular, `root^T root` the inverse of its covariance."""
-    nuisances: Float[np.ndarray, " n"]
-    """`[h_cm, v_cm, b_g, b_a]`, the first two in the axes that `x_WB` turns into."""
-
-    @property
-    def covariance(self) -> Float[np.ndarray, "beta beta"]:
-        """Of `beta`."""
-        inverse = np.linalg.inv(self.root)
-        return inverse @ inverse.T
 
 
 class Info(NamedTuple):
@@ -122,12 +98,12 @@ class Extended:
         x = np.zeros(sum(place.size for place in places))
         x[places[0]] = h_cm[self.model.turning]
         x[places[1]] = np.nan_to_num(sample.v_S)[self.model.moving]
-        state = self._fresh(np.nan, R_WB, prior, x)
+        parts = self._fresh(np.nan, R_WB, prior, x)
         if at_rest:
-            state.top[places[0], places[0]] = 1 / EXACTLY
-            state.top[places[0], -1] = 0.0
-            state.nuisances[places[0]] = 0.0
-        return state
+            parts.top[places[0], places[0]] = 1 / EXACTLY
+            parts.top[places[0], -1] = 0.0
+            parts.nuisances[places[0]] = 0.0
+        return state_of(parts)
 
     @property
     def rows(self) -> int:
@@ -142,7 +118,8 @@ class Extended:
             covariance: of what may have changed, added to the estimate's own.
         """
         prior = prior_from(state.beta, state.covariance + covariance)
-        return self._fresh(state.t, state.R_WB, prior, state.nuisances)
+        parts = state.parts
+        return state_of(self._fresh(state.t, parts.R_WB, prior, parts.nuisances))
 
     @property
     def _nuisances(self) -> list[np.ndarray]:
@@ -153,7 +130,7 @@ class Extended:
 
     def biases(self, state: State) -> dict[str, Float[np.ndarray, " k"]]:
         """Of gyro (rad/s) and accelerometer (m/s^2), base axes."""
-        _, _, b_g, b_a = (state.nuisances[own] for own in self._nuisances)
+        _, _, b_g, b_a = (state.parts.nuisances[own] for own in self._nuisances)
         return {"gyro": b_g, "accelerometer": b_a}
 
     def _fresh(
@@ -162,7 +139,7 @@ class Extended:
         R_WB: Float[np.ndarray, "1 3 3"],
         prior: Prior,
         x: Float[np.ndarray, " n"],
-    ) -> State:
+    ) -> Parts:
         """Nothing is known but the prior, and the nuisances hardly at all."""
         h, _, _, _ = places = self._nuisances
         noise = self.noise
@@ -175,19 +152,19 @@ class Extended:
         std = np.concatenate(
             [np.full(own.size, s) for own, s in zip(places, stds, strict=True)]
         )
-        y = len(self.sets.pi_of_beta) + self.sets.sigmas
-        return State(
-            t=t,
+        y = self.sets.pi_of_beta.shape[1] + self.sets.sigmas
+        return Parts(
+            t=np.array([t]),
             w=np.full(3, np.nan),
             R_WB=R_WB,
             top=np.hstack(
                 [np.diag(1 / std), np.zeros((x.size, y)), (x / std)[:, None]]
             ),
             R_z=np.zeros((y, y + 1)),
-            prior=prior,
             beta=prior.beta,
             root=prior.root,
-            nuisances=x,
+            nuisances=x.copy(),
+            prior=prior,
         )
 
     def step(self, state: State, sample: Sample) -> tuple[State, Info]:
@@ -197,36 +174,47 @@ class Extended:
         it is; so does one whose rate is the last one's to the last digit: that is how
         a gyro dies, or how a row is written twice.
         """
-        return _step(self.model, self.noise, self.sets, state, sample.t, sample.packed)
+        packed, info = _step(
+            *self._plain, state.sizes, state.packed, sample.t, sample.packed
+        )
+        return State(state.sizes, packed), Info(*info)
+
+    @cached_property
+    def _plain(self) -> tuple:
+        """Numba takes tuples without names in a fourth of the time."""
+        return plain(self.model), plain(self.noise), plain(self.sets)
 
 
 @looped
-def _step(model, noise, sets, state, t, packed):
+def _step(model, noise, sets, sizes, packed, t, sample):
     """`Extended.step`, compiled."""
-    at = measured(model, packed)
-    n_h, n_v, n = len(model.turning), len(model.moving), len(state.top)
-    if t <= state.t or not complete(at) or _same(at.w, state.w):
-        return state, Info(np.zeros(n_h + n_v), 0.0, 0)
+    model, noise, sets = model_in(model), Noise(*noise), LinearSets(*sets)
+    state, at = parts_of(sizes, packed), measured(model, sample)
+    n_h, n_v = len(model.turning), len(model.moving)
+    if t <= state.t[0] or not complete(at) or _same(at.w, state.w):
+        return packed, (np.zeros(n_h + n_v), 0.0, 0)
 
     x = state.nuisances
     h_cm = (0.0, 0.0, x[0]) if n_h == 1 else (x[0], x[1], x[2])
     R_WB = quaternion_matrix(at.x_WB[0], at.x_WB[1], at.x_WB[2], at.x_WB[3])
-    dt = 0.0 if np.isnan(state.t) else t - state.t
-    top = moved(model, noise, state, R_WB, h_cm, dt)
+    dt = 0.0 if np.isnan(state.t[0]) else t - state.t[0]
     rows = equations(model, noise, state.beta, h_cm, at, R_WB)
-    moving = finite(at.v_S)
-    fold(top, rows, 0, n)
-    R_z = state.R_z.copy()
-    fold(R_z, rows, n, len(R_z))
+    packed = packed.copy()
+    after = parts_of(sizes, packed)
+    move_on(model, noise, state, R_WB, h_cm, dt, after.top)
+    fold(after.top, rows, 0, sizes[0])
+    fold(after.R_z, rows, sizes[0], sizes[1])
+    assign(after.nuisances, _nuisances(after.top, _newton(sets, after)))
+    after.t[0] = t
+    for i in range(3):
+        after.w[i] = at.w[i]
+        put(after.R_WB[0], i, row(R_WB, 0, i))
 
-    beta, root, y = _newton(sets, state, R_z)
     white, nis = np.empty(n_h + n_v), 0.0
     for i in range(len(white)):
         white[i] = rows[i, -1]
         nis += white[i] ** 2
-    x = _nuisances(top, y)
-    after = State(t, at.w.copy(), R_WB, top, R_z, state.prior, beta, root, x)
-    return after, Info(white, nis, n_h + n_v if moving else n_h)
+    return packed, (white, nis, n_h + n_v if finite(at.v_S) else n_h)
 
 
 @looped
@@ -238,25 +226,26 @@ def _same(a, b):
 
 
 @looped
-def _newton(sets, state, R_z):
-    """`beta` after a step of Gauss and Newton from the last, its root, and `y`."""
-    prior, k, n = state.prior, len(state.beta), len(R_z)
-    _, tangent = linear_sets_at(sets, state.beta)
-    rows, root = np.zeros((n, k + 1)), np.zeros((k, k + 1))
+def _newton(sets, after):
+    """A step of Gauss and Newton from the last `beta`, its root, and its `y`."""
+    prior, R_z, k, n = after.prior, after.R_z, len(after.beta), len(after.R_z)
+    _, tangent = linear_sets_at(sets, after.beta)
+    columns, root_z = np.empty((k + 1, n)), np.zeros((k, k + 1))
     for i in range(n):
-        rows[i, k] = R_z[i, n]
-        for j in range(i, n):
-            add_scaled(R_z[i, j], tangent[j], rows[i])
+        for j in range(k):
+            columns[j, i] = dot(R_z[i, i:n], tangent[j, i:])
+        columns[k, i] = R_z[i, n] + dot(R_z[i, i:n], tangent[k, i:])
     for i in range(k):
-        for j in range(i, k):
-            root[i, j] = prior.root[i, j]
-            root[i, k] += prior.root[i, j] * prior.beta[j]
-    fold(root, rows, 0, k)
-    beta = solved(root)
-    y = applied(tangent, beta)
-    for i in range(n):
-        y[i] -= tangent[i, k]
-    return beta, left(root, k), y
+        assign(root_z[i, i:k], prior.root[i, i:])
+        root_z[i, k] = dot(prior.root[i], prior.beta)
+    fold_columns(root_z, columns)
+    assign(after.beta, solved(root_z))
+    for i in range(k):
+        assign(after.root[i], root_z[i])
+    y = -tangent[k]
+    for j in range(k):
+        add_scaled(after.beta[j], tangent[j], y)
+    return y
 
 
 @looped
@@ -265,8 +254,7 @@ def _nuisances(top, y):
     n = len(top)
     N_z = np.empty((n, n + 1))
     for i in range(n):
-        for j in range(n):
-            N_z[i, j] = top[i, j]
+        assign(N_z[i, :n], top[i])
         N_z[i, n] = top[i, -1]
         for j in range(len(y)):
             N_z[i, n] -= top[i, n + j] * y[j]
@@ -274,9 +262,9 @@ def _nuisances(top, y):
 
 
 @looped
-def _momentum(model, beta, packed):
+def _momentum(model, beta, sample):
     """`R_0 (D w + D_q qd + A_rw qd_rw)` (Eq. 2), and `R_0`."""
-    at, joints = measured(model, packed), len(model.columns.joints.parent)
+    at, joints = measured(model, sample), len(model.columns.joints.parent)
     bodies, H = room(joints + 1), np.zeros((6 + joints, 6 + joints))
     inertia_at(model, beta, at.q, bodies, H)
     h_B = np.array(momentum_of_wheels(model, at))

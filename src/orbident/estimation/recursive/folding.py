@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from orbident.dynamics.loops.matrices import add_scaled
+from orbident.dynamics.loops.matrices import add_scaled, dot
 from orbident.loops import looped
 
 
@@ -38,6 +38,26 @@ def fold(R, rows, first, count):
         for i in range(len(rows)):
             add_scaled(-rows[i, first + j], shares, rows[i, first + j :])
             rows[i, first + j] = 0.0
+
+
+@looped
+def fold_columns(R, columns):
+    """The same for as many rows as `columns` are long, all columns but the last.
+
+    Faster than `fold` where there are more rows than columns.
+    """
+    for j in range(len(R)):
+        own = columns[j]
+        below = dot(own, own)
+        if below == 0.0:
+            continue
+        norm = np.sqrt(R[j, j] ** 2 + below)
+        v = R[j, j] + (norm if R[j, j] >= 0.0 else -norm)
+        beta = 2.0 / (v * v + below)
+        for c in range(len(columns) - 1, j - 1, -1):
+            share = beta * (v * R[j, c] + dot(own, columns[c]))
+            R[j, c] -= v * share
+            add_scaled(-share, own, columns[c])
 
 
 @looped

@@ -8,7 +8,7 @@ from jaxtyping import Bool, Float
 
 from orbident.errors import InputError
 from orbident.estimation.recursive.changes import Change, Detector
-from orbident.estimation.recursive.extended import Extended, State
+from orbident.estimation.recursive.extended import Extended
 from orbident.estimation.recursive.linear_sets import linear_sets_at
 from orbident.estimation.recursive.noise import Noise, noise_of
 from orbident.estimation.recursive.prior import (
@@ -18,6 +18,7 @@ from orbident.estimation.recursive.prior import (
     cad_prior,
 )
 from orbident.estimation.recursive.sample import stream
+from orbident.estimation.recursive.state import State
 from orbident.precision import in_float64
 from orbident.regressors.minimal_sets import minimal_sets
 from orbident.robot.description import Robot
@@ -152,7 +153,7 @@ def _scaled(robot: Robot, state: State) -> bool:
     nothing, and beside so small a robot's noise anything would be known.
     """
     pis = len(minimal_sets(robot).pi_of_beta)
-    known = np.linalg.norm(state.R_z[:pis, -1]) * state.beta[0] / robot.mass
+    known = np.linalg.norm(state.parts.R_z[:pis, -1]) * state.beta[0] / robot.mass
     return bool(robot.wheels and known**2 > KNOWN * pis)
 
 

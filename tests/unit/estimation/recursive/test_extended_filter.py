@@ -8,12 +8,13 @@ from random_motions import random_motion
 from random_robots import random_robot, random_wheels
 
 from orbident.errors import InputError
-from orbident.estimation.recursive.extended import Extended, State
+from orbident.estimation.recursive.extended import Extended
 from orbident.estimation.recursive.history import recursive_history
 from orbident.estimation.recursive.linear_sets import linear_sets_at, linear_sets_of
 from orbident.estimation.recursive.noise import Noise, noise_of
 from orbident.estimation.recursive.prior import cad_prior, prior_from
 from orbident.estimation.recursive.sample import Sample, stream
+from orbident.estimation.recursive.state import State
 from orbident.regressors.minimal_sets import MinimalSets, minimal_sets
 from orbident.robot.description import Robot
 from orbident.robot.robot_file import load_robot
@@ -56,15 +57,15 @@ def run(robot: Robot, sets: MinimalSets, every: list[Sample]) -> State:
 
 def check_same(found: State, expected: State) -> None:
     np.testing.assert_array_equal(found.beta, expected.beta)
-    np.testing.assert_array_equal(found.root, expected.root)
+    np.testing.assert_array_equal(found.parts.root, expected.parts.root)
 
 
 def test_the_derivative_of_the_linear_sets(robot: Robot, sets: MinimalSets):
     beta = sets.beta(robot.theta)
     linear = linear_sets_of(sets)
     y, tangent = linear_sets_at(linear, beta)
-    J = tangent[:, :-1]
-    np.testing.assert_allclose(tangent[:, -1], J @ beta - y, atol=1e-12 * abs(y).max())
+    J = tangent[:-1].T
+    np.testing.assert_allclose(tangent[-1], J @ beta - y, atol=1e-12 * abs(y).max())
     np.testing.assert_allclose(
         y, np.concatenate([sets.pi(robot.theta), sets.phi(robot.theta)]), rtol=1e-12
     )
@@ -84,7 +85,7 @@ def test_without_noise_it_finds_the_truth(
     error = state.beta - sets.beta(robot.theta)
     # Exact samples, and a prior of 30 % that 600 rows of 1e-6 outweigh.
     assert np.abs(error / state.beta).max() < 1e-3
-    assert np.linalg.norm(state.root @ error) < 3.0
+    assert np.linalg.norm(state.parts.root @ error) < 3.0
 
 
 def test_a_tree_with_a_slide():
@@ -95,7 +96,7 @@ def test_a_tree_with_a_slide():
     every = list(stream(samples_of(robot, simulate(robot, motion, rate=10.0))))
     sets = minimal_sets(robot)
     state = run(robot, sets, every)
-    error = state.root @ (state.beta - sets.beta(robot.theta))
+    error = state.parts.root @ (state.beta - sets.beta(robot.theta))
     assert error @ error / error.size < 1.0
     assert state.beta[0] == pytest.approx(robot.mass, rel=1e-3)
 
@@ -151,16 +152,15 @@ def test_float32_samples_are_taken(
     ]
     state = run(robot, sets, rounded)
     assert state.beta.dtype == np.float64
-    assert np.isfinite(state.root).all()
+    assert np.isfinite(state.parts.root).all()
 
 
 def test_inputs_are_left_alone(robot: Robot, sets: MinimalSets, every: list[Sample]):
     kalman = Extended.of(robot, sets, FINE)
     state = kalman.start(cad_prior(robot, sets), every[0])
-    kept = [np.copy(part) for part in (state.top, state.R_z, state.beta)]
+    kept = state.packed.copy()
     kalman.step(state, every[0])
-    for part, before in zip((state.top, state.R_z, state.beta), kept, strict=True):
-        np.testing.assert_array_equal(part, before)
+    np.testing.assert_array_equal(state.packed, kept)
 
 
 def test_a_prior_is_what_it_was_made_from():

@@ -15,12 +15,13 @@ from scipy.spatial.transform import Rotation
 
 from orbident.dynamics.inertia import inertia
 from orbident.dynamics.wheels import wheels_of
-from orbident.estimation.recursive.extended import Extended, Info, State
+from orbident.estimation.recursive.extended import Extended, Info
 from orbident.estimation.recursive.history import smoothed_rate
 from orbident.estimation.recursive.linear_sets import linear_sets_at
 from orbident.estimation.recursive.noise import Noise, noise_of
 from orbident.estimation.recursive.prior import cad_prior
 from orbident.estimation.recursive.sample import Sample, stream
+from orbident.estimation.recursive.state import Parts
 from orbident.regressors.minimal_sets import MinimalSets, minimal_sets
 from orbident.robot.description import Robot
 from orbident.robot.parameters import cross_matrix
@@ -40,9 +41,9 @@ ROBOTS: dict[str, Robot] = {
 class Case(NamedTuple):
     robot: Robot
     kalman: Extended
-    state: State
+    state: Parts
     sample: Sample
-    after: State
+    after: Parts
     info: Info
 
 
@@ -64,7 +65,8 @@ def case(request) -> Case:
     state = kalman.start(cad_prior(robot, sets), every[0])
     for sample in every[:100]:
         state, _ = kalman.step(state, sample)
-    return Case(robot, kalman, state, every[100], *kalman.step(state, every[100]))
+    after, info = kalman.step(state, every[100])
+    return Case(robot, kalman, state.parts, every[100], after.parts, info)
 
 
 class Axes(NamedTuple):
@@ -89,7 +91,7 @@ def transition(case: Case, axes: Axes) -> tuple[np.ndarray, np.ndarray]:
     h, v = axes
     n_h, n_v = h.size, v.size
     n = len(state.top)
-    dt = case.sample.t - state.t
+    dt = case.sample.t - state.t[0]
     turned = rotation(case.sample) + state.R_WB[0]
     integral = dt * turned / 2
     h_cm = spread(state.nuisances[:n_h], h)
@@ -191,7 +193,7 @@ def test_the_estimate(case: Case):
     """Gauss and Newton from the last one, with the prior; the nuisances after it."""
     state, after = case.state, case.after
     y, tangent = linear_sets_at(case.kalman.sets, state.beta)
-    J = tangent[:, :-1]
+    J = tangent[:-1].T
     R, z = after.R_z[:, :-1], after.R_z[:, -1]
     A = np.vstack([R @ J, state.prior.root])
     b = np.append(z - R @ (y - J @ state.beta), state.prior.root @ state.prior.beta)
