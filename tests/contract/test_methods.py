@@ -7,7 +7,7 @@ from functools import cache
 import numpy as np
 import pytest
 from edited_recordings import changed
-from random_motions import random_motion
+from random_motions import Start, random_motion
 from random_robots import random_robot, random_wheels
 from scipy.spatial.transform import Rotation
 
@@ -39,6 +39,9 @@ FROM_AFAR: dict[Method, float] = {**dict.fromkeys(METHODS, EXACT), "recursive": 
 much as its declared noise, 1e-5 rad/s, lets it."""
 
 LINEAR: tuple[Method, ...] = ("structured", "least-squares")
+
+DECLARED: tuple[Method, ...] = ("structured", "recursive")
+"""Go by the noise that the robot file declares, whatever there is."""
 
 
 @pytest.fixture(scope="module")
@@ -203,11 +206,11 @@ def test_noise_shows_in_the_deviations(
     """Ten times the noise gives ten times the deviations; small noise, small errors.
 
     Noise of what each method takes for noisy: the right-hand sides of the linear
-    equations; all sensors of the base.
+    equations; all sensors of the base; gyro and velocity where no noise is declared.
     """
-    noisy = (
-        ("velocity", "wheel") if method in LINEAR else ("velocity", "gyro", "position")
-    )
+    if method in DECLARED:
+        robot = replace(robot, sensors={})
+    noisy = ("velocity", "wheel" if method == "least-squares" else "gyro", "position")
     random = np.random.default_rng(0)
     draws = {
         name: random.standard_normal(recording.t.size)
@@ -220,16 +223,14 @@ def test_noise_shows_in_the_deviations(
             name: recording.columns[name] + level * draw for name, draw in draws.items()
         }
         columns |= attitude_with_noise(
-            recording, level if method not in LINEAR else 0.0
+            recording, level if method == "maximum-likelihood" else 0.0
         )
         results.append(identify(robot, changed(recording, columns), method))
     for name in ("pi", "phi", "base"):
         small, large = (getattr(result, name) for result in results)
-        # A search ends within a hundredth of a deviation, weights within 5 %. The
-        # recursive filter goes by declared noise, whatever there is.
-        if method != "recursive":
-            part = 1e-3 if method in LINEAR else 0.02
-            np.testing.assert_allclose(large.std, 10 * small.std, rtol=part)
+        # A search ends within a hundredth of a deviation, weights within 5 %.
+        part = 1e-3 if method == "least-squares" else 0.02
+        np.testing.assert_allclose(large.std, 10 * small.std, rtol=part)
         error = getattr(results[0], name).values - truth(robot)[name]
         # Of some 20 standard normal numbers the largest is hardly ever beyond 4.
         assert np.abs(error / small.std).max() < 4.5
@@ -275,6 +276,15 @@ def test_it_predicts(method: Method, robot: Robot, identified):
     assert scores.samples == other.t.size
     # The spline between 20 samples a second.
     assert max(scores.nrmse.values()) < 1e-6
+
+
+@pytest.mark.parametrize("start", ["at rest", "spun up"])
+def test_momentum_that_is_known(method: Method, robot: Robot, start: Start):
+    """That of the wheels of a base at rest; zero where the wheels made it turn."""
+    exact = simulate(robot, random_motion(robot, start=start, wheel_speed=400.0))
+    result = identify(robot, exact, method, "at-rest")
+    assert (result.status, result.warnings) == ("ok", ())
+    check_close(values(result), truth(robot))
 
 
 def test_a_body_without_joints(method: Method):

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
+from jaxtyping import Float
 
 from orbident.estimation.found import (
     BetaEstimate,
@@ -12,17 +13,19 @@ from orbident.estimation.found import (
     found_beta,
     found_linear,
 )
-from orbident.estimation.least_squares import Fits, InitialMomentum
+from orbident.estimation.least_squares import Fits, InitialMomentum, known_momentum
 from orbident.estimation.mass import Mass
 from orbident.estimation.maximum_likelihood import Likelihood, maximum_likelihood
 from orbident.estimation.predicted import Signals
+from orbident.estimation.recursive.changes import in_words
 from orbident.estimation.recursive.history import History, recursive_history
 from orbident.estimation.result import Estimate, nulled
-from orbident.estimation.structured import structured
+from orbident.estimation.structured import Structured, beta_of_fits, structured
 from orbident.estimation.verdict import no_direct_mass, no_linear_mass
 from orbident.recordings.recording import Recording
 from orbident.regressors.minimal_sets import MinimalSets
 from orbident.robot.description import Robot
+from orbident.signals.histories import MEASURED
 from orbident.signals.samples import Samples
 
 DISAGREE = 5.0
@@ -88,28 +91,29 @@ def refined(
         step: is called at every step of an iteration,
         fraction: with the fraction of the samples that is done in a recursion.
     """
+    robot, sets, samples = case.robot, case.sets, case.samples
+    h_cm = _known(case)
     if method == "recursive":
-        at_rest = case.initial_momentum == "at-rest"
-        history = recursive_history(
-            case.robot, case.samples, at_rest=at_rest, progress=fraction
-        )
+        history = recursive_history(robot, samples, h_cm, progress=fraction)
         return _by_recursion(case, linear, history)
-    estimate = structured(case.robot, case.sets, case.fits)
-    found = _direct(case, linear, estimate, "structured")
+    start = beta_of_fits(robot, sets, case.fits)
     if method == "structured":
-        return found
+        return _by_structure(
+            case, linear, structured(robot, sets, samples, start, h_cm)
+        )
+    before = _direct(case, linear, start, "Eqs. 24 and 31")
     likelihood = maximum_likelihood(
-        case.robot,
-        case.sets,
+        robot,
+        sets,
         case.recording,
-        case.samples,
+        samples,
         case.fits,
-        estimate.values,
+        start.values,
         case.late,
         case.initial_momentum,
         step,
     )
-    return _by_likelihood(case, found, likelihood)
+    return _by_likelihood(case, before, likelihood)
 
 
 def by_least_squares(
@@ -129,6 +133,31 @@ def by_least_squares(
             "chi2_per_dof": None,
         },
     )
+
+
+def _known(case: Case) -> Float[np.ndarray, "3"] | None:
+    """The momentum, where more than the first sample says it; N m s."""
+    if case.initial_momentum != "at-rest":
+        return None
+    known = known_momentum(case.robot, case.sets, case.samples, "at-rest")
+    return None if known is None else np.asarray(known.h)
+
+
+def _by_structure(case: Case, before: Applied, structured: Structured) -> Applied:
+    return replace(
+        _direct(case, before, structured.estimate, "structured"),
+        biases=_of_sensors(case, structured.biases),
+        residual={**before.residual, "chi2_per_dof": structured.chi2_per_dof},
+    )
+
+
+def _of_sensors(
+    case: Case, biases: dict[str, dict[str, float]]
+) -> dict[str, dict[str, float]]:
+    """Without that of a base rate which is not the gyro's own."""
+    if case.samples.origins["base_rate"] == MEASURED:
+        return biases
+    return {name: b for name, b in biases.items() if not name.startswith("gyro")}
 
 
 def _by_likelihood(case: Case, before: Applied, likelihood: Likelihood) -> Applied:
@@ -164,16 +193,12 @@ def _by_recursion(case: Case, before: Applied, history: History) -> Applied:
         applied,
         found=applied.found._replace(base=base),
         no_mass=applied.no_mass or (None if history.determined[0] else NOTHING_LEARNT),
+        biases=_of_sensors(case, history.biases),
         residual={
             **before.residual,
             "chi2_per_dof": float(history.nis.sum() / max(history.dof.sum(), 1.0)),
         },
-        warnings=tuple(
-            f"the robot changed at t = {change.onset:.4g} s (found at {change.t:.4g} "
-            f"s; by chance with a probability of {1 - change.confidence:.1g}): the "
-            "estimates are those after that"
-            for change in history.changes
-        ),
+        warnings=in_words(history.changes),
         history=history,
     )
 

@@ -1,25 +1,33 @@
-"""`beta = [M, sigma, iota]` from the linear equations, their structure kept.
+"""`beta = [M, sigma, iota]` from the equations that are linear in `y = [pi, phi]`.
 
-The rows of Eqs. 24 and 31 are linear in `pi` and `phi`, and there are more of these
-than base parameters that they are made of. With the triangular factors of all rows, in
-which momentum, CM velocity and the accelerometer's bias are eliminated,
+There are more of `pi` and `phi` than base parameters that they are made of. Of all rows
+of Eqs. 24 and 31 a triangular factor is left, `R y = z`, whatever their number, and
 
-    minimise |R_pi pi(beta) - z_pi|^2 / s_h^2 + |R_phi phi(beta) - z_phi|^2 / s_v^2
+    minimise |R y(beta) - z|^2
 
-whatever the number of samples; `s_h` and `s_v` are the scatter of the residuals.
+In `beta_of_fits` all rows have white noise, which their residuals tell. In `structured`
+they have that of the sensors, whose biases and drift are unknowns: the equations are
+those of `estimation.recursive`, which depend on the estimate and are made again with it.
 """
+
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
+from scipy.linalg import block_diag
 from scipy.optimize import least_squares
 
 from orbident.estimation.found import BetaEstimate, hidden_of
 from orbident.estimation.least_squares import Fits
 from orbident.estimation.prior import prior_std
+from orbident.estimation.recursive.extended import Extended
+from orbident.estimation.recursive.given import given_of
+from orbident.estimation.recursive.prior import Prior
 from orbident.estimation.triangular import LinearFit
 from orbident.regressors.derivatives import derivatives_of_beta, sets_of_beta
 from orbident.regressors.minimal_sets import MinimalSets
 from orbident.robot.description import Robot
+from orbident.signals.samples import Samples
 
 ROUNDING = 1e-13
 """Of the right-hand side: without noise the scatter is no smaller."""
@@ -27,8 +35,66 @@ ROUNDING = 1e-13
 PRECISION = 1e-15
 """Relative, at which MINPACK stops."""
 
+PASSES = 10
+"""Through the recording, at most."""
 
-def structured(robot: Robot, sets: MinimalSets, fits: Fits) -> BetaEstimate:
+SETTLED = 0.01
+"""Standard deviations: an estimate that moved less has settled."""
+
+
+class Structured(NamedTuple):
+    """An estimate from all equations."""
+
+    estimate: BetaEstimate
+    biases: dict[str, dict[str, float]]
+    """Of gyro (rad/s) and accelerometer (m/s^2): value and std."""
+    chi2_per_dof: float
+
+
+def structured(
+    robot: Robot,
+    sets: MinimalSets,
+    samples: Samples,
+    start: BetaEstimate,
+    h_cm: Float[np.ndarray, "3"] | None,
+) -> Structured:
+    """Nonlinear least squares of all equations, biases and drift of the sensors too.
+
+    Args:
+        robot: with the noise of its sensors, where that is known.
+        sets: its minimal sets.
+        samples: of a recording.
+        start: where the equations are first made.
+        h_cm: the momentum where it is known, inertial axes, N m s.
+
+    Raises:
+        InputError: the noise of the base rate is not known.
+    """
+    wide, nominal = prior_std(robot, sets), sets.beta(robot.theta)
+    every, noise = given_of(robot, sets, samples)
+    kalman = Extended.of(robot, sets, noise)
+    found, passes = start, 0
+    while True:
+        before, passes = Prior(found.values, np.diag(1 / wide)), passes + 1
+        state = kalman.start(before, every[0], h_cm)
+        state, squares, rows = kalman.gathered(state, every)
+        parts = state.parts
+        R, z = parts.R_z[:, :-1], parts.R_z[:, -1]
+        found = _best(sets, nominal, wide, R, z)
+        moved = np.abs(found.values - before.beta) / np.sqrt(np.diag(found.covariance))
+        if moved.max() < SETTLED or passes == PASSES:
+            break
+    y = np.concatenate(sets_of_beta(sets, found.values))
+    squares += np.sum(np.square(R @ y - z))
+    chi2_per_dof = float(squares / max(rows - y.size, 1))
+    # Sensors that are worse than declared make the estimate as much worse.
+    scaled = found.covariance * max(chi2_per_dof, 1.0)
+    found = found._replace(covariance=scaled)
+    biases = kalman.biases(parts.top, found.values, scaled)
+    return Structured(found, biases, chi2_per_dof)
+
+
+def beta_of_fits(robot: Robot, sets: MinimalSets, fits: Fits) -> BetaEstimate:
     """Nonlinear least squares, from the nominal values.
 
     Args:
@@ -36,20 +102,29 @@ def structured(robot: Robot, sets: MinimalSets, fits: Fits) -> BetaEstimate:
         sets: its minimal sets.
         fits: the triangular factors of a recording.
     """
-    wide, nominal = prior_std(robot, sets), sets.beta(robot.theta)
-    s_h, s_v = _scatter(fits.pi), _scatter(fits.phi)
+    std = [_scatter(fit) for fit in (fits.pi, fits.phi)]
+    R = block_diag(fits.pi.factor / std[0], fits.phi.factor / std[1])
+    z = np.concatenate([fits.pi.target / std[0], fits.phi.target / std[1]])
+    return _best(sets, sets.beta(robot.theta), prior_std(robot, sets), np.asarray(R), z)
+
+
+def _best(
+    sets: MinimalSets,
+    nominal: Float[np.ndarray, " beta"],
+    wide: Float[np.ndarray, " beta"],
+    R: Float[np.ndarray, "y y"],
+    z: Float[np.ndarray, " y"],
+) -> BetaEstimate:
+    """`beta` of `R y(beta) = z`; what this does not tell stays nominal."""
 
     # x: beta's distance from the nominal values, over the robot's scale.
     def residual(x: Float[np.ndarray, " beta"]) -> Float[np.ndarray, " rows"]:
-        pi, phi = sets_of_beta(sets, nominal + wide * x)
-        turning = (fits.pi.factor @ pi - fits.pi.target) / s_h
-        moving = (fits.phi.factor @ phi - fits.phi.target) / s_v
-        return np.concatenate([turning, moving, x])
+        y = np.concatenate(sets_of_beta(sets, nominal + wide * x))
+        return np.concatenate([R @ y - z, x])
 
     def slopes(x: Float[np.ndarray, " beta"]) -> Float[np.ndarray, "rows beta"]:
-        dpi, dphi = derivatives_of_beta(sets, nominal + wide * x)
-        turning, moving = fits.pi.factor @ dpi / s_h, fits.phi.factor @ dphi / s_v
-        return np.vstack([turning * wide, moving * wide, np.eye(x.size)])
+        J = np.vstack(derivatives_of_beta(sets, nominal + wide * x))
+        return np.vstack([R @ J * wide, np.eye(x.size)])
 
     found = least_squares(
         residual,

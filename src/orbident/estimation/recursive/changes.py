@@ -12,6 +12,7 @@ The probability that any of them exceeds a threshold in a whole run is at most t
 over all.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -23,6 +24,10 @@ from scipy.stats import chi2
 COLOUR = 2.0
 """Smoothed joint rates keep an encoder's error for half a second: sums of innovations
 vary by up to so much more than white ones."""
+
+
+FEW = 3
+"""Changes that are named one by one: a recording hardly has more."""
 
 
 class Change(NamedTuple):
@@ -98,3 +103,22 @@ class Detector:
             alarm = min(1.0, tests * float(chi2.sf(g[best] / COLOUR, self.rows)))
             found = Change(t, float(times[best]), ratio, 1.0 - alarm)
         return Watch(sums, times), ratio, found
+
+
+def in_words(changes: Sequence[Change]) -> tuple[str, ...]:
+    """The first ones, a sentence each, and how many more there are."""
+    first = tuple(
+        f"the robot changed at t = {change.onset:.4g} s (found at {change.t:.4g} s; by "
+        f"chance with a probability of {1 - change.confidence:.1g}): the estimates are "
+        "those after that"
+        for change in changes[:FEW]
+    )
+    more = changes[FEW:]
+    if not more:
+        return first
+    return (
+        *first,
+        f"the robot seems to have changed {len(more)} more times, last at t = "
+        f"{more[-1].onset:.4g} s: check the robot file, the signs and units of the "
+        "recording, and --initial-momentum",
+    )

@@ -6,29 +6,20 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float
 
-from orbident.errors import InputError
 from orbident.estimation.recursive.changes import Change, Detector
 from orbident.estimation.recursive.extended import Extended
+from orbident.estimation.recursive.given import given_of
 from orbident.estimation.recursive.linear_sets import linear_sets_at
-from orbident.estimation.recursive.noise import Noise, noise_of
 from orbident.estimation.recursive.prior import (
     UNCERTAINTY,
-    Prior,
     cad_covariance,
     cad_prior,
 )
-from orbident.estimation.recursive.sample import stream
 from orbident.estimation.recursive.state import State
 from orbident.precision import in_float64
 from orbident.regressors.minimal_sets import minimal_sets
 from orbident.robot.description import Robot
-from orbident.signals.base_motion import SMOOTHED
-from orbident.signals.histories import DERIVED
 from orbident.signals.samples import Samples
-from orbident.signals.smoothing import smooth
-
-ENDS = 0.5
-"""s: so near to the ends of a recording a smoothed rate is ten times as wrong."""
 
 LEARNT = 0.5
 """Below this part of what it was beforehand, an uncertainty comes from the samples."""
@@ -60,28 +51,24 @@ class History(NamedTuple):
     scale: bool
     """Whether the wheels' momentum told the scale of `pi`. Where it did not, `beta`,
     `pi` and `M` are NaN, and no change can be told."""
-    biases: dict[str, Float[np.ndarray, " k"]]
-    """Of the sensors, at the end."""
+    biases: dict[str, dict[str, float]]
+    """Of the sensors, at the end: `value` and `std`."""
 
 
 @in_float64
 def recursive_history(
     robot: Robot,
     samples: Samples,
-    prior: Prior | None = None,
-    noise: Noise | None = None,
-    at_rest: bool = False,
+    h_cm: Float[np.ndarray, "3"] | None = None,
     false_alarms: float = 1e-4,
     progress: Callable[[float], object] = lambda _: None,
 ) -> History:
     """Estimate sample by sample, watch for changes, and open up after one.
 
     Args:
-        robot: its nominal inertia is where the filter starts.
+        robot: the filter starts from its nominal inertia, with 30 % uncertainty.
         samples: of a recording.
-        prior: of `beta`; CAD values with 30 % uncertainty where it is None.
-        noise: of the sensors; as the robot file and the samples say where it is None.
-        at_rest: all was at rest before the wheels spun up: the momentum is zero.
+        h_cm: the momentum where it is known, inertial axes, N m s.
         false_alarms: probability of one in this recording if nothing changes.
         progress: is called with the fraction of the samples that is done.
 
@@ -89,19 +76,11 @@ def recursive_history(
         InputError: no sample is complete.
     """
     sets = minimal_sets(robot)
-    rate, scatter = smoothed_rate(samples)
-    noise = noise_of(robot, sets, samples, scatter) if noise is None else noise
-    prior = cad_prior(robot, sets) if prior is None else prior
+    every, noise = given_of(robot, sets, samples)
+    prior = cad_prior(robot, sets)
     opening = cad_covariance(robot, sets, UNCERTAINTY)
-    first, last = _trusted(samples)
-    every = [s for s in stream(samples, rate) if s.complete and first <= s.t <= last]
-    if not every:
-        raise InputError(
-            f"{samples.source}: no complete sample; record joints, wheels, gyro and "
-            "attitude together"
-        )
     kalman = Extended.of(robot, sets, noise)
-    state = kalman.start(prior, every[0], at_rest)
+    state = kalman.start(prior, every[0], h_cm)
     detector = Detector(kalman.rows, false_alarms=false_alarms, samples=len(every))
     watch, rows, changes, scale = detector.start(), [], [], False
     for k, sample in enumerate(every):
@@ -135,15 +114,8 @@ def recursive_history(
         covariance=state.covariance,
         determined=(std[-1] < LEARNT * beforehand) & scale,
         scale=scale,
-        biases=kalman.biases(state),
+        biases=kalman.biases(state.parts.top, state.beta, state.covariance),
     )
-
-
-def _trusted(samples: Samples) -> tuple[float, float]:
-    """From when to when rates are as good as they are said to be, s."""
-    derived = DERIVED in samples.origins["joint_rates"]
-    margin = ENDS if derived and np.ptp(samples.t) > 4 * ENDS else 0.0
-    return float(samples.t[0]) + margin, float(samples.t[-1]) - margin
 
 
 def _scaled(robot: Robot, state: State) -> bool:
@@ -155,12 +127,3 @@ def _scaled(robot: Robot, state: State) -> bool:
     pis = len(minimal_sets(robot).pi_of_beta)
     known = np.linalg.norm(state.parts.R_z[:pis, -1]) * state.beta[0] / robot.mass
     return bool(robot.wheels and known**2 > KNOWN * pis)
-
-
-def smoothed_rate(samples: Samples) -> tuple[Float[np.ndarray, "samples 3"], float]:
-    """The base rate as smooth as joint rates are, and the gyro's scatter, rad/s."""
-    w = np.column_stack(samples.w)
-    if samples.origins["base_rate"] == SMOOTHED:
-        return w, 0.0
-    smoothed = smooth(samples.t, w, name=f"{samples.source}: gyro")
-    return smoothed.x, float(np.nan_to_num(smoothed.noise_std).max())

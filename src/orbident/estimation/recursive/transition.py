@@ -17,7 +17,7 @@ from orbident.loops import looped
 
 
 @looped
-def move_on(model, noise, state, R_WB, h_cm, dt, after):
+def move_on(model, noise, state, R_WB, h_cm, dt):
     """The rows `[N | Y | z]`, of `N x + Y y = z`, for the nuisances a time later.
 
     With `x_before = back x - kick w`, `w` of unit variance, they are
@@ -30,11 +30,11 @@ def move_on(model, noise, state, R_WB, h_cm, dt, after):
     Args:
         model: of the robot.
         noise: of its sensors.
-        state: before, with the nuisances `x = [h_cm, v_cm, b_g, b_a]`.
+        state: its `top` is replaced; the nuisances `x = [h_cm, v_cm, b_g, b_a]` are
+            upper triangular again.
         R_WB: now.
         h_cm: the momentum known so far, N m s.
         dt: since then, s.
-        after: filled with as many rows; their nuisances are upper triangular again.
     """
     N, n_h, n_v = state.top, len(model.turning), len(model.moving)
     n, b_v = len(N), n_v if noise.accelerometer else 0
@@ -60,9 +60,9 @@ def move_on(model, noise, state, R_WB, h_cm, dt, after):
         C[i, i] += 1.0
     whiten(C, rows)
     for i in range(n):
-        for j in range(after.shape[1]):
-            after[i, j] = 0.0
-    fold(after, rows, 0, n)
+        for j in range(N.shape[1]):
+            N[i, j] = 0.0
+    fold(N, rows, 0, n)
 
 
 @looped

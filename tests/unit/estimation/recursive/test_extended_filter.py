@@ -201,7 +201,7 @@ def test_a_table_with_a_constant_wheel_speed_has_no_scale():
     motion = random_motion(robot, 3, 10.0, -170.0, "spun up")
     samples = samples_of(robot, simulate(robot, motion, noise="sensors"))
     assert not recursive_history(off(robot), samples).scale
-    history = recursive_history(off(robot), samples, at_rest=True)
+    history = recursive_history(off(robot), samples, h_cm=np.zeros(3))
     assert history.scale
     assert history.changes == ()
     assert abs(history.M[-1] - robot.mass) < 3 * history.std[-1, 0]

@@ -16,7 +16,7 @@ from scipy.spatial.transform import Rotation
 from orbident.dynamics.inertia import inertia
 from orbident.dynamics.wheels import wheels_of
 from orbident.estimation.recursive.extended import Extended, Info
-from orbident.estimation.recursive.history import smoothed_rate
+from orbident.estimation.recursive.given import smoothed_rate
 from orbident.estimation.recursive.linear_sets import linear_sets_at
 from orbident.estimation.recursive.noise import Noise, noise_of
 from orbident.estimation.recursive.prior import cad_prior

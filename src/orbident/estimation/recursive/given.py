@@ -1,0 +1,61 @@
+"""What the filter is given of a recording: its samples, and their noise."""
+
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+
+from orbident.errors import InputError
+from orbident.estimation.recursive.noise import Noise, noise_of
+from orbident.estimation.recursive.sample import Sample, stream
+from orbident.regressors.minimal_sets import MinimalSets
+from orbident.robot.description import Robot
+from orbident.signals.base_motion import SMOOTHED
+from orbident.signals.histories import DERIVED
+from orbident.signals.samples import Samples
+from orbident.signals.smoothing import smooth
+
+ENDS = 0.5
+"""s: so near to the ends of a recording a smoothed rate is ten times as wrong."""
+
+
+class Given(NamedTuple):
+    """A recording, as the filter takes it."""
+
+    samples: list[Sample]
+    """At least one; complete."""
+    noise: Noise
+
+
+def given_of(robot: Robot, sets: MinimalSets, samples: Samples) -> Given:
+    """All samples that are as good as they are said to be.
+
+    Raises:
+        InputError: there is none, or the noise of the base rate is not known.
+    """
+    rate, scatter = smoothed_rate(samples)
+    noise = noise_of(robot, sets, samples, scatter)
+    first, last = _trusted(samples)
+    every = [s for s in stream(samples, rate) if s.complete and first <= s.t <= last]
+    if not every:
+        raise InputError(
+            f"{samples.source}: no complete sample; record joints, wheels, gyro and "
+            "attitude together"
+        )
+    return Given(every, noise)
+
+
+def _trusted(samples: Samples) -> tuple[float, float]:
+    """From when to when rates are as good as they are said to be, s."""
+    derived = DERIVED in samples.origins["joint_rates"]
+    margin = ENDS if derived and np.ptp(samples.t) > 4 * ENDS else 0.0
+    return float(samples.t[0]) + margin, float(samples.t[-1]) - margin
+
+
+def smoothed_rate(samples: Samples) -> tuple[Float[np.ndarray, "samples 3"], float]:
+    """The base rate as smooth as joint rates are, and the gyro's scatter, rad/s."""
+    w = np.column_stack(samples.w)
+    if samples.origins["base_rate"] == SMOOTHED:
+        return w, 0.0
+    smoothed = smooth(samples.t, w, name=f"{samples.source}: gyro")
+    return smoothed.x, float(np.nan_to_num(smoothed.noise_std).max())
