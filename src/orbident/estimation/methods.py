@@ -145,7 +145,7 @@ def _known(case: Case) -> Float[np.ndarray, "3"] | None:
 
 def _by_structure(case: Case, before: Applied, structured: Structured) -> Applied:
     return replace(
-        _direct(case, before, structured.estimate, "structured"),
+        _direct(case, before, structured.estimate, "structured", structured.consistent),
         biases=_of_sensors(case, structured.biases),
         residual={**before.residual, "chi2_per_dof": structured.chi2_per_dof},
     )
@@ -186,7 +186,7 @@ def _by_recursion(case: Case, before: Applied, history: History) -> Applied:
     """The estimate is that after the last sample."""
     nothing = np.zeros((history.beta.shape[1], 0))
     last = BetaEstimate(history.beta[-1], history.covariance, nothing)
-    applied = _direct(case, before, last, "recursion")
+    applied = _direct(case, before, last, "recursion", history.consistent)
     base = applied.found.base
     base = base._replace(determined=base.determined & history.determined)
     return replace(
@@ -203,11 +203,19 @@ def _by_recursion(case: Case, before: Applied, history: History) -> Applied:
     )
 
 
-def _direct(case: Case, before: Applied, estimate: BetaEstimate, route: str) -> Applied:
-    """By a method that estimates `beta`."""
+def _direct(
+    case: Case,
+    before: Applied,
+    estimate: BetaEstimate,
+    route: str,
+    consistent: bool = False,
+) -> Applied:
+    """By a method that estimates `beta`, perhaps from equations that hold."""
     M = Estimate(*estimate.mass)
-    # Forms of Eq. 32 that contradict each other do so in any equations for beta.
-    contradicted = before.no_mass if np.isfinite(before.mass.value) else None
+    # Forms of Eq. 32 that contradict each other may do so because fits apart, with
+    # white noise, are poor; or because the signals contradict each other.
+    told = consistent or not np.isfinite(before.mass.value)
+    contradicted = None if told else before.no_mass
     return replace(
         before,
         found=found_beta(case.robot, case.sets, estimate),

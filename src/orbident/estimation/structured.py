@@ -6,8 +6,8 @@ of Eqs. 24 and 31 a triangular factor is left, `R y = z`, whatever their number,
     minimise |R y(beta) - z|^2
 
 In `beta_of_fits` all rows have white noise, which their residuals tell. In `structured`
-they have that of the sensors, whose biases and drift are unknowns: the equations are
-those of `estimation.recursive`, which depend on the estimate and are made again with it.
+they have that of the sensors, whose biases and drift are unknowns: the equations of
+`estimation.recursive`, which depend on the estimate and are made again with it.
 """
 
 from typing import NamedTuple
@@ -49,6 +49,8 @@ class Structured(NamedTuple):
     biases: dict[str, dict[str, float]]
     """Of gyro (rad/s) and accelerometer (m/s^2): value and std."""
     chi2_per_dof: float
+    consistent: bool
+    """Whether the equations hold within the sensors' declared noise."""
 
 
 def structured(
@@ -91,7 +93,7 @@ def structured(
     scaled = found.covariance * max(chi2_per_dof, 1.0)
     found = found._replace(covariance=scaled)
     biases = kalman.biases(parts.top, found.values, scaled)
-    return Structured(found, biases, chi2_per_dof)
+    return Structured(found, biases, chi2_per_dof, noise.explains(chi2_per_dof))
 
 
 def beta_of_fits(robot: Robot, sets: MinimalSets, fits: Fits) -> BetaEstimate:

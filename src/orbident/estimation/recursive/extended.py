@@ -36,6 +36,9 @@ from orbident.regressors.minimal_sets import MinimalSets
 from orbident.regressors.reconstruction import root_of
 from orbident.robot.description import Robot
 
+FLAGS = ("accelerometer", "declared")
+"""Of the noise: no numbers."""
+
 WIDE = 10.0
 """The momentum is unknown to so many times what CAD values say it is."""
 
@@ -69,9 +72,8 @@ class Extended:
     def of(cls, robot: Robot, sets: MinimalSets, noise: Noise) -> "Extended":
         """The filter of a robot whose sensors have this noise."""
         # Of one type: whole numbers would be compiled for again.
-        stds = (float(std) for std in noise[:-1])
-        noise = Noise(*stds, accelerometer=noise.accelerometer)
-        return cls(model_of(robot, sets), noise, linear_sets_of(sets))
+        stds = {k: float(std) for k, std in noise._asdict().items() if k not in FLAGS}
+        return cls(model_of(robot, sets), noise._replace(**stds), linear_sets_of(sets))
 
     def start(
         self, prior: Prior, sample: Sample, h_cm: Float[np.ndarray, "3"] | None = None

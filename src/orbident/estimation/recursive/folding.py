@@ -5,6 +5,9 @@ import numpy as np
 from orbident.dynamics.loops.matrices import add_scaled, dot
 from orbident.loops import looped
 
+UNDERFLOW = 1e-200
+"""Rounding leaves 1e-16 of rows that are used up, and 1e-16 of that, and so on."""
+
 
 @looped
 def fold(R, rows, first, count):
@@ -21,7 +24,7 @@ def fold(R, rows, first, count):
         below = 0.0
         for i in range(len(rows)):
             below += rows[i, first + j] ** 2
-        if below == 0.0:
+        if below < UNDERFLOW:
             continue
         # (1 - beta u u^T) with u = [v, rows' column] takes that column to e_j.
         norm = np.sqrt(R[j, j] ** 2 + below)
@@ -49,7 +52,7 @@ def fold_columns(R, columns):
     for j in range(len(R)):
         own = columns[j]
         below = dot(own, own)
-        if below == 0.0:
+        if below < UNDERFLOW:
             continue
         norm = np.sqrt(R[j, j] ** 2 + below)
         v = R[j, j] + (norm if R[j, j] >= 0.0 else -norm)

@@ -51,6 +51,9 @@ class History(NamedTuple):
     scale: bool
     """Whether the wheels' momentum told the scale of `pi`. Where it did not, `beta`,
     `pi` and `M` are NaN, and no change can be told."""
+    consistent: bool
+    """Whether the samples since the last change agree with each other, within the noise
+    that the sensors are declared with."""
     biases: dict[str, dict[str, float]]
     """Of the sensors, at the end: `value` and `std`."""
 
@@ -100,6 +103,8 @@ def recursive_history(
     pis = len(sets.pi_of_beta)
     scale |= _scaled(robot, state)
     unknown = 0.0 if scale else np.nan
+    since = t > (changes[-1].t if changes else -np.inf)
+    left = float(nis[since].sum() / max(dof[since].sum(), 1.0))
     return History(
         t=t,
         beta=beta + unknown,
@@ -114,6 +119,7 @@ def recursive_history(
         covariance=state.covariance,
         determined=(std[-1] < LEARNT * beforehand) & scale,
         scale=scale,
+        consistent=noise.explains(left),
         biases=kalman.biases(state.parts.top, state.beta, state.covariance),
     )
 

@@ -32,6 +32,10 @@ FINE = 0.1
 """An integrated velocity's error from sample to sample that is no random walk, over
 what the walk is."""
 
+CONSISTENT = 2.0
+"""Mean square of residuals over what it should be: signals that contradict each other
+leave thousands."""
+
 
 class Noise(NamedTuple):
     """Standard deviations; SI."""
@@ -58,6 +62,12 @@ class Noise(NamedTuple):
     """Of a sample, white, rad/s or m/s."""
     accelerometer: bool = False
     """Whether the velocity is integrated from one, and its bias an unknown."""
+    declared: bool = True
+    """Whether the velocity's noise is declared, not what least squares leaves of it."""
+
+    def explains(self, chi2_per_dof: float) -> bool:
+        """Whether equations with so large residuals hold, but for what is declared."""
+        return self.declared and chi2_per_dof < CONSISTENT
 
 
 def noise_of(
@@ -97,7 +107,7 @@ def noise_of(
     velocity = COLOURED * std / MEMORY if smoothed else FINE * walk * np.sqrt(dt)
     return Noise(
         gyro=max(float(rate), LEAST),
-        velocity=float(velocity) or _left_over(robot, sets, samples),
+        velocity=float(velocity or _left_over(robot, sets, samples)),
         gyro_bias=_turn_on(gyro, UNKNOWN_BIAS) if measured else LEAST,
         gyro_walk=_walk(gyro) if measured else 0.0,
         integrated=float(integrated),
@@ -107,6 +117,7 @@ def noise_of(
         accelerometer_walk=_walk(force),
         joint_rates=joints.get("position", 0.0) / MEMORY if derived else 0.0,
         accelerometer=bool(samples.drift),
+        declared=bool(velocity),
     )
 
 
