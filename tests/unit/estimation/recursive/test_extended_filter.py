@@ -155,6 +155,17 @@ def test_float32_samples_are_taken(
     assert np.isfinite(state.parts.root).all()
 
 
+def test_a_robot_of_many_parameters():
+    """Of few rows and many columns, what rounding leaves underflows on the way."""
+    robot = load_robot("dual-arm")
+    sets = minimal_sets(robot)
+    every = list(
+        stream(samples_of(robot, simulate(robot, random_motion(robot, 0, 4.0))))
+    )
+    state = run(robot, sets, every[:5])
+    assert np.isfinite(state.packed).all()
+
+
 def test_inputs_are_left_alone(robot: Robot, sets: MinimalSets, every: list[Sample]):
     kalman = Extended.of(robot, sets, FINE)
     state = kalman.start(cad_prior(robot, sets), every[0])
