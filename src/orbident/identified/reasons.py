@@ -14,8 +14,8 @@ POSSIBLE = 0.05
 """A body of this probability is worth a word."""
 LISTED = 8
 """Names in a sentence."""
-COLOURED = "maximum-likelihood"
-"""The method whose covariance counts what sensors integrate and filters colour."""
+WHITE = "least-squares"
+"""The method whose covariance knows no bias, and nothing that sensors integrate."""
 
 
 def rejected(before: Result, after: Result) -> tuple[str, ...]:
@@ -33,9 +33,9 @@ def optimistic(before: Result, after: Result) -> tuple[str, ...]:
     return tuple(
         f"the run {when} is by {result.method}, which takes the noise for white: its "
         "deviations are too small, so that chance looks like a change; identify again "
-        f"by {COLOURED}"
+        "by maximum-likelihood"
         for when, result in (("before", before), ("after", after))
-        if result.method != COLOURED
+        if result.method == WHITE
     )
 
 

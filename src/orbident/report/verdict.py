@@ -22,12 +22,6 @@ ROUNDING = 1e-7
 ILL = 1e3
 """Condition number, columns scaled: three digits of the measurements are lost."""
 
-WHITE_ONLY = {
-    "least-squares": "least squares takes",
-    "structured": "the structured fit takes",
-    "recursive": "the recursion takes",
-}
-
 Level = Literal["yes", "care", "no"]
 
 HEADLINES = {
@@ -116,12 +110,12 @@ def _left(signal: Signal) -> float:
 def _noise(result: Result) -> list[Check]:
     chi2 = result.residual.get("chi2_per_dof")
     if chi2 is None:
-        words = WHITE_ONLY.get(result.method, "this method takes")
         return [
             Check(
                 False,
-                f"{words} the noise for white: the intervals are too narrow where "
-                "signals were filtered; maximum likelihood says by how much",
+                "least squares takes the noise for white: the intervals are too narrow "
+                "where signals were integrated or filtered; maximum likelihood says by "
+                "how much",
             )
         ]
     size = short(float(np.sqrt(chi2)), 2)
@@ -133,7 +127,9 @@ def _noise(result: Result) -> list[Check]:
 def _whiteness(result: Result, signals: Signals) -> list[Check]:
     sensors = result.residual.get("sensors", {})
     found = {name: fit["whiteness"] for name, fit in sensors.items()}
-    found = found or {signal.name: whiteness(signal) for signal in signals}
+    if not found and result.residual.get("chi2_per_dof") is None:
+        # The signals are those of the equations, which know no drift.
+        found = {signal.name: whiteness(signal) for signal in signals}
     coloured = [name for name, r in found.items() if abs(r or 0.0) > COLOURED]
     if coloured:
         return [
