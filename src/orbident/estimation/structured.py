@@ -75,11 +75,12 @@ def structured(
     wide, nominal = prior_std(robot, sets), sets.beta(robot.theta)
     every, noise = given_of(robot, sets, samples)
     kalman = Extended.of(robot, sets, noise)
+    t, packed = np.array([s.t for s in every]), np.array([s.packed for s in every])
     found, passes = start, 0
     while True:
         before, passes = Prior(found.values, np.diag(1 / wide)), passes + 1
         state = kalman.start(before, every[0], h_cm)
-        state, squares, rows = kalman.gathered(state, every)
+        state, squares, rows = kalman.gathered(state, t, packed)
         parts = state.parts
         R, z = parts.R_z[:, :-1], parts.R_z[:, -1]
         found = _best(sets, nominal, wide, R, z)
@@ -88,7 +89,7 @@ def structured(
             break
     y = np.concatenate(sets_of_beta(sets, found.values))
     squares += np.sum(np.square(R @ y - z))
-    chi2_per_dof = float(squares / max(rows - y.size, 1))
+    chi2_per_dof = float(squares / max(rows - nominal.size, 1))
     # Sensors that are worse than declared make the estimate as much worse.
     scaled = found.covariance * max(chi2_per_dof, 1.0)
     found = found._replace(covariance=scaled)

@@ -11,7 +11,6 @@ A filter whose state is `beta` alone would linearise every sample about another 
 and take the differences for information: from CAD values it gets lost.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -192,9 +191,17 @@ class Extended:
         return State(state.sizes, packed), Info(*info)
 
     def gathered(
-        self, state: State, samples: Sequence[Sample]
+        self,
+        state: State,
+        t: Float[np.ndarray, " n"],
+        samples: Float[np.ndarray, "n all"],
     ) -> tuple[State, float, int]:
         """Take many samples in, all linearised about the estimate, which stays.
+
+        Args:
+            state: before.
+            t: of the samples, s.
+            samples: packed.
 
         Returns:
             The state after the last one, with the estimate and the nuisances of before;
@@ -202,11 +209,8 @@ class Extended:
             many equations these are.
         """
         model, noise, _ = self._plain
-        t, packed = (
-            np.array([getattr(s, name) for s in samples]) for name in ("t", "packed")
-        )
-        packed, squares, equations = compiled.gather(model, noise, *state, t, packed)
-        return State(state.sizes, packed), squares, equations
+        packed, squares, rows = compiled.gather(model, noise, *state, t, samples)
+        return State(state.sizes, packed), squares, rows
 
     @cached_property
     def _plain(self) -> tuple:
