@@ -171,7 +171,7 @@ def test_result_json(orbident: Orbident, flight: Recording):
     }
     assert found["mass"]["forms"]["names"][-3:] == [
         "M by Eq. 32",
-        "M by structured",
+        "M by structured, white noise",
         "M by maximum likelihood",
     ]
     assert found["signals"] == {

@@ -101,7 +101,7 @@ def refined(
         return _by_structure(
             case, linear, structured(robot, sets, samples, start, h_cm)
         )
-    before = _direct(case, linear, start, "Eqs. 24 and 31")
+    before = _direct(case, linear, start, "structured, white noise")
     likelihood = maximum_likelihood(
         robot,
         sets,
