@@ -104,7 +104,7 @@ def bench_recursive_step(benchmark, record, robot, recording):
 
 
 def _run(kalman, prior, every):
-    state = kalman.start(prior, every[0], False)
+    state = kalman.start(prior, every[0])
     for sample in every:
         state, _ = kalman.step(state, sample)
     assert np.isfinite(state.beta).all()
