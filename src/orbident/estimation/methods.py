@@ -42,6 +42,11 @@ NOTHING_LEARNT = (
     "starts from; record a richer or longer motion, with more momentum in the wheels"
 )
 
+UNSETTLED = (
+    "structured: the estimate still changes from pass to pass; use --method "
+    "maximum-likelihood, or record a richer motion"
+)
+
 
 @dataclass(frozen=True)
 class Applied:
@@ -148,6 +153,7 @@ def _by_structure(case: Case, before: Applied, structured: Structured) -> Applie
         _direct(case, before, structured.estimate, "structured", structured.consistent),
         biases=_of_sensors(case, structured.biases),
         residual={**before.residual, "chi2_per_dof": structured.chi2_per_dof},
+        warnings=() if structured.settled else (UNSETTLED,),
     )
 
 

@@ -51,6 +51,8 @@ class Structured(NamedTuple):
     chi2_per_dof: float
     consistent: bool
     """Whether the equations hold within the sensors' declared noise."""
+    settled: bool
+    """Whether another pass through the recording would leave the estimate as it is."""
 
 
 def structured(
@@ -85,7 +87,8 @@ def structured(
         R, z = parts.R_z[:, :-1], parts.R_z[:, -1]
         found = _best(sets, nominal, wide, R, z)
         moved = np.abs(found.values - before.beta) / np.sqrt(np.diag(found.covariance))
-        if moved.max() < SETTLED or passes == PASSES:
+        settled = bool(moved.max() < SETTLED)
+        if settled or passes == PASSES:
             break
     y = np.concatenate(sets_of_beta(sets, found.values))
     squares += np.sum(np.square(R @ y - z))
@@ -94,7 +97,8 @@ def structured(
     scaled = found.covariance * max(chi2_per_dof, 1.0)
     found = found._replace(covariance=scaled)
     biases = kalman.biases(parts.top, found.values, scaled)
-    return Structured(found, biases, chi2_per_dof, noise.explains(chi2_per_dof))
+    consistent = noise.explains(chi2_per_dof)
+    return Structured(found, biases, chi2_per_dof, consistent, settled)
 
 
 def beta_of_fits(robot: Robot, sets: MinimalSets, fits: Fits) -> BetaEstimate:
