@@ -1,0 +1,82 @@
+// Arrays in and out: float64, C order, checked by name before anything is read.
+#pragma once
+
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <string>
+
+namespace orbident::python {
+
+namespace nb = nanobind;
+
+using Array = nb::ndarray<nb::ro, nb::device::cpu>;
+using DoublesIn = nb::ndarray<const double, nb::c_contig, nb::device::cpu>;
+
+// A dimension of any size.
+constexpr std::int64_t ANY = -1;
+
+// A float64 array of the given shape. Its data stay alive as long as the view.
+template <std::size_t N>
+struct In {
+  DoublesIn array;
+  const double* data() const { return array.data(); }
+  std::ptrdiff_t size(std::size_t axis) const {
+    return static_cast<std::ptrdiff_t>(array.shape(axis));
+  }
+};
+
+inline std::string shape_in_words(const std::int64_t* shape, std::size_t n) {
+  std::string words = "(";
+  for (std::size_t k = 0; k < n; ++k)
+    words += (k ? ", " : "") + (shape[k] == ANY ? std::string("any") : std::to_string(shape[k]));
+  return words + (n == 1 ? ",)" : ")");
+}
+
+// Raises TypeError for another dtype and ValueError for another shape; both name the argument.
+template <std::size_t N>
+In<N> input(const char* name, const Array& given, const std::array<std::int64_t, N>& shape) {
+  if (given.dtype() != nb::dtype<double>())
+    throw nb::type_error((std::string(name) + " is not float64; give float64").c_str());
+  bool right = given.ndim() == N;
+  for (std::size_t k = 0; right && k < N; ++k)
+    right = shape[k] == ANY || static_cast<std::int64_t>(given.shape(k)) == shape[k];
+  if (!right) {
+    std::array<std::int64_t, 8> found{};
+    const std::size_t axes = std::min<std::size_t>(given.ndim(), found.size());
+    for (std::size_t k = 0; k < axes; ++k) found[k] = static_cast<std::int64_t>(given.shape(k));
+    throw nb::value_error((std::string(name) + " has the shape " +
+                           shape_in_words(found.data(), axes) + "; give " +
+                           shape_in_words(shape.data(), N))
+                              .c_str());
+  }
+  return {nb::cast<DoublesIn>(nb::cast(given))};
+}
+
+// A new float64 array that Python will own.
+template <std::size_t N>
+struct Out {
+  using Numpy = nb::ndarray<nb::numpy, double, nb::ndim<N>, nb::c_contig>;
+  std::array<std::size_t, N> shape;
+  std::unique_ptr<double[]> values;
+
+  template <class... Sizes>
+  explicit Out(Sizes... sizes) : shape{static_cast<std::size_t>(sizes)...} {
+    std::size_t all = 1;
+    for (std::size_t size : shape) all *= size;
+    values.reset(new double[all]);
+  }
+  double* data() { return values.get(); }
+
+  // Hands the memory over; needs the GIL.
+  Numpy give() {
+    double* data = values.release();
+    nb::capsule owner(data, [](void* p) noexcept { delete[] static_cast<double*>(p); });
+    return Numpy(data, N, shape.data(), owner);
+  }
+};
+
+}  // namespace orbident::python

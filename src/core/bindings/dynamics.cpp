@@ -1,0 +1,172 @@
+// Kinematics, momentum regressors, inertia and equations of motion, over many states at once.
+#include <nanobind/stl/tuple.h>
+
+#include "arrays.hpp"
+#include "orbident/parallel.hpp"
+#include "robot.hpp"
+
+namespace orbident::python {
+namespace {
+
+OwnedTree make_tree(const Array& parent, const Array& revolute, const Array& axis,
+                    const Array& R_PJ, const Array& p_PJ) {
+  const auto parents = input<1>("parent", parent, {ANY});
+  const std::int64_t n = parents.size(0);
+  const auto turns = input<1>("revolute", revolute, {n});
+  const auto axes = input<2>("axis", axis, {n, 3});
+  const auto R = input<3>("R_PJ", R_PJ, {n, 3, 3});
+  const auto p = input<2>("p_PJ", p_PJ, {n, 3});
+  OwnedTree tree;
+  for (std::int64_t k = 0; k < n; ++k) {
+    const double before = parents.data()[k];
+    if (!(before >= 0 && before <= static_cast<double>(k)))
+      throw nb::value_error("parent: a joint's parent body must come before the body it moves");
+    tree.joints.push_back(
+        {static_cast<int>(before), turns.data()[k] != 0.0,
+         Eigen::Map<const Vector3<double>>(axes.data() + 3 * k),
+         Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(R.data() + 9 * k),
+         Eigen::Map<const Vector3<double>>(p.data() + 3 * k)});
+  }
+  return tree;
+}
+
+OwnedRobot make_robot(const OwnedTree& tree, const Array& theta, const Array& axes,
+                      const Array& inertia) {
+  const std::int64_t bodies = tree.view().bodies();
+  const auto body = input<2>("theta", theta, {bodies, PER_BODY});
+  const auto inertias = input<1>("wheel_inertia", inertia, {ANY});
+  const auto axis = input<2>("wheel_axis", axes, {inertias.size(0), 3});
+  OwnedRobot robot{tree, {body.data(), body.data() + bodies * PER_BODY}, {}};
+  for (std::ptrdiff_t k = 0; k < inertias.size(0); ++k)
+    robot.wheels.push_back(
+        {Eigen::Map<const Vector3<double>>(axis.data() + 3 * k), inertias.data()[k]});
+  return robot;
+}
+
+auto poses(const OwnedTree& owned, const Array& q_, int threads) {
+  const Tree tree = owned.view();
+  const auto q = input<2>("q", q_, {ANY, tree.joints});
+  const std::ptrdiff_t n = q.size(0), B = tree.bodies();
+  Out<4> R(n, B, 3, 3);
+  Out<3> d(n, B, 3);
+  {
+    nb::gil_scoped_release release;
+    parallel_for(n, threads, [&](std::ptrdiff_t first, std::ptrdiff_t last) {
+      BodiesMemory<double> memory(tree);
+      for (std::ptrdiff_t k = first; k < last; ++k) {
+        place(tree, q.data() + k * tree.joints, memory.at.pose, memory.at.field);
+        for (std::ptrdiff_t i = 0; i < B; ++i) {
+          Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(R.data() + 9 * (k * B + i)) =
+              memory.at.pose[i].R;
+          Eigen::Map<Vector3<double>>(d.data() + 3 * (k * B + i)) = memory.at.pose[i].d;
+        }
+      }
+    });
+  }
+  return std::make_tuple(R.give(), d.give());
+}
+
+auto momentum(const OwnedTree& owned, const Array& q_, const Array& qd_, const Array& w_,
+              int threads) {
+  const Tree tree = owned.view();
+  const auto q = input<2>("q", q_, {ANY, tree.joints});
+  const std::ptrdiff_t n = q.size(0), m = PER_BODY * tree.bodies();
+  const auto qd = input<2>("qd", qd_, {n, tree.joints});
+  const auto w = input<2>("w", w_, {n, 3});
+  Out<3> S(n, 3, m), P(n, 3, m), A(n, 3, m);
+  {
+    nb::gil_scoped_release release;
+    parallel_for(n, threads, [&](std::ptrdiff_t first, std::ptrdiff_t last) {
+      BodiesMemory<double> memory(tree);
+      Bodies<double>& at = memory.at;
+      const auto rows = [m](Out<3>& X, std::ptrdiff_t k) {
+        return Rows3<double>(X.data() + 3 * m * k, 3, m);
+      };
+      for (std::ptrdiff_t k = first; k < last; ++k) {
+        place(tree, q.data() + k * tree.joints, at.pose, at.field);
+        move(tree, at.field, Vector3<double>(w.data() + 3 * k), qd.data() + k * tree.joints,
+             at.motion);
+        first_moment_columns(tree, at.pose, rows(S, k));
+        momentum_columns(tree, at.pose, at.motion, rows(P, k), rows(A, k));
+      }
+    });
+  }
+  return std::make_tuple(S.give(), P.give(), A.give());
+}
+
+auto inertia(const OwnedRobot& owned, const Array& q_, int threads) {
+  const Robot robot = owned.view();
+  const std::ptrdiff_t K = robot.tree.joints;
+  const auto q = input<2>("q", q_, {ANY, K});
+  const std::ptrdiff_t n = q.size(0);
+  Out<3> D(n, 3, 3), D_q(n, 3, K), D_qq(n, K, K), J_cm(n, 3, K);
+  Out<2> r_cm(n, 3);
+  {
+    nb::gil_scoped_release release;
+    parallel_for(n, threads, [&](std::ptrdiff_t first, std::ptrdiff_t last) {
+      BodiesMemory<double> memory(robot.tree);
+      Bodies<double>& at = memory.at;
+      for (std::ptrdiff_t k = first; k < last; ++k) {
+        configure(robot, q.data() + k * K, at);
+        const auto all = system_inertia(at.carried[0]);
+        Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(D.data() + 9 * k) = all.D;
+        Eigen::Map<Vector3<double>>(r_cm.data() + 3 * k) = all.r_cm;
+        joint_columns(robot.tree, at.field, at.carried, at.momentum,
+                      Rows3<double>(D_q.data() + 3 * K * k, 3, K),
+                      Rows3<double>(J_cm.data() + 3 * K * k, 3, K));
+        joint_inertia(robot.tree, at.field, at.momentum, all.M,
+                      Square<double>(D_qq.data() + K * K * k, K, K));
+      }
+    });
+  }
+  return std::make_tuple(D.give(), D_q.give(), D_qq.give(), r_cm.give(), J_cm.give());
+}
+
+auto equations_of_motion(const OwnedRobot& owned, const Array& q_, const Array& v_, int threads) {
+  const Robot robot = owned.view();
+  const std::ptrdiff_t K = robot.tree.joints, N = robot.speeds();
+  const auto q = input<2>("q", q_, {ANY, K});
+  const std::ptrdiff_t n = q.size(0);
+  const auto v = input<2>("v", v_, {n, N});
+  Out<3> H(n, N, N);
+  Out<2> c(n, N), f_S(n, 3);
+  {
+    nb::gil_scoped_release release;
+    parallel_for(n, threads, [&](std::ptrdiff_t first, std::ptrdiff_t last) {
+      BodiesMemory<double> memory(robot.tree);
+      for (std::ptrdiff_t k = first; k < last; ++k) {
+        configure(robot, q.data() + k * K, memory.at);
+        mass_matrix(robot, memory.at, Square<double>(H.data() + N * N * k, N, N));
+        Eigen::Map<Vector3<double>>(f_S.data() + 3 * k) =
+            bias(robot, v.data() + N * k, memory.at, Column<double>(c.data() + N * k, N));
+      }
+    });
+  }
+  return std::make_tuple(H.give(), c.give(), f_S.give());
+}
+
+}  // namespace
+
+void bind_dynamics(nb::module_& m) {
+  nb::class_<OwnedTree>(m, "Tree", "A robot's kinematic tree; joint k moves body k + 1.")
+      .def("__init__", [](OwnedTree* self, const Array& parent, const Array& revolute,
+                          const Array& axis, const Array& R_PJ, const Array& p_PJ) {
+        new (self) OwnedTree(make_tree(parent, revolute, axis, R_PJ, p_PJ));
+      }, nb::arg("parent"), nb::arg("revolute"), nb::arg("axis"), nb::arg("R_PJ"), nb::arg("p_PJ"))
+      .def_prop_ro("joints", [](const OwnedTree& tree) { return tree.joints.size(); });
+  nb::class_<OwnedRobot>(m, "Robot", "A tree with its inertia theta and its reaction wheels.")
+      .def("__init__", [](OwnedRobot* self, const OwnedTree& tree, const Array& theta,
+                          const Array& wheel_axis, const Array& wheel_inertia) {
+        new (self) OwnedRobot(make_robot(tree, theta, wheel_axis, wheel_inertia));
+      }, nb::arg("tree"), nb::arg("theta"), nb::arg("wheel_axis"), nb::arg("wheel_inertia"));
+  m.def("poses", &poses, nb::arg("tree"), nb::arg("q"), nb::arg("threads") = 1,
+        "R_Bi and p_SBi of all bodies, base axes.");
+  m.def("momentum", &momentum, nb::arg("tree"), nb::arg("q"), nb::arg("qd"), nb::arg("w"),
+        nb::arg("threads") = 1, "The momentum regressors S, P and A (Eqs. 3, 19).");
+  m.def("inertia", &inertia, nb::arg("robot"), nb::arg("q"), nb::arg("threads") = 1,
+        "D, D_q, D_qq, r_cm and J_cm (Eqs. 3, 6, 30).");
+  m.def("equations_of_motion", &equations_of_motion, nb::arg("robot"), nb::arg("q"), nb::arg("v"),
+        nb::arg("threads") = 1, "H+, c+ (Eqs. 13, 14), and the acceleration of S where v' = 0.");
+}
+
+}  // namespace orbident::python

@@ -1,0 +1,63 @@
+// The robot's constant tables as Python holds them, and memory for one configuration.
+#pragma once
+
+#include <vector>
+
+#include "orbident/equations_of_motion.hpp"
+#include "orbident/regressors.hpp"
+
+namespace orbident::python {
+
+struct OwnedTree {
+  std::vector<Joint> joints;
+  Tree view() const { return {joints.data(), static_cast<int>(joints.size())}; }
+};
+
+struct OwnedRobot {
+  OwnedTree tree;
+  std::vector<double> theta;
+  std::vector<Wheel> wheels;
+  Robot view() const {
+    return {tree.view(), theta.data(), wheels.data(), static_cast<int>(wheels.size())};
+  }
+};
+
+struct OwnedSparse {
+  std::vector<int> first, row;
+  std::vector<double> value;
+  Sparse view() const {
+    return {first.data(), row.data(), value.data(), static_cast<int>(first.size()) - 1};
+  }
+};
+
+struct OwnedMinimalSets {
+  OwnedTree tree;
+  OwnedSparse theta_of_linear, theta_of_sigma;
+  std::vector<int> pairs;
+  MinimalSets view() const {
+    return {theta_of_linear.view(), theta_of_sigma.view(), pairs.data(),
+            static_cast<int>(pairs.size() / 2)};
+  }
+};
+
+template <class T>
+class BodiesMemory {
+ public:
+  explicit BodiesMemory(const Tree& tree)
+      : pose_(n(tree)), motions_(4 * n(tree)), mass_(2 * n(tree)), momentum_(n(tree)) {
+    const std::size_t b = n(tree);
+    at = {pose_.data(),     motions_.data(), motions_.data() + b, motions_.data() + 2 * b,
+          mass_.data(),     mass_.data() + b, momentum_.data()};
+  }
+  BodiesMemory(const BodiesMemory&) = delete;
+  Bodies<T> at;
+
+ private:
+  static std::size_t n(const Tree& tree) { return static_cast<std::size_t>(tree.bodies()); }
+  std::vector<Pose<T>> pose_;
+  std::vector<Motion<T>> motions_;
+  std::vector<Mass<T>> mass_;
+  std::vector<Momentum<T>> momentum_;
+};
+
+}  // namespace orbident::python

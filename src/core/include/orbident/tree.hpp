@@ -1,0 +1,75 @@
+// The kinematic tree: where every body is, and which motion each joint gives to what it carries.
+//
+// Joint k moves body k + 1; a parent comes before its children. Everything is in base axes and seen
+// from the feature point S, whose own velocity drops out. A rigid motion is the pair (w, u) of its
+// angular velocity and the velocity that its field has at S.
+#pragma once
+
+#include "orbident/rotations.hpp"
+
+namespace orbident {
+
+struct Joint {
+  int parent;
+  bool revolute;         // else prismatic
+  Vector3<double> axis;  // unit vector, joint axes
+  Matrix3<double> R_PJ;  // joint axes at q = 0 in the parent's
+  Vector3<double> p_PJ;  // from the parent's origin, m
+};
+
+// A view of a constant table.
+struct Tree {
+  const Joint* joint;
+  int joints;
+  int bodies() const { return joints + 1; }
+};
+
+template <class T>
+struct Pose {
+  Matrix3<T> R;  // R_Bi
+  Vector3<T> d;  // p_SBi, m
+};
+
+template <class T>
+struct Motion {
+  Vector3<T> w;  // rad/s
+  Vector3<T> u;  // velocity of the field at S, m/s
+};
+
+// Forward kinematics: the poses of all bodies, and the motion that a unit rate of each joint gives
+// to all that it carries: revolute w = a, u = d x a; prismatic w = 0, u = a.
+template <class T>
+void place(const Tree& tree, const T* q, Pose<T>* pose, Motion<T>* field) {
+  pose[0].R.setIdentity();
+  pose[0].d.setZero();
+  for (int k = 0; k < tree.joints; ++k) {
+    const Joint& joint = tree.joint[k];
+    const Pose<T>& parent = pose[joint.parent];
+    const Vector3<T> axis = joint.axis.template cast<T>();
+    const Matrix3<T> R_BJ = parent.R * joint.R_PJ.template cast<T>();
+    const Vector3<T> a = R_BJ * axis;
+    Pose<T>& body = pose[k + 1];
+    body.d = parent.d + parent.R * joint.p_PJ.template cast<T>();
+    if (joint.revolute) {
+      body.R = R_BJ * axis_rotation(axis, q[k]);
+      field[k] = {a, body.d.cross(a)};
+    } else {
+      body.R = R_BJ;
+      body.d += q[k] * a;
+      field[k] = {Vector3<T>::Zero(), a};
+    }
+  }
+}
+
+// The motions of all bodies at the base rate w and the joint rates qd, relative to S.
+template <class T>
+void move(const Tree& tree, const Motion<T>* field, const Vector3<T>& w, const T* qd,
+          Motion<T>* motion) {
+  motion[0] = {w, Vector3<T>::Zero()};
+  for (int k = 0; k < tree.joints; ++k) {
+    const Motion<T>& parent = motion[tree.joint[k].parent];
+    motion[k + 1] = {parent.w + qd[k] * field[k].w, parent.u + qd[k] * field[k].u};
+  }
+}
+
+}  // namespace orbident
