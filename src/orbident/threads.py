@@ -1,6 +1,7 @@
-"""One BLAS thread: thousands of small factorisations are only slowed down by more."""
+"""How many threads the core and BLAS use."""
 
 import functools
+import os
 from collections.abc import Callable
 from typing import ParamSpec, TypeVar
 
@@ -10,10 +11,21 @@ Arguments = ParamSpec("Arguments")
 Returned = TypeVar("Returned")
 
 
+def processors() -> int:
+    """The processors that this process may run on: threads of the core's loops."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
 def one_blas_thread(
     verb: Callable[Arguments, Returned],
 ) -> Callable[Arguments, Returned]:
-    """Run a public verb with one; threads that wait for another spin."""
+    """Run a public verb with one BLAS thread.
+
+    Thousands of small factorisations are only slowed down by threads that wait for
+    one another.
+    """
 
     @functools.wraps(verb)
     def wrapped(*args: Arguments.args, **kwargs: Arguments.kwargs) -> Returned:

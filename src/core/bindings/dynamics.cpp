@@ -2,6 +2,7 @@
 #include <nanobind/stl/tuple.h>
 
 #include "arrays.hpp"
+#include "orbident/jet.hpp"
 #include "orbident/parallel.hpp"
 #include "robot.hpp"
 
@@ -47,8 +48,9 @@ auto poses(const OwnedTree& owned, const Array& q_, int threads) {
   const Tree tree = owned.view();
   const auto q = input<2>("q", q_, {ANY, tree.joints});
   const std::ptrdiff_t n = q.size(0), B = tree.bodies();
+  const std::ptrdiff_t K = tree.joints;
   Out<4> R(n, B, 3, 3);
-  Out<3> d(n, B, 3);
+  Out<3> d(n, B, 3), field_w(n, K, 3), field_u(n, K, 3);
   {
     nb::gil_scoped_release release;
     parallel_for(n, threads, [&](std::ptrdiff_t first, std::ptrdiff_t last) {
@@ -60,10 +62,14 @@ auto poses(const OwnedTree& owned, const Array& q_, int threads) {
               memory.at.pose[i].R;
           Eigen::Map<Vector3<double>>(d.data() + 3 * (k * B + i)) = memory.at.pose[i].d;
         }
+        for (std::ptrdiff_t i = 0; i < K; ++i) {
+          Eigen::Map<Vector3<double>>(field_w.data() + 3 * (k * K + i)) = memory.at.field[i].w;
+          Eigen::Map<Vector3<double>>(field_u.data() + 3 * (k * K + i)) = memory.at.field[i].u;
+        }
       }
     });
   }
-  return std::make_tuple(R.give(), d.give());
+  return std::make_tuple(R.give(), d.give(), field_w.give(), field_u.give());
 }
 
 auto momentum(const OwnedTree& owned, const Array& q_, const Array& qd_, const Array& w_,
@@ -145,6 +151,60 @@ auto equations_of_motion(const OwnedRobot& owned, const Array& q_, const Array& 
   return std::make_tuple(H.give(), c.give(), f_S.give());
 }
 
+// Directions that are derived along at once: two vector registers of doubles.
+constexpr int DIRECTIONS = 4;
+using Along = Jet<DIRECTIONS>;
+
+// Standard deviations of H+ and c+, to first order, where theta = theta_0 + sum_k x_k direction_k
+// with independent x_k of unit variance: the root of the sum of squares of the derivatives.
+auto deviations(const OwnedRobot& owned, const Array& directions_, const Array& q_, const Array& v_,
+                int threads) {
+  const Robot robot = owned.view();
+  const std::ptrdiff_t K = robot.tree.joints, N = robot.speeds();
+  const std::ptrdiff_t size = PER_BODY * robot.tree.bodies();
+  const auto q = input<2>("q", q_, {ANY, K});
+  const std::ptrdiff_t n = q.size(0);
+  const auto v = input<2>("v", v_, {n, N});
+  const auto directions = input<3>("directions", directions_, {ANY, robot.tree.bodies(), PER_BODY});
+  const std::ptrdiff_t many = directions.size(0);
+  Out<3> H_std(n, N, N);
+  Out<2> c_std(n, N);
+  {
+    nb::gil_scoped_release release;
+    std::fill_n(H_std.data(), n * N * N, 0.0);
+    std::fill_n(c_std.data(), n * N, 0.0);
+    parallel_for(n, threads, [&](std::ptrdiff_t first, std::ptrdiff_t last) {
+      BodiesMemory<Along> memory(robot.tree);
+      Bodies<Along>& at = memory.at;
+      const auto all = [](std::ptrdiff_t m) { return std::vector<Along>(static_cast<std::size_t>(m)); };
+      std::vector<Along> theta = all(size), H = all(N * N), c = all(N), q_k = all(K), v_k = all(N);
+      for (std::ptrdiff_t k = first; k < last; ++k) {
+        std::copy_n(q.data() + k * K, K, q_k.begin());
+        std::copy_n(v.data() + k * N, N, v_k.begin());
+        place(robot.tree, q_k.data(), at.pose, at.field);
+        for (std::ptrdiff_t d = 0; d < many; d += DIRECTIONS) {
+          for (std::ptrdiff_t i = 0; i < size; ++i) {
+            theta[static_cast<std::size_t>(i)] = robot.theta[i];
+            for (int j = 0; j < DIRECTIONS && d + j < many; ++j)
+              theta[static_cast<std::size_t>(i)].v[j] = directions.data()[(d + j) * size + i];
+          }
+          weigh(robot.tree, theta.data(), at.pose, at.mass);
+          finish(robot, at);
+          mass_matrix(robot, at, Square<Along>(H.data(), N, N));
+          bias(robot, v_k.data(), at, Column<Along>(c.data(), N));
+          for (std::ptrdiff_t i = 0; i < N * N; ++i)
+            H_std.data()[k * N * N + i] += H[static_cast<std::size_t>(i)].v.square().sum();
+          for (std::ptrdiff_t i = 0; i < N; ++i)
+            c_std.data()[k * N + i] += c[static_cast<std::size_t>(i)].v.square().sum();
+        }
+      }
+    }, 1);
+    for (std::ptrdiff_t i = 0; i < n * N * N; ++i) H_std.data()[i] = std::sqrt(H_std.data()[i]);
+    for (std::ptrdiff_t i = 0; i < n * N; ++i) c_std.data()[i] = std::sqrt(c_std.data()[i]);
+  }
+  return std::make_tuple(H_std.give(), c_std.give());
+}
+
 }  // namespace
 
 void bind_dynamics(nb::module_& m) {
@@ -160,13 +220,16 @@ void bind_dynamics(nb::module_& m) {
         new (self) OwnedRobot(make_robot(tree, theta, wheel_axis, wheel_inertia));
       }, nb::arg("tree"), nb::arg("theta"), nb::arg("wheel_axis"), nb::arg("wheel_inertia"));
   m.def("poses", &poses, nb::arg("tree"), nb::arg("q"), nb::arg("threads") = 1,
-        "R_Bi and p_SBi of all bodies, base axes.");
+        "R_Bi and p_SBi of all bodies, and the motion (w, u at S) of each joint at unit rate; base axes.");
   m.def("momentum", &momentum, nb::arg("tree"), nb::arg("q"), nb::arg("qd"), nb::arg("w"),
         nb::arg("threads") = 1, "The momentum regressors S, P and A (Eqs. 3, 19).");
   m.def("inertia", &inertia, nb::arg("robot"), nb::arg("q"), nb::arg("threads") = 1,
         "D, D_q, D_qq, r_cm and J_cm (Eqs. 3, 6, 30).");
   m.def("equations_of_motion", &equations_of_motion, nb::arg("robot"), nb::arg("q"), nb::arg("v"),
         nb::arg("threads") = 1, "H+, c+ (Eqs. 13, 14), and the acceleration of S where v' = 0.");
+  m.def("deviations", &deviations, nb::arg("robot"), nb::arg("directions"), nb::arg("q"),
+        nb::arg("v"), nb::arg("threads") = 1,
+        "Standard deviations of H+ and c+ along independent directions of theta.");
 }
 
 }  // namespace orbident::python

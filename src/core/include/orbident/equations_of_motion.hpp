@@ -45,13 +45,19 @@ using Square = Eigen::Map<Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic, Eigen
 template <class T>
 using Column = Eigen::Map<Eigen::Matrix<T, Eigen::Dynamic, 1>>;
 
+// What follows once the bodies are placed and weighed.
+template <class T>
+void finish(const Robot& robot, Bodies<T>& at) {
+  carry(robot.tree, at.mass, at.carried);
+  for (int k = 0; k < robot.tree.joints; ++k)
+    at.momentum[k] = momentum_of(at.carried[k + 1], at.field[k]);
+}
+
 template <class T>
 void configure(const Robot& robot, const T* q, Bodies<T>& at) {
   place(robot.tree, q, at.pose, at.field);
   weigh(robot.tree, robot.theta, at.pose, at.mass);
-  carry(robot.tree, at.mass, at.carried);
-  for (int k = 0; k < robot.tree.joints; ++k)
-    at.momentum[k] = momentum_of(at.carried[k + 1], at.field[k]);
+  finish(robot, at);
 }
 
 // H+ at a configured state.

@@ -1,0 +1,1 @@
+"""The robot as equations: kinematics, momentum, inertia, minimal sets, dynamics."""

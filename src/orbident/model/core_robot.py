@@ -1,0 +1,37 @@
+"""A robot's constant tables, as the numerical core takes them."""
+
+from functools import lru_cache
+
+import numpy as np
+
+from orbident import _core
+from orbident.model.wheels import wheels_of
+from orbident.robot.description import Robot
+
+KEPT = 64
+"""Robots of a process whose tables are kept."""
+
+
+@lru_cache(maxsize=KEPT)
+def core_tree(robot: Robot) -> _core.Tree:
+    """The robot's kinematic tree; joint `k` moves body `k + 1`."""
+    joints = robot.joints
+    return _core.Tree(
+        parent=np.array([joint.parent for joint in joints], dtype=float),
+        revolute=np.array([float(joint.kind == "revolute") for joint in joints]),
+        axis=np.reshape([joint.axis for joint in joints], (-1, 3)).astype(float),
+        R_PJ=np.reshape([joint.R_PJ for joint in joints], (-1, 3, 3)).astype(float),
+        p_PJ=np.reshape([joint.p_PJ for joint in joints], (-1, 3)).astype(float),
+    )
+
+
+@lru_cache(maxsize=KEPT)
+def core_robot(robot: Robot) -> _core.Robot:
+    """The robot's tree with its nominal inertia and its wheels."""
+    wheels = wheels_of(robot)
+    return _core.Robot(
+        tree=core_tree(robot),
+        theta=np.ascontiguousarray(robot.theta, dtype=float),
+        wheel_axis=np.ascontiguousarray(wheels.axes.T),
+        wheel_inertia=wheels.inertia,
+    )

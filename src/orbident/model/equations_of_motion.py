@@ -1,0 +1,93 @@
+"""The free-flying equations of motion, `H+ v' + c+ = Q` (Eqs. 8-14).
+
+Generalised speeds `v = [v_cm, w, qd, qd_rw]`: the velocity of the system CM, the base
+rate, the joint rates, and the wheels' speeds relative to the base; `v_cm` and `w` are
+inertial motions in base axes, and `v'` is the derivative of these components.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from orbident import _core
+from orbident.model.core_robot import core_robot
+from orbident.model.inertia import inertia_at
+from orbident.model.rotations import cross_matrix
+from orbident.robot.description import Robot
+from orbident.threads import processors
+
+OUT_OF_PLANE = [2, 3, 4]
+"""Speeds along z, about x and about y: a planar robot has none of them."""
+
+
+class Equations(NamedTuple):
+    """The equations of motion in some states; base axes."""
+
+    H: Float[np.ndarray, "n speeds speeds"]
+    """`H+` of Eq. 14."""
+    c: Float[np.ndarray, "n speeds"]
+    """`c+` of Eq. 13: the forces where `v' = 0`."""
+    f_S: Float[np.ndarray, "n 3"]
+    """Acceleration of S where `v' = 0`, m/s^2."""
+
+
+def equations_of_motion(
+    robot: Robot,
+    q: Float[np.ndarray, "n joints"],
+    v: Float[np.ndarray, "n speeds"],
+) -> Equations:
+    """`H+`, `c+` and how S accelerates.
+
+    Args:
+        robot: its `theta` decides.
+        q: joint positions, rad or m.
+        v: generalised speeds, base axes.
+    """
+    state = np.ascontiguousarray(q), np.ascontiguousarray(v)
+    return Equations(
+        *_core.equations_of_motion(core_robot(robot), *state, processors())
+    )
+
+
+def deviations(
+    robot: Robot,
+    directions: Float[np.ndarray, "directions bodies 10"],
+    q: Float[np.ndarray, "n joints"],
+    v: Float[np.ndarray, "n speeds"],
+) -> tuple[Float[np.ndarray, "n speeds speeds"], Float[np.ndarray, "n speeds"]]:
+    """Standard deviations of `H+` and `c+`, of first order.
+
+    Args:
+        robot: its `theta` is the mean.
+        directions: `theta` is the mean and a sum of these, each times an independent
+            number of unit variance.
+        q: joint positions, rad or m.
+        v: generalised speeds, base axes.
+    """
+    arrays = (np.ascontiguousarray(x) for x in (directions, q, v))
+    return _core.deviations(core_robot(robot), *arrays, processors())
+
+
+def movable(robot: Robot) -> Bool[np.ndarray, " speeds"]:
+    """Which speeds may change: not those out of the plane of a planar robot."""
+    may = np.ones(speeds(robot), dtype=bool)
+    if robot.motion == "planar":
+        may[OUT_OF_PLANE] = False
+    return may
+
+
+def speeds(robot: Robot) -> int:
+    """The number of generalised speeds."""
+    return 6 + len(robot.joints) + len(robot.wheels)
+
+
+def velocity_of_S(
+    robot: Robot, q: Float[np.ndarray, " joints"]
+) -> Float[np.ndarray, "6 speeds"]:
+    """`J_0,S` (Eqs. 27, 28): `v_S = v_cm - w x r_cm - J_cm qd`, and the base rate."""
+    at, J = inertia_at(robot, q), np.zeros((6, speeds(robot)))
+    J[:, :6] = np.eye(6)
+    J[:3, 3:6] = cross_matrix(at.r_cm)
+    J[:3, 6 : 6 + q.size] = -at.J_cm
+    return J

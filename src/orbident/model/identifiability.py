@@ -1,0 +1,39 @@
+"""What no free-floating recording of a robot can tell, in words."""
+
+import numpy as np
+
+from orbident.model.minimal_sets import MinimalSets
+from orbident.robot.description import Robot
+from orbident.robot.parameters import PER_BODY, SYMBOLS
+
+# The projector on what is seen has 1 on the diagonal where a parameter is seen alone.
+ALONE = 1e-6
+NEVER = 1e-9
+
+
+def not_identifiable(robot: Robot, sets: MinimalSets) -> list[str]:
+    """Plain sentences: no scale, parameters that never show, or only in company."""
+    sentences = []
+    if not robot.wheels:
+        sentences.append(
+            "the scale of pi, and so the total mass: without a reaction wheel the "
+            "momentum equation has no known term; declare the robot's wheels"
+        )
+    T = sets.base.T
+    seen = np.einsum("kt,kt->t", np.linalg.pinv(T).T, T)
+    never = np.linalg.norm(T, axis=0) <= NEVER
+    free = np.zeros(T.shape[1], dtype=bool)
+    free[list(robot.free_parameters)] = True
+    for i, body in enumerate(robot.bodies):
+        own = slice(PER_BODY * i, PER_BODY * (i + 1))
+        silent = _listed(free[own] & never[own])
+        mixed = _listed(free[own] & ~never[own] & (seen[own] < 1 - ALONE))
+        if silent:
+            sentences.append(f"{body}: not seen at all: {silent}")
+        if mixed:
+            sentences.append(f"{body}: seen only in combination with others: {mixed}")
+    return sentences
+
+
+def _listed(which: np.ndarray) -> str:
+    return ", ".join(SYMBOLS[k] for k in np.flatnonzero(which))

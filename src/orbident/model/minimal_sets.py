@@ -1,0 +1,218 @@
+"""The minimal parameter sets of any robot: base parameters, `phi` and `pi`.
+
+Everything is found from the ranks of the momentum regressors over random motion, so
+trees, prismatic joints and what is known of the bodies need no case of their own.
+
+- The free-flying base parameters `beta = [M, sigma, iota] = T theta` are all that the
+  momentum shows: total mass, first moments (the row space of `P`) and inertias (what
+  `A` adds to those).
+- `phi = sigma / M` is linear in the velocity of S (Eq. 29).
+- `pi` makes `h_rs` linear (Eq. 19). With `S theta = S_s sigma` and the like, `h_rs` is
+  a combination of the columns of `A` over `beta` and of
+  `-(S_a x P_b + S_b x P_a)` over the products `sigma_a sigma_b / M`; those that are
+  independent are `Y`, and their coefficients are `pi`.
+"""
+
+import itertools
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from orbident import _core
+from orbident.model.core_robot import core_tree
+from orbident.model.independent import independent_columns
+from orbident.model.momentum import Momentum, momentum
+from orbident.robot.description import Robot
+from orbident.robot.parameters import MASS, PER_BODY
+from orbident.threads import processors
+
+
+class BaseParameters(NamedTuple):
+    """`beta = T theta`, ordered `[M, sigma, iota]`, and a `theta` for every `beta`."""
+
+    T: Float[np.ndarray, "beta theta"]
+    theta_of: Float[np.ndarray, "theta beta"]
+    """`T theta_of = 1`: columns that give a `theta` with the momentum of `beta`."""
+    sigmas: int
+
+
+class Regressors(NamedTuple):
+    """`Y` and `W` of a robot, in the coordinates of its minimal sets."""
+
+    core: _core.MinimalSets
+    joints: int
+    momentum_axes: tuple[int, ...]
+    """Base axes in which angular momentum is conserved: all, or z in the plane."""
+    velocity_axes: tuple[int, ...]
+
+    def __call__(
+        self,
+        q: Float[np.ndarray, "n joints"],
+        qd: Float[np.ndarray, "n joints"],
+        w: Float[np.ndarray, "n 3"],
+    ) -> tuple[Float[np.ndarray, "n h pi"], Float[np.ndarray, "n v phi"]]:
+        """`Y` (Eq. 19) and `W` (Eq. 29) of many samples, base axes.
+
+        Args:
+            q: joint positions, rad or m.
+            qd: joint rates.
+            w: base angular velocities, rad/s, base axes.
+        """
+        state = (np.ascontiguousarray(x) for x in (q, qd, w))
+        Y, W = _core.regressors(self.core, *state, processors())
+        return Y[:, self.momentum_axes], W[:, self.velocity_axes]
+
+
+@dataclass(frozen=True)
+class MinimalSets:
+    """The minimal sets of a robot, and the regressors that go with them."""
+
+    regressors: Regressors
+    base: BaseParameters
+    pi_of_beta: Float[np.ndarray, "pi beta"]
+    """`pi = pi_of_beta beta + pi_of_products (sigma_a sigma_b / M)`."""
+    pi_of_products: Float[np.ndarray, "pi pairs"]
+    pairs: Int[np.ndarray, "pairs 2"]
+
+    @property
+    def iotas(self) -> int:
+        """So many of `pi`, the first, hold one `iota` each; the others hold none."""
+        return self.base.T.shape[0] - 1 - self.base.sigmas
+
+    def beta(self, theta: Float[np.ndarray, "bodies 10"]) -> Float[np.ndarray, " beta"]:
+        """The free-flying base parameters `[M, sigma, iota]`."""
+        return self.base.T @ theta.ravel()
+
+    def phi(self, theta: Float[np.ndarray, "bodies 10"]) -> Float[np.ndarray, " phi"]:
+        """`sigma / M`: what the velocity of S depends on (Eq. 29)."""
+        M, sigma, _ = self.split(self.beta(theta))
+        return sigma / M
+
+    def pi(self, theta: Float[np.ndarray, "bodies 10"]) -> Float[np.ndarray, " pi"]:
+        """What the angular momentum depends on, linearly (Eq. 19)."""
+        beta = self.beta(theta)
+        M, sigma, _ = self.split(beta)
+        products = sigma[self.pairs[:, 0]] * sigma[self.pairs[:, 1]] / M
+        return self.pi_of_beta @ beta + self.pi_of_products @ products
+
+    def split(self, beta):
+        """`M, sigma, iota` of `beta`."""
+        sigmas = self.base.sigmas
+        return beta[0], beta[1 : 1 + sigmas], beta[1 + sigmas :]
+
+
+def conserved_axes(robot: Robot) -> tuple[tuple[int, ...], tuple[int, ...]]:
+    """The base axes of angular and of linear momentum that are conserved.
+
+    All; on a table (planar motion) z of the one, x and y of the other.
+    """
+    if robot.motion == "planar":
+        return (2,), (0, 1)
+    return (0, 1, 2), (0, 1, 2)
+
+
+@lru_cache(maxsize=16)
+def minimal_sets(robot: Robot) -> MinimalSets:
+    """Find the minimal sets of a robot under what its `structure` says is known.
+
+    Found once for each robot of a process.
+    """
+    turning, moving = conserved_axes(robot)
+    at = _random_momentum(robot, 3 * PER_BODY * len(robot.bodies))
+    base = _base_parameters(robot, _rows(at.P, moving), _rows(at.A, turning))
+
+    sigma = slice(1, 1 + base.sigmas)
+    S, P = at.S @ base.theta_of[:, sigma], at.P @ base.theta_of[:, sigma]
+    pairs = np.array(
+        list(itertools.combinations_with_replacement(range(base.sigmas), 2)), dtype=int
+    ).reshape(-1, 2)
+    products = _product_columns(S, P, pairs)
+    A = _rows(at.A @ base.theta_of, turning)
+    # iota first: then each has a pi of its own, and the rest of pi is free of them.
+    of_beta = np.roll(np.arange(base.T.shape[0]), -1 - base.sigmas)
+    iotas = len(of_beta) - 1 - base.sigmas
+    columns = [A[:, of_beta[:iotas]], _rows(products, turning), A[:, of_beta[iotas:]]]
+    kept, T = independent_columns(np.concatenate(columns, axis=1))
+
+    kept = np.array(kept, dtype=int)
+    is_product = (kept >= iotas) & (kept < iotas + len(pairs))
+    chosen = pairs[kept[is_product] - iotas]
+    rank = np.argsort(is_product, kind="stable")
+    linear = kept[~is_product]
+    linear = of_beta[np.where(linear < iotas, linear, linear - len(pairs))]
+    T = T[rank]
+    T_beta = np.delete(T, np.s_[iotas : iotas + len(pairs)], axis=1)
+    return MinimalSets(
+        regressors=Regressors(
+            core=_core.MinimalSets(
+                tree=core_tree(robot),
+                theta_of_linear=np.ascontiguousarray(base.theta_of[:, linear]),
+                theta_of_sigma=np.ascontiguousarray(base.theta_of[:, sigma]),
+                pairs=chosen.astype(float),
+            ),
+            joints=len(robot.joints),
+            momentum_axes=turning,
+            velocity_axes=moving,
+        ),
+        base=base,
+        pi_of_beta=T_beta[:, np.argsort(of_beta)],
+        pi_of_products=T[:, iotas : iotas + len(pairs)],
+        pairs=pairs,
+    )
+
+
+def _random_momentum(robot: Robot, samples: int) -> Momentum:
+    """The regressors over motion that has nothing special about it."""
+    random = np.random.default_rng(0)
+    joints = len(robot.joints)
+    q, qd = random.standard_normal((2, samples, joints))
+    w = random.standard_normal((samples, 3))
+    if robot.motion == "planar":
+        w[:, :2] = 0.0
+    return momentum(robot, q, qd, w)
+
+
+def _product_columns(
+    S: Float[np.ndarray, "n 3 sigma"],
+    P: Float[np.ndarray, "n 3 sigma"],
+    pairs: Int[np.ndarray, "pairs 2"],
+) -> Float[np.ndarray, "n 3 pairs"]:
+    """`-(S_a x P_b + S_b x P_a)`, halved for squares: over `sigma_a sigma_b / M`."""
+    a, b = pairs.T
+    crossed = np.cross(S[:, :, a], P[:, :, b], axis=1)
+    crossed += np.cross(S[:, :, b], P[:, :, a], axis=1)
+    return -np.where(a == b, 0.5, 1.0) * crossed
+
+
+def _rows(
+    X: Float[np.ndarray, "n 3 m"], axes: tuple[int, ...]
+) -> Float[np.ndarray, "r m"]:
+    return X[:, axes, :].reshape(-1, X.shape[-1])
+
+
+def _base_parameters(
+    robot: Robot, P: Float[np.ndarray, "p theta"], A: Float[np.ndarray, "a theta"]
+) -> BaseParameters:
+    """`[M, sigma, iota]`: the total mass, what `P` shows, and what `A` adds."""
+    free = np.array(robot.free_parameters)
+    P, A = P[:, free], A[:, free]
+    mass = (free % PER_BODY == MASS).astype(float)
+    shown, T_sigma = independent_columns(P)
+    T_shown = np.vstack([mass, T_sigma])
+    # The base's mass (column 0) stands for M: it moves with S, so P never shows it.
+    pivots = [0, *shown]
+    theta_of_shown = np.zeros((len(free), len(pivots)))
+    theta_of_shown[pivots] = np.linalg.inv(T_shown[:, pivots])
+    # The part of theta that changes neither M nor sigma.
+    rest = np.eye(len(free)) - theta_of_shown @ T_shown
+    added, T_iota = independent_columns(A @ rest)
+
+    everything = PER_BODY * len(robot.bodies)
+    T = np.zeros((len(pivots) + len(added), everything))
+    T[:, free] = np.vstack([T_shown, T_iota])
+    theta_of = np.zeros((everything, T.shape[0]))
+    theta_of[free] = np.hstack([theta_of_shown, rest[:, added]])
+    return BaseParameters(T, theta_of, len(shown))

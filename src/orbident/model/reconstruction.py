@@ -1,0 +1,299 @@
+"""The free-flying dynamics of a robot from its base parameters alone (Eq. 16).
+
+`theta_of beta` is a `theta` with the momentum of `beta = [M, sigma, iota]`. The rows of
+`H+` that belong to joints lie in the same parameter space as those of the base (theory,
+section 8), so that `H+`, `c+` and the Jacobians are the robot's, although its bodies
+need not be any that can exist.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float
+
+from orbident.errors import InputError
+from orbident.files.names import suggestion
+from orbident.model import forces
+from orbident.model.equations_of_motion import (
+    deviations,
+    equations_of_motion,
+    movable,
+    speeds,
+)
+from orbident.model.forces import Wrench
+from orbident.model.formulas import formulas_of
+from orbident.model.minimal_sets import minimal_sets
+from orbident.model.regularity import check_definite
+from orbident.robot.description import Robot
+from orbident.robot.parameters import PER_BODY
+
+TILT = [3, 4]
+"""Of the speeds: the rates about x and y, whose rows no planar motion shows."""
+LISTED = 8
+"""Names in a message: a robot may have a hundred."""
+
+
+@dataclass(frozen=True, eq=False)
+class Dynamics:
+    """`H+ v' + c+ = Q` (Eq. 13) over `v = [v_cm, w, qd, qd_rw]`, base axes.
+
+    `q` and `v` are one state, or many, state first. What the parameters do not tell is
+    NaN: in the plane, the rows and columns of the base's rates about x and y.
+    """
+
+    robot: Robot
+    """With a `theta` that has the identified momentum; the nominal one is gone."""
+    root: Float[np.ndarray, "beta beta"]
+    """A square root of the covariance of the base parameters."""
+
+    def H_plus(
+        self, q: Float[np.ndarray, "*n joints"]
+    ) -> Float[np.ndarray, "*n speeds speeds"]:
+        """The system inertia matrix `H+` (Eq. 14).
+
+        Args:
+            q: joint positions, rad or m.
+
+        Raises:
+            InputError: `q` has not the robot's size.
+        """
+        q = self._sized(q, "q", self._joints)
+        return self._shown(self._equations(q, self._at_rest(q))[0], rows=2)
+
+    def c_plus(
+        self, q: Float[np.ndarray, "*n joints"], v: Float[np.ndarray, "*n speeds"]
+    ) -> Float[np.ndarray, "*n speeds"]:
+        """The velocity-dependent forces `c+` (Eqs. 9-13).
+
+        Args:
+            q: joint positions, rad or m.
+            v: generalised speeds, base axes.
+
+        Raises:
+            InputError: `q` or `v` has not the robot's size, or leaves its plane.
+        """
+        q, v = self._state(q, v)
+        return self._shown(self._equations(q, v)[1], rows=1)
+
+    def equations(
+        self, q: Float[np.ndarray, "*n joints"], v: Float[np.ndarray, "*n speeds"]
+    ) -> tuple[Float[np.ndarray, "*n speeds speeds"], Float[np.ndarray, "*n speeds"]]:
+        """`H+` and `c+` at once: as fast as either of them.
+
+        Args:
+            q: joint positions, rad or m.
+            v: generalised speeds, base axes.
+
+        Raises:
+            InputError: `q` or `v` has not the robot's size, or leaves its plane.
+        """
+        q, v = self._state(q, v)
+        H, c = self._equations(q, v)
+        return self._shown(H, rows=2), self._shown(c, rows=1)
+
+    def H_plus_std(
+        self, q: Float[np.ndarray, "*n joints"]
+    ) -> Float[np.ndarray, "*n speeds speeds"]:
+        """Standard deviations of the entries of `H+`, of first order.
+
+        Args:
+            q: joint positions, rad or m.
+
+        Raises:
+            InputError: `q` has not the robot's size.
+        """
+        q = self._sized(q, "q", self._joints)
+        return self._shown(self._std(q, self._at_rest(q))[0], rows=2)
+
+    def c_plus_std(
+        self, q: Float[np.ndarray, "*n joints"], v: Float[np.ndarray, "*n speeds"]
+    ) -> Float[np.ndarray, "*n speeds"]:
+        """Standard deviations of the entries of `c+`, of first order.
+
+        Args:
+            q: joint positions, rad or m.
+            v: generalised speeds, base axes.
+
+        Raises:
+            InputError: `q` or `v` has not the robot's size, or leaves its plane.
+        """
+        q, v = self._state(q, v)
+        return self._shown(self._std(q, v)[1], rows=1)
+
+    def jacobian(
+        self,
+        q: Float[np.ndarray, " joints"],
+        body: str,
+        point: Float[np.ndarray, "3"],
+    ) -> Float[np.ndarray, "6 speeds"]:
+        """`J_0,p` and `J_i,p` (A.1, A.2): how a point of a body moves, over `v`.
+
+        Args:
+            q: joint positions, rad or m.
+            body: its name.
+            point: in the body's frame (the base's is at S), m.
+
+        Returns:
+            Rows: velocity of the point, then the body's rate; inertial motions, base
+            axes.
+
+        Raises:
+            InputError: `q` or `point` has a wrong size, or the body is not the robot's.
+        """
+        q = self._sized(q, "q", self._joints, states=False)
+        point = self._sized(point, "point", 3, states=False)
+        bodies = self.robot.bodies
+        if body not in bodies:
+            raise InputError(
+                f"{self.robot.name}: no body '{body}'; "
+                + suggestion(body, bodies, "bodies")
+            )
+        J = forces.jacobian(self.robot, q, bodies.index(body), point)
+        return self._shown(J, rows=1)
+
+    def generalised_forces(
+        self,
+        q: Float[np.ndarray, " joints"],
+        joint_torques: Mapping[str, float],
+        wheel_torques: Mapping[str, float],
+        wrenches: Sequence[Wrench] = (),
+    ) -> Float[np.ndarray, " speeds"]:
+        """`Q = [0, 0, tau, tau_rw] + sum J^T F` (Eq. 15).
+
+        Args:
+            q: joint positions, rad or m.
+            joint_torques: by joint name, N m or N; zero where absent.
+            wheel_torques: on the rotor, by wheel name, N m; zero where absent.
+            wrenches: what acts from outside.
+
+        Raises:
+            InputError: `q` has a wrong size, or a joint, a wheel or a body is not the
+                robot's.
+        """
+        q = self._sized(q, "q", self._joints, states=False)
+        Q = forces.generalised_forces(
+            self.robot, q, joint_torques, wheel_torques, wrenches
+        )
+        return self._shown(Q, rows=1)
+
+    @property
+    def _joints(self) -> int:
+        return len(self.robot.joints)
+
+    def _at_rest(
+        self, q: Float[np.ndarray, "*n joints"]
+    ) -> Float[np.ndarray, "*n speeds"]:
+        return np.zeros((*q.shape[:-1], speeds(self.robot)))
+
+    def _equations(
+        self, q: Float[np.ndarray, "*n joints"], v: Float[np.ndarray, "*n speeds"]
+    ) -> tuple[Float[np.ndarray, "*n speeds speeds"], Float[np.ndarray, "*n speeds"]]:
+        if q.ndim == 1:
+            H, c = self._equations(q[None], v[None])
+            return H[0], c[0]
+        H, c, _ = equations_of_motion(self.robot, q, v)
+        return H, c
+
+    def _sized(
+        self, values: Any, what: str, size: int, states: bool = True
+    ) -> Float[np.ndarray, "*n size"]:
+        array = np.asarray(values, dtype=float)
+        if array.shape[-1:] != (size,) or array.ndim > 1 + states:
+            each = f", or (n, {size})" if states else ""
+            raise InputError(
+                f"{self.robot.name}: {what}: found shape {array.shape}, expected "
+                f"({size},){each}, in the robot's order"
+            )
+        return array
+
+    def _state(
+        self, q: Any, v: Any
+    ) -> tuple[Float[np.ndarray, "*n joints"], Float[np.ndarray, "*n speeds"]]:
+        q = self._sized(q, "q", self._joints)
+        v = self._sized(v, "v", speeds(self.robot))
+        if q.shape[:-1] != v.shape[:-1]:
+            raise InputError(
+                f"{self.robot.name}: q has shape {q.shape} and v {v.shape}; give one "
+                "row of each for every state"
+            )
+        if (v[..., ~movable(self.robot)] != 0).any():
+            raise InputError(
+                f"{self.robot.name}: v leaves the plane of a planar robot; give zero "
+                "for v_cm along z and for w about x and y"
+            )
+        return q, v
+
+    def _std(
+        self, q: Float[np.ndarray, "*n joints"], v: Float[np.ndarray, "*n speeds"]
+    ) -> tuple[Float[np.ndarray, "*n speeds speeds"], Float[np.ndarray, "*n speeds"]]:
+        if q.ndim == 1:
+            H_std, c_std = self._std(q[None], v[None])
+            return H_std[0], c_std[0]
+        theta_of = minimal_sets(self.robot).base.theta_of
+        directions = (theta_of @ self.root).T.reshape(-1, *self.robot.theta.shape)
+        return deviations(self.robot, directions, q, v)
+
+    def _shown(self, entries: Any, rows: int) -> Any:
+        """With NaN for what a planar motion does not tell."""
+        if self.robot.motion == "planar":
+            entries[..., TILT] = np.nan
+            if rows == 2:
+                entries[..., TILT, :] = np.nan
+        return entries
+
+
+def reconstructed(
+    robot: Robot,
+    beta: Float[np.ndarray, " beta"],
+    covariance: Float[np.ndarray, "beta beta"],
+) -> Dynamics:
+    """The dynamics of a robot with these base parameters.
+
+    Args:
+        robot: geometry, wheels and structure; its nominal inertia is not used.
+        beta: `[M, sigma, iota]`.
+        covariance: of `beta`; NaN where it is not known.
+
+    Raises:
+        InputError: `beta` has not the robot's size or is not all known, or no
+            mechanism has such parameters: its mass matrix is not positive definite.
+    """
+    check_known(robot, beta)
+    theta = (minimal_sets(robot).base.theta_of @ beta).reshape(-1, PER_BODY)
+    same_momentum = replace(robot, theta=theta)
+    check_definite(same_momentum)
+    return Dynamics(same_momentum, root_of(covariance))
+
+
+def check_known(robot: Robot, beta: Float[np.ndarray, " beta"]) -> None:
+    """Refuse base parameters that are not those of the robot, or not all known.
+
+    Raises:
+        InputError: there are more or fewer of them, or some are NaN.
+    """
+    sets = minimal_sets(robot)
+    if beta.shape != sets.base.T.shape[:1]:
+        raise InputError(
+            f"found {beta.size} base parameters, but robot '{robot.name}' has "
+            f"{sets.base.T.shape[0]}; identify again"
+        )
+    names = formulas_of(robot, sets).base.names
+    unknown = [names[k] for k in np.flatnonzero(~np.isfinite(beta))]
+    if unknown:
+        listed = ", ".join(unknown[:LISTED]) + ", .." * (len(unknown) > LISTED)
+        raise InputError(
+            f"{robot.name}: {len(unknown)} of {beta.size} base parameters are not "
+            f"determined ({listed}), so there is no dynamics; identify from a "
+            "recording that excites them (see its warnings)"
+        )
+
+
+def root_of(C: Float[np.ndarray, "n n"]) -> Float[np.ndarray, "n n"]:
+    """`S` such that `S S^T = C`, for a covariance that may be singular; or NaN."""
+    if not np.isfinite(C).all():
+        return np.full_like(C, np.nan)
+    # Rounding leaves eigenvalues just below zero.
+    values, vectors = np.linalg.eigh(C)
+    return vectors * np.sqrt(np.maximum(values, 0.0))

@@ -1,0 +1,115 @@
+"""Is a mass matrix one that a mechanism can have?"""
+
+from itertools import chain
+from typing import NoReturn
+
+import numpy as np
+from jaxtyping import Float
+
+from orbident.errors import InputError
+from orbident.model.equations_of_motion import equations_of_motion, movable
+from orbident.model.inertia import inertia_at
+from orbident.model.kinematics import carrying_joints, poses
+from orbident.robot.description import Robot
+from orbident.robot.parameters import FIRST_MOMENT, MASS
+
+SINGULAR = 1e-12
+"""Least eigenvalue of a mass matrix with unit diagonal: real arms reach 1e-6, rounding
+leaves 1e-16."""
+
+CONFIGURATIONS = 1024
+"""Random configurations in which an identified mass matrix is checked."""
+
+
+def check_regular(robot: Robot) -> None:
+    """Refuse a robot whose nominal mass matrix is singular.
+
+    Raises:
+        InputError: some motion of base and joints moves no mass at all.
+    """
+    q = np.random.default_rng(0).standard_normal(len(robot.joints))
+    at = inertia_at(robot, q)
+    turning = [2] if robot.motion == "planar" else [0, 1, 2]
+    D, D_q = at.D[np.ix_(turning, turning)], at.D_q[turning]
+    H = np.block([[D, D_q], [D_q.T, at.D_qq]])
+    names = [f"the base about {'xyz'[k]}" for k in turning]
+    names += [f"joint '{name}'" for name in robot.joint_names]
+    base, carried = _sizes(robot, q)
+    sizes = np.concatenate([np.full(len(turning), base), carried])
+    scale = np.abs(np.diag(H))
+    still = scale <= SINGULAR * sizes
+    if still.any():
+        _refuse_nominal(robot, names[int(still.argmax())])
+    unit = H / np.sqrt(np.outer(scale, scale))
+    values, vectors = np.linalg.eigh(unit)
+    smallest = int(np.abs(values).argmin())
+    if abs(values[smallest]) <= SINGULAR:
+        _refuse_nominal(robot, names[int(np.abs(vectors[:, smallest]).argmax())])
+
+
+def _sizes(
+    robot: Robot, q: Float[np.ndarray, " joints"]
+) -> tuple[float, Float[np.ndarray, " joints"]]:
+    """What the diagonal of base and joints is made of, before anything cancels.
+
+    With `J` the inertia of a body about S, `tr J = tr I + 2 d . (2 R m c + m d)`.
+    """
+    at = poses(robot, q[None])
+    m, d = robot.theta[:, MASS], at.d[0]
+    s = np.einsum("bij,bj->bi", at.R[0], robot.theta[:, FIRST_MOMENT])
+    I = robot.theta[:, [4, 6, 9]].sum(axis=1)
+    spread = I + 2 * np.sum(d * (2 * s + m[:, None] * d), axis=1)
+    carries = np.array([carrying_joints(robot, i) for i in range(m.size)]).T
+    turns = np.array([joint.kind == "revolute" for joint in robot.joints], dtype=bool)
+    return float(spread.sum()), np.where(turns, carries @ spread, carries @ m)
+
+
+def _refuse_nominal(robot: Robot, who: str) -> NoReturn:
+    raise InputError(
+        f"{robot.name}: the mass matrix is singular: {who} can turn or slide without "
+        "moving any mass; give the links beyond it an inertia, or make the joint fixed"
+    )
+
+
+def check_definite(robot: Robot) -> None:
+    """Refuse a mass matrix `H+` that gives some motion no energy, or less.
+
+    Args:
+        robot: with the identified `theta`; `H+` is checked all over its joints' ranges.
+
+    Raises:
+        InputError: somewhere it is not positive definite.
+    """
+    may, q = movable(robot), _configurations(robot)
+    H, _, _ = equations_of_motion(robot, q, np.zeros((len(q), may.size)))
+    H = H[:, may][:, :, may]
+    turns = (f"the base about {k}" for k in "xyz")
+    moving = ["the base"] * 3, turns, robot.joint_names, robot.wheel_names
+    names = [name for name, is_free in zip(chain(*moving), may, strict=True) if is_free]
+    scale = np.diagonal(H, axis1=1, axis2=2)
+    if (scale <= 0).any():
+        state, speed = np.argwhere(scale <= 0)[0]
+        _refuse_identified(robot, names[speed], q[state])
+    root = np.sqrt(scale)
+    values, vectors = np.linalg.eigh(H / root[:, :, None] / root[:, None, :])
+    state = int(values[:, 0].argmin())
+    if values[state, 0] <= SINGULAR:
+        speed = int(np.abs(vectors[state, :, 0]).argmax())
+        _refuse_identified(robot, names[speed], q[state])
+
+
+def _configurations(robot: Robot) -> Float[np.ndarray, "n joints"]:
+    ends = [joint.position or (-np.pi, np.pi) for joint in robot.joints]
+    low, high = np.clip(np.reshape(ends, (-1, 2)).T, -np.pi, np.pi)
+    return np.random.default_rng(0).uniform(low, high, (CONFIGURATIONS, low.size))
+
+
+def _refuse_identified(
+    robot: Robot, who: str, q: Float[np.ndarray, " joints"]
+) -> NoReturn:
+    at = ", ".join(f"{x:.3g}" for x in q)
+    raise InputError(
+        f"{robot.name}: with the identified parameters H+ is singular or indefinite at "
+        f"q = [{at}], mostly in '{who}'; the recording determines them too badly: "
+        "excite the robot more, or export the nearest physical model"
+    )
