@@ -60,7 +60,7 @@ def quaternion_rate(
 def small_rotation(
     x_WA: Float[np.ndarray, "*n 4"], x_WB: Float[np.ndarray, "*n 4"]
 ) -> Float[np.ndarray, "*n 3"]:
-    """The rotation vector from A to B, A's axes, rad; `2 sin(a/2)` long if `a` is large."""
+    """The rotation vector from A to B, A's axes, rad; of a large angle `2 sin(a/2)`."""
     a, b = x_WA, x_WB
     # conj(a) b
     vector = a[..., 3:] * b[..., :3] - b[..., 3:] * a[..., :3]
