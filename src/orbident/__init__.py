@@ -22,12 +22,12 @@ if TYPE_CHECKING:
     from orbident.identified.run_folder import load_result as load_result
     from orbident.identified.run_folder import save_result as save_result
     from orbident.identified.validate import validate as validate
+    from orbident.model.minimal_sets import minimal_sets as minimal_sets
     from orbident.recordings.bags.convert import convert_bag as convert_bag
     from orbident.recordings.bags.survey import survey_bag as survey_bag
     from orbident.recordings.recording import Recording as Recording
     from orbident.recordings.tables import read_recording as read_recording
     from orbident.recordings.tables import write_recording as write_recording
-    from orbident.regressors.minimal_sets import minimal_sets as minimal_sets
     from orbident.robot.description import Robot as Robot
     from orbident.robot.robot_file import bundled_robots as bundled_robots
     from orbident.robot.robot_file import load_robot as load_robot
@@ -51,7 +51,7 @@ _PUBLIC = {
     "load_result": "orbident.identified.run_folder",
     "load_robot": "orbident.robot.robot_file",
     "load_trajectory": "orbident.trajectories.trajectory_file",
-    "minimal_sets": "orbident.regressors.minimal_sets",
+    "minimal_sets": "orbident.model.minimal_sets",
     "read_recording": "orbident.recordings.tables",
     "save_result": "orbident.identified.run_folder",
     "save_trajectory": "orbident.trajectories.trajectory_file",

@@ -11,14 +11,14 @@ from dataclasses import replace
 import numpy as np
 from jaxtyping import Bool, Float
 
-from orbident.dynamics.wheels import wheels_of
 from orbident.estimation.delay_equations import DelayEquations, MovingJoints
 from orbident.estimation.least_squares import (
     InitialMomentum,
     known_momentum,
 )
+from orbident.model.minimal_sets import MinimalSets
+from orbident.model.wheels import wheels_of
 from orbident.recordings.recording import Recording
-from orbident.regressors.minimal_sets import MinimalSets
 from orbident.robot.description import Robot
 from orbident.signals.attitude_delay import attitude_delay
 from orbident.signals.base_motion import AXES as GYRO

@@ -11,15 +11,11 @@ where the derivative is that of joints and wheels alone, the base held.
 from dataclasses import replace
 from typing import NamedTuple
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Bool, Float
 from scipy.integrate import cumulative_trapezoid
 from scipy.interpolate import CubicSpline
 
-from orbident.compilation import compiled
-from orbident.dynamics.wheels import Wheels
 from orbident.estimation.least_squares import (
     BATCH,
     KnownMomentum,
@@ -27,9 +23,9 @@ from orbident.estimation.least_squares import (
     rows_of,
 )
 from orbident.estimation.triangular import Layout
-from orbident.regressors.minimal_sets import Regressors
+from orbident.model.minimal_sets import Regressors
+from orbident.model.wheels import Wheels
 from orbident.signals.samples import Batch, Samples
-from orbident.spatial.arrays import AnyArray
 
 STRETCHES = 20
 """Of a recording, each taken to err for itself."""
@@ -136,7 +132,7 @@ class DelayEquations(NamedTuple):
             rows, _ = rows_of(self.regressors, self.wheels, self.known, batch, False)
             shift = _shift(self.regressors, self.wheels, batch, now, pi)
             place = layout.nuisances + pi.size
-            tables.append(np.insert(np.asarray(rows), place, np.asarray(shift), axis=1))
+            tables.append(np.insert(rows, place, shift, axis=1))
             seen.append(batch.turning)
         table = np.concatenate(tables).reshape(-1, axes, layout.columns + 1)
         return table[:n], np.concatenate(seen)[:n]
@@ -178,24 +174,17 @@ def _std(
     return float(np.linalg.norm(parts) / R[place, place] ** 2)
 
 
-@compiled
 def _shift(
     regressors: Regressors,
     wheels: Wheels,
     batch: Batch,
-    rates: Float[AnyArray, "n rates"],
-    pi: Float[AnyArray, " pi"],
-) -> Float[AnyArray, " rows"]:
+    rates: Float[np.ndarray, "n rates"],
+    pi: Float[np.ndarray, " pi"],
+) -> Float[np.ndarray, " rows"]:
     """`d/dt (Y pi + A_rw qd_rw)` by joints and wheels alone."""
     joints = batch.q.shape[1]
-
-    def shift(sample: Batch, rate: Float[AnyArray, " rates"]) -> AnyArray:
-        def h(q, qd):
-            return regressors(q, qd, sample.w)[0] @ pi
-
-        qdd, qdd_rw = rate[:joints], rate[joints:]
-        _, change = jax.jvp(h, (sample.q, sample.qd), (sample.qd, qdd))
-        change += (wheels.A_rw @ qdd_rw)[regressors.momentum_axes,]
-        return jnp.where(sample.turning, change, 0.0)
-
-    return jax.vmap(shift)(batch, rates).ravel()
+    qdd, qdd_rw = rates[:, :joints], rates[:, joints:]
+    change = regressors.momentum_rate((batch.q, batch.qd, qdd), batch.w, pi)
+    change += (qdd_rw @ wheels.A_rw.T)[:, regressors.momentum_axes]
+    change[~batch.turning] = 0.0
+    return change.ravel()

@@ -11,8 +11,8 @@ from orbident.estimation.mass import Mass
 from orbident.estimation.prior import WIDE, prior_std
 from orbident.estimation.propagation import base_parameters
 from orbident.estimation.triangular import UNSEEN
-from orbident.regressors.derivatives import derivatives_of_beta, sets_of_beta
-from orbident.regressors.minimal_sets import MinimalSets
+from orbident.model.derivatives import derivatives_of_beta, sets_of_beta
+from orbident.model.minimal_sets import MinimalSets
 from orbident.robot.description import Robot
 
 RANK = 1e-10

@@ -9,7 +9,6 @@ from typing import Literal, get_args
 import numpy as np
 from jaxtyping import Bool, Float
 
-from orbident.dynamics.regularity import check_regular
 from orbident.errors import InputError
 from orbident.estimation.clocks import base_clocks, in_words, joint_clocks
 from orbident.estimation.found import Known
@@ -34,10 +33,10 @@ from orbident.estimation.result import Estimate, Estimates, Result
 from orbident.estimation.triangular import condition_numbers
 from orbident.estimation.verdict import judge, obstacles
 from orbident.estimation.weigh import Weighing, weigh
-from orbident.precision import in_float64
+from orbident.model.formulas import Formulas, SetFormulas, formulas_of, mass_forms
+from orbident.model.minimal_sets import MinimalSets, minimal_sets
+from orbident.model.regularity import check_regular
 from orbident.recordings.recording import Recording
-from orbident.regressors.formulas import Formulas, SetFormulas, formulas_of, mass_forms
-from orbident.regressors.minimal_sets import MinimalSets, minimal_sets
 from orbident.robot.description import Robot
 from orbident.signals.delays import corrections
 from orbident.signals.samples import Samples, samples_of
@@ -51,7 +50,6 @@ NO_FORMS = Estimates((), (), np.zeros(0), np.zeros(0))
 METHODS: tuple[Method, ...] = get_args(Method)
 
 
-@in_float64
 @one_blas_thread
 def identify(
     robot: Robot,

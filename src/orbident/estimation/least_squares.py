@@ -10,23 +10,18 @@ Where `v_S` is an integrated accelerometer, its constant bias `b` is one more un
 """
 
 from collections.abc import Callable
-from functools import partial
 from typing import Literal, NamedTuple, get_args
 
-import jax
-import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
-from orbident.compilation import compiled
-from orbident.dynamics.wheels import Wheels, wheels_of
 from orbident.errors import InputError
 from orbident.estimation.triangular import Layout, LinearFit, fold, solve
-from orbident.regressors.minimal_sets import MinimalSets, Regressors
+from orbident.model.minimal_sets import MinimalSets, Regressors
+from orbident.model.rotations import quaternion_matrix
+from orbident.model.wheels import Wheels, wheels_of
 from orbident.robot.description import Robot
 from orbident.signals.samples import Batch, Samples
-from orbident.spatial.arrays import AnyArray
-from orbident.spatial.rotations import product, quaternion_matrix, rotate
 
 InitialMomentum = Literal["unknown", "at-rest", "first-sample"]
 INITIAL_MOMENTA: tuple[InitialMomentum, ...] = get_args(InitialMomentum)
@@ -55,9 +50,9 @@ class Fits(NamedTuple):
 class KnownMomentum(NamedTuple):
     """What Section 3.1 knows of the momentum: `h_cm - R_0 Y pi = h + Y_in pi`."""
 
-    h: Float[AnyArray, "3"]
+    h: Float[np.ndarray, "3"]
     """Inertial axes, N m s."""
-    Y_in: Float[AnyArray, "h pi"]
+    Y_in: Float[np.ndarray, "h pi"]
     """`R_0 Y` of the first sample, where Eq. 24 subtracts it; else zero."""
 
 
@@ -87,7 +82,7 @@ def fit(
     for k, batch in enumerate(samples.batches(BATCH)):
         progress(k * BATCH / samples.t.size)
         rows_h, rows_v = rows_of(regressors, wheels, known, batch, bool(samples.drift))
-        R_h, R_v = fold(R_h, np.asarray(rows_h)), fold(R_v, np.asarray(rows_v))
+        R_h, R_v = fold(R_h, rows_h), fold(R_v, rows_v)
         turning += int(batch.turning.sum())
         moving += int(batch.moving.sum())
         h_rw = np.hypot(h_rw, np.linalg.norm(wheels.A_rw @ batch.qd_rw.T))
@@ -111,43 +106,36 @@ def momentum_layout(
     return Layout(0, parameters, axes)
 
 
-@partial(compiled, static_argnames="biased")
 def rows_of(
     regressors: Regressors,
     wheels: Wheels,
     known: KnownMomentum | None,
     batch: Batch,
     biased: bool,
-) -> tuple[Float[AnyArray, "h h_columns"], Float[AnyArray, "v v_columns"]]:
-    """The rows of Eqs. 24 and 31 for a batch."""
+) -> tuple[Float[np.ndarray, "h h_columns"], Float[np.ndarray, "v v_columns"]]:
+    """The rows of Eqs. 24 and 31 for a batch; zero where a sample is not valid."""
     turning, moving = regressors.momentum_axes, regressors.velocity_axes
+    R_BW = np.swapaxes(quaternion_matrix(batch.x_WB), 1, 2)
+    R_turning = R_BW[:, turning][:, :, turning]
+    Y, W = regressors(batch.q, batch.qd, batch.w)
+    h = -batch.qd_rw @ wheels.A_rw.T
+    if known is None:
+        momentum = [-R_turning, Y, h[:, turning, None]]
+    else:
+        h = h + R_BW @ known.h
+        momentum = [Y - R_turning @ known.Y_in, -R_turning, h[:, turning, None]]
+    v = (R_BW @ batch.v_S[:, :, None])[:, moving]
+    bias = (R_BW @ batch.drift)[:, moving][:, :, moving]
+    velocity = [R_BW[:, moving][:, :, moving], *([bias] if biased else []), W, v]
+    return _stacked(momentum, batch.turning), _stacked(velocity, batch.moving)
 
-    def rows(sample: Batch) -> tuple[AnyArray, AnyArray]:
-        R_BW = quaternion_matrix(sample.x_WB).T
-        Y, W = regressors(sample.q, sample.qd, sample.w)
-        h = -wheels.A_rw @ sample.qd_rw
-        R_turning = R_BW[turning, :][:, turning]
-        if known is None:
-            momentum = [-R_turning, Y, h[turning, None]]
-        else:
-            h = h + rotate(R_BW, known.h)
-            momentum = [Y - R_turning @ known.Y_in, -R_turning, h[turning, None]]
-        v = rotate(R_BW, sample.v_S)
-        bias = product(R_BW, sample.drift)[moving, :][:, moving]
-        velocity = [
-            R_BW[moving, :][:, moving],
-            *([bias] if biased else []),
-            W,
-            v[moving, None],
-        ]
-        return (
-            jnp.where(sample.turning, jnp.concatenate(momentum, axis=1), 0.0),
-            jnp.where(sample.moving, jnp.concatenate(velocity, axis=1), 0.0),
-        )
 
-    stacked = jax.vmap(rows)(batch)
-    momentum, velocity = (part.reshape(-1, part.shape[-1]) for part in stacked)
-    return momentum, velocity
+def _stacked(
+    parts: list[Float[np.ndarray, "n axes _"]], valid: Bool[np.ndarray, " n"]
+) -> Float[np.ndarray, "rows columns"]:
+    table = np.concatenate(parts, axis=2)
+    table[~valid] = 0.0
+    return table.reshape(-1, table.shape[2])
 
 
 def known_momentum(
@@ -174,16 +162,15 @@ def known_momentum(
     return KnownMomentum(h_rw if still else np.zeros(3), nothing)
 
 
-@compiled
 def _seen_from_inertial_axes(
     regressors: Regressors, wheels: Wheels, first: Batch
-) -> tuple[Float[AnyArray, "3"], Float[AnyArray, "h pi"]]:
+) -> tuple[Float[np.ndarray, "3"], Float[np.ndarray, "h pi"]]:
     """`R_0 A_rw qd_rw` and `R_0 Y` of a batch's only sample."""
     R_WB = quaternion_matrix(first.x_WB[0])
-    Y, _ = regressors(first.q[0], first.qd[0], first.w[0])
+    Y, _ = regressors(first.q, first.qd, first.w)
     turning = regressors.momentum_axes
     h_rw = R_WB @ (wheels.A_rw @ first.qd_rw[0])
-    return h_rw, R_WB[turning, :][:, turning] @ Y
+    return h_rw, R_WB[np.ix_(turning, turning)] @ Y[0]
 
 
 def _surprise(
@@ -195,10 +182,10 @@ def _surprise(
         return 0.0
     axes = np.array(sets.regressors.momentum_axes)
     h_rw, Y_in = _seen_from_inertial_axes(sets.regressors, wheels_of(robot), first)
-    h_rw = np.asarray(h_rw)[axes]
-    h_rs = np.asarray(Y_in - known.Y_in) @ sets.pi(robot.theta)
+    h_rw = h_rw[axes]
+    h_rs = (Y_in - known.Y_in) @ sets.pi(robot.theta)
     size = np.linalg.norm(h_rw)
-    error = np.linalg.norm(h_rw + h_rs - np.asarray(known.h)[axes])
+    error = np.linalg.norm(h_rw + h_rs - known.h[axes])
     return float(error / size) if size else 0.0
 
 

@@ -16,7 +16,7 @@ from jaxtyping import Float
 from scipy.linalg import null_space, qr
 
 from orbident.estimation.triangular import UNSEEN, LinearFit
-from orbident.regressors.minimal_sets import MinimalSets
+from orbident.model.minimal_sets import MinimalSets
 
 # Directions of the combined covariance below this fraction of the largest are
 # rounding: they would be trusted without limit.

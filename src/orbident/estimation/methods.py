@@ -22,8 +22,8 @@ from orbident.estimation.recursive.history import History, recursive_history
 from orbident.estimation.result import Estimate, nulled
 from orbident.estimation.structured import Structured, beta_of_fits, structured
 from orbident.estimation.verdict import no_direct_mass, no_linear_mass
+from orbident.model.minimal_sets import MinimalSets
 from orbident.recordings.recording import Recording
-from orbident.regressors.minimal_sets import MinimalSets
 from orbident.robot.description import Robot
 from orbident.signals.histories import MEASURED
 from orbident.signals.samples import Samples

@@ -5,7 +5,6 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from orbident.dynamics.wheels import wheels_of
 from orbident.estimation.least_squares import (
     BATCH,
     InitialMomentum,
@@ -15,8 +14,8 @@ from orbident.estimation.least_squares import (
 from orbident.estimation.output_error.chain import Problem
 from orbident.estimation.output_error.fitting import Fitted
 from orbident.estimation.output_error.sensors import Sensors
-from orbident.precision import in_float64
-from orbident.regressors.minimal_sets import MinimalSets
+from orbident.model.minimal_sets import MinimalSets
+from orbident.model.wheels import wheels_of
 from orbident.robot.description import Robot
 from orbident.signals.samples import Samples
 
@@ -91,7 +90,6 @@ def sensor_signals(
     return tuple(signals)
 
 
-@in_float64
 def equation_signals(
     robot: Robot,
     sets: MinimalSets,

@@ -8,7 +8,7 @@ from scipy.linalg import block_diag
 
 from orbident.estimation.mass import Mass, product_forms
 from orbident.estimation.triangular import UNSEEN, LinearFit
-from orbident.regressors.minimal_sets import MinimalSets
+from orbident.model.minimal_sets import MinimalSets
 
 
 class BaseEstimate(NamedTuple):

@@ -11,7 +11,7 @@ from orbident.errors import InputError
 from orbident.estimation.least_squares import Fits
 from orbident.estimation.predicted import Signals
 from orbident.estimation.recursive.history import History
-from orbident.regressors.reconstruction import Dynamics, reconstructed
+from orbident.model.reconstruction import Dynamics, reconstructed
 from orbident.robot.description import Robot
 from orbident.signals.delays import Delay
 

@@ -16,9 +16,8 @@ from orbident.estimation.burn import (
 )
 from orbident.estimation.result import Estimate, nulled
 from orbident.estimation.triangular import Layout, LinearFit, fold, solve
-from orbident.precision import in_float64
+from orbident.model.minimal_sets import conserved_axes
 from orbident.recordings.recording import Recording
-from orbident.regressors.minimal_sets import conserved_axes
 from orbident.robot.description import Robot
 from orbident.signals.delays import delays
 
@@ -65,7 +64,6 @@ class Weighing:
         }
 
 
-@in_float64
 def weigh(robot: Robot, recording: Recording) -> Weighing:
     """Total mass from how S answers a known force, joints locked (Eqs. 33 to 40).
 

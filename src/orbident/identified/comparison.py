@@ -19,7 +19,6 @@ from orbident.identified.single_body import (
     explanations,
     total,
 )
-from orbident.precision import in_float64
 
 CHANCE = 1e-3
 """What is less probable than this is no chance."""
@@ -57,7 +56,6 @@ class Comparison:
         }
 
 
-@in_float64
 def compare(before: Result, after: Result, body: str | None = None) -> Comparison:
     """What a robot captured, or let go, between two recordings.
 

@@ -24,7 +24,7 @@ from scipy.linalg import null_space
 
 from orbident.errors import InputError
 from orbident.estimation.result import Result
-from orbident.regressors.minimal_sets import minimal_sets
+from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.description import Robot, Structure
 
 FLOOR = 1e-12

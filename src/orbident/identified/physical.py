@@ -16,9 +16,8 @@ from scipy.stats import chi2
 
 from orbident.estimation.result import Result
 from orbident.identified.semidefinite import nearest_to_one, nearest_within
-from orbident.precision import in_float64
-from orbident.regressors.minimal_sets import minimal_sets
-from orbident.regressors.reconstruction import check_known, root_of
+from orbident.model.minimal_sets import minimal_sets
+from orbident.model.reconstruction import check_known, root_of
 from orbident.robot.description import Robot
 from orbident.robot.parameters import (
     FIRST_MOMENT,
@@ -43,7 +42,6 @@ class PhysicalBodies(NamedTuple):
     """Mahalanobis distance of their `beta` from the identified one, in sigmas."""
 
 
-@in_float64
 def physical_bodies(
     result: Result, rotors: Float[np.ndarray, "bodies 10"]
 ) -> PhysicalBodies | None:

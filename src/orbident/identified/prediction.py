@@ -5,31 +5,29 @@ base rate follows from conservation, and `phi` gives the velocity of S (Eq. 30).
 nominal inertia is used.
 """
 
-from functools import partial
+from collections.abc import Iterator
 from typing import NamedTuple
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 from scipy.interpolate import CubicSpline
 
-from orbident.compilation import compiled
 from orbident.dynamics.attitude import RateLaw, float_attitude, rate_law
-from orbident.dynamics.batches import in_batches
-from orbident.dynamics.wheels import wheels_of
 from orbident.errors import InputError
 from orbident.estimation.result import Result
-from orbident.precision import in_float64
+from orbident.model.minimal_sets import MinimalSets, Regressors, minimal_sets
+from orbident.model.rotations import quaternion_matrix, rotate
+from orbident.model.wheels import wheels_of
 from orbident.recordings.recording import Recording
-from orbident.regressors.minimal_sets import MinimalSets, Regressors, minimal_sets
 from orbident.signals.delays import corrections
 from orbident.signals.samples import Batch, samples_of
-from orbident.spatial.arrays import AnyArray
-from orbident.spatial.rotations import quaternion_matrix, rotate
 
 TOLERANCE = 1e-8
 """Of the predicted attitude, rad: below what any sensor sees."""
+
+
+PART = 512
+"""Samples whose regressors are in memory at once."""
 
 
 class Prediction(NamedTuple):
@@ -46,7 +44,6 @@ class Prediction(NamedTuple):
     """Predicted attitude."""
 
 
-@in_float64
 def predict(result: Result, recording: Recording) -> Prediction:
     """Run the identified model along a recording's joint and wheel histories.
 
@@ -73,13 +70,14 @@ def predict(result: Result, recording: Recording) -> Prediction:
 
     wheels = wheels_of(robot)
     turning = np.isin(np.arange(3), regressors.momentum_axes)
-    terms = partial(_terms, regressors, pi, phi)
-    at = in_batches(terms, measured.q, measured.qd, measured.w, measured.x_WB)
-    R_WB = at.R_WB
-    h_W = np.einsum("nij,nj->ni", R_WB, at.h + measured.qd_rw @ wheels.A_rw.T)
-    h_cm = np.where(turning, h_W.mean(axis=0), 0.0)
-    moving = measured.moving
-    v_cm = (measured.v_S - at.v)[moving].mean(axis=0) if moving.any() else np.zeros(3)
+    at = momentum_terms(regressors, pi, phi, measured.q, measured.qd)
+    R_WB = quaternion_matrix(measured.x_WB)
+    h_B = rotate(at.D, measured.w) + at.h_q + measured.qd_rw @ wheels.A_rw.T
+    h_cm = np.where(turning, rotate(R_WB, h_B).mean(axis=0), 0.0)
+    moving, v_cm = measured.moving, np.zeros(3)
+    if moving.any():
+        v = rotate(R_WB, rotate(at.V, measured.w) + at.v_q)
+        v_cm = (measured.v_S - v)[moving].mean(axis=0)
 
     joints = len(robot.joints)
     history = np.hstack([measured.q, measured.qd, measured.qd_rw])
@@ -87,56 +85,56 @@ def predict(result: Result, recording: Recording) -> Prediction:
 
     def law_at(nodes: Float[np.ndarray, " m"]) -> RateLaw:
         q, qd, qd_rw = np.split(spline(nodes), [joints, 2 * joints], axis=1)
-        at_rest = np.zeros((nodes.size, 3)), np.tile([0.0, 0, 0, 1], (nodes.size, 1))
-        at = in_batches(terms, q, qd, *at_rest)
-        h_moving = at.h + qd_rw @ wheels.A_rw.T
+        at = momentum_terms(regressors, pi, phi, q, qd)
+        h_moving = at.h_q + qd_rw @ wheels.A_rw.T
         return rate_law(at.D, h_moving, robot.motion == "planar")
 
     x_WB, law, _, _ = float_attitude(law_at, t, h_cm, measured.x_WB[0], TOLERANCE)
-    w = in_batches(_rate, law, x_WB, np.broadcast_to(h_cm, (t.size, 3)))
-    v = in_batches(terms, measured.q, measured.qd, w, x_WB).v
+    w = law.rate(x_WB, np.broadcast_to(h_cm, (t.size, 3)))
+    v = rotate(quaternion_matrix(x_WB), rotate(at.V, w) + at.v_q)
     return Prediction(t, measured, w, v + v_cm, x_WB)
 
 
-class Terms(NamedTuple):
-    """The identified momentum and velocity at some joint states."""
+class MomentumTerms(NamedTuple):
+    """The identified momentum and velocity at some joint states, base axes.
 
-    D: Float[AnyArray, "n 3 3"]
-    h: Float[AnyArray, "n 3"]
-    """`h_rs = D w + D_q qd`, base axes; zero where momentum is not conserved."""
-    v: Float[AnyArray, "n 3"]
-    """Velocity of S relative to the system CM, inertial axes."""
-    R_WB: Float[AnyArray, "n 3 3"]
+    `h_rs = D w + h_q` and, relative to the system CM, `v_S = V w + v_q`; zero in axes
+    in which momentum is not conserved.
+    """
+
+    D: Float[np.ndarray, "n 3 3"]
+    h_q: Float[np.ndarray, "n 3"]
+    V: Float[np.ndarray, "n 3 3"]
+    v_q: Float[np.ndarray, "n 3"]
 
 
-@compiled
-def _terms(
+def momentum_terms(
     regressors: Regressors,
-    pi: Float[AnyArray, " pi"],
-    phi: Float[AnyArray, " phi"],
-    q: Float[AnyArray, "n joints"],
-    qd: Float[AnyArray, "n joints"],
-    w: Float[AnyArray, "n 3"],
-    x_WB: Float[AnyArray, "n 4"],
-) -> Terms:
-    turning, moving = regressors.momentum_axes, regressors.velocity_axes
+    pi: Float[np.ndarray, " pi"],
+    phi: Float[np.ndarray, " phi"],
+    q: Float[np.ndarray, "n joints"],
+    qd: Float[np.ndarray, "n joints"],
+) -> MomentumTerms:
+    """`Y pi` and `W phi` at unit base rates and at the joints' rates (Eq. 16)."""
+    n = len(q)
+    D, V = np.zeros((2, n, 3, 3))
+    h_q, v_q = np.zeros((2, n, 3))
+    turning, moving = list(regressors.momentum_axes), list(regressors.velocity_axes)
+    for part in parts_of(n):
+        rest = np.zeros_like(q[part])
+        w = np.zeros((len(rest), 3))
+        Y, W = regressors(q[part], qd[part], w)
+        h_q[part, turning], v_q[part, moving] = Y @ pi, W @ phi
+        for k in turning:
+            Y, W = regressors(q[part], rest, w + np.eye(3)[k])
+            D[part, turning, k], V[part, moving, k] = Y @ pi, W @ phi
+    return MomentumTerms(D, h_q, V, v_q)
 
-    def terms(q, qd, w, x_WB):
-        def h_rs(w):
-            Y, _ = regressors(q, qd, w)
-            return jnp.zeros(3).at[turning,].set(Y @ pi)
 
-        _, W = regressors(q, qd, w)
-        R_WB = quaternion_matrix(x_WB)
-        v = jnp.zeros(3).at[moving,].set(W @ phi)
-        return Terms(jax.jacfwd(h_rs)(w), h_rs(w), rotate(R_WB, v), R_WB)
-
-    return jax.vmap(terms)(q, qd, w, x_WB)
-
-
-@compiled
-def _rate(law: RateLaw, x_WB: Float[AnyArray, "n 4"], h_cm: Float[AnyArray, "n 3"]):
-    return law.rate(x_WB, h_cm)
+def parts_of(n: int) -> Iterator[slice]:
+    """Consecutive samples: a regressor may have hundreds of columns a sample."""
+    for start in range(0, n, PART):
+        yield slice(start, start + PART)
 
 
 def _check_sizes(result: Result, sets: MinimalSets) -> None:

@@ -8,7 +8,7 @@ from jaxtyping import Float
 
 from orbident.errors import InputError
 from orbident.files.schema_errors import validated
-from orbident.regressors.minimal_sets import minimal_sets
+from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.assembly import assembled
 from orbident.robot.description import Robot
 from orbident.robot.fusing import Placement, fused

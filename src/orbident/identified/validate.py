@@ -9,8 +9,8 @@ from jaxtyping import Float
 from orbident.estimation.result import Result, nulled
 from orbident.identified.intervals import deviations
 from orbident.identified.prediction import predict
+from orbident.model.minimal_sets import conserved_axes
 from orbident.recordings.recording import Recording
-from orbident.regressors.minimal_sets import conserved_axes
 
 WITHIN = 1.96
 """Deviations: 95 % of what is normally distributed."""

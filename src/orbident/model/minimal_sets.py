@@ -65,6 +65,27 @@ class Regressors(NamedTuple):
         Y, W = _core.regressors(self.core, *state, processors())
         return Y[:, self.momentum_axes], W[:, self.velocity_axes]
 
+    def momentum_rate(
+        self,
+        joints: tuple[
+            Float[np.ndarray, "n joints"],
+            Float[np.ndarray, "n joints"],
+            Float[np.ndarray, "n joints"],
+        ],
+        w: Float[np.ndarray, "n 3"],
+        pi: Float[np.ndarray, " pi"],
+    ) -> Float[np.ndarray, "n h"]:
+        """`d/dt (Y pi)` by the joints alone, the base rate held; base axes, N m.
+
+        Args:
+            joints: `q`, `qd` and `qdd`.
+            w: base angular velocities, rad/s, base axes.
+            pi: kg m^2.
+        """
+        state = (np.ascontiguousarray(x) for x in (*joints, w, pi))
+        rate = _core.momentum_rate(self.core, *state, processors())
+        return rate[:, self.momentum_axes]
+
 
 @dataclass(frozen=True)
 class MinimalSets:

@@ -12,9 +12,9 @@ def cross_matrix(v: Float[np.ndarray, "*n 3"]) -> Float[np.ndarray, "*n 3 3"]:
 
 
 def rotate(
-    R: Float[np.ndarray, "*#n 3 3"], v: Float[np.ndarray, "*#n 3"]
+    R: Float[np.ndarray, "*#n 3 m"], v: Float[np.ndarray, "*#n m"]
 ) -> Float[np.ndarray, "*#n 3"]:
-    """`R v`."""
+    """`R v`, for a rotation or any other matrix with three rows."""
     return (R @ v[..., None])[..., 0]
 
 

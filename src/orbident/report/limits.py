@@ -4,15 +4,13 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from orbident.estimation.result import Result
-from orbident.precision import in_float64
-from orbident.regressors.identifiability import not_identifiable
-from orbident.regressors.minimal_sets import minimal_sets
+from orbident.model.identifiability import not_identifiable
+from orbident.model.minimal_sets import minimal_sets
 from orbident.report.numbers import NONE, short
 from orbident.report.section import Row, Section, Table
 from orbident.robot.description import Joint
 
 
-@in_float64
 def identifiability(result: Result) -> Section:
     """What free floating never shows of this robot."""
     sentences = not_identifiable(result.robot, minimal_sets(result.robot))

@@ -6,8 +6,7 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.estimation.result import Estimates, Result
-from orbident.precision import in_float64
-from orbident.regressors.minimal_sets import minimal_sets
+from orbident.model.minimal_sets import minimal_sets
 from orbident.report.charts import listed, shortened
 from orbident.report.numbers import (
     NINETY_FIVE,
@@ -36,7 +35,6 @@ SMALL = 1e-3
 """Of the largest of its kind: beside a CAD value so small, percent say nothing."""
 
 
-@in_float64
 def nominal_of(result: Result) -> Nominal:
     """All sets of the robot's own inertia; NaN where a result has other sets."""
     robot = result.robot

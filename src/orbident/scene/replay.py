@@ -1,27 +1,20 @@
 """A recorded motion, and beside it the motion that an identified model predicts."""
 
-from functools import partial
 from typing import NamedTuple
 
-import jax
 import numpy as np
 from jaxtyping import Float
 from scipy.integrate import cumulative_trapezoid
 
-from orbident.compilation import compiled
-from orbident.dynamics.batches import in_batches
-from orbident.dynamics.inertia import inertia
-from orbident.dynamics.tree import Tree, tree_of
 from orbident.errors import InputError
 from orbident.estimation.result import Result
 from orbident.identified.prediction import predict
-from orbident.precision import in_float64
+from orbident.model.inertia import inertia
+from orbident.model.rotations import quaternion_matrix, rotate
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.scene.motion import Motion
 from orbident.signals.samples import Batch, samples_of
-from orbident.spatial.arrays import AnyArray
-from orbident.spatial.rotations import cross, quaternion_matrix, rotate
 
 
 class Replay(NamedTuple):
@@ -102,29 +95,10 @@ def _between(
     return np.column_stack([np.interp(t, t_seen, column) for column in values.T])
 
 
-@in_float64
 def _about_resting_cm(
     robot: Robot, batch: Batch
 ) -> tuple[Float[np.ndarray, "n 3"], Float[np.ndarray, "n 3"]]:
     """Position and velocity of S about a CM that rests at the origin (Eq. 28)."""
-    function = partial(_from_cm, tree_of(robot), robot.theta)
-    return in_batches(function, batch.q, batch.qd, batch.w, batch.x_WB)
-
-
-@compiled
-def _from_cm(
-    tree: Tree,
-    theta: Float[AnyArray, "bodies 10"],
-    q: Float[AnyArray, "n joints"],
-    qd: Float[AnyArray, "n joints"],
-    w: Float[AnyArray, "n 3"],
-    x_WB: Float[AnyArray, "n 4"],
-) -> tuple[Float[AnyArray, "n 3"], Float[AnyArray, "n 3"]]:
-    def each(q, qd, w, x_WB):
-        at, R_WB = inertia(tree, theta, q), quaternion_matrix(x_WB)
-        return (
-            -rotate(R_WB, at.r_cm),
-            -rotate(R_WB, cross(w, at.r_cm) + at.J_cm @ qd),
-        )
-
-    return jax.vmap(each)(q, qd, w, x_WB)
+    at, R_WB = inertia(robot, batch.q), quaternion_matrix(batch.x_WB)
+    v_cm_S = np.cross(batch.w, at.r_cm) + rotate(at.J_cm, batch.qd)
+    return -rotate(R_WB, at.r_cm), -rotate(R_WB, v_cm_S)

@@ -5,10 +5,10 @@ from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from orbident.dynamics.regularity import check_regular
 from orbident.errors import InputError
 from orbident.estimation.result import Result
 from orbident.identified.run_folder import load_result
+from orbident.model.regularity import check_regular
 from orbident.recordings.tables import read_recording
 from orbident.robot.description import Robot
 from orbident.robot.robot_file import load_robot
