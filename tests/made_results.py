@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from orbident.estimation.result import Estimate, Estimates, Result
-from orbident.regressors.formulas import formulas_of
-from orbident.regressors.minimal_sets import minimal_sets
+from orbident.model.formulas import formulas_of
+from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.description import Robot, Structure
 
 NONE = Estimates((), (), np.zeros(0), np.zeros(0))

@@ -12,8 +12,8 @@ from orbident.estimation.output_error.sensors import sensors_of
 from orbident.estimation.output_error.solve import Prior
 from orbident.estimation.output_error.start import start_of
 from orbident.estimation.output_error.unknowns import Own
+from orbident.model.minimal_sets import minimal_sets
 from orbident.recordings.recording import Recording
-from orbident.regressors.minimal_sets import minimal_sets
 from orbident.robot.description import Robot, Wheel
 from orbident.sensing.simulate import simulate
 from orbident.signals.delays import SENSORS

@@ -14,8 +14,8 @@ from scipy.spatial.transform import Rotation
 from orbident.estimation.identify import METHODS, Method, identify
 from orbident.estimation.result import Estimates, Result
 from orbident.identified.validate import validate
+from orbident.model.minimal_sets import minimal_sets
 from orbident.recordings.recording import Recording
-from orbident.regressors.minimal_sets import minimal_sets
 from orbident.robot.description import Robot
 from orbident.sensing.simulate import simulate
 

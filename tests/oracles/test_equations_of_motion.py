@@ -9,7 +9,6 @@ that `v_pin = T v`:  H+ = T^T H T  and  c+ = T^T (H T' v + c).
 
 from typing import NamedTuple
 
-import jax
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -17,14 +16,14 @@ from pinocchio_model import PinocchioRobot, pinocchio_model
 from random_robots import random_parents, random_robot, random_wheels
 from wheels_as_joints import wheels_as_joints
 
-from orbident.dynamics.equations_of_motion import (
+from orbident import _core
+from orbident.model.core_robot import core_robot
+from orbident.model.equations_of_motion import (
     Equations,
-    Model,
     equations_of_motion,
-    model_of,
+    velocity_of_S,
 )
-from orbident.dynamics.forces import jacobian
-from orbident.dynamics.loops.equations import equations, machine_of
+from orbident.model.forces import jacobian
 from orbident.robot.description import Robot
 from orbident.robot.robot_file import load_robot
 
@@ -55,7 +54,7 @@ ROBOTS = {f"random-{seed}": some_robot(seed) for seed in range(5)} | {
 class Case(NamedTuple):
     """A robot in a state, with what either side makes of it."""
 
-    model: Model
+    robot: Robot
     q: np.ndarray
     v: np.ndarray
     ours: Equations
@@ -97,22 +96,19 @@ def theirs_of(robot: Robot, q: np.ndarray, v: np.ndarray) -> Theirs:
     return Theirs(pinocchio, data, T, T.T @ H @ T, T.T @ c, a_S)
 
 
-jitted_equations = jax.jit(equations_of_motion)
-jitted_jacobian = jax.jit(jacobian, static_argnums=2)
-
-
 @pytest.fixture(scope="module", params=ROBOTS)
 def cases(request) -> list[Case]:
     """The robot in random states, wheels at hundreds of rad/s."""
     robot = ROBOTS[request.param]
-    random, model = np.random.default_rng(7), model_of(robot)
+    random = np.random.default_rng(7)
     cases = []
     for _ in range(STATES):
         q = random.standard_normal(len(robot.joints))
         v = random.standard_normal(6 + q.size + len(robot.wheels))
         v[6 + q.size :] *= 200.0
-        ours = jitted_equations(model, q, v)
-        cases.append(Case(model, q, v, ours, theirs_of(robot, q, v)))
+        every = equations_of_motion(robot, q[None], v[None])
+        ours = Equations(*(part[0] for part in every))
+        cases.append(Case(robot, q, v, ours, theirs_of(robot, q, v)))
     return cases
 
 
@@ -131,19 +127,21 @@ def test_velocity_dependent_forces(cases):
         assert_close(case.ours.c, case.theirs.c)
 
 
-def test_compiled_loops(cases):
-    """All states in one call."""
-    q, v = (np.array([getattr(case, name) for case in cases]) for name in "qv")
-    H, c = equations(machine_of(cases[0].model), q, v)
-    for k, case in enumerate(cases):
-        assert_close(H[k], case.theirs.H)
-        assert_close(c[k], case.theirs.c)
+def test_many_states_at_once(cases):
+    """On one thread and on two: the same bits."""
+    q, v = (np.repeat([getattr(case, name) for case in cases], 60, 0) for name in "qv")
+    robot = core_robot(cases[0].robot)
+    one, two = (_core.equations_of_motion(robot, q, v, threads) for threads in (1, 2))
+    for a, b, name in zip(one, two, Equations._fields, strict=True):
+        np.testing.assert_array_equal(a, b)
+        alone = np.array([getattr(case.ours, name) for case in cases])
+        np.testing.assert_array_equal(a[::60], alone)
 
 
 def test_feature_point(cases):
     """Its Jacobian, and its acceleration where `v' = 0`."""
     for case in cases:
-        assert_close(case.ours.J_S, case.theirs.T[:6])
+        assert_close(velocity_of_S(case.robot, case.q), case.theirs.T[:6])
         assert_close(case.ours.f_S, case.theirs.a_S)
 
 
@@ -159,5 +157,5 @@ def test_point_jacobians(cases):
             pin.SE3(np.eye(3), point),
             pin.LOCAL_WORLD_ALIGNED,
         )[:, case.theirs.robot.rows]
-        ours = jitted_jacobian(case.model, case.q, body, point)
+        ours = jacobian(case.robot, case.q, body, point)
         assert_close(ours, J @ case.theirs.T)

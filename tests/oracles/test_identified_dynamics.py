@@ -12,20 +12,18 @@ from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
-import jax
 import mujoco
 import numpy as np
 import pinocchio as pin
 import pytest
 from random_motions import random_motion
 
-from orbident.dynamics.batches import in_batches
-from orbident.dynamics.equations_of_motion import equations_of_motion, model_of
-from orbident.dynamics.forces import jacobian
 from orbident.estimation.identify import identify
 from orbident.estimation.result import Result
 from orbident.identified.physical import physical_bodies
 from orbident.identified.urdf_export import exported_urdf, rotor_parts
+from orbident.model.equations_of_motion import equations_of_motion, movable
+from orbident.model.forces import jacobian
 from orbident.robot.description import Robot
 from orbident.robot.robot_file import load_robot
 from orbident.sensing.simulate import simulate
@@ -68,7 +66,7 @@ def case(request, tmp_path_factory) -> Case:
     random = np.random.default_rng(0)
     q = random.standard_normal((STATES, len(robot.joints)))
     v = random.standard_normal((STATES, 6 + len(robot.joints) + len(robot.wheels)))
-    return Case(robot, result, q, v * np.asarray(model_of(robot).free))
+    return Case(robot, result, q, v * movable(robot))
 
 
 def without_stops(robot: Robot) -> Robot:
@@ -93,12 +91,6 @@ def astrobee(folder: Path) -> Robot:
     return load_robot(path)
 
 
-@jax.jit
-def true_equations(model, q, v):
-    at = jax.vmap(equations_of_motion, (None, 0, 0))(model, q, v)
-    return at.H, at.c
-
-
 def worst(found: np.ndarray, true: np.ndarray) -> float:
     """Largest error over the largest entry, of what is known."""
     known = np.isfinite(found)
@@ -106,8 +98,8 @@ def worst(found: np.ndarray, true: np.ndarray) -> float:
 
 
 def test_reconstruction(case):
-    identified, true = case.result.dynamics(), model_of(case.true)
-    H, c = in_batches(lambda q, v: true_equations(true, q, v), case.q, case.v)
+    identified = case.result.dynamics()
+    H, c, _ = equations_of_motion(case.true, case.q, case.v)
     assert worst(identified.H_plus(case.q), H) < EXACT
     assert worst(identified.c_plus(case.q, case.v), c) < EXACT
     # In the plane, all but the base's rates about x and y.
@@ -117,13 +109,12 @@ def test_reconstruction(case):
 
 
 def test_jacobians(case):
-    identified, true = case.result.dynamics(), model_of(case.true)
+    identified = case.result.dynamics()
     point = np.array([0.3, -0.2, 0.5])
     bodies = case.true.bodies
-    each = jax.jit(jax.vmap(jacobian, (None, 0, None, None)), static_argnums=2)
     for body in (0, len(bodies) - 1):
-        expected = np.asarray(each(true, case.q, body, point))
-        for q, J in zip(case.q, expected, strict=True):
+        for q in case.q:
+            J = jacobian(case.true, q, body, point)
             assert worst(identified.jacobian(q, bodies[body], point), J) < EXACT
 
 
@@ -138,9 +129,9 @@ def test_exported_urdf(case):
     known = np.array([0, 1, 2, 5]) if robot.motion == "planar" else np.arange(6)
     known = np.append(known, np.arange(6, 6 + len(robot.joints)))
     # Without the wheels, which no URDF of these has.
-    true = model_of(replace(case.true, wheels=()))
+    true = replace(case.true, wheels=())
     v = case.v[:20, : 6 + len(robot.joints)]
-    H, c = true_equations(true, case.q[:20], v)
+    H, c, _ = equations_of_motion(true, case.q[:20], v)
     for state in zip(case.q, v, H, c, strict=False):
         q, rates, H_k, c_k = map(np.asarray, state)
         H_pin, c_pin = by_pinocchio(model, robot, q, rates)

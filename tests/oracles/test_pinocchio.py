@@ -5,23 +5,21 @@
 
 from typing import NamedTuple
 
-import jax
 import numpy as np
 import pinocchio as pin
 import pytest
 from pinocchio_model import PinocchioRobot, pinocchio_model
 from random_robots import random_parents, random_robot
 
-from orbident.dynamics.inertia import Inertia, Masses, inertia, masses_about_S
-from orbident.dynamics.kinematics import (
-    JointFields,
-    Velocities,
-    joint_fields,
-    point_jacobian,
-    velocities,
+from orbident.model.inertia import (
+    Inertia,
+    Masses,
+    carried_about_S,
+    inertia,
+    masses_about_S,
 )
-from orbident.dynamics.tree import Poses, Tree, poses, tree_of
-from orbident.regressors.momentum import Momentum, momentum
+from orbident.model.kinematics import Poses, point_jacobian, poses
+from orbident.model.momentum import Momentum, momentum
 from orbident.robot.description import Robot
 
 ROBOTS, STATES, JOINTS = 24, 4, 7
@@ -35,9 +33,8 @@ class Ours(NamedTuple):
     """Everything orbident computes for one case."""
 
     poses: Poses
-    fields: JointFields
-    velocities: Velocities
     masses: Masses
+    carried: Masses
     inertia: Inertia
     momentum: Momentum
 
@@ -46,7 +43,6 @@ class Case(NamedTuple):
     """A robot in a state, with what either side makes of it."""
 
     robot: Robot
-    tree: Tree
     ours: Ours
     theirs: PinocchioRobot
     data: pin.Data
@@ -55,18 +51,16 @@ class Case(NamedTuple):
     """Pinocchio's configuration and velocity."""
 
 
-@jax.jit
-@jax.vmap
-def everything(tree, theta, q, qd, w):
-    at = poses(tree, q)
-    return Ours(
-        at,
-        joint_fields(tree, at),
-        velocities(tree, at, qd, w),
-        masses_about_S(at, theta),
-        inertia(tree, theta, q),
-        momentum(tree, q, qd, w),
+def ours_of(robot: Robot, q: np.ndarray, qd: np.ndarray, w: np.ndarray) -> Ours:
+    """One state, without the leading axis of the states."""
+    every = (
+        poses(robot, q[None]),
+        masses_about_S(robot, q[None]),
+        carried_about_S(robot, q[None]),
+        inertia(robot, q[None]),
+        momentum(robot, q[None], qd[None], w[None]),
     )
+    return Ours(*(type(parts)(*(part[0] for part in parts)) for parts in every))
 
 
 def some_robot(seed: int) -> Robot:
@@ -78,15 +72,11 @@ def some_robot(seed: int) -> Robot:
 
 @pytest.fixture(scope="module")
 def cases() -> list[Case]:
-    """Each robot in several states; one compiled call for all of ours."""
+    """Each robot in several states."""
     robots = [some_robot(seed) for seed in range(ROBOTS) for _ in range(STATES)]
-    trees = [tree_of(robot) for robot in robots]
     random = np.random.default_rng(0)
     q, qd = random.standard_normal((2, len(robots), JOINTS))
     w = random.standard_normal((len(robots), 3))
-    stacked = jax.tree.map(lambda *leaves: np.stack(leaves), *trees)
-    theta = np.stack([robot.theta for robot in robots])
-    ours = jax.tree.map(np.asarray, everything(stacked, theta, q, qd, w))
     cases = []
     for k, robot in enumerate(robots):
         theirs = pinocchio_model(robot)
@@ -96,12 +86,9 @@ def cases() -> list[Case]:
         # Fills oYcrb, J, Ag, Ig and hg; S is Pinocchio's world origin.
         pin.ccrba(theirs.model, data, at, rate)
         pin.jacobianCenterOfMass(theirs.model, data, at)
-        mine = jax.tree.map(lambda leaf, k=k: leaf[k], ours)
-        cases.append(Case(robot, trees[k], mine, theirs, data, at, rate))
+        mine = ours_of(robot, q[k], qd[k], w[k])
+        cases.append(Case(robot, mine, theirs, data, at, rate))
     return cases
-
-
-jitted_point_jacobian = jax.jit(point_jacobian, static_argnums=2)
 
 
 def assert_close(ours, theirs):
@@ -135,8 +122,8 @@ def test_body_poses(cases):
 def test_joint_fields(cases):
     for case in cases:
         J = case.data.J[:, case.theirs.rows[6:]].T
-        assert_close(case.ours.fields.u, J[:, :3])
-        assert_close(case.ours.fields.w, J[:, 3:])
+        assert_close(case.ours.poses.field_u, J[:, :3])
+        assert_close(case.ours.poses.field_w, J[:, 3:])
 
 
 def test_body_velocities(cases):
@@ -146,8 +133,13 @@ def test_body_velocities(cases):
         ]
         v = np.array([R @ twist.linear for R, twist in moving])
         w = np.array([R @ twist.angular for R, twist in moving])
-        assert_close(case.ours.velocities.v, v)
-        assert_close(case.ours.velocities.w, w)
+        # A body's column of mass is v_i, those of its first moment are w_i x r_j along
+        # its axes r_j; and the sum of r_j x (w x r_j) is 2 w.
+        P = case.ours.momentum.P.reshape(3, -1, 10)
+        assert_close(P[:, :, 0].T, v)
+        turned = np.moveaxis(P[:, :, 1:4], 1, 0)
+        r = case.ours.poses.R
+        assert_close(np.cross(r, turned, axis=1).sum(axis=2) / 2, w)
 
 
 def test_each_body_about_S(cases):
@@ -162,14 +154,11 @@ def test_each_body_about_S(cases):
 def test_composite_of_what_each_joint_carries(cases):
     for case in cases:
         composites = [case.data.oYcrb[i] for i in case.theirs.bodies[1:]]
-        moves, ours = case.tree.moves, case.ours.masses
+        ours = case.ours.carried
         carried = np.array([Y.mass * Y.lever for Y in composites])
-        assert_close(moves @ ours.m, np.array([Y.mass for Y in composites]))
-        assert_close(moves @ ours.s, carried)
-        assert_close(
-            np.einsum("ki,iab->kab", moves, ours.J),
-            np.array([Y.matrix()[3:, 3:] for Y in composites]),
-        )
+        assert_close(ours.m[1:], np.array([Y.mass for Y in composites]))
+        assert_close(ours.s[1:], carried)
+        assert_close(ours.J[1:], np.array([Y.matrix()[3:, 3:] for Y in composites]))
 
 
 def test_inertia_is_the_schur_complement_of_the_joint_space_inertia(cases):
@@ -178,7 +167,7 @@ def test_inertia_is_the_schur_complement_of_the_joint_space_inertia(cases):
         H = joint_space_inertia(case)
         C = H[3:, 3:] - H[3:, :3] @ np.linalg.solve(H[:3, :3], H[:3, 3:])
         ours = case.ours.inertia
-        assert_close(ours.M, H[0, 0])
+        assert_close(case.ours.carried.m[0], H[0, 0])
         assert_close(np.block([[ours.D, ours.D_q], [ours.D_q.T, ours.D_qq]]), C)
 
 
@@ -232,5 +221,5 @@ def test_point_jacobian_of_every_body(cases):
                 pin.SE3(np.eye(3), point),
                 pin.LOCAL_WORLD_ALIGNED,
             )
-            ours = jitted_point_jacobian(case.tree, q, body, point)
+            ours = point_jacobian(case.robot, q, body, point)
             assert_close(ours, J[:, case.theirs.rows[3:]])

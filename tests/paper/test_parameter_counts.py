@@ -13,8 +13,8 @@ import pytest
 from random_robots import DUAL_ARM, random_planar_robot, random_robot
 
 from orbident.dynamics.tree import tree_of
-from orbident.regressors.minimal_sets import minimal_sets
-from orbident.regressors.momentum import momentum
+from orbident.model.minimal_sets import minimal_sets
+from orbident.model.momentum import momentum
 from orbident.robot.description import Robot
 from orbident.robot.parameters import PER_BODY
 from orbident.robot.robot_file import load_robot

@@ -9,8 +9,8 @@ from obvious_momentum import system_motion
 from random_robots import random_planar_robot
 
 from orbident.errors import InputError
-from orbident.regressors.minimal_sets import MinimalSets, minimal_sets
-from orbident.regressors.paper_bases import (
+from orbident.model.minimal_sets import MinimalSets, minimal_sets
+from orbident.model.paper_bases import (
     paper_basis,
     planar_columns,
     spatial_columns,

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from obvious_momentum import system_motion
 from random_robots import random_planar_robot, random_robot
 
-from orbident.regressors.formulas import formulas_of, mass_forms
-from orbident.regressors.minimal_sets import MinimalSets, Regressors, minimal_sets
+from orbident.model.formulas import formulas_of, mass_forms
+from orbident.model.minimal_sets import MinimalSets, Regressors, minimal_sets
 from orbident.robot.description import Axis, Robot, Structure
 
 JOINTS, STATES = 3, 6

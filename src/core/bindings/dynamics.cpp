@@ -100,6 +100,28 @@ auto momentum(const OwnedTree& owned, const Array& q_, const Array& qd_, const A
   return std::make_tuple(S.give(), P.give(), A.give());
 }
 
+// Mass, first moment and inertia about S, of each body or of all that each body carries.
+auto masses(const OwnedRobot& owned, const Array& q_, bool carried) {
+  const Robot robot = owned.view();
+  const std::ptrdiff_t K = robot.tree.joints, B = robot.tree.bodies();
+  const auto q = input<2>("q", q_, {ANY, K});
+  const std::ptrdiff_t n = q.size(0);
+  Out<2> m(n, B);
+  Out<3> s(n, B, 3);
+  Out<4> J(n, B, 3, 3);
+  BodiesMemory<double> memory(robot.tree);
+  for (std::ptrdiff_t k = 0; k < n; ++k) {
+    configure(robot, q.data() + k * K, memory.at);
+    for (std::ptrdiff_t i = 0; i < B; ++i) {
+      const Mass<double>& body = carried ? memory.at.carried[i] : memory.at.mass[i];
+      m.data()[k * B + i] = body.m;
+      Eigen::Map<Vector3<double>>(s.data() + 3 * (k * B + i)) = body.s;
+      Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(J.data() + 9 * (k * B + i)) = body.J;
+    }
+  }
+  return std::make_tuple(m.give(), s.give(), J.give());
+}
+
 auto inertia(const OwnedRobot& owned, const Array& q_, int threads) {
   const Robot robot = owned.view();
   const std::ptrdiff_t K = robot.tree.joints;
@@ -223,6 +245,8 @@ void bind_dynamics(nb::module_& m) {
         "R_Bi and p_SBi of all bodies, and the motion (w, u at S) of each joint at unit rate; base axes.");
   m.def("momentum", &momentum, nb::arg("tree"), nb::arg("q"), nb::arg("qd"), nb::arg("w"),
         nb::arg("threads") = 1, "The momentum regressors S, P and A (Eqs. 3, 19).");
+  m.def("masses", &masses, nb::arg("robot"), nb::arg("q"), nb::arg("carried"),
+        "Mass, first moment and inertia about S of each body, or of all that it carries.");
   m.def("inertia", &inertia, nb::arg("robot"), nb::arg("q"), nb::arg("threads") = 1,
         "D, D_q, D_qq, r_cm and J_cm (Eqs. 3, 6, 30).");
   m.def("equations_of_motion", &equations_of_motion, nb::arg("robot"), nb::arg("q"), nb::arg("v"),

@@ -8,10 +8,8 @@ from jaxtyping import Float
 
 from orbident.errors import InputError
 from orbident.model.equations_of_motion import equations_of_motion, movable
-from orbident.model.inertia import inertia_at
-from orbident.model.kinematics import carrying_joints, poses
+from orbident.model.inertia import carried_about_S, inertia_at
 from orbident.robot.description import Robot
-from orbident.robot.parameters import FIRST_MOMENT, MASS
 
 SINGULAR = 1e-12
 """Least eigenvalue of a mass matrix with unit diagonal: real arms reach 1e-6, rounding
@@ -50,18 +48,11 @@ def check_regular(robot: Robot) -> None:
 def _sizes(
     robot: Robot, q: Float[np.ndarray, " joints"]
 ) -> tuple[float, Float[np.ndarray, " joints"]]:
-    """What the diagonal of base and joints is made of, before anything cancels.
-
-    With `J` the inertia of a body about S, `tr J = tr I + 2 d . (2 R m c + m d)`.
-    """
-    at = poses(robot, q[None])
-    m, d = robot.theta[:, MASS], at.d[0]
-    s = np.einsum("bij,bj->bi", at.R[0], robot.theta[:, FIRST_MOMENT])
-    I = robot.theta[:, [4, 6, 9]].sum(axis=1)
-    spread = I + 2 * np.sum(d * (2 * s + m[:, None] * d), axis=1)
-    carries = np.array([carrying_joints(robot, i) for i in range(m.size)]).T
+    """What the diagonal of base and joints is made of, before anything cancels."""
+    m, _, J = (part[0] for part in carried_about_S(robot, q[None]))
+    spread = np.trace(J, axis1=1, axis2=2)
     turns = np.array([joint.kind == "revolute" for joint in robot.joints], dtype=bool)
-    return float(spread.sum()), np.where(turns, carries @ spread, carries @ m)
+    return float(spread[0]), np.where(turns, spread[1:], m[1:])
 
 
 def _refuse_nominal(robot: Robot, who: str) -> NoReturn:

@@ -6,8 +6,8 @@ from edited_recordings import changed
 from random_motions import random_motion
 
 from orbident.estimation.clocks import in_words, joint_delay
+from orbident.model.minimal_sets import minimal_sets
 from orbident.precision import in_float64
-from orbident.regressors.minimal_sets import minimal_sets
 from orbident.robot.description import Robot
 from orbident.robot.robot_file import load_robot
 from orbident.sensing.simulate import simulate

@@ -6,8 +6,8 @@ import pytest
 import orbident as oi
 from orbident.estimation.found import BetaEstimate, found_beta, hidden_of
 from orbident.estimation.prior import WIDE, prior_std
-from orbident.regressors.derivatives import sets_of_beta
-from orbident.regressors.minimal_sets import minimal_sets
+from orbident.model.derivatives import sets_of_beta
+from orbident.model.minimal_sets import minimal_sets
 
 ROBOT = oi.load_robot("paper-spatial")
 

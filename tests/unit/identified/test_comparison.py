@@ -11,7 +11,7 @@ from scipy.stats import chi2, kstest
 from orbident.errors import InputError
 from orbident.estimation.result import Result
 from orbident.identified.comparison import Comparison, compare
-from orbident.regressors.minimal_sets import minimal_sets
+from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.description import Robot, Structure
 from orbident.robot.parameters import from_mass_com_inertia, inertia_about_com
 from orbident.robot.robot_file import load_robot

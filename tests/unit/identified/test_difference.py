@@ -8,7 +8,7 @@ from made_results import exact_result, known, made_result
 from random_robots import DUAL_ARM, random_planar_robot, random_robot
 
 from orbident.identified.difference import difference_of, shown
-from orbident.regressors.minimal_sets import minimal_sets
+from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.description import Robot, Structure
 
 STRUCTURES = (

@@ -15,7 +15,7 @@ from orbident.estimation.identify import identify
 from orbident.estimation.result import Result
 from orbident.identified.physical import physical_bodies
 from orbident.identified.urdf_export import exported_urdf, rotor_parts
-from orbident.regressors.minimal_sets import minimal_sets
+from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.description import Robot
 from orbident.robot.parameters import inertia_matrix
 from orbident.robot.robot_file import load_robot

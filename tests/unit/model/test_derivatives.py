@@ -5,8 +5,8 @@ import pytest
 from random_robots import DUAL_ARM, random_planar_robot, random_robot
 
 import orbident as oi
-from orbident.regressors.derivatives import derivatives_of_beta, sets_of_beta
-from orbident.regressors.minimal_sets import minimal_sets
+from orbident.model.derivatives import derivatives_of_beta, sets_of_beta
+from orbident.model.minimal_sets import minimal_sets
 
 ROBOTS = {
     "paper-spatial": oi.load_robot("paper-spatial"),

@@ -3,8 +3,8 @@ from dataclasses import replace
 
 from random_robots import random_robot, random_wheels
 
-from orbident.regressors.identifiability import not_identifiable
-from orbident.regressors.minimal_sets import minimal_sets
+from orbident.model.identifiability import not_identifiable
+from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.description import Robot
 from orbident.robot.robot_file import load_robot
 

@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from orbident.dynamics.forces import Wrench
 from orbident.errors import InputError
-from orbident.regressors.minimal_sets import minimal_sets
-from orbident.regressors.reconstruction import Dynamics, reconstructed
+from orbident.model.forces import Wrench
+from orbident.model.minimal_sets import minimal_sets
+from orbident.model.reconstruction import Dynamics, reconstructed
 from orbident.robot.description import Robot
 from orbident.robot.robot_file import load_robot
 
@@ -91,7 +91,7 @@ def test_deviations_against_drawn_parameters(robot, beta, C, model):
 def reconstructed_fast(robot, model, beta):
     """`H+` and `c+` of other parameters, without checking them."""
     theta = (minimal_sets(robot).base.theta_of @ beta).reshape(-1, 10)
-    other = replace(model, model=replace(model.model, theta=theta))
+    other = replace(model, robot=replace(robot, theta=theta))
     return other.H_plus(Q), other.c_plus(Q, V)
 
 

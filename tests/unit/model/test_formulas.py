@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 from random_robots import random_robot
 
-from orbident.regressors.formulas import combination, formulas_of, mass_forms
-from orbident.regressors.minimal_sets import minimal_sets
+from orbident.model.formulas import combination, formulas_of, mass_forms
+from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.robot_file import load_robot
 
 

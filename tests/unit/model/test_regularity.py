@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from random_robots import DUAL_ARM, random_planar_robot, random_robot
 
-from orbident.dynamics.regularity import check_regular
 from orbident.errors import InputError
+from orbident.model.regularity import check_regular
 from orbident.robot.description import Robot
 from orbident.robot.robot_file import bundled_robots, load_robot
 
