@@ -7,12 +7,10 @@ The model is evaluated with nothing of what finds the sets: momentum is nonlinea
 from dataclasses import replace
 from typing import NamedTuple
 
-import jax
 import numpy as np
 import pytest
 from random_robots import DUAL_ARM, random_planar_robot, random_robot
 
-from orbident.dynamics.tree import tree_of
 from orbident.model.minimal_sets import minimal_sets
 from orbident.model.momentum import momentum
 from orbident.robot.description import Robot
@@ -46,8 +44,6 @@ ROBOTS: dict[str, tuple[Robot, Counts]] = {
     "planar-tree": (random_planar_robot(0, (0, 1, 0)), Counts(16, 8, 13)),
     "planar-with-slide": (random_planar_robot(0, (0, 1, 0), (1,)), Counts(16, 7, 13)),
 }
-
-random_momentum = jax.jit(jax.vmap(momentum, (None, 0, 0, 0)))
 
 
 class Model(NamedTuple):
@@ -92,10 +88,10 @@ def model_of(robot: Robot, samples: int = 160) -> Model:
     planar = robot.motion == "planar"
     if planar:
         w[:, :2] = 0.0
-    at = random_momentum(tree_of(robot), q, qd, w)
+    at = momentum(robot, q, qd, w)
     free = np.zeros(robot.theta.size)
     free[list(robot.free_parameters)] = 1.0
-    S, P, A = (np.asarray(X) * free for X in (at.S, at.P, at.A))
+    S, P, A = (X * free for X in at)
     return Model(S, P, A, free, planar)
 
 

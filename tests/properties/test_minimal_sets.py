@@ -5,7 +5,6 @@ import re
 from dataclasses import replace
 from typing import NamedTuple
 
-import jax
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -13,7 +12,7 @@ from obvious_momentum import system_motion
 from random_robots import random_planar_robot, random_robot
 
 from orbident.model.formulas import formulas_of, mass_forms
-from orbident.model.minimal_sets import MinimalSets, Regressors, minimal_sets
+from orbident.model.minimal_sets import MinimalSets, minimal_sets
 from orbident.robot.description import Axis, Robot, Structure
 
 JOINTS, STATES = 3, 6
@@ -68,11 +67,6 @@ recipes = st.builds(
 )
 
 
-@jax.jit
-def regressors_at(regressors: Regressors, q, qd, w):
-    return jax.vmap(regressors)(q, qd, w)
-
-
 def random_states(robot: Robot):
     random = np.random.default_rng(7)
     q, qd = random.standard_normal((2, STATES, len(robot.joints)))
@@ -85,7 +79,7 @@ def random_states(robot: Robot):
 def check_momentum_and_velocity(robot: Robot, sets: MinimalSets):
     """`Y pi = h_rs` (Eq. 19) and `W phi = -P theta / M` (Eq. 29)."""
     q, qd, w = random_states(robot)
-    Y, W = (np.asarray(X) for X in regressors_at(sets.regressors, q, qd, w))
+    Y, W = sets.regressors(q, qd, w)
     pi, phi = sets.pi(robot.theta), sets.phi(robot.theta)
     turning = list(sets.regressors.momentum_axes)
     moving = list(sets.regressors.velocity_axes)

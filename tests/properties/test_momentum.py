@@ -152,7 +152,7 @@ def test_momentum_is_linear_in_the_rates(recipe):
 @settings(max_examples=10)
 @given(recipes)
 def test_rate_of_the_momentum_along_the_joints(recipe):
-    """`d/dt (Y pi)` with the base rate held, by central differences of the regressor."""
+    """`d/dt (Y pi)` with the base rate held, by central differences."""
     robot = recipe.robot()
     regressors = minimal_sets(robot).regressors
     random = np.random.default_rng(recipe.seed)
