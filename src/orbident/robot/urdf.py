@@ -1,13 +1,8 @@
-"""URDF text to links and joints as plain data; the one user of yourdfpy."""
+"""URDF text to links and joints as plain data."""
 
-import io
-import logging
 import math
 import xml.etree.ElementTree as ET
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from jaxtyping import Float
@@ -78,88 +73,96 @@ def read_urdf(text: str, place: str = "URDF") -> Urdf:
         InputError: see `urdf_xml.checked_xml`; also a zero axis, or limits whose
             lower end is above the upper one.
     """
-    xml = checked_xml(text, place)
-    robot = _through_yourdfpy(xml)
+    robot = checked_xml(text, place)
     warnings: list[str] = []
-    links = tuple(_link(link) for link in robot.links)
-    joints = tuple(_joint(joint, place, warnings) for joint in robot.joints)
-    return Urdf(robot.name, links, joints, place, tuple(warnings))
+    links = tuple(_link(link) for link in robot.iter("link"))
+    joints = tuple(_joint(joint, place, warnings) for joint in robot.iter("joint"))
+    return Urdf(robot.attrib["name"], links, joints, place, tuple(warnings))
 
 
-def _through_yourdfpy(xml: ET.Element) -> Any:
-    # Late: the import takes most of a second, for trimesh.
-    import yourdfpy
-
-    with _silent("yourdfpy"):
-        return yourdfpy.URDF.load(
-            io.BytesIO(ET.tostring(xml)),
-            build_scene_graph=False,
-            load_meshes=False,
-        ).robot
-
-
-@contextmanager
-def _silent(name: str) -> Iterator[None]:
-    logger = logging.getLogger(name)
-    level = logger.level
-    logger.setLevel(logging.CRITICAL + 1)
-    try:
-        yield
-    finally:
-        logger.setLevel(level)
+def _link(link: ET.Element) -> UrdfLink:
+    name, inertial = link.attrib["name"], link.find("inertial")
+    if inertial is None:
+        return UrdfLink(name, 0.0, np.zeros(3), np.zeros((3, 3)))
+    R, com = _placement(inertial)
+    xx, xy, xz, yy, yz, zz = (
+        _numbers(inertial, "inertia", f"i{axes}", (0.0,))[0]
+        for axes in ("xx", "xy", "xz", "yy", "yz", "zz")
+    )
+    I = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    mass = _numbers(inertial, "mass", "value", (0.0,))[0]
+    return UrdfLink(name, mass, com, R @ I @ R.T)
 
 
-def _link(link: Any) -> UrdfLink:
-    if link.inertial is None:
-        return UrdfLink(link.name, 0.0, np.zeros(3), np.zeros((3, 3)))
-    R, com = _placement(link.inertial.origin)
-    I_com = R @ link.inertial.inertia @ R.T
-    return UrdfLink(link.name, link.inertial.mass, com, I_com)
-
-
-def _joint(joint: Any, place: str, warnings: list[str]) -> UrdfJoint:
-    where = f"joint '{joint.name}'"
-    moves = joint.type in {"revolute", "continuous", "prismatic"}
-    norm = float(np.linalg.norm(joint.axis))
+def _joint(joint: ET.Element, place: str, warnings: list[str]) -> UrdfJoint:
+    name, kind = joint.attrib["name"], joint.attrib["type"]
+    where = f"joint '{name}'"
+    axis = np.array(_numbers(joint, "axis", "xyz", (1.0, 0.0, 0.0)))
+    moves = kind in {"revolute", "continuous", "prismatic"}
+    norm = float(np.linalg.norm(axis))
     if moves and norm == 0:
         raise InputError(f"{place}: {where}: found axis 0 0 0; give a nonzero vector")
-    if joint.mimic is not None:
+    mimicked = joint.find("mimic")
+    if mimicked is not None:
         warnings.append(
-            f"{where} mimics '{joint.mimic.joint}'; it is treated as independent "
-            "and needs its own measured position"
+            f"{where} mimics '{mimicked.attrib['joint']}'; it is treated as "
+            "independent and needs its own measured position"
         )
-    R, p = _placement(joint.origin)
+    R, p = _placement(joint)
     return UrdfJoint(
-        joint.name,
-        joint.type,
-        joint.parent,
-        joint.child,
+        name,
+        kind,
+        _linked(joint, "parent"),
+        _linked(joint, "child"),
         R,
         p,
-        axis=joint.axis / norm if moves else np.array([1.0, 0.0, 0.0]),
+        axis=axis / norm if moves else np.array([1.0, 0.0, 0.0]),
         position=_position_limits(joint, f"{place}: {where}", warnings),
         velocity=_velocity_limit(joint, f"{place}: {where}", warnings),
     )
 
 
+def _linked(joint: ET.Element, end: str) -> str:
+    return joint.findall(end)[0].attrib["link"]
+
+
+def _numbers(
+    element: ET.Element, tag: str, attribute: str, default: tuple[float, ...]
+) -> tuple[float, ...]:
+    """The numbers of a child's attribute; the default where it is absent."""
+    child = element.find(tag)
+    text = None if child is None else child.get(attribute)
+    return default if text is None else tuple(float(word) for word in text.split())
+
+
 def _placement(
-    origin: Float[np.ndarray, "4 4"] | None,
+    element: ET.Element,
 ) -> tuple[Float[np.ndarray, "3 3"], Float[np.ndarray, "3"]]:
-    if origin is None:
-        return np.eye(3), np.zeros(3)
-    return origin[:3, :3], origin[:3, 3]
+    """`<origin>`: roll, pitch and yaw turn about the fixed axes x, y and z."""
+    p = np.array(_numbers(element, "origin", "xyz", (0.0, 0.0, 0.0)))
+    rpy = np.array(_numbers(element, "origin", "rpy", (0.0, 0.0, 0.0)))
+    (cr, cp, cy), (sr, sp, sy) = np.cos(rpy), np.sin(rpy)
+    R = [
+        [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+        [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+        [-sp, cp * sr, cp * cr],
+    ]
+    return np.array(R), p
+
+
+def _limit(joint: ET.Element, attribute: str) -> float | None:
+    numbers = _numbers(joint, "limit", attribute, ())
+    return numbers[0] if numbers else None
 
 
 def _position_limits(
-    joint: Any, where: str, warnings: list[str]
+    joint: ET.Element, where: str, warnings: list[str]
 ) -> tuple[float, float] | None:
-    limit = joint.limit
-    if joint.type not in {"revolute", "prismatic"} or limit is None:
-        return None
-    if limit.lower is None and limit.upper is None:
+    ends = _limit(joint, "lower"), _limit(joint, "upper")
+    if joint.attrib["type"] not in {"revolute", "prismatic"} or ends == (None, None):
         return None
     # The URDF format's default for one missing end is zero.
-    lower, upper = limit.lower or 0.0, limit.upper or 0.0
+    lower, upper = (end or 0.0 for end in ends)
     if lower > upper:
         raise InputError(
             f"{where}: found lower limit {lower:g} above the upper limit {upper:g}; "
@@ -167,15 +170,15 @@ def _position_limits(
         )
     if lower == upper:
         warnings.append(
-            f"joint '{joint.name}': position limits [{lower:g}, {upper:g}] leave no "
-            "motion; taken as no limits"
+            f"joint '{joint.attrib['name']}': position limits "
+            f"[{lower:g}, {upper:g}] leave no motion; taken as no limits"
         )
         return None
     return None if math.isinf(lower) and math.isinf(upper) else (lower, upper)
 
 
-def _velocity_limit(joint: Any, where: str, warnings: list[str]) -> float | None:
-    velocity = None if joint.limit is None else joint.limit.velocity
+def _velocity_limit(joint: ET.Element, where: str, warnings: list[str]) -> float | None:
+    velocity = _limit(joint, "velocity")
     if velocity is None or math.isinf(velocity):
         return None
     if velocity < 0:
@@ -184,7 +187,7 @@ def _velocity_limit(joint: Any, where: str, warnings: list[str]) -> float | None
         )
     if velocity == 0:
         warnings.append(
-            f"joint '{joint.name}': velocity limit 0 leaves no motion; "
+            f"joint '{joint.attrib['name']}': velocity limit 0 leaves no motion; "
             "taken as no limit"
         )
         return None

@@ -23,7 +23,7 @@ _JOINT = {
 
 
 def checked_xml(text: str, place: str) -> ET.Element:
-    """A `<robot>` with only what inertial parameters depend on, fit for yourdfpy.
+    """A `<robot>` with only what inertial parameters depend on.
 
     Links keep `<inertial>`, joints keep parent, child, origin, axis, limit and
     mimic. Visuals and collisions go, so that no mesh is ever looked for.
