@@ -1,8 +1,9 @@
 # The only two commands a newcomer needs: make demo, make test.
 PYTHON ?= python3.11
 BIN := .venv/bin
+CORE := CMakeLists.txt $(shell find src/core -name '*.[ch]pp')
 
-.PHONY: demo test site clean
+.PHONY: demo test sanitize site clean
 
 demo: .venv/installed
 	$(BIN)/orbident study spatial
@@ -14,11 +15,25 @@ test: .venv/installed
 	$(BIN)/lint-imports
 	$(BIN)/pytest -n 2
 
+# The tests of the numerical core under AddressSanitizer and UBSan, on one processor.
+SANITIZED := build/sanitized/bin/python
+sanitize: .venv/installed
+	$(PYTHON) -m venv --without-pip build/sanitized
+	echo "import site; site.addsitedir('$(CURDIR)/.venv/lib/$(PYTHON)/site-packages')" \
+		> build/sanitized/lib/$(PYTHON)/site-packages/shared.pth
+	$(BIN)/pip --python $(SANITIZED) install --quiet --no-deps --editable . \
+		--config-settings=cmake.define.ORBIDENT_SANITIZE=ON \
+		--config-settings=build-dir=build/sanitized-core
+	LD_PRELOAD="$$(c++ -print-file-name=libasan.so)" ASAN_OPTIONS=detect_leaks=0 \
+		taskset -c 0 $(SANITIZED) -m pytest -n 0 -m core
+
 # The documentation, in build/site.
 site: .venv/installed
 	$(BIN)/mkdocs build --quiet
 
-.venv/installed: pyproject.toml
+.venv/installed: pyproject.toml $(CORE)
+	@command -v c++ > /dev/null || \
+		{ echo "orbident needs a C++17 compiler (g++ or clang++): install one, then make again"; exit 1; }
 	$(PYTHON) -m venv .venv
 	$(BIN)/pip install --quiet --editable ".[test]"
 	touch $@

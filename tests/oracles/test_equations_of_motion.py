@@ -27,6 +27,8 @@ from orbident.model.forces import jacobian
 from orbident.robot.description import Robot
 from orbident.robot.robot_file import load_robot
 
+pytestmark = pytest.mark.core
+
 STATES = 5
 
 # Sums of some tens of products of float64 matrices on either side; of wheels at 200

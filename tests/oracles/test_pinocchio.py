@@ -22,6 +22,8 @@ from orbident.model.kinematics import Poses, point_jacobian, poses
 from orbident.model.momentum import Momentum, momentum
 from orbident.robot.description import Robot
 
+pytestmark = pytest.mark.core
+
 ROBOTS, STATES, JOINTS = 24, 4, 7
 
 # Both sides multiply some tens of float64 matrices: 1e-15 each, and seldom in step.

@@ -16,6 +16,8 @@ from orbident.model.minimal_sets import minimal_sets
 from orbident.model.momentum import momentum
 from orbident.robot.description import Robot
 
+pytestmark = pytest.mark.core
+
 JOINTS = 5
 # Entries of the order of 1 to 100, sums of some tens of products; the worst observed,
 # relative to the largest entry, is 2e-15.

@@ -3,6 +3,7 @@
 
 #include "arrays.hpp"
 #include "orbident/jet.hpp"
+#include "orbident/no_heap.hpp"
 #include "orbident/parallel.hpp"
 #include "robot.hpp"
 
@@ -55,6 +56,7 @@ auto poses(const OwnedTree& owned, const Array& q_, int threads) {
     nb::gil_scoped_release release;
     parallel_for(n, threads, [&](std::ptrdiff_t first, std::ptrdiff_t last) {
       BodiesMemory<double> memory(tree);
+      const NoHeap guard;
       for (std::ptrdiff_t k = first; k < last; ++k) {
         place(tree, q.data() + k * tree.joints, memory.at.pose, memory.at.field);
         for (std::ptrdiff_t i = 0; i < B; ++i) {
@@ -88,6 +90,7 @@ auto momentum(const OwnedTree& owned, const Array& q_, const Array& qd_, const A
       const auto rows = [m](Out<3>& X, std::ptrdiff_t k) {
         return Rows3<double>(X.data() + 3 * m * k, 3, m);
       };
+      const NoHeap guard;
       for (std::ptrdiff_t k = first; k < last; ++k) {
         place(tree, q.data() + k * tree.joints, at.pose, at.field);
         move(tree, at.field, Vector3<double>(w.data() + 3 * k), qd.data() + k * tree.joints,
@@ -134,6 +137,7 @@ auto inertia(const OwnedRobot& owned, const Array& q_, int threads) {
     parallel_for(n, threads, [&](std::ptrdiff_t first, std::ptrdiff_t last) {
       BodiesMemory<double> memory(robot.tree);
       Bodies<double>& at = memory.at;
+      const NoHeap guard;
       for (std::ptrdiff_t k = first; k < last; ++k) {
         configure(robot, q.data() + k * K, at);
         const auto all = system_inertia(at.carried[0]);
@@ -162,6 +166,7 @@ auto equations_of_motion(const OwnedRobot& owned, const Array& q_, const Array& 
     nb::gil_scoped_release release;
     parallel_for(n, threads, [&](std::ptrdiff_t first, std::ptrdiff_t last) {
       BodiesMemory<double> memory(robot.tree);
+      const NoHeap guard;
       for (std::ptrdiff_t k = first; k < last; ++k) {
         configure(robot, q.data() + k * K, memory.at);
         mass_matrix(robot, memory.at, Square<double>(H.data() + N * N * k, N, N));
@@ -200,6 +205,7 @@ auto deviations(const OwnedRobot& owned, const Array& directions_, const Array& 
       Bodies<Along>& at = memory.at;
       const auto all = [](std::ptrdiff_t m) { return std::vector<Along>(static_cast<std::size_t>(m)); };
       std::vector<Along> theta = all(size), H = all(N * N), c = all(N), q_k = all(K), v_k = all(N);
+      const NoHeap guard;
       for (std::ptrdiff_t k = first; k < last; ++k) {
         std::copy_n(q.data() + k * K, K, q_k.begin());
         std::copy_n(v.data() + k * N, N, v_k.begin());

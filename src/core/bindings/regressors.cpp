@@ -3,6 +3,7 @@
 
 #include "arrays.hpp"
 #include "orbident/jet.hpp"
+#include "orbident/no_heap.hpp"
 #include "orbident/parallel.hpp"
 #include "robot.hpp"
 
@@ -58,6 +59,7 @@ auto regressors_of(const OwnedMinimalSets& owned, const Array& q_, const Array& 
       std::vector<double> room(static_cast<std::size_t>(3 * (3 * m + phis)));
       const Rows3<double> S(room.data(), 3, m), P(room.data() + 3 * m, 3, m),
           A(room.data() + 6 * m, 3, m), S_sigma(room.data() + 9 * m, 3, phis);
+      const NoHeap guard;
       for (std::ptrdiff_t k = first; k < last; ++k) {
         place(tree, q.data() + k * tree.joints, at.pose, at.field);
         move(tree, at.field, Vector3<double>(w.data() + 3 * k), qd.data() + k * tree.joints,
@@ -102,6 +104,7 @@ auto momentum_rate(const OwnedMinimalSets& owned, const Array& q_, const Array& 
       const Rows3<T> S = rows(m), P = rows(m), A = rows(m);
       Rows3<T> Y = rows(pis), W = rows(phis), S_sigma = rows(phis);
       T *q_k = next, *qd_k = next + K;
+      const NoHeap guard;
       for (std::ptrdiff_t k = first; k < last; ++k) {
         for (std::ptrdiff_t j = 0; j < K; ++j) {
           q_k[j] = {q.data()[k * K + j], T::Derivatives(qd.data()[k * K + j])};
