@@ -7,8 +7,9 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <memory>
 #include <string>
+
+#include "memory.hpp"
 
 namespace orbident::python {
 
@@ -57,27 +58,38 @@ In<N> input(const char* name, const Array& given, const std::array<std::int64_t,
   return {nb::cast<DoublesIn>(nb::cast(given))};
 }
 
-// A new float64 array that Python will own.
+// A new float64 array that Python will own. Made and given under the GIL.
 template <std::size_t N>
-struct Out {
+class Out {
+ public:
   using Numpy = nb::ndarray<nb::numpy, double, nb::ndim<N>, nb::c_contig>;
-  std::array<std::size_t, N> shape;
-  std::unique_ptr<double[]> values;
 
   template <class... Sizes>
-  explicit Out(Sizes... sizes) : shape{static_cast<std::size_t>(sizes)...} {
-    std::size_t all = 1;
-    for (std::size_t size : shape) all *= size;
-    values.reset(new double[all]);
+  explicit Out(Sizes... sizes) : shape_{static_cast<std::size_t>(sizes)...} {
+    std::size_t size = 1;
+    for (std::size_t each : shape_) size *= each;
+    block_ = ArrayMemory::take(size);
   }
-  double* data() { return values.get(); }
+  Out(const Out&) = delete;
+  ~Out() {
+    if (block_.data) ArrayMemory::give_back(block_);
+  }
+  double* data() { return block_.data; }
 
-  // Hands the memory over; needs the GIL.
+  // Hands the memory over.
   Numpy give() {
-    double* data = values.release();
-    nb::capsule owner(data, [](void* p) noexcept { delete[] static_cast<double*>(p); });
-    return Numpy(data, N, shape.data(), owner);
+    nb::capsule owner(new Block(block_), [](void* p) noexcept {
+      ArrayMemory::give_back(*static_cast<Block*>(p));
+      delete static_cast<Block*>(p);
+    });
+    double* data = block_.data;
+    block_.data = nullptr;
+    return Numpy(data, N, shape_.data(), owner);
   }
+
+ private:
+  std::array<std::size_t, N> shape_;
+  Block block_;
 };
 
 }  // namespace orbident::python

@@ -37,12 +37,17 @@ void weigh(const Tree& tree, const Theta* theta, const Pose<T>* pose, Mass<T>* m
         T(theta[5]), T(theta[6]), T(theta[8]),   //
         T(theta[7]), T(theta[8]), T(theta[9]);
     // Integral of -[d + r]x^2 dm = R I R^T + (d . e) 1 - (d e^T + e d^T) / 2.
-    const Vector3<T> e = T(2) * s + m * d;
-    const Matrix3<T> de = d * e.transpose();
+    const Vector3<T> e = s + T(0.5) * m * d;
+    const Matrix3<T> RI = R * I;
+    const T de = T(2) * d.dot(e);
+    Matrix3<T>& J = mass[i].J;
+    for (int a = 0; a < 3; ++a) {
+      for (int b = 0; b <= a; ++b)
+        J(a, b) = J(b, a) = RI.row(a).dot(R.row(b)) - d[a] * e[b] - e[a] * d[b];
+      J(a, a) += de;
+    }
     mass[i].m = m;
     mass[i].s = s + m * d;
-    mass[i].J = R * I * R.transpose() - T(0.5) * (de + de.transpose());
-    mass[i].J.diagonal().array() += d.dot(e);
   }
 }
 
@@ -101,8 +106,10 @@ void joint_columns(const Tree& tree, const Motion<T>* field, const Mass<T>* carr
 template <class T, class Matrix>
 void joint_inertia(const Tree& tree, const Motion<T>* field, const Momentum<T>* momentum, const T& M,
                    Matrix&& D_qq) {
+  const T per_M = T(1) / M;
   for (int k = 0; k < tree.joints; ++k) {
-    for (int j = 0; j <= k; ++j) D_qq(k, j) = -momentum[k].p.dot(momentum[j].p) / M;
+    const Vector3<T> v_cm = momentum[k].p * per_M;
+    for (int j = 0; j <= k; ++j) D_qq(k, j) = -v_cm.dot(momentum[j].p);
     for (int j = k; j >= 0; j = tree.joint[j].parent - 1)
       D_qq(k, j) += field[j].w.dot(momentum[k].h) + field[j].u.dot(momentum[k].p);
     for (int j = 0; j < k; ++j) D_qq(j, k) = D_qq(k, j);

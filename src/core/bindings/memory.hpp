@@ -1,0 +1,50 @@
+// Memory for arrays that go to Python. A large block is new to the process page by page, which takes longer
+// than to fill it: what Python has freed is kept for the next arrays. Both happen under the GIL.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+namespace orbident::python {
+
+struct Block {
+  double* data;
+  std::size_t numbers;
+};
+
+class ArrayMemory {
+ public:
+  // A block of at least that many numbers.
+  static Block take(std::size_t numbers) {
+    std::vector<Block>& kept = blocks();
+    for (std::size_t k = 0; k < kept.size(); ++k) {
+      if (kept[k].numbers < numbers || kept[k].numbers > 2 * numbers) continue;
+      const Block block = kept[k];
+      kept.erase(kept.begin() + static_cast<std::ptrdiff_t>(k));
+      return block;
+    }
+    return {new double[numbers], numbers};
+  }
+
+  static void give_back(const Block& freed) noexcept {
+    std::vector<Block>& kept = blocks();
+    kept.push_back(freed);
+    std::size_t all = 0;
+    for (const Block& block : kept) all += block.numbers;
+    while (all > MOST) {
+      all -= kept.front().numbers;
+      delete[] kept.front().data;
+      kept.erase(kept.begin());
+    }
+  }
+
+ private:
+  // 64 MB: batches of some hundred samples of the largest regressors.
+  static constexpr std::size_t MOST = 8'000'000;
+  static std::vector<Block>& blocks() {
+    static std::vector<Block>* kept = new std::vector<Block>;  // outlives every array
+    return *kept;
+  }
+};
+
+}  // namespace orbident::python
