@@ -57,6 +57,19 @@ struct Motion {
 
 constexpr double factorial(int n) { return n < 2 ? 1.0 : n * factorial(n - 1); }
 
+// sqrt(2k+1): norms of Legendre's polynomials.
+constexpr double LEGENDRE[ORDER] = {1.0, 1.7320508075688772, 2.23606797749979, 2.6457513110645907};
+
+struct UnitNoise {
+  double G[ORDER][ORDER] = {};
+  constexpr UnitNoise() {
+    for (int p = 0; p < ORDER; ++p)
+      for (int k = 0; k <= p; ++k)
+        G[ORDER - 1 - p][ORDER - 1 - k] = ((p + k) % 2 ? -1.0 : 1.0) * LEGENDRE[k] * factorial(p) /
+                                          (factorial(p - k) * factorial(p + k + 1));
+  }
+};
+
 // F_ij = dt^(j-i) / (j-i)!. The noise adds int u^p / p! dW to component i, p = 3 - i, u the time
 // left, and in the orthonormal polynomials of the step (Legendre's), k = 3 - j,
 //
@@ -66,21 +79,15 @@ constexpr double factorial(int n) { return n < 2 ? 1.0 : n * factorial(n - 1); }
 template <class T>
 Motion<T> motion(const T& dt, const T& density) {
   using std::sqrt;
-  static const Square<double> unit = [] {
-    Square<double> G = Square<double>::Zero();
-    for (int p = 0; p < ORDER; ++p)
-      for (int k = 0; k <= p; ++k)
-        G(ORDER - 1 - p, ORDER - 1 - k) = ((p + k) % 2 ? -1.0 : 1.0) * std::sqrt(2.0 * k + 1.0) *
-                                          factorial(p) / (factorial(p - k) * factorial(p + k + 1));
-    return G;
-  }();
+  constexpr UnitNoise unit;
   Motion<T> step;
   step.F_inv.setZero();
   T power = T(1), scale = sqrt(density * dt);
   for (int k = 0; k < ORDER; ++k) {
+    const int i = ORDER - 1 - k;
     step.F_inv.diagonal(k).setConstant(power / T(factorial(k)));
     power *= -dt;
-    step.G.row(ORDER - 1 - k) = unit.row(ORDER - 1 - k).template cast<T>() * scale;
+    for (int j = 0; j < ORDER; ++j) step.G(i, j) = T(unit.G[i][j]) * scale;
     scale *= dt;
   }
   return step;
@@ -109,9 +116,10 @@ Equations<T> advance(const Motion<T>& step, Information<T>& known) {
   const Square<T> R = rows.template middleCols<ORDER>(ORDER);
   rows.template leftCols<ORDER>().noalias() = -(R * step.G);
   rows.template middleCols<ORDER>(ORDER).noalias() = R * step.F_inv;
-  // From the bottom row up, so that R F^-1 stays a triangle.
-  for (int j = 0; j < ORDER; ++j)
-    for (int i = j; i >= 0; --i) turn(noise.row(j), rows.row(i), j);
+  // In each column from the bottom row up, so that R F^-1 stays a triangle; in this order, diagonal by
+  // diagonal, rotations that follow one another are independent, and a processor overlaps them.
+  for (int d = 0; d < ORDER; ++d)
+    for (int i = 0; i + d < ORDER; ++i) turn(noise.row(i + d), rows.row(i), i + d);
   return noise;
 }
 
