@@ -1,8 +1,9 @@
 // The attitude at many rows from a gyro, and what its fixes say of the gyro's error.
+#include "orbident/attitude_fusion.hpp"
+
 #include <nanobind/stl/tuple.h>
 
 #include "arrays.hpp"
-#include "orbident/attitude_fusion.hpp"
 #include "orbident/forward_and_back.hpp"
 
 namespace orbident::python {

@@ -1,11 +1,13 @@
 // Smoothing of many columns.
+#include "orbident/smoothing.hpp"
+
 #include <nanobind/stl/tuple.h>
 
+#include <algorithm>
 #include <limits>
 
 #include "arrays.hpp"
 #include "orbident/parallel.hpp"
-#include "orbident/smoothing.hpp"
 
 namespace orbident::python {
 namespace {
@@ -25,8 +27,8 @@ auto smooth_columns(const Array& t_, const Array& x_, const Array& density_, con
   {
     nb::gil_scoped_release release;
     const auto smooth = [&](std::ptrdiff_t c) {
-      const SampledColumn<double> column{t.data(),     x.data() + c,        n,
-                                         columns,      h.data()[c],         noise_std.data()[c],
+      const SampledColumn<double> column{t.data(),         x.data() + c,     n,
+                                         columns,          h.data()[c],      noise_std.data()[c],
                                          offset.data()[c], density.data()[c]};
       std::ptrdiff_t first = 0, last = n - 1;
       while (first < n && !column.sampled(first)) ++first;
@@ -42,9 +44,12 @@ auto smooth_columns(const Array& t_, const Array& x_, const Array& density_, con
                                              acceleration.data() + c * n, std_x.data() + c * n,
                                              std_rate.data() + c * n});
     };
-    parallel_for(columns, threads, [&](std::ptrdiff_t from, std::ptrdiff_t to) {
-      for (std::ptrdiff_t c = from; c < to; ++c) smooth(c);
-    }, 1);
+    parallel_for(
+        columns, threads,
+        [&](std::ptrdiff_t from, std::ptrdiff_t to) {
+          for (std::ptrdiff_t c = from; c < to; ++c) smooth(c);
+        },
+        1);
   }
   return std::make_tuple(value.give(), rate.give(), acceleration.give(), std_x.give(),
                          std_rate.give());
@@ -60,15 +65,18 @@ auto smoothing_evidence(const Array& t_, const Array& x_, const Array& density_,
   Out<2> misfit(stretches, tried), log_det(stretches, tried);
   {
     nb::gil_scoped_release release;
-    parallel_for(stretches * tried, threads, [&](std::ptrdiff_t from, std::ptrdiff_t to) {
-      for (std::ptrdiff_t k = from; k < to; ++k) {
-        const std::ptrdiff_t row = k / tried * n;
-        const Evidence<double> found = evidence(SampledColumn<double>{
-            t.data() + row, x.data() + row, n, 1, 1.0, 1.0, 0.0, density.data()[k % tried]});
-        misfit.data()[k] = found.misfit;
-        log_det.data()[k] = found.log_det;
-      }
-    }, 1);
+    parallel_for(
+        stretches * tried, threads,
+        [&](std::ptrdiff_t from, std::ptrdiff_t to) {
+          for (std::ptrdiff_t k = from; k < to; ++k) {
+            const std::ptrdiff_t row = k / tried * n;
+            const Evidence<double> found = evidence(SampledColumn<double>{
+                t.data() + row, x.data() + row, n, 1, 1.0, 1.0, 0.0, density.data()[k % tried]});
+            misfit.data()[k] = found.misfit;
+            log_det.data()[k] = found.log_det;
+          }
+        },
+        1);
   }
   return std::make_tuple(misfit.give(), log_det.give());
 }

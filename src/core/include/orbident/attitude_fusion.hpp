@@ -1,7 +1,7 @@
 // Attitude from a gyro, and from a gyro and attitude fixes together.
 //
-// The gyro alone, by the fourth-order Magnus expansion (Iserles et al. 2000) from one row to the next,
-// with w_1, w_2 the rate at the two Gauss points of the step h:
+// The gyro alone, by the fourth-order Magnus expansion (Iserles et al. 2000) from one row to the
+// next, with w_1, w_2 the rate at the two Gauss points of the step h:
 //
 //   x(t + h) = x(t) (x) exp(h/2 (w_1 + w_2) + sqrt(3)/12 h^2 w_1 x w_2)
 //
@@ -14,6 +14,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
+#include <cmath>
 
 #include "orbident/rotations.hpp"
 
@@ -84,14 +85,13 @@ void correct(const Vector3<T>& y, const T& R, GyroError<T>& known) {
   known.covariance = (A * P * A.transpose() + R * K * K.transpose()).eval();
 }
 
-// The error at a row, given all fixes: from what the filter knew there, and the smoothed error `next`
-// at the row after.
+// The error at a row, given all fixes: from what the filter knew there, and the smoothed error
+// `next` at the row after.
 template <class T>
 GyroError<T> smoothed(const GyroError<T>& filtered, const GyroStep<T>& step,
                       const GyroError<T>& next) {
   const GyroError<T> ahead = predicted(step, filtered);
-  const Matrix6<T> C =
-      ahead.covariance.ldlt().solve(step.F() * filtered.covariance).transpose();
+  const Matrix6<T> C = ahead.covariance.ldlt().solve(step.F() * filtered.covariance).transpose();
   const Matrix6<T> P =
       filtered.covariance + C * (next.covariance - ahead.covariance) * C.transpose();
   return {filtered.mean + C * (next.mean - ahead.mean), (P + P.transpose()) / T(2)};

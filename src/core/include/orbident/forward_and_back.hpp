@@ -1,7 +1,7 @@
 // Forward through many steps, and back through what each of them left behind.
 //
-// What is known is remembered only where a block starts, and each block's forward pass is done again
-// on the way back: what the steps of a long record leave behind needs no memory.
+// What is known is remembered only where a block starts, and each block's forward pass is done
+// again on the way back: what the steps of a long record leave behind needs no memory.
 #pragma once
 
 #include <cstddef>

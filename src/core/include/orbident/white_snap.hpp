@@ -116,8 +116,8 @@ Equations<T> advance(const Motion<T>& step, Information<T>& known) {
   const Square<T> R = rows.template middleCols<ORDER>(ORDER);
   rows.template leftCols<ORDER>().noalias() = -(R * step.G);
   rows.template middleCols<ORDER>(ORDER).noalias() = R * step.F_inv;
-  // In each column from the bottom row up, so that R F^-1 stays a triangle; in this order, diagonal by
-  // diagonal, rotations that follow one another are independent, and a processor overlaps them.
+  // In each column from the bottom row up, so that R F^-1 stays a triangle; in this order, diagonal
+  // by diagonal, rotations that follow one another are independent, and a processor overlaps them.
   for (int d = 0; d < ORDER; ++d)
     for (int i = 0; i + d < ORDER; ++i) turn(noise.row(i + d), rows.row(i), i + d);
   return noise;
