@@ -2,12 +2,16 @@
 #include <nanobind/nanobind.h>
 
 namespace orbident::python {
+void bind_attitude_fusion(nanobind::module_& m);
 void bind_dynamics(nanobind::module_& m);
 void bind_regressors(nanobind::module_& m);
+void bind_smoothing(nanobind::module_& m);
 }
 
 NB_MODULE(_core, m) {
   m.doc() = "The numerical core: whole arrays in, whole arrays out, the GIL released inside.";
+  orbident::python::bind_attitude_fusion(m);
   orbident::python::bind_dynamics(m);
   orbident::python::bind_regressors(m);
+  orbident::python::bind_smoothing(m);
 }

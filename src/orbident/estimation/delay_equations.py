@@ -122,20 +122,18 @@ class DelayEquations(NamedTuple):
         self, samples: Samples, rates: np.ndarray, pi: np.ndarray
     ) -> tuple[Float[np.ndarray, "n axes columns"], Bool[np.ndarray, " n"]]:
         """All rows with the delay's column, and which samples count."""
-        n, axes = samples.t.size, len(self.regressors.momentum_axes)
+        axes = len(self.regressors.momentum_axes)
         layout = momentum_layout(self.regressors, self.known, pi.size)
         tables, seen = [], []
         for k, batch in enumerate(samples.batches(BATCH)):
-            now = np.zeros((BATCH, rates.shape[1]))
-            here = rates[k * BATCH : (k + 1) * BATCH]
-            now[: len(here)] = np.nan_to_num(here)
+            now = np.nan_to_num(rates[k * BATCH : (k + 1) * BATCH])
             rows, _ = rows_of(self.regressors, self.wheels, self.known, batch, False)
             shift = _shift(self.regressors, self.wheels, batch, now, pi)
             place = layout.nuisances + pi.size
             tables.append(np.insert(rows, place, shift, axis=1))
             seen.append(batch.turning)
         table = np.concatenate(tables).reshape(-1, axes, layout.columns + 1)
-        return table[:n], np.concatenate(seen)[:n]
+        return table, np.concatenate(seen)
 
     def _prior(self, layout: Layout, rms: float) -> Float[np.ndarray, "pi columns"]:
         """`pi` near its nominal value, one equation each, as sure as the residual."""

@@ -118,7 +118,8 @@ def equation_signals(
     turning, moving, momenta, velocities = [], [], [], []
     for batch in samples.batches(BATCH):
         both = rows_of(regressors, wheels, known, batch, bool(samples.drift))
-        h, v = (np.asarray(rows).reshape(BATCH, -1, rows.shape[-1]) for rows in both)
+        n = batch.turning.size
+        h, v = (np.asarray(rows).reshape(n, -1, rows.shape[-1]) for rows in both)
         turning.append(batch.turning)
         moving.append(batch.moving)
         free = h.shape[1] if known is None else 0
@@ -129,7 +130,7 @@ def equation_signals(
         ("momentum", "N m s", regressors.momentum_axes, turning, momenta),
         ("velocity", "m/s", regressors.velocity_axes, moving, velocities),
     ):
-        at = np.concatenate(seen)[: samples.t.size]
+        at = np.concatenate(seen)
         if at.any():
             labels = tuple("xyz"[k] for k in axes)
             signals.append(_fitted(name, labels, unit, samples.t[at], sides))

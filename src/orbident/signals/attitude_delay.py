@@ -17,8 +17,8 @@ from jaxtyping import Bool, Float
 from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
+from orbident.signals.attitude_fusion import integrate_gyro
 from orbident.signals.delays import Delay, delay_of
-from orbident.signals.gyro_integration import integrate_gyro
 from orbident.signals.velocity import gyro_response
 
 UNKNOWNS = 16

@@ -1,4 +1,4 @@
-"""Gyro and attitude fixes together: a Kalman smoother of what the gyro got wrong.
+"""The attitude from a gyro: alone, or with what attitude fixes say of its errors.
 
 With `R^` the attitude that the gyro alone gives, `R_WB = exp([phi]x) R^`, and the gyro
 wrong by a bias `b` and by white noise of density `N^2` (angle random walk), to first
@@ -6,20 +6,19 @@ order in `phi`, inertial axes,
 
     phi' = -R^ (b + white),   fix: log(R_fix R^T) = phi + N(0, std^2)
 
-Seen from inertial axes the error does not turn with the base. All is repeated about
-what was found, for large errors.
+Seen from inertial axes the error does not turn with the base. A Kalman smoother finds
+it (Rauch, Tung, Striebel 1965). All is repeated about what was found, for large errors.
 """
 
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
+from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
+from orbident import _core
 from orbident.errors import InputError
-from orbident.precision import in_float64
-from orbident.signals.gyro_integration import integrate_gyro
-from orbident.signals.kalman import Model, smoothed
 from orbident.signals.velocity import bias_response
 
 ROUNDS = 3
@@ -30,6 +29,9 @@ UNKNOWN_ATTITUDE = np.pi
 
 UNKNOWN_BIAS = 0.1
 """Std of the bias beforehand, rad/s: more than any gyro's."""
+
+GAUSS = np.sqrt(3) / 6
+"""Of a step, from its middle to each of the two Gauss points."""
 
 
 class GyroNoise(NamedTuple):
@@ -52,7 +54,40 @@ class Fused(NamedTuple):
     bias_std: Float[np.ndarray, "n 3"]
 
 
-@in_float64
+def integrate_gyro(
+    t: Float[np.ndarray, " n"],
+    w: Float[np.ndarray, "n 3"],
+    x_start: Float[np.ndarray, "4"],
+) -> Float[np.ndarray, "n 4"]:
+    """The attitude whose rate is the cubic spline through the gyro's samples.
+
+    By the fourth-order Magnus expansion (Iserles et al. 2000), from one row to the
+    next, with `w_1`, `w_2` at the two Gauss points of the step `h`:
+
+        x(t + h) = x(t) (x) exp(h/2 (w_1 + w_2) + sqrt(3)/12 h^2 w_1 x w_2)
+
+    Args:
+        t: times, s.
+        w: angular rate of the base, base axes, rad/s; NaN where there is no sample.
+        x_start: attitude at the gyro's first sample, unit quaternion, scalar last.
+
+    Returns:
+        Unit quaternions; NaN before the first and after the last sample.
+
+    Raises:
+        InputError: the gyro has fewer than four samples.
+    """
+    measured = np.asarray(np.isfinite(w).all(axis=1))
+    if measured.sum() < 4:
+        raise InputError(f"gyro has {measured.sum()} samples; give at least 4")
+    rate = CubicSpline(t[measured], w[measured])
+    inside = _span(measured)
+    h = np.diff(t[inside])
+    middle = t[inside][:-1] + h / 2
+    w_1, w_2 = rate(middle - GAUSS * h), rate(middle + GAUSS * h)
+    return _placed(_core.integrate_rate(x_start, h, w_1, w_2), inside, t.size)
+
+
 def fuse_attitude(
     t: Float[np.ndarray, " n"],
     w: Float[np.ndarray, "n 3"],
@@ -72,16 +107,12 @@ def fuse_attitude(
     Raises:
         InputError: the gyro has fewer than four samples, or no fix lies within them.
     """
-    measured = np.isfinite(w).all(axis=1)
-    fixed = np.isfinite(fixes).all(axis=1)
+    measured, fixed = (np.asarray(np.isfinite(x).all(axis=1)) for x in (w, fixes))
     if not measured.any():
         raise InputError("gyro has no samples; give at least 4")
-    first, last = np.flatnonzero(measured)[[0, -1]]
-    rows = np.arange(t.size)
-    fixed &= (first <= rows) & (rows <= last)
-    if not fixed.any():
+    inside = _span(measured)
+    if not fixed[inside].any():
         raise InputError("attitude has no samples while the gyro has; give both")
-    inside = np.s_[first : last + 1]
     found = _fused(t[inside], w[inside], fixes[inside], fixed[inside], gyro, std)
     return Fused(
         x_WB=_placed(found.x_WB, inside, t.size),
@@ -111,9 +142,12 @@ def _fused(
     def about(start: np.ndarray, bias: np.ndarray) -> _Round:
         x = integrate_gyro(t, w - bias, start)
         turned = Rotation.from_quat(fixes[fixed]) * Rotation.from_quat(x[fixed]).inv()
-        y = np.zeros((t.size, 3))
+        y = np.full((t.size, 3), np.nan)
         y[fixed] = turned.as_rotvec()
-        mean, variance = smoothed(_model(t, x, gyro), y, fixed, std)
+        B = np.diff(bias_response(t, x), axis=0)
+        noise = np.array([gyro.N, gyro.drift, std])
+        before = np.array([UNKNOWN_ATTITUDE, UNKNOWN_BIAS])
+        mean, variance = _core.smooth_gyro_error(B, np.diff(t), y, noise, before)
         fused = Rotation.from_rotvec(mean[:, :3]) * Rotation.from_quat(x)
         return _Round(fused.as_quat(), variance, bias + mean[:, 3:])
 
@@ -132,14 +166,10 @@ def _start(
     return (Rotation.from_quat(fixes[k]) * x.inv()).as_quat()
 
 
-def _model(t: np.ndarray, x: np.ndarray, gyro: GyroNoise) -> Model:
-    """Of the state `[phi, b]` from each row to the next."""
-    h = np.diff(t)
-    F = np.tile(np.eye(6), (h.size, 1, 1))
-    F[:, :3, 3:] = -np.diff(bias_response(t, x), axis=0)
-    q = np.repeat([[gyro.N**2, gyro.drift**2]], 3, axis=1)
-    before = np.repeat([UNKNOWN_ATTITUDE**2, UNKNOWN_BIAS**2], 3)
-    return Model(F=F, Q=h[:, None] * q, before=before)
+def _span(measured: Bool[np.ndarray, " n"]) -> slice:
+    """From the first row with a sample to the last."""
+    first, last = np.flatnonzero(measured)[[0, -1]]
+    return slice(first, last + 1)
 
 
 def _placed(values: np.ndarray, where: slice, rows: int) -> np.ndarray:

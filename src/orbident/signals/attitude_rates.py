@@ -3,12 +3,9 @@
 import numpy as np
 from jaxtyping import Float
 
-from orbident.precision import in_float64
 from orbident.signals.smoothing import smooth
-from orbident.spatial.rotations import cross
 
 
-@in_float64
 def attitude_rates(
     t: Float[np.ndarray, " n"],
     fixes: Float[np.ndarray, "n 4"],
@@ -35,7 +32,7 @@ def attitude_rates(
     # Of the unit quaternion x / |x|; what changes |x| drops out of the vector part.
     x, x_dot = smoothed.x / size, smoothed.rate / size
     v, s, v_dot, s_dot = x[:, :3], x[:, 3:], x_dot[:, :3], x_dot[:, 3:]
-    w = 2 * (s * v_dot - s_dot * v - np.asarray(cross(v, v_dot)))
+    w = 2 * (s * v_dot - s_dot * v - np.cross(v, v_dot))
     missing = np.isnan(fixes).any(axis=1)
     x[missing], w[missing] = np.nan, np.nan
     return x, w

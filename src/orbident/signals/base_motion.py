@@ -9,9 +9,8 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
 from orbident.recordings.recording import Recording
-from orbident.signals.attitude_fusion import GyroNoise, fuse_attitude
+from orbident.signals.attitude_fusion import GyroNoise, fuse_attitude, integrate_gyro
 from orbident.signals.attitude_rates import attitude_rates
-from orbident.signals.gyro_integration import integrate_gyro
 from orbident.signals.histories import MEASURED, Columns
 
 INTEGRATED = "derived: integrated gyro, from an attitude of zero"

@@ -57,7 +57,7 @@ class Samples:
     """Where the recording came from, for messages."""
 
     def batches(self, size: int) -> Iterator[Batch]:
-        """All samples in batches of this size, the last one padded."""
+        """All samples in batches of this size; the last one is what remains."""
         for start in range(0, self.t.size, size):
             yield self.batch(start, size)
 
@@ -76,22 +76,22 @@ class Samples:
         return self.t[valid], Batch(*(part[valid] for part in everything))
 
     def batch(self, start: int, size: int) -> Batch:
-        """The samples from `start` on, padded to `size` where the recording ends."""
+        """At most `size` samples from `start` on."""
+        rows = slice(start, min(start + size, self.t.size))
         names = ("q", "qd", "w", "x_WB", "qd_rw", "v_S", "drift")
-        tables = [_table(getattr(self, name), start, size) for name in names]
+        tables = [_table(getattr(self, name), rows) for name in names]
         complete = [np.isfinite(table).all(axis=1) for table in tables]
         turning = np.logical_and.reduce(complete[:5])
-        turning &= np.arange(start, start + size) < self.t.size
         moving = turning & complete[5] & bool(self.v_S)
         q, qd, w, x_WB, qd_rw, v_S, drift = (
             np.where(turning[:, None], table, 0.0) for table in tables
         )
         x_WB[~turning, 3] = 1.0
-        unknown = np.zeros((size, 3))
+        unknown = np.zeros((turning.size, 3))
         v_S = np.where(moving[:, None], v_S if self.v_S else unknown, unknown)
         if not self.drift:
-            drift = np.zeros((size, 9))
-        drift = drift.reshape(size, 3, 3)
+            drift = np.zeros((turning.size, 9))
+        drift = drift.reshape(-1, 3, 3)
         return Batch(q, qd, w, x_WB, qd_rw, v_S, drift, turning, moving)
 
 
@@ -173,9 +173,8 @@ def _locked_apart(joints: Histories, names: tuple[str, ...]) -> _Joints:
     return _Joints(tuple(q), tuple(qd), tuple(locked))
 
 
-def _table(columns: Columns, start: int, size: int) -> Float[np.ndarray, "size k"]:
-    table = np.zeros((size, len(columns)))
+def _table(columns: Columns, rows: slice) -> Float[np.ndarray, "n k"]:
+    table = np.empty((rows.stop - rows.start, len(columns)))
     for k, column in enumerate(columns):
-        part = column[start : start + size]
-        table[: part.size, k] = part
+        table[:, k] = column[rows]
     return table

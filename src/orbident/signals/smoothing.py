@@ -6,17 +6,33 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
+from orbident import _core
 from orbident.errors import InputError
-from orbident.precision import in_float64
-from orbident.signals.roughness import Column, most_likely
-from orbident.signals.white_snap import (
-    BLOCK,
-    LANES,
-    NOTHING_KNOWN,
-    backward,
-    final_estimate,
-    forward,
-)
+from orbident.threads import processors
+
+ORDER = 4
+"""Components of the state: value, rate, acceleration and jerk, driven by white snap."""
+
+STRETCHES, STRETCH = 4, 1024
+"""The density of the snap is searched on all samples of a column up to 4 x 1024; on 4
+stretches of 1024 consecutive samples, evenly spread, of a longer one."""
+
+AVERAGED = 8
+"""Neighbouring samples that are averaged before the search where motion is slow."""
+
+SLOW = 64.0
+"""Samples that smoothing reaches over. Beyond, a stretch is too short to show how rough
+the motion is; and `AVERAGED` of them are as good as one."""
+
+TRIED = 8
+"""Densities that are tried at once."""
+
+LARGEST = 1e12
+"""The largest ratio tried. The spline then misses no sample by more than some
+millionths of what that differs from its prediction; beyond, rounding takes over."""
+
+SMALLEST = 1e-100
+"""In any unit: what a column of zeros is known to."""
 
 
 class Smoothed(NamedTuple):
@@ -33,7 +49,27 @@ class Smoothed(NamedTuple):
     """Of the samples: what was given, or what was found; NaN where 4 tell nothing."""
 
 
-@in_float64
+class Column(NamedTuple):
+    """The valid samples of one column; at least 4."""
+
+    t: Float[np.ndarray, " n"]
+    """s."""
+    x: Float[np.ndarray, " n"]
+    h: float
+    """The unit of time, s: what 9 of 10 samples follow each other in."""
+    offset: float
+    """The mean: it says nothing of the motion, but would cost digits."""
+
+
+class Fit(NamedTuple):
+    """How rough a column is, and how noisy."""
+
+    ratio: float
+    """`q h^7 / noise_std^2`, `q` the two-sided spectral density of the snap."""
+    noise_std: float
+    """Of the samples, in the unit of the column; NaN where only 4 tell nothing."""
+
+
 def smooth(
     t: Float[np.ndarray, " samples"],
     x: Float[np.ndarray, "samples columns"],
@@ -71,23 +107,21 @@ def smooth(
     columns = [_column(t, x[:, k], label) for k, label in enumerate(labels)]
     given = _stds(std, len(columns), name)
     fits = [most_likely(column, s) for column, s in zip(columns, given, strict=True)]
-    grid = t if at is None else np.union1d(t, at)
-    if not np.isfinite(grid).all():
-        raise InputError(f"{name}: asked for a time that is not finite; give seconds")
-    mean, variance = _estimates(grid, columns, [fit.ratio for fit in fits])
+    noise_std = np.array([fit.noise_std for fit in fits])
+    grid, samples = (t, x) if at is None else _with_times(t, x, at, name)
+    smoothed = _core.smooth_columns(
+        grid,
+        np.ascontiguousarray(samples),
+        np.array([fit.ratio for fit in fits]),
+        np.array([column.h for column in columns]),
+        noise_std,
+        np.array([column.offset for column in columns]),
+        processors(),
+    )
     if at is not None:
         rows = np.searchsorted(grid, at)
-        mean, variance = mean[rows], variance[rows]
-    h = np.array([column.h for column in columns])
-    noise_std = np.array([fit.noise_std for fit in fits])
-    return Smoothed(
-        x=mean[:, 0] + np.array([column.offset for column in columns]),
-        rate=mean[:, 1] / h,
-        acceleration=mean[:, 2] / h**2,
-        std_x=noise_std * np.sqrt(variance[:, 0]),
-        std_rate=noise_std * np.sqrt(variance[:, 1]) / h,
-        noise_std=noise_std,
-    )
+        smoothed = [values[:, rows] for values in smoothed]
+    return Smoothed(*(values.T for values in smoothed), noise_std)
 
 
 def _check_times(t: np.ndarray, name: str) -> None:
@@ -124,69 +158,93 @@ def _stds(
     return [float(value) for value in values]
 
 
-def _estimates(
-    grid: np.ndarray, columns: Sequence[Column], ratio: Sequence[float]
-) -> tuple[Float[np.ndarray, "n 3 columns"], Float[np.ndarray, "n 2 columns"]]:
-    """Position, rate and acceleration, and variances, in units of noise and spacing."""
-    mean = np.empty((grid.size, 3, len(columns)))
-    variance = np.empty((grid.size, 2, len(columns)))
-    for first in range(0, len(columns), LANES):
-        lanes = np.minimum(np.arange(first, first + LANES), len(columns) - 1)
-        group = slice(first, first + LANES)
-        _estimate(
-            grid,
-            [columns[k] for k in lanes],
-            np.array([ratio[k] for k in lanes]),
-            mean[:, :, group],
-            variance[:, :, group],
-        )
-    for k, column in enumerate(columns):
-        outside = (grid < column.t[0]) | (grid > column.t[-1])
-        mean[outside, :, k], variance[outside, :, k] = np.nan, np.nan
-    return mean, variance
+def _with_times(
+    t: np.ndarray, x: np.ndarray, at: np.ndarray, name: str
+) -> tuple[Float[np.ndarray, " n"], Float[np.ndarray, "n columns"]]:
+    """The times of samples and those asked for together; no sample at the others."""
+    if not np.isfinite(at).all():
+        raise InputError(f"{name}: asked for a time that is not finite; give seconds")
+    grid = np.union1d(t, at)
+    samples = np.full((grid.size, x.shape[1]), np.nan)
+    samples[np.searchsorted(grid, t)] = x
+    return grid, samples
 
 
-def _estimate(
-    grid: np.ndarray,
-    columns: Sequence[Column],
-    ratio: np.ndarray,
-    mean: np.ndarray,
-    variance: np.ndarray,
-) -> None:
-    """One column a lane, written into `mean` and `variance`.
+def most_likely(column: Column, std: float | None) -> Fit:
+    """The density of the snap under which the samples are most likely.
 
-    What is known is kept only where a block starts, and each block's forward pass is
-    done again on the way back: the factors of a long record need no memory.
+    `-2 log L = misfit / R + log_det + freedom log R`, `R = std^2`, is least, with the
+    state at the start integrated out. Where `std` is None, `R = misfit / freedom`.
+    Searched on a grid from "a cubic" to "through every sample", then on two finer ones;
+    of more than 4096 samples, 4 stretches of 1024 stand for all, of averages where
+    samples follow each other fast.
+
+    Args:
+        column: samples, any unit.
+        std: of the measurement noise, in the unit of the column; None if unknown.
     """
-    known, starts = NOTHING_KNOWN, []
-    for start in range(0, grid.size, BLOCK):
-        starts.append((start, known))
-        known, _ = forward(known, *_block(grid, columns, start), ratio)
-    after = final_estimate(known)
-    for start, known in reversed(starts):
-        block = _block(grid, columns, start)
-        _, rows = forward(known, *block, ratio)
-        after, here = backward(after, block[0], rows, ratio)
-        size, width = mean[start : start + BLOCK].shape[::2]
-        mean[start : start + BLOCK] = here.mean[:size, :3, :width]
-        for k in range(2):
-            variance[start : start + BLOCK, k] = here.covariance[:size, k, k, :width]
+    fit = _searched(column, std)
+    reach = fit.ratio ** (-1 / (2 * ORDER))
+    if column.t.size <= STRETCHES * STRETCH or reach < SLOW:
+        return fit
+    slow = most_likely(_averaged(column), fit.noise_std / np.sqrt(AVERAGED))
+    return Fit(slow.ratio / float(AVERAGED) ** (2 * ORDER), fit.noise_std)
 
 
-def _block(
-    grid: np.ndarray, columns: Sequence[Column], start: int
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """`dt`, `y` and `weight` of a block's steps, each `BLOCK LANES`."""
-    dt, y, weight = np.zeros((3, BLOCK, LANES))
-    here = grid[start : start + BLOCK]
-    before = grid[max(start - 1, 0)]
-    for k, column in enumerate(columns):
-        # Time stands still for a column before its first and after its last sample.
-        clipped = np.clip(np.append(before, here), column.t[0], column.t[-1])
-        dt[: here.size, k] = np.diff(clipped) / column.h
-        low = np.searchsorted(column.t, here[0])
-        high = np.searchsorted(column.t, here[-1], side="right")
-        rows = np.searchsorted(here, column.t[low:high])
-        y[rows, k] = column.x[low:high] - column.offset
-        weight[rows, k] = 1.0
-    return dt, y, weight
+def _averaged(column: Column) -> Column:
+    """Averages of neighbours, but for those across a gap."""
+    n = column.t.size // AVERAGED * AVERAGED
+    t, x = (each[:n].reshape(-1, AVERAGED) for each in (column.t, column.x))
+    h = AVERAGED * column.h
+    close = np.ptp(t, axis=1) < 2 * h
+    return Column(t[close].mean(axis=1), x[close].mean(axis=1), h, column.offset)
+
+
+def _searched(column: Column, std: float | None) -> Fit:
+    """On the samples as they are."""
+    t, x = _stretches(column)
+    freedom = t.size - ORDER * len(t)
+    # Samples are no better than their last bit, even of a joint that stands still.
+    bit = np.finfo(np.float64).eps * max(np.abs(column.x).max(), SMALLEST)
+    span = (-2 * ORDER * np.log10(4 * np.ptp(t, axis=1).max()), np.log10(LARGEST))
+
+    def tried(low: float, high: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        grid = np.linspace(low, high, TRIED)
+        parts = _core.smoothing_evidence(t, x, 10**grid, processors())
+        misfit, log_det = (part.sum(axis=0) for part in parts)
+        R = np.maximum(misfit / max(freedom, 1), bit**2)
+        if std is not None:
+            R[:] = std**2
+        return grid, R, misfit / R + log_det + freedom * np.log(R)
+
+    for _ in range(2):
+        grid, _, cost = tried(*span)
+        step, best = grid[1] - grid[0], grid[np.argmin(cost)]
+        span = (max(span[0], best - step), min(span[1], best + step))
+    grid, R, cost = tried(*span)
+    ratio = _vertex(grid, cost)
+    if std is None:
+        found = np.exp(np.interp(ratio, grid, np.log(R)) / 2) if freedom else np.nan
+        return Fit(10**ratio, float(found))
+    return Fit(10**ratio, std)
+
+
+def _vertex(x: np.ndarray, y: np.ndarray) -> float:
+    """Of the parabola through the least `y` and its neighbours; `x` is even."""
+    k = int(np.argmin(y))
+    if k in {0, x.size - 1}:
+        return float(x[k])
+    slope, bend = (y[k + 1] - y[k - 1]) / 2, y[k + 1] - 2 * y[k] + y[k - 1]
+    return float(x[k] - (x[1] - x[0]) * slope / bend) if bend > 0 else float(x[k])
+
+
+def _stretches(
+    column: Column,
+) -> tuple[Float[np.ndarray, "stretches n"], Float[np.ndarray, "stretches n"]]:
+    """Times in units of `h`, and samples about their mean."""
+    t, x = column.t / column.h, column.x - column.offset
+    if t.size <= STRETCHES * STRETCH:
+        return t[None], x[None]
+    starts = np.linspace(0, t.size - STRETCH, STRETCHES).astype(int)
+    rows = starts[:, None] + np.arange(STRETCH)
+    return t[rows], x[rows]
