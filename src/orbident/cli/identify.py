@@ -66,7 +66,7 @@ def identify(
     from orbident.cli.output import Output, prepare_jax, progress
     from orbident.estimation.identify import identify as identified
     from orbident.files.checksum import sha256
-    from orbident.identified.run_folder import check_absent, save_result
+    from orbident.identified.run_folder import check_absent, saving
     from orbident.recordings.tables import read_recording
     from orbident.robot.robot_file import load_robot
 
@@ -93,9 +93,9 @@ def identify(
         from orbident.report.replay_figure import write_replay
         from orbident.report.write import write_report
 
-        save_result(result, out, force)
-        write_replay(described, table, out)
-        write_report(result, out)
+        with saving(result, out, force) as new:
+            write_replay(described, table, new)
+            write_report(result, new)
     output.say(*_summary(result, out))
     output.warn(result.warnings)
     output.write_json(result.to_json())

@@ -38,27 +38,28 @@ def write_signals(signals: Signals, path: Path) -> None:
         schema=SCHEMA,
     )
     # Neighbours share their upper bytes.
-    parquet.write_table(
-        table,
-        path,
-        compression="zstd",
-        use_dictionary=False,
-        use_byte_stream_split=[  # pyright: ignore[reportArgumentType]: stubs know bool
-            f"{column}.list.element" for column in ("t", "measured", "error")
-        ],
-    )
+    # Arrow opens no path whose name is not UTF-8.
+    with path.open("wb") as file:
+        parquet.write_table(
+            table,
+            file,
+            compression="zstd",
+            use_dictionary=False,
+            use_byte_stream_split=[  # pyright: ignore[reportArgumentType]: stubs know bool
+                f"{column}.list.element" for column in ("t", "measured", "error")
+            ],
+        )
 
 
 def read_signals(path: Path) -> Signals:
-    """Read them; none where there is no file.
+    """Read them.
 
     Raises:
         InputError: it is not what `write_signals` writes.
     """
-    if not path.exists():
-        return ()
     try:
-        table = parquet.read_table(path, schema=SCHEMA)
+        with path.open("rb") as file:
+            table = parquet.read_table(file, schema=SCHEMA)
     except (pa.ArrowException, OSError, ValueError) as error:
         reason = str(error).splitlines()[0]
         raise InputError(

@@ -55,7 +55,9 @@ def read_trail(path: Path) -> Trail | None:
     if not path.exists():
         return None
     try:
-        table = arrow_csv.read_csv(path)
+        # Arrow opens no path whose name is not UTF-8.
+        with path.open("rb") as file:
+            table = arrow_csv.read_csv(file)
         names = [
             name for name in table.column_names if f"{name}.std" in table.schema.names
         ]
