@@ -66,6 +66,7 @@ def identify(
     from orbident.cli.output import Output, prepare_jax, progress
     from orbident.estimation.identify import identify as identified
     from orbident.files.checksum import sha256
+    from orbident.files.text import name_of
     from orbident.identified.run_folder import check_absent, saving
     from orbident.recordings.tables import read_recording
     from orbident.robot.robot_file import load_robot
@@ -87,7 +88,7 @@ def identify(
             pushed,
             progress=done,
         )
-    file = {"file": recording.name, "sha256": sha256(recording)}
+    file = {"file": name_of(recording), "sha256": sha256(recording)}
     result = replace(result, input=file)
     if out is not None:
         from orbident.report.replay_figure import write_replay
