@@ -205,7 +205,7 @@ def test_result_of_another_version(orbident: Orbident, run: Path):
 
 
 def test_result_without_checksums(orbident: Orbident, run: Path):
-    """As version 0.1 wrote it."""
+    """As it was written before there were any."""
     edited(run, "files", value=...)
     edited(run, "sha256", value=...)
     words = "run/result.json: has no checksums", "identify again"
