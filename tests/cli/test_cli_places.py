@@ -2,6 +2,8 @@
 
 import json
 import os
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +12,7 @@ from random_motions import random_motion
 from running import LINEAR, Orbident, resealed, written
 
 from orbident.files.locking import locked
+from orbident.identified.run_folder import load_result
 from orbident.recordings.recording import Recording
 from orbident.robot.robot_file import load_robot
 from orbident.trajectories.trajectory_file import save_trajectory
@@ -309,6 +312,38 @@ def test_run_without_its_robot(orbident: Orbident, run: Path):
     (run / "robot.yaml").unlink()
     resealed(run)
     orbident("validate", run, "r.csv").refused("run/robot.yaml")
+
+
+def test_a_folder_that_the_locale_cannot_name(run: Path):
+    """Neither Python nor Arrow opens it by its name as text."""
+    folder = Path("Gerät")
+    run.rename(folder)
+    Path("r.csv").rename(folder / "ä.csv")
+    plain = {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
+    for command in (
+        ("identify", "paper-spatial", folder / "ä.csv", *LINEAR, "-o", folder / "run"),
+        ("report", folder / "run", "--force"),
+    ):
+        ran = subprocess.run(
+            [sys.executable, "-m", "orbident.cli.app", *command, "--quiet"],
+            env=os.environ | plain,
+            capture_output=True,
+            timeout=300,
+            check=False,
+        )
+        assert (ran.returncode, ran.stderr) == (0, b"")
+    assert load_result(folder / "run").input["file"] == "ä.csv"
+
+
+@pytest.mark.skipif(
+    sys.platform != "linux", reason="file names of other systems are text"
+)
+def test_a_recording_whose_name_is_not_text(orbident: Orbident, run: Path):
+    name = os.fsdecode(b"\xff.csv")
+    Path("r.csv").rename(name)
+    command = ("identify", "paper-spatial", name, *LINEAR, "-o", "new", "--quiet")
+    orbident(*command).done()
+    assert load_result(Path("new")).input["file"] == "\\xff.csv"
 
 
 def test_run_of_another_robot(orbident: Orbident, run: Path, table_run: Recording):

@@ -36,7 +36,7 @@ VERBS = {
 }
 PLACES = {name: arguments[-1] for name, arguments in VERBS.items()}
 PLACES["report"] = f"{OLD}/report.html"
-QUICK = ("topics", "convert", "robots --json", "export", "sample", "identify --force")
+QUICK = ("topics", "convert", "robots --json", "identify --force")
 """What takes the least time of each kind."""
 CHANGING = {"report.html", "result.json"}
 """Hold how long it took."""
