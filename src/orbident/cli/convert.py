@@ -20,7 +20,8 @@ def convert(
     quiet: Quiet = False,
 ) -> None:
     """Make a recording of a ROS bag or MCAP file."""
-    from orbident.cli.output import Output, check_place, progress
+    from orbident.cli.output import Output, progress
+    from orbident.files.replacing import check_place
     from orbident.recordings.bags.convert import convert_bag
 
     output = Output(json, quiet)

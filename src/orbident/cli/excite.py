@@ -88,7 +88,8 @@ def excite(
     quiet: Quiet = False,
 ) -> None:
     """Design a trajectory that excites every parameter, or compare some."""
-    from orbident.cli.output import Output, check_place, prepare_jax
+    from orbident.cli.output import Output, prepare_jax
+    from orbident.files.replacing import check_place
     from orbident.robot.robot_file import load_robot
 
     output = Output(json, quiet)

@@ -31,7 +31,8 @@ def export(
     quiet: Quiet = False,
 ) -> None:
     """Write the identified model as a URDF, or its matrices in one configuration."""
-    from orbident.cli.output import Output, check_place, prepare_jax
+    from orbident.cli.output import Output, prepare_jax
+    from orbident.files.replacing import check_place
     from orbident.identified.run_folder import load_result
 
     output = Output(json, quiet)

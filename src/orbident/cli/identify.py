@@ -66,7 +66,8 @@ def identify(
     from orbident.cli.output import Output, prepare_jax, progress
     from orbident.estimation.identify import identify as identified
     from orbident.files.checksum import sha256
-    from orbident.identified.run_folder import check_absent, save_result
+    from orbident.files.text import name_of
+    from orbident.identified.run_folder import check_absent, saving
     from orbident.recordings.tables import read_recording
     from orbident.robot.robot_file import load_robot
 
@@ -87,15 +88,15 @@ def identify(
             pushed,
             progress=done,
         )
-    file = {"file": recording.name, "sha256": sha256(recording)}
+    file = {"file": name_of(recording), "sha256": sha256(recording)}
     result = replace(result, input=file)
     if out is not None:
         from orbident.report.replay_figure import write_replay
         from orbident.report.write import write_report
 
-        save_result(result, out, force)
-        write_replay(described, table, out)
-        write_report(result, out)
+        with saving(result, out, force) as new:
+            write_replay(described, table, new)
+            write_report(result, new)
     output.say(*_summary(result, out))
     output.warn(result.warnings)
     output.write_json(result.to_json())

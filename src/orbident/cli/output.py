@@ -12,7 +12,7 @@ from typing import Any
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
-from orbident.errors import InputError
+from orbident.files.replacing import check_place
 from orbident.files.text import write_text
 
 WIDTH = 110
@@ -82,18 +82,6 @@ def progress(what: str) -> Iterator[Any]:
     ) as bar:
         task = bar.add_task(what, total=None)
         yield lambda fraction: bar.update(task, total=1.0, completed=fraction)
-
-
-def check_place(path: Path) -> None:
-    """Refuse a place for a file.
-
-    Raises:
-        InputError: it is a folder, or in a folder that does not exist.
-    """
-    if not path.parent.is_dir():
-        raise InputError(f"{path}: folder '{path.parent}' does not exist; create it")
-    if path.is_dir():
-        raise InputError(f"{path}: is a folder; give a file name")
 
 
 def prepare_jax() -> None:

@@ -18,14 +18,16 @@ def report(
 ) -> None:
     """Write RUN/report.html: one page to look at, which needs no network."""
     from orbident.cli.output import Output, prepare_jax
-    from orbident.identified.run_folder import load_result
-    from orbident.report.write import REPORT, write_report
+    from orbident.files.locking import locked
+    from orbident.identified.run_folder import REPORT, load_result
+    from orbident.report.write import write_report
 
     output = Output(json, quiet)
     result = load_result(run)
     if (run / REPORT).exists() and not force:
         raise InputError(f"{run / REPORT}: exists already; use --force")
     prepare_jax()
-    path = write_report(result, run)
+    with locked(run):
+        path = write_report(result, run)
     output.say(f"written: {path}")
     output.write_json({"report": str(path)})

@@ -39,12 +39,13 @@ def sample(
     quiet: Quiet = False,
 ) -> None:
     """Write a trajectory as samples, for a controller."""
-    from orbident.cli.output import Output, check_place, prepare_jax
+    from orbident.cli.output import Output, prepare_jax
     from orbident.excitation.samples import (
         sampled,
         table_of,
         write_joint_trajectory,
     )
+    from orbident.files.replacing import check_place
     from orbident.recordings.tables import check_writable, write_recording
     from orbident.trajectories.trajectory_file import load_trajectory
 

@@ -42,7 +42,8 @@ def simulate(
     quiet: Quiet = False,
 ) -> None:
     """Float the robot along a trajectory and record it."""
-    from orbident.cli.output import Output, check_place, prepare_jax, progress
+    from orbident.cli.output import Output, prepare_jax, progress
+    from orbident.files.replacing import check_place
     from orbident.recordings.tables import check_writable, write_recording
     from orbident.robot.robot_file import load_robot
     from orbident.sensing.simulate import simulate as simulated

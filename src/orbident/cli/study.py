@@ -1,6 +1,6 @@
 """`orbident study spatial|planar|control`."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from enum import StrEnum
 from functools import partial
 from pathlib import Path
@@ -137,15 +137,17 @@ def _runner(
     return run_planar, planar_lines
 
 
-def _files(name: Study) -> list[str]:
+def _files(name: Study, cut_offs: Iterable[str] = ()) -> tuple[str, ...]:
+    """What a study leaves beside its RUN; the report last."""
     tables = (*RECORDINGS[name], *(FIGURES if name == Study.planar else ()))
     pictures = {Study.planar: FIGURES, Study.spatial: ("table4",)}.get(name, ())
-    return [
+    return (
         TRAJECTORY,
-        REPORT,
         *(f"{table}.csv" for table in tables),
         *(f"{picture}.{kind}" for picture in pictures for kind in ("png", "svg")),
-    ]
+        *(f"{CUT_OFFS}/{signal}.png" for signal in cut_offs),
+        REPORT,
+    )
 
 
 def _check_free(out: Path, name: Study, force: bool) -> None:
@@ -160,29 +162,43 @@ def _keep(done: Any, name: Study, out: Path, force: bool, seed: int | None) -> N
     from dataclasses import replace
 
     from orbident.files.checksum import sha256
+    from orbident.files.folder_replacing import replacing_files
     from orbident.identified.run_folder import save_result
-    from orbident.recordings.tables import write_recording
     from orbident.report.study import write_study_report
+
+    cut_offs = {} if name == Study.control else done.cut_offs
+    with replacing_files(out, _files(name, cut_offs)) as new:
+        # Another process may have been faster.
+        _check_free(out, name, force)
+        recording = _write_data(done, name, new)
+        _draw_cut_offs(cut_offs, new / CUT_OFFS)
+        known = {"file": recording.name, "sha256": sha256(recording), "seed": seed}
+        result = replace(done.result, input=known)
+        write_study_report(done, result, f"Study: {name}", new)
+        save_result(result, out / RUN, force)
+
+
+def _write_data(done: Any, name: Study, folder: Path) -> Path:
+    """Trajectory, recordings and the figures' data.
+
+    Returns:
+        The path of the recording that was identified from.
+    """
+    from orbident.recordings.tables import write_recording
     from orbident.trajectories.trajectory_file import save_trajectory
 
-    out.mkdir(parents=True, exist_ok=True)
-    save_trajectory(done.trajectory, out / TRAJECTORY)
+    save_trajectory(done.trajectory, folder / TRAJECTORY)
     if name != Study.planar:
         recordings = (done.recording,)
     else:
         from orbident.studies.planar_figures import write_figures
 
         recordings = done.recordings
-        write_figures(done.figures, out)
-    for file, recording in zip(RECORDINGS[name], recordings, strict=True):
-        write_recording(recording, out / f"{file}.csv")
-    if name != Study.control:
-        _draw_cut_offs(done.cut_offs, out / CUT_OFFS)
-    recording = out / f"{RECORDINGS[name][0]}.csv"
-    known = {"file": recording.name, "sha256": sha256(recording), "seed": seed}
-    result = replace(done.result, input=known)
-    save_result(result, out / RUN, force)
-    write_study_report(done, result, f"Study: {name}", out)
+        write_figures(done.figures, folder)
+    files = [folder / f"{file}.csv" for file in RECORDINGS[name]]
+    for file, recording in zip(files, recordings, strict=True):
+        write_recording(recording, file)
+    return files[0]
 
 
 def _draw_cut_offs(cut_offs: Mapping[str, Any], folder: Path) -> None:

@@ -18,7 +18,8 @@ def topics(
     quiet: Quiet = False,
 ) -> None:
     """List what a bag holds, and propose a topic map."""
-    from orbident.cli.output import Output, check_place, progress
+    from orbident.cli.output import Output, progress
+    from orbident.files.replacing import check_place
     from orbident.files.text import write_text
     from orbident.recordings.bags.proposal import proposed_map
     from orbident.recordings.bags.survey import survey_bag

@@ -1,5 +1,6 @@
 """Text files in UTF-8, line ends untouched."""
 
+import os
 from pathlib import Path
 
 from orbident.errors import InputError
@@ -28,6 +29,11 @@ def read_text(path: Path) -> str:
     except ValueError as error:
         # A path with a null byte.
         raise InputError(f"{str(path)!r}: cannot be read ({error})") from None
+
+
+def name_of(path: Path) -> str:
+    r"""A file's name as UTF-8 text, in which a byte that is none is shown as `\xff`."""
+    return os.fsencode(path.name).decode(errors="backslashreplace")
 
 
 def write_text(path: Path, text: str) -> None:

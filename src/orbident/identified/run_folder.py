@@ -2,7 +2,8 @@
 
 import json
 import os
-import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -10,16 +11,52 @@ from typing import Any
 import numpy as np
 
 from orbident.errors import InputError
+from orbident.estimation.predicted import Signals
 from orbident.estimation.result import SCHEMA, Estimate, Estimates, Result
+from orbident.files.folder_replacing import (
+    finish,
+    is_committed,
+    is_unfinished,
+    replacing_files,
+)
+from orbident.files.replacing import UNFINISHED
+from orbident.files.text import write_text
+from orbident.identified.checksums import (
+    FILES,
+    check_document,
+    check_files,
+    with_checksums,
+)
 from orbident.identified.signals_file import read_signals, write_signals
 from orbident.robot.robot_file import load_robot, write_robot
 from orbident.signals.delays import Delay
 
-SIGNALS, HISTORY = "signals.parquet", "history.csv"
+RESULT, REPORT = "result.json", "report.html"
+SIGNALS, HISTORY, REPLAY = "signals.parquet", "history.csv", "replay.json"
+READ = ("robot.urdf", "robot.yaml", SIGNALS, HISTORY, REPLAY)
+"""What may be read again. The report is not, and can be made anew at any time."""
+OURS = (*READ, REPORT, RESULT)
+"""All that a RUN folder has of ours; the result, which vouches for the rest, last."""
 
 
 def save_result(result: Result, folder: Path, force: bool = False) -> None:
-    """Write a RUN folder.
+    """Write a RUN folder, without a report.
+
+    Raises:
+        InputError: the folder exists and `force` is false, or cannot be written.
+    """
+    with saving(result, folder, force):
+        pass
+
+
+@contextmanager
+def saving(result: Result, folder: Path, force: bool = False) -> Iterator[Path]:
+    """Write a RUN folder, and what the block adds to it, all at once or not at all.
+
+    With `force` files of ours in an existing RUN are replaced, and no others.
+
+    Yields:
+        A folder with the files so far, for `replay.json` and `report.html`.
 
     Raises:
         InputError: the folder exists and `force` is false, or cannot be written.
@@ -27,18 +64,16 @@ def save_result(result: Result, folder: Path, force: bool = False) -> None:
     check_absent(folder, force)
     # They may come from the folder that is replaced.
     signals = result.signals()
-    try:
-        if folder.is_dir():
-            shutil.rmtree(folder)
-        folder.mkdir(parents=True)
-        write_robot(result.robot, folder)
-        text = json.dumps(result.to_json(), indent=1)
-        (folder / "result.json").write_text(text, encoding="utf-8")
-        write_signals(signals, folder / SIGNALS)
+    with replacing_files(folder, OURS) as new:
+        # Another process may have been faster.
+        check_absent(folder, force)
+        write_robot(result.robot, new)
+        write_signals(signals, new / SIGNALS)
         if result.history is not None:
-            _write_history(result, folder / HISTORY)
-    except OSError as error:
-        raise InputError(f"{folder}: cannot be written ({error.strerror})") from error
+            _write_history(result, new / HISTORY)
+        yield new
+        document = with_checksums(result.to_json(), new, READ)
+        write_text(new / RESULT, json.dumps(document, indent=1))
 
 
 def _write_history(result: Result, path: Path) -> None:
@@ -54,7 +89,7 @@ def _write_history(result: Result, path: Path) -> None:
 
 
 def check_absent(folder: Path, force: bool) -> None:
-    """Refuse a RUN folder that exists.
+    """Refuse a RUN folder that exists; an empty folder is none.
 
     Raises:
         InputError: it exists and `force` is false, or is something else than a RUN.
@@ -62,13 +97,36 @@ def check_absent(folder: Path, force: bool) -> None:
     if not folder.exists():
         _check_above(folder)
         return
-    if not force:
+    names = _names(folder)
+    if names is None:
+        raise InputError(
+            f"{folder}: is not a RUN folder, so it is not overwritten; name another"
+        )
+    if not os.access(folder, os.W_OK):
+        raise InputError(f"{folder}: cannot be written (Permission denied)")
+    if not force and (names or is_committed(folder)):
         raise InputError(f"{folder}: exists already; name another, or use --force")
-    if not (folder / "result.json").is_file():
-        raise InputError(f"{folder}: is not a RUN folder, so it is not overwritten")
+
+
+def _names(folder: Path) -> set[str] | None:
+    """What a RUN folder holds, complete or not; None for what is none."""
+    if not folder.is_dir():
+        return None
+    names = {path.name for path in folder.iterdir() if UNFINISHED not in path.name}
+    if names <= set(OURS) or is_unfinished(folder) or _is_result(folder / RESULT):
+        return names
+    return None
+
+
+def _is_result(path: Path) -> bool:
+    """Whether a file is a result of ours, of any version, complete or cut off."""
+    family = SCHEMA.rpartition("/")[0].encode()
+    return path.is_file() and family in path.read_bytes()
 
 
 def _check_above(folder: Path) -> None:
+    if folder.is_symlink():
+        raise InputError(f"{folder}: is a link to nowhere; name another, or remove it")
     above = next(above for above in folder.absolute().parents if above.exists())
     if not above.is_dir():
         raise InputError(f"{folder}: '{above}' is a file; name a place in a folder")
@@ -77,27 +135,53 @@ def _check_above(folder: Path) -> None:
 
 
 def load_result(folder: Path) -> Result:
-    """Read a RUN folder.
+    """Read a RUN folder; every file is checked against its checksum.
 
     Raises:
-        InputError: a file is missing or is not what `identify` writes.
+        InputError: a file is missing or is not what `identify` wrote.
     """
-    path = folder / "result.json"
+    finish(folder, OURS)
+    path = folder / RESULT
+    text = _text(path)
     try:
-        document = json.loads(path.read_text(encoding="utf-8"))
+        return _read(text, folder)
+    except InputError:
+        if not is_committed(folder) and _text(path) == text:
+            raise
+    # It was replaced meanwhile.
+    return load_result(folder)
+
+
+def _text(path: Path) -> str:
+    try:
+        return path.read_text(encoding="utf-8")
+    except UnicodeDecodeError as error:
+        raise InputError(f"{path}: is not JSON ({error}); identify again") from error
     except OSError as error:
+        if is_unfinished(path.parent) and not path.exists():
+            raise InputError(
+                f"{path.parent}: is not complete, 'orbident identify' was ended before "
+                "that or is still at work; wait, or identify again"
+            ) from error
         raise InputError(
             f"{path}: cannot be read ({error.strerror}); give the folder that "
             "'orbident identify -o' wrote"
         ) from error
+
+
+def _read(text: str, folder: Path) -> Result:
+    path = folder / RESULT
+    try:
+        document = json.loads(text)
     except (ValueError, RecursionError) as error:
         raise InputError(f"{path}: is not JSON ({error}); identify again") from error
-    robot = load_robot(folder / "robot.yaml")
     try:
         _check_schema(document, path)
+        check_document(document, path)
+        check_files(document[FILES], folder, READ)
         mass = document["mass"]
         return Result(
-            robot=robot,
+            robot=load_robot(folder / "robot.yaml"),
             method=document["method"],
             initial_momentum=document["initial_momentum"],
             status=document["status"],
@@ -123,7 +207,7 @@ def load_result(folder: Path) -> Result:
             samples=document["samples"],
             motion=document.get("motion", {}),
             input=document.get("input", {}),
-            signals=partial(read_signals, folder / SIGNALS),
+            signals=partial(_signals, folder, document[FILES]),
             elapsed_s=document["elapsed_s"],
             versions=document["versions"],
         )
@@ -134,6 +218,12 @@ def load_result(folder: Path) -> Result:
         raise InputError(
             f"{path}: is not a result of this version ({what}); identify again"
         ) from error
+
+
+def _signals(folder: Path, files: dict[str, str]) -> Signals:
+    """Read when they are wanted: the folder may have been replaced by then."""
+    check_files(files, folder, [SIGNALS])
+    return read_signals(folder / SIGNALS)
 
 
 def _check_schema(document: dict[str, Any], path: Path) -> None:

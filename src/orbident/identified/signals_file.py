@@ -1,5 +1,6 @@
 """Measured and predicted signals of a RUN, in one compact file: a row a signal."""
 
+import os
 from pathlib import Path
 
 import numpy as np
@@ -37,28 +38,29 @@ def write_signals(signals: Signals, path: Path) -> None:
         [pa.array([row[field.name] for row in rows], field.type) for field in SCHEMA],
         schema=SCHEMA,
     )
-    # Neighbours share their upper bytes.
-    parquet.write_table(
-        table,
-        path,
-        compression="zstd",
-        use_dictionary=False,
-        use_byte_stream_split=[  # pyright: ignore[reportArgumentType]: stubs know bool
-            f"{column}.list.element" for column in ("t", "measured", "error")
-        ],
-    )
+    # Bytes: as text Arrow takes no name that is not UTF-8.
+    with pa.OSFile(os.fsencode(path), "wb") as file:
+        parquet.write_table(
+            table,
+            file,
+            compression="zstd",
+            use_dictionary=False,
+            # Neighbours share their upper bytes.
+            use_byte_stream_split=[  # pyright: ignore[reportArgumentType]: stubs know bool
+                f"{column}.list.element" for column in ("t", "measured", "error")
+            ],
+        )
 
 
 def read_signals(path: Path) -> Signals:
-    """Read them; none where there is no file.
+    """Read them.
 
     Raises:
         InputError: it is not what `write_signals` writes.
     """
-    if not path.exists():
-        return ()
     try:
-        table = parquet.read_table(path, schema=SCHEMA)
+        with pa.OSFile(os.fsencode(path)) as file:
+            table = parquet.read_table(file, schema=SCHEMA)
     except (pa.ArrowException, OSError, ValueError) as error:
         reason = str(error).splitlines()[0]
         raise InputError(

@@ -1,6 +1,7 @@
 """CSV files into columns of float64."""
 
 import csv
+import os
 import re
 from collections.abc import Sequence
 from contextlib import suppress
@@ -86,18 +87,18 @@ def _fill(path: Path, columns: dict[str, np.ndarray], header_lines: int) -> int:
     """Fills the columns; returns the number of rows."""
     start = 0
     number = pa.float64()
-    with arrow_csv.open_csv(
-        path,
-        read_options=arrow_csv.ReadOptions(
-            column_names=list(columns),
-            skip_rows=header_lines,
-            block_size=_BLOCK_BYTES,
-        ),
-        parse_options=arrow_csv.ParseOptions(invalid_row_handler=_skip_blank),
-        convert_options=arrow_csv.ConvertOptions(
-            column_types=dict.fromkeys(columns, number), null_values=_EMPTY
-        ),
-    ) as reader:
+    read = arrow_csv.ReadOptions(
+        column_names=list(columns), skip_rows=header_lines, block_size=_BLOCK_BYTES
+    )
+    parse = arrow_csv.ParseOptions(invalid_row_handler=_skip_blank)
+    convert = arrow_csv.ConvertOptions(
+        column_types=dict.fromkeys(columns, number), null_values=_EMPTY
+    )
+    # Bytes: as text Arrow takes no name that is not UTF-8.
+    with (
+        pa.OSFile(os.fsencode(path)) as file,
+        arrow_csv.open_csv(file, read, parse, convert) as reader,
+    ):
         for batch in reader:
             rows = slice(start, start + batch.num_rows)
             for name, values in zip(columns, batch.columns, strict=True):

@@ -9,6 +9,7 @@ from jaxtyping import Float
 
 from orbident.errors import InputError
 from orbident.files.text import read_text, write_text
+from orbident.identified.run_folder import REPLAY
 from orbident.recordings.recording import Recording
 from orbident.report.charts import ERROR, Figure, numbers
 from orbident.report.section import Chart, Section
@@ -21,7 +22,6 @@ from orbident.scene.shapes import Shape, box
 FRAMES = 40
 MOST_VERTICES = 60
 """Of a shape; a finer one is shown as the box around it."""
-REPLAY = "replay.json"
 
 
 def replay_figure(scene: Scene, motion: Motion) -> Figure:

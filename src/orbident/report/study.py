@@ -6,13 +6,14 @@ from pathlib import Path
 
 from orbident.estimation.result import Result
 from orbident.files.text import write_text
+from orbident.identified.run_folder import REPORT
 from orbident.report.cut_offs import cut_offs
 from orbident.report.numbers import NONE, short, with_std
 from orbident.report.page import page
 from orbident.report.paper_figures import draw_errors, draw_figures
 from orbident.report.section import Row, Section, Table
 from orbident.report.verdict import HEADLINES, Check, judgement
-from orbident.report.write import REPORT, sections_of, seen
+from orbident.report.write import sections_of, seen
 from orbident.studies import comparison
 from orbident.studies.control import ControlStudy
 from orbident.studies.run_planar import PlanarStudy

@@ -6,7 +6,7 @@ from pathlib import Path
 from orbident.estimation.predicted import Signals
 from orbident.estimation.result import Result
 from orbident.files.text import write_text
-from orbident.identified.run_folder import HISTORY
+from orbident.identified.run_folder import HISTORY, REPORT
 from orbident.report.conditioning import conditioning
 from orbident.report.fit import fits
 from orbident.report.limits import excitation, identifiability
@@ -17,8 +17,6 @@ from orbident.report.recursion import Trail, read_trail, recursion
 from orbident.report.replay_figure import replay_sections
 from orbident.report.section import Section
 from orbident.report.verdict import judgement
-
-REPORT = "report.html"
 
 METHODS = {
     "least-squares": "least squares",

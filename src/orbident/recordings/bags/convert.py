@@ -1,7 +1,6 @@
 """A bag into a recording, in bounded memory."""
 
 import os
-import tempfile
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
@@ -31,8 +30,8 @@ def convert_bag(
 ) -> ConversionReport:
     """Writes a bag's mapped topics as a recording, .parquet or .csv.
 
-    Rows are the union of all stamps; `t` is 0 at the first. Values wait in a temporary
-    folder beside the recording: memory holds their times only.
+    Rows are the union of all stamps; `t` is 0 at the first. Values wait in files
+    without names beside the recording: memory holds their times only.
 
     Args:
         bag: a ROS 1 bag, a ROS 2 bag, or an MCAP file.
@@ -51,11 +50,8 @@ def convert_bag(
     check_writable(out)
     entries = load_topic_map(Path(topic_map))
     said = progress or (lambda fraction: None)
-    with (
-        open_bag(Path(bag)) as opened,
-        tempfile.TemporaryDirectory(prefix=f".{out.name}.", dir=out.parent) as folder,
-    ):
-        tracks = [Track(e, Path(folder) / str(k)) for k, e in enumerate(entries)]
+    with open_bag(Path(bag)) as opened:
+        tracks = [Track(entry, out) for entry in entries]
         try:
             _collect(opened, tracks, str(topic_map), said)
             used = [timed(track.finished(str(opened.path))) for track in tracks]

@@ -48,15 +48,15 @@ class Arrived:
 class Track:
     """Collects the samples of one entry."""
 
-    def __init__(self, entry: Entry, file: Path) -> None:
+    def __init__(self, entry: Entry, out: Path) -> None:
         """Nothing yet.
 
         Args:
             entry: what is taken.
-            file: where rows are kept.
+            out: what is being made, beside which rows are kept meanwhile.
         """
         self.entry = entry
-        self.rows = RowFile(file, len(entry.columns))
+        self.rows = RowFile(out, len(entry.columns))
         self._stamps, self._received = array("q"), array("q")
         self._waiting: list[Any] = []
         self._labels: Counter[tuple[str, ...]] = Counter()

@@ -50,7 +50,7 @@ def test_a_stamp_joins_a_row_wherever_one_is_free(sensors):
 @pytest.mark.parametrize("order", ["as written", "reversed", "shuffled", "repeated"])
 def test_row_file(tmp_path, order):
     table = np.random.default_rng(0).normal(size=(1000, 3))
-    file = RowFile(tmp_path / "rows", 3)
+    file = RowFile(tmp_path / "r.csv", 3)
     file.append(table[:300])
     file.append(table[300:])
     index = {
