@@ -1,6 +1,7 @@
 """Meshes that a URDF names: where their files are, and what is in them."""
 
 import io
+import logging
 import zipfile
 from pathlib import Path
 
@@ -11,6 +12,9 @@ MOST_BYTES = 50_000_000
 """A larger file, or unpacked archive, is no picture of a link but a survey of it."""
 KINDS = frozenset({"3mf", "dae", "glb", "gltf", "obj", "off", "ply", "stl", "zae"})
 """Suffixes of meshes; trimesh also reads drawings and archives of anything."""
+
+# What is wrong with a mesh costs this mesh, without trimesh's words about it.
+logging.getLogger("trimesh").addHandler(logging.NullHandler())
 
 Mesh = tuple[Float[np.ndarray, "v 3"], Int[np.ndarray, "f 3"]]
 

@@ -1,5 +1,7 @@
 """What a URDF shows is drawn; what cannot be drawn costs no more than itself."""
 
+import subprocess
+import sys
 import zipfile
 from pathlib import Path
 from typing import Any
@@ -181,3 +183,25 @@ def test_what_a_mesh_refers_to_is_not_opened(tmp_path: Path):
     assert read_mesh(tmp_path / "model.gltf") is None
     boxed(tmp_path / "box.glb")
     assert read_mesh(tmp_path / "box.glb") is not None
+
+
+def test_a_bad_mesh_is_left_without_a_word_of_its_reader(tmp_path: Path):
+    (tmp_path / "link.stl").write_text(
+        "solid s\nfacet normal x 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\n"
+        "vertex 0 1 0\nendloop\nendfacet\nendsolid s\n"
+    )
+    code = (
+        "from pathlib import Path\n"
+        "from orbident.scene.mesh_files import read_mesh\n"
+        "read_mesh(Path('link.stl'))"
+    )
+    # In a process of its own: pytest has handlers of its own for all logs.
+    ran = subprocess.run(
+        [sys.executable, "-c", code],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=60,
+    )
+    assert ran.stderr == ""
