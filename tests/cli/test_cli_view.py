@@ -81,10 +81,10 @@ def test_a_viewer_on_the_network_says_so_and_asks_for_its_token():
             assert url in warning
             port, path = url.rpartition(":")[2].split("/", 1)
             own = f"http://127.0.0.1:{port}/"
-            with urllib.request.urlopen(own + path) as answer:
+            with urllib.request.urlopen(own + path, timeout=60) as answer:
                 assert answer.status == 200
             with pytest.raises(urllib.error.HTTPError, match="403") as refused:
-                urllib.request.urlopen(own)
+                urllib.request.urlopen(own, timeout=60)
             refused.value.close()
         finally:
             process.terminate()

@@ -92,8 +92,7 @@ class Campaign:
             absurd: whether those of absurd size are run too.
         """
         with tempfile.TemporaryDirectory(prefix="fuzz-") as place:
-            own = {"XDG_CACHE_HOME": place, "NUMBA_CACHE_DIR": f"{place}/loops"}
-            watchers = [Watcher(own) for _ in range(self._workers)]
+            watchers = [Watcher() for _ in range(self._workers)]
             free: queue.Queue[Watcher] = queue.Queue()
             for watcher in watchers:
                 free.put(watcher)

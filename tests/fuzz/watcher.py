@@ -152,7 +152,7 @@ class Watcher:
     def _end(self) -> None:
         if self._worker is not None:
             self._worker.kill()
-            self._worker.communicate()
+            self._worker.communicate(timeout=LONGEST)
             self._worker = None
 
 

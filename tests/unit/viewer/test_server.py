@@ -14,7 +14,7 @@ from orbident.viewer.server import Served, close, open_server, run
 def test_it_serves_a_page_here_only(served: Served, capsys: pytest.CaptureFixture[str]):
     assert served.url == f"http://127.0.0.1:{served.server.get_port()}/"
     assert not served.is_open
-    with urllib.request.urlopen(served.url) as answer:
+    with urllib.request.urlopen(served.url, timeout=60) as answer:
         assert b"<html" in answer.read(1000)
     # Standard output is for results.
     assert capsys.readouterr().out == ""
@@ -69,4 +69,4 @@ def test_an_interrupt_ends_it_quietly(capsys: pytest.CaptureFixture[str]):
     assert len(told) == 1
     assert capsys.readouterr() == ("", "")
     with pytest.raises(OSError, match="refused"):
-        urllib.request.urlopen(url)
+        urllib.request.urlopen(url, timeout=60)
