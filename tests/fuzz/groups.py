@@ -133,7 +133,7 @@ def trajectories(random: Random, seeds: Seeds) -> Case:
     """A spoiled trajectory."""
     name = random.choice(SMALL)
     content = spoiled(random, seeds.trajectories[name], _safely(mutations.YAML))
-    rate = random.choice(("1", "10", oddities.number(random)))
+    rate = random.choice(("1", "2", "10", oddities.number(random)))
     arguments = random.choice(
         (
             ["sample", "m.yaml", "-o", random.choice(("s.csv", "s.parquet"))],

@@ -17,7 +17,7 @@ Mutation = Callable[[Random, bytes], bytes]
 
 def spoiled(random: Random, content: bytes, ways: tuple[Mutation, ...]) -> bytes:
     """A file after one of these ways, or two of them."""
-    for _ in range(random.choice((1, 1, 2))):
+    for _ in range(random.choice((1, 1, 1, 2))):
         content = random.choice(ways)(random, content)
     return content
 
@@ -87,6 +87,17 @@ def odd_number(random: Random, content: bytes) -> bytes:
     return _replaced(random, content, NUMBER, lambda: oddities.number(random))
 
 
+def other_number(random: Random, content: bytes) -> bytes:
+    """A number is another one that might be meant."""
+    places = list(NUMBER.finditer(content))
+    if not places:
+        return content
+    place = random.choice(places)
+    factor = random.choice((-1.0, 0.0, 1e-6, 0.1, 0.5, 0.99, 1.01, 2.0, 10.0, 1e6))
+    new = repr(factor * float(place.group())).encode()
+    return content[: place.start()] + new + content[place.end() :]
+
+
 def odd_word(random: Random, content: bytes) -> bytes:
     """A word is another one."""
     return _replaced(random, content, WORD, lambda: oddities.word(random))
@@ -112,7 +123,7 @@ def lines_changed(random: Random, content: bytes) -> bytes:
     return b"".join(lines)
 
 
-TEXT = (odd_number,) * 4 + (odd_word, swapped_words, lines_changed) * 2
+TEXT = (odd_number, other_number) * 4 + (odd_word, swapped_words, lines_changed) * 2
 TEXT += (*BINARY, recoded)
 
 
