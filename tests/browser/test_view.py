@@ -19,7 +19,7 @@ from orbident.scene.replay import recorded_motion
 from orbident.scene.scene import scene_of
 from orbident.sensing.simulate import simulate
 from orbident.viewer.replay_page import ReplayPage
-from orbident.viewer.server import PERIOD, address, close, open_server
+from orbident.viewer.server import PERIOD, close, open_server
 
 PATIENCE = 60.0
 """A processor that draws instead of a graphics card, and is shared, takes seconds."""
@@ -64,7 +64,7 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Shown]:
     replay = replay._replace(predicted=replay.measured._replace(x_WB=late))
     hostile = "<script>document.title='hit'</script>\"'" + "x" * 300
     with chromium(tmp_path_factory.mktemp("profile"), WIDTH, HEIGHT) as browser:
-        server = open_server("127.0.0.1", 0)
+        server, url, _ = open_server("127.0.0.1", 0)
         page = ReplayPage(server, scene_of(robot), replay, hostile)
         ended = threading.Event()
 
@@ -75,7 +75,7 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Shown]:
         player = threading.Thread(target=play)
         player.start()
         try:
-            browser.get(address(server, "127.0.0.1"))
+            browser.get(url)
             yield Shown(browser, page, server)
         finally:
             ended.set()

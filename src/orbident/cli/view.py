@@ -27,7 +27,11 @@ def view(
         ),
     ] = None,
     host: Annotated[
-        str, typer.Option(help="Address to listen at; 0.0.0.0 for all networks.")
+        str,
+        typer.Option(
+            help="Address to listen at; 0.0.0.0 for all networks, where the printed "
+            "address holds a token that is asked for."
+        ),
     ] = "127.0.0.1",
     port: Annotated[
         int, typer.Option(help="Port to listen at; 0 for a free one.", min=0, max=65535)
@@ -38,17 +42,26 @@ def view(
     """Look at a robot, or at a recorded motion, in the browser; Ctrl-C ends it."""
     from orbident.cli.output import Output, prepare_jax, progress
     from orbident.viewer.pages import prepared
-    from orbident.viewer.server import address, open_server, run
+    from orbident.viewer.server import open_server, run
 
     output = Output(json, quiet)
     prepare_jax()
     with progress("preparing"):
         made = prepared(shown, recording)
-        server = open_server(host, port)
-        page = made.page(server)
+        served = open_server(host, port)
+        page = made.page(served.server)
     output.warn(made.warnings)
-    url = address(server, host)
-    output.say(f"{shown} is shown at {url}; Ctrl-C ends it")
-    output.write_json({"shown": shown, "url": url})
+    if served.is_open:
+        output.warn([_open_to_the_network(served.url)])
+    output.say(f"{shown} is shown at {served.url}; Ctrl-C ends it")
+    output.write_json({"shown": shown, "url": served.url})
     sys.stdout.flush()
-    run(server, page)
+    run(served.server, page)
+
+
+def _open_to_the_network(url: str) -> str:
+    return (
+        f"the viewer is open to the network: whoever has the address {url} with its "
+        "token can see the robot and move it, and it is sent unencrypted; leave out "
+        "--host to keep the viewer on this machine"
+    )

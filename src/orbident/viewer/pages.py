@@ -86,6 +86,7 @@ def _missing(scene: Scene) -> tuple[str, ...]:
     listed = ", ".join(name.rsplit("/", 1)[-1] for name in scene.missing[:3])
     more = ", .." * (len(scene.missing) > 3)
     return (
-        f"{len(scene.missing)} meshes cannot be read ({listed}{more}); collision "
-        "shapes or boxes stand for them",
+        f"{len(scene.missing)} meshes are not there, cannot be read or lie outside "
+        f"the robot's folder and packages ({listed}{more}); collision shapes or boxes "
+        "stand for them",
     )

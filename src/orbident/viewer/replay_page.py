@@ -88,7 +88,7 @@ class ReplayPage:
             self._pressed = False
             self._toggle()
         if self._playing:
-            t = self._time.value + seconds * float(self._speed.value)
+            t = self._time.value + seconds * self._chosen_speed()
             self._time.value = round(min(t, self._time.max), 3)
             if t >= self._time.max:
                 self._toggle()
@@ -103,6 +103,11 @@ class ReplayPage:
             for plot in self._plots:
                 plot.place(wanted[0])
             self._plotted = wanted[0]
+
+    def _chosen_speed(self) -> float:
+        # The browser may send any text.
+        chosen = self._speed.value
+        return float(chosen) if chosen in SPEEDS else 1.0
 
     def _show(self, t: float, follow: bool, predicted: bool, vectors: bool) -> None:
         k = min(int(np.searchsorted(self._motion.t, t)), self._motion.t.size - 1)

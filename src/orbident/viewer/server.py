@@ -1,14 +1,17 @@
 """The server behind the page; viser's one import."""
 
 import errno
-import io
+import os
 import socket
 import sys
 import time
-from contextlib import AbstractContextManager, redirect_stdout
-from typing import Any, Protocol, runtime_checkable
+from collections.abc import Iterator
+from contextlib import contextmanager, redirect_stdout
+from pathlib import Path
+from typing import Any, NamedTuple, Protocol, runtime_checkable
 
 from orbident.errors import InputError
+from orbident.viewer.gate import Gate, gated, in_address
 
 PERIOD = 1 / 30
 """From one picture to the next, s."""
@@ -23,8 +26,19 @@ class Page(Protocol):
         ...
 
 
-def open_server(host: str, port: int) -> Any:
-    """A viser server with an empty page.
+class Served(NamedTuple):
+    """An empty page in the browser."""
+
+    server: Any
+    """viser's."""
+    url: str
+    """Where to point the browser; holds the token where there is one."""
+    is_open: bool
+    """Whether other machines can connect."""
+
+
+def open_server(host: str, port: int) -> Served:
+    """Serve an empty page to those whom the gate admits.
 
     Args:
         host: address of this machine to listen at.
@@ -35,33 +49,35 @@ def open_server(host: str, port: int) -> Any:
             the port is taken or not allowed.
     """
     viser = _viser()
-    _check_free(host, port)
-    with _silent():
-        server = viser.ViserServer(host, port, verbose=False)
+    bound = _free(host, port)
+    gate = Gate.at(host, bound)
+    with _silent(), gated(gate) as gating:
+        server = viser.ViserServer(bound, port, verbose=False)
+    if not gating.served:
+        close(server)
+        raise RuntimeError(f"viser {viser.__version__} serves past the gate")
     # What casts shadows takes most of the time where there is no graphics card.
     server.scene.configure_default_lights(cast_shadow=False)
     # What the share button makes is a public address elsewhere.
     server.gui.configure_theme(show_logo=False, show_share_button=False)
-    return server
+    return Served(server, _address(host, server.get_port(), gate), gate.is_open)
 
 
-def address(server: Any, host: str) -> str:
-    """Where to point the browser."""
-    if host in {"0.0.0.0", "::"}:
-        host = socket.gethostname()
-    shown = f"[{host}]" if ":" in host else host
-    return f"http://{shown}:{server.get_port()}"
+def _address(host: str, port: int, gate: Gate) -> str:
+    name = host if gate.names else socket.gethostname()
+    return f"http://{in_address(name)}:{port}{gate.path}"
 
 
 def run(server: Any, page: Page) -> None:
     """Show the page until the user interrupts."""
     before = time.monotonic()
     try:
-        while True:
-            time.sleep(PERIOD)
-            now = time.monotonic()
-            page.advance(now - before)
-            before = now
+        with _silent():
+            while True:
+                time.sleep(PERIOD)
+                now = time.monotonic()
+                page.advance(now - before)
+                before = now
     except KeyboardInterrupt:
         pass
     finally:
@@ -74,9 +90,11 @@ def close(server: Any) -> None:
         server.stop()
 
 
-def _silent() -> AbstractContextManager[Any]:
+@contextmanager
+def _silent() -> Iterator[None]:
     """Standard output is for results, and viser writes there too."""
-    return redirect_stdout(io.StringIO())
+    with Path(os.devnull).open("w") as nowhere, redirect_stdout(nowhere):
+        yield
 
 
 def _viser() -> Any:
@@ -89,7 +107,8 @@ def _viser() -> Any:
     return viser
 
 
-def _check_free(host: str, port: int) -> None:
+def _free(host: str, port: int) -> str:
+    """The numeric address that the host means, once it is known that it can be used."""
     # viser would silently take the next port, and any failure for a taken one.
     family = socket.AF_INET6 if ":" in host else socket.AF_INET
     with socket.socket(family, socket.SOCK_STREAM) as probe:
@@ -97,6 +116,7 @@ def _check_free(host: str, port: int) -> None:
             probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
             probe.bind((host, port))
+            return probe.getsockname()[0]
         except (socket.gaierror, UnicodeError):
             raise InputError(
                 f"--host: found '{host}'; give an address of this machine, such as "

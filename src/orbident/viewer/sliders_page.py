@@ -63,7 +63,11 @@ class SlidersPage:
         self._show()
 
     def _at_sliders(self) -> Float[np.ndarray, " joints"]:
-        return np.array([float(slider.value) for slider in self._sliders])
+        # The browser may send any number, one that is none included.
+        pairs = zip(self._sliders, self._scene.robot.joints, strict=True)
+        return np.array(
+            [_range(joint).nearest(slider.value) for slider, joint in pairs]
+        )
 
     def _still(self) -> Motion:
         none = np.zeros((1, 3))
@@ -94,6 +98,10 @@ class _Range(NamedTuple):
     high: float
     step: float
     start: float
+
+    def nearest(self, value: float) -> float:
+        """The number inside; an end for what is no number."""
+        return max(self.low, min(self.high, float(value)))
 
 
 def _range(joint: Joint) -> _Range:

@@ -1,13 +1,17 @@
 """What a URDF shows is drawn; what cannot be drawn costs no more than itself."""
 
+import subprocess
+import sys
+import zipfile
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 import trimesh
 from scipy.spatial.transform import Rotation
 
-from orbident.scene.mesh_files import mesh_file, read_mesh
+from orbident.scene.mesh_files import MOST_BYTES, mesh_file, read_mesh
 from orbident.scene.shapes import BASE
 from orbident.scene.urdf_shapes import link_shapes
 
@@ -110,3 +114,94 @@ def test_what_is_no_mesh_is_none(tmp_path: Path):
         assert read_mesh(path) is None, name
     assert mesh_file("", tmp_path) is None
     assert mesh_file("a\0b", tmp_path) is None
+
+
+def boxed(path: Path) -> Path:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    trimesh.creation.box((1, 2, 3)).export(path)
+    return path
+
+
+def test_meshes_outside_the_robot_are_not_opened(tmp_path: Path):
+    folder = tmp_path / "robot"
+    inside = boxed(folder / "meshes" / "link.stl")
+    outside = boxed(tmp_path / "secret" / "link.stl")
+    (folder / "link.stl").symlink_to(outside)
+    for name in ("meshes/link.stl", f"file://{inside}", "meshes/../meshes/link.stl"):
+        assert mesh_file(name, folder) is not None, name
+    for name in (
+        "../secret/link.stl",
+        f"file://{outside}",
+        str(outside),
+        "link.stl",
+        "package://secret/link.stl",
+        "package://robot/../secret/link.stl",
+        "package://../secret/link.stl",
+        f"package:///{outside}",
+        f"package://{outside.relative_to('/')}",
+        "package:///secret/link.stl",
+    ):
+        assert mesh_file(name, folder) is None, name
+
+
+def test_a_declared_package_is_open_and_nothing_beside_it(tmp_path: Path):
+    folder = tmp_path / "arm" / "robots" / "v2"
+    folder.mkdir(parents=True)
+    (tmp_path / "arm" / "package.xml").write_text("<package/>")
+    own = boxed(tmp_path / "arm" / "meshes" / "link.stl")
+    hand = boxed(tmp_path / "hand" / "link.stl")
+    assert mesh_file("../../meshes/link.stl", folder) is not None
+    assert mesh_file("package://hand/link.stl", folder) is None
+    (tmp_path / "hand" / "package.xml").write_text("<package/>")
+    assert mesh_file("package://hand/link.stl", folder) == hand
+    assert mesh_file("package://arm/meshes/link.stl", folder) == own
+    assert mesh_file("../../../hand/link.stl", folder) is None
+    assert mesh_file("package://hand/../arm/meshes/link.stl", folder) is None
+
+
+def test_archives_are_limited_unpacked(tmp_path: Path):
+    small = tmp_path / "small.3mf"
+    trimesh.creation.box((1, 2, 3)).export(small)
+    assert read_mesh(small) is not None
+    bomb = tmp_path / "bomb.3mf"
+    bomb.write_bytes(small.read_bytes())
+    with zipfile.ZipFile(bomb, "a", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("3D/more.model", bytes(MOST_BYTES))
+    assert bomb.stat().st_size < 100_000
+    assert read_mesh(bomb) is None
+    bomb.rename(tmp_path / "bomb.zae")
+    assert read_mesh(tmp_path / "bomb.zae") is None
+
+
+def test_what_a_mesh_refers_to_is_not_opened(tmp_path: Path):
+    """A glTF file names the file of its vertices, which may be any."""
+    files: Any = trimesh.creation.box((1, 2, 3)).export(file_type="gltf")
+    for name, content in files.items():
+        (tmp_path / name).write_bytes(content)
+    named = (tmp_path / "model.gltf").read_text()
+    assert all(path.name in named for path in tmp_path.glob("*.bin"))
+    assert read_mesh(tmp_path / "model.gltf") is None
+    boxed(tmp_path / "box.glb")
+    assert read_mesh(tmp_path / "box.glb") is not None
+
+
+def test_a_bad_mesh_is_left_without_a_word_of_its_reader(tmp_path: Path):
+    (tmp_path / "link.stl").write_text(
+        "solid s\nfacet normal x 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\n"
+        "vertex 0 1 0\nendloop\nendfacet\nendsolid s\n"
+    )
+    code = (
+        "from pathlib import Path\n"
+        "from orbident.scene.mesh_files import read_mesh\n"
+        "read_mesh(Path('link.stl'))"
+    )
+    # In a process of its own: pytest has handlers of its own for all logs.
+    ran = subprocess.run(
+        [sys.executable, "-c", code],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=60,
+    )
+    assert ran.stderr == ""

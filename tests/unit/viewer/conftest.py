@@ -5,11 +5,16 @@ from typing import Any
 
 import pytest
 
-from orbident.viewer.server import close, open_server
+from orbident.viewer.server import Served, close, open_server
 
 
 @pytest.fixture
-def server() -> Iterator[Any]:
+def served() -> Iterator[Served]:
     opened = open_server("127.0.0.1", 0)
     yield opened
-    close(opened)
+    close(opened.server)
+
+
+@pytest.fixture
+def server(served: Served) -> Any:
+    return served.server

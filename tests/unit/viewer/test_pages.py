@@ -125,6 +125,20 @@ def test_sliders_move_the_base(server: Any):
     assert np.allclose(at(server, "/robot/0"), start, atol=1e-12)
 
 
+def test_values_that_no_control_offers_change_nothing_else(server: Any, replay):
+    robot = load_robot(ROBOT)
+    page = SlidersPage(server, scene_of(robot), robot, "title")
+    for value, shown in ((1e300, 2.5), (float("nan"), 2.5), (-1e300, -1.05)):
+        control(server, "joint1, rad").value = value
+        page.advance(0.03)
+        assert page._q[0] == shown
+    replayed = ReplayPage(server, scene_of(robot), replay, "title")
+    control(server, "Speed").value = "fast"
+    replayed._pressed = True
+    replayed.advance(0.5)
+    assert control(server, "Time, s").value == 0.5
+
+
 def test_hostile_names_are_text():
     contents: list[str] = []
     server: Any = SimpleNamespace(gui=SimpleNamespace(add_html=contents.append))

@@ -8,13 +8,13 @@ from typing import Any
 import pytest
 
 from orbident.errors import InputError
-from orbident.viewer.server import address, open_server, run
+from orbident.viewer.server import Served, close, open_server, run
 
 
-def test_it_serves_a_page_here_only(server: Any, capsys: pytest.CaptureFixture[str]):
-    url = address(server, "127.0.0.1")
-    assert url.startswith("http://127.0.0.1:")
-    with urllib.request.urlopen(url) as answer:
+def test_it_serves_a_page_here_only(served: Served, capsys: pytest.CaptureFixture[str]):
+    assert served.url == f"http://127.0.0.1:{served.server.get_port()}/"
+    assert not served.is_open
+    with urllib.request.urlopen(served.url, timeout=60) as answer:
         assert b"<html" in answer.read(1000)
     # Standard output is for results.
     assert capsys.readouterr().out == ""
@@ -31,14 +31,16 @@ def test_a_host_that_is_not_here_is_refused(host: str):
         open_server(host, 0)
 
 
-def test_addresses_are_for_browsers():
-    class Listening:
-        def get_port(self) -> int:
-            return 8080
-
-    assert address(Listening(), "::1") == "http://[::1]:8080"
-    everywhere = address(Listening(), "0.0.0.0")
-    assert everywhere == f"http://{socket.gethostname()}:8080"
+def test_everywhere_is_shown_under_the_name_of_this_machine():
+    served = open_server("0.0.0.0", 0)
+    try:
+        assert served.is_open
+        start = f"http://{socket.gethostname()}:{served.server.get_port()}/"
+        token = served.url.removeprefix(start)
+        # 16 bytes in base 64, and a slash.
+        assert len(token) == 23
+    finally:
+        close(served.server)
 
 
 def test_without_viser_one_line_says_what_to_install(monkeypatch: pytest.MonkeyPatch):
@@ -55,7 +57,7 @@ def test_without_viser_one_line_says_what_to_install(monkeypatch: pytest.MonkeyP
 
 
 def test_an_interrupt_ends_it_quietly(capsys: pytest.CaptureFixture[str]):
-    server = open_server("127.0.0.1", 0)
+    server, url, _ = open_server("127.0.0.1", 0)
     told = []
 
     class Once:
@@ -67,4 +69,4 @@ def test_an_interrupt_ends_it_quietly(capsys: pytest.CaptureFixture[str]):
     assert len(told) == 1
     assert capsys.readouterr() == ("", "")
     with pytest.raises(OSError, match="refused"):
-        urllib.request.urlopen(address(server, "127.0.0.1"))
+        urllib.request.urlopen(url, timeout=60)

@@ -1,0 +1,45 @@
+"""One input of the command: its arguments, and the files that it finds."""
+
+import json
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+COMMAND = "arguments.json"
+"""Beside the files of a stored case."""
+
+
+@dataclass(frozen=True)
+class Case:
+    """What `orbident ARGUMENTS` is given, in a folder that holds the files."""
+
+    group: str
+    arguments: tuple[str, ...]
+    files: Mapping[str, bytes]
+    """By relative path; a name that is not UTF-8 has surrogates, as Python reads it."""
+
+    def write(self, folder: Path) -> None:
+        """Put the files into a folder that exists."""
+        for name, content in self.files.items():
+            path = folder / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_bytes(content)
+
+    def store(self, folder: Path) -> None:
+        """Keep the case, so that `stored` and a person can run it again."""
+        (folder / "files").mkdir(parents=True)
+        self.write(folder / "files")
+        document = {"group": self.group, "arguments": self.arguments}
+        (folder / COMMAND).write_text(json.dumps(document) + "\n")
+
+
+def stored(folder: Path) -> Case:
+    """The case that `store` has kept there."""
+    document = json.loads((folder / COMMAND).read_text())
+    files = {
+        os.fsdecode(path.relative_to(folder / "files")): path.read_bytes()
+        for path in sorted((folder / "files").rglob("*"))
+        if path.is_file()
+    }
+    return Case(document["group"], tuple(document["arguments"]), files)

@@ -1,0 +1,76 @@
+"""What every case must show, whatever the input was."""
+
+import json
+import re
+
+from case import Case
+from watcher import MOST_MEMORY, Outcome
+
+LONGEST_LINE = 1000
+"""Characters: names are cut before they are quoted."""
+
+
+def fault(case: Case, outcome: Outcome) -> str | None:
+    """What is wrong with an outcome, in one line; None where nothing is.
+
+    Status 0 is done, 1 must say why the result is not trusted, 2 is one line. Standard
+    error holds lines of the command only. A refusal leaves nothing behind.
+    """
+    if outcome.stopped:
+        return outcome.stopped
+    if outcome.status < 0:
+        return f"ended by signal {-outcome.status}"
+    if outcome.status not in {0, 1, 2}:
+        return f"status {outcome.status}"
+    if outcome.peak > MOST_MEMORY:
+        return "memory"
+    return _wrong_words(outcome) or _wrong_results(case, outcome)
+
+
+def signature(fault: str) -> str:
+    """The same for faults that differ in numbers and names only."""
+    quoted = re.sub(r"'[^']*'|\"[^\"]*\"", "'..'", fault)
+    return re.sub(r"\d+", "0", quoted)[:120]
+
+
+def _wrong_words(outcome: Outcome) -> str | None:
+    lines = outcome.err.splitlines()
+    for line in lines:
+        if "internal error" in line:
+            return line
+        if not line.startswith("orbident: "):
+            return f"a raw line: {line}"
+        if len(line) > LONGEST_LINE:
+            return f"a line of {len(line)} characters: {line[:80]}"
+    refusals = [line for line in lines if not line.startswith("orbident: warning: ")]
+    if outcome.status == 2 and len(lines) != 1:
+        return f"status 2 with {len(lines)} lines"
+    if outcome.status != 2 and refusals:
+        return f"status {outcome.status} with a refusal: {refusals[0]}"
+    if outcome.status == 1 and not lines:
+        return "status 1 without a reason"
+    return None
+
+
+def _wrong_results(case: Case, outcome: Outcome) -> str | None:
+    if outcome.status == 2:
+        if outcome.out:
+            return "status 2 with standard output"
+        if outcome.left:
+            return f"a refusal leaves or changes {next(iter(outcome.left))}"
+    elif "--json" in case.arguments and outcome.out:
+        to = case.arguments[case.arguments.index("--json") + 1 :]
+        if to[:1] == ("-",) and not _is_json(outcome.out):
+            return "standard output is not JSON"
+    return None
+
+
+def _is_json(text: str) -> bool:
+    def refuse(constant: str) -> None:
+        raise ValueError(constant)
+
+    try:
+        json.loads(text, parse_constant=refuse)
+    except ValueError:
+        return False
+    return True

@@ -1,0 +1,176 @@
+"""Valid files that cases are made from, written by the commands themselves."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from importlib.resources import files
+from pathlib import Path
+
+from bag_writers import START, Sent, float64, imu, joint_state, pose, write_bag
+from case import Case
+from watcher import Watcher
+
+
+@dataclass(frozen=True)
+class Robot:
+    """A bundled robot, and how it is moved."""
+
+    name: str
+    joints: tuple[str, ...]
+    wheels: tuple[str, ...]
+    rate: float
+    """Samples per second that keep a recording short, Hz."""
+    wheel_speed: float
+    """At the start, rad/s."""
+
+
+ROBOTS = (
+    Robot(
+        "paper-spatial", ("joint1", "joint2", "joint3"), ("rw_x", "rw_y", "rw_z"), 5, 80
+    ),
+    Robot("cepheus-like", ("joint1", "joint2"), ("rw",), 10, 100),
+    Robot(
+        "dual-arm",
+        tuple(f"{arm}_joint{k}" for arm in ("left", "right") for k in range(1, 8)),
+        ("rw_x", "rw_y", "rw_z"),
+        5,
+        50,
+    ),
+)
+"""The bundled ones."""
+
+PATIENCE = 600.0
+"""Seconds: the first runs may compile what the later ones find."""
+
+DURATION = 12.0
+"""s: the shortest recordings from which all methods identify `paper-spatial`."""
+
+MAP = """\
+schema: orbident/topic-map/1
+topics:
+  - topic: /joint_states
+    type: sensor_msgs/JointState
+    take: {position: rad, velocity: rad/s}
+    joints: {shoulder: joint1, elbow: joint2}
+  - topic: /wheel
+    type: std_msgs/Float64
+    take: {wheel.rw.speed: rad/s}
+  - topic: /imu
+    type: sensor_msgs/Imu
+    take: {gyro: rad/s}
+    frame: base
+    clock: imu
+  - topic: /mocap
+    type: geometry_msgs/PoseStamped
+    take: {position: m, attitude: quaternion}
+    pose: base-in-inertial
+    frame: base
+    point: S
+"""
+
+BAGS = ("ros1", "ros2-sqlite3", "ros2-mcap", "mcap-ros2")
+MESSAGES = 20
+PERIOD = 50_000_000
+"""From one message to the next, ns."""
+
+
+@dataclass(frozen=True)
+class Seeds:
+    """The valid files, by what they are."""
+
+    robots: dict[str, dict[str, bytes]]
+    """By name: robot file and URDF."""
+    trajectories: dict[str, bytes]
+    csv: dict[str, bytes]
+    parquet: dict[str, bytes]
+    run: dict[str, bytes]
+    """Of `paper-spatial`."""
+    bags: dict[str, dict[str, bytes]]
+
+
+def made(watcher: Watcher, folder: Path) -> Seeds:
+    """All seeds.
+
+    Args:
+        watcher: that runs the commands.
+        folder: an empty one, for bags.
+    """
+    names = [robot.name for robot in ROBOTS]
+    trajectories = {robot.name: _trajectory(robot).encode() for robot in ROBOTS}
+    simulated = {robot.name: _simulated(watcher, robot) for robot in ROBOTS}
+    recording = simulated["paper-spatial"]["r.csv"]
+    return Seeds(
+        robots={name: dict(_robot_files(name)) for name in names},
+        trajectories=trajectories,
+        csv={name: simulated[name]["r.csv"] for name in names},
+        parquet={name: simulated[name]["r.parquet"] for name in names},
+        run=_identified(watcher, recording),
+        bags={kind: _bag(kind, folder / kind) for kind in BAGS},
+    )
+
+
+def _robot_files(name: str) -> Iterator[tuple[str, bytes]]:
+    folder = files("orbident.robot") / "library"
+    for suffix in ("yaml", "urdf"):
+        yield f"{name}.{suffix}", (folder / f"{name}.{suffix}").read_bytes()
+
+
+def _trajectory(robot: Robot) -> str:
+    joints = "".join(
+        f"  {name}: {{a: [{0.2 + 0.01 * k}, -0.1, 0.05], b: [0.1, {0.1 + 0.01 * k}, "
+        f"-0.08], start: {{position: 0.3}}, end: {{position: 0.3}}}}\n"
+        for k, name in enumerate(robot.joints)
+    )
+    speeds = ", ".join(f"{name}: {robot.wheel_speed}" for name in robot.wheels)
+    rate = "[0, 0, -0.2]" if len(robot.wheels) == 1 else "[0.01, 0.03, 0.02]"
+    return (
+        f"schema: orbident/trajectory/1\nduration: {DURATION}\njoints:\n{joints}"
+        f"initial:\n  angular_velocity: {rate}\n  wheel_speed: {{{speeds}}}\n"
+    )
+
+
+def _simulated(watcher: Watcher, robot: Robot) -> dict[str, bytes]:
+    trajectory = {"m.yaml": _trajectory(robot).encode()}
+    start = ("simulate", robot.name, "m.yaml", "--rate", str(robot.rate), "--noise")
+    return {
+        name: _written(watcher, (*start, noise, "-o", name), trajectory)[name]
+        for name, noise in (("r.csv", "sensors"), ("r.parquet", "sensors"))
+    }
+
+
+def _identified(watcher: Watcher, recording: bytes) -> dict[str, bytes]:
+    arguments = ("identify", "paper-spatial", "r.csv", "-o", "run")
+    method = ("--method", "structured")
+    return _written(watcher, (*arguments, *method), {"r.csv": recording})
+
+
+def _written(
+    watcher: Watcher, arguments: tuple[str, ...], given: dict[str, bytes]
+) -> dict[str, bytes]:
+    outcome = watcher.run(Case("seeds", arguments, given), longest=PATIENCE)
+    if outcome.status == 2 or not outcome.left:
+        raise RuntimeError(f"{' '.join(arguments)}: {outcome.err}")
+    return dict(outcome.left)
+
+
+def _bag(kind: str, folder: Path) -> dict[str, bytes]:
+    folder.mkdir()
+    write_bag(kind, folder, _messages(), name="bag")
+    return {
+        str(path.relative_to(folder)): path.read_bytes()
+        for path in sorted(folder.rglob("*"))
+        if path.is_file()
+    }
+
+
+def _messages() -> list[Sent]:
+    sent = []
+    for k in range(MESSAGES):
+        ns, x = START + PERIOD * k, 0.01 * k
+        names = ("shoulder", "elbow")
+        sent += [
+            joint_state("/joint_states", ns, ns, names, [x, -x], [0.2, -0.2]),
+            float64("/wheel", ns, 100.0 - k),
+            imu("/imu", ns, ns, [0, 0, x]),
+            pose("/mocap", ns, ns, [0, 0, 0, 1], [x, 0, 0]),
+        ]
+    return sent

@@ -1,0 +1,87 @@
+"""The process that runs one command after the other, so that a case is cheap.
+
+It reads one JSON request a line and answers each with one line. What the command writes
+goes to files, by descriptor: words of libraries written in C are caught too.
+"""
+
+import gc
+import io
+import json
+import os
+import sys
+import warnings
+from pathlib import Path
+from typing import Any
+from unittest.mock import patch
+
+KILOBYTE = 1024
+
+
+def serve() -> None:
+    """Answer requests until there are none."""
+    with os.fdopen(os.dup(0)) as requests, os.fdopen(os.dup(1), "w") as answers:
+        os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
+        _show_pages_for_a_moment()
+        for line in requests:
+            answers.write(json.dumps(_answer(json.loads(line))) + "\n")
+            answers.flush()
+
+
+def _show_pages_for_a_moment() -> None:
+    """`orbident view` would serve until it is interrupted."""
+    import orbident.viewer.server as server
+
+    def run(shown: Any, page: Any) -> None:
+        page.advance(server.PERIOD)
+        server.close(shown)
+
+    patch.object(server, "run", run).start()
+
+
+def _answer(request: dict[str, Any]) -> dict[str, Any]:
+    os.chdir(request["folder"])
+    _forget_warnings()
+    # From now on the peak is this case's.
+    Path("/proc/self/clear_refs").write_text("5")
+    status = _run(request["arguments"], Path(request["output"]))
+    peak = _kilobytes("VmHWM") * KILOBYTE
+    gc.collect()
+    return {"status": status, "peak": peak, "held": _kilobytes("VmRSS") * KILOBYTE}
+
+
+def _forget_warnings() -> None:
+    """A warning is shown in every case, not only in the first that causes it."""
+    warnings.filterwarnings("default", category=RuntimeWarning)
+
+
+def _kilobytes(name: str) -> int:
+    for line in Path("/proc/self/status").read_text().splitlines():
+        if line.startswith(f"{name}:"):
+            return int(line.split()[1])
+    raise LookupError(name)
+
+
+def _run(arguments: list[str], output: Path) -> int:
+    from orbident.cli.app import main
+
+    sys.argv = ["orbident", *arguments]
+    for descriptor, name in ((1, "out"), (2, "err")):
+        written = os.open(output / name, os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
+        os.dup2(written, descriptor)
+        os.close(written)
+    sys.stdout = io.TextIOWrapper(os.fdopen(os.dup(1), "wb"), write_through=True)
+    sys.stderr = io.TextIOWrapper(
+        os.fdopen(os.dup(2), "wb"), errors="backslashreplace", write_through=True
+    )
+    try:
+        main()
+    except SystemExit as ended:
+        return ended.code if isinstance(ended.code, int) else 0
+    finally:
+        for stream in (sys.stdout, sys.stderr):
+            stream.close()
+    raise AssertionError("the command has not said its status")
+
+
+if __name__ == "__main__":
+    serve()
