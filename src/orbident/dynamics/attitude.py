@@ -57,7 +57,7 @@ def rate_law(
     D: Float[np.ndarray, "n 3 3"], h_moving: Float[np.ndarray, "n 3"], planar: bool
 ) -> RateLaw:
     """The law from `D w + h_moving = R_0^T h_cm`; in the plane of its z row alone."""
-    return RateLaw(*_core.rate_law(D, h_moving, planar, processors()))
+    return RateLaw(*_core.rate_laws(D, h_moving, planar, processors()))
 
 
 def step_nodes(t: Float[np.ndarray, " n"], substeps: int) -> Float[np.ndarray, " m"]:

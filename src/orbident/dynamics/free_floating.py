@@ -100,24 +100,27 @@ def free_floating(
     # What a free wheel adds to D w: its momentum is A_rw (spin - a w).
     D_free = (wheels.A_rw * wheels.free) @ wheels.axes.T
 
+    h_spin = wheels.A_rw @ spin
+
     def law_at(t: Float[np.ndarray, " n"]) -> RateLaw:
         q, qd, _ = motion.at(t)
-        D, h_q, _, _ = _core.floating_terms(core, q, qd, processors())
-        return rate_law(D - D_free, h_q + wheels.A_rw @ spin, planar)
+        law = _core.floating_laws(core, q, qd, D_free, h_spin, planar, processors())
+        return RateLaw(*law)
 
     q, qd, _ = motion.at(t)
-    at = Terms(*_core.floating_terms(core, q, qd, processors()))
-    h_start = at.D[0] @ start.angular_velocity + at.h_q[0]
-    R_start = np.asarray(quaternion_matrix(start.attitude))
-    h_cm = R_start @ (h_start + wheels.A_rw @ start.wheel_speed)
+    D, D_q, *_ = _core.inertia(core, q[:1])
+    h_B = D[0] @ start.angular_velocity + D_q[0] @ qd[0]
+    R_WB = np.asarray(quaternion_matrix(start.attitude))
+    h_cm = R_WB @ (h_B + wheels.A_rw @ start.wheel_speed)
     if planar:
         h_cm[:2] = 0.0
 
     x_WB, law, error, substeps = float_attitude(
         law_at, t, h_cm, start.attitude, tolerance
     )
+    h = np.tile(h_cm, (t.size, 1))
     w, r_S, v_S = _core.floating_motion(
-        law.E, law.b, np.tile(h_cm, (t.size, 1)), x_WB, at.r_cm, at.v_q
+        core, q, qd, law.E, law.b, h, x_WB, processors()
     )
     v_cm = start.velocity - v_S[0]
     return FreeFloating(
