@@ -17,21 +17,18 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident import _core
-from orbident.compilation import compiled
 from orbident.errors import InputError
+from orbident.model.rotations import rotation_angle
 from orbident.spatial.arrays import AnyArray
-from orbident.threads import processors
 from orbident.spatial.rotations import (
     quaternion_matrix,
     quaternion_rate,
     rotate,
     rotate_back,
-    rotation_angle,
 )
+from orbident.threads import processors
 
 MOST_SUBSTEPS = 256
-
-_angle = compiled(rotation_angle)
 
 
 class RateLaw(NamedTuple):
@@ -157,7 +154,7 @@ def float_attitude(
     while True:
         fine = solve(law, substeps)
         # Richardson: halving the step of RK4 divides its error by 16.
-        error = float(_angle(coarse, fine).max()) / 15
+        error = float(rotation_angle(coarse, fine).max()) / 15
         if error <= tolerance:
             return AttitudeHistory(fine, law.every(2 * substeps), error, substeps)
         if substeps == MOST_SUBSTEPS:

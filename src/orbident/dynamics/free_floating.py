@@ -6,14 +6,14 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident import _core
-from orbident.dynamics.attitude import RateLaw, float_attitude, rate_law
-from orbident.dynamics.equations_of_motion import core_robot
-from orbident.dynamics.wheels import wheels_of
+from orbident.dynamics.attitude import RateLaw, float_attitude
 from orbident.errors import InputError
-from orbident.precision import in_float64
+from orbident.model.core_robot import core_robot
+from orbident.model.inertia import inertia_at
+from orbident.model.rotations import quaternion_matrix
+from orbident.model.wheels import wheels_of
 from orbident.robot.description import Robot
 from orbident.spatial.arrays import AnyArray
-from orbident.spatial.rotations import quaternion_matrix
 from orbident.threads import processors
 
 OUT_OF_PLANE = 1e-9
@@ -70,7 +70,6 @@ class FreeFloating(NamedTuple):
     """RK4 steps from one sample to the next."""
 
 
-@in_float64
 def free_floating(
     robot: Robot,
     motion: JointMotion,
@@ -108,10 +107,10 @@ def free_floating(
         return RateLaw(*law)
 
     q, qd, _ = motion.at(t)
-    D, D_q, *_ = _core.inertia(core, q[:1])
-    h_B = D[0] @ start.angular_velocity + D_q[0] @ qd[0]
-    R_WB = np.asarray(quaternion_matrix(start.attitude))
-    h_cm = R_WB @ (h_B + wheels.A_rw @ start.wheel_speed)
+    at = inertia_at(robot, q[0])
+    h_B = at.D @ start.angular_velocity + at.D_q @ qd[0]
+    h_B += wheels.A_rw @ start.wheel_speed
+    h_cm = quaternion_matrix(start.attitude) @ h_B
     if planar:
         h_cm[:2] = 0.0
 
