@@ -9,6 +9,8 @@ void bind_regressors(nanobind::module_& m);
 }
 
 NB_MODULE(_core, m) {
+  // Python keeps robots in caches of modules, which it does not clear when it ends.
+  nanobind::set_leak_warnings(false);
   m.doc() = "The numerical core: whole arrays in, whole arrays out, the GIL released inside.";
   orbident::python::bind_dynamics(m);
   orbident::python::bind_free_floating(m);
