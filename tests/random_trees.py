@@ -37,7 +37,7 @@ SHAPES = st.fixed_dictionaries(
 
 
 def tree_of(seed: int, joints: int, wheels: int, planar: bool, massless: bool) -> Tree:
-    """About a third of the joints slide; links that carry another may be massless."""
+    """About a third of the joints slide; one that carries another may be massless."""
     random = np.random.default_rng(seed)
     parents = random_parents(random, joints)
     sliding = np.flatnonzero(random.random(joints) < 1 / 3).tolist()
@@ -48,6 +48,7 @@ def tree_of(seed: int, joints: int, wheels: int, planar: bool, massless: bool) -
     made = random_planar_robot if planar else random_robot
     robot = made(seed, parents, sliding, rotors)
     theta = robot.theta.copy()
-    if massless:
-        theta[[k for k in set(parents) if k > 0]] = 0.0
+    carriers = [parent for parent in parents if parent > 0]
+    if massless and carriers:
+        theta[carriers[0]] = 0.0
     return Tree(replace(robot, theta=theta), random)

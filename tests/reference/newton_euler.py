@@ -58,8 +58,9 @@ class Taken(NamedTuple):
     a_S: np.ndarray
 
 
-def inverse_dynamics(robot: Robot, q, v, vd) -> Taken:
-    """`Q` over `[v_cm, w, qd, qd_rw]`."""
+def inverse_dynamics(robot: Robot, q, v, vd, units=None) -> Taken:
+    """`Q` over `[v_cm, w, qd, qd_rw]`; `units` are the `unit_motions` at `q`."""
+    units = units or unit_motions(robot, q)
     joints = len(robot.joints)
     v_cm, w, qd, qd_rw = np.split(v, [3, 6, 6 + joints])
     v_cm_dot, alpha, qdd, qdd_rw = np.split(vd, [3, 6, 6 + joints])
@@ -77,8 +78,10 @@ def inverse_dynamics(robot: Robot, q, v, vd) -> Taken:
     relative = sum(force(i, np.zeros(3)) for i in bodies) / M
     a_S = v_cm_dot + np.cross(w, v_cm) - relative
 
-    h_rw = sum((x.axis * x.inertia * s for x, s in zip(robot.wheels, qd_rw, strict=True)), np.zeros(3))
-    h_rw_dot = sum((x.axis * x.inertia * s for x, s in zip(robot.wheels, qdd_rw, strict=True)), np.zeros(3))
+    h_rw, h_rw_dot = np.zeros((2, 3))
+    for wheel, speed, rate in zip(robot.wheels, qd_rw, qdd_rw, strict=True):
+        h_rw = h_rw + wheel.axis * wheel.inertia * speed
+        h_rw_dot = h_rw_dot + wheel.axis * wheel.inertia * rate
     loads = []
     for i in bodies:
         (_, s, J), at = parts[i], moving[i]
@@ -87,9 +90,7 @@ def inverse_dynamics(robot: Robot, q, v, vd) -> Taken:
             n = n + h_rw_dot + np.cross(w, h_rw)
         loads.append((force(i, a_S), n))
 
-    Q = np.zeros(v.size)
-    for k in range(6 + joints):
-        Q[k] = power(robot, q, np.eye(v.size)[k], loads)
+    Q = np.array([power(unit, loads) for unit in units])
     for k, wheel in enumerate(robot.wheels):
         Q[6 + joints + k] = wheel.inertia * (wheel.axis @ alpha + qdd_rw[k])
     return Taken(Q, a_S)
@@ -106,9 +107,14 @@ def velocities(robot: Robot, q, v) -> list[tuple[np.ndarray, np.ndarray]]:
     return [(v_S + b.v, b.w) for b in at]
 
 
-def power(robot: Robot, q, v, loads) -> float:
+def unit_motions(robot: Robot, q) -> list[list[tuple[np.ndarray, np.ndarray]]]:
+    """The velocities of all bodies, for each generalised speed alone."""
+    speeds = 6 + len(robot.joints) + len(robot.wheels)
+    return [velocities(robot, q, unit) for unit in np.eye(speeds)]
+
+
+def power(moving, loads) -> float:
     """Of a force at each body's origin and a moment."""
-    moving = velocities(robot, q, v)
     pairs = zip(loads, moving, strict=True)
     return float(sum(f @ u + n @ w for (f, n), (u, w) in pairs))
 
@@ -118,21 +124,21 @@ def wrench_force(robot: Robot, q, body: int, point, F, n) -> np.ndarray:
     R = body_motion(robot, body, q, np.zeros(len(robot.joints)), np.zeros(3)).R
     loads = [(np.zeros(3), np.zeros(3)) for _ in robot.bodies]
     loads[body] = (F, n + np.cross(R @ point, F))
-    speeds = 6 + len(robot.joints) + len(robot.wheels)
-    return np.array([power(robot, q, unit, loads) for unit in np.eye(speeds)])
+    return np.array([power(unit, loads) for unit in unit_motions(robot, q)])
 
 
 def forward_dynamics(robot: Robot, q, v, Q, vd, free) -> Taken:
     """`v'` where some of it is known (`free` is 0); `Q` is linear in `v'`."""
+    units = unit_motions(robot, q)
     known = np.where(free == 1, 0.0, vd)
-    start = inverse_dynamics(robot, q, v, known).Q
+    start = inverse_dynamics(robot, q, v, known, units).Q
     chosen = np.flatnonzero(free)
     columns = []
     for k in chosen:
         unit = known.copy()
         unit[k] += 1.0
-        columns.append((inverse_dynamics(robot, q, v, unit).Q - start)[chosen])
+        columns.append((inverse_dynamics(robot, q, v, unit, units).Q - start)[chosen])
     found = known.copy()
     if chosen.size:
         found[chosen] = np.linalg.solve(np.transpose(columns), (Q - start)[chosen])
-    return Taken(found, inverse_dynamics(robot, q, v, found).a_S)
+    return Taken(found, inverse_dynamics(robot, q, v, found, units).a_S)

@@ -67,6 +67,4 @@ def accelerations(
     Returns:
         `v'`, and the acceleration of S, base axes, m/s^2.
     """
-    return _core.forward_dynamics(
-        core_robot(robot), q, v, Q, vd, free, processors()
-    )
+    return _core.forward_dynamics(core_robot(robot), q, v, Q, vd, free, processors())

@@ -68,7 +68,10 @@ def free_flying(
         wheels,
         lambda nodes: np.tile(thrust_at(nodes)[:, None, None], (1, 3, 1, 1)),
     )
-    vehicle, at_start = vehicle_of(robot, joints, wheels, limits), _at_start(robot, start)
+    vehicle, at_start = (
+        vehicle_of(robot, joints, wheels, limits),
+        _at_start(robot, start),
+    )
 
     def solve(parts: int) -> tuple[Shown, Float[np.ndarray, "n 6"]]:
         nodes = _step_nodes(breaks, parts)

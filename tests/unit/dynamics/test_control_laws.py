@@ -44,7 +44,9 @@ def state(wheels: int = 3, **base) -> FlyingState:
     """Two joints and some wheels that all move."""
     q, qd = RANDOM.standard_normal((2, 2))
     w, v_S, r_S = RANDOM.standard_normal((3, 3))
-    moving = BaseState(w, random_quaternion(RANDOM), v_S, RANDOM.standard_normal(wheels))
+    moving = BaseState(
+        w, random_quaternion(RANDOM), v_S, RANDOM.standard_normal(wheels)
+    )
     return FlyingState(moving._replace(**base), q, qd, r_S, np.zeros(wheels))
 
 
