@@ -1,4 +1,4 @@
-"""Any robot, for hypothesis: sliding joints, massless links, wheels, or in the plane."""
+"""Any robot, for hypothesis: joints that slide, massless links, wheels, the plane."""
 
 from dataclasses import replace
 from typing import NamedTuple

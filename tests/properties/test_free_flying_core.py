@@ -46,8 +46,10 @@ def test_flight_steps_are_runge_kuttas(shape):
     robot, random = tree_of(**shape)
     K, W = len(robot.joints), len(robot.wheels)
     laws = flight.Laws(
-        *random.uniform(0.0, 1.0, (2, K)),
-        *random.uniform(0.0, 1.0, (2, W)),
+        Kp=random.uniform(0.0, 1.0, K),
+        Kd=random.uniform(0.0, 1.0, K),
+        k=random.uniform(0.0, 1.0, W),
+        speed=random.uniform(0.0, 1.0, W),
         share=random.standard_normal((W, 3)),
         kp=0.3,
         kd=0.5,
@@ -71,9 +73,11 @@ def test_flight_steps_are_runge_kuttas(shape):
     start[3:7] = unit(start[3:7])
     nodes = [
         flight.Commanded(
-            *random.standard_normal((3, K)),
-            random.standard_normal(W),
-            random.standard_normal((2, 6)),
+            q=random.standard_normal(K),
+            qd=random.standard_normal(K),
+            tau=random.standard_normal(K),
+            tau_rw=random.standard_normal(W),
+            wrenches=random.standard_normal((2, 6)),
         )
         for _ in range(3)
     ]

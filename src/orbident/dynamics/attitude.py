@@ -46,8 +46,7 @@ class RateLaw(NamedTuple):
 
     def every(self, stride: int) -> "RateLaw":
         """The law at every so many of its times."""
-        E, b = self.E[::stride], self.b[::stride]
-        return RateLaw(np.ascontiguousarray(E), np.ascontiguousarray(b))
+        return RateLaw(self.E[::stride], self.b[::stride])
 
 
 def rate_law(

@@ -146,7 +146,7 @@ def _refined(
 
 
 def _difference(a: Shown, b: Shown) -> float:
-    """The largest of attitude, joints and position, rad or m; infinite if not finite."""
+    """The largest of attitude, joints and position, rad or m; infinite for a NaN."""
     with np.errstate(all="ignore"):
         largest = (
             np.abs(a.r_cm - b.r_cm).max(),
