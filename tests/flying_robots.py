@@ -2,30 +2,20 @@
 
 from collections.abc import Sequence
 
-import equinox as eqx
-import jax.numpy as jnp
 import numpy as np
 from random_robots import random_start, random_unit_vector
 
-from orbident.dynamics.control_laws import Now
+from orbident.dynamics.control_laws import OpenLoop
 from orbident.dynamics.flight import FlyingState, standing
 from orbident.robot.description import Robot, Thruster
 
 
-class Waving(eqx.Module):
-    """Torques that swing as sines, whatever the robot does."""
-
-    amplitude: np.ndarray
-    rate: np.ndarray
-
-    def __call__(self, now: Now):
-        return self.amplitude * jnp.sin(self.rate * now.t + 1.0)
-
-
-def waving(seed: int, count: int) -> Waving:
-    """Half a newton metre at some radians a second."""
+def waving(seed: int, count: int) -> OpenLoop:
+    """Torques that swing as sines: half a newton metre at some radians a second."""
     random = np.random.default_rng(seed)
-    return Waving(random.uniform(0.2, 0.8, count), random.uniform(1.0, 4.0, count))
+    amplitude = random.uniform(0.2, 0.8, count)
+    rate = random.uniform(1.0, 4.0, count)
+    return OpenLoop(lambda t: amplitude * np.sin(np.multiply.outer(t, rate) + 1.0))
 
 
 def random_thrusters(seed: int, names: Sequence[str]) -> tuple[Thruster, ...]:

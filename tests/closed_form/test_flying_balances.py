@@ -3,20 +3,18 @@
 from dataclasses import replace
 from typing import NamedTuple
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 import pytest
 from flying_robots import moving_start, random_thrusters, waving
 from obvious_momentum import quaternion_rotation
 from random_robots import DUAL_ARM, random_robot, random_wheels
 
-from orbident.dynamics.control_laws import Hold, Now
-from orbident.dynamics.equations_of_motion import H_plus, model_of
+from orbident.dynamics.control_laws import Hold, OpenLoop
 from orbident.dynamics.flight import FlyingState, FreeFlying, standing
 from orbident.dynamics.free_floating import BaseState
 from orbident.dynamics.free_flying import free_flying
 from orbident.dynamics.thrusters import Pulse
+from orbident.model.equations_of_motion import equations_of_motion
 from orbident.robot.description import Robot, Thruster, Wheel
 from orbident.robot.parameters import from_mass_com_inertia
 
@@ -110,7 +108,7 @@ def energy(run: FreeFlying, k: int) -> float:
     """`1/2 v H+ v`."""
     R_WB = quaternion_rotation(run.attitude[k])
     v = np.concatenate([R_WB.T @ run.v_cm[k], run.w[k], run.qd[k], run.qd_rw[k]])
-    H = np.asarray(jax.jit(H_plus)(model_of(ROBOT), run.q[k]))
+    H = equations_of_motion(ROBOT, run.q[[k]], v[None]).H[0]
     return float(0.5 * v @ H @ v)
 
 
@@ -155,16 +153,12 @@ def at_rest(wheels: int) -> FlyingState:
     return standing(BaseState(zero, level, zero, np.zeros(wheels)), np.zeros(0))
 
 
-class Steady(NamedTuple):
-    """Constant torques; none of a robot without joints."""
-
-    torque: np.ndarray
-
-    def __call__(self, now: Now):
-        return jnp.asarray(self.torque)
+def steady(*torque: float) -> OpenLoop:
+    """Constant torques."""
+    return OpenLoop(lambda t: np.tile(torque, (t.size, 1)))
 
 
-NOTHING = Steady(np.zeros(0))
+NOTHING = steady()
 
 
 def test_a_pulse_through_the_cm_moves_the_body_straight():
@@ -187,7 +181,7 @@ def test_a_wheel_turns_the_body_the_other_way():
     robot = body(wheels=(Wheel("rw", Z, 0.05, "free"),))
     t = np.linspace(0.0, 2.0, 5)
     start, command = at_rest(1), Hold(np.zeros(0))
-    run = free_flying(robot, t, start, command, NOTHING, Steady(np.array([0.01])))
+    run = free_flying(robot, t, start, command, NOTHING, steady(0.01))
     # No momentum in all: 0 = I w_dot + I_rw qdd_rw.
     qdd_rw = 0.01 / 0.05 / (1 - 0.05 / 2.0)
     w_dot = -0.05 / 2.0 * qdd_rw

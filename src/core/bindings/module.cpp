@@ -4,14 +4,20 @@
 namespace orbident::python {
 void bind_attitude_fusion(nanobind::module_& m);
 void bind_dynamics(nanobind::module_& m);
+void bind_free_floating(nanobind::module_& m);
+void bind_free_flying(nanobind::module_& m);
 void bind_regressors(nanobind::module_& m);
 void bind_smoothing(nanobind::module_& m);
 }
 
 NB_MODULE(_core, m) {
+  // Python keeps robots in caches of modules, which it does not clear when it ends.
+  nanobind::set_leak_warnings(false);
   m.doc() = "The numerical core: whole arrays in, whole arrays out, the GIL released inside.";
   orbident::python::bind_attitude_fusion(m);
   orbident::python::bind_dynamics(m);
+  orbident::python::bind_free_floating(m);
+  orbident::python::bind_free_flying(m);
   orbident::python::bind_regressors(m);
   orbident::python::bind_smoothing(m);
 }

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "orbident/equations_of_motion.hpp"
+#include "orbident/forward_dynamics.hpp"
 #include "orbident/regressors.hpp"
 
 namespace orbident::python {
@@ -58,6 +58,24 @@ class BodiesMemory {
   std::vector<Motion<T>> motions_;
   std::vector<Mass<T>> mass_;
   std::vector<Momentum<T>> momentum_;
+};
+
+template <class T>
+class EquationsMemory {
+ public:
+  explicit EquationsMemory(const Robot& robot)
+      : bodies_(robot.tree), values_(2 * n(robot) * (n(robot) + 1)) {
+    T* H = values_.data();
+    const std::size_t N = n(robot);
+    eq = {bodies_.at, H, H + N * N, H + 2 * N * N, H + 2 * N * N + N, Vector3<T>::Zero()};
+  }
+  EquationsMemory(const EquationsMemory&) = delete;
+  Equations<T> eq;
+
+ private:
+  static std::size_t n(const Robot& robot) { return static_cast<std::size_t>(robot.speeds()); }
+  BodiesMemory<T> bodies_;
+  std::vector<T> values_;
 };
 
 }  // namespace orbident::python

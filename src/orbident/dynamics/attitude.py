@@ -16,21 +16,19 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
-from orbident.compilation import compiled
-from orbident.dynamics.batches import BATCH
+from orbident import _core
 from orbident.errors import InputError
+from orbident.model.rotations import rotation_angle
 from orbident.spatial.arrays import AnyArray
 from orbident.spatial.rotations import (
     quaternion_matrix,
     quaternion_rate,
     rotate,
     rotate_back,
-    rotation_angle,
 )
+from orbident.threads import processors
 
 MOST_SUBSTEPS = 256
-
-_angle = compiled(rotation_angle)
 
 
 class RateLaw(NamedTuple):
@@ -52,15 +50,10 @@ class RateLaw(NamedTuple):
 
 
 def rate_law(
-    D: Float[AnyArray, "n 3 3"], h_moving: Float[AnyArray, "n 3"], planar: bool
+    D: Float[np.ndarray, "n 3 3"], h_moving: Float[np.ndarray, "n 3"], planar: bool
 ) -> RateLaw:
     """The law from `D w + h_moving = R_0^T h_cm`; in the plane of its z row alone."""
-    if planar:
-        E = np.zeros(D.shape)
-        E[:, 2, 2] = 1 / D[:, 2, 2]
-    else:
-        E = np.linalg.inv(D)
-    return RateLaw(E, np.einsum("nij,nj->ni", E, h_moving))
+    return RateLaw(*_core.rate_laws(D, h_moving, planar, processors()))
 
 
 def step_nodes(t: Float[np.ndarray, " n"], substeps: int) -> Float[np.ndarray, " m"]:
@@ -72,33 +65,19 @@ def step_nodes(t: Float[np.ndarray, " n"], substeps: int) -> Float[np.ndarray, "
 
 def integrate_attitude(
     law: RateLaw,
-    h_cm: Float[np.ndarray, "3"],
+    h_cm: Float[np.ndarray, "nodes 3"],
     x_WB: Float[np.ndarray, "4"],
     dt: Float[np.ndarray, " steps"],
 ) -> Float[np.ndarray, "steps+1 4"]:
-    """The base's quaternion after each RK4 step; `law` is given at `step_nodes`."""
-    x = [np.asarray(x_WB)[None]]
-    for start in range(0, dt.size, BATCH):
-        # Steps of zero length fill up the last batch: one compiled size for all.
-        steps = np.minimum(np.arange(start, start + BATCH), dt.size - 1)
-        length = np.where(np.arange(start, start + BATCH) < dt.size, dt[steps], 0.0)
-        nodes = [RateLaw(law.E[2 * steps + k], law.b[2 * steps + k]) for k in range(3)]
-        part = _integrate(h_cm, x[-1][-1], length, *nodes)
-        x.append(np.asarray(part)[: dt.size - start])
-    return np.concatenate(x)
+    """The base's quaternion after each RK4 step.
 
-
-@compiled
-def _integrate(
-    h_cm: Float[AnyArray, "3"],
-    x_WB: Float[AnyArray, "4"],
-    dt: Float[AnyArray, " steps"],
-    starts: RateLaw,
-    middles: RateLaw,
-    ends: RateLaw,
-) -> Float[AnyArray, "steps 4"]:
-    same = jnp.broadcast_to(h_cm, (dt.size, 3))
-    return attitudes(x_WB, dt, (starts, same), (middles, same), (ends, same))
+    Args:
+        law: at the `step_nodes`.
+        h_cm: angular momentum about the system CM at the same nodes, inertial axes.
+        x_WB: attitude at the start.
+        dt: lengths of the steps, s.
+    """
+    return _core.attitudes(law.E, law.b, h_cm, x_WB, dt)
 
 
 Node = tuple[RateLaw, Float[AnyArray, "*n 3"]]
@@ -165,7 +144,8 @@ def float_attitude(
 
     def solve(law: RateLaw, substeps: int) -> Float[np.ndarray, "n 4"]:
         dt = np.repeat(np.diff(t) / substeps, substeps)
-        return integrate_attitude(law, h_cm, x_WB, dt)[::substeps]
+        momentum = np.tile(h_cm, (len(law.b), 1))
+        return integrate_attitude(law, momentum, x_WB, dt)[::substeps]
 
     substeps = 2
     law = law_at(step_nodes(t, substeps))
@@ -173,7 +153,7 @@ def float_attitude(
     while True:
         fine = solve(law, substeps)
         # Richardson: halving the step of RK4 divides its error by 16.
-        error = float(_angle(coarse, fine).max()) / 15
+        error = float(rotation_angle(coarse, fine).max()) / 15
         if error <= tolerance:
             return AttitudeHistory(fine, law.every(2 * substeps), error, substeps)
         if substeps == MOST_SUBSTEPS:

@@ -1,52 +1,16 @@
-"""Control laws of joints and wheels, as pure functions of what is happening."""
+"""Control laws of joints and wheels: gains as data, which the core evaluates."""
 
+from collections.abc import Callable
 from typing import NamedTuple, Protocol, runtime_checkable
 
-import equinox as eqx
-import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
-from orbident.dynamics.equations_of_motion import (
-    Model,
-    Speeds,
-    equations_of_motion,
-)
-from orbident.dynamics.forward_inverse import accelerations
 from orbident.robot.description import Robot
-from orbident.spatial.arrays import AnyArray
-from orbident.spatial.rotations import cross
-
-
-class JointCommand(NamedTuple):
-    """What the joints are told to do now; rad or m, and s."""
-
-    q: Float[AnyArray, " joints"]
-    qd: Float[AnyArray, " joints"]
-    qdd: Float[AnyArray, " joints"]
-
-
-class Now(NamedTuple):
-    """What a control law is told."""
-
-    t: Float[AnyArray, ""]
-    q: Float[AnyArray, " joints"]
-    x_WB: Float[AnyArray, "4"]
-    speeds: Speeds
-    command: JointCommand
-
-
-@runtime_checkable
-class ControlLaw(Protocol):
-    """A pure JAX function, itself a tree of arrays: its gains."""
-
-    def __call__(self, now: Now) -> Float[AnyArray, " actuators"]:
-        """Torques: of each joint (N m or N), or of each wheel on its rotor (N m)."""
-        ...
 
 
 class Hold(NamedTuple):
-    """Joints that are told to stay."""
+    """Joints that are commanded to stay."""
 
     q: Float[np.ndarray, " joints"]
 
@@ -62,82 +26,91 @@ class Hold(NamedTuple):
         return q, np.zeros_like(q), np.zeros_like(q)
 
 
-class JointPD(eqx.Module):
-    """`tau = Kp (q_d - q) + Kd (qd_d - qd)`."""
+class JointPD(NamedTuple):
+    """`tau = Kp (q_d - q) + Kd (qd_d - qd)`, N m or N."""
 
-    Kp: Float[AnyArray, " joints"]
-    Kd: Float[AnyArray, " joints"]
-
-    def __call__(self, now: Now) -> Float[AnyArray, " joints"]:
-        """Torque of each joint, N m or N."""
-        e, e_d = now.command.q - now.q, now.command.qd - now.speeds.qd
-        return self.Kp * e + self.Kd * e_d
+    Kp: Float[np.ndarray, " joints"]
+    Kd: Float[np.ndarray, " joints"]
 
 
-class ComputedTorque(eqx.Module):
-    """The torques for which a model says `qdd = qdd_d + kd (qd_d - qd) + kp (q_d - q)`.
-
-    The base floats, and the wheels turn without torque.
-    """
-
-    model: Model
-    kp: Float[AnyArray, " joints"]
-    """1/s^2."""
-    kd: Float[AnyArray, " joints"]
-    """1/s."""
-
-    def __call__(self, now: Now) -> Float[AnyArray, " joints"]:
-        """Torque of each joint, N m or N."""
-        e, e_d = now.command.q - now.q, now.command.qd - now.speeds.qd
-        wanted = now.command.qdd + self.kd * e_d + self.kp * e
-        v = now.speeds.stacked()
-        joints = slice(6, 6 + now.q.size)
-        at = equations_of_motion(self.model, now.q, v)
-        vd = accelerations(
-            at,
-            jnp.zeros_like(v),
-            jnp.zeros_like(v).at[joints].set(wanted),
-            jnp.asarray(self.model.free).at[joints].set(0.0),
-        )
-        return (at.H @ vd + at.c)[joints]
-
-
-class WheelSpeed(eqx.Module):
+class WheelSpeed(NamedTuple):
     """`tau_rw = k (qd_rw,d - qd_rw)`: brings each wheel to a speed."""
 
-    k: Float[AnyArray, " wheels"]
+    k: Float[np.ndarray, " wheels"]
     """N m s/rad."""
-    speed: Float[AnyArray, " wheels"]
+    speed: Float[np.ndarray, " wheels"]
     """Relative to the base, rad/s."""
 
-    def __call__(self, now: Now) -> Float[AnyArray, " wheels"]:
-        """Torque on each rotor, N m."""
-        return self.k * (self.speed - now.speeds.qd_rw)
 
-
-class AttitudeHold(eqx.Module):
+class AttitudeHold(NamedTuple):
     """The wheels turn the base back to an attitude: `n = -kp e - kd w`.
 
     `e` is twice the vector part of the quaternion from the wanted attitude, base
     axes; a rotor that is driven by `tau_rw` turns the base by `-a tau_rw`.
     """
 
-    kp: Float[AnyArray, ""]
+    kp: float
     """N m/rad."""
-    kd: Float[AnyArray, ""]
+    kd: float
     """N m s/rad."""
-    x_WD: Float[AnyArray, "4"]
+    x_WD: Float[np.ndarray, "4"]
     """The attitude to hold, unit quaternion, scalar last."""
-    share: Float[AnyArray, "wheels 3"]
+    share: Float[np.ndarray, "wheels 3"]
     """The wheels' part in a moment on the base: the pseudo-inverse of their axes."""
 
-    def __call__(self, now: Now) -> Float[AnyArray, " wheels"]:
-        """Torque on each rotor, N m."""
-        # conj(x_WD) x_WB, the shorter way round.
-        d, b = jnp.asarray(self.x_WD), now.x_WB
-        vector = d[3] * b[:3] - b[3] * d[:3] - cross(d[:3], b[:3])
-        e = 2 * vector * jnp.where(d @ b < 0, -1.0, 1.0)
-        return self.share @ (self.kp * e + self.kd * now.speeds.w)
+
+class OpenLoop(NamedTuple):
+    """Torques that depend on time alone."""
+
+    torque: Callable[[Float[np.ndarray, " n"]], Float[np.ndarray, "n actuators"]]
+    """At given times (s): of each joint (N m or N), or on each rotor (N m)."""
+
+
+@runtime_checkable
+class AttitudeMotion(Protocol):
+    """What the base is commanded to do: any function of time."""
+
+    def at(
+        self, t: Float[np.ndarray, " n"]
+    ) -> tuple[
+        Float[np.ndarray, "n 4"], Float[np.ndarray, "n 3"], Float[np.ndarray, "n 3"]
+    ]:
+        """Attitude `x_WD`; its rate and acceleration in D's axes, rad and s."""
+        ...
+
+
+class ComputedTorque(NamedTuple):
+    """The torques for which a model says `y'' = y_d'' + kd e' + kp e`, for all of y.
+
+    `y` are the joints and the attitude of the base; the wheels' accelerations are what
+    this takes, and the system CM is left alone. One such law is the law of the joints
+    and of the wheels.
+    """
+
+    model: Robot
+    """Its `theta` is what the controller believes."""
+    base: AttitudeMotion
+    kp: float
+    """1/s^2."""
+    kd: float
+    """1/s."""
+
+
+JointLaw = JointPD | OpenLoop | ComputedTorque
+WheelLaw = WheelSpeed | AttitudeHold | OpenLoop | ComputedTorque
+
+
+class WheelLimits(NamedTuple):
+    """The greatest torques and speeds of motors; infinite where there is no limit.
+
+    A motor gives at most its greatest torque, and none that drives the wheel beyond its
+    top speed: over the last 2 % of that speed the torque falls to zero.
+    """
+
+    torque: Float[np.ndarray, " wheels"]
+    """N m."""
+    speed: Float[np.ndarray, " wheels"]
+    """Relative to the base, rad/s."""
 
 
 def attitude_hold(
@@ -152,4 +125,4 @@ def attitude_hold(
         attitude: to hold, unit quaternion, scalar last.
     """
     axes = np.reshape([wheel.axis for wheel in robot.wheels], (-1, 3)).T
-    return AttitudeHold(np.array(kp), np.array(kd), attitude, np.linalg.pinv(axes))
+    return AttitudeHold(kp, kd, attitude, np.linalg.pinv(axes))

@@ -2,18 +2,21 @@
 
 from collections.abc import Sequence
 
-import jax
 import numpy as np
 from jaxtyping import Float
 
-from orbident.dynamics.control_laws import ControlLaw, JointCommand, Now
-from orbident.dynamics.equations_of_motion import split
+from orbident.dynamics.control_laws import (
+    ComputedTorque,
+    JointLaw,
+    OpenLoop,
+    WheelLaw,
+    WheelLimits,
+)
 from orbident.dynamics.flight import FlyingState
-from orbident.dynamics.flight_steps import Vehicle
 from orbident.dynamics.free_floating import JointMotion, check_plane
-from orbident.dynamics.regularity import check_regular
 from orbident.dynamics.thrusters import Pulse, check_pulses
 from orbident.errors import InputError
+from orbident.model.regularity import check_regular
 from orbident.robot.description import Robot
 from orbident.robot.parameters import inertia_about_com
 
@@ -22,7 +25,6 @@ ROUNDING = 1e-12
 
 def check_flight(
     robot: Robot,
-    vehicle: Vehicle,
     t: Float[np.ndarray, " n"],
     start: FlyingState,
     command: JointMotion,
@@ -39,7 +41,16 @@ def check_flight(
         raise InputError(f"{robot.name}: no sample times; give at least one")
     if not (np.isfinite(t).all() and (np.diff(t) > 0).all()):
         raise InputError(f"{robot.name}: the sample times do not increase; sort them")
-    _check_sizes(robot, vehicle, start, command.at(t[:1]))
+    joints, wheels = len(robot.joints), len(robot.wheels)
+    sized = {
+        "joint positions at the start": (start.q, joints),
+        "joint rates at the start": (start.qd, joints),
+        "joint positions commanded": (command.at(t[:1])[0][0], joints),
+        "wheel speeds at the start": (start.base.wheel_speed, wheels),
+        "wheel angles at the start": (start.q_rw, wheels),
+    }
+    for what, (values, count) in sized.items():
+        _check_size(robot, what, np.shape(values), count)
     if robot.motion == "planar":
         check_plane(start.base)
     check_regular(robot)
@@ -47,47 +58,56 @@ def check_flight(
     check_pulses(robot, pulses, float(t[0]), float(t[-1]))
 
 
-def _check_sizes(
+def check_laws(
     robot: Robot,
-    vehicle: Vehicle,
-    start: FlyingState,
-    commanded: tuple[np.ndarray, np.ndarray, np.ndarray],
+    joints: JointLaw,
+    wheels: WheelLaw | None,
+    limits: WheelLimits | None,
+    t: Float[np.ndarray, " n"],
 ) -> None:
-    joints, wheels = len(robot.joints), len(robot.wheels)
-    sized = {
-        "joint positions at the start": (start.q, joints),
-        "joint rates at the start": (start.qd, joints),
-        "joint positions commanded": (commanded[0][0], joints),
-        "wheel speeds at the start": (start.base.wheel_speed, wheels),
-        "wheel angles at the start": (start.q_rw, wheels),
-        "torque limits of the wheels": (vehicle.limits.torque, wheels),
-        "speed limits of the wheels": (vehicle.limits.speed, wheels),
-    }
-    for what, (values, count) in sized.items():
-        _check_size(robot, what, np.shape(values), count)
-    for what, limit in zip(("torque", "speed"), vehicle.limits, strict=True):
-        if not (np.asarray(limit) > 0).all():
-            raise InputError(
-                f"{robot.name}: {what} limits of the wheels: found "
-                f"{np.asarray(limit).tolist()}; give positive numbers"
-            )
-    v = split(vehicle.model, np.zeros(6 + joints + wheels))
-    command = JointCommand(*(x[0] for x in commanded))
-    now = Now(np.zeros(()), start.q, start.base.attitude, v, command)
-    _check_law(robot, "joints", vehicle.joints, now, joints)
-    if vehicle.wheels is not None:
-        _check_law(robot, "wheels", vehicle.wheels, now, wheels)
+    """Refuse laws and motors that are not for this robot's joints and wheels.
 
-
-def _check_law(robot: Robot, what: str, law: ControlLaw, now: Now, count: int) -> None:
-    try:
-        shape = jax.eval_shape(lambda law, now: law(now), law, now).shape
-    except (TypeError, ValueError) as error:
-        reason = str(error).partition("\n")[0]
+    Raises:
+        InputError: so.
+    """
+    _check_law(robot, "joints", joints, len(robot.joints), t)
+    if wheels is not None:
+        _check_law(robot, "wheels", wheels, len(robot.wheels), t)
+    computed = {id(law) for law in (joints, wheels) if isinstance(law, ComputedTorque)}
+    if computed and computed != {id(joints), id(wheels)}:
         raise InputError(
-            f"{robot.name}: the law of the {what} is not for {count} of them: {reason}"
-        ) from error
-    _check_size(robot, f"torques of the {what}", shape, count)
+            f"{robot.name}: computed torque moves joints and wheels together; give the "
+            "same law for both"
+        )
+    for what, limit in (limits._asdict() if limits else {}).items():
+        _check_size(
+            robot, f"{what} limits of the wheels", limit.shape, len(robot.wheels)
+        )
+        if not (limit > 0).all():
+            raise InputError(
+                f"{robot.name}: {what} limits of the wheels: found {limit.tolist()}; "
+                "give positive numbers"
+            )
+
+
+def _check_law(
+    robot: Robot,
+    what: str,
+    law: JointLaw | WheelLaw,
+    count: int,
+    t: Float[np.ndarray, " n"],
+) -> None:
+    if isinstance(law, OpenLoop):
+        found = np.shape(law.torque(t[:1]))[1:]
+        _check_size(robot, f"torques of the {what}", found, count)
+        return
+    for name in ("Kp", "Kd", "k", "speed", "share"):
+        shape = np.shape(getattr(law, name, np.zeros(count)))
+        if shape[:1] != (count,):
+            raise InputError(
+                f"{robot.name}: the law of the {what} is not for {count} of them: "
+                f"its {name} has the shape {shape}"
+            )
 
 
 def _check_wheels(robot: Robot) -> None:

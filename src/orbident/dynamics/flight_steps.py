@@ -1,175 +1,171 @@
-"""Integration of a free-flying motion, by RK4 steps of given lengths."""
+"""A free-flying vehicle as the core integrates it, by RK4 steps of given lengths."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
-import equinox as eqx
-import jax
-import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Bool, Float
 
-from orbident.compilation import compiled
-from orbident.dynamics.control_laws import ControlLaw, JointCommand, Now
-from orbident.dynamics.equations_of_motion import (
-    Model,
-    Speeds,
-    equations_of_motion,
-    split,
+from orbident import _core
+from orbident.dynamics.control_laws import (
+    AttitudeHold,
+    ComputedTorque,
+    JointLaw,
+    JointPD,
+    OpenLoop,
+    WheelLaw,
+    WheelLimits,
+    WheelSpeed,
 )
-from orbident.dynamics.forward_inverse import accelerations
-from orbident.dynamics.wheel_limits import WheelLimits, limited
-from orbident.spatial.arrays import AnyArray
-from orbident.spatial.rotations import (
-    quaternion_matrix,
-    quaternion_rate,
-    rotate,
-)
+from orbident.dynamics.free_floating import JointMotion
+from orbident.model.core_robot import core_robot
+from orbident.model.equations_of_motion import movable
+from orbident.model.wheels import wheels_of
+from orbident.robot.description import Robot
 
-BATCH = 256
-"""Steps integrated at once: few enough for short runs, one compiled size for all."""
+STEPS = 4096
+"""Steps whose commands are in memory at once."""
 
-
-class Vehicle(eqx.Module):
-    """A robot and what drives it."""
-
-    model: Model
-    """The speed of a held wheel is not free."""
-    joints: ControlLaw
-    wheels: ControlLaw | None
-    limits: WheelLimits
+LEVEL = np.array([0.0, 0.0, 0.0, 1.0])
 
 
-class Told(NamedTuple):
-    """What drives a motion besides its own state."""
+class WrenchPoint(NamedTuple):
+    """Where a wrench acts, as long as the flight lasts."""
 
-    t: Float[AnyArray, "*n"]
-    command: JointCommand
-    thrust: Float[AnyArray, "*n 6"]
-    """Net force on the base and its moment about S, base axes."""
+    body: int
+    """Index of the body."""
+    point: Float[np.ndarray, "3"]
+    """In the body's frame, m."""
 
 
-class Moving(NamedTuple):
-    """What is integrated."""
+AT_S = (WrenchPoint(0, np.zeros(3)),)
+"""The thrusters' net wrench: on the base, its force at S."""
 
-    r_cm: Float[AnyArray, "*n 3"]
-    """Position of the system CM, inertial axes, m."""
-    x_WB: Float[AnyArray, "*n 4"]
-    q: Float[AnyArray, "*n joints"]
-    q_rw: Float[AnyArray, "*n wheels"]
-    v: Float[AnyArray, "*n speeds"]
+
+class Drive(NamedTuple):
+    """What moves a robot, besides its own state."""
+
+    command: JointMotion
+    joints: JointLaw
+    wheels: WheelLaw | None
+    wrenches: Callable[
+        [Float[np.ndarray, "steps 3"]], Float[np.ndarray, "steps 3 wrenches 6"]
+    ]
+    """Force and moment of each wrench at the nodes of some steps, base axes."""
+
+    def at(
+        self, robot: Robot, nodes: Float[np.ndarray, "steps 3"]
+    ) -> Float[np.ndarray, "steps 3 columns"]:
+        """A row for each node, as the core's `Command` has it."""
+        t = nodes.ravel()
+        base = np.zeros((t.size, 10))
+        if isinstance(self.joints, ComputedTorque):
+            base = np.hstack(self.joints.base.at(t))
+        columns = (
+            *self.command.at(t),
+            _open_loop(self.joints, t, len(robot.joints)),
+            _open_loop(self.wheels, t, len(robot.wheels)),
+            base,
+            self.wrenches(nodes).reshape(t.size, -1),
+        )
+        return np.hstack(columns).reshape(*nodes.shape, -1)
+
+
+class Shown(NamedTuple):
+    """The states of some steps at their starts, and what else there is to see."""
+
+    q: Float[np.ndarray, "n joints"]
+    x_WB: Float[np.ndarray, "n 4"]
+    q_rw: Float[np.ndarray, "n wheels"]
+    v: Float[np.ndarray, "n speeds"]
     """Generalised speeds, base axes."""
+    vd: Float[np.ndarray, "n speeds"]
+    r_cm: Float[np.ndarray, "n 3"]
+    """Inertial axes, as the next three are."""
+    r_S: Float[np.ndarray, "n 3"]
+    v_cm: Float[np.ndarray, "n 3"]
+    v_S: Float[np.ndarray, "n 3"]
+    f_S: Float[np.ndarray, "n 3"]
+    """Acceleration of S, base axes."""
+    h_cm: Float[np.ndarray, "n 3"]
+    """Inertial axes."""
+    tau: Float[np.ndarray, "n joints"]
+    tau_rw: Float[np.ndarray, "n wheels"]
 
 
-class Seen(NamedTuple):
-    """What else there is to see in a state; base axes."""
-
-    vd: Float[AnyArray, "*n speeds"]
-    """The derivative of the generalised speeds."""
-    v_S: Float[AnyArray, "*n 3"]
-    f_S: Float[AnyArray, "*n 3"]
-    """Acceleration of S."""
-    p_S_cm: Float[AnyArray, "*n 3"]
-    """From S to the system CM."""
-    h: Float[AnyArray, "*n 3"]
-    """Angular momentum about the system CM."""
-    tau: Float[AnyArray, "*n joints"]
-    tau_rw: Float[AnyArray, "*n wheels"]
+def vehicle_of(
+    robot: Robot,
+    joints: JointLaw,
+    wheels: WheelLaw | None,
+    limits: WheelLimits | None,
+    points: Sequence[WrenchPoint] = AT_S,
+) -> _core.Vehicle:
+    """The robot with its laws; a law of another kind has zero gains."""
+    K, W = len(robot.joints), len(robot.wheels)
+    pd, speed = JointPD(np.zeros(K), np.zeros(K)), WheelSpeed(np.zeros(W), np.zeros(W))
+    hold = AttitudeHold(0.0, 0.0, LEVEL, np.zeros((W, 3)))
+    pd = joints if isinstance(joints, JointPD) else pd
+    speed = wheels if isinstance(wheels, WheelSpeed) else speed
+    hold = wheels if isinstance(wheels, AttitudeHold) else hold
+    unlimited = np.full(W, np.inf)
+    limits = limits or WheelLimits(unlimited, unlimited)
+    free = movable(robot).astype(float)
+    if wheels is None:
+        free[6 + K :] = wheels_of(robot).free
+    return _core.Vehicle(
+        robot=core_robot(robot),
+        free=free,
+        Kp=pd.Kp,
+        Kd=pd.Kd,
+        k=speed.k,
+        speed=speed.speed,
+        share=hold.share,
+        kp=hold.kp,
+        kd=hold.kd,
+        x_WD=hold.x_WD,
+        torque_limit=limits.torque,
+        speed_limit=limits.speed,
+        body=np.array([point.body for point in points], dtype=float),
+        point=np.reshape([point.point for point in points], (-1, 3)),
+        computed=_computed(joints) if isinstance(joints, ComputedTorque) else None,
+    )
 
 
 def integrate(
-    vehicle: Vehicle,
-    start: Moving,
+    vehicle: _core.Vehicle,
+    start: Float[np.ndarray, " states"],
     nodes: Float[np.ndarray, "steps 3"],
-    told_at: Callable[[Float[np.ndarray, "rows 3"]], Told],
+    command_at: Callable[
+        [Float[np.ndarray, "rows 3"]], Float[np.ndarray, "rows 3 columns"]
+    ],
     wanted: Bool[np.ndarray, " steps"],
-) -> tuple[Moving, Seen, Told]:
-    """The states at the start of the wanted steps, and what is seen and told there.
+) -> Shown:
+    """What is seen at the start of the wanted steps.
 
     Args:
         vehicle: what moves.
-        start: the first state.
+        start: the first state `[r_cm, x_WB, q, q_rw, v]`.
         nodes: start, middle and end of each step, s. The last step may have no length,
             and shows the end.
-        told_at: what the vehicle is told at the nodes of some steps, `[rows, 3]`.
+        command_at: what the vehicle is commanded at the nodes of some steps.
         wanted: the steps to show.
     """
-    steps = len(nodes)
-    x, pieces = start, []
-    for first in range(0, steps, BATCH):
-        chosen = np.arange(first, first + BATCH)
-        rows = np.minimum(chosen, steps - 1)
-        # Steps of zero length fill up the last batch.
-        h = np.where(chosen < steps, nodes[rows, 2] - nodes[rows, 0], 0.0)
-        told = told_at(nodes[rows])
-        x, path = _scan(vehicle, x, h, told)
-        show = (chosen < steps) & wanted[rows]
-        path = (*path, jax.tree.map(lambda a: a[:, 0], told))
-        pieces.append(jax.tree.map(lambda a, k=show: np.asarray(a)[k], path))
-    return jax.tree.map(lambda *parts: np.concatenate(parts), *pieces)
+    pieces, state = [], start
+    for first in range(0, len(nodes), STEPS):
+        part = slice(first, first + STEPS)
+        dt = nodes[part, 2] - nodes[part, 0]
+        shown = wanted[part].astype(float)
+        state, seen = _core.fly(vehicle, state, dt, command_at(nodes[part]), shown)
+        pieces.append(seen)
+    return Shown(*(np.concatenate(parts) for parts in zip(*pieces, strict=True)))
 
 
-@compiled
-def _scan(
-    vehicle: Vehicle, start: Moving, h: Float[AnyArray, " steps"], told: Told
-) -> tuple[Moving, tuple[Moving, Seen]]:
-    # A loop over RK4's four stages: their one body is compiled once.
-    along, weight = jnp.array([0, 0.5, 0.5, 1]), jnp.array([1, 2, 2, 1]) / 6
-    node = jnp.array([0, 1, 1, 2])
-
-    def step(
-        x: Moving, each: tuple[Float[AnyArray, ""], Told]
-    ) -> tuple[Moving, tuple[Moving, Seen]]:
-        h, told = each
-
-        def stage(
-            carry: tuple[Moving, Moving],
-            each: tuple[Float[AnyArray, ""], Float[AnyArray, ""], Told],
-        ) -> tuple[tuple[Moving, Moving], Seen]:
-            total, slope = carry
-            along, weight, told = each
-            slope, seen = _rate(vehicle, _moved(x, along * h, slope), told)
-            return (_moved(total, weight * h, slope), slope), seen
-
-        stages = (along, weight, jax.tree.map(lambda a: a[node], told))
-        (end, _), seen = jax.lax.scan(stage, (x, x), stages)
-        end = end._replace(x_WB=end.x_WB / jnp.linalg.norm(end.x_WB))
-        return end, (x, jax.tree.map(lambda a: a[0], seen))
-
-    return jax.lax.scan(step, start, (h, told))
+def _computed(law: ComputedTorque) -> _core.ComputedTorque:
+    of_momentum = np.linalg.pinv(wheels_of(law.model).A_rw)
+    return _core.ComputedTorque(core_robot(law.model), of_momentum, law.kp, law.kd)
 
 
-def _moved(x: Moving, h: Float[AnyArray, ""], slope: Moving) -> Moving:
-    return jax.tree.map(lambda a, b: a + h * b, x, slope)
-
-
-def _rate(vehicle: Vehicle, x: Moving, told: Told) -> tuple[Moving, Seen]:
-    """The derivative of the state under the laws and the thrusters (Eqs. 13, 15)."""
-    model, speeds = vehicle.model, split(vehicle.model, x.v)
-    now = Now(told.t, x.q, x.x_WB, speeds, told.command)
-    tau = jnp.asarray(vehicle.joints(now))
-    tau_rw = jnp.zeros_like(speeds.qd_rw)
-    if vehicle.wheels is not None:
-        tau_rw = limited(vehicle.limits, vehicle.wheels(now), speeds.qd_rw)
-    at = equations_of_motion(model, x.q, x.v)
-    driven = Speeds(jnp.zeros(3), jnp.zeros(3), tau, tau_rw)
-    Q = driven.stacked() + at.J_S.T @ told.thrust
-    vd = accelerations(at, Q, jnp.zeros_like(x.v), model.free)
-    slope = Moving(
-        r_cm=rotate(quaternion_matrix(x.x_WB), speeds.v_cm),
-        x_WB=quaternion_rate(x.x_WB, speeds.w),
-        q=speeds.qd,
-        q_rw=speeds.qd_rw,
-        v=vd,
-    )
-    seen = Seen(
-        vd=vd,
-        v_S=at.J_S[:3] @ x.v,
-        f_S=at.J_S[:3] @ vd + at.f_S,
-        p_S_cm=at.r_cm,
-        h=at.H[3:6] @ x.v,
-        tau=tau,
-        # Eq. 12; of a held wheel, the torque that holds it.
-        tau_rw=split(model, at.H @ vd).qd_rw,
-    )
-    return slope, seen
+def _open_loop(
+    law: JointLaw | WheelLaw | None, t: Float[np.ndarray, " n"], count: int
+) -> Float[np.ndarray, "n actuators"]:
+    return law.torque(t) if isinstance(law, OpenLoop) else np.zeros((t.size, count))

@@ -1,74 +1,70 @@
 """From forces to accelerations, and back (Eq. 13)."""
 
-import jax.numpy as jnp
-from jax.scipy.linalg import cho_factor, cho_solve
+import numpy as np
 from jaxtyping import Float
 
-from orbident.dynamics.equations_of_motion import (
-    Equations,
-    Model,
-    equations_of_motion,
-)
-from orbident.spatial.arrays import AnyArray
+from orbident import _core
+from orbident.model.core_robot import core_robot
+from orbident.model.equations_of_motion import equations_of_motion, movable
+from orbident.robot.description import Robot
+from orbident.threads import processors
 
 
 def forward_dynamics(
-    model: Model,
-    q: Float[AnyArray, " joints"],
-    v: Float[AnyArray, " speeds"],
-    Q: Float[AnyArray, " speeds"],
-) -> Float[AnyArray, " speeds"]:
+    robot: Robot,
+    q: Float[np.ndarray, "n joints"],
+    v: Float[np.ndarray, "n speeds"],
+    Q: Float[np.ndarray, "n speeds"],
+) -> Float[np.ndarray, "n speeds"]:
     """`v' = H+^-1 (Q - c+)`; in the plane, of what can move.
 
     Args:
-        model: the robot's.
+        robot: its `theta` decides.
         q: joint positions, rad or m.
         v: generalised speeds, base axes.
         Q: generalised forces, base axes.
-
-    Raises:
-        InputError: `q` is not float64.
     """
-    at = equations_of_motion(model, q, v)
-    return accelerations(at, Q, jnp.zeros_like(v), model.free)
+    free = movable(robot).astype(float)
+    return accelerations(robot, q, v, Q, np.zeros_like(v), free)[0]
 
 
 def inverse_dynamics(
-    model: Model,
-    q: Float[AnyArray, " joints"],
-    v: Float[AnyArray, " speeds"],
-    vd: Float[AnyArray, " speeds"],
-) -> Float[AnyArray, " speeds"]:
+    robot: Robot,
+    q: Float[np.ndarray, "n joints"],
+    v: Float[np.ndarray, "n speeds"],
+    vd: Float[np.ndarray, "n speeds"],
+) -> Float[np.ndarray, "n speeds"]:
     """`Q = H+ v' + c+`: what it takes; in the plane, with what the plane bears.
 
     Args:
-        model: the robot's.
+        robot: its `theta` decides.
         q: joint positions, rad or m.
         v: generalised speeds, base axes.
         vd: their derivatives.
-
-    Raises:
-        InputError: `q` is not float64.
     """
-    at = equations_of_motion(model, q, v)
-    return at.H @ vd + at.c
+    at = equations_of_motion(robot, q, v)
+    return np.einsum("nij,nj->ni", at.H, vd) + at.c
 
 
 def accelerations(
-    at: Equations,
-    Q: Float[AnyArray, " speeds"],
-    vd: Float[AnyArray, " speeds"],
-    free: Float[AnyArray, " speeds"],
-) -> Float[AnyArray, " speeds"]:
-    """`v'` where some of it is known, and elsewhere the force is.
+    robot: Robot,
+    q: Float[np.ndarray, "n joints"],
+    v: Float[np.ndarray, "n speeds"],
+    Q: Float[np.ndarray, "n speeds"],
+    vd: Float[np.ndarray, "n speeds"],
+    free: Float[np.ndarray, " speeds"],
+) -> tuple[Float[np.ndarray, "n speeds"], Float[np.ndarray, "n 3"]]:
+    """`v'` where some of it is known and elsewhere the force is; acceleration of S.
 
     Args:
-        at: the equations of motion in this state.
+        robot: its `theta` decides.
+        q: joint positions, rad or m.
+        v: generalised speeds, base axes.
         Q: the forces where `free` is 1.
         vd: the accelerations where `free` is 0.
         free: 1 or 0 for each speed.
+
+    Returns:
+        `v'`, and the acceleration of S, base axes, m/s^2.
     """
-    known = (1 - free) * vd
-    # Rows and columns of what is known become those of the identity: one size for all.
-    H_free = at.H * free * free[:, None] + jnp.diag(1 - free)
-    return known + cho_solve(cho_factor(H_free), free * (Q - at.c - at.H @ known))
+    return _core.forward_dynamics(core_robot(robot), q, v, Q, vd, free, processors())

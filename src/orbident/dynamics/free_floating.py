@@ -1,23 +1,20 @@
 """Free-floating motion (Eqs. 2, 3, 17, 18): momentum conserved by construction."""
 
-from functools import partial
 from typing import NamedTuple, Protocol, runtime_checkable
 
-import jax
 import numpy as np
 from jaxtyping import Float
 
-from orbident.compilation import compiled
-from orbident.dynamics.attitude import RateLaw, float_attitude, rate_law
-from orbident.dynamics.batches import in_batches
-from orbident.dynamics.inertia import inertia
-from orbident.dynamics.tree import Tree, tree_of
-from orbident.dynamics.wheels import wheels_of
+from orbident import _core
+from orbident.dynamics.attitude import RateLaw, float_attitude
 from orbident.errors import InputError
-from orbident.precision import in_float64
+from orbident.model.core_robot import core_robot
+from orbident.model.inertia import inertia_at
+from orbident.model.rotations import quaternion_matrix
+from orbident.model.wheels import wheels_of
 from orbident.robot.description import Robot
 from orbident.spatial.arrays import AnyArray
-from orbident.spatial.rotations import cross, quaternion_matrix, rotate
+from orbident.threads import processors
 
 OUT_OF_PLANE = 1e-9
 
@@ -73,7 +70,6 @@ class FreeFloating(NamedTuple):
     """RK4 steps from one sample to the next."""
 
 
-@in_float64
 def free_floating(
     robot: Robot,
     motion: JointMotion,
@@ -97,33 +93,35 @@ def free_floating(
     planar = robot.motion == "planar"
     if planar:
         check_plane(start)
-    tree, wheels = tree_of(robot), wheels_of(robot)
+    core, wheels = core_robot(robot), wheels_of(robot)
     # A free wheel keeps its absolute spin qd_rw + a w, a held one its relative spin.
     spin = start.wheel_speed + wheels.free * (wheels.axes.T @ start.angular_velocity)
     # What a free wheel adds to D w: its momentum is A_rw (spin - a w).
     D_free = (wheels.A_rw * wheels.free) @ wheels.axes.T
 
-    def terms_at(t: Float[np.ndarray, " n"]) -> Terms:
-        q, qd, _ = motion.at(t)
-        return in_batches(partial(_terms, tree, robot.theta), q, qd)
+    h_spin = wheels.A_rw @ spin
 
     def law_at(t: Float[np.ndarray, " n"]) -> RateLaw:
-        at = terms_at(t)
-        return rate_law(at.D - D_free, at.h_q + wheels.A_rw @ spin, planar)
+        q, qd, _ = motion.at(t)
+        law = _core.floating_laws(core, q, qd, D_free, h_spin, planar, processors())
+        return RateLaw(*law)
 
-    at = terms_at(t)
-    h_start = at.D[0] @ start.angular_velocity + at.h_q[0]
-    R_start = np.asarray(_matrix(start.attitude))
-    h_cm = R_start @ (h_start + wheels.A_rw @ start.wheel_speed)
+    q, qd, _ = motion.at(t)
+    at = inertia_at(robot, q[0])
+    h_B = at.D @ start.angular_velocity + at.D_q @ qd[0]
+    h_B += wheels.A_rw @ start.wheel_speed
+    h_cm = quaternion_matrix(start.attitude) @ h_B
     if planar:
         h_cm[:2] = 0.0
 
     x_WB, law, error, substeps = float_attitude(
         law_at, t, h_cm, start.attitude, tolerance
     )
-    w, r_S, v_S = in_batches(partial(_observe, h_cm), x_WB, law, at.r_cm, at.v_q)
+    h = np.tile(h_cm, (t.size, 1))
+    w, r_S, v_S = _core.floating_motion(
+        core, q, qd, law.E, law.b, h, x_WB, processors()
+    )
     v_cm = start.velocity - v_S[0]
-    q, qd, _ = motion.at(t)
     return FreeFloating(
         t=t,
         q=q,
@@ -140,9 +138,6 @@ def free_floating(
     )
 
 
-_matrix = compiled(quaternion_matrix)
-
-
 class Terms(NamedTuple):
     """What momentum needs of the joint states, base axes."""
 
@@ -153,34 +148,6 @@ class Terms(NamedTuple):
     """From S to the system CM."""
     v_q: Float[AnyArray, "n 3"]
     """Velocity of the CM relative to S by the joints alone."""
-
-
-@compiled
-def _terms(
-    tree: Tree,
-    theta: Float[AnyArray, "bodies 10"],
-    q: Float[AnyArray, "n joints"],
-    qd: Float[AnyArray, "n joints"],
-) -> Terms:
-    def terms(q: Float[AnyArray, " joints"], qd: Float[AnyArray, " joints"]) -> Terms:
-        at = inertia(tree, theta, q)
-        return Terms(at.D, at.D_q @ qd, at.r_cm, at.J_cm @ qd)
-
-    return jax.vmap(terms)(q, qd)
-
-
-@compiled
-def _observe(
-    h_cm: Float[AnyArray, "3"],
-    x_WB: Float[AnyArray, "n 4"],
-    law: RateLaw,
-    r_cm: Float[AnyArray, "n 3"],
-    v_q: Float[AnyArray, "n 3"],
-) -> tuple[Float[AnyArray, "n 3"], Float[AnyArray, "n 3"], Float[AnyArray, "n 3"]]:
-    """Base rate; position and velocity of S relative to the CM, inertial axes."""
-    w = law.rate(x_WB, h_cm)
-    R_WB = quaternion_matrix(x_WB)
-    return w, -rotate(R_WB, r_cm), -rotate(R_WB, cross(w, r_cm) + v_q)
 
 
 def check_plane(start: BaseState) -> None:

@@ -1,50 +1,31 @@
 """Free-flying motion: thrusters, wheels and joint torques move the robot (Eq. 13)."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
-from orbident.compilation import compiled
-from orbident.dynamics.batches import in_batches
-from orbident.dynamics.control_laws import ControlLaw, JointCommand
-from orbident.dynamics.equations_of_motion import Model, model_of
+from orbident.dynamics.control_laws import JointLaw, WheelLaw, WheelLimits
 from orbident.dynamics.flight import FlyingState, FreeFlying
-from orbident.dynamics.flight_checks import check_flight
-from orbident.dynamics.flight_steps import Moving, Seen, Told, Vehicle, integrate
+from orbident.dynamics.flight_checks import check_flight, check_laws
+from orbident.dynamics.flight_steps import Drive, Shown, integrate, vehicle_of
 from orbident.dynamics.free_floating import JointMotion
-from orbident.dynamics.inertia import inertia
 from orbident.dynamics.thrusters import Pulse, thrust
-from orbident.dynamics.wheel_limits import WheelLimits
 from orbident.errors import InputError
-from orbident.precision import in_float64
+from orbident.model.inertia import inertia_at
+from orbident.model.rotations import quaternion_matrix, rotation_angle
 from orbident.robot.description import Robot
-from orbident.spatial.arrays import AnyArray
-from orbident.spatial.rotations import (
-    cross,
-    quaternion_matrix,
-    rotate,
-    rotate_back,
-    rotation_angle,
-)
 
 MOST_STEPS = 2**19
 
-Path = tuple[Moving, Seen, Told]
-"""A motion at its sample times."""
 
-
-@in_float64
 def free_flying(
     robot: Robot,
     t: Float[np.ndarray, " n"],
     start: FlyingState,
     command: JointMotion,
-    joints: ControlLaw,
-    wheels: ControlLaw | None = None,
+    joints: JointLaw,
+    wheels: WheelLaw | None = None,
     limits: WheelLimits | None = None,
     pulses: Sequence[Pulse] = (),
     tolerance: float = 1e-8,
@@ -72,25 +53,37 @@ def free_flying(
             wheels are heavier than the base, a pulse cannot be flown, or no step is
             small enough.
     """
-    vehicle = _vehicle(robot, joints, wheels, limits)
-    check_flight(robot, vehicle, t, start, command, pulses)
+    check_flight(robot, t, start, command, pulses)
+    check_laws(robot, joints, wheels, limits, t)
     edges = [edge for pulse in pulses for edge in (pulse.on, pulse.off)]
     breaks = np.unique(np.concatenate([t, edges]))
-    at_start = _at_start(vehicle.model, start)
 
-    def told_at(nodes: Float[np.ndarray, "rows 3"]) -> Told:
+    def thrust_at(nodes: Float[np.ndarray, "steps 3"]) -> Float[np.ndarray, "steps 6"]:
         # No step straddles an edge: the thrust is that of its middle.
-        force = np.repeat(thrust(robot, pulses, nodes[:, 1])[:, None], 3, axis=1)
-        return Told(nodes, _commanded(command, nodes), force)
+        return thrust(robot, pulses, nodes[:, 1])
 
-    def solve(parts: int) -> Path:
+    drive = Drive(
+        command,
+        joints,
+        wheels,
+        lambda nodes: np.tile(thrust_at(nodes)[:, None, None], (1, 3, 1, 1)),
+    )
+    vehicle, at_start = (
+        vehicle_of(robot, joints, wheels, limits),
+        _at_start(robot, start),
+    )
+
+    def solve(parts: int) -> tuple[Shown, Float[np.ndarray, "n 6"]]:
         nodes = _step_nodes(breaks, parts)
         wanted = np.zeros(len(nodes), dtype=bool)
         wanted[parts * np.searchsorted(breaks, t)] = True
-        return integrate(vehicle, at_start, nodes, told_at, wanted)
+        shown = integrate(
+            vehicle, at_start, nodes, lambda some: drive.at(robot, some), wanted
+        )
+        return shown, thrust_at(nodes[wanted])
 
     path, error, parts = _refined(robot, solve, breaks.size, tolerance)
-    return _flown(vehicle.model, t, path, error, parts * (breaks.size - 1))
+    return _flown(t, *path, error, parts * (breaks.size - 1))
 
 
 def _step_nodes(
@@ -107,45 +100,33 @@ def _step_nodes(
     return np.stack([starts, (starts + ends) / 2, ends], axis=1)
 
 
-def _vehicle(
-    robot: Robot,
-    joints: ControlLaw,
-    wheels: ControlLaw | None,
-    limits: WheelLimits | None,
-) -> Vehicle:
-    model, count = model_of(robot), len(robot.wheels)
-    if wheels is None:
-        free = np.concatenate([model.free[: 6 + len(robot.joints)], model.wheels.free])
-        model = replace(model, free=free)
-    if limits is None:
-        limits = WheelLimits(np.full(count, np.inf), np.full(count, np.inf))
-    return Vehicle(model, joints, wheels, limits)
-
-
-def _commanded(command: JointMotion, t: Float[np.ndarray, "steps 3"]) -> JointCommand:
-    q, qd, qdd = command.at(t.ravel())
-    return JointCommand(*(x.reshape(*t.shape, x.shape[1]) for x in (q, qd, qdd)))
-
-
-@compiled
-def _at_start(model: Model, start: FlyingState) -> Moving:
-    base, at = start.base, inertia(model.tree, model.theta, start.q)
+def _at_start(robot: Robot, start: FlyingState) -> Float[np.ndarray, " states"]:
+    """`[r_cm, x_WB, q, q_rw, v]`."""
+    base, at = start.base, inertia_at(robot, start.q)
     R_WB = quaternion_matrix(base.attitude)
     # Eq. 28, the other way round.
-    v_cm = rotate_back(R_WB, base.velocity) + at.J_cm @ start.qd
-    v_cm += cross(base.angular_velocity, at.r_cm)
-    return Moving(
-        r_cm=start.r_S + rotate(R_WB, at.r_cm),
-        x_WB=base.attitude / jnp.linalg.norm(base.attitude),
-        q=jnp.asarray(start.q),
-        q_rw=jnp.asarray(start.q_rw),
-        v=jnp.concatenate([v_cm, base.angular_velocity, start.qd, base.wheel_speed]),
+    v_cm = R_WB.T @ base.velocity + at.J_cm @ start.qd
+    v_cm += np.cross(base.angular_velocity, at.r_cm)
+    return np.concatenate(
+        [
+            start.r_S + R_WB @ at.r_cm,
+            base.attitude / np.linalg.norm(base.attitude),
+            start.q,
+            start.q_rw,
+            v_cm,
+            base.angular_velocity,
+            start.qd,
+            base.wheel_speed,
+        ]
     )
 
 
 def _refined(
-    robot: Robot, solve: Callable[[int], Path], breaks: int, tolerance: float
-) -> tuple[Path, float, int]:
+    robot: Robot,
+    solve: Callable[[int], tuple[Shown, Float[np.ndarray, "n 6"]]],
+    breaks: int,
+    tolerance: float,
+) -> tuple[tuple[Shown, Float[np.ndarray, "n 6"]], float, int]:
     """The motion, its error, and the number of steps from each break to the next."""
     parts, coarse, error = 1, solve(1), np.inf
     while 2 * parts * breaks <= MOST_STEPS:
@@ -153,7 +134,7 @@ def _refined(
         fine = solve(parts)
         # Where a limit cuts in, halving does not divide the error by RK4's 16: the
         # whole difference is taken.
-        error = float(_difference(coarse[0], fine[0]))
+        error = _difference(coarse[0], fine[0])
         if error <= tolerance:
             return fine, error, parts
         coarse = fine
@@ -164,56 +145,49 @@ def _refined(
     )
 
 
-@compiled
-def _difference(a: Moving, b: Moving) -> Float[AnyArray, ""]:
-    """The largest of attitude, joints and position, rad or m."""
-    largest = [
-        jnp.abs(a.r_cm - b.r_cm).max(),
-        jnp.abs(a.q - b.q).max(initial=0.0),
-        rotation_angle(a.x_WB, b.x_WB).max(),
-    ]
+def _difference(a: Shown, b: Shown) -> float:
+    """The largest of attitude, joints and position, rad or m; infinite for a NaN."""
+    with np.errstate(all="ignore"):
+        largest = (
+            np.abs(a.r_cm - b.r_cm).max(),
+            np.abs(a.q - b.q).max(initial=0.0),
+            rotation_angle(a.x_WB, b.x_WB).max(),
+        )
     # A motion that blew up is not a number.
-    return jnp.nan_to_num(jnp.stack(largest), nan=jnp.inf).max()
+    return float(np.nan_to_num(largest, nan=np.inf).max())
 
 
 def _flown(
-    model: Model, t: Float[np.ndarray, " n"], path: Path, error: float, steps: int
+    t: Float[np.ndarray, " n"],
+    seen: Shown,
+    thrust: Float[np.ndarray, "n 6"],
+    error: float,
+    steps: int,
 ) -> FreeFlying:
-    motion, seen, told = jax.tree.map(np.asarray, path)
-    p_S_cm, v_S, h_cm, v_cm = in_batches(
-        _rotated, motion.x_WB, (seen.p_S_cm, seen.v_S, seen.h, motion.v[:, :3])
-    )
-    joints_end = 6 + motion.q.shape[1]
+    joints_end = 6 + seen.q.shape[1]
+    _, w, qd, qd_rw = np.split(seen.v, [3, 6, joints_end], axis=1)
+    _, w_dot, qdd, qdd_rw = np.split(seen.vd, [3, 6, joints_end], axis=1)
     return FreeFlying(
         t=t,
-        q=motion.q,
-        qd=motion.v[:, 6:joints_end],
-        qdd=seen.vd[:, 6:joints_end],
-        attitude=motion.x_WB,
-        w=motion.v[:, 3:6],
-        w_dot=seen.vd[:, 3:6],
-        q_rw=motion.q_rw,
-        qd_rw=motion.v[:, joints_end:],
-        qdd_rw=seen.vd[:, joints_end:],
-        r_S=motion.r_cm - p_S_cm,
-        v_S=v_S,
+        q=seen.q,
+        qd=qd,
+        qdd=qdd,
+        attitude=seen.x_WB,
+        w=w,
+        w_dot=w_dot,
+        q_rw=seen.q_rw,
+        qd_rw=qd_rw,
+        qdd_rw=qdd_rw,
+        r_S=seen.r_S,
+        v_S=seen.v_S,
         f_S=seen.f_S,
-        r_cm=motion.r_cm,
-        v_cm=v_cm,
-        h_cm=h_cm,
+        r_cm=seen.r_cm,
+        v_cm=seen.v_cm,
+        h_cm=seen.h_cm,
         tau=seen.tau,
         tau_rw=seen.tau_rw,
-        force=told.thrust[:, :3],
-        torque=told.thrust[:, 3:],
+        force=thrust[:, :3],
+        torque=thrust[:, 3:],
         error=error,
         steps=steps,
     )
-
-
-@compiled
-def _rotated(
-    x_WB: Float[AnyArray, "n 4"], vectors: tuple[Float[AnyArray, "n 3"], ...]
-) -> tuple[Float[AnyArray, "n 3"], ...]:
-    """From base into inertial axes."""
-    R_WB = quaternion_matrix(x_WB)
-    return tuple(rotate(R_WB, vector) for vector in vectors)

@@ -24,42 +24,6 @@ class Pulse(NamedTuple):
     """N."""
 
 
-def pwm(
-    thruster: str, on: float, off: float, force: float, full: float, period: float
-) -> tuple[Pulse, ...]:
-    """A mean force as pulses of full force, one at the start of each period.
-
-    Args:
-        thruster: its name.
-        on: start of the first period, s.
-        off: end of the burn, s: a whole number of periods after `on`.
-        force: mean over a period, N.
-        full: of the open valve, N.
-        period: s.
-
-    Raises:
-        InputError: the mean is not between zero and the full force, or the burn is
-            not a whole number of periods.
-    """
-    where = f"thruster '{thruster}'"
-    if not 0 <= force <= full:
-        raise InputError(
-            f"{where}: mean force {force:g} N of {full:g} N; give one from 0 to that"
-        )
-    count = round((off - on) / period)
-    # Times are rounded to 1e-16 of themselves.
-    if count < 1 or abs(on + count * period - off) > 1e-9 * period:
-        raise InputError(
-            f"{where}: a burn of {off - on:g} s in periods of {period:g} s; give a "
-            "whole number of periods"
-        )
-    starts = on + period * np.arange(count)
-    # At full force pulses touch: rounding must not make them overlap.
-    ends = np.minimum(starts + period * force / full, [*starts[1:], off])
-    edges = zip(starts.tolist(), ends.tolist(), strict=True)
-    return tuple(Pulse(thruster, *edge, full) for edge in edges if force > 0)
-
-
 def check_pulses(
     robot: Robot, pulses: Sequence[Pulse], start: float, end: float
 ) -> None:

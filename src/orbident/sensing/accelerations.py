@@ -1,22 +1,15 @@
 """How the base of a free-floating robot accelerates, from conserved momentum."""
 
-from functools import partial
 from typing import NamedTuple
 
-import jax
 import numpy as np
 from jaxtyping import Float
 
-from orbident.compilation import compiled
-from orbident.dynamics.attitude import rate_law
-from orbident.dynamics.batches import in_batches
-from orbident.dynamics.free_floating import FreeFloating, Terms
-from orbident.dynamics.inertia import inertia
-from orbident.dynamics.tree import Tree, tree_of
-from orbident.dynamics.wheels import wheels_of
-from orbident.precision import in_float64
+from orbident.dynamics import forward_inverse
+from orbident.dynamics.free_floating import FreeFloating
+from orbident.model.equations_of_motion import movable
+from orbident.model.wheels import wheels_of
 from orbident.robot.description import Robot
-from orbident.spatial.arrays import AnyArray
 
 
 class Accelerations(NamedTuple):
@@ -30,67 +23,26 @@ class Accelerations(NamedTuple):
     """Specific force at S, `R_0^T dv_S/dt`, base axes, m/s^2: no gravity is felt."""
 
 
-@in_float64
 def accelerations(
     robot: Robot, motion: FreeFloating, qdd: Float[np.ndarray, "n joints"]
 ) -> Accelerations:
-    """Differentiate the two momentum laws in time, exactly.
+    """By the equations of motion (Eq. 13), where no force acts on the whole.
 
-    Of Eqs. 2 and 3, `D w + D_q qd + A_rw qd_rw = R_0^T h_cm`:
-
-        D w_dot + A_rw qdd_rw = -w x (R_0^T h_cm) - D' w - (D_q qd)'
-
-    with `qdd_rw = 0` of a held wheel and `-a.w_dot` of a free one; of Eqs. 27-30,
-    `R_0^T (v_S - v_cm) = -u` with `u = w x r_cm + J_cm qd`:
-
-        f_S = -(u' + w x u)
+    Known are the joints' accelerations and those of held wheels, which are zero; no
+    motor drives the free ones. The CM's constant velocity is seen by no sensor here.
 
     Args:
         robot: with its nominal inertia.
         motion: the free-floating motion.
         qdd: joint accelerations at its samples, rad/s^2 or m/s^2.
     """
-    wheels = wheels_of(robot)
-    at, rate = in_batches(
-        partial(_terms_and_rates, tree_of(robot), robot.theta),
-        motion.q,
-        motion.qd,
-        qdd,
+    n, joints = motion.q.shape
+    of_base, still = np.zeros((n, 3)), np.zeros_like(motion.qd_rw)
+    v = np.hstack([of_base, motion.w, motion.qd, motion.qd_rw])
+    known = np.hstack([of_base, of_base, qdd, still])
+    free = movable(robot).astype(float)
+    free[6:] = np.append(np.zeros(joints), wheels_of(robot).free)
+    vd, f_S = forward_inverse.accelerations(
+        robot, motion.q, v, np.zeros_like(v), known, free
     )
-    w = motion.w
-    h_B = _times(at.D, w) + at.h_q + motion.qd_rw @ wheels.A_rw.T
-    torque = -np.cross(w, h_B) - _times(rate.D, w) - rate.h_q
-    D_free = (wheels.A_rw * wheels.free) @ wheels.axes.T
-    E = rate_law(at.D - D_free, h_B, robot.motion == "planar").E
-    w_dot = _times(np.asarray(E), torque)
-
-    u = np.cross(w, at.r_cm) + at.v_q
-    u_dot = np.cross(w_dot, at.r_cm) + np.cross(w, at.v_q) + rate.v_q
-    return Accelerations(
-        w_dot=w_dot,
-        qdd_rw=-np.asarray(wheels.free) * (w_dot @ wheels.axes),
-        f_S=-(u_dot + np.cross(w, u)),
-    )
-
-
-@compiled
-def _terms_and_rates(
-    tree: Tree,
-    theta: Float[AnyArray, "bodies 10"],
-    q: Float[AnyArray, "n joints"],
-    qd: Float[AnyArray, "n joints"],
-    qdd: Float[AnyArray, "n joints"],
-) -> tuple[Terms, Terms]:
-    """What momentum needs of the joint states, and its time derivative."""
-
-    def terms(q: Float[AnyArray, " joints"], qd: Float[AnyArray, " joints"]) -> Terms:
-        at = inertia(tree, theta, q)
-        return Terms(at.D, at.D_q @ qd, at.r_cm, at.J_cm @ qd)
-
-    return jax.vmap(lambda q, qd, qdd: jax.jvp(terms, (q, qd), (qd, qdd)))(q, qd, qdd)
-
-
-def _times(
-    A: Float[np.ndarray, "n 3 3"], v: Float[np.ndarray, "n 3"]
-) -> Float[np.ndarray, "n 3"]:
-    return np.einsum("nij,nj->ni", A, v)
+    return Accelerations(w_dot=vd[:, 3:6], qdd_rw=vd[:, 6 + joints :], f_S=f_S)

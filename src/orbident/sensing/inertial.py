@@ -8,10 +8,9 @@ from jaxtyping import Float
 from scipy.spatial.transform import Rotation
 
 from orbident.errors import InputError
-from orbident.precision import in_float64
+from orbident.model.rotations import quaternion_matrix, rotate_back
 from orbident.sensing.noise import bias_drift, gaussian, random_walk_rate
 from orbident.sensing.sensor import Sensor, require
-from orbident.spatial.rotations import quaternion_matrix, rotate_back
 
 CORRELATION_TIME = 3600.0
 """s. Data sheets give none; an hour is usual for tactical-grade units, and makes the
@@ -130,7 +129,6 @@ class Accelerometer(InertialSensor):
         return dt * self.read(mean_force, dt, random)
 
 
-@in_float64
 def velocity_increments(
     x_WB: Float[np.ndarray, "n 4"], v_S: Float[np.ndarray, "n 3"]
 ) -> Float[np.ndarray, "n 3"]:

@@ -5,8 +5,8 @@ from typing import Literal
 import numpy as np
 
 from orbident.dynamics.free_floating import BaseState, FreeFloating, free_floating
-from orbident.dynamics.regularity import check_regular
 from orbident.errors import InputError
+from orbident.model.regularity import check_regular
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.sensing.measure import measure

@@ -5,10 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from orbident.precision import in_float64
+from orbident.model.rotations import quaternion_rate
 from orbident.sensing.noise import gaussian
 from orbident.sensing.sensor import Sensor, require
-from orbident.spatial.rotations import quaternion_rate
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -28,7 +27,6 @@ class AttitudeTracker(Sensor):
         super().__post_init__()
         require(self, "angle")
 
-    @in_float64
     def read(
         self,
         true: Float[np.ndarray, "n axes"],
@@ -41,7 +39,7 @@ class AttitudeTracker(Sensor):
         half = np.linalg.norm(d, axis=1, keepdims=True) / 2
         # The product with (v, s) is s x + d/dt x at the rate 2 v; v = sin(half) d/|d|.
         v = np.sinc(half / np.pi) * d / 2
-        return np.cos(half) * x_WB + np.asarray(quaternion_rate(x_WB, 2 * v))
+        return np.cos(half) * x_WB + quaternion_rate(x_WB, 2 * v)
 
 
 @dataclass(frozen=True, kw_only=True)

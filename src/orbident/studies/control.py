@@ -15,13 +15,13 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.campaigns.seeds import over_seeds
-from orbident.dynamics.equations_of_motion import Model, model_of
+from orbident.dynamics.control_laws import ComputedTorque
 from orbident.dynamics.flight import standing
 from orbident.dynamics.free_floating import BaseState
 from orbident.dynamics.free_flying import free_flying
 from orbident.estimation.identify import identify
 from orbident.estimation.result import Result, nulled
-from orbident.precision import in_float64
+from orbident.model.rotations import rotation_angle
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.robot.parameters import (
@@ -32,9 +32,8 @@ from orbident.robot.parameters import (
 )
 from orbident.sensing.measure import measure
 from orbident.sensing.simulate import float_along, recorded, sample_times
-from orbident.spatial.rotations import rotation_angle
 from orbident.studies import tables
-from orbident.studies.control_law import OfJoints, OfWheels, Slew, attitudes, tracking
+from orbident.studies.control_law import Slew
 from orbident.studies.spatial import spatial_robot, spatial_trajectory
 from orbident.trajectories.trajectory import Trajectory
 
@@ -99,7 +98,6 @@ class ControlStudy:
         }
 
 
-@in_float64
 def run_control(
     noise: Literal["none", "paper"] = "none",
     seeds: int = 1,
@@ -134,7 +132,7 @@ def run_control(
         results.append((recording, result))
         if result.status == "rejected":
             return np.full(4, np.nan)
-        models = model_of(cad), result.dynamics().model
+        models = cad, result.dynamics().robot
         return np.concatenate([tracked(robot, model) for model in models])
 
     found = over_seeds(errors, seeds, first_seed, progress)
@@ -174,7 +172,7 @@ def off_by(robot: Robot, error: float, seed: int) -> Robot:
     return replace(robot, theta=np.array(bodies))
 
 
-def tracked(robot: Robot, model: Model) -> Tracked:
+def tracked(robot: Robot, model: Robot) -> Tracked:
     """The errors with which the robot tracks the task, by torques from a model."""
     initial = spatial_trajectory(robot).initial
     joints = len(robot.joints)
@@ -183,7 +181,7 @@ def tracked(robot: Robot, model: Model) -> Tracked:
     there[:, 0] = REACH
     task = Trajectory(DURATION, robot.joint_names, none, none, rest, there)
     slew = Slew(initial.attitude, np.ones(3) / np.sqrt(3), SLEW, DURATION)
-    law = tracking(model, slew, KP, KD)
+    law = ComputedTorque(model, slew, KP, KD)
     start = BaseState(
         angular_velocity=np.zeros(3),
         attitude=initial.attitude,
@@ -195,12 +193,12 @@ def tracked(robot: Robot, model: Model) -> Tracked:
         sample_times(DURATION, RATE),
         standing(start, np.zeros(joints)),
         task,
-        OfJoints(law),
-        OfWheels(law),
+        law,
+        law,
     )
     wanted, _, _ = task.at(flight.t)
-    turned = rotation_angle(attitudes(slew, flight.t), flight.attitude)
-    return Tracked(_rms(flight.q - wanted), _rms(np.asarray(turned)[:, None]))
+    turned = rotation_angle(slew.at(flight.t)[0], flight.attitude)
+    return Tracked(_rms(flight.q - wanted), _rms(turned[:, None]))
 
 
 def _rms(errors: Float[np.ndarray, "n k"]) -> float:

@@ -5,9 +5,8 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from orbident.dynamics.control_laws import JointPD, WheelSpeed
+from orbident.dynamics.control_laws import JointPD, WheelLimits, WheelSpeed
 from orbident.dynamics.thrusters import Pulse
-from orbident.dynamics.wheel_limits import WheelLimits
 from orbident.robot.description import Robot
 from orbident.robot.robot_file import load_robot
 from orbident.studies import tables

@@ -1,26 +1,26 @@
 from dataclasses import replace
 from typing import NamedTuple
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 import pytest
 from random_robots import random_robot, random_start, random_swing, random_wheels
+from scipy.spatial.transform import Rotation
 
 from orbident.dynamics.control_laws import (
     ComputedTorque,
     Hold,
     JointPD,
+    OpenLoop,
+    WheelLimits,
     WheelSpeed,
     attitude_hold,
 )
-from orbident.dynamics.equations_of_motion import model_of
 from orbident.dynamics.flight import FreeFlying, standing
 from orbident.dynamics.free_floating import BaseState
 from orbident.dynamics.free_flying import free_flying
 from orbident.dynamics.thrusters import Pulse
-from orbident.dynamics.wheel_limits import WheelLimits
 from orbident.errors import InputError
+from orbident.model.rotations import rotation_angle
 from orbident.robot.description import Robot, Wheel
 from orbident.robot.robot_file import load_robot
 
@@ -199,16 +199,33 @@ def test_burn_with_attitude_held():
     np.testing.assert_allclose(impulse, 0.6 * 0.5, rtol=0.01)
 
 
+class Spin(NamedTuple):
+    """A base that turns at a constant rate."""
+
+    start: np.ndarray
+    w: np.ndarray
+
+    def at(self, t):
+        turned = Rotation.from_rotvec(np.multiply.outer(t, self.w))
+        x_WD = (Rotation.from_quat(self.start) * turned).as_quat()
+        return x_WD, np.tile(self.w, (t.size, 1)), np.zeros((t.size, 3))
+
+
 def test_computed_torque_tracks():
-    """Its feedforward leaves nothing but the start's error, which PD takes out."""
+    """Its feedforward leaves no error, of the joints and of the base."""
     swing = random_swing(2, 2)
-    robot = replace(ROBOT, wheels=random_wheels(1, ("free", "free")))
+    robot = replace(ROBOT, wheels=random_wheels(1, ("free",) * 3))
     q, qd, _ = swing.at(np.zeros(1))
-    start = standing(random_start(3, robot), q[0])._replace(qd=qd[0])
-    law = ComputedTorque(model_of(robot), kp=np.full(2, 4.0), kd=np.full(2, 4.0))
-    run = fly(robot, start=start, command=swing, joints=law, tolerance=1e-11)
+    base = random_start(3, robot)
+    start = standing(base, q[0])._replace(qd=qd[0])
+    spin = Spin(base.attitude, base.angular_velocity)
+    law = ComputedTorque(robot, spin, kp=4.0, kd=4.0)
+    run = fly(
+        robot, start=start, command=swing, joints=law, wheels=law, tolerance=1e-11
+    )
     # The tolerance.
     np.testing.assert_allclose(run.q, swing.at(T)[0], atol=1e-11)
+    assert rotation_angle(run.attitude, spin.at(T)[0]).max() < 1e-11
 
 
 def test_robot_without_joints_and_wheels():
@@ -221,23 +238,10 @@ def test_robot_without_joints_and_wheels():
     np.testing.assert_allclose(run.h_cm, run.h_cm[[0] * 11], atol=1e-10)
 
 
-def test_float64_whatever_the_process_has_configured():
-    with jax.enable_x64(True):
-        wide = fly()
-    with jax.enable_x64(False):
-        narrow = fly()
-    for a, b in zip(wide, narrow, strict=True):
-        np.testing.assert_array_equal(a, b)
-        assert np.asarray(b).dtype in (np.float64, np.int64)
-
-
-class Bouncing(NamedTuple):
+def bouncing(*shape: int) -> OpenLoop:
     """A relay: no step is small enough for its jumps."""
-
-    torque: np.ndarray
-
-    def __call__(self, now):
-        return self.torque * jnp.sign(jnp.sin(900.0 * now.t + now.q))
+    relay = np.full(shape, 5.0)
+    return OpenLoop(lambda t: np.multiply.outer(np.sign(np.sin(900.0 * t)), relay))
 
 
 HEAVY = replace(ROBOT, wheels=(Wheel("rw", np.array([0.0, 0.0, 1.0]), 50.0),))
@@ -266,8 +270,12 @@ HEAVY = replace(ROBOT, wheels=(Wheel("rw", np.array([0.0, 0.0, 1.0]), 50.0),))
             r"the law of the wheels is not for 2 of them: .*\(3,\)",
         ),
         (
-            {"joints": Bouncing(np.ones((2, 1)))},
+            {"joints": bouncing(2, 2)},
             r"torques of the joints: found shape \(2, 2\), expected \(2,\)",
+        ),
+        (
+            {"joints": ComputedTorque(ROBOT, Spin(LEVEL, np.zeros(3)), 1.0, 1.0)},
+            "computed torque moves joints and wheels together",
         ),
         (
             {"limits": WheelLimits(np.ones(1), np.ones(1))},
@@ -303,4 +311,4 @@ def test_planar_robot_must_start_in_its_plane():
 def test_motion_that_does_not_settle(monkeypatch):
     monkeypatch.setattr("orbident.dynamics.free_flying.MOST_STEPS", 2000)
     with pytest.raises(InputError, match="random-1: the motion does not settle: with"):
-        fly(joints=Bouncing(np.full(2, 5.0)))
+        fly(joints=bouncing(2))

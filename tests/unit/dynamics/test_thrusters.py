@@ -1,11 +1,10 @@
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 import pytest
 from random_robots import random_robot
 
-from orbident.dynamics.thrusters import Pulse, check_pulses, pwm, thrust
+from orbident.dynamics.thrusters import Pulse, check_pulses, thrust
 from orbident.errors import InputError
 from orbident.robot.description import Thruster
 
@@ -23,42 +22,6 @@ def test_force_and_moment_about_S():
     net = thrust(ROBOT, pulses, np.array([0.9, 1.0, 1.5, 2.0, 3.0]))
     up, down = np.array([[0, 3, 0, 0, 0, 6], [0, -1, 0, 0, 0, 1]])
     np.testing.assert_array_equal(net, np.stack([0 * up, up, up + down, down, 0 * up]))
-
-
-def test_pulse_width_modulation_keeps_the_mean():
-    pulses = pwm("up", on=1.0, off=1.5, force=0.6, full=2.0, period=0.1)
-    assert len(pulses) == 5
-    check_pulses(ROBOT, pulses, 0.0, 2.0)
-    impulse = sum((pulse.off - pulse.on) * pulse.force for pulse in pulses)
-    # Sums and differences of decimal times.
-    np.testing.assert_allclose(impulse, 0.6 * 0.5, rtol=1e-13)
-    np.testing.assert_allclose(
-        [pulse.on for pulse in pulses], [1.0, 1.1, 1.2, 1.3, 1.4], rtol=1e-13
-    )
-
-
-def test_full_and_no_force_at_all():
-    full = pwm("up", 0.1, 1.1, force=2.0, full=2.0, period=0.1)
-    check_pulses(ROBOT, full, 0.0, 2.0)
-    assert full[0].on == 0.1
-    np.testing.assert_allclose(full[-1].off, 1.1, rtol=4e-16)
-    for first, second in pairwise(full):
-        np.testing.assert_allclose(first.off, second.on, rtol=4e-16)
-    assert pwm("up", 0.0, 1.0, force=0.0, full=2.0, period=0.1) == ()
-
-
-@pytest.mark.parametrize(
-    ("numbers", "message"),
-    [
-        ((0.0, 1.0, 3.0, 2.0, 0.1), "mean force 3 N of 2 N"),
-        ((0.0, 1.0, -1.0, 2.0, 0.1), "mean force -1 N"),
-        ((0.0, 1.05, 1.0, 2.0, 0.1), "a burn of 1.05 s in periods of 0.1 s"),
-        ((1.0, 1.0, 1.0, 2.0, 0.1), "a burn of 0 s"),
-    ],
-)
-def test_pulse_width_modulation_that_cannot_be(numbers, message):
-    with pytest.raises(InputError, match=f"thruster 'up': {message}"):
-        pwm("up", *numbers)
 
 
 @pytest.mark.parametrize(

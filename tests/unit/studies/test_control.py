@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from orbident.dynamics.equations_of_motion import model_of
 from orbident.robot.parameters import inertia_about_com
 from orbident.studies.control import FACTOR, off_by, run_control, tracked
 from orbident.studies.spatial import spatial_robot
@@ -31,7 +30,7 @@ def test_tracking_is_better_with_the_identified_model():
     assert done.factor > 1e3 * FACTOR
     assert done.errors["CAD"].joints > 1e-3
     assert done.errors["CAD"].base > 1e-4
-    exact = tracked(spatial_robot(), model_of(spatial_robot()))
+    exact = tracked(spatial_robot(), spatial_robot())
     # What the integration is accurate to.
     assert max(exact) < 1e-8
     assert max(done.errors["identified"]) < 1e-8

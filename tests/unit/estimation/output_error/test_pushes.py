@@ -14,8 +14,7 @@ from small_problems import (
     small_robot,
 )
 
-from orbident.dynamics.control_laws import ComputedTorque
-from orbident.dynamics.equations_of_motion import model_of
+from orbident.dynamics.control_laws import JointPD
 from orbident.dynamics.flight import standing
 from orbident.dynamics.free_floating import BaseState
 from orbident.dynamics.free_flying import free_flying
@@ -69,7 +68,7 @@ def under_a_couple(torque: float) -> Recording:
         np.array([SPIN]),
     )
     command = motion.for_robot(robot)
-    law = ComputedTorque(model_of(robot), kp=np.full(1, 4.0), kd=np.full(1, 4.0))
+    law = JointPD(Kp=np.full(1, 50.0), Kd=np.full(1, 50.0))
     force = torque / (2 * ARM)
     pulses = [Pulse(name, 0.0, DURATION, force) for name in ("left", "right")]
     q, _, _ = command.at(t[:1])
