@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from orbident.estimation.identify import identify
-from orbident.estimation.recursive.extended import Extended
+from orbident.estimation.recursive.filter import Extended
 from orbident.estimation.recursive.given import smoothed_rate
 from orbident.estimation.recursive.noise import noise_of
 from orbident.estimation.recursive.prior import cad_prior

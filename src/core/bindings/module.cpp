@@ -4,10 +4,12 @@
 namespace orbident::python {
 void bind_dynamics(nanobind::module_& m);
 void bind_regressors(nanobind::module_& m);
+void bind_recursive(nanobind::module_& m);
 }
 
 NB_MODULE(_core, m) {
   m.doc() = "The numerical core: whole arrays in, whole arrays out, the GIL released inside.";
   orbident::python::bind_dynamics(m);
   orbident::python::bind_regressors(m);
+  orbident::python::bind_recursive(m);
 }

@@ -15,7 +15,7 @@ from scipy.spatial.transform import Rotation
 
 from orbident.dynamics.inertia import inertia
 from orbident.dynamics.wheels import wheels_of
-from orbident.estimation.recursive.extended import Extended, Info
+from orbident.estimation.recursive.filter import Extended, Info
 from orbident.estimation.recursive.given import smoothed_rate
 from orbident.estimation.recursive.linear_sets import linear_sets_at
 from orbident.estimation.recursive.noise import Noise, noise_of
