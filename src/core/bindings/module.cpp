@@ -8,6 +8,8 @@ void bind_recursive(nanobind::module_& m);
 }
 
 NB_MODULE(_core, m) {
+  // Tables are kept for the life of the process, which is no leak.
+  nanobind::set_leak_warnings(false);
   m.doc() = "The numerical core: whole arrays in, whole arrays out, the GIL released inside.";
   orbident::python::bind_dynamics(m);
   orbident::python::bind_regressors(m);

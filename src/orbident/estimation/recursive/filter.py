@@ -124,13 +124,13 @@ class Extended:
     def of(cls, robot: Robot, noise: Noise) -> "Extended":
         """The filter of a robot whose sensors have this noise."""
         sets = minimal_sets(robot)
-        of_products = _sparse(sets.pi_of_products)
-        order = _by_last_row(of_products)
+        of_products = sparse(sets.pi_of_products)
+        order = by_last_row(of_products)
         core = _core.Filter(
             robot=core_robot(robot),
             sets=sets.regressors.core,
-            theta_of=_sparse(sets.base.theta_of),
-            pi_of_beta=_sparse(sets.pi_of_beta),
+            theta_of=sparse(sets.base.theta_of),
+            pi_of_beta=sparse(sets.pi_of_beta),
             pi_of_products=np.ascontiguousarray(of_products[:, order]),
             pairs=sets.pairs[order].astype(float).ravel(),
             sigmas=sets.base.sigmas,
@@ -246,13 +246,13 @@ def packed(sample: Sample) -> Float[np.ndarray, " all"]:
     return np.concatenate(sample[1:], dtype=np.float64)
 
 
-def _sparse(A: Float[np.ndarray, "m n"]) -> Float[np.ndarray, "m n"]:
+def sparse(A: Float[np.ndarray, "m n"]) -> Float[np.ndarray, "m n"]:
     """Without what is zero but for rounding."""
     size = np.abs(A)
     return np.where(size > ROUNDING * size.max(initial=0.0), A, 0.0)
 
 
-def _by_last_row(A: Float[np.ndarray, "m n"]) -> Int[np.ndarray, " used"]:
+def by_last_row(A: Float[np.ndarray, "m n"]) -> Int[np.ndarray, " used"]:
     """The columns that are not zero, in the order of their last entries."""
     used = np.flatnonzero(A.any(axis=0))
     last = len(A) - 1 - (A[::-1, used] != 0).argmax(axis=0)

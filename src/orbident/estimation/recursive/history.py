@@ -93,7 +93,9 @@ def recursive_history(
         state, done = State(after), done + count
         parts.append((beta[:count], std[:count], tests[:count]))
         if onset is not None:
-            changes.append(detector.change(t[done - 1], onset, tests[count - 1, 2]))
+            changes.append(
+                detector.change(float(t[done - 1]), onset, float(tests[count - 1, 2]))
+            )
             scale |= _scaled(robot, state)
             state, watch = kalman.opened(state, opening), detector.start()
             std[count - 1] = np.sqrt(np.diag(state.covariance))

@@ -57,9 +57,7 @@ def cad_prior(robot: Robot, uncertainty: float = UNCERTAINTY) -> Prior:
     return prior_from(minimal_sets(robot).beta(robot.theta), covariance)
 
 
-def cad_covariance(
-    robot: Robot, uncertainty: float
-) -> Float[np.ndarray, "beta beta"]:
+def cad_covariance(robot: Robot, uncertainty: float) -> Float[np.ndarray, "beta beta"]:
     """Of `beta`, as `cad_prior` has it."""
     m = robot.theta[:, MASS]
     trace = robot.theta[:, INERTIA][:, [0, 2, 5]].sum(axis=1)

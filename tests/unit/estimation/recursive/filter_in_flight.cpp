@@ -2,6 +2,7 @@
 // Prints beta after each sample, then g of the change detector, as hexadecimal floats.
 #define EIGEN_NO_MALLOC
 
+#include <cmath>
 #include <cstdio>
 
 #include "orbident/change_detection.hpp"
