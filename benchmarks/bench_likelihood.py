@@ -8,20 +8,17 @@ import numpy as np
 import pytest
 
 from orbident.estimation.identify import identify
-from orbident.estimation.recursive.extended import Extended
-from orbident.estimation.recursive.given import smoothed_rate
-from orbident.estimation.recursive.noise import noise_of
+from orbident.estimation.recursive.changes import Detector
+from orbident.estimation.recursive.filter import Extended
+from orbident.estimation.recursive.given import given_of
 from orbident.estimation.recursive.prior import cad_prior
-from orbident.estimation.recursive.sample import stream
-from orbident.precision import in_float64
-from orbident.regressors.minimal_sets import minimal_sets
 from orbident.sensing.simulate import simulate
 from orbident.signals.samples import samples_of
 from orbident.studies.spatial import spatial_robot, spatial_trajectory
 
 SECONDS = 2.0
 COLD_SECONDS = 15.0
-STEP_SECONDS = 100e-6
+STEP_SECONDS = 20e-6
 LONG = 100_000
 
 COLD = """
@@ -89,23 +86,16 @@ def bench_length(benchmark, record, robot):
 
 @pytest.mark.benchmark(group="paper-spatial")
 def bench_recursive_step(benchmark, record, robot, recording):
-    """One sample, in a loop as a controller has it."""
-    run = in_float64(_run)
-    sets = minimal_sets(robot)
-    samples = samples_of(robot, recording)
-    rate, scatter = smoothed_rate(samples)
-    kalman = Extended.of(robot, sets, noise_of(robot, sets, samples, scatter))
-    every = [sample for sample in stream(samples, rate) if sample.complete]
-    prior = cad_prior(robot, sets)
-    steps = run(kalman, prior, every)
-    benchmark.pedantic(run, args=(kalman, prior, every), rounds=5)
-    median = record("recursion", steps=steps) / steps
-    assert median < STEP_SECONDS
+    """A sample of a whole recording: step, detector and deviations."""
+    t, every, noise = given_of(robot, samples_of(robot, recording))
+    kalman = Extended.of(robot, noise)
+    detector = Detector(kalman.rows, samples=t.size)
+    state = kalman.begun(cad_prior(robot), every[0], None).core
 
+    def run():
+        watch = detector.start()
+        return kalman.core.run(state, watch, np.inf, t, every)
 
-def _run(kalman, prior, every):
-    state = kalman.start(prior, every[0])
-    for sample in every:
-        state, _ = kalman.step(state, sample)
-    assert np.isfinite(state.beta).all()
-    return len(every)
+    _, _, done, _, beta, _, _ = benchmark.pedantic(run, rounds=5)
+    assert np.isfinite(beta).all()
+    assert record("recursion", steps=done) / done < STEP_SECONDS

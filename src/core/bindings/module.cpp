@@ -7,6 +7,7 @@ void bind_dynamics(nanobind::module_& m);
 void bind_free_floating(nanobind::module_& m);
 void bind_free_flying(nanobind::module_& m);
 void bind_regressors(nanobind::module_& m);
+void bind_recursive(nanobind::module_& m);
 void bind_smoothing(nanobind::module_& m);
 }
 
@@ -19,5 +20,6 @@ NB_MODULE(_core, m) {
   orbident::python::bind_free_floating(m);
   orbident::python::bind_free_flying(m);
   orbident::python::bind_regressors(m);
+  orbident::python::bind_recursive(m);
   orbident::python::bind_smoothing(m);
 }

@@ -20,7 +20,7 @@ from scipy.optimize import least_squares
 from orbident.estimation.found import BetaEstimate, hidden_of
 from orbident.estimation.least_squares import Fits
 from orbident.estimation.prior import prior_std
-from orbident.estimation.recursive.extended import Extended
+from orbident.estimation.recursive.filter import Extended
 from orbident.estimation.recursive.given import given_of
 from orbident.estimation.recursive.prior import Prior
 from orbident.estimation.triangular import LinearFit
@@ -75,16 +75,14 @@ def structured(
         InputError: the noise of the base rate is not known.
     """
     wide, nominal = prior_std(robot, sets), sets.beta(robot.theta)
-    every, noise = given_of(robot, sets, samples)
-    kalman = Extended.of(robot, sets, noise)
-    t, packed = np.array([s.t for s in every]), np.array([s.packed for s in every])
+    t, every, noise = given_of(robot, samples)
+    kalman = Extended.of(robot, noise)
     found, passes = start, 0
     while True:
         before, passes = Prior(found.values, np.diag(1 / wide)), passes + 1
-        state = kalman.start(before, every[0], h_cm)
-        state, squares, rows = kalman.gathered(state, t, packed)
-        parts = state.parts
-        R, z = parts.R_z[:, :-1], parts.R_z[:, -1]
+        state = kalman.begun(before, every[0], h_cm)
+        state, squares, rows = kalman.gathered(state, t, every)
+        R, z = state.R_z[:, :-1], state.R_z[:, -1]
         found = _best(sets, nominal, wide, R, z)
         moved = np.abs(found.values - before.beta) / np.sqrt(np.diag(found.covariance))
         settled = bool(moved.max() < SETTLED)
@@ -96,7 +94,7 @@ def structured(
     # Sensors that are worse than declared make the estimate as much worse.
     scaled = found.covariance * max(chi2_per_dof, 1.0)
     found = found._replace(covariance=scaled)
-    biases = kalman.biases(parts.top, found.values, scaled)
+    biases = kalman.biases(state, found.values, scaled)
     consistent = noise.explains(chi2_per_dof)
     return Structured(found, biases, chi2_per_dof, consistent, settled)
 

@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 
-import jax
 import numpy as np
 import pytest
 from random_motions import random_motion
@@ -10,11 +9,12 @@ from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
 import orbident as oi
-from orbident.dynamics.wheels import wheels_of
 from orbident.estimation.found import found_beta
 from orbident.estimation.least_squares import Fits, fit
 from orbident.estimation.prior import WIDE, prior_std
 from orbident.estimation.structured import beta_of_fits
+from orbident.model import minimal_sets as model
+from orbident.model.wheels import wheels_of
 from orbident.regressors.derivatives import sets_of_beta
 from orbident.regressors.minimal_sets import minimal_sets
 from orbident.robot.description import Robot
@@ -56,12 +56,12 @@ def fitted(robot: Robot, samples: Samples) -> Fits:
 
 def stacked(robot: Robot, samples: Samples):
     """Rows of Eqs. 24 and 31 over `[pi, h_cm]` and `[phi, v_cm]`, and targets."""
-    sets = minimal_sets(robot)
+    regressors = model.minimal_sets(robot).regressors
     q, qd, w, x, qd_rw, v_S = (
         np.column_stack(getattr(samples, name))
         for name in ("q", "qd", "w", "x_WB", "qd_rw", "v_S")
     )
-    Y, W = (np.asarray(X) for X in jax.jit(jax.vmap(sets.regressors))(q, qd, w))
+    Y, W = regressors(q, qd, w)
     R = Rotation.from_quat(x).as_matrix()
     h_rw = qd_rw @ wheels_of(robot).A_rw.T
     one = np.broadcast_to(np.eye(3), R.shape)

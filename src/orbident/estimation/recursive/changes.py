@@ -7,8 +7,8 @@ Nikiforov 1993, section 4.4)
 
     g = max over j of |white_j + ... + white_k|^2 / (k - j + 1)
 
-and each of its terms is chi-square with as many degrees of freedom as there are rows.
-The probability that any of them exceeds a threshold in a whole run is at most the sum
+and each of its terms is chi-square with as many degrees of freedom as there are rows
+(the core's `change_detection.hpp`). The probability that any of them exceeds a threshold in a whole run is at most the sum
 over all.
 """
 
@@ -20,6 +20,8 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 from scipy.stats import chi2
+
+from orbident import _core
 
 COLOUR = 2.0
 """Smoothed joint rates keep an encoder's error for half a second: sums of innovations
@@ -43,14 +45,6 @@ class Change(NamedTuple):
     """One less the probability that a run without any change shows this much."""
 
 
-class Watch(NamedTuple):
-    """What a detector remembers: sums of innovations up to the last samples."""
-
-    sums: Float[np.ndarray, "window+1 e"]
-    times: Float[np.ndarray, " window+1"]
-    """Of the sample after each sum, s; NaN where there was none."""
-
-
 @dataclass(frozen=True)
 class Detector:
     """The test, and how often it may be wrong."""
@@ -69,40 +63,32 @@ class Detector:
         each = self.false_alarms / (self.samples * self.window)
         return COLOUR * float(chi2.isf(each, self.rows))
 
-    def start(self) -> Watch:
+    def start(self) -> _core.Watch:
         """Nothing seen."""
-        return Watch(
-            np.zeros((self.window + 1, self.rows)), np.full(self.window + 1, np.nan)
-        )
+        return _core.Watch(self.rows, self.window)
 
     def step(
-        self, watch: Watch, t: float, white: Float[np.ndarray, " e"]
-    ) -> tuple[Watch, float, Change | None]:
+        self, watch: _core.Watch, t: float, white: Float[np.ndarray, " e"]
+    ) -> tuple[_core.Watch, float, Change | None]:
         """Take one innovation in.
 
         Args:
-            watch: what was seen before.
+            watch: what was seen before; it is not changed.
             t: of the sample, s.
             white: its whitened innovation.
 
         Returns:
             What is remembered, `g` over its threshold, and the change if there is one.
         """
-        times = np.append(watch.times[1:], np.nan)
-        times[-2] = t
-        now = watch.sums[-1] + white
-        sums = np.vstack([watch.sums[1:], now])
-        over = now - sums[:-1]
-        lengths = np.arange(self.window, 0, -1)
-        g = np.where(np.isnan(times[:-1]), 0.0, (over * over).sum(axis=1) / lengths)
-        best = int(g.argmax())
-        ratio = float(g[best]) / self.threshold
-        found = None
-        if ratio > 1.0:
-            tests = self.samples * self.window
-            alarm = min(1.0, tests * float(chi2.sf(g[best] / COLOUR, self.rows)))
-            found = Change(t, float(times[best]), ratio, 1.0 - alarm)
-        return Watch(sums, times), ratio, found
+        after, g, onset = watch.step(t, np.ascontiguousarray(white, dtype=float))
+        change = self.change(t, onset, g) if g > self.threshold else None
+        return after, g / self.threshold, change
+
+    def change(self, t: float, onset: float, g: float) -> Change:
+        """The change that a statistic above the threshold tells."""
+        tests = self.samples * self.window
+        alarm = min(1.0, tests * float(chi2.sf(g / COLOUR, self.rows)))
+        return Change(t, onset, g / self.threshold, 1.0 - alarm)
 
 
 def in_words(changes: Sequence[Change]) -> tuple[str, ...]:

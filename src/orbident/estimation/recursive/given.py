@@ -1,4 +1,4 @@
-"""What the filter is given of a recording: its samples, and their noise."""
+"""What the filter takes from a recording: its samples, and their noise."""
 
 from typing import NamedTuple
 
@@ -7,8 +7,6 @@ from jaxtyping import Float
 
 from orbident.errors import InputError
 from orbident.estimation.recursive.noise import Noise, noise_of
-from orbident.estimation.recursive.sample import Sample, stream
-from orbident.regressors.minimal_sets import MinimalSets
 from orbident.robot.description import Robot
 from orbident.signals.base_motion import SMOOTHED
 from orbident.signals.histories import DERIVED
@@ -20,29 +18,34 @@ ENDS = 0.5
 
 
 class Given(NamedTuple):
-    """A recording, as the filter takes it."""
+    """A recording, as the filter takes it: at least one sample, all complete."""
 
-    samples: list[Sample]
-    """At least one; complete."""
+    t: Float[np.ndarray, " n"]
+    samples: Float[np.ndarray, "n all"]
+    """Packed, one a row."""
     noise: Noise
 
 
-def given_of(robot: Robot, sets: MinimalSets, samples: Samples) -> Given:
+def given_of(robot: Robot, samples: Samples) -> Given:
     """All samples that are as good as they are said to be.
 
     Raises:
         InputError: there is none, or the noise of the base rate is not known.
     """
     rate, scatter = smoothed_rate(samples)
-    noise = noise_of(robot, sets, samples, scatter)
+    noise = noise_of(robot, samples, scatter)
+    at = samples.batch(0, samples.t.size)
     first, last = _trusted(samples)
-    every = [s for s in stream(samples, rate) if s.complete and first <= s.t <= last]
-    if not every:
+    complete = at.turning & np.isfinite(rate).all(axis=1)
+    complete &= (samples.t >= first) & (samples.t <= last)
+    if not complete.any():
         raise InputError(
             f"{samples.source}: no complete sample; record joints, wheels, gyro and "
             "attitude together"
         )
-    return Given(every, noise)
+    v_S = np.where(at.moving[:, None], at.v_S, np.nan)
+    every = np.hstack([at.q, at.qd, at.w, at.x_WB, at.qd_rw, v_S, rate])
+    return Given(samples.t[complete], every[complete], noise)
 
 
 def _trusted(samples: Samples) -> tuple[float, float]:

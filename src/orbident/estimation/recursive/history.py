@@ -7,19 +7,20 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from orbident.estimation.recursive.changes import Change, Detector
-from orbident.estimation.recursive.extended import Extended
+from orbident.estimation.recursive.filter import Extended, State
 from orbident.estimation.recursive.given import given_of
-from orbident.estimation.recursive.linear_sets import linear_sets_at
 from orbident.estimation.recursive.prior import (
     UNCERTAINTY,
     cad_covariance,
     cad_prior,
 )
-from orbident.estimation.recursive.state import State
-from orbident.precision import in_float64
-from orbident.regressors.minimal_sets import minimal_sets
+from orbident.model.derivatives import sets_of_beta
+from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.description import Robot
 from orbident.signals.samples import Samples
+
+PART = 1024
+"""Samples between two reports of progress."""
 
 LEARNT = 0.5
 """Below this part of what it was beforehand, an uncertainty comes from the samples."""
@@ -58,7 +59,6 @@ class History(NamedTuple):
     """Of the sensors, at the end: `value` and `std`."""
 
 
-@in_float64
 def recursive_history(
     robot: Robot,
     samples: Samples,
@@ -78,49 +78,51 @@ def recursive_history(
     Raises:
         InputError: no sample is complete.
     """
-    sets = minimal_sets(robot)
-    every, noise = given_of(robot, sets, samples)
-    prior = cad_prior(robot, sets)
-    opening = cad_covariance(robot, sets, UNCERTAINTY)
-    kalman = Extended.of(robot, sets, noise)
-    state = kalman.start(prior, every[0], h_cm)
-    detector = Detector(kalman.rows, false_alarms=false_alarms, samples=len(every))
-    watch, rows, changes, scale = detector.start(), [], [], False
-    for k, sample in enumerate(every):
-        progress(k / len(every))
-        state, info = kalman.step(state, sample)
-        watch, statistic, change = detector.step(watch, sample.t, info.white)
-        if change is not None:
-            changes.append(change)
+    t, every, noise = given_of(robot, samples)
+    prior, opening = cad_prior(robot), cad_covariance(robot, UNCERTAINTY)
+    kalman = Extended.of(robot, noise)
+    detector = Detector(kalman.rows, false_alarms=false_alarms, samples=t.size)
+    state = kalman.begun(prior, every[0], h_cm)
+    watch, parts, changes, scale, done = detector.start(), [], [], False, 0
+    while done < t.size:
+        progress(done / t.size)
+        part = slice(done, done + PART)
+        after, watch, count, onset, beta, std, tests = kalman.core.run(
+            state.core, watch, detector.threshold, t[part], every[part]
+        )
+        state, done = State(after), done + count
+        parts.append((beta[:count], std[:count], tests[:count]))
+        if onset is not None:
+            changes.append(
+                detector.change(float(t[done - 1]), onset, float(tests[count - 1, 2]))
+            )
             scale |= _scaled(robot, state)
             state, watch = kalman.opened(state, opening), detector.start()
-        std = np.sqrt(np.diag(state.covariance))
-        rows.append((sample.t, state.beta, std, info.nis, info.dof, statistic))
-    t, beta, std, nis, dof, statistic = (np.array(c) for c in zip(*rows, strict=True))
-    inverse = np.linalg.inv(prior.root)
-    beforehand = np.linalg.norm(inverse, axis=1)
-    y = np.array([linear_sets_at(kalman.sets, row)[0] for row in beta])
-    pis = len(sets.pi_of_beta)
+            std[count - 1] = np.sqrt(np.diag(state.covariance))
+    beta, std, tests = map(np.concatenate, zip(*parts, strict=True))
     scale |= _scaled(robot, state)
     unknown = 0.0 if scale else np.nan
+    nis, dof, g = tests.T
     since = t > (changes[-1].t if changes else -np.inf)
     left = float(nis[since].sum() / max(dof[since].sum(), 1.0))
+    pi, phi = zip(*(sets_of_beta(kalman.sets, row) for row in beta), strict=True)
+    beforehand = np.linalg.norm(np.linalg.inv(prior.root), axis=1)
     return History(
         t=t,
         beta=beta + unknown,
         std=std + unknown,
-        pi=y[:, :pis] + unknown,
-        phi=y[:, pis:],
+        pi=np.array(pi) + unknown,
+        phi=np.array(phi),
         M=beta[:, 0] + unknown,
         nis=nis,
-        dof=dof.astype(float),
-        statistic=statistic,
+        dof=dof,
+        statistic=g / detector.threshold,
         changes=tuple(changes) if scale else (),
         covariance=state.covariance,
         determined=(std[-1] < LEARNT * beforehand) & scale,
         scale=scale,
         consistent=noise.explains(left),
-        biases=kalman.biases(state.parts.top, state.beta, state.covariance),
+        biases=kalman.biases(state, state.beta, state.covariance),
     )
 
 
@@ -131,5 +133,5 @@ def _scaled(robot: Robot, state: State) -> bool:
     nothing, and beside so small a robot's noise anything would be known.
     """
     pis = len(minimal_sets(robot).pi_of_beta)
-    known = np.linalg.norm(state.parts.R_z[:pis, -1]) * state.beta[0] / robot.mass
+    known = np.linalg.norm(state.R_z[:pis, -1]) * state.beta[0] / robot.mass
     return bool(robot.wheels and known**2 > KNOWN * pis)

@@ -6,7 +6,7 @@ import numpy as np
 
 from orbident.errors import InputError
 from orbident.estimation.least_squares import fit
-from orbident.regressors.minimal_sets import MinimalSets
+from orbident.regressors.minimal_sets import minimal_sets
 from orbident.robot.description import Robot
 from orbident.sensing.inertial import CORRELATION_TIME
 from orbident.sensing.noise import FLICKER_FLOOR, MARKOV_PEAK
@@ -70,14 +70,11 @@ class Noise(NamedTuple):
         return self.declared and chi2_per_dof < CONSISTENT
 
 
-def noise_of(
-    robot: Robot, sets: MinimalSets, samples: Samples, seen: float = 0.0
-) -> Noise:
+def noise_of(robot: Robot, samples: Samples, seen: float = 0.0) -> Noise:
     """As the robot file declares the sensors, where it does.
 
     Args:
         robot: with its sensors.
-        sets: its minimal sets.
         samples: of a recording.
         seen: scatter of the gyro's samples, rad/s, for one that is not declared.
 
@@ -107,7 +104,7 @@ def noise_of(
     velocity = COLOURED * std / MEMORY if smoothed else FINE * walk * np.sqrt(dt)
     return Noise(
         gyro=max(float(rate), LEAST),
-        velocity=float(velocity or _left_over(robot, sets, samples)),
+        velocity=float(velocity or _left_over(robot, samples)),
         gyro_bias=_turn_on(gyro, UNKNOWN_BIAS) if measured else LEAST,
         gyro_walk=_walk(gyro) if measured else 0.0,
         integrated=float(integrated),
@@ -121,9 +118,9 @@ def noise_of(
     )
 
 
-def _left_over(robot: Robot, sets: MinimalSets, samples: Samples) -> float:
+def _left_over(robot: Robot, samples: Samples) -> float:
     """What least squares leaves of a velocity that no sensor is declared for, m/s."""
-    fits = fit(robot, sets, samples, "unknown", lambda _: None)
+    fits = fit(robot, minimal_sets(robot), samples, "unknown", lambda _: None)
     return max(fits.phi.rms, LEAST)
 
 

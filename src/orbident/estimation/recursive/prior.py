@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.errors import InputError
-from orbident.regressors.minimal_sets import MinimalSets
+from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.description import Robot
 from orbident.robot.parameters import INERTIA, MASS, PER_BODY
 
@@ -40,12 +40,10 @@ def prior_from(
             "estimate that determines every parameter"
         ) from None
     root = np.linalg.qr(np.linalg.inv(L) / std, mode="r")
-    return Prior(beta, np.asarray(root))
+    return Prior(beta, np.ascontiguousarray(root))
 
 
-def cad_prior(
-    robot: Robot, sets: MinimalSets, uncertainty: float = UNCERTAINTY
-) -> Prior:
+def cad_prior(robot: Robot, uncertainty: float = UNCERTAINTY) -> Prior:
     """The nominal values, wrong by so much.
 
     Of a body of mass `m` and size `l` the standard deviations are `uncertainty` times
@@ -53,21 +51,18 @@ def cad_prior(
 
     Args:
         robot: with its nominal inertia.
-        sets: its minimal sets.
         uncertainty: relative.
     """
-    covariance = cad_covariance(robot, sets, uncertainty)
-    return prior_from(sets.beta(robot.theta), covariance)
+    covariance = cad_covariance(robot, uncertainty)
+    return prior_from(minimal_sets(robot).beta(robot.theta), covariance)
 
 
-def cad_covariance(
-    robot: Robot, sets: MinimalSets, uncertainty: float
-) -> Float[np.ndarray, "beta beta"]:
+def cad_covariance(robot: Robot, uncertainty: float) -> Float[np.ndarray, "beta beta"]:
     """Of `beta`, as `cad_prior` has it."""
     m = robot.theta[:, MASS]
     trace = robot.theta[:, INERTIA][:, [0, 2, 5]].sum(axis=1)
     # A body's trace is twice its second moment, m l^2.
     size = np.sqrt(trace / 2 / np.where(m > 0, m, 1.0))[:, None]
     powers = np.array([0] + [1] * 3 + [2] * (PER_BODY - 4))
-    T = sets.base.T * (uncertainty * m[:, None] * size**powers).ravel()
+    T = minimal_sets(robot).base.T * (uncertainty * m[:, None] * size**powers).ravel()
     return T @ T.T

@@ -6,16 +6,14 @@ import numpy as np
 import pytest
 from random_motions import random_motion
 from random_robots import random_robot, random_wheels
+from recorded_samples import stream
 
 from orbident.errors import InputError
-from orbident.estimation.recursive.extended import Extended
+from orbident.estimation.recursive.filter import Extended, Sample, State
 from orbident.estimation.recursive.history import recursive_history
-from orbident.estimation.recursive.linear_sets import linear_sets_at, linear_sets_of
 from orbident.estimation.recursive.noise import Noise, noise_of
 from orbident.estimation.recursive.prior import cad_prior, prior_from
-from orbident.estimation.recursive.sample import Sample, stream
-from orbident.estimation.recursive.state import State
-from orbident.regressors.minimal_sets import MinimalSets, minimal_sets
+from orbident.model.minimal_sets import MinimalSets, minimal_sets
 from orbident.robot.description import Robot
 from orbident.robot.robot_file import load_robot
 from orbident.sensing.simulate import simulate
@@ -47,9 +45,9 @@ def off(robot: Robot, seed: int = 0) -> Robot:
     )
 
 
-def run(robot: Robot, sets: MinimalSets, every: list[Sample]) -> State:
-    kalman = Extended.of(robot, sets, FINE)
-    state = kalman.start(cad_prior(off(robot), sets), every[0])
+def run(robot: Robot, every: list[Sample]) -> State:
+    kalman = Extended.of(robot, FINE)
+    state = kalman.start(cad_prior(off(robot)), every[0])
     for sample in every:
         state, _ = kalman.step(state, sample)
     return state
@@ -57,35 +55,17 @@ def run(robot: Robot, sets: MinimalSets, every: list[Sample]) -> State:
 
 def check_same(found: State, expected: State) -> None:
     np.testing.assert_array_equal(found.beta, expected.beta)
-    np.testing.assert_array_equal(found.parts.root, expected.parts.root)
-
-
-def test_the_derivative_of_the_linear_sets(robot: Robot, sets: MinimalSets):
-    beta = sets.beta(robot.theta)
-    linear = linear_sets_of(sets)
-    y, tangent = linear_sets_at(linear, beta)
-    J = tangent[:-1].T
-    np.testing.assert_allclose(tangent[-1], J @ beta - y, atol=1e-12 * abs(y).max())
-    np.testing.assert_allclose(
-        y, np.concatenate([sets.pi(robot.theta), sets.phi(robot.theta)]), rtol=1e-12
-    )
-    for k, step in enumerate(1e-4 * np.abs(beta) + 1e-4):
-        d = np.zeros(beta.size)
-        d[k] = step
-        there, back = (linear_sets_at(linear, beta + by)[0] for by in (d, -d))
-        slope = (there - back) / (2 * step)
-        # Central differences: of second order in 1e-4.
-        np.testing.assert_allclose(J[:, k], slope, atol=1e-6 * np.abs(J).max())
+    np.testing.assert_array_equal(found.root, expected.root)
 
 
 def test_without_noise_it_finds_the_truth(
     robot: Robot, sets: MinimalSets, every: list[Sample]
 ):
-    state = run(robot, sets, every)
+    state = run(robot, every)
     error = state.beta - sets.beta(robot.theta)
     # Exact samples, and a prior of 30 % that 600 rows of 1e-6 outweigh.
     assert np.abs(error / state.beta).max() < 1e-3
-    assert np.linalg.norm(state.parts.root @ error) < 3.0
+    assert np.linalg.norm(state.root @ error) < 3.0
 
 
 def test_a_tree_with_a_slide():
@@ -95,8 +75,8 @@ def test_a_tree_with_a_slide():
     motion = random_motion(robot, duration=20.0)
     every = list(stream(samples_of(robot, simulate(robot, motion, rate=10.0))))
     sets = minimal_sets(robot)
-    state = run(robot, sets, every)
-    error = state.parts.root @ (state.beta - sets.beta(robot.theta))
+    state = run(robot, every)
+    error = state.root @ (state.beta - sets.beta(robot.theta))
     assert error @ error / error.size < 1.0
     assert state.beta[0] == pytest.approx(robot.mass, rel=1e-3)
 
@@ -110,8 +90,8 @@ def test_incomplete_samples_do_not_count(
         for s in every[20:40]
     ]
     check_same(
-        run(robot, sets, every[:20] + holes + every[40:60]),
-        run(robot, sets, every[:20] + every[40:60]),
+        run(robot, every[:20] + holes + every[40:60]),
+        run(robot, every[:20] + every[40:60]),
     )
 
 
@@ -119,23 +99,23 @@ def test_rows_written_twice_count_once(
     robot: Robot, sets: MinimalSets, every: list[Sample]
 ):
     twice = [sample for sample in every[:30] for _ in range(2)]
-    check_same(run(robot, sets, twice), run(robot, sets, every[:30]))
+    check_same(run(robot, twice), run(robot, every[:30]))
     late = [*every[:30], *every[:30]]
-    check_same(run(robot, sets, late), run(robot, sets, every[:30]))
+    check_same(run(robot, late), run(robot, every[:30]))
 
 
 def test_a_gyro_that_dies_is_not_believed(
     robot: Robot, sets: MinimalSets, every: list[Sample]
 ):
     dead = [s._replace(w=every[29].w) for s in every[30:60]]
-    check_same(run(robot, sets, every[:30] + dead), run(robot, sets, every[:30]))
+    check_same(run(robot, every[:30] + dead), run(robot, every[:30]))
 
 
 def test_without_velocity_the_momentum_is_told(
     robot: Robot, sets: MinimalSets, every: list[Sample]
 ):
-    kalman = Extended.of(robot, sets, FINE)
-    state = kalman.start(cad_prior(robot, sets), every[0])
+    kalman = Extended.of(robot, FINE)
+    state = kalman.start(cad_prior(robot), every[0])
     blind = every[0]._replace(v_S=np.full(3, np.nan))
     after, info = kalman.step(state, blind)
     assert info.dof == 3
@@ -150,9 +130,9 @@ def test_float32_samples_are_taken(
         Sample(s.t, *(np.asarray(x, dtype=np.float32) for x in s[1:]))
         for s in every[:40]
     ]
-    state = run(robot, sets, rounded)
+    state = run(robot, rounded)
     assert state.beta.dtype == np.float64
-    assert np.isfinite(state.parts.root).all()
+    assert np.isfinite(state.root).all()
 
 
 def test_a_robot_of_many_parameters():
@@ -162,16 +142,20 @@ def test_a_robot_of_many_parameters():
     every = list(
         stream(samples_of(robot, simulate(robot, random_motion(robot, 0, 4.0))))
     )
-    state = run(robot, sets, every[:5])
-    assert np.isfinite(state.packed).all()
+    state = run(robot, every[:5])
+    assert np.isfinite(state.R_z).all()
+    assert np.isfinite(state.root).all()
 
 
 def test_inputs_are_left_alone(robot: Robot, sets: MinimalSets, every: list[Sample]):
-    kalman = Extended.of(robot, sets, FINE)
-    state = kalman.start(cad_prior(robot, sets), every[0])
-    kept = state.packed.copy()
+    kalman = Extended.of(robot, FINE)
+    state = kalman.start(cad_prior(robot), every[0])
+    kept = state.beta, state.root, state.top, state.R_z
     kalman.step(state, every[0])
-    np.testing.assert_array_equal(state.packed, kept)
+    for found, before in zip(
+        (state.beta, state.root, state.top, state.R_z), kept, strict=True
+    ):
+        np.testing.assert_array_equal(found, before)
 
 
 def test_a_prior_is_what_it_was_made_from():
@@ -199,7 +183,7 @@ def test_without_a_wheel_there_is_no_scale():
 def test_noise_is_what_the_robot_file_says(robot: Robot, sets: MinimalSets):
     motion = random_motion(robot, duration=10.0)
     samples = samples_of(robot, simulate(robot, motion, noise="sensors"))
-    noise = noise_of(robot, sets, samples)
+    noise = noise_of(robot, samples)
     N = robot.sensors["gyro"]["angle_random_walk"]
     assert noise.gyro == pytest.approx(N * np.sqrt(20.0))
     assert noise.integrated == 1.0

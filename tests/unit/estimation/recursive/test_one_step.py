@@ -1,28 +1,27 @@
 """One step of the filter against the same equations, stacked and solved at once.
 
-Nothing is carried in triangular factors here, and the regressors are JAX's.
+Nothing is carried in triangular factors here, and momentum, inertia and regressors are
+those of a textbook, body by body.
 """
 
-from typing import Any, NamedTuple
+from dataclasses import replace
+from typing import NamedTuple
 
-import jax.numpy as jnp
 import numpy as np
 import pytest
+from obvious_momentum import system_motion
 from random_motions import random_motion
 from random_robots import random_robot, random_wheels
+from recorded_samples import stream
 from scipy.linalg import block_diag
 from scipy.spatial.transform import Rotation
 
-from orbident.dynamics.inertia import inertia
-from orbident.dynamics.wheels import wheels_of
-from orbident.estimation.recursive.extended import Extended, Info
+from orbident.estimation.recursive.filter import Extended, Info, Sample, State
 from orbident.estimation.recursive.given import smoothed_rate
-from orbident.estimation.recursive.linear_sets import linear_sets_at
 from orbident.estimation.recursive.noise import Noise, noise_of
 from orbident.estimation.recursive.prior import cad_prior
-from orbident.estimation.recursive.sample import Sample, stream
-from orbident.estimation.recursive.state import Parts
-from orbident.regressors.minimal_sets import MinimalSets, minimal_sets
+from orbident.model.derivatives import derivatives_of_beta, sets_of_beta
+from orbident.model.minimal_sets import MinimalSets, minimal_sets
 from orbident.robot.description import Robot
 from orbident.robot.parameters import cross_matrix
 from orbident.robot.robot_file import load_robot
@@ -41,9 +40,9 @@ ROBOTS: dict[str, Robot] = {
 class Case(NamedTuple):
     robot: Robot
     kalman: Extended
-    state: Parts
+    state: State
     sample: Sample
-    after: Parts
+    after: State
     info: Info
 
 
@@ -56,17 +55,16 @@ def case(request) -> Case:
     noise = "none" if request.param == "tree" else "sensors"
     samples = samples_of(robot, simulate(robot, motion, rate=10.0, noise=noise))
     rate, scatter = smoothed_rate(samples)
-    sets = minimal_sets(robot)
-    stds = noise_of(robot, sets, samples, scatter)
+    stds = noise_of(robot, samples, scatter)
     if request.param == "tree":
         stds = Noise(1e-4, 1e-4, joint_rates=1e-4, attitude=1e-4, gyro_walk=1e-5)
-    kalman = Extended.of(robot, sets, stds)
-    every = [sample for sample in stream(samples, rate) if sample.complete]
-    state = kalman.start(cad_prior(robot, sets), every[0])
+    kalman = Extended.of(robot, stds)
+    every = [s for s in stream(samples, rate) if np.isfinite([*s.w, *s.w_smooth]).all()]
+    state = kalman.start(cad_prior(robot), every[0])
     for sample in every[:100]:
         state, _ = kalman.step(state, sample)
     after, info = kalman.step(state, every[100])
-    return Case(robot, kalman, state.parts, every[100], after.parts, info)
+    return Case(robot, kalman, state, every[100], after, info)
 
 
 class Axes(NamedTuple):
@@ -91,8 +89,8 @@ def transition(case: Case, axes: Axes) -> tuple[np.ndarray, np.ndarray]:
     h, v = axes
     n_h, n_v = h.size, v.size
     n = len(state.top)
-    dt = case.sample.t - state.t[0]
-    turned = rotation(case.sample) + state.R_WB[0]
+    dt = case.sample.t - state.t
+    turned = rotation(case.sample) + state.R_WB
     integral = dt * turned / 2
     h_cm = spread(state.nuisances[:n_h], h)
     turn = noise.integrated * (-cross_matrix(h_cm) @ integral)[np.ix_(h, h)]
@@ -122,29 +120,67 @@ def laws(case: Case, axes: Axes) -> np.ndarray:
     h, v = axes
     R_BW = rotation(sample).T
     theta = (sets.base.theta_of @ state.beta).reshape(-1, 10)
-    I: Any = inertia(sets.regressors.tree, jnp.asarray(theta), sample.q)
-    D = np.asarray(I.D)[np.ix_(h, h)]
-    U = -cross_matrix(np.asarray(I.r_cm))[np.ix_(v, h)]
+    at_beta = replace(robot, theta=theta)
+    D_full, D_q, r_cm, J_cm = inertia(at_beta, sample.q)
+    D = D_full[np.ix_(h, h)]
+    U = -cross_matrix(r_cm)[np.ix_(v, h)]
     excess = (sample.w - sample.w_smooth)[h]
     w = np.array(sample.w)
     w[h] -= excess
-    Y, W = map(np.asarray, sets.regressors(sample.q, sample.qd, w))
+    Y, W = regressors(robot, sets, sample.q, sample.qd, w)
     b_a = np.zeros((h.size, v.size if noise.accelerometer else 0))
     b_v = np.zeros((v.size, b_a.shape[1]))
     none_h, none_v = np.zeros((h.size, v.size)), np.zeros((v.size, h.size))
     no_phi, no_pi = np.zeros((h.size, W.shape[1])), np.zeros((v.size, Y.shape[1]))
-    rhs_h = -(wheels_of(robot).A_rw @ sample.qd_rw)[h] - D @ excess
+    h_rw = sum(
+        (s * wheel.inertia * np.asarray(wheel.axis))
+        for s, wheel in zip(sample.qd_rw, robot.wheels, strict=True)
+    )
+    rhs_h = -h_rw[h] - D @ excess
     rhs_v = (R_BW @ sample.v_S)[v] + U @ excess
     R_h, R_v = R_BW[np.ix_(h, h)], R_BW[np.ix_(v, v)]
     momentum = np.hstack([-R_h, none_h, -D, b_a, Y, no_phi, rhs_h[:, None]])
     velocity = np.hstack([none_v, R_v, U, b_v, no_pi, W, rhs_v[:, None]])
     turn = (R_BW @ cross_matrix(spread(state.nuisances[: h.size], h)))[h]
-    D_q, J_cm = np.asarray(I.D_q)[h], np.asarray(I.J_cm)[v]
+    D_q, J_cm = D_q[h], J_cm[v]
     C_h = [noise.gyro * D, noise.joint_rates * D_q, noise.attitude * turn]
     C_v = [noise.gyro * U, noise.joint_rates * J_cm, noise.velocity * np.eye(v.size)]
     roots = (np.linalg.cholesky(G @ G.T) for G in map(np.hstack, (C_h, C_v)))
     root = np.asarray(block_diag(*roots))
     return np.linalg.solve(root, np.vstack([momentum, velocity]))
+
+
+def inertia(robot: Robot, q: np.ndarray) -> tuple[np.ndarray, ...]:
+    """`D`, `D_q`, `r_cm` and `J_cm` from the momentum of unit rates."""
+    joints, still = q.size, np.zeros(3)
+    turns = [system_motion(robot, q, np.zeros(joints), e) for e in np.eye(3)]
+    swings = [system_motion(robot, q, e, still) for e in np.eye(joints)]
+    D, D_q = (np.array([at.h_rs for at in unit]).T for unit in (turns, swings))
+    M, r_cm = robot.mass, turns[0].first_moment
+    J_cm = np.array([at.linear for at in swings]).T
+    return D, D_q, r_cm / M, J_cm / M
+
+
+def regressors(
+    robot: Robot, sets: MinimalSets, q: np.ndarray, qd: np.ndarray, w: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """`Y` and `W`: what every unit of `pi` and `phi` adds to momentum and velocity.
+
+    `Y pi` is the angular momentum about the CM and `-W phi` the velocity of the CM
+    relative to S, of as many robots as determine all columns.
+    """
+    random = np.random.default_rng(0)
+    axes, pis, phis, momenta, speeds = axes_of(sets), [], [], [], []
+    for _ in range(2 * len(sets.pi_of_beta) + 10):
+        theta = robot.theta * random.uniform(0.2, 2.0, robot.theta.shape)
+        at = system_motion(replace(robot, theta=theta), q, qd, w)
+        pis.append(sets.pi(theta))
+        phis.append(sets.phi(theta))
+        momenta.append(at.h_rs[axes.h])
+        speeds.append(-at.linear[axes.v] / theta[:, 0].sum())
+    Y = np.linalg.lstsq(np.array(pis), np.array(momenta), rcond=None)[0].T
+    W = np.linalg.lstsq(np.array(phis), np.array(speeds), rcond=None)[0].T
+    return Y, W
 
 
 def information(rows: np.ndarray, eliminated: int) -> np.ndarray:
@@ -192,15 +228,17 @@ def test_what_is_known_of_the_parameters(case: Case):
 def test_the_estimate(case: Case):
     """Gauss and Newton from the last one, with the prior; the nuisances after it."""
     state, after = case.state, case.after
-    y, tangent = linear_sets_at(case.kalman.sets, state.beta)
-    J = tangent[:-1].T
+    sets = case.kalman.sets
+    y = np.concatenate(sets_of_beta(sets, state.beta))
+    J = np.vstack(derivatives_of_beta(sets, state.beta))
     R, z = after.R_z[:, :-1], after.R_z[:, -1]
-    A = np.vstack([R @ J, state.prior.root])
-    b = np.append(z - R @ (y - J @ state.beta), state.prior.root @ state.prior.beta)
+    A = np.vstack([R @ J, state.prior[:, :-1]])
+    b = np.append(z - R @ (y - J @ state.beta), state.prior[:, -1])
     beta = np.linalg.lstsq(A, b, rcond=None)[0]
     np.testing.assert_allclose(after.beta, beta, atol=1e-9 * np.abs(beta).max())
     check_close(after.root.T @ after.root, A.T @ A)
-    assert not np.tril(after.root, -1).any()
+    iota_first = np.roll(after.root, sets.iotas, axis=1)
+    assert not np.tril(iota_first, -1).any()
     n = len(after.top)
     told = after.top[:, -1] - after.top[:, n:-1] @ (y + J @ (after.beta - state.beta))
     x = np.linalg.solve(after.top[:, :n], told)

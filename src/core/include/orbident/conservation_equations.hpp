@@ -1,0 +1,229 @@
+// Both conservation laws of one sample, linear in all unknowns, whitened.
+//
+// In base axes, with the rate w = w_gyro - b_g - n,
+//
+//   Y pi - R_0^T h_cm - D b_g = -A_rw qd_rw                     (Eqs. 2, 19)
+//   W phi + R_0^T v_cm + U b_g = R_0^T v_S                      (Eq. 29)
+//
+// with D = d h_rs / dw and U = d (velocity of the CM relative to S) / dw = -[r_cm]x at the parameters
+// known so far. The gyro's noise n adds D n and -U n on the right; the noise of attitude and joint
+// rates adds to that. The noise of each law counts as if it were independent of the other's: what
+// they share depends on D and U, which are wrong by some ten percent at first.
+//
+// Y and W are evaluated at a smoothed rate, and D, U take them to the gyro's: noise in a regressor is
+// mistaken for excitation, and while the base hardly changes its rate, least squares would conclude
+// that it has no inertia.
+#pragma once
+
+#include "orbident/equations_of_motion.hpp"
+#include "orbident/regressors.hpp"
+
+namespace orbident {
+
+// Standard deviations, SI; white ones are those of a sample.
+struct SensorNoise {
+  double gyro;                // white, rad/s
+  double velocity;            // white, m/s
+  double gyro_bias;           // beforehand, rad/s
+  double gyro_walk;           // of the bias, rad/s/sqrt(s)
+  double integrated;          // 1 where the attitude is the integrated gyro and drifts with it, else 0
+  double attitude;            // white, rad
+  double velocity_walk;       // of a velocity integrated from an accelerometer, m/s/sqrt(s)
+  double accelerometer_bias;  // beforehand, m/s^2
+  double accelerometer_walk;  // of the bias, m/s^2/sqrt(s)
+  double joint_rates;         // white, rad/s or m/s
+  bool accelerometer;         // whether the velocity is integrated, and the bias an unknown
+};
+
+// The base axes in which angular and linear momentum are conserved.
+struct ConservedAxes {
+  int momentum[3];
+  int momenta;
+  int velocity[3];
+  int velocities;
+  int all() const { return momenta + velocities; }
+};
+
+// What the laws need of a robot; views of constant tables. The robot's own theta is not used.
+struct ConservationModel {
+  Robot robot;
+  MinimalSets sets;
+  Sparse theta_of;  // theta x beta
+  ConservedAxes axes;
+  SensorNoise noise;
+  // Nuisances x = [h_cm, v_cm, b_g, b_a] and linear parameters y = [pi, phi].
+  int gyro_bias() const { return axes.all(); }
+  int accelerometer_bias() const { return axes.all() + axes.momenta; }
+  int nuisances() const {
+    return accelerometer_bias() + (noise.accelerometer ? axes.velocities : 0);
+  }
+  int parameters() const { return sets.pis() + sets.phis(); }
+};
+
+// What was measured at one time; NaN where nothing was.
+struct Measurement {
+  const double* q;
+  const double* qd;
+  const double* w;         // gyro, base axes, rad/s
+  const double* x_WB;
+  const double* qd_rw;
+  const double* v_S;       // inertial axes, m/s
+  const double* w_smooth;  // the rate with less noise
+};
+
+constexpr int measurement_size(int joints, int wheels) { return 2 * joints + wheels + 13; }
+
+inline Measurement measurement_at(const Robot& robot, const double* packed) {
+  const int n = robot.tree.joints;
+  const double* const w = packed + 2 * n;
+  const double* const v_S = w + 7 + robot.wheels;
+  return {packed, packed + n, w, w + 3, w + 7, v_S, v_S + 3};
+}
+
+// Memory for the rows of one sample; the caller's.
+struct EquationMemory {
+  Bodies<double> bodies;
+  double* theta;    // bodies x 10
+  double* columns;  // S, P and A: 3 x 3 x theta
+  double* sigma;    // 3 x phi
+  double* Y;        // 3 x pi
+  double* W;        // 3 x phi
+};
+
+using Vector = Vector3<double>;
+using Matrix = Matrix3<double>;
+
+// Places and weighs the bodies of beta; D follows from what all of them weigh.
+inline void configure_beta(const ConservationModel& model, const double* beta, const double* q,
+                           EquationMemory& memory) {
+  Robot robot = model.robot;
+  robot.theta = memory.theta;
+  for (int k = 0; k < PER_BODY * robot.tree.bodies(); ++k) memory.theta[k] = 0.0;
+  for (int c = 0; c < model.theta_of.columns; ++c)
+    for (int k = model.theta_of.first[c]; k < model.theta_of.first[c + 1]; ++k)
+      memory.theta[model.theta_of.row[k]] += model.theta_of.value[k] * beta[c];
+  configure(robot, q, memory.bodies);
+}
+
+inline Vector wheel_momentum(const Robot& robot, const double* qd_rw) {
+  Vector h_rw = Vector::Zero();
+  for (int k = 0; k < robot.wheels; ++k)
+    h_rw += qd_rw[k] * (robot.wheel[k].axis * robot.wheel[k].inertia);
+  return h_rw;
+}
+
+// Covariance of the momentum equation's noise: the gyro's times D, the joint rates' times D_q, and a
+// turn of the attitude, which turns R_0^T h_cm.
+inline Matrix momentum_noise(const ConservationModel& model, const Bodies<double>& at,
+                             const SystemInertia<double>& all, const Matrix& R_WB,
+                             const Vector& h_cm) {
+  const SensorNoise& noise = model.noise;
+  Matrix C = Matrix::Zero();
+  for (int k = 0; k < model.axes.momenta; ++k) {
+    const Vector gain = noise.gyro * all.D.col(model.axes.momentum[k]);
+    C += gain * gain.transpose();
+  }
+  for (int k = 0; k < model.robot.tree.joints; ++k) {
+    const Vector D_q = at.momentum[k].h - all.r_cm.cross(at.momentum[k].p);
+    C += (noise.joint_rates * D_q) * (noise.joint_rates * D_q).transpose();
+  }
+  const Matrix turn = noise.attitude * (R_WB.transpose() * cross_matrix(h_cm));
+  return C + turn * turn.transpose();
+}
+
+// Covariance of the velocity equation's noise: the gyro's times U, the joint rates' times J_cm.
+inline Matrix velocity_noise(const ConservationModel& model, const Bodies<double>& at,
+                             const SystemInertia<double>& all, const Matrix& U) {
+  const SensorNoise& noise = model.noise;
+  Matrix C = noise.velocity * noise.velocity * Matrix::Identity();
+  for (int k = 0; k < model.axes.momenta; ++k) {
+    const Vector gain = noise.gyro * U.col(model.axes.momentum[k]);
+    C += gain * gain.transpose();
+  }
+  for (int k = 0; k < model.robot.tree.joints; ++k) {
+    const Vector gain = (noise.joint_rates / all.M) * at.momentum[k].p;
+    C += gain * gain.transpose();
+  }
+  return C;
+}
+
+// L^-1 rows in place, with L L^T = C over the given axes.
+inline void whiten(const Matrix& C, const int* axis, int count, double* rows, int stride, int width) {
+  Matrix L = Matrix::Zero();
+  for (int i = 0; i < count; ++i) {
+    double* const row = rows + i * stride;
+    for (int j = 0; j < i; ++j) {
+      double rest = C(axis[i], axis[j]);
+      for (int k = 0; k < j; ++k) rest -= L(i, k) * L(j, k);
+      L(i, j) = rest / L(j, j);
+      for (int c = 0; c < width; ++c) row[c] -= L(i, j) * rows[j * stride + c];
+    }
+    double rest = C(axis[i], axis[i]);
+    for (int k = 0; k < i; ++k) rest -= L(i, k) * L(i, k);
+    L(i, i) = std::sqrt(rest);
+    for (int c = 0; c < width; ++c) row[c] /= L(i, i);
+  }
+}
+
+// The rows [h_cm, v_cm, b_g, b_a, pi, phi | right-hand side], momentum first; the velocity's are zero
+// where v_S was not measured. D, U and the noise's gains are evaluated at beta and h_cm.
+inline void conservation_equations(const ConservationModel& model, const double* beta,
+                                   const Vector& h_cm, const Measurement& at, const Matrix& R_WB,
+                                   EquationMemory& memory, double* rows, int stride) {
+  const Tree& tree = model.robot.tree;
+  const ConservedAxes& axes = model.axes;
+  Bodies<double>& bodies = memory.bodies;
+  configure_beta(model, beta, at.q, memory);
+  const SystemInertia<double> all = system_inertia(bodies.carried[0]);
+  const Matrix U = -cross_matrix(all.r_cm);
+
+  // In the plane the other two rates stay what was measured: zero.
+  Vector w(at.w[0], at.w[1], at.w[2]), excess = Vector::Zero();
+  for (int k = 0; k < axes.momenta; ++k) {
+    const int axis = axes.momentum[k];
+    excess[axis] = at.w[axis] - at.w_smooth[axis];
+    w[axis] = at.w_smooth[axis];
+  }
+  const int thetas = PER_BODY * tree.bodies(), pis = model.sets.pis(), phis = model.sets.phis();
+  const Rows3<double> S(memory.columns, 3, thetas), P(memory.columns + 3 * thetas, 3, thetas),
+      A(memory.columns + 6 * thetas, 3, thetas);
+  const Rows3<double> Y(memory.Y, 3, pis), W(memory.W, 3, phis);
+  move(tree, bodies.field, w, at.qd, bodies.motion);
+  first_moment_columns(tree, bodies.pose, S);
+  momentum_columns(tree, bodies.pose, bodies.motion, P, A);
+  regressors(model.sets, S, P, A, Rows3<double>(memory.sigma, 3, phis), Y, W);
+
+  const int n = model.nuisances(), rhs = n + pis + phis;
+  for (int k = 0; k < axes.all() * stride; ++k) rows[k] = 0.0;
+  const Vector known = -wheel_momentum(model.robot, at.qd_rw) - all.D * excess;
+  for (int i = 0; i < axes.momenta; ++i) {
+    const int axis = axes.momentum[i];
+    double* const row = rows + i * stride;
+    for (int j = 0; j < axes.momenta; ++j) {
+      row[j] = -R_WB(axes.momentum[j], axis);
+      row[model.gyro_bias() + j] = -all.D(axis, axes.momentum[j]);
+    }
+    for (int k = 0; k < pis; ++k) row[n + k] = Y(axis, k);
+    row[rhs] = known[axis];
+  }
+  double* const moving = rows + axes.momenta * stride;
+  const Vector v_S(at.v_S[0], at.v_S[1], at.v_S[2]);
+  if (v_S.allFinite()) {
+    const Vector told = R_WB.transpose() * v_S + U * excess;
+    for (int i = 0; i < axes.velocities; ++i) {
+      const int axis = axes.velocity[i];
+      double* const row = moving + i * stride;
+      for (int j = 0; j < axes.velocities; ++j) row[axes.momenta + j] = R_WB(axes.velocity[j], axis);
+      for (int j = 0; j < axes.momenta; ++j)
+        row[model.gyro_bias() + j] = U(axis, axes.momentum[j]);
+      for (int k = 0; k < phis; ++k) row[n + pis + k] = W(axis, k);
+      row[rhs] = told[axis];
+    }
+  }
+  whiten(momentum_noise(model, bodies, all, R_WB, h_cm), axes.momentum, axes.momenta, rows, stride,
+         rhs + 1);
+  whiten(velocity_noise(model, bodies, all, U), axes.velocity, axes.velocities, moving, stride,
+         rhs + 1);
+}
+
+}  // namespace orbident

@@ -1,0 +1,175 @@
+// The free-flying base parameters sample by sample: an extended square-root information filter.
+//
+// The unknowns are [x | y] = [h_cm, v_cm, b_g, b_a | pi, phi], in which the conservation laws are
+// linear: a triangular factor holds all that the samples said, whatever beta was believed to be
+// meanwhile. What is known beforehand joins it by one Gauss-Newton step a sample:
+//
+//   beta = argmin |R y(beta) - z|^2 + |root (beta - beta_0)|^2
+//
+// A filter whose state is beta alone would linearise every sample about another beta and take the
+// differences for information: from CAD values it gets lost.
+//
+// No function here allocates memory, throws, or keeps anything: state and room are the caller's.
+#pragma once
+
+#include "orbident/filter_state.hpp"
+
+namespace orbident {
+
+// What one sample said about the estimate before it.
+struct Innovation {
+  const double* white;  // `stride` entries apart: independent, unit variance while nothing changes
+  int stride;
+  double nis;  // |white|^2: chi-square with dof degrees of freedom
+  int dof;     // 0 where the sample does not count
+};
+
+// In the plane momentum has its last component alone.
+inline Vector momentum_in(const FilterModel& model, const double* x) {
+  return model.laws.axes.momenta == 1 ? Vector(0.0, 0.0, x[0]) : Vector(x[0], x[1], x[2]);
+}
+
+// x of R x = z, from n rows [R | z] at a stride.
+inline void solve_triangle(const double* R_z, int stride, int n, double* x) {
+  for (int i = n - 1; i >= 0; --i) {
+    const double* const row = R_z + static_cast<long>(i) * stride;
+    double rest = row[n];
+    for (int j = i + 1; j < n; ++j) rest -= row[j] * x[j];
+    x[i] = rest / row[i];
+  }
+}
+
+// Whether a sample is complete but for the velocity, later than the last one, and of a live gyro: one
+// whose rate is the last one's to the last digit is dead, or its row was written twice.
+inline bool counts(const FilterModel& model, const FilterState& state, double t,
+                   const Measurement& at) {
+  const auto finite = [](const double* part, int size) {
+    bool all = true;
+    for (int i = 0; i < size; ++i) all = all && std::isfinite(part[i]);
+    return all;
+  };
+  const Robot& robot = model.laws.robot;
+  const bool same = at.w[0] == state.w[0] && at.w[1] == state.w[1] && at.w[2] == state.w[2];
+  return !(t <= *state.t) && !same && finite(at.q, 2 * robot.tree.joints + 7 + robot.wheels) &&
+         finite(at.w_smooth, 3);
+}
+
+// Takes the equations of one sample in, linearised about the estimate, which stays.
+inline Innovation take_in(const FilterModel& model, FilterState& state, double t,
+                          const double* packed, FilterRoom& room) {
+  const Measurement at = measurement_at(model.laws.robot, packed);
+  const FilterSizes size = model.sizes();
+  const int n = size.nuisances, y = size.parameters, stride = size.row_stride();
+  if (!counts(model, state, t, at)) {
+    for (int i = 0; i < size.rows; ++i) room.rows[i * stride + n + y] = 0.0;
+    return {room.rows + n + y, stride, 0.0, 0};
+  }
+  const Vector h_cm = momentum_in(model, state.x);
+  const Matrix R_WB = quaternion_matrix<double>(Quaternion<double>(at.x_WB));
+  const double dt = std::isnan(*state.t) ? 0.0 : t - *state.t;
+  const Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> R_before(state.R_WB);
+  const Matrix integral = dt / 2 * (R_before + R_WB);
+  conservation_equations(model.laws, state.beta, h_cm, at, R_WB, room.equations, room.rows, stride);
+  predict_nuisances(model.laws, state.top, size.top_stride(), n + y + 1, integral, h_cm, dt,
+                    room.kick, room.covariance);
+  fold(state.top, size.top_stride(), n, n + y + 1, room.rows, stride, size.rows);
+  fold(state.R, size.R_stride(), y, y + 1, room.rows + n, stride, size.rows);
+  *state.t = t;
+  for (int i = 0; i < 3; ++i) state.w[i] = at.w[i];
+  for (int i = 0; i < 9; ++i) state.R_WB[i] = R_WB(i / 3, i % 3);
+  Innovation innovation{room.rows + n + y, stride, 0.0, size.rows};
+  for (int i = 0; i < size.rows; ++i) {
+    const double white = innovation.white[i * stride];
+    innovation.nis += white * white;
+  }
+  if (!Vector(at.v_S[0], at.v_S[1], at.v_S[2]).allFinite())
+    innovation.dof = model.laws.axes.momenta;
+  return innovation;
+}
+
+// One Gauss-Newton step from the last beta: [R J | z + R (J beta - y)] and the prior, triangular.
+inline void estimate(const FilterModel& model, FilterState& state, FilterRoom& room) {
+  const ParametersOfBeta& sets = model.sets;
+  const FilterSizes size = model.sizes();
+  const int k = size.betas(), iotas = size.iotas, shown = size.shown, y = size.parameters;
+  const int stride = size.beta_stride(), R_stride = size.R_stride();
+  const int block_stride = padded(shown + 1);
+  for (int i = 0; i < sets.sigmas; ++i) room.phi[i] = state.beta[1 + i] / state.beta[0];
+  for (long i = 0; i < static_cast<long>(k) * stride; ++i) state.root[i] = 0.0;
+  // Rows below those of iota wait in a block until it is full.
+  int waiting = 0;
+  const auto fold_block = [&] {
+    for (int i = waiting * block_stride; i < BLOCK * block_stride; ++i) room.block[i] = 0.0;
+    fold(state.root + iotas * stride + iotas, stride, shown, shown + 1, room.block, block_stride,
+         BLOCK);
+    waiting = 0;
+  };
+  for (int first = 0; first < y; first += TILE) {
+    shown_columns(sets, state.R, R_stride, first, room.phi, state.beta[0], room.transposed,
+                  room.shown);
+    for (int r = 0; r < TILE && first + r < y; ++r) {
+      const int row = first + r;
+      double* into = state.root + row * stride + iotas;
+      if (row < iotas) {
+        for (int c = row; c < iotas; ++c) into[c - iotas] = state.R[row * R_stride + c];
+      } else {
+        into = room.block + waiting++ * block_stride;
+        for (int c = shown + 1; c < block_stride; ++c) into[c] = 0.0;
+      }
+      for (int c = 0; c <= shown; ++c) into[c] = room.shown[c * TILE + r];
+      if (waiting == BLOCK) fold_block();
+    }
+  }
+  fold_block();
+  for (int first = 0; first < k; first += BLOCK) {
+    const int left = k - first;
+    for (int i = 0; i < BLOCK * stride; ++i)
+      room.block[i] = i < left * stride ? state.prior[first * stride + i] : 0.0;
+    fold(state.root + first * stride + first, stride, left, left + 1, room.block + first, stride,
+         BLOCK);
+  }
+  double *const ordered = room.beta, *const beta = room.beta + k;
+  solve_triangle(state.root, stride, k, ordered);
+  for (int i = 0; i < k; ++i) beta[i] = ordered[i < shown ? iotas + i : i - shown];
+  linearised(sets, state.beta, beta, room.y);
+  for (int i = 0; i < k; ++i) state.beta[i] = beta[i];
+
+  // x of N x + Y y = z.
+  const int n = size.nuisances, top = size.top_stride();
+  for (int i = n - 1; i >= 0; --i) {
+    const double* const row = state.top + i * top;
+    double rest = row[n + y];
+    for (int j = 0; j < y; ++j) rest -= row[n + j] * room.y[j];
+    for (int j = i + 1; j < n; ++j) rest -= row[j] * state.x[j];
+    state.x[i] = rest / row[i];
+  }
+}
+
+// Standard deviations of beta, from the rows of root^-1.
+ORBIDENT_WIDE inline void deviations(const FilterModel& model, const FilterState& state,
+                                     double* inverse, double* std) {
+  const FilterSizes size = model.sizes();
+  const int k = size.betas(), stride = size.beta_stride();
+  for (int i = 0; i < k; ++i) {
+    // w root = e_i, from the left.
+    double square = 0.0;
+    for (int j = i; j < k; ++j) inverse[j] = i == j ? 1.0 : 0.0;
+    for (int j = i; j < k; ++j) {
+      const double* const row = state.root + j * stride;
+      const double w = inverse[j] / row[j];
+      for (int c = j + 1; c < k; ++c) inverse[c] -= w * row[c];
+      square += w * w;
+    }
+    std[i < size.iotas ? size.shown + i : i - size.iotas] = std::sqrt(square);
+  }
+}
+
+// One sample: prediction of the nuisances, its equations, the new estimate.
+inline Innovation step(const FilterModel& model, FilterState& state, double t, const double* packed,
+                       FilterRoom& room) {
+  const Innovation innovation = take_in(model, state, t, packed, room);
+  if (innovation.dof > 0) estimate(model, state, room);
+  return innovation;
+}
+
+}  // namespace orbident

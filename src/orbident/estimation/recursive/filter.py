@@ -1,0 +1,259 @@
+"""The free-flying base parameters sample by sample: an extended square-root filter.
+
+Its unknowns are `[h_cm, v_cm, b_g, b_a | pi, phi]`, in which the conservation laws are
+linear, and `beta` follows from them and from what is known beforehand by one
+Gauss-Newton step a sample. The equations stand in the core's `information_filter.hpp`.
+"""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float, Int, Shaped
+from scipy.linalg import solve_triangular
+
+from orbident import _core
+from orbident.estimation.recursive.noise import Noise
+from orbident.estimation.recursive.prior import Prior, prior_from
+from orbident.model.core_robot import core_robot
+from orbident.model.derivatives import derivatives_of_beta, sets_of_beta
+from orbident.model.minimal_sets import MinimalSets, minimal_sets
+from orbident.model.reconstruction import root_of
+from orbident.robot.description import Robot
+
+ROUNDING = 1e-10
+"""Entries of the minimal sets' maps, over the largest one, that are zero but for
+rounding: true entries are lengths and their products over the robot's size."""
+
+
+class Sample(NamedTuple):
+    """What was measured at one time, float32 or float64; NaN where nothing was.
+
+    Without its velocity a sample counts for the momentum alone; without anything else
+    it does not count.
+    """
+
+    t: float
+    q: Shaped[np.ndarray, " joints"]
+    qd: Shaped[np.ndarray, " joints"]
+    w: Shaped[np.ndarray, "3"]
+    """Gyro, base axes, rad/s."""
+    x_WB: Shaped[np.ndarray, "4"]
+    qd_rw: Shaped[np.ndarray, " wheels"]
+    v_S: Shaped[np.ndarray, "3"]
+    """Velocity of S, inertial axes, m/s."""
+    w_smooth: Shaped[np.ndarray, "3"]
+    """The rate with less noise, where regressors are evaluated; or the gyro again."""
+
+
+class State(NamedTuple):
+    """What is carried from sample to sample; a constant."""
+
+    core: _core.FilterState
+
+    @property
+    def t(self) -> float:
+        """Time of the last sample, s; NaN before the first."""
+        return self.core.t
+
+    @property
+    def beta(self) -> Float[np.ndarray, " beta"]:
+        """The estimate `[M, sigma, iota]`."""
+        return self.core.beta
+
+    @property
+    def root(self) -> Float[np.ndarray, "beta beta"]:
+        """`root^T root` is the inverse of the covariance of `beta`.
+
+        It is upper triangular in the order `[iota, M, sigma]` of its columns.
+        """
+        return self.core.root
+
+    @property
+    def covariance(self) -> Float[np.ndarray, "beta beta"]:
+        """Covariance of `beta`."""
+        inverse = np.linalg.inv(self.root)
+        return inverse @ inverse.T
+
+    @property
+    def nuisances(self) -> Float[np.ndarray, " x"]:
+        """`x = [h_cm, v_cm, b_g, b_a]`, the first two in the axes of `x_WB`."""
+        return self.core.nuisances
+
+    @property
+    def top(self) -> Float[np.ndarray, "x all"]:
+        """`[N | Y | z]` of `N x + Y y = z`; `N` is upper triangular."""
+        return self.core.top
+
+    @property
+    def R_z(self) -> Float[np.ndarray, "y y+1"]:
+        """`[R | z]` of `R y = z`, with `y = [pi, phi]`; `R` is upper triangular."""
+        return self.core.R_z
+
+    @property
+    def R_WB(self) -> Float[np.ndarray, "3 3"]:
+        """The last attitude."""
+        return self.core.R_WB
+
+    @property
+    def prior(self) -> Float[np.ndarray, "beta beta+1"]:
+        """`[root | z]` of what was known beforehand, `root beta = z`."""
+        return self.core.prior
+
+
+class Info(NamedTuple):
+    """What one sample said about the estimate before it."""
+
+    white: Float[np.ndarray, " e"]
+    """The innovation, whitened: independent, of unit variance, while nothing changes.
+    Momentum first; zero where nothing was measured."""
+    nis: float
+    """Its square: chi-square with `dof` degrees of freedom."""
+    dof: int
+
+
+@dataclass(frozen=True)
+class Extended:
+    """The filter of one robot."""
+
+    sets: MinimalSets
+    noise: Noise
+    core: _core.Filter
+
+    @classmethod
+    def of(cls, robot: Robot, noise: Noise) -> "Extended":
+        """The filter of a robot whose sensors have this noise."""
+        sets = minimal_sets(robot)
+        of_products = sparse(sets.pi_of_products)
+        order = by_last_row(of_products)
+        core = _core.Filter(
+            robot=core_robot(robot),
+            sets=sets.regressors.core,
+            theta_of=sparse(sets.base.theta_of),
+            pi_of_beta=sparse(sets.pi_of_beta),
+            pi_of_products=np.ascontiguousarray(of_products[:, order]),
+            pairs=sets.pairs[order].astype(float).ravel(),
+            sigmas=sets.base.sigmas,
+            momentum_axes=np.array(sets.regressors.momentum_axes, dtype=float),
+            velocity_axes=np.array(sets.regressors.velocity_axes, dtype=float),
+            noise=np.array(noise[:-1], dtype=float),
+        )
+        return cls(sets, noise, core)
+
+    @property
+    def rows(self) -> int:
+        """Size of a sample's innovation."""
+        own = self.sets.regressors
+        return len(own.momentum_axes) + len(own.velocity_axes)
+
+    def start(
+        self, prior: Prior, sample: Sample, h_cm: Float[np.ndarray, "3"] | None = None
+    ) -> State:
+        """Nothing is known but the prior; the sample itself is not used up.
+
+        Args:
+            prior: of `beta`.
+            sample: complete; sets the scale of the momentum.
+            h_cm: the momentum where it is known (Eqs. 25 and 26), inertial axes, N m s.
+        """
+        return self.begun(prior, packed(sample), h_cm)
+
+    def begun(
+        self,
+        prior: Prior,
+        sample: Float[np.ndarray, " all"],
+        h_cm: Float[np.ndarray, "3"] | None,
+    ) -> State:
+        """The same of a packed sample."""
+        known = None if h_cm is None else np.asarray(h_cm, dtype=float)
+        return State(self.core.start(prior.beta, prior.root, sample, known))
+
+    def step(self, state: State, sample: Sample) -> tuple[State, Info]:
+        """Take one sample in.
+
+        One that is not complete, or not later than the last one, leaves the state as
+        it is; so does one whose rate is the last one's to the last digit: that is how
+        a gyro dies, or how a row is written twice.
+        """
+        after, *info = self.core.step(state.core, sample.t, packed(sample))
+        return State(after), Info(*info)
+
+    def opened(self, state: State, covariance: Float[np.ndarray, "beta beta"]) -> State:
+        """The robot has changed: the estimate becomes the prior of what it is now.
+
+        Args:
+            state: before.
+            covariance: of what may have changed, added to the estimate's own.
+        """
+        prior = prior_from(state.beta, state.covariance + covariance)
+        return State(self.core.opened(state.core, prior.beta, prior.root))
+
+    def gathered(
+        self,
+        state: State,
+        t: Float[np.ndarray, " n"],
+        samples: Float[np.ndarray, "n all"],
+    ) -> tuple[State, float, int]:
+        """Take many samples in, all linearised about the estimate, which stays.
+
+        Args:
+            state: before.
+            t: of the samples, s.
+            samples: packed, one a row.
+
+        Returns:
+            The state after the last one, with the estimate and the nuisances of before;
+            the squared residuals of the equations, which are of unit variance; and how
+            many equations these are.
+        """
+        after, squares, rows = self.core.gathered(state.core, t, samples)
+        return State(after), squares, rows
+
+    def biases(
+        self,
+        state: State,
+        beta: Float[np.ndarray, " beta"],
+        covariance: Float[np.ndarray, "beta beta"],
+    ) -> dict[str, dict[str, float]]:
+        """Those of gyro (rad/s) and accelerometer (m/s^2), in base axes.
+
+        Args:
+            state: what it says of its nuisances counts.
+            beta: the estimate,
+            covariance: and its own.
+
+        Returns:
+            By name, as `gyro.x`: `value` and `std`.
+        """
+        n, top = len(state.top), state.top
+        N, Y, z = top[:, :n], top[:, n:-1], top[:, -1]
+        x = solve_triangular(N, z - Y @ np.concatenate(sets_of_beta(self.sets, beta)))
+        J = Y @ np.vstack(derivatives_of_beta(self.sets, beta))
+        spread = np.hstack([np.eye(n), J @ root_of(covariance)])
+        std = np.linalg.norm(solve_triangular(N, spread), axis=1)
+        own = self.sets.regressors
+        h, v = len(own.momentum_axes), len(own.velocity_axes)
+        names = [f"gyro.{'xyz'[axis]}" for axis in own.momentum_axes]
+        names += [f"accelerometer.{'xyz'[axis]}" for axis in own.velocity_axes]
+        return {
+            name: {"value": float(x[k]), "std": float(std[k])}
+            for name, k in zip(names, range(h + v, n), strict=False)
+        }
+
+
+def packed(sample: Sample) -> Float[np.ndarray, " all"]:
+    """Everything but the time in one vector of float64."""
+    return np.concatenate(sample[1:], dtype=np.float64)
+
+
+def sparse(A: Float[np.ndarray, "m n"]) -> Float[np.ndarray, "m n"]:
+    """Without what is zero but for rounding."""
+    size = np.abs(A)
+    return np.where(size > ROUNDING * size.max(initial=0.0), A, 0.0)
+
+
+def by_last_row(A: Float[np.ndarray, "m n"]) -> Int[np.ndarray, " used"]:
+    """The columns that are not zero, in the order of their last entries."""
+    used = np.flatnonzero(A.any(axis=0))
+    last = len(A) - 1 - (A[::-1, used] != 0).argmax(axis=0)
+    return used[np.argsort(last, kind="stable")]
