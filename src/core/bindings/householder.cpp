@@ -22,7 +22,7 @@ auto folded(const Array& R_, const Array& rows_) {
     for (std::ptrdiff_t i = 0; i < n; ++i) std::fill_n(factor.data() + i * n, i, 0.0);
     std::vector<double> X(rows.data(), rows.data() + rows.size(0) * n),
         v(static_cast<std::size_t>(rows_at_once(columns)));
-    fold(factor.data(), n, X.data(), n, m, columns, v.data());
+    fold(factor.data(), n, X.data(), n, m, columns, columns, v.data());
   }
   return factor.give();
 }

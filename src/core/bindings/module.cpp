@@ -4,6 +4,7 @@
 namespace orbident::python {
 void bind_dynamics(nanobind::module_& m);
 void bind_householder(nanobind::module_& m);
+void bind_output_error(nanobind::module_& m);
 void bind_regressors(nanobind::module_& m);
 }
 
@@ -11,5 +12,6 @@ NB_MODULE(_core, m) {
   m.doc() = "The numerical core: whole arrays in, whole arrays out, the GIL released inside.";
   orbident::python::bind_dynamics(m);
   orbident::python::bind_householder(m);
+  orbident::python::bind_output_error(m);
   orbident::python::bind_regressors(m);
 }

@@ -8,21 +8,6 @@
 namespace orbident::python {
 namespace {
 
-OwnedSparse sparse(const In<2>& dense) {
-  OwnedSparse matrix;
-  matrix.first.push_back(0);
-  for (std::ptrdiff_t c = 0; c < dense.size(1); ++c) {
-    for (std::ptrdiff_t r = 0; r < dense.size(0); ++r) {
-      const double value = dense.data()[r * dense.size(1) + c];
-      if (value == 0.0) continue;
-      matrix.row.push_back(static_cast<int>(r));
-      matrix.value.push_back(value);
-    }
-    matrix.first.push_back(static_cast<int>(matrix.row.size()));
-  }
-  return matrix;
-}
-
 OwnedMinimalSets make_sets(const OwnedTree& tree, const Array& linear, const Array& sigma,
                            const Array& pairs_) {
   const std::int64_t m = PER_BODY * tree.view().bodies();

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "arrays.hpp"
 #include "orbident/equations_of_motion.hpp"
 #include "orbident/regressors.hpp"
 
@@ -29,6 +30,21 @@ struct OwnedSparse {
     return {first.data(), row.data(), value.data(), static_cast<int>(first.size()) - 1};
   }
 };
+
+inline OwnedSparse sparse(const In<2>& dense) {
+  OwnedSparse matrix;
+  matrix.first.push_back(0);
+  for (std::ptrdiff_t c = 0; c < dense.size(1); ++c) {
+    for (std::ptrdiff_t r = 0; r < dense.size(0); ++r) {
+      const double value = dense.data()[r * dense.size(1) + c];
+      if (value == 0.0) continue;
+      matrix.row.push_back(static_cast<int>(r));
+      matrix.value.push_back(value);
+    }
+    matrix.first.push_back(static_cast<int>(matrix.row.size()));
+  }
+  return matrix;
+}
 
 struct OwnedMinimalSets {
   OwnedTree tree;

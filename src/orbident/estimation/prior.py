@@ -3,16 +3,13 @@
 import numpy as np
 from jaxtyping import Float
 
-from orbident.compilation import compiled
-from orbident.dynamics.inertia import inertia
-from orbident.dynamics.tree import tree_of
+from orbident.model.inertia import inertia_at
 from orbident.regressors.minimal_sets import MinimalSets
 from orbident.robot.description import Robot
+from orbident.robot.parameters import MASS
 
 WIDE = 100.0
 """Times the robot's own scale: no robot is so far from its CAD values."""
-
-_inertia = compiled(inertia)
 
 
 def prior_std(robot: Robot, sets: MinimalSets) -> Float[np.ndarray, " beta"]:
@@ -22,8 +19,9 @@ def prior_std(robot: Robot, sets: MinimalSets) -> Float[np.ndarray, " beta"]:
     each: what the recording tells, it tells far better, and what it does not tell
     keeps the equations solvable and is recognised by it.
     """
-    at = _inertia(tree_of(robot), robot.theta, np.zeros(len(robot.joints)))
+    D = inertia_at(robot, np.zeros(len(robot.joints))).D
+    M = float(robot.theta[:, MASS].sum())
     # Of CAD values that no body can have, D may be anything.
-    L = float(np.sqrt(np.abs(np.diag(at.D)).sum() / at.M))
+    L = float(np.sqrt(np.abs(np.diag(D)).sum() / M))
     size = np.repeat([1.0, L, L**2], [1, sets.base.sigmas, sets.iotas])
-    return WIDE * float(at.M) * size
+    return WIDE * M * size

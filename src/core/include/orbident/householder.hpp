@@ -78,14 +78,13 @@ void reflect(T* pivot, T* X, std::ptrdiff_t stride, int n, const T* v, int m, T 
 // Tables whose columns are a multiple of this are folded fastest.
 constexpr int ALIGNED = 8;
 
-// How many rows of n columns `fold` takes at once, and how many numbers v must hold.
-inline int rows_at_once(int n) { return std::max(1, FOLDED_NUMBERS / std::max(n, 1)); }
+// How many rows of n columns are folded at once, and how many numbers v must hold.
+constexpr int rows_at_once(int n) { return std::max(1, FOLDED_NUMBERS / std::max(n, 1)); }
 
-// Folds the rows X (m x n, m <= rows_at_once(n)) into R (n x n, upper triangular): only their first
-// `columns` are brought to zero, and X keeps what is left of the others. v is memory for m numbers.
+// Folds at most rows_at_once(n) rows.
 template <class T>
-void fold_some(T* R, std::ptrdiff_t R_stride, T* X, std::ptrdiff_t stride, int m, int n, int columns,
-               T* v) {
+void fold_block(T* R, std::ptrdiff_t R_stride, T* X, std::ptrdiff_t stride, int m, int n,
+                int columns, T* v) {
   // Columns with nothing but smaller numbers hold nothing.
   const T least = std::numeric_limits<T>::min() / std::numeric_limits<T>::epsilon();
   for (int j = 0; j < columns; ++j) {
@@ -107,7 +106,7 @@ void fold_some(T* R, std::ptrdiff_t R_stride, T* X, std::ptrdiff_t stride, int m
       v[i] /= first;
       X[i * stride + j] = T(0);
     }
-    // Columns to the left are zero and stay so: whole strips from one of them on need no rest.
+    // Columns to the left are zero and stay so: whole strips from one of them on leave no rest.
     const int start = (j + 1) / ALIGNED * ALIGNED;
     *pivot = T(0);
     reflect(R + j * R_stride + start, X + start, stride, n - start, v, m, first / norm);
@@ -115,13 +114,14 @@ void fold_some(T* R, std::ptrdiff_t R_stride, T* X, std::ptrdiff_t stride, int m
   }
 }
 
-// Folds all rows X (m x n) into R (n x n, upper triangular); X is used up. v is memory for
-// rows_at_once(n) numbers.
+// Folds the rows X (m x n) into R (upper triangular, n columns): their first `columns` are brought
+// to zero, and X keeps what is left of the others. v is memory for rows_at_once(n) numbers.
 template <class T>
-void fold(T* R, std::ptrdiff_t R_stride, T* X, std::ptrdiff_t stride, int m, int n, T* v) {
-  const int step = rows_at_once(n);
-  for (int i = 0; i < m; i += step)
-    fold_some(R, R_stride, X + i * stride, stride, std::min(step, m - i), n, n, v);
+void fold(T* R, std::ptrdiff_t R_stride, T* X, std::ptrdiff_t stride, int m, int n, int columns,
+          T* v) {
+  const int at_once = rows_at_once(n);
+  for (int i = 0; i < m; i += at_once)
+    fold_block(R, R_stride, X + i * stride, stride, std::min(at_once, m - i), n, columns, v);
 }
 
 }  // namespace orbident
