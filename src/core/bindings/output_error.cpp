@@ -159,46 +159,117 @@ class OwnedSweep {
   std::vector<std::vector<double>> room_;
 };
 
-auto linearised(const OwnedRecorded& owned, const std::vector<Array>& weights_, const Array& x_WB_,
-                const Array& local_, const Array& common_, int threads) {
-  Recorded<double> all = owned.view();
-  const std::int64_t boundaries = all.intervals + 1, L = all.local();
-  const auto x_WB = input<2>("x_WB", x_WB_, {boundaries, 4});
-  const auto local = input<2>("local", local_, {boundaries, L});
-  const auto common = input<1>("common", common_, {all.common()});
-  if (weights_.size() != SENSORS) throw nb::value_error("weights: give one array a sensor");
+// The arguments of a linearisation, checked, and where its residuals go.
+struct Call {
+  Recorded<double> recorded;
+  In<2> x_WB, local;
+  In<1> common;
   std::vector<In<2>> weights;
   std::vector<Out<2>> residuals;
-  for (std::size_t k = 0; k < SENSORS; ++k) {
-    const std::int64_t rows = owned.samples[k].size(0);
-    weights.push_back(input<2>("weights", weights_[k], {rows, rows ? owned.axes(k) : ANY}));
-    residuals.emplace_back(rows, owned.axes(k));
-    std::fill_n(residuals[k].data(), rows * owned.axes(k), 0.0);
-    if (rows)
-      *sensors_of(all, k) = {owned.samples[k].data(), weights[k].data(), residuals[k].data()};
+  std::vector<double> theta;
+
+  Call(const OwnedRecorded& owned, const std::vector<Array>& given, const Array& x_WB_,
+       const Array& local_, const Array& common_)
+      : recorded(owned.view()),
+        x_WB(input<2>("x_WB", x_WB_, {recorded.intervals + 1, 4})),
+        local(input<2>("local", local_, {recorded.intervals + 1, recorded.local()})),
+        common(input<1>("common", common_, {recorded.common()})),
+        theta(static_cast<std::size_t>(PER_BODY * recorded.tree.bodies()), 0.0) {
+    if (given.size() != SENSORS) throw nb::value_error("weights: give one array a sensor");
+    for (std::size_t k = 0; k < SENSORS; ++k) {
+      const std::int64_t rows = owned.samples[k].size(0), axes = rows ? owned.axes(k) : ANY;
+      weights.push_back(input<2>("weights", given[k], {rows, axes}));
+      residuals.emplace_back(rows, owned.axes(k));
+      std::fill_n(residuals[k].data(), rows * owned.axes(k), 0.0);
+      if (rows)
+        *sensors_of(recorded, k) = {owned.samples[k].data(), weights[k].data(),
+                                    residuals[k].data()};
+    }
+    const Sparse& theta_of = recorded.theta_of;
+    for (int b = 0; b < theta_of.columns; ++b)
+      for (int e = theta_of.first[b]; e < theta_of.first[b + 1]; ++e)
+        theta[static_cast<std::size_t>(theta_of.row[e])] +=
+            theta_of.value[e] * common.data()[OUTSIDE + b];
   }
-  const std::int64_t left = all.width() - L;
+  LinearisedAt<double> at() const {
+    return {x_WB.data(), local.data(), common.data(), theta.data()};
+  }
+};
+
+auto linearised(const OwnedRecorded& owned, const std::vector<Array>& weights, const Array& x_WB,
+                const Array& local, const Array& common, int threads) {
+  Call call(owned, weights, x_WB, local, common);
+  const Recorded<double>& all = call.recorded;
+  const std::int64_t left = all.width() - all.local();
   Out<2> factor(left, left);
-  Out<3> links(all.intervals, L, all.width());
+  Out<3> links(all.intervals, all.local(), all.width());
   double cost[2] = {0.0, 0.0};
   {
     nb::gil_scoped_release release;
-    std::vector<double> theta(static_cast<std::size_t>(PER_BODY * all.tree.bodies()), 0.0);
-    for (int b = 0; b < all.theta_of.columns; ++b)
-      for (int e = all.theta_of.first[b]; e < all.theta_of.first[b + 1]; ++e)
-        theta[static_cast<std::size_t>(all.theta_of.row[e])] +=
-            all.theta_of.value[e] * common.data()[OUTSIDE + b];
-    const LinearisedAt<double> at{x_WB.data(), local.data(), common.data(), theta.data()};
     OwnedSweep forward(all), backward(all);
     parallel_for(2, threads, [&](std::ptrdiff_t first, std::ptrdiff_t last) {
       for (std::ptrdiff_t k = first; k < last; ++k)
-        cost[k] = sweep(all, at, k == 0, k == 0 ? forward.at : backward.at, links.data());
+        cost[k] = sweep(all, call.at(), k == 0, k == 0 ? forward.at : backward.at, links.data());
     }, 1);
     join(all, forward.at, backward.at, factor.data());
   }
-  std::vector<Out<2>::Numpy> each;
-  for (Out<2>& table : residuals) each.push_back(table.give());
-  return std::make_tuple(factor.give(), links.give(), cost[0] + cost[1], each);
+  std::vector<Out<2>::Numpy> residuals;
+  for (Out<2>& table : call.residuals) residuals.push_back(table.give());
+  return std::make_tuple(factor.give(), links.give(), cost[0] + cost[1], residuals);
+}
+
+// The equations of one interval over [z start | z end | g | right-hand side].
+auto interval_equations(const OwnedRecorded& owned, const std::vector<Array>& weights,
+                        const Array& x_WB, const Array& local, const Array& common, int interval) {
+  Call call(owned, weights, x_WB, local, common);
+  const Recorded<double>& all = call.recorded;
+  if (interval < 0 || interval >= all.intervals)
+    throw nb::value_error("interval: there is none of this number");
+  const int L = all.local(), n = all.stride(), width = all.width();
+  OwnedSweep memory(all);
+  Equations<double> sensed{memory.at.rows, n, width, 0, L, L, 0, 0.0};
+  Equations<double> continuity{memory.at.continuity, n, width, 0, L, L, 0, 0.0};
+  linearise(all, call.at(), interval, memory.at.interval, sensed, continuity);
+  add_encoders(all, call.at(), interval, true, sensed.table + std::ptrdiff_t(sensed.rows) * n,
+               memory.at.R);
+  Out<2> table(sensed.rows + BIASES + 2 * L, width);
+  double* to = table.data();
+  for (const auto& [from, rows] : {std::pair<const double*, int>{sensed.table, sensed.rows},
+                                   {continuity.table, BIASES},
+                                   {memory.at.R, 2 * L}})
+    for (int k = 0; k < rows; ++k, to += width) std::copy_n(from + std::ptrdiff_t(k) * n, width, to);
+  return table.give();
+}
+
+auto momentum_terms(const OwnedTree& owned, const Array& theta_of_, const Array& beta_,
+                    const Array& q_, const Array& qd_, const Array& qdd_) {
+  const Tree tree = owned.view();
+  const std::int64_t K = tree.joints, B = tree.bodies();
+  const auto dense = input<2>("theta_of", theta_of_, {PER_BODY * B, ANY});
+  const OwnedSparse theta_of = sparse(dense);
+  const auto beta = input<1>("beta", beta_, {dense.size(1)});
+  const auto q = input<1>("q", q_, {K}), qd = input<1>("qd", qd_, {K}), qdd = input<1>("qdd", qdd_, {K});
+  const Eigen::Map<const Eigen::Matrix<double, -1, -1, Eigen::RowMajor>> of(
+      dense.data(), dense.size(0), dense.size(1));
+  const Eigen::VectorXd theta = of * Eigen::Map<const Eigen::VectorXd>(beta.data(), beta.size(0));
+  BodiesMemory<double> bodies(tree);
+  std::vector<Momentum<double>> carried(static_cast<std::size_t>(B));
+  std::vector<MomentumTerms<double>> by(2 * static_cast<std::size_t>(K));
+  TermsMemory<double> memory{bodies.at, carried.data(), by.data(), by.data() + K};
+  const auto all = joint_moments(tree, theta.data(), q.data(), qd.data(), memory);
+  differentiate_by_joints(tree, all, memory);
+  // Columns: terms, rates, by q, by qd, by beta.
+  const std::int64_t columns = 2 + 2 * K + beta.size(0);
+  Out<2> table(BY_ROWS, columns);
+  const auto write = [&](const MomentumTerms<double>& terms, std::int64_t column) {
+    write_change(terms, table.data() + column, columns);
+  };
+  write(about_cm(all), 0);
+  write(rates_of(tree, qd.data(), qdd.data(), memory), 1);
+  for (std::int64_t k = 0; k < 2 * K; ++k) write(by[static_cast<std::size_t>(k)], 2 + k);
+  for (int b = 0; b < beta.size(0); ++b)
+    write(derivative_by_beta(theta_of.view(), b, all, memory), 2 + 2 * K + b);
+  return table.give();
 }
 
 auto boundaries_of(const Array& links_, const Array& z_, const Array& g_) {
@@ -236,6 +307,12 @@ void bind_output_error(nb::module_& m) {
   m.def("linearised", &linearised, nb::arg("recorded"), nb::arg("weights"), nb::arg("x_WB"),
         nb::arg("local"), nb::arg("common"), nb::arg("threads") = 1,
         "All equations at a state, eliminated: factor, links, cost and whitened residuals.");
+  m.def("interval_equations", &interval_equations, nb::arg("recorded"), nb::arg("weights"),
+        nb::arg("x_WB"), nb::arg("local"), nb::arg("common"), nb::arg("interval"),
+        "The equations of one interval over [z start | z end | g | right-hand side].");
+  m.def("momentum_terms", &momentum_terms, nb::arg("tree"), nb::arg("theta_of"), nb::arg("beta"),
+        nb::arg("q"), nb::arg("qd"), nb::arg("qdd"),
+        "D (xx, xy, xz, yy, yz, zz), D_q qd, r_cm, J_cm qd: values, rates, by q, qd and beta.");
   m.def("boundaries", &boundaries_of, nb::arg("links"), nb::arg("z"), nb::arg("g"),
         "The unknowns of every boundary, from those of the meeting one and the common ones.");
 }

@@ -17,6 +17,7 @@ from scipy.spatial.transform import Rotation, Slerp
 from orbident import _core
 from orbident.estimation.output_error.sensors import Sensors
 from orbident.estimation.output_error.shooting import (
+    Looseness,
     intervals_of,
     looseness,
     substeps_of,
@@ -66,6 +67,7 @@ class Problem(NamedTuple):
     """What each sensor showed; NaN in rows without a sample."""
     weights: BySensor
     """1 over the noise's standard deviation; zero where there was no sample."""
+    loose: Looseness
 
 
 class State(NamedTuple):
@@ -197,7 +199,7 @@ def problem_of(
         loose.corrections,
         loose.walk,
     )
-    return Problem(recorded, intervals.t, intervals.boundaries, seen, weights)
+    return Problem(recorded, intervals.t, intervals.boundaries, seen, weights, loose)
 
 
 def _none(name: str) -> Float[np.ndarray, "0 axes"]:

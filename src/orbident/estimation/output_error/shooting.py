@@ -70,12 +70,12 @@ class Intervals(NamedTuple):
     """Which of the sensors' rows: joints and wheels are known there."""
     t: Float[np.ndarray, " rows"]
     """s."""
-    edges: Int[np.ndarray, " intervals+1"]
+    edges: Int[np.ndarray, " boundaries"]
     """The first row of each interval, and the number of rows."""
     history: JointHistory
 
     @property
-    def boundaries(self) -> Float[np.ndarray, " intervals+1"]:
+    def boundaries(self) -> Float[np.ndarray, " boundaries"]:
         """The times at which intervals begin, and at which the last one ends, s."""
         return self.t[np.minimum(self.edges, self.t.size - 1)]
 
