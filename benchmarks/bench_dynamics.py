@@ -20,8 +20,8 @@ from manoeuvres import dual_arm
 from mujoco_runs import floating_model
 from pinocchio_model import pinocchio_model
 
-from orbident.regressors.minimal_sets import minimal_sets
-from orbident.regressors.reconstruction import Dynamics, reconstructed
+from orbident.model.minimal_sets import minimal_sets
+from orbident.model.reconstruction import Dynamics, reconstructed
 from orbident.robot.description import Robot
 
 STATES = 4096

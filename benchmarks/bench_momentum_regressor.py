@@ -17,7 +17,7 @@ from manoeuvres import dual_arm
 from pinocchio_model import pinocchio_model
 
 from orbident.dynamics.tree import Tree, tree_of
-from orbident.regressors.momentum import momentum
+from orbident.model.momentum import momentum
 from orbident.robot.parameters import PER_BODY
 
 FASTER = 3

@@ -7,9 +7,9 @@ from typing import Literal
 import jax.numpy as jnp
 import numpy as np
 
-from orbident.dynamics.inertia import inertia
+from orbident.model.inertia import inertia
 from orbident.dynamics.tree import tree_of
-from orbident.dynamics.wheels import wheels_of
+from orbident.model.wheels import wheels_of
 from orbident.precision import in_float64
 from orbident.robot.description import Robot
 from orbident.trajectories.trajectory import InitialState, Trajectory

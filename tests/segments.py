@@ -1,23 +1,27 @@
-"""One segment of a simulated motion, as output error sees it."""
+"""Shooting intervals of a simulated motion, as output error sees them."""
 
 from typing import NamedTuple
 
-import jax
 import numpy as np
 from random_robots import random_start, random_swing
 
-from orbident.dynamics.free_floating import FreeFloating, free_floating
-from orbident.dynamics.inertia import inertia
-from orbident.dynamics.tree import tree_of
-from orbident.dynamics.wheels import wheels_of
-from orbident.estimation.output_error.course import _hermite
-from orbident.estimation.output_error.segment import Course, Point, Shown
-from orbident.estimation.output_error.terms import Body, JointState
-from orbident.estimation.output_error.unknowns import Own
-from orbident.regressors.minimal_sets import minimal_sets
+from orbident import _core
+from orbident.dynamics.free_floating import free_floating
+from orbident.estimation.output_error.problem import (
+    NO_ROWS,
+    NOTHING,
+    OUTSIDE,
+    SENSORS,
+    Linear,
+    State,
+)
+from orbident.model.core_robot import core_tree
+from orbident.model.inertia import inertia_at
+from orbident.model.minimal_sets import minimal_sets
+from orbident.model.rotations import quaternion_matrix
+from orbident.model.wheels import wheels_of
 from orbident.robot.description import Robot
 from orbident.sensing.accelerations import accelerations
-from orbident.spatial.rotations import quaternion_matrix
 
 GYRO, ACCELEROMETER = np.array([1.0, -2.0, 3.0]), np.array([0.3, 0.1, -0.2])
 """Biases, rad/s and m/s^2."""
@@ -26,69 +30,94 @@ Z = np.array([0.0, 0.0, 1.0])
 
 
 class Segment(NamedTuple):
-    """What `linearised` is given; the sensors show the truth, with biases."""
+    """The sensors show the truth, with biases; all that varies has unit deviation."""
 
-    body: Body
-    planar: bool
-    substeps: int
-    beta: np.ndarray
-    point: Point
-    course: Course
-    shown: Shown
-    motion: FreeFloating
-    """At the nodes."""
+    recorded: _core.Recorded
+    weights: dict[str, np.ndarray]
+    state: State
+
+    def residuals(self, state: State | None = None) -> dict[str, np.ndarray]:
+        """Of every sensor."""
+        *_, tables = _core.linearised(self.recorded, *self._at(state, *SENSORS))
+        return dict(zip(SENSORS, tables, strict=True))
+
+    def equations(
+        self, *sensors: str, state: State | None = None, interval: int = 0
+    ) -> np.ndarray:
+        """Of these sensors, then of continuity and of encoders."""
+        at = self._at(state, *sensors)
+        return _core.interval_equations(self.recorded, *at, interval)
+
+    def eliminated(self, threads: int = 1) -> Linear:
+        """With all sensors."""
+        factor, links, cost, tables = _core.linearised(
+            self.recorded, *self._at(None, *SENSORS), threads
+        )
+        return Linear(factor, links, cost, dict(zip(SENSORS, tables, strict=True)))
+
+    def _at(self, state: State | None, *sensors: str):
+        weights = [
+            self.weights[name] * (name in sensors) if name in self.weights else NO_ROWS
+            for name in SENSORS
+        ]
+        return weights, *(self.state if state is None else state)
 
 
 def segment_of(
-    robot: Robot, seed: int, rows: int = 8, dt: float = 0.02, substeps: int = 1
+    robot: Robot,
+    seed: int,
+    rows: int = 8,
+    dt: float = 0.02,
+    substeps: int = 1,
+    intervals: int = 1,
 ) -> Segment:
     """From the simulator, at every node; nothing is interpolated."""
-    t = np.arange(2 * rows + 1) * dt / 2
+    t = np.arange(2 * rows - 1) * dt / 2
     swing = random_swing(seed, len(robot.joints))
     motion = free_floating(robot, swing, t, random_start(seed, robot), 1e-12)
-    felt = accelerations(robot, motion, swing.at(t)[2])
+    q, qd, qdd = swing.at(t)
+    felt = accelerations(robot, motion, qdd)
     A_rw = wheels_of(robot).A_rw
-    planar = robot.motion == "planar"
-    course = Course(
-        joints=JointState(*swing.at(t)),
-        h_rw=motion.qd_rw @ A_rw.T,
-        h_rw_rate=felt.qdd_rw @ A_rw.T,
-        basis=_hermite(t[None], t[[0, -1]])[0],
-        t=t,
-        dt=np.full(rows, dt),
-    )
-    sets = minimal_sets(robot)
-    at = jax.jit(inertia)(tree_of(robot), robot.theta, motion.q[0])
-    r_cm = np.asarray(quaternion_matrix(motion.attitude[0])) @ np.asarray(at.r_cm)
-    own = Own(*np.zeros((len(Own._fields), 3)))
-    own = own._replace(gyro=GYRO, accelerometer=ACCELEROMETER)
-    own = own._replace(h_cm=motion.h_cm, v_cm=motion.v_cm, r_cm=r_cm)
-    row = slice(0, -1, 2)
-    values = {
+    row = slice(None, None, 2)
+    samples = {
+        "gyro": motion.w[row] + GYRO,
         "accelerometer": felt.f_S[row] + ACCELEROMETER,
         "attitude": motion.attitude[row],
-        "gyro": motion.w[row] + GYRO,
         "joints": motion.q[row],
         "position": motion.r_S[row],
         "velocity": motion.v_S[row],
     }
     every = np.ones(3)
-    turning, moving = (Z, every - Z) if planar else (every, every)
-    axes = {
-        "accelerometer": moving,
-        "attitude": turning,
-        "gyro": turning,
-        "joints": np.ones(len(robot.joints)),
-        "position": moving,
-        "velocity": moving,
-    }
-    return Segment(
-        body=Body(tree_of(robot), sets.base.theta_of),
-        planar=planar,
-        substeps=substeps,
-        beta=sets.beta(robot.theta),
-        point=Point(motion.attitude[0], own, np.zeros((4, len(robot.joints)))),
-        course=course,
-        shown=Shown(values, {key: np.tile(k, (rows, 1)) for key, k in axes.items()}),
-        motion=motion,
+    turning, moving = (Z, every - Z) if robot.motion == "planar" else (every, every)
+    axes = dict.fromkeys(("accelerometer", "position", "velocity"), moving)
+    axes |= dict.fromkeys(("gyro", "attitude"), turning)
+    axes["joints"] = np.ones(len(robot.joints))
+    weights = {name: np.tile(axes[name], (rows, 1)) for name in SENSORS}
+    weights["accelerometer"][-1] = 0.0
+    sets, joints = minimal_sets(robot), len(robot.joints)
+    r_cm = inertia_at(robot, motion.q[0]).r_cm
+    r_cm = quaternion_matrix(motion.attitude[0]) @ r_cm
+    outside = NOTHING._replace(h_cm=motion.h_cm, v_cm=motion.v_cm, r_cm=r_cm)
+    edges = np.round(np.linspace(0, rows, intervals + 1))
+    local = np.zeros((intervals + 1, 9 + 2 * joints))
+    local[:, 3:9] = np.append(GYRO, ACCELEROMETER)
+    tables = (q, qd, qdd, motion.qd_rw @ A_rw.T, felt.qdd_rw @ A_rw.T)
+    recorded = _core.Recorded(
+        core_tree(robot),
+        sets.base.theta_of,
+        robot.motion == "planar",
+        substeps,
+        np.arange(joints, dtype=float),
+        t[::2],
+        edges.astype(float),
+        *(np.ascontiguousarray(x) for x in tables),
+        [np.ascontiguousarray(samples[name]) for name in SENSORS],
+        np.ones(9 + 2 * joints),
+        np.ones(2 * joints),
+        np.ones(9),
     )
+    common = np.concatenate([*outside, sets.beta(robot.theta)])
+    assert common.size == OUTSIDE + sets.base.theta_of.shape[1]
+    meets = 2 * np.minimum(edges.astype(int), rows - 1)
+    state = State(np.ascontiguousarray(motion.attitude[meets]), local, common)
+    return Segment(recorded, weights, state)

@@ -6,12 +6,16 @@ import numpy as np
 from random_motions import random_motion
 from random_robots import random_planar_robot
 
-from orbident.estimation.maximum_likelihood import prior_of, problem_of
-from orbident.estimation.output_error.chain import Problem, State
+from orbident.estimation.maximum_likelihood import prior_of
+from orbident.estimation.output_error.problem import (
+    NOTHING,
+    Problem,
+    State,
+    problem_of,
+    start_of,
+)
 from orbident.estimation.output_error.sensors import sensors_of
-from orbident.estimation.output_error.solve import Prior
-from orbident.estimation.output_error.start import start_of
-from orbident.estimation.output_error.unknowns import Own
+from orbident.estimation.output_error.solver import Prior
 from orbident.model.minimal_sets import minimal_sets
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot, Wheel
@@ -66,10 +70,9 @@ def small_problem(robot: Robot, recording: Recording, off: float = 0.0) -> Small
     sets = minimal_sets(robot)
     sensors = sensors_of(robot, recording, dict.fromkeys(SENSORS, 0.0))
     samples = samples_of(robot, recording)
-    own = Own(*np.zeros((len(Own._fields), 3)))
-    problem = problem_of(robot, sets, samples, sensors)
+    problem = problem_of(robot, sets.base.theta_of, samples, sensors)
     beta = sets.beta(robot.theta)
     signs = np.where(np.arange(beta.size) % 2, 1.0, -1.0)
     start = (1 + off * signs) * beta
-    state = start_of(samples, problem.chart.t, own, start, len(robot.joints))
-    return Small(problem, prior_of(robot, sets, own, "at-rest"), state, beta)
+    state = start_of(problem, samples, NOTHING, start)
+    return Small(problem, prior_of(robot, sets, NOTHING, "at-rest"), state, beta)

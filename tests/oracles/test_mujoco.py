@@ -21,9 +21,9 @@ from random_robots import DUAL_ARM, random_quaternion, random_robot, random_whee
 from scipy.interpolate import CubicHermiteSpline
 
 from orbident.dynamics.free_floating import BaseState, FreeFloating, free_floating
-from orbident.dynamics.inertia import inertia
+from orbident.model.inertia import inertia
 from orbident.dynamics.tree import tree_of
-from orbident.dynamics.wheels import wheels_of
+from orbident.model.wheels import wheels_of
 from orbident.robot.description import Robot
 
 DURATION = 4.0

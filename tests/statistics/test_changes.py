@@ -14,7 +14,7 @@ import pytest
 
 from orbident.dynamics.free_floating import FreeFloating
 from orbident.estimation.recursive.history import History, recursive_history
-from orbident.regressors.minimal_sets import minimal_sets
+from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.description import Robot
 from orbident.sensing.capture import Target, holding, truth_through_change
 from orbident.sensing.measure import measure, measure_truth

@@ -9,7 +9,7 @@ import pytest
 from scipy.stats import chi2
 
 from orbident.estimation.identify import Method, identify
-from orbident.regressors.minimal_sets import minimal_sets
+from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.description import Robot
 from orbident.sensing.measure import measure
 from orbident.sensing.simulate import float_along

@@ -9,7 +9,7 @@ from random_motions import Start, random_motion
 
 import orbident as oi
 from orbident.estimation.least_squares import InitialMomentum
-from orbident.regressors.minimal_sets import minimal_sets
+from orbident.model.minimal_sets import minimal_sets
 
 
 class Case(NamedTuple):

@@ -12,8 +12,8 @@ from orbident.identified.intervals import deviations
 from orbident.identified.prediction import predict
 from orbident.identified.validate import validate
 from orbident.recordings.recording import Recording
-from orbident.regressors.derivatives import sets_of_beta
-from orbident.regressors.minimal_sets import minimal_sets
+from orbident.model.derivatives import sets_of_beta
+from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.robot_file import load_robot
 from orbident.sensing.simulate import simulate
 

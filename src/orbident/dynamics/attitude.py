@@ -20,7 +20,7 @@ from orbident import _core
 from orbident.errors import InputError
 from orbident.model.rotations import rotation_angle
 from orbident.spatial.arrays import AnyArray
-from orbident.spatial.rotations import (
+from orbident.model.rotations import (
     quaternion_matrix,
     quaternion_rate,
     rotate,

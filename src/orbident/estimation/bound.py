@@ -9,21 +9,22 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-import numpy as np
-
 from orbident.dynamics.free_floating import FreeFloating
 from orbident.errors import InputError
 from orbident.estimation.found import Found, found_beta
 from orbident.estimation.least_squares import InitialMomentum
-from orbident.estimation.maximum_likelihood import estimate_of, prior_of, problem_of
-from orbident.estimation.output_error.chain import linear
+from orbident.estimation.maximum_likelihood import estimate_of, prior_of
+from orbident.estimation.output_error.problem import (
+    NOTHING,
+    linear,
+    problem_of,
+    start_of,
+)
 from orbident.estimation.output_error.sensors import sensors_of
-from orbident.estimation.output_error.solve import Solution
-from orbident.estimation.output_error.start import start_of
-from orbident.estimation.output_error.unknowns import Own
+from orbident.estimation.output_error.solver import Solution
 from orbident.estimation.prior import prior_std
 from orbident.precision import in_float64
-from orbident.regressors.minimal_sets import minimal_sets
+from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.description import Robot
 from orbident.sensing.measure import measure
 from orbident.sensing.simulate import RATE, float_along
@@ -69,14 +70,13 @@ def cramer_rao(
     recording = measure(ideal, motion, trajectory)
     sensors = sensors_of(robot, recording, dict.fromkeys(SENSORS, 0.0))
     samples = _true_samples(motion)
-    problem = problem_of(robot, sets, samples, sensors)
-    own = Own(*np.zeros((len(Own._fields), 3)))
-    own = own._replace(h_cm=motion.h_cm, v_cm=motion.v_cm)
-    beta = sets.beta(robot.theta)
-    state = start_of(samples, problem.chart.t, own, beta, len(robot.joints))
-    prior = prior_of(robot, sets, own, initial_momentum)
-    there = Solution(state, linear(problem, state), prior, True, 0)
-    return found_beta(robot, sets, estimate_of(there, prior_std(robot, sets)))
+    problem = problem_of(robot, sets.base.theta_of, samples, sensors)
+    outside = NOTHING._replace(h_cm=motion.h_cm, v_cm=motion.v_cm)
+    state = start_of(problem, samples, outside, sets.beta(robot.theta))
+    prior = prior_of(robot, sets, outside, initial_momentum)
+    there = linear(problem, problem.weights, state)
+    solution = Solution(state, there, prior, True, 0)
+    return found_beta(robot, sets, estimate_of(solution, prior_std(robot, sets)))
 
 
 def _check_noise(robot: Robot) -> None:

@@ -13,23 +13,24 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from orbident.dynamics.tree import tree_of
 from orbident.estimation.found import BetaEstimate, hidden_of
 from orbident.estimation.least_squares import Fits, InitialMomentum, known_momentum
-from orbident.estimation.output_error.chain import Problem
-from orbident.estimation.output_error.course import chart_of
-from orbident.estimation.output_error.fitting import Fitted, fitted
-from orbident.estimation.output_error.pushes import Push, freed, push_of
+from orbident.estimation.output_error.disturbances import NONE, Push, freed, push_of
+from orbident.estimation.output_error.noise_scaling import Fitted, fitted
+from orbident.estimation.output_error.problem import (
+    NOTHING,
+    Outside,
+    problem_of,
+    start_of,
+)
 from orbident.estimation.output_error.sensors import Sensors, sensors_of
-from orbident.estimation.output_error.solve import Prior, Solution
-from orbident.estimation.output_error.start import looseness, start_of, substeps_of
-from orbident.estimation.output_error.terms import Body
-from orbident.estimation.output_error.unknowns import LOCAL, Own
+from orbident.estimation.output_error.solver import Prior, Solution
 from orbident.estimation.predicted import Signals, sensor_signals
 from orbident.estimation.prior import prior_std
 from orbident.estimation.verdict import no_direct_mass
+from orbident.model.minimal_sets import conserved_axes
 from orbident.recordings.recording import Recording
-from orbident.regressors.minimal_sets import MinimalSets, conserved_axes
+from orbident.model.minimal_sets import MinimalSets
 from orbident.robot.description import Robot
 from orbident.signals.delays import delays
 from orbident.signals.samples import Samples
@@ -39,10 +40,6 @@ UNKNOWN = 1e3
 
 KNOWN = 1e-9
 """Std of a known momentum, over the same."""
-
-NONE = 1e-12
-"""N m and m/s^2: std of torque and pull while there are none."""
-
 
 NOISY = 1.5
 """Times the declared noise: worth a warning."""
@@ -146,23 +143,29 @@ def maximum_likelihood(
         progress: is called at every step.
     """
     sensors = sensors_of(robot, recording, delays(robot, recording, late))
-    problem = problem_of(robot, sets, samples, sensors)
-    own = _first_momentum(robot, sets, samples, fits, initial_momentum)
-    prior = prior_of(robot, sets, own, initial_momentum)
-    state = start_of(samples, problem.chart.t, own, beta, len(robot.joints))
+    problem = problem_of(robot, sets.base.theta_of, samples, sensors)
+    outside = _first_momentum(robot, sets, samples, fits, initial_momentum)
+    prior = prior_of(robot, sets, outside, initial_momentum)
+    state = start_of(problem, samples, outside, beta)
     least = {name: each.least / each.std for name, each in sensors.by_name.items()}
     found = fitted(problem, prior, state, least, progress)
     turning, moving = conserved_axes(robot)
     axes = {"torque": turning, "pull": moving}
     pushes = {name: push_of(found.solution, name, axes[name]) for name in axes}
-    for name, push in pushes.items():
-        prior = freed(prior, name) if push.believed else prior
-    if any(push.believed for push in pushes.values()):
+    believed = [name for name, push in pushes.items() if push.believed]
+    if believed:
+        for name in believed:
+            prior = freed(prior, name)
         found = fitted(problem, prior, found.solution.state, least, progress)
-    C = found.solution.covariance
+        pushes = {
+            name: push_of(found.solution, name, axes[name])._replace(
+                believed=push.believed
+            )
+            for name, push in pushes.items()
+        }
     return Likelihood(
         estimate=estimate_of(found.solution, prior_std(robot, sets)),
-        biases=_biases(robot, sensors, found, C),
+        biases=_biases(robot, sensors, found),
         pushes=pushes,
         sensors={name: _sensor_fit(sensors, found, name) for name in found.parts},
         chi2_per_dof=_chi2(sensors, found),
@@ -176,24 +179,11 @@ def estimate_of(solution: Solution, scale: Float[np.ndarray, " beta"]) -> BetaEs
     n, prior, state = scale.size, solution.prior, solution.state
     # What is known beforehand of all else counts: a momentum gives the scale.
     std = np.append(prior.std[:-n], np.full(n, np.inf))
-    factor = prior._replace(std=std).added(solution.linear.known.common, state)
+    factor = prior._replace(std=std).added(solution.linear.common, state)
     return BetaEstimate(
         values=state.beta,
         covariance=solution.covariance[-n:, -n:],
         hidden=hidden_of(factor[-n - 1 : -1, -n - 1 : -1], scale),
-    )
-
-
-def problem_of(
-    robot: Robot, sets: MinimalSets, samples: Samples, sensors: Sensors
-) -> Problem:
-    """The equations of a recording."""
-    return Problem(
-        body=Body(tree_of(robot), sets.base.theta_of),
-        planar=robot.motion == "planar",
-        substeps=substeps_of(robot, samples),
-        chart=chart_of(robot, samples, sensors),
-        loose=looseness(robot, samples, sensors),
     )
 
 
@@ -203,7 +193,7 @@ def _first_momentum(
     samples: Samples,
     fits: Fits,
     initial_momentum: InitialMomentum,
-) -> Own:
+) -> Outside:
     """As the linear fit has it, or as it is known."""
     axes = np.array(sets.regressors.momentum_axes)
     known = known_momentum(robot, sets, samples, initial_momentum)
@@ -212,33 +202,35 @@ def _first_momentum(
         h_cm[axes] = fits.pi.nuisances
     else:
         h_cm[axes] = known.h[axes] + known.Y_in @ fits.pi.values
-    return Own(*np.zeros((len(Own._fields), 3)))._replace(h_cm=h_cm)
+    return NOTHING._replace(h_cm=h_cm)
 
 
 def prior_of(
-    robot: Robot, sets: MinimalSets, own: Own, initial_momentum: InitialMomentum
+    robot: Robot, sets: MinimalSets, outside: Outside, initial_momentum: InitialMomentum
 ) -> Prior:
     """What is known of the unknowns of all segments: `beta` is about nominal."""
     spin = sum(wheel.inertia for wheel in robot.wheels)
-    h_std = max(float(np.linalg.norm(own.h_cm)), spin)
+    h_std = max(float(np.linalg.norm(outside.h_cm)), spin)
     h_std *= KNOWN if initial_momentum == "at-rest" else UNKNOWN
     std = np.repeat([h_std, UNKNOWN, UNKNOWN, NONE, NONE], 3)
     return Prior(
-        values=np.concatenate([*own, sets.beta(robot.theta)])[LOCAL:],
+        values=np.concatenate([*outside, sets.beta(robot.theta)]),
         std=np.concatenate([std, prior_std(robot, sets)]),
     )
 
 
 def _biases(
-    robot: Robot, sensors: Sensors, found: Fitted, C: Float[np.ndarray, "n n"]
+    robot: Robot, sensors: Sensors, found: Fitted
 ) -> dict[str, dict[str, float]]:
     """At the end of the recording, with what all of it tells."""
     turning, moving = conserved_axes(robot)
+    solution = found.solution
+    C = solution.linear.covariance_at_the_end(solution.covariance)
     biases = {}
     for first, name, axes in ((3, "gyro", turning), (6, "accelerometer", moving)):
         for k in axes if name in sensors.by_name else ():
             biases[f"{name}.{'xyz'[k]}"] = {
-                "value": float(found.solution.state.local[-1, first + k]),
+                "value": float(solution.state.local[-1, first + k]),
                 "std": float(np.sqrt(C[first + k, first + k])),
             }
     return biases

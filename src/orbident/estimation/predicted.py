@@ -11,8 +11,8 @@ from orbident.estimation.least_squares import (
     known_momentum,
     rows_of,
 )
-from orbident.estimation.output_error.chain import Problem
-from orbident.estimation.output_error.fitting import Fitted
+from orbident.estimation.output_error.noise_scaling import Fitted
+from orbident.estimation.output_error.problem import Problem
 from orbident.estimation.output_error.sensors import Sensors
 from orbident.model.minimal_sets import MinimalSets
 from orbident.model.wheels import wheels_of
@@ -62,17 +62,15 @@ def sensor_signals(
         sensors: with the noise that was assumed.
         found: residuals, and the noise that they show.
     """
-    course, shown = problem.chart.course, problem.chart.shown
-    times = problem.chart.t[0] + np.asarray(course.t)[:, :-1:2]
     signals = []
-    for name, weights in shown.weights.items():
-        seen, counts = weights.any(axis=2), weights.any(axis=(0, 1))
+    for name, weights in problem.weights.items():
+        seen, counts = weights.any(axis=1), weights.any(axis=0)
         std = sensors.by_name[name].std * found.levels[name]
         error = found.residuals[name][seen][:, counts] * std
         if name == "attitude":
             measured = error
         else:
-            measured = np.asarray(shown.values[name])[seen][:, counts]
+            measured = problem.samples[name][seen][:, counts]
         labels = robot.joint_names if name == "joints" else tuple("xyz")
         kinds = [JOINT_UNITS[joint.kind] for joint in robot.joints]
         units = kinds if name == "joints" else 3 * [UNITS[name]]
@@ -81,7 +79,7 @@ def sensor_signals(
                 name=name,
                 axes=tuple(np.array(labels, dtype=object)[counts]),
                 units=tuple(np.array(units, dtype=object)[counts]),
-                t=times[seen],
+                t=problem.t[seen],
                 measured=measured,
                 predicted=measured - error,
                 std=std,

@@ -6,6 +6,7 @@ from jaxtyping import Float
 from orbident.model.inertia import inertia_at
 from orbident.model.minimal_sets import MinimalSets
 from orbident.robot.description import Robot
+from orbident.robot.parameters import MASS
 
 WIDE = 100.0
 """Times the robot's own scale: no robot is so far from its CAD values."""
@@ -19,7 +20,8 @@ def prior_std(robot: Robot, sets: MinimalSets) -> Float[np.ndarray, " beta"]:
     keeps the equations solvable and is recognised by it.
     """
     D = inertia_at(robot, np.zeros(len(robot.joints))).D
+    M = float(robot.theta[:, MASS].sum())
     # Of CAD values that no body can have, D may be anything.
-    L = float(np.sqrt(np.abs(np.diag(D)).sum() / robot.mass))
+    L = float(np.sqrt(np.abs(np.diag(D)).sum() / M))
     size = np.repeat([1.0, L, L**2], [1, sets.base.sigmas, sets.iotas])
-    return WIDE * robot.mass * size
+    return WIDE * M * size

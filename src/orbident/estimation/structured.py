@@ -24,8 +24,8 @@ from orbident.estimation.recursive.filter import Extended
 from orbident.estimation.recursive.given import given_of
 from orbident.estimation.recursive.prior import Prior
 from orbident.estimation.triangular import LinearFit
-from orbident.regressors.derivatives import derivatives_of_beta, sets_of_beta
-from orbident.regressors.minimal_sets import MinimalSets
+from orbident.model.derivatives import derivatives_of_beta, sets_of_beta
+from orbident.model.minimal_sets import MinimalSets
 from orbident.robot.description import Robot
 from orbident.signals.samples import Samples
 

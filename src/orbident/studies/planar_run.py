@@ -10,8 +10,8 @@ from orbident.estimation.result import Result
 from orbident.estimation.weigh import Weighing, weigh
 from orbident.identified.validate import Validation, validate
 from orbident.recordings.recording import Recording
-from orbident.regressors.minimal_sets import minimal_sets
-from orbident.regressors.paper_bases import PaperBasis, paper_basis, planar_columns
+from orbident.model.minimal_sets import minimal_sets
+from orbident.model.paper_bases import PaperBasis, paper_basis, planar_columns
 from orbident.robot.description import Robot
 from orbident.studies import tables
 from orbident.studies.filters import Filters

@@ -17,8 +17,8 @@ from orbident.estimation.result import Result, nulled
 from orbident.estimation.triangular import condition_numbers
 from orbident.precision import in_float64
 from orbident.recordings.recording import Recording
-from orbident.regressors.minimal_sets import minimal_sets
-from orbident.regressors.paper_bases import PaperBasis, paper_basis, spatial_columns
+from orbident.model.minimal_sets import minimal_sets
+from orbident.model.paper_bases import PaperBasis, paper_basis, spatial_columns
 from orbident.robot.description import Robot
 from orbident.sensing.measure import measure
 from orbident.sensing.simulate import float_along, recorded

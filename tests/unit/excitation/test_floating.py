@@ -16,7 +16,7 @@ from orbident.excitation.floating import (
     spacecraft_of,
 )
 from orbident.excitation.start import was_at_rest
-from orbident.regressors.minimal_sets import minimal_sets
+from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.description import Robot
 from orbident.robot.robot_file import load_robot
 from orbident.trajectories.trajectory import Trajectory

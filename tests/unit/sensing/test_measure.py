@@ -9,7 +9,7 @@ from orbident.errors import InputError
 from orbident.robot.robot_file import load_robot
 from orbident.sensing.measure import measure
 from orbident.sensing.simulate import sample_times, simulate
-from orbident.spatial.rotations import quaternion_matrix
+from orbident.model.rotations import quaternion_matrix
 
 EVERYTHING = {
     "gyro": {"angle_random_walk": 3e-6, "bias_instability": 1.5e-6},

@@ -134,7 +134,7 @@ inline void begin(const FilterModel& model, double t, const Matrix& R_WB, const 
         row[k] += given[j] * beta_0[j];
       }
     }
-    fold(state.prior, stride, k, k + 1, room.block, stride, BLOCK);
+    fold_few(state.prior, stride, k, k + 1, room.block, stride, BLOCK);
   }
   for (long i = 0; i < static_cast<long>(k) * stride; ++i) state.root[i] = state.prior[i];
   for (int i = 0; i < k; ++i) state.beta[i] = beta_0[i];

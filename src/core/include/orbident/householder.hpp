@@ -1,35 +1,23 @@
-// Householder reflections that take a few rows into a triangular factor.
+// Rows folded into a triangular factor by Householder's reflections:
 //
-//   Q [R; rows] = [R'; 0],   R and R' upper triangular
+//   | R |         | R' |
+//   | X |  =  Q   | 0  |
 //
-// Column j goes to its first entry by 1 - b u u^T, u = [R_jj +- norm, rows_j]. Every step is a
-// combination of rows: entry c of the result depends on columns c and j alone, in a fixed order, so
-// that its last bit does not depend on the width of the processor's vectors.
-//
-// Rows lie at a distance of `stride` entries. Behind their width they hold zeros up to a multiple of
-// LANES, so that loops run over whole blocks.
+// Both tables are row-major. The zeros that R has below its diagonal are left alone. Everything is a
+// combination of whole rows, one column beside the other, so a wider processor gives the same bits.
+// Large rows belong into R before small ones: then rounding is relative to each row's own size
+// (Powell and Reid, 1969).
 #pragma once
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <limits>
 
-namespace orbident {
-
-constexpr int LANES = 4;
-
-constexpr int padded(int width) { return (width + LANES - 1) / LANES * LANES; }
-
-// Rows of a block, filled up with zeros: what the loops keep in registers.
-constexpr int BLOCK = 8;
-
-// A squared column below this is zero: rounding leaves 1e-16 of rows that are used up, and 1e-16 of
-// that, and so on, down to where squares underflow.
-constexpr double UNDERFLOW_SQUARED = 1e-200;
-
-// Compiled for wider vectors too; the results are the same to the last bit.
-#if defined(__x86_64__) && defined(__gnu_linux__) && defined(__GNUC__) && !defined(__clang__)
-#define ORBIDENT_WIDE __attribute__((target_clones("avx2", "default")))
+#if defined(__GNUC__) && defined(__x86_64__) && defined(__linux__) && !defined(__SANITIZE_ADDRESS__)
+#define ORBIDENT_WIDEST __attribute__((target_clones("avx2", "default")))
 #else
-#define ORBIDENT_WIDE
+#define ORBIDENT_WIDEST
 #endif
 #if defined(__GNUC__)
 #define ORBIDENT_INLINE __attribute__((always_inline)) inline
@@ -37,56 +25,103 @@ constexpr double UNDERFLOW_SQUARED = 1e-200;
 #define ORBIDENT_INLINE inline
 #endif
 
-// Reflects the columns from j on of R_j and N rows.
-template <int N>
-ORBIDENT_INLINE void reflect(double* R_j, int j, int width, double v, double b, const double* u,
-                             double* rows, int row_stride) {
-  double u_[N];
-  for (int i = 0; i < N; ++i) u_[i] = u[i];
-  // Columns before j are zero: blocks may begin there.
-  for (int c = j / LANES * LANES; c < width; c += LANES) {
-    double* __restrict const R_c = R_j + c;
-    double* __restrict const rows_c = rows + c;
-    double share[LANES];
-    for (int l = 0; l < LANES; ++l) share[l] = v * R_c[l];
-#pragma GCC unroll 8
-    for (int i = 0; i < N; ++i)
-      for (int l = 0; l < LANES; ++l) share[l] += u_[i] * rows_c[i * row_stride + l];
-    for (int l = 0; l < LANES; ++l) share[l] *= b;
-    for (int l = 0; l < LANES; ++l) R_c[l] -= v * share[l];
-#pragma GCC unroll 8
-    for (int i = 0; i < N; ++i)
-      for (int l = 0; l < LANES; ++l) rows_c[i * row_stride + l] -= u_[i] * share[l];
+namespace orbident {
+
+// Rows that are folded at once stay in the first-level cache: so many numbers of them.
+constexpr int FOLDED_NUMBERS = 3072;
+
+// X -= v tau (pivot + v^T X), pivot -= tau (pivot + v^T X), for as many strips of W columns as fit
+// between the columns `first` and n; returns the column after them. A strip's sums stay in registers.
+template <int W>
+ORBIDENT_INLINE int reflect_strips(double* pivot, double* X, std::ptrdiff_t stride, int first, int n,
+                                   const double* v, int m, double tau) {
+  for (; first + W <= n; first += W) {
+    double sum[W];
+    for (int k = 0; k < W; ++k) sum[k] = pivot[first + k];
+    for (int i = 0; i < m; ++i) {
+      const double* row = X + i * stride + first;
+      for (int k = 0; k < W; ++k) sum[k] += v[i] * row[k];
+    }
+    for (int k = 0; k < W; ++k) sum[k] *= tau;
+    for (int k = 0; k < W; ++k) pivot[first + k] -= sum[k];
+    for (int i = 0; i < m; ++i) {
+      double* row = X + i * stride + first;
+      for (int k = 0; k < W; ++k) row[k] -= v[i] * sum[k];
+    }
+  }
+  return first;
+}
+
+// One reflection, by the vector [1, v] and its factor tau, of the n columns of a pivot row and of
+// the m rows X.
+ORBIDENT_WIDEST inline void reflect(double* pivot, double* X, std::ptrdiff_t stride, int n,
+                                    const double* v, int m, double tau) {
+  int first = reflect_strips<32>(pivot, X, stride, 0, n, v, m, tau);
+  first = reflect_strips<24>(pivot, X, stride, first, n, v, m, tau);
+  first = reflect_strips<16>(pivot, X, stride, first, n, v, m, tau);
+  first = reflect_strips<8>(pivot, X, stride, first, n, v, m, tau);
+  reflect_strips<1>(pivot, X, stride, first, n, v, m, tau);
+}
+
+// The same for any scalar.
+template <class T>
+void reflect(T* pivot, T* X, std::ptrdiff_t stride, int n, const T* v, int m, T tau) {
+  for (int k = 0; k < n; ++k) {
+    T sum = pivot[k];
+    for (int i = 0; i < m; ++i) sum += v[i] * X[i * stride + k];
+    sum *= tau;
+    pivot[k] -= sum;
+    for (int i = 0; i < m; ++i) X[i * stride + k] -= v[i] * sum;
   }
 }
 
-// Takes 3, 6 or BLOCK rows into R until their first `columns` columns are zero; all in
-// place. What is left of the rows keeps its directions.
-ORBIDENT_WIDE inline void fold(double* R, int stride, int columns, int width, double* rows,
-                               int row_stride, int count) {
-  double u[BLOCK];
+// Tables whose columns are a multiple of this are folded fastest.
+constexpr int ALIGNED = 8;
+
+// How many rows of n columns are folded at once, and how many numbers v must hold.
+constexpr int rows_at_once(int n) { return std::max(1, FOLDED_NUMBERS / std::max(n, 1)); }
+
+// Folds at most rows_at_once(n) rows.
+template <class T>
+void fold_block(T* R, std::ptrdiff_t R_stride, T* X, std::ptrdiff_t stride, int m, int n,
+                int columns, T* v) {
+  // Columns with nothing but smaller numbers hold nothing.
+  const T least = std::numeric_limits<T>::min() / std::numeric_limits<T>::epsilon();
   for (int j = 0; j < columns; ++j) {
-    double* const R_j = R + j * stride;
-    double below = 0.0;
-    for (int i = 0; i < count; ++i) {
-      u[i] = rows[i * row_stride + j];
-      below += u[i] * u[i];
+    T* pivot = R + j * R_stride + j;
+    T largest = T(0);
+    for (int i = 0; i < m; ++i) largest = std::max(largest, std::abs(X[i * stride + j]));
+    if (!(largest > least)) continue;
+    // Scaled, so that no square underflows or overflows.
+    const T scale = std::max(largest, std::abs(*pivot));
+    const T a = *pivot / scale;
+    T squares = T(0);
+    for (int i = 0; i < m; ++i) {
+      v[i] = X[i * stride + j] / scale;
+      squares += v[i] * v[i];
     }
-    if (below < UNDERFLOW_SQUARED) continue;
-    const double norm = std::sqrt(R_j[j] * R_j[j] + below);
-    const double image = R_j[j] >= 0.0 ? -norm : norm;
-    const double v = R_j[j] - image;
-    const double b = 2.0 / (v * v + below);
-    R_j[j] = 0.0;
-    for (int i = 0; i < count; ++i) rows[i * row_stride + j] = 0.0;
-    if (count == 6)
-      reflect<6>(R_j, j, width, v, b, u, rows, row_stride);
-    else if (count == BLOCK)
-      reflect<BLOCK>(R_j, j, width, v, b, u, rows, row_stride);
-    else
-      reflect<3>(R_j, j, width, v, b, u, rows, row_stride);
-    R_j[j] = image;
+    const T norm = std::copysign(std::sqrt(a * a + squares), a);
+    const T first = a + norm;
+    for (int i = 0; i < m; ++i) {
+      v[i] /= first;
+      X[i * stride + j] = T(0);
+    }
+    // Columns to the left are zero and stay so: whole strips from one of them on leave no rest.
+    const int start = (j + 1) / ALIGNED * ALIGNED;
+    *pivot = T(0);
+    reflect(R + j * R_stride + start, X + start, stride, n - start, v, m, first / norm);
+    *pivot = -norm * scale;
   }
+}
+
+// Folds the rows X (m x n) into R (upper triangular, n columns): their first `columns` are brought
+// to zero, and X keeps what is left of the others. v is memory for rows_at_once(n) numbers.
+template <class T>
+void fold(T* R, std::ptrdiff_t R_stride, T* X, std::ptrdiff_t stride, int m, int n, int columns,
+          T* v) {
+  const int at_once = rows_at_once(n);
+  for (int i = 0; i < m; i += at_once)
+    fold_block(R, R_stride, X + i * stride, stride, std::min(at_once, m - i), n, columns, v);
 }
 
 }  // namespace orbident

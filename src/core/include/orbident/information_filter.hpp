@@ -72,8 +72,8 @@ inline Innovation take_in(const FilterModel& model, FilterState& state, double t
   conservation_equations(model.laws, state.beta, h_cm, at, R_WB, room.equations, room.rows, stride);
   predict_nuisances(model.laws, state.top, size.top_stride(), n + y + 1, integral, h_cm, dt,
                     room.kick, room.covariance);
-  fold(state.top, size.top_stride(), n, n + y + 1, room.rows, stride, size.rows);
-  fold(state.R, size.R_stride(), y, y + 1, room.rows + n, stride, size.rows);
+  fold_few(state.top, size.top_stride(), n, n + y + 1, room.rows, stride, size.rows);
+  fold_few(state.R, size.R_stride(), y, y + 1, room.rows + n, stride, size.rows);
   *state.t = t;
   for (int i = 0; i < 3; ++i) state.w[i] = at.w[i];
   for (int i = 0; i < 9; ++i) state.R_WB[i] = R_WB(i / 3, i % 3);
@@ -100,7 +100,7 @@ inline void estimate(const FilterModel& model, FilterState& state, FilterRoom& r
   int waiting = 0;
   const auto fold_block = [&] {
     for (int i = waiting * block_stride; i < BLOCK * block_stride; ++i) room.block[i] = 0.0;
-    fold(state.root + iotas * stride + iotas, stride, shown, shown + 1, room.block, block_stride,
+    fold_few(state.root + iotas * stride + iotas, stride, shown, shown + 1, room.block, block_stride,
          BLOCK);
     waiting = 0;
   };
@@ -125,7 +125,7 @@ inline void estimate(const FilterModel& model, FilterState& state, FilterRoom& r
     const int left = k - first;
     for (int i = 0; i < BLOCK * stride; ++i)
       room.block[i] = i < left * stride ? state.prior[first * stride + i] : 0.0;
-    fold(state.root + first * stride + first, stride, left, left + 1, room.block + first, stride,
+    fold_few(state.root + first * stride + first, stride, left, left + 1, room.block + first, stride,
          BLOCK);
   }
   double *const ordered = room.beta, *const beta = room.beta + k;
@@ -146,7 +146,7 @@ inline void estimate(const FilterModel& model, FilterState& state, FilterRoom& r
 }
 
 // Standard deviations of beta, from the rows of root^-1.
-ORBIDENT_WIDE inline void deviations(const FilterModel& model, const FilterState& state,
+ORBIDENT_FEW_WIDE inline void deviations(const FilterModel& model, const FilterState& state,
                                      double* inverse, double* std) {
   const FilterSizes size = model.sizes();
   const int k = size.betas(), stride = size.beta_stride();

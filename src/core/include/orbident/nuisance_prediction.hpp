@@ -9,13 +9,13 @@
 #pragma once
 
 #include "orbident/conservation_equations.hpp"
-#include "orbident/householder.hpp"
+#include "orbident/few_rows.hpp"
 
 namespace orbident {
 
 // U^-1 rows in place, from the last row up; U is upper triangular, n x n, and holds the inverses of
 // its diagonal there.
-ORBIDENT_WIDE inline void solve_upper(const double* U, int n, double* rows, int stride, int width) {
+ORBIDENT_FEW_WIDE inline void solve_upper(const double* U, int n, double* rows, int stride, int width) {
   for (int c = 0; c < width; c += LANES)
     for (int i = n - 1; i >= 0; --i) {
       double* __restrict const row = rows + i * stride + c;

@@ -6,7 +6,7 @@ import numpy as np
 
 from orbident.errors import InputError
 from orbident.estimation.least_squares import fit
-from orbident.regressors.minimal_sets import minimal_sets
+from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.description import Robot
 from orbident.sensing.inertial import CORRELATION_TIME
 from orbident.sensing.noise import FLICKER_FLOOR, MARKOV_PEAK

@@ -1,18 +1,21 @@
-"""What sensors should show: the simulator's values, and automatic derivatives."""
+"""What sensors should show: the simulator's values, and their derivatives."""
 
 from dataclasses import replace
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 import pytest
-from random_robots import random_planar_robot, random_robot, random_wheels
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from random_robots import (
+    random_parents,
+    random_planar_robot,
+    random_robot,
+    random_wheels,
+)
 from segments import Segment, segment_of
 
-from orbident.compilation import compiled
-from orbident.estimation.output_error.segment import Point, linearised
-from orbident.estimation.output_error.unknowns import OWN, Own
-from orbident.spatial.rotations import cross
+from orbident.estimation.output_error.problem import SENSORS, State
+from orbident.robot.description import Robot
 
 ROBOTS = {
     "spatial": random_robot(
@@ -26,37 +29,56 @@ ROBOTS = {
 
 @pytest.fixture(scope="module", params=ROBOTS)
 def segment(request) -> Segment:
-    return segment_of(ROBOTS[request.param], seed=3, rows=32)
+    return segment_of(ROBOTS[request.param], seed=3, rows=33)
 
 
-rows_of = compiled(linearised, static_argnames=("planar", "substeps"))
+def changed(state: State, z: np.ndarray, g: np.ndarray) -> State:
+    """The state with other unknowns; a turn of any size, in one step."""
+    moved = state.moved(z, g)
+    return moved._replace(local=np.ascontiguousarray(moved.local))
 
 
-def by_sensor(segment: Segment, table) -> dict[str, np.ndarray]:
-    """A segment's rows, sensor by sensor."""
-    axes = [w.shape[1] for _, w in sorted(segment.shown.weights.items())]
-    parts = np.split(np.asarray(table), np.cumsum(axes)[:-1], axis=1)
-    return dict(zip(sorted(segment.shown.weights), parts, strict=True))
+def by_differences(segment: Segment, sensor: str) -> np.ndarray:
+    """How what a sensor shows less what is predicted falls with each unknown."""
+    state, step = segment.state, 1e-4
+    shape, common = state.local.shape, state.common.size
+    rows = np.count_nonzero(segment.weights[sensor])
+    columns = []
+    for e in np.eye(state.local.size + common):
+        z, g = e[:-common].reshape(shape), e[-common:]
+
+        def shown(size, z=z, g=g):
+            at = changed(state, size * z, size * g)
+            return segment.equations(sensor, state=at)[:rows, -1]
+
+        one, two = (shown(-k * step) - shown(k * step) for k in (1, 2))
+        columns.append((8 * one - two) / (12 * step))
+    return np.array(columns).T
 
 
-def moved(point: Point, beta, x) -> tuple[Point, jax.Array]:
-    """A point and `beta`, changed by all unknowns at once."""
-    own, joints = Own(*x[:OWN].reshape(-1, 3)), point.corrections.shape[1]
-    v, s = jnp.asarray(point.x_WB[:3]), point.x_WB[3]
-    vector = v + (s * own.turn + cross(v, own.turn)) / 2
-    x_WB = jnp.append(vector, s - jnp.dot(v, own.turn) / 2)
-    corrections = x[OWN : OWN + 4 * joints].reshape(4, joints)
-    changed = Own(*(a + b for a, b in zip(point.own, own, strict=True)))
-    return (
-        Point(x_WB, changed, point.corrections + corrections),
-        beta + x[OWN + 4 * joints :],
-    )
+def check_slopes(segment: Segment) -> None:
+    for sensor in SENSORS:
+        if sensor == "joints":
+            continue
+        exact = by_differences(segment, sensor)
+        ours = segment.equations(sensor)[: len(exact), :-1]
+        # RK4 of the derivative is not the derivative of RK4: a step's error, 0.02^4
+        # relative; and rounding over the differences' step. The accelerometer's are by
+        # a parabola in time: 0.02^2.
+        part, least = (1e-3, 1e-4) if sensor == "accelerometer" else (1e-7, 1e-9)
+        error = np.abs(ours - exact).max(axis=0)
+        local = segment.state.local.size
+        for group in (
+            slice(0, local),
+            slice(local, local + 15),
+            slice(local + 15, None),
+        ):
+            size = np.abs(exact[:, group]).max()
+            assert error[group].max() < part * size + least, (sensor, group)
 
 
 def test_values_are_the_simulators(segment: Segment):
-    *given, _ = segment
-    found = by_sensor(segment, rows_of(*given).residual)
-    for sensor, residual in found.items():
+    for sensor, residual in segment.residuals().items():
         # RK4 with 50 steps a second at some rad/s, and the simulator's own 1e-12.
         np.testing.assert_allclose(residual, 0.0, atol=1e-9, err_msg=sensor)
 
@@ -66,12 +88,10 @@ def test_a_fast_nutation_needs_smaller_steps():
     robot = ROBOTS["spatial"]
     wheels = tuple(replace(wheel, inertia=0.5) for wheel in robot.wheels)
     robot = replace(robot, wheels=wheels)
-    errors = []
-    for substeps in (1, 2, 16):
-        segment = segment_of(robot, 3, 32, dt=0.05, substeps=substeps)
-        *given, _ = segment
-        attitude = by_sensor(segment, rows_of(*given).residual)["attitude"]
-        errors.append(np.abs(attitude).max())
+    errors = [
+        np.abs(segment_of(robot, 3, 33, 0.05, substeps).residuals()["attitude"]).max()
+        for substeps in (1, 2, 16)
+    ]
     # RK4: 16 times less with half the step; then what parabolas leave of the joints.
     assert errors[0] > 1e-5
     assert errors[1] < errors[0] / 8
@@ -79,28 +99,58 @@ def test_a_fast_nutation_needs_smaller_steps():
 
 
 def test_slopes_are_the_derivatives_of_the_values(segment: Segment):
-    body, planar, substeps, beta, point, course, shown, _ = segment
-    unknowns = OWN + point.corrections.size + beta.size
-
-    def residual(x):
-        at, beta_x = moved(point, beta, x)
-        return linearised(body, planar, substeps, beta_x, at, course, shown).residual
-
-    expected = by_sensor(segment, -compiled(jax.jacfwd(residual))(np.zeros(unknowns)))
-    *given, _ = segment
-    found = by_sensor(segment, rows_of(*given).slopes)
-    for sensor, slopes in found.items():
-        for name, of_unknown in columns(segment).items():
-            ours, exact = slopes[..., of_unknown], expected[sensor][..., of_unknown]
-            # RK4 of the derivative is not the derivative of RK4: a step's error,
-            # 0.02^4 relative. The accelerometer's are by a parabola in time: 0.02^2.
-            part, least = (1e-3, 1e-4) if sensor == "accelerometer" else (1e-8, 1e-12)
-            error = np.abs(ours - exact).max()
-            assert error < part * np.abs(exact).max() + least, (sensor, name)
+    check_slopes(segment)
 
 
-def columns(segment: Segment) -> dict[str, slice]:
-    """Where each unknown is."""
-    own = {name: slice(3 * k, 3 * k + 3) for k, name in enumerate(Own._fields)}
-    end = OWN + segment.point.corrections.size
-    return own | {"corrections": slice(OWN, end), "beta": slice(end, None)}
+@settings(max_examples=8, deadline=None)
+@given(
+    seed=st.integers(0, 2**20),
+    joints=st.integers(1, 4),
+    planar=st.booleans(),
+    slides=st.integers(0, 15),
+    massless=st.integers(0, 15),
+)
+def test_any_tree(seed, joints, planar, slides, massless):
+    """Values and slopes, with massless links and slides, some base far heavier."""
+    robot = any_robot(seed, joints, planar, slides, massless)
+    segment = segment_of(robot, seed, rows=33)
+    for sensor, residual in segment.residuals().items():
+        # The base may turn at some rad/s.
+        np.testing.assert_allclose(residual, 0.0, atol=1e-6, err_msg=sensor)
+    check_slopes(segment)
+
+
+def any_robot(seed, joints, planar, slides, massless) -> Robot:
+    parents = random_parents(np.random.default_rng(seed), joints)
+    sliding = tuple(k for k in range(joints) if slides >> k & 1)
+    wheels = random_wheels(seed, ["held"])
+    if planar:
+        robot = random_planar_robot(seed, parents, sliding, wheels)
+    else:
+        robot = random_robot(seed, parents, sliding, wheels, base=10.0)
+    theta = robot.theta.copy()
+    theta[[k + 1 for k in range(joints) if massless >> k & 1]] = 0.0
+    return replace(robot, theta=theta)
+
+
+@pytest.mark.parametrize("substeps", [1, 4])
+def test_slopes_with_smaller_steps(substeps):
+    check_slopes(segment_of(ROBOTS["spatial"], 3, 33, substeps=substeps))
+
+
+def test_continuity_and_corrections(segment: Segment):
+    """The interval's end is the next one's start; corrections have a prior."""
+    state, rows = segment.state, 0
+    table = segment.equations()
+    L = state.local.shape[1]
+    continuity = table[rows : rows + 9]
+    duration = 0.02 * 32
+    np.testing.assert_allclose(continuity[:, -1], 0.0, atol=1e-8)
+    size = 1 / np.sqrt(duration)
+    np.testing.assert_allclose(continuity[:, L : L + 9], -size * np.eye(9), rtol=1e-12)
+    np.testing.assert_allclose(continuity[3:, 3:9], size * np.eye(6), rtol=1e-12)
+    prior = table[9:]
+    N = prior.T @ prior
+    expected = np.zeros(len(N))
+    expected[L + 9 : 2 * L] = 1.0
+    np.testing.assert_allclose(N, np.diag(expected), atol=1e-12)

@@ -19,8 +19,8 @@ from orbident.dynamics.flight import standing
 from orbident.dynamics.free_floating import BaseState
 from orbident.dynamics.free_flying import free_flying
 from orbident.dynamics.thrusters import Pulse
-from orbident.estimation.output_error.pushes import Push, freed, push_of
-from orbident.estimation.output_error.solve import Solution, solved
+from orbident.estimation.output_error.disturbances import Push, freed, push_of
+from orbident.estimation.output_error.solver import Solution, solved
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Thruster
 
@@ -40,7 +40,7 @@ def solution_of(recording: Recording, *free: str) -> Solution:
     problem, prior, state, _ = small_problem(robot, recording)
     for name in free:
         prior = freed(prior, name)
-    solution = solved(problem, prior, state)
+    solution = solved(problem, problem.weights, prior, state)
     assert solution.converged
     return solution
 

@@ -6,14 +6,16 @@ import numpy as np
 import pytest
 from small_problems import Small, noisy, small_problem, small_recording, small_robot
 
-from orbident.estimation.output_error.chain import (
-    _batches,
-    _beforehand,
-    _equations,
+from orbident import _core
+from orbident.estimation.output_error.disturbances import FREE, freed, place_of
+from orbident.estimation.output_error.problem import (
+    NO_ROWS,
+    SENSORS,
+    Problem,
+    State,
     linear,
 )
-from orbident.estimation.output_error.pushes import FREE, freed, place_of
-from orbident.estimation.output_error.solve import _damped, solved
+from orbident.estimation.output_error.solver import _damped, solved
 from orbident.recordings.recording import Recording
 
 
@@ -48,9 +50,12 @@ class Dense(NamedTuple):
         return root @ (Q.T @ self.b), root @ root.T
 
 
-def dense(problem, state) -> Dense:
-    local, common = state.local.shape[1], state.common.size
-    chain = state.local.size
+def dense(problem: Problem, state: State) -> Dense:
+    """First what is known beforehand of the first boundary, then all intervals."""
+    boundaries, local = state.local.shape
+    common, chain = state.common.size, state.local.size
+    weights = [problem.weights.get(name, NO_ROWS) for name in SENSORS]
+    first = problem.loose.first
     tables = []
 
     def put(rows: np.ndarray, place: np.ndarray) -> None:
@@ -59,12 +64,12 @@ def dense(problem, state) -> Dense:
         tables.append(table)
 
     g = np.arange(chain, chain + common + 1)
-    put(_beforehand(problem, state), np.r_[:local, g])
-    for start, rows in _batches(problem, state):
-        for k in range(len(rows.residual)):
-            s = (start + k) * local
-            equations = _equations(problem, state, rows, start, k)
-            put(equations, np.r_[s : s + 2 * local, g])
+    beforehand = np.column_stack([np.eye(local), np.zeros((local, common + 1))])
+    beforehand[:, -1] = -state.local[0]
+    put(beforehand / first[:, None], np.r_[:local, g])
+    for s in range(boundaries - 1):
+        rows = _core.interval_equations(problem.recorded, weights, *state, s)
+        put(rows, np.r_[s * local : (s + 2) * local, g])
     whole = np.vstack(tables)
     return Dense(whole[:, :-1], whole[:, -1], common)
 
@@ -72,45 +77,53 @@ def dense(problem, state) -> Dense:
 def test_elimination_gives_the_stacked_solution(small):
     """The step from a state, its cost, and the covariance at the end."""
     problem, prior, state, _ = small
-    here, stacked = linear(problem, state), dense(problem, state)
+    here = linear(problem, problem.weights, state)
+    stacked = dense(problem, state)
     # Squares of some thousand rows.
     np.testing.assert_allclose(here.cost, stacked.b @ stacked.b, rtol=1e-10)
     stacked = stacked.with_prior(prior, state)
-    factor = prior.added(here.known.common, state)
+    factor = prior.added(here.common, state)
     g = _damped(factor, 0.0)
     x, C = stacked.solution()
-    found = np.append(here.known.chained(g).ravel(), g)
+    found = np.append(here.step(g).ravel(), g)
     # Weights of continuity are up to 1e13 times those of sensors, and so is rounding:
     # compared with the deviation of each, of which a hundredth never matters.
     assert np.abs((found - x) / np.sqrt(np.diag(C))).max() < 1e-2
 
 
-def test_covariance_of_the_last_boundary_and_the_common_unknowns(small):
+def test_covariance_of_boundaries_and_of_the_common_unknowns(small):
+    """Of the meeting boundary, and of the last one, where biases are reported."""
     problem, prior, state, _ = small
-    solution = solved(problem, prior, state)
+    solution = solved(problem, problem.weights, prior, state)
     assert solution.converged
     at = solution.state
-    stacked = dense(problem, at).with_prior(prior, at)
-    n = at.local.shape[1] + at.common.size
-    _, C = stacked.solution()
-    expected = C[-n:, -n:]
-    std = np.sqrt(np.diag(expected))
-    # The information is that of a state a hundredth of a deviation away.
-    np.testing.assert_allclose(np.sqrt(np.diag(solution.covariance)), std, rtol=1e-3)
-    correlation = solution.covariance / np.outer(std, std)
-    np.testing.assert_allclose(correlation, expected / np.outer(std, std), atol=1e-2)
+    boundaries, n = at.local.shape
+    _, C = dense(problem, at).with_prior(prior, at).solution()
+    meeting = (boundaries - 1) // 2 * n
+    here = np.r_[meeting : meeting + n, at.local.size : len(C)]
+    last = np.r_[at.local.size - n : at.local.size]
+    at_the_end = solution.linear.covariance_at_the_end(solution.covariance)
+    for found, place in ((solution.covariance, here), (at_the_end, last)):
+        expected = C[np.ix_(place, place)]
+        std = np.sqrt(np.diag(expected))
+        # The information is that of a state a hundredth of a deviation away.
+        np.testing.assert_allclose(np.sqrt(np.diag(found)), std, rtol=1e-3)
+        correlation = found / np.outer(std, std)
+        np.testing.assert_allclose(
+            correlation, expected / np.outer(std, std), atol=1e-2
+        )
 
 
 def test_another_prior_needs_no_new_solution(small):
     """To first order: with the pull free, as if it had been from the start."""
     problem, prior, state, _ = small
-    solution = solved(problem, prior, state)
+    solution = solved(problem, problem.weights, prior, state)
     free = freed(prior, "pull")
     assert (free.std[place_of("pull")] == FREE).all()
     assert (free.std != prior.std).sum() == 3
     step, C = solution.with_prior(free)
-    again = solved(problem, free, solution.state)
-    chain = solution.linear.known.chain
+    again = solved(problem, problem.weights, free, solution.state)
+    chain = solution.linear.local
     found = solution.state.common + step[chain:]
     std = np.sqrt(np.diag(C))[chain:]
     assert np.abs((found - again.state.common) / std).max() < 0.02
@@ -136,8 +149,8 @@ def test_from_a_bad_start_to_the_same_solution(recording):
     robot, shown = small_robot(), noisy(recording, 1)
     near = small_problem(robot, shown)
     far = small_problem(robot, shown, off=0.5)
-    expected = solved(near.problem, near.prior, near.state)
-    found = solved(far.problem, far.prior, far.state)
+    expected = solved(near.problem, near.problem.weights, near.prior, near.state)
+    found = solved(far.problem, far.problem.weights, far.prior, far.state)
     assert expected.converged
     assert found.converged
     n = near.beta.size
@@ -151,14 +164,14 @@ def test_the_cost_never_grows(recording):
     """A step that does not help is not taken."""
     small = small_problem(small_robot(), noisy(recording, 1), off=0.5)
     problem, prior, state, _ = small
-    before = linear(problem, state).cost + prior.cost(state)
-    solution = solved(problem, prior, state)
+    before = linear(problem, problem.weights, state).cost + prior.cost(state)
+    solution = solved(problem, problem.weights, prior, state)
     assert solution.linear.cost + prior.cost(solution.state) < before
 
 
 def test_without_noise_the_parameters_are_exact(recording):
     small = small_problem(small_robot(), recording, off=0.2)
     problem, prior, state, beta = small
-    found = solved(problem, prior, state).state.beta
+    found = solved(problem, problem.weights, prior, state).state.beta
     # Splines and RK4 at 20 Hz.
     np.testing.assert_allclose(found, beta, rtol=0, atol=1e-7 * np.abs(beta).max())

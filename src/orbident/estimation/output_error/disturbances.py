@@ -1,4 +1,4 @@
-"""Torque and pull from outside, and whether there is any (Wald, 1943)."""
+"""What acts from outside, and tests for it (Wald, 1943)."""
 
 from typing import NamedTuple
 
@@ -6,14 +6,17 @@ import numpy as np
 from jaxtyping import Float
 from scipy.stats import chi2
 
-from orbident.estimation.output_error.solve import Prior, Solution
-from orbident.estimation.output_error.unknowns import LOCAL, Own
+from orbident.estimation.output_error.problem import Outside
+from orbident.estimation.output_error.solver import Prior, Solution
 
 CHANCE = 1e-4
-"""Of finding one in noise."""
+"""Probability that a disturbance is seen in noise alone."""
 
 FREE = 1e3
-"""N m or m/s^2, beforehand, where there may be one."""
+"""N m or m/s^2: standard deviation beforehand of a disturbance that may exist."""
+
+NONE = 1e-12
+"""N m and m/s^2: standard deviation beforehand where there is no disturbance."""
 
 
 class Push(NamedTuple):
@@ -26,12 +29,12 @@ class Push(NamedTuple):
 
 def place_of(name: str) -> slice:
     """Where a vector is among the common unknowns."""
-    start = 3 * Own._fields.index(name) - LOCAL
+    start = 3 * Outside._fields.index(name)
     return slice(start, start + 3)
 
 
 def freed(prior: Prior, name: str) -> Prior:
-    """With nothing known about it."""
+    """The prior with nothing known about a disturbance."""
     std = prior.std.copy()
     std[place_of(name)] = FREE
     return prior._replace(std=std)
@@ -39,10 +42,10 @@ def freed(prior: Prior, name: str) -> Prior:
 
 def push_of(solution: Solution, name: str, axes: tuple[int, ...]) -> Push:
     """What it would be if it were an unknown, and whether that is more than chance."""
-    chain = solution.linear.known.chain
+    local = solution.linear.local
     step, C = solution.with_prior(freed(solution.prior, name))
-    here = chain + np.arange(place_of(name).start, place_of(name).stop)[list(axes)]
-    value = solution.state.common[here - chain] + step[here]
+    here = local + np.arange(place_of(name).start, place_of(name).stop)[list(axes)]
+    value = solution.state.common[here - local] + step[here]
     C = C[np.ix_(here, here)]
     seen = bool(np.diag(C).max() < FREE**2 / 100)
     size = float(value @ np.linalg.solve(C, value))

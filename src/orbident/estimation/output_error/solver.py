@@ -1,4 +1,4 @@
-"""Levenberg and Marquardt's method, and the noise as the residuals show it."""
+"""Levenberg and Marquardt's method on the eliminated equations."""
 
 from collections.abc import Callable
 from typing import NamedTuple
@@ -7,7 +7,13 @@ import numpy as np
 from jaxtyping import Float
 from scipy.linalg import solve_triangular
 
-from orbident.estimation.output_error.chain import Linear, Problem, State, linear
+from orbident.estimation.output_error.problem import (
+    BySensor,
+    Linear,
+    Problem,
+    State,
+    linear,
+)
 from orbident.estimation.triangular import fold
 
 STEPS = 40
@@ -49,44 +55,45 @@ class Solution(NamedTuple):
     def with_prior(
         self, prior: Prior
     ) -> tuple[Float[np.ndarray, " n"], Float[np.ndarray, "n n"]]:
-        """Change to the estimate of `[z_last, g]` with another prior; covariance.
+        """Change to the estimate of `[z, g]` with another prior, and its covariance.
 
         To first order, from the information at this solution.
         """
-        known, n = self.linear.known, self.linear.known.chain
-        factor = known.factor.copy()
-        factor[n:, n:] = prior.added(known.common, self.state)
+        n = self.linear.local
+        factor = self.linear.factor.copy()
+        factor[n:, n:] = prior.added(self.linear.common, self.state)
         root = solve_triangular(factor[:-1, :-1], np.eye(len(factor) - 1))
         return root @ factor[:-1, -1], root @ root.T
 
     @property
     def covariance(self) -> Float[np.ndarray, "n n"]:
-        """Of `[z_last, g]`."""
+        """Of `[z, g]`, with the `z` of the meeting boundary."""
         return self.with_prior(self.prior)[1]
 
 
 def solved(
     problem: Problem,
+    weights: BySensor,
     prior: Prior,
     state: State,
     progress: Callable[[], object] = lambda: None,
 ) -> Solution:
     """From a state to the least cost."""
-    here = linear(problem, state)
+    here = linear(problem, weights, state)
     cost = here.cost + prior.cost(state)
     damping = 0.0
     for step in range(STEPS):
         progress()
-        factor = prior.added(here.known.common, state)
+        factor = prior.added(here.common, state)
         g = _damped(factor, damping)
-        moved = state.moved(here.known.chained(g), g)
+        moved = state.moved(here.step(g), g)
         last = np.linalg.norm(factor[:-1, :-1] @ g) < SMALL
         # What nothing shows would take an undamped step too far, again and again.
         if last and damping <= DAMPING:
             return Solution(moved, here, prior, True, step + 1)
         # A step too far may overflow; its cost is not less.
         with np.errstate(over="ignore", invalid="ignore"):
-            there = linear(problem, moved)
+            there = linear(problem, weights, moved)
         new_cost = there.cost + prior.cost(moved)
         if new_cost < cost:
             state, here, cost = moved, there, new_cost

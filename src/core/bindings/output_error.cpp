@@ -1,0 +1,320 @@
+// Maximum likelihood by output error: a recording's equations, linearised and eliminated.
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+
+#include <vector>
+
+#include "arrays.hpp"
+#include "orbident/elimination.hpp"
+#include "orbident/parallel.hpp"
+#include "robot.hpp"
+
+namespace orbident::python {
+namespace {
+
+constexpr std::size_t SENSORS = 6;
+constexpr const char* SENSOR[SENSORS] = {"gyro",   "accelerometer", "attitude",
+                                         "joints", "position",      "velocity"};
+
+// Indices that Python gives as float64.
+std::vector<int> indices(const In<1>& given) {
+  return {given.data(), given.data() + given.size(0)};
+}
+
+struct OwnedRecorded {
+  OwnedTree tree;
+  OwnedSparse theta_of;
+  bool planar;
+  int substeps;
+  std::vector<int> corrected, edge;
+  In<1> t;
+  In<2> q, qd, qdd, h_rw, h_rw_rate;
+  std::vector<In<2>> samples;
+  In<1> first, prior, walk;
+
+  std::int64_t axes(std::size_t sensor) const {
+    return sensor == 3 ? static_cast<std::int64_t>(tree.joints.size()) : 3;
+  }
+
+  Recorded<double> view() const {
+    Recorded<double> all{};
+    all.tree = tree.view();
+    all.theta_of = theta_of.view();
+    all.planar = planar;
+    all.substeps = substeps;
+    all.corrected = corrected.data();
+    all.columns = {static_cast<int>(corrected.size()), all.theta_of.columns};
+    all.rows = static_cast<int>(t.size(0));
+    all.t = t.data();
+    all.edge = edge.data();
+    all.intervals = static_cast<int>(edge.size()) - 1;
+    all.q = q.data();
+    all.qd = qd.data();
+    all.qdd = qdd.data();
+    all.h_rw = h_rw.data();
+    all.h_rw_rate = h_rw_rate.data();
+    all.first = first.data();
+    all.prior = prior.data();
+    all.walk = walk.data();
+    return all;
+  }
+};
+
+Sensed<double>* sensors_of(Recorded<double>& all, std::size_t sensor) {
+  Sensed<double>* const each[SENSORS] = {&all.gyro,   &all.accelerometer, &all.attitude,
+                                         &all.joints, &all.position,      &all.velocity};
+  return each[sensor];
+}
+
+OwnedRecorded make_recorded(const OwnedTree& tree, const Array& theta_of, bool planar, int substeps,
+                            const Array& corrected, const Array& t_, const Array& edge_,
+                            const Array& q, const Array& qd, const Array& qdd, const Array& h_rw,
+                            const Array& h_rw_rate, const std::vector<Array>& samples,
+                            const Array& first, const Array& prior, const Array& walk) {
+  const std::int64_t K = tree.view().joints;
+  const auto t = input<1>("t", t_, {ANY});
+  const std::int64_t rows = t.size(0), nodes = 2 * rows - 1;
+  if (rows < 2) throw nb::value_error("t: give two rows at least");
+  const auto edge = indices(input<1>("edge", edge_, {ANY}));
+  if (edge.size() < 2 || edge.front() != 0 || edge.back() != rows)
+    throw nb::value_error("edge: the first must be 0 and the last the number of rows");
+  for (std::size_t k = 1; k < edge.size(); ++k)
+    if (edge[k] <= edge[k - 1]) throw nb::value_error("edge: an interval has no rows");
+  const auto with_corrections = indices(input<1>("corrected", corrected, {ANY}));
+  for (std::size_t k = 0; k < with_corrections.size(); ++k)
+    if (with_corrections[k] >= K || with_corrections[k] < 0 ||
+        (k > 0 && with_corrections[k] <= with_corrections[k - 1]))
+      throw nb::value_error("corrected: give indices of joints, in increasing order");
+  if (substeps < 1 || (substeps > 1 && substeps % 2))
+    throw nb::value_error("substeps: give 1 or an even number");
+  const std::int64_t C = static_cast<std::int64_t>(with_corrections.size());
+  OwnedRecorded all{tree,
+                    sparse(input<2>("theta_of", theta_of, {PER_BODY * (K + 1), ANY})),
+                    planar,
+                    substeps,
+                    with_corrections,
+                    edge,
+                    t,
+                    input<2>("q", q, {nodes, K}),
+                    input<2>("qd", qd, {nodes, K}),
+                    input<2>("qdd", qdd, {nodes, K}),
+                    input<2>("h_rw", h_rw, {nodes, 3}),
+                    input<2>("h_rw_rate", h_rw_rate, {nodes, 3}),
+                    {},
+                    input<1>("first", first, {BIASES + 2 * C}),
+                    input<1>("prior", prior, {2 * C}),
+                    input<1>("walk", walk, {BIASES})};
+  if (samples.size() != SENSORS) throw nb::value_error("samples: give one array a sensor");
+  for (std::size_t k = 0; k < SENSORS; ++k) {
+    const bool absent = samples[k].ndim() > 0 && samples[k].shape(0) == 0;
+    const std::int64_t axes = std::string(SENSOR[k]) == "attitude" ? 4 : all.axes(k);
+    all.samples.push_back(
+        input<2>(SENSOR[k], samples[k], {absent ? 0 : rows, absent ? ANY : axes}));
+  }
+  return all;
+}
+
+// Memory for one end of the elimination.
+class OwnedSweep {
+ public:
+  explicit OwnedSweep(const Recorded<double>& all) : bodies_(all.tree) {
+    const int K = all.tree.joints, n = all.stride(), unknowns = all.columns.count();
+    int longest = 0;
+    for (int k = 0; k < all.intervals; ++k)
+      longest = std::max(longest, all.edge[k + 1] - all.edge[k]);
+    carried_.resize(static_cast<std::size_t>(K + 1));
+    by_.resize(2 * static_cast<std::size_t>(K));
+    IntervalMemory<double>& interval = at.interval;
+    interval.terms = {bodies_.at, carried_.data(), by_.data(), by_.data() + K};
+    interval.q = take(K);
+    interval.qd = take(K);
+    interval.qdd = take(K);
+    for (int k = 0; k < 3; ++k) {
+      interval.node[k].by = take(BY_ROWS * unknowns);
+      BaseNode<double>& base = interval.base[k];
+      base.G = take(3 * unknowns);
+      base.phi = take(3 * unknowns);
+      base.dw = take(3 * unknowns);
+      base.own_by = take(all.substeps > 1 ? BY_R * unknowns : 0);
+      interval.velocity[k] = take(3 * unknowns);
+    }
+    interval.slopes = take(3 * unknowns);
+    interval.felt = take(3 * unknowns);
+    at.R = take(std::ptrdiff_t(all.width()) * n);
+    at.known = take(std::ptrdiff_t(all.local()) * n);
+    at.rows = take(std::ptrdiff_t(5 * 3 * longest) * n + rows_at_once(ALIGNED) * ALIGNED);
+    at.continuity = take(BIASES * n);
+    at.v = take(rows_at_once(n));
+  }
+  OwnedSweep(const OwnedSweep&) = delete;
+  SweepMemory<double> at;
+
+ private:
+  double* take(std::ptrdiff_t count) {
+    return room_.emplace_back(static_cast<std::size_t>(count), 0.0).data();
+  }
+  BodiesMemory<double> bodies_;
+  std::vector<Momentum<double>> carried_;
+  std::vector<MomentumTerms<double>> by_;
+  std::vector<std::vector<double>> room_;
+};
+
+// The arguments of a linearisation, checked, and where its residuals go.
+struct Call {
+  Recorded<double> recorded;
+  In<2> x_WB, local;
+  In<1> common;
+  std::vector<In<2>> weights;
+  std::vector<Out<2>> residuals;
+  std::vector<double> theta;
+
+  Call(const OwnedRecorded& owned, const std::vector<Array>& given, const Array& x_WB_,
+       const Array& local_, const Array& common_)
+      : recorded(owned.view()),
+        x_WB(input<2>("x_WB", x_WB_, {recorded.intervals + 1, 4})),
+        local(input<2>("local", local_, {recorded.intervals + 1, recorded.local()})),
+        common(input<1>("common", common_, {recorded.common()})),
+        theta(static_cast<std::size_t>(PER_BODY * recorded.tree.bodies()), 0.0) {
+    if (given.size() != SENSORS) throw nb::value_error("weights: give one array a sensor");
+    for (std::size_t k = 0; k < SENSORS; ++k) {
+      const std::int64_t rows = owned.samples[k].size(0), axes = rows ? owned.axes(k) : ANY;
+      weights.push_back(input<2>("weights", given[k], {rows, axes}));
+      residuals.emplace_back(rows, owned.axes(k));
+      std::fill_n(residuals[k].data(), rows * owned.axes(k), 0.0);
+      if (rows)
+        *sensors_of(recorded, k) = {owned.samples[k].data(), weights[k].data(),
+                                    residuals[k].data()};
+    }
+    const Sparse& theta_of = recorded.theta_of;
+    for (int b = 0; b < theta_of.columns; ++b)
+      for (int e = theta_of.first[b]; e < theta_of.first[b + 1]; ++e)
+        theta[static_cast<std::size_t>(theta_of.row[e])] +=
+            theta_of.value[e] * common.data()[OUTSIDE + b];
+  }
+  LinearisedAt<double> at() const {
+    return {x_WB.data(), local.data(), common.data(), theta.data()};
+  }
+};
+
+auto linearised(const OwnedRecorded& owned, const std::vector<Array>& weights, const Array& x_WB,
+                const Array& local, const Array& common, int threads) {
+  Call call(owned, weights, x_WB, local, common);
+  const Recorded<double>& all = call.recorded;
+  const std::int64_t left = all.width() - all.local();
+  Out<2> factor(left, left);
+  Out<3> links(all.intervals, all.local(), all.width());
+  double cost[2] = {0.0, 0.0};
+  {
+    nb::gil_scoped_release release;
+    OwnedSweep forward(all), backward(all);
+    parallel_for(2, threads, [&](std::ptrdiff_t first, std::ptrdiff_t last) {
+      for (std::ptrdiff_t k = first; k < last; ++k)
+        cost[k] = sweep(all, call.at(), k == 0, k == 0 ? forward.at : backward.at, links.data());
+    }, 1);
+    join(all, forward.at, backward.at, factor.data());
+  }
+  std::vector<Out<2>::Numpy> residuals;
+  for (Out<2>& table : call.residuals) residuals.push_back(table.give());
+  return std::make_tuple(factor.give(), links.give(), cost[0] + cost[1], residuals);
+}
+
+// The equations of one interval over [z start | z end | g | right-hand side].
+auto interval_equations(const OwnedRecorded& owned, const std::vector<Array>& weights,
+                        const Array& x_WB, const Array& local, const Array& common, int interval) {
+  Call call(owned, weights, x_WB, local, common);
+  const Recorded<double>& all = call.recorded;
+  if (interval < 0 || interval >= all.intervals)
+    throw nb::value_error("interval: there is none of this number");
+  const int L = all.local(), n = all.stride(), width = all.width();
+  OwnedSweep memory(all);
+  Equations<double> sensed{memory.at.rows, n, width, 0, L, L, 0, 0.0};
+  Equations<double> continuity{memory.at.continuity, n, width, 0, L, L, 0, 0.0};
+  linearise(all, call.at(), interval, memory.at.interval, sensed, continuity);
+  add_encoders(all, call.at(), interval, true, sensed.table + std::ptrdiff_t(sensed.rows) * n,
+               memory.at.R);
+  Out<2> table(sensed.rows + BIASES + 2 * L, width);
+  double* to = table.data();
+  for (const auto& [from, rows] : {std::pair<const double*, int>{sensed.table, sensed.rows},
+                                   {continuity.table, BIASES},
+                                   {memory.at.R, 2 * L}})
+    for (int k = 0; k < rows; ++k, to += width) std::copy_n(from + std::ptrdiff_t(k) * n, width, to);
+  return table.give();
+}
+
+auto momentum_terms(const OwnedTree& owned, const Array& theta_of_, const Array& beta_,
+                    const Array& q_, const Array& qd_, const Array& qdd_) {
+  const Tree tree = owned.view();
+  const std::int64_t K = tree.joints, B = tree.bodies();
+  const auto dense = input<2>("theta_of", theta_of_, {PER_BODY * B, ANY});
+  const OwnedSparse theta_of = sparse(dense);
+  const auto beta = input<1>("beta", beta_, {dense.size(1)});
+  const auto q = input<1>("q", q_, {K}), qd = input<1>("qd", qd_, {K}), qdd = input<1>("qdd", qdd_, {K});
+  const Eigen::Map<const Eigen::Matrix<double, -1, -1, Eigen::RowMajor>> of(
+      dense.data(), dense.size(0), dense.size(1));
+  const Eigen::VectorXd theta = of * Eigen::Map<const Eigen::VectorXd>(beta.data(), beta.size(0));
+  BodiesMemory<double> bodies(tree);
+  std::vector<Momentum<double>> carried(static_cast<std::size_t>(B));
+  std::vector<MomentumTerms<double>> by(2 * static_cast<std::size_t>(K));
+  TermsMemory<double> memory{bodies.at, carried.data(), by.data(), by.data() + K};
+  const auto all = joint_moments(tree, theta.data(), q.data(), qd.data(), memory);
+  differentiate_by_joints(tree, all, memory);
+  // Columns: terms, rates, by q, by qd, by beta.
+  const std::int64_t columns = 2 + 2 * K + beta.size(0);
+  Out<2> table(BY_ROWS, columns);
+  const auto write = [&](const MomentumTerms<double>& terms, std::int64_t column) {
+    write_change(terms, table.data() + column, columns);
+  };
+  write(about_cm(all), 0);
+  write(rates_of(tree, qd.data(), qdd.data(), memory), 1);
+  for (std::int64_t k = 0; k < 2 * K; ++k) write(by[static_cast<std::size_t>(k)], 2 + k);
+  for (int b = 0; b < beta.size(0); ++b)
+    write(derivative_by_beta(theta_of.view(), b, all, memory), 2 + 2 * K + b);
+  return table.give();
+}
+
+auto boundaries_of(const Array& links_, const Array& z_, const Array& g_) {
+  const auto links = input<3>("links", links_, {ANY, ANY, ANY});
+  const std::int64_t intervals = links.size(0), L = links.size(1), width = links.size(2);
+  const auto z = input<1>("z", z_, {L});
+  const auto g = input<1>("g", g_, {width - 2 * L - 1});
+  Out<2> every(intervals + 1, L);
+  const int count = static_cast<int>(intervals);
+  std::copy_n(z.data(), L, every.data() + meeting_boundary(count) * L);
+  boundaries(links.data(), count, static_cast<int>(L), static_cast<int>(width), g.data(),
+             every.data());
+  return every.give();
+}
+
+}  // namespace
+
+void bind_output_error(nb::module_& m) {
+  nb::class_<OwnedRecorded>(m, "Recorded", "A recording cut into shooting intervals.")
+      .def("__init__", [](OwnedRecorded* self, const OwnedTree& tree, const Array& theta_of,
+                          bool planar, int substeps, const Array& corrected, const Array& t,
+                          const Array& edge, const Array& q, const Array& qd, const Array& qdd,
+                          const Array& h_rw, const Array& h_rw_rate,
+                          const std::vector<Array>& samples, const Array& first,
+                          const Array& prior, const Array& walk) {
+        new (self) OwnedRecorded(make_recorded(tree, theta_of, planar, substeps, corrected, t, edge,
+                                               q, qd, qdd, h_rw, h_rw_rate, samples, first, prior,
+                                               walk));
+      }, nb::arg("tree"), nb::arg("theta_of"), nb::arg("planar"), nb::arg("substeps"),
+           nb::arg("corrected"), nb::arg("t"), nb::arg("edge"), nb::arg("q"), nb::arg("qd"),
+           nb::arg("qdd"), nb::arg("h_rw"), nb::arg("h_rw_rate"), nb::arg("samples"),
+           nb::arg("first"), nb::arg("prior"), nb::arg("walk"))
+      .def_prop_ro("local", [](const OwnedRecorded& all) { return all.view().local(); },
+                   "How many unknowns a boundary has.");
+  m.def("linearised", &linearised, nb::arg("recorded"), nb::arg("weights"), nb::arg("x_WB"),
+        nb::arg("local"), nb::arg("common"), nb::arg("threads") = 1,
+        "All equations at a state, eliminated: factor, links, cost and whitened residuals.");
+  m.def("interval_equations", &interval_equations, nb::arg("recorded"), nb::arg("weights"),
+        nb::arg("x_WB"), nb::arg("local"), nb::arg("common"), nb::arg("interval"),
+        "The equations of one interval over [z start | z end | g | right-hand side].");
+  m.def("momentum_terms", &momentum_terms, nb::arg("tree"), nb::arg("theta_of"), nb::arg("beta"),
+        nb::arg("q"), nb::arg("qd"), nb::arg("qdd"),
+        "D (xx, xy, xz, yy, yz, zz), D_q qd, r_cm, J_cm qd: values, rates, by q, qd and beta.");
+  m.def("boundaries", &boundaries_of, nb::arg("links"), nb::arg("z"), nb::arg("g"),
+        "The unknowns of every boundary, from those of the meeting one and the common ones.");
+}
+
+}  // namespace orbident::python

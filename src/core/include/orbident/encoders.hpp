@@ -1,0 +1,71 @@
+// What the encoders and the prior say of the corrections of each joint: rows over the four functions
+// of a cubic, joint by joint, so that a small triangle holds all rows of an interval.
+#pragma once
+
+#include "orbident/interval.hpp"
+
+namespace orbident {
+
+constexpr int FUNCTIONS = 4;
+
+// Writes each joint's triangle into R, over [z near | z far | g | right-hand side], whose rows and
+// columns of the corrections are empty. `rows` is memory for (rows of the interval + 2) x ALIGNED
+// numbers. Returns the sum of squared residuals.
+template <class T>
+T add_encoders(const Recorded<T>& recorded, const LinearisedAt<T>& at, int interval, bool start_near,
+               T* rows, T* R) {
+  const int K = recorded.tree.joints, C = recorded.columns.corrected, L = recorded.local();
+  const int first = recorded.edge[interval], last = recorded.edge[interval + 1];
+  const int end = std::min(last, recorded.rows - 1);
+  const T duration = recorded.t[end] - recorded.t[first];
+  const int stride = recorded.stride(), right_hand_side = recorded.width() - 1;
+  const auto corrections = [&](int boundary) { return at.local + boundary * L + BIASES; };
+  T cost = T(0), v[rows_at_once(ALIGNED)];
+  for (int k = 0, c = 0; k < K; ++k) {
+    const bool corrected = c < C && recorded.corrected[c] == k;
+    T triangle[ALIGNED * ALIGNED] = {};
+    int count = 0;
+    const auto folded = [&] {
+      fold(triangle, ALIGNED, rows, ALIGNED, count, ALIGNED, FUNCTIONS, v);
+      count = 0;
+    };
+    const auto add = [&](const T& error) {
+      if (count == rows_at_once(ALIGNED)) folded();
+      T* row = rows + count++ * ALIGNED;
+      std::fill_n(row, ALIGNED, T(0));
+      row[FUNCTIONS] = error;
+      cost += error * error;
+      return row;
+    };
+    for (int r = first; recorded.joints.values && r < last; ++r) {
+      const T weight = recorded.joints.weights[r * K + k];
+      const Cubics<T> functions = cubics<T>(recorded.t[r] - recorded.t[first], duration);
+      T error = recorded.joints.values[r * K + k] - recorded.q[2 * r * K + k];
+      for (int f = 0; corrected && f < FUNCTIONS; ++f)
+        error -= functions.value[f] * corrections(interval + f / 2)[f % 2 * C + c];
+      recorded.joints.residuals[r * K + k] = weight * error;
+      if (weight == T(0)) continue;
+      T* row = add(weight * error);
+      for (int f = 0; f < FUNCTIONS; ++f)
+        row[start_near ? f : (f + 2) % FUNCTIONS] = weight * functions.value[f];
+    }
+    if (!corrected) continue;
+    for (int f = 0; f < 2; ++f) {
+      const T weight = 1 / recorded.prior[f * C + c];
+      T* row = add(-weight * corrections(interval + 1)[f * C + c]);
+      row[start_near ? 2 + f : f] = weight;
+    }
+    folded();
+    const auto place = [&](int f) { return f / 2 * L + BIASES + f % 2 * C + c; };
+    for (int f = 0; f < FUNCTIONS; ++f) {
+      T* row = R + std::ptrdiff_t(place(f)) * stride;
+      for (int other = f; other < FUNCTIONS; ++other)
+        row[place(other)] = triangle[f * ALIGNED + other];
+      row[right_hand_side] = triangle[f * ALIGNED + FUNCTIONS];
+    }
+    ++c;
+  }
+  return cost;
+}
+
+}  // namespace orbident

@@ -1,0 +1,296 @@
+// The equations of one shooting interval, linear in changes of the unknowns, whitened:
+//
+//   what the sensors showed - what is predicted = slopes x change
+//   attitude and biases at the end = those at the next interval's start     (random walk)
+//   corrections of the joints at the end = 0                                (prior)
+//
+// Unknowns z of a boundary: [turn 3 | gyro bias 3 | accelerometer bias 3 | corrections: values, rates];
+// g, common to all: [outside | beta]. A table has the columns [z near | z far | g | right-hand side]:
+// near is the boundary that is eliminated, the start or the end.
+#pragma once
+
+#include "orbident/householder.hpp"
+#include "orbident/sensors.hpp"
+
+namespace orbident {
+
+constexpr int BIASES = 9;  // turn and biases: what goes on from interval to interval
+
+// A sensor's samples, rows x axes; no values where there is no such sensor.
+template <class T>
+struct Sensed {
+  const T* values;
+  const T* weights;  // 1 over the noise's std; zero where there was no sample
+  T* residuals;      // whitened
+};
+
+template <class T>
+struct Recorded {
+  Tree tree;
+  Sparse theta_of;  // theta = theta_of beta
+  bool planar;
+  int substeps;            // of the attitude, from row to row
+  const int* corrected;    // joints that have corrections
+  IntervalColumns columns;
+  int rows;
+  const T* t;       // rows, s
+  const int* edge;  // intervals + 1: the first row of each, and `rows`
+  int intervals;
+  // At 2 rows - 1 nodes: every row, and half-way between.
+  const T *q, *qd, *qdd;       // nodes x joints
+  const T *h_rw, *h_rw_rate;   // nodes x 3
+  Sensed<T> gyro, accelerometer, attitude, joints, position, velocity;
+  // How freely the unknowns of boundaries vary: standard deviations.
+  const T* first;  // of z at the first row
+  const T* prior;  // of corrections anywhere
+  const T* walk;   // of turn and biases, per square root of a second
+
+  int local() const { return BIASES + 2 * columns.corrected; }
+  int common() const { return OUTSIDE + columns.betas; }
+  int width() const { return 2 * local() + common() + 1; }
+  // Widths that the fold likes.
+  int stride() const { return (width() + ALIGNED - 1) / ALIGNED * ALIGNED; }
+};
+
+// Where the equations are linearised.
+template <class T>
+struct LinearisedAt {
+  const T* x_WB;   // boundaries x 4
+  const T* local;  // boundaries x local; turns are zero
+  const T* common;
+  const T* theta;  // of its beta
+};
+
+template <class T>
+struct IntervalMemory {
+  TermsMemory<T> terms;
+  T *q, *qd, *qdd;      // joints each
+  JointNode<T> node[3];
+  BaseNode<T> base[3];
+  T* velocity[3];       // 3 x unknowns each
+  T* slopes;            // 3 x unknowns
+  T* felt;              // 3 x unknowns
+};
+
+// A table of equations that grows row by row.
+template <class T>
+struct Equations {
+  T* table;
+  int stride, width;
+  int start, end;  // columns of z at the interval's start and end
+  int local;
+  int rows;
+  T cost;
+
+  T* add(const T& right_hand_side) {
+    T* row = table + std::ptrdiff_t(rows++) * stride;
+    std::fill_n(row, stride, T(0));
+    row[width - 1] = right_hand_side;
+    cost += right_hand_side * right_hand_side;
+    return row;
+  }
+
+  // From slopes by the interval's unknowns.
+  T* add(const IntervalColumns& c, const T* slopes, const T& weight, const T& error) {
+    T* row = add(weight * error);
+    const auto scaled = [&](int from, int count, T* to) {
+      for (int k = 0; k < count; ++k) to[k] = weight * slopes[from + k];
+    };
+    scaled(c.turn(), 3, row + start);
+    scaled(c.corrections(), 2 * c.corrected, row + start + BIASES);
+    scaled(c.corrections() + 2 * c.corrected, 2 * c.corrected, row + end + BIASES);
+    scaled(c.outside(), OUTSIDE + c.betas, row + 2 * local);
+    return row;
+  }
+};
+
+// The rows of a sensor with three axes; `bias` is where its bias is in z, or -1.
+template <class T>
+void add_sample(const IntervalColumns& c, const Sensed<T>& sensor, int row, const Vector3<T>& error,
+                const T* slopes, int bias, Equations<T>& equations) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const T weight = sensor.weights[3 * row + axis];
+    sensor.residuals[3 * row + axis] = weight * error[axis];
+    if (weight == T(0)) continue;
+    T* equation = equations.add(c, slopes + axis * c.count(), weight, error[axis]);
+    if (bias >= 0) equation[equations.start + bias + axis] = weight;
+  }
+}
+
+// The joints at a node, with their corrections.
+template <class T>
+void place_joints(const Recorded<T>& recorded, const LinearisedAt<T>& at, int interval, int node,
+                  const T& t_start, const T& duration, IntervalMemory<T>& memory,
+                  JointNode<T>& joints) {
+  const int K = recorded.tree.joints, C = recorded.columns.corrected, L = recorded.local();
+  const int row = node / 2;
+  const T t = node % 2 ? (recorded.t[row] + recorded.t[row + 1]) / 2 : recorded.t[row];
+  const Cubics<T> functions = cubics<T>(t - t_start, duration);
+  std::copy_n(recorded.q + node * K, K, memory.q);
+  std::copy_n(recorded.qd + node * K, K, memory.qd);
+  std::copy_n(recorded.qdd + node * K, K, memory.qdd);
+  for (int c = 0; c < C; ++c) {
+    const int k = recorded.corrected[c];
+    for (int f = 0; f < 4; ++f) {
+      const T correction = at.local[(interval + f / 2) * L + BIASES + f % 2 * C + c];
+      memory.q[k] += functions.value[f] * correction;
+      memory.qd[k] += functions.rate[f] * correction;
+      memory.qdd[k] += functions.acceleration[f] * correction;
+    }
+  }
+  joints.t = t - recorded.t[0];
+  joints.h_rw = Eigen::Map<const Vector3<T>>(recorded.h_rw + 3 * node);
+  joints.h_rw_rate = Eigen::Map<const Vector3<T>>(recorded.h_rw_rate + 3 * node);
+  expand(recorded.tree, recorded.theta_of, at.theta, recorded.corrected, recorded.columns, functions,
+         memory.q, memory.qd, memory.qdd, memory.terms, joints);
+}
+
+// The law of the base rate at the fraction s of a row's step, by the parabola through its nodes: a
+// base that nutates fast needs smaller steps than joints that move slowly.
+template <class T>
+void set_law_between(const Recorded<T>& recorded, const LinearisedAt<T>& at, const T& s,
+                     const JointNode<T>* const* nodes, BaseNode<T>& base) {
+  const T p[3] = {(1 - s) * (1 - 2 * s), 4 * s * (1 - s), s * (2 * s - 1)};
+  Matrix3<T> D = Matrix3<T>::Zero();
+  Vector3<T> h_moving = Vector3<T>::Zero();
+  base.t = T(0);
+  for (int k = 0; k < 3; ++k) {
+    D += p[k] * nodes[k]->terms.D;
+    h_moving += p[k] * (nodes[k]->terms.h_q + nodes[k]->h_rw);
+    base.t += p[k] * nodes[k]->t;
+    if (p[k] == T(1)) base.by = nodes[k]->by;
+  }
+  base.h_cm = contributed(contributions(base.t).h_cm, at.common);
+  set_law(recorded.planar, D, h_moving, base);
+  if (p[0] == T(1) || p[1] == T(1) || p[2] == T(1)) return;
+  const int n = BY_R * recorded.columns.count();
+  for (int i = 0; i < n; ++i)
+    base.own_by[i] = p[0] * nodes[0]->by[i] + p[1] * nodes[1]->by[i] + p[2] * nodes[2]->by[i];
+  base.by = base.own_by;
+}
+
+// The base at the interval's start.
+template <class T>
+void start_base(const Recorded<T>& recorded, const LinearisedAt<T>& at, int interval,
+                const JointNode<T>& joints, BaseNode<T>& base) {
+  const IntervalColumns& c = recorded.columns;
+  const JointNode<T>* const nodes[3] = {&joints, &joints, &joints};
+  set_law_between(recorded, at, T(0), nodes, base);
+  set_attitude<T>(Eigen::Map<const Quaternion<T>>(at.x_WB + 4 * interval), base);
+  TableRows<T, 3> phi(base.phi, 3, c.count());
+  phi.setZero();
+  phi.template middleCols<3>(c.turn()).setIdentity();
+  set_forcing(c, base);
+  set_rate_changes(c, base);
+}
+
+// The rows of gyro, attitude, position and velocity.
+template <class T>
+void add_samples(const Recorded<T>& recorded, const LinearisedAt<T>& at, int interval, int row,
+                 const JointNode<T>& joints, const BaseNode<T>& base, IntervalMemory<T>& memory,
+                 Equations<T>& equations) {
+  const IntervalColumns& c = recorded.columns;
+  const auto shown = [row](const Sensed<T>& sensor) {
+    return Vector3<T>(Eigen::Map<const Vector3<T>>(sensor.values + 3 * row));
+  };
+  if (recorded.gyro.values) {
+    const Eigen::Map<const Vector3<T>> bias(at.local + interval * recorded.local() + 3);
+    add_sample<T>(c, recorded.gyro, row, shown(recorded.gyro) - base.w - bias, base.dw, 3, equations);
+  }
+  if (recorded.attitude.values) {
+    const Quaternion<T> x = Eigen::Map<const Quaternion<T>>(recorded.attitude.values + 4 * row);
+    add_sample<T>(c, recorded.attitude, row, small_rotation(base.x_WB, x), base.phi, -1, equations);
+  }
+  if (recorded.position.values) {
+    position_slopes(c, joints, base, memory.slopes);
+    add_sample<T>(c, recorded.position, row,
+                  shown(recorded.position) - position(joints, base, at.common), memory.slopes, -1,
+                  equations);
+  }
+  if (recorded.velocity.values) {
+    TableRows<T, 3> slopes(memory.slopes, 3, c.count());
+    slopes = TableRows<T, 3>(memory.velocity[0], 3, c.count());
+    add_outside(c, contributions(joints.t).v_cm, slopes);
+    add_sample<T>(c, recorded.velocity, row,
+                  shown(recorded.velocity) - velocity(joints, base, at.common), memory.slopes, -1,
+                  equations);
+  }
+}
+
+// What goes on at the end of an interval: turn and biases.
+template <class T>
+void add_continuity(const Recorded<T>& recorded, const LinearisedAt<T>& at, int interval,
+                    const T& duration, const BaseNode<T>& end, Equations<T>& equations) {
+  // An interval of one row lasts no time.
+  constexpr double MOMENT = 1e-3;
+  const T root = std::sqrt(std::max(duration, T(MOMENT)));
+  const int L = recorded.local();
+  const T *here = at.local + interval * L, *there = here + L;
+  const Vector3<T> off = small_rotation<T>(
+      Eigen::Map<const Quaternion<T>>(at.x_WB + 4 * (interval + 1)), end.x_WB);
+  for (int k = 0; k < BIASES; ++k) {
+    const T weight = 1 / (recorded.walk[k] * root);
+    T* row;
+    if (k < 3) {
+      row = equations.add(recorded.columns, end.phi + k * recorded.columns.count(), weight, -off[k]);
+    } else {
+      row = equations.add(weight * (there[k] - here[k]));
+      row[equations.start + k] = weight;
+    }
+    row[equations.end + k] = -weight;
+  }
+}
+
+// All rows that the base's sensors give, and those of continuity; the base walks through the interval.
+template <class T>
+void linearise(const Recorded<T>& recorded, const LinearisedAt<T>& at, int interval,
+               IntervalMemory<T>& memory, Equations<T>& sensed, Equations<T>& continuity) {
+  const IntervalColumns& c = recorded.columns;
+  const int first = recorded.edge[interval], last = recorded.edge[interval + 1];
+  const int end = std::min(last, recorded.rows - 1);
+  const T duration = recorded.t[end] - recorded.t[first];
+  const bool moving = recorded.accelerometer.values || recorded.velocity.values;
+  const auto joints_at = [&](int node, JointNode<T>& joints) {
+    place_joints(recorded, at, interval, node, recorded.t[first], duration, memory, joints);
+  };
+  JointNode<T>*row = &memory.node[0], *half_way = &memory.node[1], *next = &memory.node[2];
+  BaseNode<T>*start = &memory.base[0], *middle = &memory.base[1], *stop = &memory.base[2];
+  joints_at(2 * first, *row);
+  start_base(recorded, at, interval, *row, *start);
+  if (moving) velocity_slopes(c, *row, *start, memory.velocity[0]);
+  for (int r = first; r < last; ++r) {
+    add_samples(recorded, at, interval, r, *row, *start, memory, sensed);
+    if (r == end) break;
+    const Vector3<T> f_S = specific_force(*row, *start, at.common);
+    const Matrix3<T> R_WB = start->R_WB;
+    TableRows<T, 3>(memory.felt, 3, c.count()) =
+        cross_matrix(f_S).lazyProduct(TableRows<T, 3>(start->phi, 3, c.count()));
+
+    joints_at(2 * r + 1, *half_way);
+    joints_at(2 * r + 2, *next);
+    const JointNode<T>* const nodes[3] = {row, half_way, next};
+    const T dt = recorded.t[r + 1] - recorded.t[r];
+    const int steps = recorded.substeps;
+    for (int i = 0; i < steps; ++i) {
+      set_law_between(recorded, at, T(2 * i + 1) / T(2 * steps), nodes, *middle);
+      set_law_between(recorded, at, T(2 * i + 2) / T(2 * steps), nodes, *stop);
+      step(c, dt / T(steps), *start, *middle, *stop);
+      if (moving && 2 * i + 1 == steps) velocity_slopes(c, *half_way, *middle, memory.velocity[1]);
+      if (moving && 2 * i + 2 == steps) velocity_slopes(c, *half_way, *stop, memory.velocity[1]);
+      std::swap(start, stop);
+    }
+    if (moving) velocity_slopes(c, *next, *start, memory.velocity[2]);
+    if (recorded.accelerometer.values) {
+      add_rate_of_velocity(c, R_WB, dt, memory.velocity[0], memory.velocity[1], memory.velocity[2],
+                           memory.felt);
+      const Eigen::Map<const Vector3<T>> bias(at.local + interval * recorded.local() + 6),
+          shown(recorded.accelerometer.values + 3 * r);
+      add_sample<T>(c, recorded.accelerometer, r, shown - f_S - bias, memory.felt, 6, sensed);
+    }
+    std::swap(row, next);
+    std::swap(memory.velocity[0], memory.velocity[2]);
+  }
+  add_continuity(recorded, at, interval, duration, *start, continuity);
+}
+
+}  // namespace orbident

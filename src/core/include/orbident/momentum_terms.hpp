@@ -1,0 +1,172 @@
+// What momentum and velocity need of the joints, and its derivatives (Eqs. 3 and 30), base axes:
+//
+//   D w + D_q qd = h_rs,   r_cm,   v_q = J_cm qd
+//
+// First about S, where all is a sum over bodies:
+//
+//   mass m, first moment s, inertia J;  p, h: momentum of the joints' motion alone
+//
+// then about the system CM (Koenig):
+//
+//   D = J + [s]x [s]x / m,   D_q qd = h - s x p / m,   r_cm = s / m,   J_cm qd = p / m.
+//
+// By q_k: all that joint k carries (composite m_c, s_c, J_c, momentum p_c, h_c) is displaced rigidly
+// by the joint's field (w, u), but the motion V_k of the body itself does not turn with it:
+//
+//   dm = 0,  ds = m_c u + w x s_c,  dJ = [w]x J_c - J_c [w]x - [u]x [s_c]x - [s_c]x [u]x
+//   dp = w x p_c - p(V'),  dh = w x h_c + u x p_c - h(V'),  V' = (w x w_k, w x u_k + u x w_k)
+//
+// with p(V'), h(V') the momentum of the composite at the motion V'.
+#pragma once
+
+#include "orbident/equations_of_motion.hpp"
+#include "orbident/regressors.hpp"
+
+namespace orbident {
+
+// About the system CM: the terms, their rates in time, or their changes with an unknown.
+template <class T>
+struct MomentumTerms {
+  Matrix3<T> D;
+  Vector3<T> h_q;   // D_q qd
+  Vector3<T> r_cm;  // from S
+  Vector3<T> v_q;   // J_cm qd
+};
+
+// About S, of one body or of several.
+template <class T>
+struct MomentsAboutS {
+  T m;
+  Vector3<T> s;
+  Matrix3<T> J;
+  Vector3<T> p;
+  Vector3<T> h;
+};
+
+// [a]x [b]x + [b]x [a]x.
+template <class T>
+Matrix3<T> crossed(const Vector3<T>& a, const Vector3<T>& b) {
+  const Matrix3<T> ab = a * b.transpose();
+  Matrix3<T> sum = ab + ab.transpose();
+  sum.diagonal().array() -= T(2) * a.dot(b);
+  return sum;
+}
+
+template <class T>
+MomentumTerms<T> about_cm(const MomentsAboutS<T>& a) {
+  return {a.J + crossed(a.s, a.s) / (T(2) * a.m), a.h - a.s.cross(a.p) / a.m, a.s / a.m, a.p / a.m};
+}
+
+// How the terms at `a` change when its moments change by `d`.
+template <class T>
+MomentumTerms<T> change_about_cm(const MomentsAboutS<T>& a, const MomentsAboutS<T>& d) {
+  const T part = d.m / a.m;
+  const Vector3<T> s = d.s - part * a.s, p = d.p - part * a.p;
+  return {d.J + crossed<T>(a.s, d.s - T(0.5) * part * a.s) / a.m,
+          d.h - (d.s.cross(a.p) + a.s.cross(p)) / a.m, s / a.m, p / a.m};
+}
+
+// The caller's memory for the terms of one joint state.
+template <class T>
+struct TermsMemory {
+  Bodies<T> at;
+  Momentum<T>* carried_momentum;  // bodies: of the joints' motion
+  MomentumTerms<T>* by_q;         // joints
+  MomentumTerms<T>* by_qd;        // joints
+};
+
+// The moments that the entry `parameter` of theta_i gives at unit size.
+template <class T>
+MomentsAboutS<T> unit_moments(const Pose<T>& pose, const Motion<T>& motion, int parameter) {
+  const Vector3<T>&d = pose.d, &w = motion.w;
+  const Vector3<T> v = motion.u + w.cross(d), zero = Vector3<T>::Zero();
+  if (parameter == 0) return {T(1), d, crossed(d, d) * T(-0.5), v, d.cross(v)};
+  if (parameter <= 3) {
+    const Vector3<T> r = pose.R.col(parameter - 1), wr = w.cross(r);
+    return {T(0), r, -crossed(d, r), wr, d.cross(wr) + r.cross(v)};
+  }
+  constexpr int ROW[] = {0, 0, 1, 0, 1, 2}, COLUMN[] = {0, 1, 1, 2, 2, 2};
+  const int a = ROW[parameter - 4], b = COLUMN[parameter - 4];
+  const Matrix3<T> half = pose.R.col(a) * pose.R.col(b).transpose();
+  const Matrix3<T> J = a == b ? half : Matrix3<T>(half + half.transpose());
+  return {T(0), zero, J, zero, J * w};
+}
+
+// The moments of all bodies at (q, qd), left in `memory` for the derivatives.
+template <class T>
+MomentsAboutS<T> joint_moments(const Tree& tree, const T* theta, const T* q, const T* qd,
+                               TermsMemory<T>& memory) {
+  Bodies<T>& at = memory.at;
+  place(tree, q, at.pose, at.field);
+  move(tree, at.field, Vector3<T>(Vector3<T>::Zero()), qd, at.motion);
+  weigh(tree, theta, at.pose, at.mass);
+  carry(tree, at.mass, at.carried);
+  for (int i = 0; i < tree.bodies(); ++i)
+    memory.carried_momentum[i] = momentum_of(at.mass[i], at.motion[i]);
+  for (int k = tree.joints - 1; k >= 0; --k) {
+    Momentum<T>& parent = memory.carried_momentum[tree.joint[k].parent];
+    parent.p += memory.carried_momentum[k + 1].p;
+    parent.h += memory.carried_momentum[k + 1].h;
+  }
+  const Mass<T>& all = at.carried[0];
+  return {all.m, all.s, all.J, memory.carried_momentum[0].p, memory.carried_momentum[0].h};
+}
+
+// The derivatives by every q and qd, from what `joint_moments` left.
+template <class T>
+void differentiate_by_joints(const Tree& tree, const MomentsAboutS<T>& all, TermsMemory<T>& memory) {
+  const Bodies<T>& at = memory.at;
+  for (int k = 0; k < tree.joints; ++k) {
+    const Motion<T>&field = at.field[k], &V = at.motion[k + 1];
+    const Mass<T>& load = at.carried[k + 1];
+    const Momentum<T>& moving = memory.carried_momentum[k + 1];
+    const Vector3<T>&w = field.w, &u = field.u;
+    const Momentum<T> unit = momentum_of(load, field);
+    const Momentum<T> held =
+        momentum_of(load, Motion<T>{w.cross(V.w), w.cross(V.u) + u.cross(V.w)});
+    const Matrix3<T> turned = cross_matrix(w) * load.J;
+    memory.by_q[k] = change_about_cm<T>(
+        all, {T(0), unit.p, turned + turned.transpose() - crossed(u, load.s),
+              w.cross(moving.p) - held.p, w.cross(moving.h) + u.cross(moving.p) - held.h});
+    memory.by_qd[k] = {Matrix3<T>::Zero(), unit.h - all.s.cross(unit.p) / all.m,
+                       Vector3<T>::Zero(), unit.p / all.m};
+  }
+}
+
+// The rates in time: d/dt = sum_k qd_k d/dq_k + qdd_k d/dqd_k.
+template <class T>
+MomentumTerms<T> rates_of(const Tree& tree, const T* qd, const T* qdd,
+                          const TermsMemory<T>& memory) {
+  MomentumTerms<T> rate = {Matrix3<T>::Zero(), Vector3<T>::Zero(), Vector3<T>::Zero(),
+                           Vector3<T>::Zero()};
+  for (int k = 0; k < tree.joints; ++k) {
+    const MomentumTerms<T>&by_q = memory.by_q[k], &by_qd = memory.by_qd[k];
+    rate.D += qd[k] * by_q.D;
+    rate.h_q += qd[k] * by_q.h_q + qdd[k] * by_qd.h_q;
+    rate.r_cm += qd[k] * by_q.r_cm;
+    rate.v_q += qd[k] * by_q.v_q + qdd[k] * by_qd.v_q;
+  }
+  return rate;
+}
+
+// The derivative by the parameter `column` of beta, with theta = theta_of beta.
+template <class T>
+MomentumTerms<T> derivative_by_beta(const Sparse& theta_of, int column, const MomentsAboutS<T>& all,
+                                    const TermsMemory<T>& memory) {
+  const Vector3<T> zero = Vector3<T>::Zero();
+  MomentsAboutS<T> sum = {T(0), zero, Matrix3<T>::Zero(), zero, zero};
+  for (int e = theta_of.first[column]; e < theta_of.first[column + 1]; ++e) {
+    const int body = theta_of.row[e] / PER_BODY;
+    const T value = T(theta_of.value[e]);
+    const MomentsAboutS<T> unit = unit_moments(memory.at.pose[body], memory.at.motion[body],
+                                               theta_of.row[e] % PER_BODY);
+    sum.m += value * unit.m;
+    sum.s += value * unit.s;
+    sum.J += value * unit.J;
+    sum.p += value * unit.p;
+    sum.h += value * unit.h;
+  }
+  return change_about_cm(all, sum);
+}
+
+}  // namespace orbident

@@ -1,0 +1,152 @@
+"""Solve with the noise, and the weights of outliers, that the residuals show."""
+
+from collections.abc import Callable, Mapping
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+
+from orbident.estimation.output_error.problem import BySensor, Problem, State
+from orbident.estimation.output_error.shooting import TURN_AND_BIASES
+from orbident.estimation.output_error.solver import Prior, Solution, solved
+
+NORMAL = 1.4826
+"""Std over median absolute value, of Gaussian noise."""
+
+HUBER = 4.0
+"""Residuals beyond so many deviations count less (Huber, 1964)."""
+
+LEAST = 1e-3
+"""Noise is not found to be smaller by more than this at once."""
+
+ROUNDS = 6
+
+SETTLED = 0.05
+"""Weights that change less, relative, change no estimate."""
+
+
+class Whitened(NamedTuple):
+    """One sensor's residuals over the noise that was assumed."""
+
+    values: Float[np.ndarray, "samples axes"]
+    """Rows without a sample and axes that do not count are left out."""
+    unknowns: float
+    """How many it took to make them small."""
+
+    @property
+    def scale(self) -> float:
+        """The noise over what was assumed, outliers left out."""
+        size = np.abs(self.values)
+        if not size.size:
+            return 1.0
+        inside = self.values[size <= HUBER * NORMAL * np.median(size)]
+        left = max(inside.size - self.unknowns, 1.0)
+        return max(float(np.sqrt(np.sum(inside**2) / left)), LEAST)
+
+    @property
+    def whiteness(self) -> float:
+        """Correlation of neighbours: 0 for white noise."""
+        power = np.sum(self.values**2)
+        between = np.sum(self.values[:-1] * self.values[1:])
+        return float(between / power) if power else 0.0
+
+
+def whitened(
+    weights: BySensor, residuals: BySensor, unknowns: Mapping[str, float]
+) -> dict[str, Whitened]:
+    """By sensor."""
+    found = {}
+    for name, table in residuals.items():
+        seen = weights[name] > 0
+        values = table[seen.any(axis=1)][:, seen.any(axis=0)]
+        found[name] = Whitened(values, unknowns[name])
+    return found
+
+
+def rescaled(weights: BySensor, scales: Mapping[str, float]) -> BySensor:
+    """For noise so many times as large."""
+    return {name: weight / scales[name] for name, weight in weights.items()}
+
+
+def robust(weights: BySensor, residuals: BySensor) -> BySensor:
+    """With Huber's weights for outliers among the whitened residuals."""
+    return {
+        name: weight * np.sqrt(HUBER / np.maximum(np.abs(residuals[name]), HUBER))
+        for name, weight in weights.items()
+    }
+
+
+def reweighted(residuals: BySensor, old: BySensor, new: BySensor) -> BySensor:
+    """Residuals whitened by other weights."""
+    return {
+        name: table * new[name] / np.where(old[name] > 0, old[name], 1.0)
+        for name, table in residuals.items()
+    }
+
+
+def change(old: BySensor, new: BySensor) -> float:
+    """The largest relative change of a weight."""
+    changes = [
+        np.abs(new[name] / np.where(weight > 0, weight, 1.0) - 1)[weight > 0]
+        for name, weight in old.items()
+    ]
+    return max((float(part.max(initial=0.0)) for part in changes), default=0.0)
+
+
+class Fitted(NamedTuple):
+    """A recording's solution, and how well its sensors were predicted."""
+
+    solution: Solution
+    parts: dict[str, Whitened]
+    """Residuals over the noise found, by sensor."""
+    levels: dict[str, float]
+    """The noise found, over what was assumed at first."""
+    residuals: BySensor
+    """At all rows, over the noise found; zero where there was no sample."""
+
+
+def fitted(
+    problem: Problem,
+    prior: Prior,
+    state: State,
+    least: Mapping[str, float],
+    progress: Callable[[], object],
+) -> Fitted:
+    """From a state to the most likely one; `least` levels of noise by sensor."""
+    unknowns = _unknowns(problem, state)
+    plain = used = problem.weights
+    levels = dict.fromkeys(plain, 1.0)
+    rounds = 0
+    while True:
+        rounds += 1
+        solution = solved(problem, used, prior, state, progress)
+        state = solution.state
+        residuals = reweighted(solution.linear.residuals, used, plain)
+        parts = whitened(plain, residuals, unknowns)
+        scales = {
+            name: max(part.scale, least[name] / levels[name])
+            for name, part in parts.items()
+        }
+        levels = {name: level * scales[name] for name, level in levels.items()}
+        before, plain = plain, rescaled(plain, scales)
+        residuals = reweighted(residuals, before, plain)
+        before, used = used, robust(plain, residuals)
+        if rounds == ROUNDS or change(before, used) < SETTLED:
+            parts = whitened(plain, residuals, unknowns)
+            return Fitted(solution, parts, levels, residuals)
+
+
+def _unknowns(problem: Problem, state: State) -> Mapping[str, float]:
+    """About how many each sensor's residuals were made small with.
+
+    Of the joints' corrections half: there are twice as many as their motion needs.
+    """
+    names = list(problem.weights)
+    base = len(names) - ("joints" in names)
+    share = (TURN_AND_BIASES + state.common.size) / max(base, 1)
+    return {
+        name: problem.weights[name].shape[1] * problem.boundaries.size
+        if name == "joints"
+        else share
+        for name in names
+    }

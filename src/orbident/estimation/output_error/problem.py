@@ -1,0 +1,232 @@
+"""All equations of a recording, and a state where they are linearised.
+
+The unknowns are those of each boundary between shooting intervals, `z`, and those that
+all have in common, `g = [outside | beta]`. The core linearises interval after interval
+and eliminates what belongs to one of them alone, from both ends of the recording to a
+boundary in its middle, the meeting one.
+"""
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+from scipy.linalg import solve_triangular
+from scipy.spatial.transform import Rotation, Slerp
+
+from orbident import _core
+from orbident.estimation.output_error.sensors import Sensors
+from orbident.estimation.output_error.shooting import (
+    Looseness,
+    intervals_of,
+    looseness,
+    substeps_of,
+)
+from orbident.model.core_robot import core_tree
+from orbident.robot.description import Robot
+from orbident.signals.samples import Samples
+from orbident.threads import processors
+
+SENSORS = ("gyro", "accelerometer", "attitude", "joints", "position", "velocity")
+"""In the core's order."""
+
+NO_ROWS = np.zeros((0, 3))
+"""Of a sensor that there is not."""
+
+BySensor = Mapping[str, Float[np.ndarray, "rows axes"]]
+
+
+class Outside(NamedTuple):
+    """The first common unknowns; the core's `outside.hpp` has the same order."""
+
+    h_cm: Float[np.ndarray, "3"]
+    """At time zero, inertial axes, N m s."""
+    v_cm: Float[np.ndarray, "3"]
+    """At time zero, inertial axes, m/s."""
+    r_cm: Float[np.ndarray, "3"]
+    """At time zero, inertial axes, m."""
+    torque: Float[np.ndarray, "3"]
+    """Constant, inertial axes, N m."""
+    pull: Float[np.ndarray, "3"]
+    """Constant acceleration of the system CM, inertial axes, m/s^2."""
+
+
+OUTSIDE = 3 * len(Outside._fields)
+NOTHING = Outside(*np.zeros((len(Outside._fields), 3)))
+
+
+class Problem(NamedTuple):
+    """A robot and what was recorded of it."""
+
+    recorded: _core.Recorded
+    t: Float[np.ndarray, " rows"]
+    """s."""
+    boundaries: Float[np.ndarray, " boundaries"]
+    """Times at which intervals meet, s."""
+    samples: BySensor
+    """What each sensor showed; NaN in rows without a sample."""
+    weights: BySensor
+    """1 over the noise's standard deviation; zero where there was no sample."""
+    loose: Looseness
+
+
+class State(NamedTuple):
+    """Where the equations are linearised."""
+
+    x_WB: Float[np.ndarray, "boundaries 4"]
+    """The attitude where intervals meet."""
+    local: Float[np.ndarray, "boundaries local"]
+    """Turn (always zero), biases, corrections of the joints and of their rates."""
+    common: Float[np.ndarray, " common"]
+    """`h_cm`, `v_cm`, `r_cm`, torque, pull and `beta`."""
+
+    @property
+    def beta(self) -> Float[np.ndarray, " beta"]:
+        """`[M, sigma, iota]`."""
+        return self.common[OUTSIDE:]
+
+    def moved(
+        self, z: Float[np.ndarray, "boundaries local"], g: Float[np.ndarray, " common"]
+    ) -> "State":
+        """The state after a step."""
+        turn, v, s = z[:, :3], self.x_WB[:, :3], self.x_WB[:, 3:]
+        vector = v + (s * turn + np.cross(v, turn)) / 2
+        x = np.hstack([vector, s - np.sum(v * turn, axis=1, keepdims=True) / 2])
+        local = self.local + z
+        local[:, :3] = 0.0
+        unit = x / np.linalg.norm(x, axis=1, keepdims=True)
+        return State(unit, local, self.common + g)
+
+
+class Linear(NamedTuple):
+    """All equations at a state, linear in changes of it, with `z` eliminated."""
+
+    factor: Float[np.ndarray, "n n"]
+    """Triangular, over `[z, g, rhs]` with the `z` of the meeting boundary."""
+    links: Float[np.ndarray, "intervals local columns"]
+    """Of each interval: rows over `[z, z of the side of the meeting one, g, rhs]`."""
+    cost: float
+    """Sum of the squared whitened residuals and defects."""
+    residuals: dict[str, Float[np.ndarray, "rows axes"]]
+    """Whitened; zero where there was no sample."""
+
+    @property
+    def local(self) -> int:
+        """How many unknowns a boundary has."""
+        return self.links.shape[1]
+
+    @property
+    def common(self) -> Float[np.ndarray, "n n"]:
+        """The part of the factor over `[g, rhs]`."""
+        return self.factor[self.local :, self.local :]
+
+    def step(self, g: Float[np.ndarray, " g"]) -> Float[np.ndarray, "boundaries local"]:
+        """`z` of every boundary, for any `g`."""
+        n = self.local
+        top = self.factor[:n]
+        z = solve_triangular(top[:, :n], top[:, -1] - top[:, n:-1] @ g)
+        return _core.boundaries(self.links, z, g)
+
+    def covariance_at_the_end(
+        self, C: Float[np.ndarray, "n n"]
+    ) -> Float[np.ndarray, "local local"]:
+        """Covariance of the last boundary's `z`, from that of `[z, g]` at the meeting.
+
+        Each link gives `R z = e - F z_before - G g`, with `e` of unit covariance.
+        """
+        n = self.local
+        for link in self.links[len(self.links) // 2 :]:
+            root = solve_triangular(link[:, :n], np.eye(n))
+            by = -root @ link[:, n:-1]
+            across = by @ C[:, n:]
+            C = np.block(
+                [[by @ C @ by.T + root @ root.T, across], [across.T, C[n:, n:]]]
+            )
+        return C[:n, :n]
+
+
+def linear(problem: Problem, weights: BySensor, state: State) -> Linear:
+    """Linearise all intervals and eliminate what belongs to one of them alone."""
+    factor, links, cost, residuals = _core.linearised(
+        problem.recorded,
+        [weights.get(name, NO_ROWS) for name in SENSORS],
+        state.x_WB,
+        state.local,
+        state.common,
+        processors(),
+    )
+    tables = dict(zip(SENSORS, residuals, strict=True))
+    return Linear(factor, links, cost, {name: tables[name] for name in weights})
+
+
+def problem_of(
+    robot: Robot,
+    theta_of: Float[np.ndarray, "theta beta"],
+    samples: Samples,
+    sensors: Sensors,
+) -> Problem:
+    """The equations of a recording.
+
+    Args:
+        robot: geometry and wheels, and a nominal inertia for the sizes of steps.
+        theta_of: columns that give a `theta` with the momentum of any `beta`.
+        samples: histories of joints and wheels.
+        sensors: what is predicted.
+    """
+    intervals = intervals_of(robot, samples, sensors)
+    loose = looseness(robot, samples, sensors)
+    last = np.arange(intervals.t.size) == intervals.t.size - 1
+    seen, weights = {}, {}
+    for name, sensed in sensors.by_name.items():
+        table = np.ascontiguousarray(sensed.values[intervals.kept])
+        valid = np.isfinite(table).all(axis=1)
+        if name == "accelerometer":
+            # The rate of the velocity is taken over the time to the next row.
+            valid &= ~last
+        seen[name] = table
+        weights[name] = np.outer(valid / sensed.std, _axes(robot, name, table.shape[1]))
+    recorded = _core.Recorded(
+        core_tree(robot),
+        np.ascontiguousarray(theta_of),
+        robot.motion == "planar",
+        substeps_of(robot, samples),
+        loose.corrected,
+        intervals.t,
+        intervals.edges.astype(float),
+        *intervals.history,
+        [np.nan_to_num(seen.get(name, _none(name))) for name in SENSORS],
+        loose.first,
+        loose.corrections,
+        loose.walk,
+    )
+    return Problem(recorded, intervals.t, intervals.boundaries, seen, weights, loose)
+
+
+def _none(name: str) -> Float[np.ndarray, "0 axes"]:
+    return np.zeros((0, 4 if name == "attitude" else 3))
+
+
+def _axes(robot: Robot, sensor: str, columns: int) -> Float[np.ndarray, " axes"]:
+    """1 for those in which momentum is conserved; encoders have all."""
+    if sensor == "joints":
+        return np.ones(columns)
+    if robot.motion != "planar":
+        return np.ones(3)
+    turning = sensor in {"gyro", "attitude"}
+    return np.array([0.0, 0.0, 1.0] if turning else [1.0, 1.0, 0.0])
+
+
+def start_of(
+    problem: Problem,
+    samples: Samples,
+    outside: Outside,
+    beta: Float[np.ndarray, " beta"],
+) -> State:
+    """The state with the measured attitude, without biases or corrections."""
+    x = np.column_stack(samples.x_WB)
+    known = np.isfinite(x).all(axis=1)
+    at = samples.t[known]
+    between = Slerp(at, Rotation.from_quat(x[known]))
+    x_WB = between(np.clip(problem.boundaries, at[0], at[-1])).as_quat()
+    local = np.zeros((len(x_WB), problem.recorded.local))
+    return State(np.ascontiguousarray(x_WB), local, np.concatenate([*outside, beta]))

@@ -1,0 +1,228 @@
+"""A recording cut into shooting intervals: its rows, and what joints and wheels did."""
+
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+from scipy.interpolate import CubicSpline
+
+from orbident.estimation.output_error.sensors import Sensors, scatter
+from orbident.model.inertia import inertia_at
+from orbident.model.minimal_sets import conserved_axes
+from orbident.model.wheels import wheels_of
+from orbident.robot.description import Robot
+from orbident.signals.histories import MEASURED
+from orbident.signals.samples import Samples
+from orbident.signals.smoothing import smooth
+
+SHORT, LONG = 4, 128
+"""Rows of an interval."""
+
+ENOUGH = 4096
+"""Samples that tell how smooth the joints move."""
+
+OF_A_RADIAN = 0.75
+"""An interval lasts so much of a radian of the joints' motion: cubics follow that."""
+
+TURN_AND_BIASES = 9
+"""The first unknowns of a boundary: turn, gyro bias and accelerometer bias."""
+
+CONTINUOUS = 1e-9
+"""rad/sqrt(s): what splines and integration add to the attitude."""
+
+STEADY = 1e-6
+"""Walk of a bias of which nothing is declared, over the noise of a sample."""
+
+SLIGHT = 1e-11
+"""rad/s and m/s^2 per sqrt(s): with less, rounding hides what else is known of it."""
+
+FIXED = 1e-9
+"""rad: without an attitude sensor, inertial axes are those of the first attitude."""
+
+BIAS = np.repeat([0.1, 1.0], 3)
+"""Std of biases beforehand, rad/s and m/s^2: more than any sensor's."""
+
+ENCODERS = 1e-2
+"""Std of the error of smoothed encoders beforehand, rad or m, and per second."""
+
+STEP = 1 / 16
+"""rad of nutation: steps of RK4 so large are wrong by 1e-8 rad."""
+
+MOST_SUBSTEPS = 32
+
+
+class JointHistory(NamedTuple):
+    """Joints and wheels at every row, and half-way to the next: `2 rows - 1` nodes."""
+
+    q: Float[np.ndarray, "nodes joints"]
+    qd: Float[np.ndarray, "nodes joints"]
+    qdd: Float[np.ndarray, "nodes joints"]
+    h_rw: Float[np.ndarray, "nodes 3"]
+    """The wheels' momentum, base axes, N m s."""
+    h_rw_rate: Float[np.ndarray, "nodes 3"]
+    """N m."""
+
+
+class Intervals(NamedTuple):
+    """The rows that count, and where intervals begin."""
+
+    kept: Bool[np.ndarray, " all"]
+    """Which of the sensors' rows: joints and wheels are known there."""
+    t: Float[np.ndarray, " rows"]
+    """s."""
+    edges: Int[np.ndarray, " boundaries"]
+    """The first row of each interval, and the number of rows."""
+    history: JointHistory
+
+    @property
+    def boundaries(self) -> Float[np.ndarray, " boundaries"]:
+        """The times at which intervals begin, and at which the last one ends, s."""
+        return self.t[np.minimum(self.edges, self.t.size - 1)]
+
+
+def intervals_of(robot: Robot, samples: Samples, sensors: Sensors) -> Intervals:
+    """Cut a recording into intervals that cubics follow."""
+    table = np.column_stack([*samples.q, *samples.qd, *samples.qd_rw])
+    known = np.isfinite(table).all(axis=1)
+    joints = len(robot.joints)
+    h_rw = table[known, 2 * joints :] @ wheels_of(robot).A_rw.T
+    known_t = samples.t[known]
+    spline = CubicSpline(known_t, np.hstack([table[known, : 2 * joints], h_rw]))
+    kept = (sensors.t >= known_t[0]) & (sensors.t <= known_t[-1])
+    t = sensors.t[kept]
+    nodes = np.empty(2 * t.size - 1)
+    nodes[::2], nodes[1::2] = t, (t[:-1] + t[1:]) / 2
+    q, qd, h_rw = np.split(spline(nodes), [joints, 2 * joints], axis=-1)
+    _, qdd, h_rw_rate = np.split(spline(nodes, nu=1), [joints, 2 * joints], axis=-1)
+    history = JointHistory(
+        *(np.ascontiguousarray(x) for x in (q, qd, qdd, h_rw, h_rw_rate))
+    )
+    rows = _rows_of_an_interval(history, sensors, t)
+    return Intervals(kept, t, _edges(t.size, rows), history)
+
+
+def _edges(samples: int, rows: int) -> Int[np.ndarray, " edges"]:
+    """The first row of each interval, and the end.
+
+    Smoothed joint histories are worst in the first and last few samples, where a gyro
+    knows better: intervals are short there.
+    """
+    short = [2**k for k in range(1, rows.bit_length() - 1)]
+    middle = samples - 2 * sum(short)
+    if middle < rows:
+        short, middle = [], samples
+    count = -(-middle // rows)
+    even = np.diff(np.round(np.linspace(0, middle, count + 1)).astype(int))
+    return np.cumsum([0, *short, *even, *reversed(short)])
+
+
+def _rows_of_an_interval(
+    history: JointHistory, sensors: Sensors, t: Float[np.ndarray, " rows"]
+) -> int:
+    """A power of two: intervals at both ends are halved again and again."""
+    rate, bend = (
+        np.sqrt(np.mean(x[::2] ** 2, axis=0)) for x in (history.qd, history.qdd)
+    )
+    moving = rate > 0
+    if not moving.any():
+        return LONG
+    radian = float(np.min(rate[moving] / np.maximum(bend[moving], 1e-12)))
+    lasting = OF_A_RADIAN * radian
+    if "joints" in sensors.by_name:
+        lasting = min(lasting, _as_smooth_as(sensors, moving))
+    rows = lasting / float(np.median(np.diff(t)))
+    return int(2 ** np.round(np.log2(np.clip(rows, SHORT, LONG))))
+
+
+def _as_smooth_as(sensors: Sensors, moving: Bool[np.ndarray, " joints"]) -> float:
+    """How long an interval may last for its cubics to follow what smoothing leaves, s.
+
+    A smoothed sample's variance, over that of the noise, is the number of unknowns a
+    sample that smoothing is worth. An interval has two of a joint, twice as many as
+    that: what moves is rougher at times.
+    """
+    encoders = sensors.by_name["joints"]
+    seen = np.flatnonzero(np.isfinite(encoders.values).all(axis=1))
+    middle = seen[max(seen.size - ENOUGH, 0) // 2 :][:ENOUGH]
+    t, x = sensors.t[middle], encoders.values[middle][:, moving]
+    found = smooth(t, x, encoders.std, name="joints")
+    variance = np.median(np.square(found.std_x), axis=0) / encoders.std**2
+    return 1 / float(variance.max()) * float(np.median(np.diff(t)))
+
+
+class Looseness(NamedTuple):
+    """How freely what belongs to boundaries may vary: standard deviations."""
+
+    corrected: Float[np.ndarray, " corrected"]
+    """Indices of the joints that have corrections."""
+    first: Float[np.ndarray, " local"]
+    """At the recording's start."""
+    corrections: Float[np.ndarray, " corrections"]
+    """Of the joints, rad or m, and of their rates, per second, anywhere."""
+    walk: Float[np.ndarray, "9"]
+    """Of attitude and biases, per square root of a second."""
+
+
+def looseness(robot: Robot, samples: Samples, sensors: Sensors) -> Looseness:
+    """How freely attitude, biases and joints may vary from segment to segment."""
+    turns = np.full(3, FIXED)
+    if "attitude" in sensors.by_name:
+        # Nothing would hold a planar base's tilt, and it is none.
+        turns[list(conserved_axes(robot)[0])] = np.pi
+    walks = []
+    for name in ("gyro", "accelerometer"):
+        sensed = sensors.by_name.get(name)
+        walk = max(sensed.drift, STEADY * sensed.std, SLIGHT) if sensed else 1.0
+        walks += 3 * [walk]
+    # Joints whose rates are measured, or that do not move, have no corrections.
+    free = [
+        "joints" in sensors.by_name and name not in samples.locked
+        for name in robot.joint_names
+    ]
+    corrections = np.full(2 * sum(free), ENCODERS)
+    return Looseness(
+        corrected=np.flatnonzero(free).astype(float),
+        first=np.concatenate([turns, BIAS, corrections]),
+        corrections=corrections,
+        walk=np.array([*3 * [_turn_walk(robot, samples)], *walks]),
+    )
+
+
+def _turn_walk(robot: Robot, samples: Samples) -> float:
+    """What noise of measured wheel speeds adds to the attitude, rad/sqrt(s)."""
+    if samples.origins["wheel_speeds"] != MEASURED or not robot.wheels:
+        return CONTINUOUS
+    h_rw = _wheels_momentum(robot, samples)
+    known = np.isfinite(h_rw).all(axis=1)
+    dt = float(np.median(np.diff(samples.t[known])))
+    rate = scatter(h_rw[known]) / float(_principal_inertias(robot)[0])
+    return max(rate * np.sqrt(dt), CONTINUOUS)
+
+
+def substeps_of(robot: Robot, samples: Samples) -> int:
+    """How many RK4 steps a sample follow the fastest nutation; a power of two.
+
+    It turns with at most `|h_cm| / D`, and its phase is wrong by the fourth power of
+    the step.
+    """
+    if robot.motion == "planar":
+        return 1
+    D = _principal_inertias(robot)
+    w, h_rw = (
+        np.nanmax(np.linalg.norm(vectors, axis=1), initial=0.0)
+        for vectors in (np.column_stack(samples.w), _wheels_momentum(robot, samples))
+    )
+    rate = w + (D[-1] * w + h_rw) / D[0]
+    turned = rate * float(np.median(np.diff(samples.t)))
+    return int(2 ** np.ceil(np.log2(np.clip(turned / STEP, 1, MOST_SUBSTEPS))))
+
+
+def _wheels_momentum(robot: Robot, samples: Samples) -> Float[np.ndarray, "n 3"]:
+    qd_rw = np.reshape(samples.qd_rw, (len(robot.wheels), samples.t.size))
+    return qd_rw.T @ wheels_of(robot).A_rw.T
+
+
+def _principal_inertias(robot: Robot) -> Float[np.ndarray, " axes"]:
+    """Nominal, of the whole robot; about z alone in the plane."""
+    D = inertia_at(robot, np.zeros(len(robot.joints))).D
+    return np.linalg.eigvalsh(D[2:, 2:] if robot.motion == "planar" else D)
