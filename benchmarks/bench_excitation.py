@@ -19,8 +19,8 @@ from orbident.excitation.conditions import conditions_for
 from orbident.excitation.design import design_excitation
 from orbident.excitation.polytope import inner_point, polytope_of
 from orbident.excitation.problem import try_motion
-from orbident.recordings.recording import Recording
 from orbident.model.minimal_sets import minimal_sets
+from orbident.recordings.recording import Recording
 from orbident.robot.robot_file import load_robot
 from orbident.sensing.simulate import simulate
 from orbident.studies.exciting import paper_case

@@ -9,8 +9,8 @@ from manoeuvres import dual_arm, excitation
 from orbident.estimation.identify import identify
 from orbident.estimation.least_squares import fit
 from orbident.estimation.mass import mass_of
-from orbident.precision import in_float64
 from orbident.model.minimal_sets import minimal_sets
+from orbident.precision import in_float64
 from orbident.sensing.simulate import simulate
 from orbident.signals.samples import samples_of
 

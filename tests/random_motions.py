@@ -7,8 +7,8 @@ from typing import Literal
 import jax.numpy as jnp
 import numpy as np
 
-from orbident.model.inertia import inertia
 from orbident.dynamics.tree import tree_of
+from orbident.model.inertia import inertia
 from orbident.model.wheels import wheels_of
 from orbident.precision import in_float64
 from orbident.robot.description import Robot

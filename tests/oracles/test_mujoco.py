@@ -21,8 +21,8 @@ from random_robots import DUAL_ARM, random_quaternion, random_robot, random_whee
 from scipy.interpolate import CubicHermiteSpline
 
 from orbident.dynamics.free_floating import BaseState, FreeFloating, free_floating
-from orbident.model.inertia import inertia
 from orbident.dynamics.tree import tree_of
+from orbident.model.inertia import inertia
 from orbident.model.wheels import wheels_of
 from orbident.robot.description import Robot
 

@@ -11,9 +11,9 @@ from orbident.estimation.result import Result
 from orbident.identified.intervals import deviations
 from orbident.identified.prediction import predict
 from orbident.identified.validate import validate
-from orbident.recordings.recording import Recording
 from orbident.model.derivatives import sets_of_beta
 from orbident.model.minimal_sets import minimal_sets
+from orbident.recordings.recording import Recording
 from orbident.robot.robot_file import load_robot
 from orbident.sensing.simulate import simulate
 

@@ -70,11 +70,14 @@ class Out {
     for (std::size_t each : shape_) size *= each;
     block_ = ArrayMemory::take(size);
   }
-  Out(const Out&) = delete;
+  Out(Out&& other) noexcept : shape_(other.shape_), block_(other.block_) {
+    other.block_.data = nullptr;
+  }
   ~Out() {
     if (block_.data) ArrayMemory::give_back(block_);
   }
   double* data() { return block_.data; }
+  const std::array<std::size_t, N>& shape() const { return shape_; }
 
   // Hands the memory over.
   Numpy give() {

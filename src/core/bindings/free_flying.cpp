@@ -28,7 +28,7 @@ auto forward(const OwnedRobot& owned, const Array& q_, const Array& v_, const Ar
     nb::gil_scoped_release release;
     parallel_for(n, threads, [&](std::ptrdiff_t first, std::ptrdiff_t last) {
       EquationsMemory<double> memory(robot);
-      Equations<double>& eq = memory.eq;
+      EquationsOfMotion<double>& eq = memory.eq;
       for (std::ptrdiff_t k = first; k < last; ++k) {
         set_up(robot, q.data() + k * K, v.data() + k * N, eq);
         std::copy_n(Q.data() + k * N, N, eq.Q);
@@ -122,11 +122,11 @@ struct Shown {
            const FlightMemory& memory) {
     const int N = robot.speeds(), joints = robot.tree.joints;
     const auto put = [row](Out<2>& to, const double* from) {
-      std::copy_n(from, to.shape[1], to.data() + static_cast<std::size_t>(row) * to.shape[1]);
+      std::copy_n(from, to.shape()[1], to.data() + static_cast<std::size_t>(row) * to.shape()[1]);
     };
     const auto put_vector = [put](Out<2>& to, const Vector3<double>& from) { put(to, from.data()); };
     const Flying<const double> x(robot, state);
-    const Equations<double>& eq = memory.plant;
+    const EquationsOfMotion<double>& eq = memory.plant;
     const Matrix3<double> R_WB = quaternion_matrix(Quaternion<double>(x.x_WB));
     const Eigen::Map<const Eigen::VectorXd> v_all(x.v, N), vd_all(memory.vd, N);
     const Square<double> H(eq.H, N, N);

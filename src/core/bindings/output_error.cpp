@@ -227,8 +227,8 @@ auto interval_equations(const OwnedRecorded& owned, const std::vector<Array>& we
     throw nb::value_error("interval: there is none of this number");
   const int L = all.local(), n = all.stride(), width = all.width();
   OwnedSweep memory(all);
-  Equations<double> sensed{memory.at.rows, n, width, 0, L, L, 0, 0.0};
-  Equations<double> continuity{memory.at.continuity, n, width, 0, L, L, 0, 0.0};
+  EquationTable<double> sensed{memory.at.rows, n, width, 0, L, L, 0, 0.0};
+  EquationTable<double> continuity{memory.at.continuity, n, width, 0, L, L, 0, 0.0};
   linearise(all, call.at(), interval, memory.at.interval, sensed, continuity);
   add_encoders(all, call.at(), interval, true, sensed.table + std::ptrdiff_t(sensed.rows) * n,
                memory.at.R);

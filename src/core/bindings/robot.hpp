@@ -87,7 +87,7 @@ class EquationsMemory {
     eq = {bodies_.at, H, H + N * N, H + 2 * N * N, H + 2 * N * N + N, Vector3<T>::Zero()};
   }
   EquationsMemory(const EquationsMemory&) = delete;
-  Equations<T> eq;
+  EquationsOfMotion<T> eq;
 
  private:
   static std::size_t n(const Robot& robot) { return static_cast<std::size_t>(robot.speeds()); }

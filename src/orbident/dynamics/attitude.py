@@ -18,14 +18,14 @@ from jaxtyping import Float
 
 from orbident import _core
 from orbident.errors import InputError
-from orbident.model.rotations import rotation_angle
-from orbident.spatial.arrays import AnyArray
 from orbident.model.rotations import (
     quaternion_matrix,
     quaternion_rate,
     rotate,
     rotate_back,
+    rotation_angle,
 )
+from orbident.spatial.arrays import AnyArray
 from orbident.threads import processors
 
 MOST_SUBSTEPS = 256

@@ -23,8 +23,8 @@ from orbident.estimation.output_error.problem import (
 from orbident.estimation.output_error.sensors import sensors_of
 from orbident.estimation.output_error.solver import Solution
 from orbident.estimation.prior import prior_std
-from orbident.precision import in_float64
 from orbident.model.minimal_sets import minimal_sets
+from orbident.precision import in_float64
 from orbident.robot.description import Robot
 from orbident.sensing.measure import measure
 from orbident.sensing.simulate import RATE, float_along

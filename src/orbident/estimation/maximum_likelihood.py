@@ -28,9 +28,8 @@ from orbident.estimation.output_error.solver import Prior, Solution
 from orbident.estimation.predicted import Signals, sensor_signals
 from orbident.estimation.prior import prior_std
 from orbident.estimation.verdict import no_direct_mass
-from orbident.model.minimal_sets import conserved_axes
+from orbident.model.minimal_sets import MinimalSets, conserved_axes
 from orbident.recordings.recording import Recording
-from orbident.model.minimal_sets import MinimalSets
 from orbident.robot.description import Robot
 from orbident.signals.delays import delays
 from orbident.signals.samples import Samples

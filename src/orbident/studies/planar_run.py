@@ -9,9 +9,9 @@ from orbident.estimation.identify import Method, identify
 from orbident.estimation.result import Result
 from orbident.estimation.weigh import Weighing, weigh
 from orbident.identified.validate import Validation, validate
-from orbident.recordings.recording import Recording
 from orbident.model.minimal_sets import minimal_sets
 from orbident.model.paper_bases import PaperBasis, paper_basis, planar_columns
+from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.studies import tables
 from orbident.studies.filters import Filters

@@ -15,10 +15,10 @@ from orbident.estimation.found import Found
 from orbident.estimation.identify import Method, identify
 from orbident.estimation.result import Result, nulled
 from orbident.estimation.triangular import condition_numbers
-from orbident.precision import in_float64
-from orbident.recordings.recording import Recording
 from orbident.model.minimal_sets import minimal_sets
 from orbident.model.paper_bases import PaperBasis, paper_basis, spatial_columns
+from orbident.precision import in_float64
+from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.sensing.measure import measure
 from orbident.sensing.simulate import float_along, recorded

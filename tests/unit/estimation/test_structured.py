@@ -14,9 +14,9 @@ from orbident.estimation.least_squares import Fits, fit
 from orbident.estimation.prior import WIDE, prior_std
 from orbident.estimation.structured import beta_of_fits
 from orbident.model import minimal_sets as model
-from orbident.model.wheels import wheels_of
 from orbident.model.derivatives import sets_of_beta
 from orbident.model.minimal_sets import minimal_sets
+from orbident.model.wheels import wheels_of
 from orbident.robot.description import Robot
 from orbident.signals.samples import Samples, samples_of
 

@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 
 from orbident.dynamics.free_floating import BaseState, free_floating
-from orbident.model.inertia import inertia
 from orbident.dynamics.tree import tree_of
-from orbident.model.wheels import wheels_of
 from orbident.errors import InputError
 from orbident.excitation.floating import seen_along, shown_along, spacecraft_of
 from orbident.excitation.information import information, sensing_of
+from orbident.model.inertia import inertia
 from orbident.model.minimal_sets import minimal_sets
 from orbident.model.rotations import quaternion_matrix
+from orbident.model.wheels import wheels_of
 
 NODES = 81
 STEP = 1e-5

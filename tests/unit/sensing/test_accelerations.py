@@ -11,9 +11,9 @@ from random_robots import (
 )
 
 from orbident.dynamics.free_floating import free_floating
+from orbident.model.rotations import quaternion_matrix
 from orbident.precision import in_float64
 from orbident.sensing.accelerations import accelerations
-from orbident.model.rotations import quaternion_matrix
 
 PARENTS = (0, 1, 0)
 SWING = random_swing(2, len(PARENTS))

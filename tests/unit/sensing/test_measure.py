@@ -6,10 +6,10 @@ from random_motions import random_motion
 
 from orbident.dynamics.free_floating import BaseState, free_floating
 from orbident.errors import InputError
+from orbident.model.rotations import quaternion_matrix
 from orbident.robot.robot_file import load_robot
 from orbident.sensing.measure import measure
 from orbident.sensing.simulate import sample_times, simulate
-from orbident.model.rotations import quaternion_matrix
 
 EVERYTHING = {
     "gyro": {"angle_random_walk": 3e-6, "bias_instability": 1.5e-6},

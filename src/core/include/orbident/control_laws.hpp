@@ -70,7 +70,7 @@ inline double limited(double tau, double qd_rw, double most_torque, double top_s
 // Adds the torques of joints and wheels to tau; eq is memory for the model.
 inline void add_computed_torque(const ComputedTorque& law, const double* q,
                                 const Quaternion<double>& x_WB, const double* v,
-                                const Command& command, Equations<double>& eq, double* tau) {
+                                const Command& command, EquationsOfMotion<double>& eq, double* tau) {
   const Robot& model = law.model;
   const int joints = model.tree.joints, N = model.speeds();
   set_up(model, q, v, eq);
@@ -102,7 +102,7 @@ inline void add_computed_torque(const ComputedTorque& law, const double* q,
 // The torques of joints and wheels, before the limits of the wheels' motors.
 inline void control(const ControlLaws& laws, const Robot& robot, const double* q,
                     const Quaternion<double>& x_WB, const double* v, const Command& command,
-                    Equations<double>& model, double* tau) {
+                    EquationsOfMotion<double>& model, double* tau) {
   const int joints = robot.tree.joints;
   const double *qd = v + 6, *qd_rw = qd + joints;
   for (int k = 0; k < joints; ++k)

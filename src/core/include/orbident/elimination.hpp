@@ -49,8 +49,8 @@ T sweep(const Recorded<T>& recorded, const LinearisedAt<T>& at, bool forward, Sw
   }
   for (int interval = begin; interval != stop; interval += on) {
     const int start = forward ? 0 : L, end = L - start;
-    Equations<T> sensed{memory.rows, n, width, start, end, L, 0, T(0)};
-    Equations<T> continuity{memory.continuity, n, width, start, end, L, 0, T(0)};
+    EquationTable<T> sensed{memory.rows, n, width, start, end, L, 0, T(0)};
+    EquationTable<T> continuity{memory.continuity, n, width, start, end, L, 0, T(0)};
     linearise(recorded, at, interval, memory.interval, sensed, continuity);
     std::fill_n(memory.R, std::ptrdiff_t(2 * L) * n, T(0));
     fold(memory.R, n, continuity.table, n, BIASES, n, BIASES, memory.v);

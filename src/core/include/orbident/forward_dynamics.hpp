@@ -24,7 +24,7 @@ struct BodyPoint {
 
 // The equations of motion in one state; memory of the caller.
 template <class T>
-struct Equations {
+struct EquationsOfMotion {
   Bodies<T> at;
   T* H;       // speeds x speeds
   T* factor;  // the same size: of the Cholesky factor
@@ -34,7 +34,7 @@ struct Equations {
 };
 
 template <class T>
-void set_up(const Robot& robot, const T* q, const T* v, Equations<T>& eq) {
+void set_up(const Robot& robot, const T* q, const T* v, EquationsOfMotion<T>& eq) {
   const int N = robot.speeds();
   configure(robot, q, eq.at);
   mass_matrix(robot, eq.at, Square<T>(eq.H, N, N));
@@ -44,7 +44,7 @@ void set_up(const Robot& robot, const T* q, const T* v, Equations<T>& eq) {
 // Adds J^T (F, n) to the generalised forces of a configured state.
 template <class T>
 void add_wrench(const Robot& robot, const BodyPoint& point, const Vector3<T>& F,
-                const Vector3<T>& n, Equations<T>& eq) {
+                const Vector3<T>& n, EquationsOfMotion<T>& eq) {
   const Bodies<T>& at = eq.at;
   const T M = at.carried[0].m;
   const Vector3<T> p =
@@ -72,7 +72,7 @@ Vector3<T> at_S(const Robot& robot, const Bodies<T>& at, const T* v) {
 // v' where some of it is known (free = 0) and elsewhere the force Q is (free = 1). vd has what is
 // known, and gets the rest.
 template <class T>
-void accelerate(const Robot& robot, const double* free, Equations<T>& eq, T* vd) {
+void accelerate(const Robot& robot, const double* free, EquationsOfMotion<T>& eq, T* vd) {
   const int N = robot.speeds();
   const Square<T> H(eq.H, N, N);
   Square<T> factor(eq.factor, N, N);

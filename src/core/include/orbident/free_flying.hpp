@@ -29,8 +29,8 @@ struct Flying {
 
 // Memory of the caller; what is seen in a state besides.
 struct FlightMemory {
-  Equations<double> plant;
-  Equations<double> model;
+  EquationsOfMotion<double> plant;
+  EquationsOfMotion<double> model;
   double* vd;   // speeds
   double* tau;  // joints and wheels
 };
@@ -48,7 +48,7 @@ inline void rate(const Vehicle& vehicle, const double* state, const Command& com
   for (int k = 0; k < wheels; ++k)
     tau_rw[k] = limited(tau_rw[k], qd_rw[k], vehicle.limits.torque[k], vehicle.limits.speed[k]);
 
-  Equations<double>& eq = memory.plant;
+  EquationsOfMotion<double>& eq = memory.plant;
   set_up(robot, x.q, x.v, eq);
   Column<double> Q(eq.Q, N);
   Q.head<6>().setZero();

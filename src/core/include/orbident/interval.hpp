@@ -74,7 +74,7 @@ struct IntervalMemory {
 
 // A table of equations that grows row by row.
 template <class T>
-struct Equations {
+struct EquationTable {
   T* table;
   int stride, width;
   int start, end;  // columns of z at the interval's start and end
@@ -107,7 +107,7 @@ struct Equations {
 // The rows of a sensor with three axes; `bias` is where its bias is in z, or -1.
 template <class T>
 void add_sample(const IntervalColumns& c, const Sensed<T>& sensor, int row, const Vector3<T>& error,
-                const T* slopes, int bias, Equations<T>& equations) {
+                const T* slopes, int bias, EquationTable<T>& equations) {
   for (int axis = 0; axis < 3; ++axis) {
     const T weight = sensor.weights[3 * row + axis];
     sensor.residuals[3 * row + axis] = weight * error[axis];
@@ -188,7 +188,7 @@ void start_base(const Recorded<T>& recorded, const LinearisedAt<T>& at, int inte
 template <class T>
 void add_samples(const Recorded<T>& recorded, const LinearisedAt<T>& at, int interval, int row,
                  const JointNode<T>& joints, const BaseNode<T>& base, IntervalMemory<T>& memory,
-                 Equations<T>& equations) {
+                 EquationTable<T>& equations) {
   const IntervalColumns& c = recorded.columns;
   const auto shown = [row](const Sensed<T>& sensor) {
     return Vector3<T>(Eigen::Map<const Vector3<T>>(sensor.values + 3 * row));
@@ -220,7 +220,7 @@ void add_samples(const Recorded<T>& recorded, const LinearisedAt<T>& at, int int
 // What goes on at the end of an interval: turn and biases.
 template <class T>
 void add_continuity(const Recorded<T>& recorded, const LinearisedAt<T>& at, int interval,
-                    const T& duration, const BaseNode<T>& end, Equations<T>& equations) {
+                    const T& duration, const BaseNode<T>& end, EquationTable<T>& equations) {
   // An interval of one row lasts no time.
   constexpr double MOMENT = 1e-3;
   const T root = std::sqrt(std::max(duration, T(MOMENT)));
@@ -244,7 +244,7 @@ void add_continuity(const Recorded<T>& recorded, const LinearisedAt<T>& at, int 
 // All rows that the base's sensors give, and those of continuity; the base walks through the interval.
 template <class T>
 void linearise(const Recorded<T>& recorded, const LinearisedAt<T>& at, int interval,
-               IntervalMemory<T>& memory, Equations<T>& sensed, Equations<T>& continuity) {
+               IntervalMemory<T>& memory, EquationTable<T>& sensed, EquationTable<T>& continuity) {
   const IntervalColumns& c = recorded.columns;
   const int first = recorded.edge[interval], last = recorded.edge[interval + 1];
   const int end = std::min(last, recorded.rows - 1);

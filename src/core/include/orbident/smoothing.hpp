@@ -55,13 +55,13 @@ void smooth_column(const SampledColumn<T>& column, std::ptrdiff_t first, std::pt
   using namespace white_snap;
   const auto forward = [&](std::ptrdiff_t step, Information<T>& known) {
     const std::ptrdiff_t k = first + step;
-    const Equations<T> noise = k > first ? advance(column.motion(k), known) : Equations<T>::Zero();
+    const SnapRows<T> noise = k > first ? advance(column.motion(k), known) : SnapRows<T>::Zero();
     if (column.sampled(k)) measure(column.y(k), known);
     return noise;
   };
   Estimate<T> at;
   const auto turn = [&](const Information<T>& known) { at = final_estimate(known); };
-  const auto back = [&](std::ptrdiff_t step, const Equations<T>& noise) {
+  const auto back = [&](std::ptrdiff_t step, const SnapRows<T>& noise) {
     const std::ptrdiff_t k = first + step;
     write(column, at, k, out);
     if (k > first) retreat(column.motion(k), noise, at);
@@ -86,7 +86,7 @@ Evidence<T> evidence(const SampledColumn<T>& column) {
   measure(column.y(0), known);
   T log_det = T(0);
   for (std::ptrdiff_t k = 1; k < column.rows; ++k) {
-    const Equations<T> noise = advance(column.motion(k), known);
+    const SnapRows<T> noise = advance(column.motion(k), known);
     measure(column.y(k), known);
     log_det += log(abs(noise.template leftCols<ORDER>().diagonal().prod()));
   }

@@ -29,7 +29,7 @@ using Square = Eigen::Matrix<T, ORDER, ORDER>;
 // more column, always zero, lets a processor take two at a time.
 constexpr int RIGHT = 2 * ORDER, WIDTH = RIGHT + 2;
 template <class T>
-using Equations = Eigen::Matrix<T, ORDER, WIDTH, Eigen::RowMajor>;
+using SnapRows = Eigen::Matrix<T, ORDER, WIDTH, Eigen::RowMajor>;
 template <class T>
 using Equation = Eigen::Matrix<T, 1, WIDTH>;
 
@@ -37,7 +37,7 @@ using Equation = Eigen::Matrix<T, 1, WIDTH>;
 template <class T>
 struct Information {
   // R s = z + N(0, 1) in the columns of s, R upper triangular; zero where nothing is known.
-  Equations<T> rows = Equations<T>::Zero();
+  SnapRows<T> rows = SnapRows<T>::Zero();
   // Sum of squares of the residuals.
   T misfit = T(0);
 };
@@ -109,9 +109,9 @@ void turn(RowA&& a, RowB&& b, int k) {
 // Moves by one step: w = 0 + N(0, 1) and R (F^-1 s+ - G w) = z + N(0, 1), in which w is eliminated.
 // Returns the equations U w + T s+ = b + N(0, 1) that hold w, U upper triangular.
 template <class T>
-Equations<T> advance(const Motion<T>& step, Information<T>& known) {
-  Equations<T>& rows = known.rows;
-  Equations<T> noise = Equations<T>::Zero();
+SnapRows<T> advance(const Motion<T>& step, Information<T>& known) {
+  SnapRows<T>& rows = known.rows;
+  SnapRows<T> noise = SnapRows<T>::Zero();
   noise.template leftCols<ORDER>().setIdentity();
   const Square<T> R = rows.template middleCols<ORDER>(ORDER);
   rows.template leftCols<ORDER>().noalias() = -(R * step.G);
@@ -136,9 +136,9 @@ void measure(const T& y, Information<T>& known) {
 // From the state after a step to the state before it: s = F^-1 s+ - G w with
 // w = U^-1 (b - T s+ + N(0, 1)).
 template <class T>
-void retreat(const Motion<T>& step, const Equations<T>& noise, Estimate<T>& at) {
+void retreat(const Motion<T>& step, const SnapRows<T>& noise, Estimate<T>& at) {
   // U^-1 [1 T b].
-  Equations<T> X = noise;
+  SnapRows<T> X = noise;
   X.template leftCols<ORDER>().setIdentity();
   for (int i = ORDER - 1; i >= 0; --i) {
     for (int k = i + 1; k < ORDER; ++k) X.row(i) -= noise(i, k) * X.row(k);
