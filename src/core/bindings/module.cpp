@@ -10,6 +10,8 @@ void bind_regressors(nanobind::module_& m);
 
 NB_MODULE(_core, m) {
   m.doc() = "The numerical core: whole arrays in, whole arrays out, the GIL released inside.";
+  // Python's caches keep robots until the process ends: that is no leak.
+  nanobind::set_leak_warnings(false);
   orbident::python::bind_dynamics(m);
   orbident::python::bind_householder(m);
   orbident::python::bind_output_error(m);
