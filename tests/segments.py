@@ -89,9 +89,14 @@ def segment_of(
     }
     every = np.ones(3)
     turning, moving = (Z, every - Z) if robot.motion == "planar" else (every, every)
-    axes = dict.fromkeys(("accelerometer", "position", "velocity"), moving)
-    axes |= dict.fromkeys(("gyro", "attitude"), turning)
-    axes["joints"] = np.ones(len(robot.joints))
+    axes = {
+        "gyro": turning,
+        "accelerometer": moving,
+        "attitude": turning,
+        "joints": np.ones(len(robot.joints)),
+        "position": moving,
+        "velocity": moving,
+    }
     weights = {name: np.tile(axes[name], (rows, 1)) for name in SENSORS}
     weights["accelerometer"][-1] = 0.0
     sets, joints = minimal_sets(robot), len(robot.joints)

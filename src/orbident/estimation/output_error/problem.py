@@ -155,8 +155,9 @@ def linear(problem: Problem, weights: BySensor, state: State) -> Linear:
         state.common,
         processors(),
     )
-    tables = dict(zip(SENSORS, residuals, strict=True))
-    return Linear(factor, links, cost, {name: tables[name] for name in weights})
+    tables = zip(SENSORS, residuals, strict=True)
+    seen = {name: table for name, table in tables if name in weights}
+    return Linear(factor, links, cost, seen)
 
 
 def problem_of(

@@ -19,25 +19,34 @@ from orbident.dynamics.flight import standing
 from orbident.dynamics.free_floating import BaseState
 from orbident.dynamics.free_flying import free_flying
 from orbident.dynamics.thrusters import Pulse
-from orbident.estimation.output_error.disturbances import Push, freed, push_of
+from orbident.estimation import maximum_likelihood, methods
+from orbident.estimation.identify import identify
+from orbident.estimation.output_error.disturbances import (
+    Push,
+    freed,
+    place_of,
+    push_of,
+)
 from orbident.estimation.output_error.solver import Solution, solved
 from orbident.recordings.recording import Recording
-from orbident.robot.description import Thruster
+from orbident.robot.description import Robot, Thruster
 
 ARM, DURATION = 0.4, 20.0
 """m, and s."""
 
 
-def solution_of(recording: Recording, *free: str) -> Solution:
-    """With these pushes unknown from the start; noise as it is."""
-    robot = small_robot()
+def with_sensors() -> Robot:
     sensors = {
         "gyro": {"angle_random_walk": NOISE["gyro"] / np.sqrt(20)},
         "attitude": {"angle": NOISE["attitude"]},
         "position": {"std": NOISE["position"]},
     }
-    robot = replace(robot, sensors=sensors)
-    problem, prior, state, _ = small_problem(robot, recording)
+    return replace(small_robot(), sensors=sensors)
+
+
+def solution_of(recording: Recording, *free: str) -> Solution:
+    """With these pushes unknown from the start; noise as it is."""
+    problem, prior, state, _ = small_problem(with_sensors(), recording)
     for name in free:
         prior = freed(prior, name)
     solution = solved(problem, problem.weights, prior, state)
@@ -105,6 +114,31 @@ def test_a_torque_is_found():
     assert found.std[0] < torque / 5
     # With the torque known to be there, nothing is left that looks like a pull.
     assert not pull_of(solution).believed
+
+
+def test_a_torque_is_reported_as_it_was_estimated(monkeypatch):
+    """Not as it looked before the fit knew of it."""
+    fits, likelihoods = [], []
+
+    def keep(module, name, into):
+        original = getattr(module, name)
+
+        def kept(*args):
+            into.append(original(*args))
+            return into[-1]
+
+        monkeypatch.setattr(module, name, kept)
+
+    keep(maximum_likelihood, "fitted", fits)
+    keep(methods, "maximum_likelihood", likelihoods)
+    recording = noisy(under_a_couple(1e-4), 0)
+    identify(with_sensors(), recording, initial_momentum="at-rest")
+    _, last = (fit.solution for fit in fits)
+    place = last.linear.local + place_of("torque").start + 2
+    torque = likelihoods[0].pushes["torque"]
+    std = np.sqrt(last.covariance[place, place])
+    np.testing.assert_allclose(torque.std[0], std, rtol=1e-6)
+    assert abs(torque.value[0] - last.state.common[place - last.linear.local]) < std
 
 
 def test_a_pull_is_found():
