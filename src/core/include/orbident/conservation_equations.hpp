@@ -161,7 +161,8 @@ inline void whiten(const Matrix& C, const int* axis, int count, double* rows, in
     double rest = C(axis[i], axis[i]);
     for (int k = 0; k < i; ++k) rest -= L(i, k) * L(i, k);
     L(i, i) = std::sqrt(rest);
-    for (int c = 0; c < width; ++c) row[c] /= L(i, i);
+    const double inverse = 1.0 / L(i, i);
+    for (int c = 0; c < width; ++c) row[c] *= inverse;
   }
 }
 

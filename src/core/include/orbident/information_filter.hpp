@@ -33,9 +33,7 @@ inline Vector momentum_in(const FilterModel& model, const double* x) {
 inline void solve_triangle(const double* R_z, int stride, int n, double* x) {
   for (int i = n - 1; i >= 0; --i) {
     const double* const row = R_z + static_cast<long>(i) * stride;
-    double rest = row[n];
-    for (int j = i + 1; j < n; ++j) rest -= row[j] * x[j];
-    x[i] = rest / row[i];
+    x[i] = (row[n] - dot(row + i + 1, x + i + 1, n - i - 1)) / row[i];
   }
 }
 
@@ -138,10 +136,8 @@ inline void estimate(const FilterModel& model, FilterState& state, FilterRoom& r
   const int n = size.nuisances, top = size.top_stride();
   for (int i = n - 1; i >= 0; --i) {
     const double* const row = state.top + i * top;
-    double rest = row[n + y];
-    for (int j = 0; j < y; ++j) rest -= row[n + j] * room.y[j];
-    for (int j = i + 1; j < n; ++j) rest -= row[j] * state.x[j];
-    state.x[i] = rest / row[i];
+    const double known = row[n + y] - dot(row + n, room.y, y);
+    state.x[i] = (known - dot(row + i + 1, state.x + i + 1, n - i - 1)) / row[i];
   }
 }
 

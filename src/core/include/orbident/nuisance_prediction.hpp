@@ -13,35 +13,48 @@
 
 namespace orbident {
 
-// U^-1 rows in place, from the last row up; U is upper triangular, n x n, and holds the inverses of
-// its diagonal there.
-ORBIDENT_FEW_WIDE inline void solve_upper(const double* U, int n, double* rows, int stride, int width) {
-  for (int c = 0; c < width; c += LANES)
-    for (int i = n - 1; i >= 0; --i) {
-      double* __restrict const row = rows + i * stride + c;
-      double own[LANES];
-      const double inverse = U[i * n + i];
-      for (int l = 0; l < LANES; ++l) own[l] = row[l] * inverse;
-      for (int l = 0; l < LANES; ++l) row[l] = own[l];
-      for (int r = 0; r < i; ++r) {
-        double* __restrict const above = rows + r * stride + c;
-        const double share = U[r * n + i];
-        for (int l = 0; l < LANES; ++l) above[l] -= share * own[l];
-      }
+// C = U U^T, U upper triangular, in place: row i of C, its lower triangle, becomes column i of U above
+// the diagonal, and the inverse of U_ii.
+ORBIDENT_FEW_WIDE inline void factor_upper(double* C, int n) {
+  for (int i = n - 1; i >= 0; --i) {
+    double* __restrict const column = C + i * n;
+    const double inverse = 1.0 / std::sqrt(column[i]);
+    column[i] = inverse;
+    for (int r = 0; r < i; ++r) column[r] *= inverse;
+    for (int k = 0; k < i; ++k) {
+      double* __restrict const left = C + k * n;
+      const double share = column[k];
+      for (int r = 0; r <= k; ++r) left[r] -= share * column[r];
     }
+  }
 }
 
-// C = U U^T in place of C's upper triangle, with the inverses of U's diagonal.
-inline void factor_upper(double* C, int n) {
+// U^-1 rows in place, from the last row up, with U as factor_upper leaves it.
+ORBIDENT_FEW_WIDE inline void solve_upper(const double* U, int n, double* rows, int stride, int width) {
   for (int i = n - 1; i >= 0; --i) {
-    double rest = C[i * n + i];
-    for (int k = i + 1; k < n; ++k) rest -= C[i * n + k] * C[i * n + k];
-    const double inverse = 1.0 / std::sqrt(rest);
-    C[i * n + i] = inverse;
+    const double* const column = U + i * n;
+    double* __restrict const row = rows + i * stride;
+    const double inverse = column[i];
+    for (int c = 0; c < width; ++c) row[c] *= inverse;
     for (int r = 0; r < i; ++r) {
-      double entry = C[r * n + i];
-      for (int k = i + 1; k < n; ++k) entry -= C[r * n + k] * C[i * n + k];
-      C[r * n + i] = entry * inverse;
+      double* __restrict const above = rows + r * stride;
+      const double share = column[r];
+      for (int c = 0; c < width; ++c) above[c] -= share * row[c];
+    }
+  }
+}
+
+// C = 1 + K K^T, its lower triangle; a row of `kicks` is what one source of noise does to all.
+ORBIDENT_FEW_WIDE inline void covariance_of(const double* kicks, int count, int n, double* C) {
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j <= i; ++j) C[i * n + j] = i == j ? 1.0 : 0.0;
+  for (int k = 0; k < count; ++k) {
+    const double* const kick = kicks + k * n;
+    for (int i = 0; i < n; ++i) {
+      double* __restrict const row = C + i * n;
+      const double share = kick[i];
+      if (share == 0.0) continue;
+      for (int j = 0; j <= i; ++j) row[j] += share * kick[j];
     }
   }
 }
@@ -56,7 +69,7 @@ inline void factor_upper(double* C, int n) {
 //
 //   integral  of R_0 over dt
 //   h_cm      the momentum known so far, N m s
-//   K, C      room for n x n each
+//   K, C      room for n x n each; K's columns are stored as rows
 inline void predict_nuisances(const ConservationModel& model, double* top, int stride, int width,
                               const Matrix& integral, const Vector& h_cm, double dt, double* K,
                               double* C) {
@@ -68,7 +81,7 @@ inline void predict_nuisances(const ConservationModel& model, double* top, int s
   const auto walk = [&](double std, int unknown, int column, int count) {
     for (int i = 0; i < n; ++i)
       for (int j = 0; j < count; ++j)
-        K[i * n + column + j] = std * std::sqrt(dt) * top[i * stride + unknown + j];
+        K[(column + j) * n + i] = std * std::sqrt(dt) * top[i * stride + unknown + j];
   };
   walk(noise.velocity_walk, axes.momenta, axes.momenta, integrated);
   walk(noise.gyro_walk, b_g, b_g, axes.momenta);
@@ -79,7 +92,7 @@ inline void predict_nuisances(const ConservationModel& model, double* top, int s
       double by_turn = 0.0;
       for (int k = 0; k < axes.momenta; ++k) by_turn += top[i * stride + k] * turn[axes.momentum[k]];
       top[i * stride + b_g + j] -= by_turn;
-      K[i * n + j] = noise.gyro * by_turn;
+      K[j * n + i] = noise.gyro * by_turn;
     }
   }
   for (int j = 0; j < integrated; ++j)
@@ -88,15 +101,9 @@ inline void predict_nuisances(const ConservationModel& model, double* top, int s
         top[i * stride + b_a + j] -=
             top[i * stride + axes.momenta + k] * integral(axes.velocity[k], axes.velocity[j]);
 
-  for (int i = 0; i < n; ++i)
-    for (int j = i; j < n; ++j) {
-      // K's rows are zero before their diagonal, but for the turns.
-      double sum = i == j ? 1.0 : 0.0;
-      for (int k = j < axes.momenta ? 0 : j; k < n; ++k) sum += K[i * n + k] * K[j * n + k];
-      C[i * n + j] = sum;
-    }
+  covariance_of(K, n, n, C);
   factor_upper(C, n);
-  solve_upper(C, n, top, stride, width);
+  solve_upper(C, n, top, stride, padded(width));
 }
 
 }  // namespace orbident

@@ -8,8 +8,8 @@ Nikiforov 1993, section 4.4)
     g = max over j of |white_j + ... + white_k|^2 / (k - j + 1)
 
 and each of its terms is chi-square with as many degrees of freedom as there are rows
-(the core's `change_detection.hpp`). The probability that any of them exceeds a threshold in a whole run is at most the sum
-over all.
+(the core's `change_detection.hpp`). The probability that any of them exceeds a
+threshold in a whole run is at most the sum over all.
 """
 
 from collections.abc import Sequence

@@ -102,7 +102,7 @@ def recursive_history(
     beta, std, tests = map(np.concatenate, zip(*parts, strict=True))
     scale |= _scaled(robot, state)
     unknown = 0.0 if scale else np.nan
-    nis, dof, g = tests.T
+    nis, dof, statistic = tests.T
     since = t > (changes[-1].t if changes else -np.inf)
     left = float(nis[since].sum() / max(dof[since].sum(), 1.0))
     pi, phi = zip(*(sets_of_beta(kalman.sets, row) for row in beta), strict=True)
@@ -116,7 +116,7 @@ def recursive_history(
         M=beta[:, 0] + unknown,
         nis=nis,
         dof=dof,
-        statistic=g / detector.threshold,
+        statistic=statistic / detector.threshold,
         changes=tuple(changes) if scale else (),
         covariance=state.covariance,
         determined=(std[-1] < LEARNT * beforehand) & scale,

@@ -138,7 +138,6 @@ def test_float32_samples_are_taken(
 def test_a_robot_of_many_parameters():
     """Of few rows and many columns, what rounding leaves underflows on the way."""
     robot = load_robot("dual-arm")
-    sets = minimal_sets(robot)
     every = list(
         stream(samples_of(robot, simulate(robot, random_motion(robot, 0, 4.0))))
     )

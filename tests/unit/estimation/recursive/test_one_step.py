@@ -132,10 +132,8 @@ def laws(case: Case, axes: Axes) -> np.ndarray:
     b_v = np.zeros((v.size, b_a.shape[1]))
     none_h, none_v = np.zeros((h.size, v.size)), np.zeros((v.size, h.size))
     no_phi, no_pi = np.zeros((h.size, W.shape[1])), np.zeros((v.size, Y.shape[1]))
-    h_rw = sum(
-        (s * wheel.inertia * np.asarray(wheel.axis))
-        for s, wheel in zip(sample.qd_rw, robot.wheels, strict=True)
-    )
+    A_rw = np.array([wheel.inertia * wheel.axis for wheel in robot.wheels])
+    h_rw = sample.qd_rw @ A_rw.reshape(-1, 3)
     rhs_h = -h_rw[h] - D @ excess
     rhs_v = (R_BW @ sample.v_S)[v] + U @ excess
     R_h, R_v = R_BW[np.ix_(h, h)], R_BW[np.ix_(v, v)]
