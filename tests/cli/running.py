@@ -8,6 +8,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from orbident.identified.checksums import FILES, OWN, with_checksums
+from orbident.identified.run_folder import READ
 from orbident.recordings.recording import Recording
 from orbident.recordings.tables import write_recording
 
@@ -84,6 +86,14 @@ def written(
     )
     write_recording(varied, path)
     return Path(path)
+
+
+def resealed(run: Path) -> None:
+    """A RUN whose files were edited gets the checksums of what it now is."""
+    path = run / "result.json"
+    document = json.loads(path.read_text())
+    bare = {key: document[key] for key in document if key not in {FILES, OWN}}
+    path.write_text(json.dumps(with_checksums(bare, run, READ)))
 
 
 def worst_error(found: Mapping[str, Any], true: Mapping[str, Any]) -> float:

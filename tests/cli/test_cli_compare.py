@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from made_results import exact_result, freed, joined, without
-from running import Orbident
+from running import Orbident, resealed
 
 from orbident.identified.run_folder import save_result
 from orbident.precision import in_float64
@@ -125,13 +125,16 @@ def test_refusals(orbident: Orbident, runs: None):
     Path("after/robot.yaml").write_text(
         text.replace("inertia: 0.18", "inertia: 0.2", 1)
     )
+    resealed(Path("after"))
     refused("before", "after", words="wheel 'rw_x': inertia (kg m^2): 0.18 before, 0.2")
     Path("after/robot.yaml").write_text(text)
 
     document = json.loads(Path("after/result.json").read_text())
     document["base"]["covariance"] = document["base"]["covariance"][:-1]
     Path("after/result.json").write_text(json.dumps(document))
+    resealed(Path("after"))
     refused("before", "after", words="has not the 23 base parameters of robot")
     del document["base"]["covariance"]
     Path("after/result.json").write_text(json.dumps(document))
+    resealed(Path("after"))
     refused("before", "after", words="after/result.json: is not a result of this")

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from running import Orbident, worst_error, written
+from running import Orbident, resealed, worst_error, written
 
 from orbident.recordings.recording import Recording
 
@@ -68,6 +68,7 @@ def test_a_rejected_run(orbident: Orbident, run: str):
     path.write_text(
         json.dumps({**document, "status": "rejected", "warnings": ["mass: too bad"]})
     )
+    resealed(Path(run))
     for arguments in (("-o", "a.urdf"), ("-o", "a.json", "--q", "0,0,0")):
         orbident("export", run, *arguments).refused("is rejected", "mass: too bad")
     assert not list(Path().glob("a.*"))
@@ -80,6 +81,7 @@ def test_no_physical_body(orbident: Orbident, run: str):
     values = document["base"]["values"]
     values[document["base"]["formulas"].index("Iyy(link3)")] = 1.0
     path.write_text(json.dumps(document))
+    resealed(Path(run))
     ran = orbident("export", run, "-o", "a.urdf")
     assert ran.status == 1
     assert "a.urdf is not written: no bodies that can exist" in ran.err

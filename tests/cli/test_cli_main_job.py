@@ -8,6 +8,7 @@ import pytest
 from random_motions import Start, random_motion
 from running import LINEAR, Orbident, check_recovered, written
 
+from orbident.identified.run_folder import READ
 from orbident.identified.signals_file import read_signals
 from orbident.recordings.recording import Recording
 from orbident.recordings.tables import read_recording
@@ -106,6 +107,9 @@ def test_identify_prints_and_keeps_its_result(orbident: Orbident, flight: Record
         "- sigma_4^2/M - sigma_5^2/M\n"
     ) in ran.out
     kept = json.loads(Path("run/result.json").read_text())
+    # Beside the result it has the checksums of all that is read again.
+    assert kept.pop("files").keys() == set(READ) - {"history.csv"}
+    assert kept.pop("sha256")
     assert kept == json.loads(Path("copy.json").read_text())
     assert {path.name for path in Path("run").iterdir()} == {
         "replay.json",

@@ -2,13 +2,17 @@
 
 import json
 import os
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
 import pytest
 from random_motions import random_motion
-from running import LINEAR, Orbident, written
+from running import LINEAR, Orbident, resealed, written
 
+from orbident.files.locking import locked
+from orbident.identified.run_folder import load_result
 from orbident.recordings.recording import Recording
 from orbident.robot.robot_file import load_robot
 from orbident.trajectories.trajectory_file import save_trajectory
@@ -193,6 +197,8 @@ EDITS: dict[str, tuple[tuple[str, ...], Any]] = {
 def test_edited_result(orbident: Orbident, run: Path, case: str):
     keys, value = EDITS[case]
     edited(run, *keys, value=value)
+    orbident("validate", run, "r.csv").refused("run/result.json: was altered")
+    resealed(run)
     orbident("validate", run, "r.csv").refused("identify again")
 
 
@@ -201,11 +207,143 @@ def test_result_of_another_version(orbident: Orbident, run: Path):
     orbident("validate", run, "r.csv").refused("run/result.json: ", "orbident/result/1")
 
 
+def test_result_without_checksums(orbident: Orbident, run: Path):
+    """As it was written before there were any."""
+    edited(run, "files", value=...)
+    edited(run, "sha256", value=...)
+    words = "run/result.json: has no checksums", "identify again"
+    orbident("validate", run, "r.csv").refused(*words)
+
+
+READERS = {
+    "validate": ("validate", "run", "r.csv"),
+    "export": ("export", "run", "-o", "x.urdf"),
+    "report": ("report", "run", "--force"),
+    "compare": ("compare", "run", "run"),
+    "view": ("view", "run"),
+}
+
+
+@pytest.mark.parametrize("verb", READERS)
+def test_damaged_files(orbident: Orbident, run: Path, verb: str):
+    """Every verb that reads a RUN refuses what is cut off, altered or missing."""
+    for name in ("robot.yaml", "robot.urdf", "signals.parquet", "replay.json"):
+        whole = (run / name).read_bytes()
+        for damaged in (b"", whole[:-1], whole[:-2] + b"x\n"):
+            (run / name).write_bytes(damaged)
+            orbident(*READERS[verb]).refused(f"run/{name}: was altered or cut off")
+        (run / name).unlink()
+        orbident(*READERS[verb]).refused(f"run/{name}: is missing; identify again")
+        (run / name).write_bytes(whole)
+    (run / "history.csv").write_text("t,M\n")
+    orbident(*READERS[verb]).refused("run/history.csv: does not belong")
+
+
+def test_force_touches_only_ours(orbident: Orbident, run: Path):
+    """Also from inside, and through a link."""
+    (run / "notes.txt").write_text("mine")
+    (run / "sub").mkdir()
+    (run / "history.csv").write_text("of another result")
+    before = (run / "result.json").read_bytes()
+    orbident(*IDENTIFY, "-o", "run").refused("run: exists already", "--force")
+    assert (run / "result.json").read_bytes() == before
+    written_there = {path.name for path in run.iterdir()} - {"history.csv"}
+    Path("link").symlink_to("run")
+    os.chdir("run")
+    here = ("identify", "paper-spatial", "../r.csv", *LINEAR, "-o", ".", "--force")
+    orbident(*here, "--quiet").done()
+    os.chdir("..")
+    orbident(*IDENTIFY, "-o", "link", "--force", "--quiet").done()
+    assert Path("link").is_symlink()
+    assert {path.name for path in run.iterdir()} == written_there
+    assert (run / "notes.txt").read_text() == "mine"
+    orbident("validate", "link", "r.csv").done()
+
+
+def test_force_spares_what_is_no_run(orbident: Orbident, run: Path):
+    Path("folder").mkdir()
+    for name in ("notes.txt", "result.json"):
+        mine = Path("folder") / name
+        mine.write_text("{}")
+        for force in ((), ("--force",)):
+            command = (*IDENTIFY, "-o", "folder", *force)
+            orbident(*command).refused("folder: is not a RUN folder")
+        assert mine.read_text() == "{}"
+        mine.rename(Path("folder") / "kept")
+    Path("nowhere").symlink_to("gone")
+    orbident(*IDENTIFY, "-o", "nowhere").refused("nowhere: is a link to nowhere")
+
+
+def test_what_a_killed_identification_left(orbident: Orbident, run: Path):
+    """Of this version, and of one that wrote in place."""
+    left = Path("left") / ".orbident-unfinished"
+    left.mkdir(parents=True)
+    (left / "robot.urdf").write_text("<robot")
+    orbident("validate", "left", "r.csv").refused("left: is not complete", "identify")
+    orbident(*IDENTIFY, "-o", "left", "--quiet").done()
+    orbident("validate", "left", "r.csv").done()
+    for name in ("result.json", "report.html"):
+        (run / name).unlink()
+    (run / "signals.parquet").write_bytes(b"")
+    orbident(*IDENTIFY, "-o", "run", "--force", "--quiet").done()
+    orbident("validate", "run", "r.csv").done()
+
+
+def test_into_an_empty_folder(orbident: Orbident, run: Path):
+    Path("empty").mkdir()
+    orbident(*IDENTIFY, "-o", "empty", "--quiet").done()
+    orbident("validate", "empty", "r.csv").done()
+
+
+def test_somebody_else_is_writing(orbident: Orbident, run: Path):
+    """One line, and nothing is lost."""
+    before = {path.name: path.read_bytes() for path in run.iterdir()}
+    busy = "run: another orbident process is writing there; wait"
+    with locked(run):
+        orbident(*IDENTIFY, "-o", "run", "--force").refused(busy)
+        orbident("report", run, "--force").refused(busy)
+    assert {path.name: path.read_bytes() for path in run.iterdir()} == before
+
+
 def test_run_without_its_robot(orbident: Orbident, run: Path):
     (run / "robot.urdf").unlink()
+    resealed(run)
     orbident("validate", run, "r.csv").refused("run/robot.yaml", "robot.urdf")
     (run / "robot.yaml").unlink()
+    resealed(run)
     orbident("validate", run, "r.csv").refused("run/robot.yaml")
+
+
+def test_a_folder_that_the_locale_cannot_name(run: Path):
+    """Neither Python nor Arrow opens it by its name as text."""
+    folder = Path("Gerät")
+    run.rename(folder)
+    Path("r.csv").rename(folder / "ä.csv")
+    plain = {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
+    for command in (
+        ("identify", "paper-spatial", folder / "ä.csv", *LINEAR, "-o", folder / "run"),
+        ("report", folder / "run", "--force"),
+    ):
+        ran = subprocess.run(
+            [sys.executable, "-m", "orbident.cli.app", *command, "--quiet"],
+            env=os.environ | plain,
+            capture_output=True,
+            timeout=300,
+            check=False,
+        )
+        assert (ran.returncode, ran.stderr) == (0, b"")
+    assert load_result(folder / "run").input["file"] == "ä.csv"
+
+
+@pytest.mark.skipif(
+    sys.platform != "linux", reason="file names of other systems are text"
+)
+def test_a_recording_whose_name_is_not_text(orbident: Orbident, run: Path):
+    name = os.fsdecode(b"\xff.csv")
+    Path("r.csv").rename(name)
+    command = ("identify", "paper-spatial", name, *LINEAR, "-o", "new", "--quiet")
+    orbident(*command).done()
+    assert load_result(Path("new")).input["file"] == "\\xff.csv"
 
 
 def test_run_of_another_robot(orbident: Orbident, run: Path, table_run: Recording):

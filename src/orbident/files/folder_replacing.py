@@ -8,7 +8,7 @@ the folder next makes up for.
 """
 
 import shutil
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
@@ -98,8 +98,9 @@ def _commit(folder: Path, ours: Sequence[str]) -> None:
             )
     for name in new:
         flush(staged / name)
-        flush_names((staged / name).parent)
+    _flush_names(staged, new)
     write_text(staged / _READY, "\n".join(sorted(set(ours) - new)))
+    flush_names(staged)
 
 
 def _put_in_place(folder: Path, ours: Sequence[str]) -> None:
@@ -113,6 +114,11 @@ def _put_in_place(folder: Path, ours: Sequence[str]) -> None:
         if (staged / name).is_file():
             (folder / name).parent.mkdir(exist_ok=True)
             (staged / name).replace(folder / name)
-            flush_names((folder / name).parent)
+    _flush_names(folder, ours)
     (staged / _READY).unlink()
     shutil.rmtree(staged)
+
+
+def _flush_names(folder: Path, names: Iterable[str]) -> None:
+    for parent in {folder, *((folder / name).parent for name in names)}:
+        flush_names(parent)

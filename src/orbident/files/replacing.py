@@ -30,7 +30,8 @@ def replacing(path: Path) -> Iterator[Path]:
             # A pipe or a device takes what is written; it is not to be replaced.
             yield path
             return
-        target = path.resolve()
+        # Unlike Path.resolve it takes links that lead to themselves.
+        target = Path(os.path.realpath(path))
         temporary = target.with_name(f".{target.name}.{UNFINISHED}")
         handle = _reserved(temporary, path)
         try:
@@ -42,7 +43,6 @@ def replacing(path: Path) -> Iterator[Path]:
             raise
         finally:
             os.close(handle)
-        flush_names(target.parent)
 
 
 def check_place(path: Path) -> None:

@@ -32,7 +32,7 @@ def read_text(path: Path) -> str:
 
 
 def name_of(path: Path) -> str:
-    r"""A file's name as text that can be written; a byte that is not UTF-8 is `\xff`."""
+    r"""A file's name as UTF-8 text, in which a byte that is none is shown as `\xff`."""
     return os.fsencode(path.name).decode(errors="backslashreplace")
 
 

@@ -97,23 +97,29 @@ def check_absent(folder: Path, force: bool) -> None:
     if not folder.exists():
         _check_above(folder)
         return
-    if not folder.is_dir():
-        raise InputError(f"{folder}: is a file; name a folder")
-    if not os.access(folder, os.W_OK):
-        raise InputError(f"{folder}: cannot be written (Permission denied)")
-    names = {path.name for path in folder.iterdir() if UNFINISHED not in path.name}
-    if not names and not is_committed(folder):
-        return
-    if not (names <= set(OURS) or is_unfinished(folder) or _is_result(folder / RESULT)):
+    names = _names(folder)
+    if names is None:
         raise InputError(
             f"{folder}: is not a RUN folder, so it is not overwritten; name another"
         )
-    if not force:
+    if not os.access(folder, os.W_OK):
+        raise InputError(f"{folder}: cannot be written (Permission denied)")
+    if not force and (names or is_committed(folder)):
         raise InputError(f"{folder}: exists already; name another, or use --force")
 
 
+def _names(folder: Path) -> set[str] | None:
+    """What a RUN folder holds, complete or not; None for what is none."""
+    if not folder.is_dir():
+        return None
+    names = {path.name for path in folder.iterdir() if UNFINISHED not in path.name}
+    if names <= set(OURS) or is_unfinished(folder) or _is_result(folder / RESULT):
+        return names
+    return None
+
+
 def _is_result(path: Path) -> bool:
-    """Whether a file is a result of ours, if it is complete or not."""
+    """Whether a file is a result of ours, of any version, complete or cut off."""
     family = SCHEMA.rpartition("/")[0].encode()
     return path.is_file() and family in path.read_bytes()
 

@@ -1,5 +1,6 @@
 """Measured and predicted signals of a RUN, in one compact file: a row a signal."""
 
+import os
 from pathlib import Path
 
 import numpy as np
@@ -37,14 +38,14 @@ def write_signals(signals: Signals, path: Path) -> None:
         [pa.array([row[field.name] for row in rows], field.type) for field in SCHEMA],
         schema=SCHEMA,
     )
-    # Neighbours share their upper bytes.
-    # Arrow opens no path whose name is not UTF-8.
-    with path.open("wb") as file:
+    # Bytes: as text Arrow takes no name that is not UTF-8.
+    with pa.OSFile(os.fsencode(path), "wb") as file:
         parquet.write_table(
             table,
             file,
             compression="zstd",
             use_dictionary=False,
+            # Neighbours share their upper bytes.
             use_byte_stream_split=[  # pyright: ignore[reportArgumentType]: stubs know bool
                 f"{column}.list.element" for column in ("t", "measured", "error")
             ],
@@ -58,7 +59,7 @@ def read_signals(path: Path) -> Signals:
         InputError: it is not what `write_signals` writes.
     """
     try:
-        with path.open("rb") as file:
+        with pa.OSFile(os.fsencode(path)) as file:
             table = parquet.read_table(file, schema=SCHEMA)
     except (pa.ArrowException, OSError, ValueError) as error:
         reason = str(error).splitlines()[0]

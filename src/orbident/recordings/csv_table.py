@@ -1,6 +1,7 @@
 """CSV files into columns of float64."""
 
 import csv
+import os
 import re
 from collections.abc import Sequence
 from contextlib import suppress
@@ -93,9 +94,9 @@ def _fill(path: Path, columns: dict[str, np.ndarray], header_lines: int) -> int:
     convert = arrow_csv.ConvertOptions(
         column_types=dict.fromkeys(columns, number), null_values=_EMPTY
     )
-    # Arrow opens no path whose name is not UTF-8.
+    # Bytes: as text Arrow takes no name that is not UTF-8.
     with (
-        path.open("rb") as file,
+        pa.OSFile(os.fsencode(path)) as file,
         arrow_csv.open_csv(file, read, parse, convert) as reader,
     ):
         for batch in reader:

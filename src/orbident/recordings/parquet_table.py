@@ -1,5 +1,6 @@
 """Parquet files into columns of float64."""
 
+import os
 from pathlib import Path
 
 import numpy as np
@@ -20,10 +21,10 @@ def read_parquet(path: Path) -> dict[str, np.ndarray]:
             column that is not numeric.
     """
     try:
-        # Arrow opens no path whose name is not UTF-8. Buffering ahead would hold the
-        # compressed file in memory as well.
+        # Bytes: as text Arrow takes no name that is not UTF-8. Buffering ahead would
+        # hold the compressed file in memory as well.
         with (
-            path.open("rb") as source,
+            pa.OSFile(os.fsencode(path)) as source,
             parquet.ParquetFile(source, buffer_size=1 << 20, pre_buffer=False) as file,
         ):
             schema = file.schema_arrow

@@ -2,6 +2,7 @@
 
 import csv
 import io
+import os
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
@@ -47,7 +48,8 @@ def _write_csv(
     csv.writer(header, lineterminator="\n").writerow(schema.names)
     # Arrow prints the shortest decimal that reads back as the same float64.
     options = arrow_csv.WriteOptions(include_header=False)
-    with path.open("wb") as sink:
+    # Bytes: as text Arrow takes no name that is not UTF-8.
+    with pa.OSFile(os.fsencode(path), "wb") as sink:
         sink.write(header.getvalue().encode())
         with arrow_csv.CSVWriter(sink, schema, write_options=options) as writer:
             for batch in batches:
@@ -59,7 +61,7 @@ def _write_parquet(
 ) -> None:
     # Measured values hardly repeat: a dictionary would cost time and memory only.
     with (
-        path.open("wb") as sink,
+        pa.OSFile(os.fsencode(path), "wb") as sink,
         parquet.ParquetWriter(
             sink, schema, compression="zstd", use_dictionary=False
         ) as writer,

@@ -1,5 +1,6 @@
 """How a recursive estimate came about, sample by sample."""
 
+import os
 from pathlib import Path
 from typing import NamedTuple
 
@@ -55,8 +56,8 @@ def read_trail(path: Path) -> Trail | None:
     if not path.exists():
         return None
     try:
-        # Arrow opens no path whose name is not UTF-8.
-        with path.open("rb") as file:
+        # Bytes: as text Arrow takes no name that is not UTF-8.
+        with pa.OSFile(os.fsencode(path)) as file:
             table = arrow_csv.read_csv(file)
         names = [
             name for name in table.column_names if f"{name}.std" in table.schema.names

@@ -1,3 +1,4 @@
+import os
 from pathlib import Path
 
 import pytest
@@ -53,3 +54,48 @@ def test_a_refusing_system_is_an_input_error(tmp_path, monkeypatch):
         write(path)
     assert path.read_text() == "old"
     assert list(tmp_path.iterdir()) == [path]
+
+
+def test_what_a_killed_process_left_is_taken_over(tmp_path):
+    path = tmp_path / "a.txt"
+    (tmp_path / ".a.txt.orbident-unfinished").write_text("long and half-written")
+    write(path)
+    assert path.read_text() == "new"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_two_writers(tmp_path):
+    """The second is refused, and does not disturb the first."""
+    path = tmp_path / "a.txt"
+    with replacing(path) as temporary:
+        temporary.write_text("first")
+        with pytest.raises(InputError, match="another orbident process is writing"):
+            write(path)
+    assert path.read_text() == "first"
+    write(path)
+    assert path.read_text() == "new"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_links(tmp_path):
+    """What a link leads to is replaced, not the link."""
+    (tmp_path / "far").mkdir()
+    path, link = tmp_path / "far" / "a.txt", tmp_path / "link"
+    link.symlink_to(path)
+    for content in ("old", "new"):
+        write(link, content)
+        assert link.is_symlink()
+        assert path.read_text() == content
+    itself = tmp_path / "itself"
+    itself.symlink_to(itself)
+    write(itself)
+    assert itself.read_text() == "new"
+
+
+def test_a_pipe_of_the_shell(tmp_path):
+    """As with `--json >(jq .mass)`: what it leads to has no place."""
+    reader, writer = os.pipe()
+    write(Path(f"/dev/fd/{writer}"))
+    assert os.read(reader, 9) == b"new"
+    os.close(reader)
+    os.close(writer)
