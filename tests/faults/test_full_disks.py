@@ -1,0 +1,115 @@
+"""No space left: one line, status 2, nothing lost and nothing left behind."""
+
+import shutil
+import subprocess
+import sys
+from collections import Counter
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+
+import pytest
+from verbs import (
+    PLACES,
+    QUICK,
+    VERBS,
+    Shelf,
+    chosen,
+    ended,
+    faults,
+    leftovers,
+    started,
+)
+
+ON_A_SMALL_DISK = """
+set -e
+size=$1; shift
+mv "$PWD" "$PWD.old"; mkdir "$PWD"
+mount -t tmpfs -o size="$size" none "$PWD"
+cp -a "$PWD.old/." "$PWD"
+cd "$PWD"
+status=0; "$@" || status=$?
+mkdir "$PWD.new"; cp -a "$PWD/." "$PWD.new"
+exit "$status"
+"""
+"""A disk that only this process sees; what it holds at the end is copied to `.new`."""
+
+
+WITH_SMALL_FILES = """
+import os, resource, sys
+most = int(sys.argv[1])
+resource.setrlimit(resource.RLIMIT_FSIZE, (most, most))
+os.execv(sys.argv[2], sys.argv[2:])
+"""
+
+
+@cache
+def may_mount() -> bool:
+    """Whether the system lets us have a disk of our own."""
+    if shutil.which("unshare") is None:
+        return False
+    mount = "mount -t tmpfs -o size=4k none /mnt"
+    tried = ["unshare", "--map-root-user", "--mount", "sh", "-c", mount]
+    return subprocess.run(tried, capture_output=True, check=False).returncode == 0
+
+
+def size_of(path: Path) -> int:
+    return sum(each.stat().st_size for each in [path, *path.rglob("*")])
+
+
+def check_refused(status: int, said: str, here: Shelf, name: str, folder: Path) -> str:
+    """Complete, or refused in one line without a trace."""
+    assert status in {0, 2}, said
+    if status == 2:
+        assert PLACES[name].split("/")[0] in said
+        assert "cannot be written" in said
+        assert "nothing was changed there; " in said
+    assert leftovers(folder) == []
+    here.check(name, folder)
+    return f"{name}: {('complete', '', 'refused')[status]}"
+
+
+def limited(seed: int, names: tuple[str, ...], shelf, tmp_path: Path) -> str:
+    """No file may become larger than some bytes."""
+    name, numbers = chosen(seed, names)
+    here: Shelf = shelf(name)
+    folder = tmp_path / str(seed)
+    here.laid_out(name, folder)
+    made = here.made["run" if name.startswith(("identify", "report")) else name]
+    most = numbers.randrange(size_of(made))
+
+    program = (sys.executable, "-c", WITH_SMALL_FILES, str(most))
+    status, said = ended(started(name, folder, program))
+    return check_refused(status, said, here, name, folder)
+
+
+def filled(seed: int, names: tuple[str, ...], shelf, tmp_path: Path) -> str:
+    """A disk with some bytes free."""
+    name, numbers = chosen(seed, names)
+    here: Shelf = shelf(name)
+    folder = tmp_path / str(seed)
+    here.laid_out(name, folder)
+    made = here.made["run" if name.startswith(("identify", "report")) else name]
+    # Blocks of 4 KiB, and one for every name.
+    free = numbers.randrange(1, 2 + size_of(made) // 4096)
+    used = sum(1 + each.lstat().st_size // 4096 for each in folder.rglob("*"))
+    script = ("sh", "-c", ON_A_SMALL_DISK, "sh", str(4096 * (used + free)))
+    program = ("unshare", "--map-root-user", "--mount", *script)
+    status, said = ended(started(name, folder, program))
+    return check_refused(status, said, here, name, tmp_path / f"{seed}.new")
+
+
+@pytest.mark.parametrize("seed", range(len(QUICK)))
+def test_some(shelf: Callable[..., Shelf], tmp_path: Path, seed: int):
+    limited(seed, QUICK, shelf, tmp_path)
+
+
+@pytest.mark.long
+def test_many(shelf: Callable[..., Shelf], tmp_path: Path):
+    """Where a disk can be had, half of them on one that is really full."""
+    seen = Counter()
+    for seed in range(2000, 2000 + faults(0.25)):
+        way = filled if may_mount() and seed % 2 else limited
+        seen[f"{way.__name__}: {way(seed, tuple(VERBS), shelf, tmp_path)}"] += 1
+    print(*sorted(seen.items()), sep="\n")
+    assert seen.total() == faults(0.25)
