@@ -96,8 +96,8 @@ def identify(
         save_result(result, out, force)
         write_replay(described, table, out)
         write_report(result, out)
-    output.say(*_summary(result, out))
     output.warn(result.warnings)
+    output.say(*_summary(result, out))
     output.write_json(result.to_json())
     if result.status == "rejected":
         raise typer.Exit(1)

@@ -38,17 +38,20 @@ def view(
     """Look at a robot, or at a recorded motion, in the browser; Ctrl-C ends it."""
     from orbident.cli.output import Output, prepare_jax, progress
     from orbident.viewer.pages import prepared
-    from orbident.viewer.server import address, open_server, run
+    from orbident.viewer.server import address, close, open_server, run
 
     output = Output(json, quiet)
     prepare_jax()
     with progress("preparing"):
         made = prepared(shown, recording)
         server = open_server(host, port)
+    try:
         page = made.page(server)
-    output.warn(made.warnings)
-    url = address(server, host)
-    output.say(f"{shown} is shown at {url}; Ctrl-C ends it")
-    output.write_json({"shown": shown, "url": url})
-    sys.stdout.flush()
-    run(server, page)
+        output.warn(made.warnings)
+        url = address(server, host)
+        output.say(f"{shown} is shown at {url}; Ctrl-C ends it")
+        output.write_json({"shown": shown, "url": url})
+        sys.stdout.flush()
+        run(page)
+    finally:
+        close(server)

@@ -7,6 +7,16 @@ from typing import TypeVar
 Name = TypeVar("Name", bound=Hashable)
 
 
+LONGEST = 80
+"""Characters of what is quoted in a message: a line is to be read at a glance."""
+
+
+def quoted(value: object) -> str:
+    """What was found, as Python writes it, on one line and cut where it is long."""
+    text = " ".join(repr(value).split())
+    return text if len(text) <= LONGEST else text[: LONGEST - 3] + "..."
+
+
 def closest(name: str, known: Iterable[str]) -> str | None:
     """The known name that may have been meant, if one is close."""
     return next(iter(get_close_matches(name, tuple(known), n=1)), None)

@@ -13,6 +13,7 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.errors import InputError
+from orbident.files.bounds import LARGEST, SMALLEST
 from orbident.robot.parameters import PER_BODY, from_mass_com_inertia
 from orbident.robot.urdf_xml import checked_xml
 
@@ -121,7 +122,7 @@ def _joint(joint: Any, place: str, warnings: list[str]) -> UrdfJoint:
     where = f"joint '{joint.name}'"
     moves = joint.type in {"revolute", "continuous", "prismatic"}
     norm = float(np.linalg.norm(joint.axis))
-    if moves and norm == 0:
+    if moves and norm < SMALLEST:
         raise InputError(f"{place}: {where}: found axis 0 0 0; give a nonzero vector")
     if joint.mimic is not None:
         warnings.append(
@@ -159,7 +160,7 @@ def _position_limits(
     if limit.lower is None and limit.upper is None:
         return None
     # The URDF format's default for one missing end is zero.
-    lower, upper = limit.lower or 0.0, limit.upper or 0.0
+    lower, upper = (_unbounded(end or 0.0) for end in (limit.lower, limit.upper))
     if lower > upper:
         raise InputError(
             f"{where}: found lower limit {lower:g} above the upper limit {upper:g}; "
@@ -174,15 +175,20 @@ def _position_limits(
     return None if math.isinf(lower) and math.isinf(upper) else (lower, upper)
 
 
+def _unbounded(limit: float) -> float:
+    """Many files write the largest number that they can where there is no limit."""
+    return math.copysign(math.inf, limit) if abs(limit) > LARGEST else limit
+
+
 def _velocity_limit(joint: Any, where: str, warnings: list[str]) -> float | None:
     velocity = None if joint.limit is None else joint.limit.velocity
-    if velocity is None or math.isinf(velocity):
+    if velocity is None or math.isinf(_unbounded(velocity)):
         return None
     if velocity < 0:
         raise InputError(
             f"{where}: found velocity limit {velocity:g}; give more than 0"
         )
-    if velocity == 0:
+    if velocity < SMALLEST:
         warnings.append(
             f"joint '{joint.name}': velocity limit 0 leaves no motion; "
             "taken as no limit"

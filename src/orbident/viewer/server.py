@@ -53,19 +53,14 @@ def address(server: Any, host: str) -> str:
     return f"http://{shown}:{server.get_port()}"
 
 
-def run(server: Any, page: Page) -> None:
-    """Show the page until the user interrupts."""
+def run(page: Page) -> None:
+    """Let the page move until the process is interrupted."""
     before = time.monotonic()
-    try:
-        while True:
-            time.sleep(PERIOD)
-            now = time.monotonic()
-            page.advance(now - before)
-            before = now
-    except KeyboardInterrupt:
-        pass
-    finally:
-        close(server)
+    while True:
+        time.sleep(PERIOD)
+        now = time.monotonic()
+        page.advance(now - before)
+        before = now
 
 
 def close(server: Any) -> None:

@@ -11,13 +11,14 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from orbident.errors import InputError
+from orbident.files.bounds import LARGEST
 from orbident.recordings.recording import Recording
 from orbident.recordings.tables import read_recording, write_recording
 
 SUFFIXES = [".csv", ".parquet"]
-values = st.floats(allow_infinity=False, allow_nan=True, width=64)
+values = st.floats(-LARGEST, LARGEST) | st.just(np.nan)
 times = st.lists(
-    st.floats(allow_nan=False, allow_infinity=False), min_size=2, unique=True
+    st.floats(-LARGEST, LARGEST), min_size=2, unique_by=lambda t: round(t, 6)
 ).map(lambda t: np.array(sorted(t)) + 0.0)
 
 

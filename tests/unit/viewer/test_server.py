@@ -8,13 +8,13 @@ from typing import Any
 import pytest
 
 from orbident.errors import InputError
-from orbident.viewer.server import address, open_server, run
+from orbident.viewer.server import address, close, open_server, run
 
 
 def test_it_serves_a_page_here_only(server: Any, capsys: pytest.CaptureFixture[str]):
     url = address(server, "127.0.0.1")
     assert url.startswith("http://127.0.0.1:")
-    with urllib.request.urlopen(url) as answer:
+    with urllib.request.urlopen(url, timeout=60) as answer:
         assert b"<html" in answer.read(1000)
     # Standard output is for results.
     assert capsys.readouterr().out == ""
@@ -54,8 +54,7 @@ def test_without_viser_one_line_says_what_to_install(monkeypatch: pytest.MonkeyP
         open_server("127.0.0.1", 0)
 
 
-def test_an_interrupt_ends_it_quietly(capsys: pytest.CaptureFixture[str]):
-    server = open_server("127.0.0.1", 0)
+def test_an_interrupt_ends_the_movement():
     told = []
 
     class Once:
@@ -63,8 +62,14 @@ def test_an_interrupt_ends_it_quietly(capsys: pytest.CaptureFixture[str]):
             told.append(seconds)
             raise KeyboardInterrupt
 
-    run(server, Once())
+    with pytest.raises(KeyboardInterrupt):
+        run(Once())
     assert len(told) == 1
+
+
+def test_it_closes_quietly(capsys: pytest.CaptureFixture[str]):
+    server = open_server("127.0.0.1", 0)
+    close(server)
     assert capsys.readouterr() == ("", "")
     with pytest.raises(OSError, match="refused"):
-        urllib.request.urlopen(address(server, "127.0.0.1"))
+        urllib.request.urlopen(address(server, "127.0.0.1"), timeout=60)
