@@ -9,6 +9,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, TextIO
 
+from orbident.errors import readable
+
 
 class _Pipe(io.FileIO):
     """What is written after the reader has gone is dropped.
@@ -51,7 +53,7 @@ def drop_output() -> None:
 
 def complain(message: str) -> None:
     """One line on standard error."""
-    print(f"orbident: {' '.join(message.split())}", file=sys.stderr)
+    print(f"orbident: {readable(' '.join(message.split()))}", file=sys.stderr)
 
 
 def warn(sentence: str) -> None:

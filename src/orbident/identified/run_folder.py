@@ -38,7 +38,8 @@ def save_result(result: Result, folder: Path, force: bool = False) -> None:
         if result.history is not None:
             _write_history(result, folder / HISTORY)
     except OSError as error:
-        raise InputError(f"{folder}: cannot be written ({error.strerror})") from error
+        reason = error.strerror or error
+        raise InputError(f"{folder}: cannot be written ({reason})") from error
 
 
 def _write_history(result: Result, path: Path) -> None:

@@ -20,8 +20,14 @@ def read_parquet(path: Path) -> dict[str, np.ndarray]:
             column that is not numeric.
     """
     try:
-        # Buffering ahead would hold the compressed file in memory as well.
-        with parquet.ParquetFile(path, buffer_size=1 << 20, pre_buffer=False) as file:
+        # Arrow itself opens no file whose name is not UTF-8. Buffering ahead would hold
+        # the compressed file in memory as well.
+        with (
+            path.open("rb") as opened,
+            parquet.ParquetFile(
+                opened, buffer_size=1 << 20, pre_buffer=False
+            ) as file,
+        ):
             schema = file.schema_arrow
             check_names(str(path), schema.names)
             for field in schema:
@@ -31,8 +37,8 @@ def read_parquet(path: Path) -> dict[str, np.ndarray]:
         raise
     except (pa.ArrowException, ValueError) as error:
         raise InputError(
-            f"{path}: is not a readable Parquet file ({str(error).splitlines()[0]}); "
-            "write it again"
+            f"{path}: is no Parquet file, or a damaged one; write it again, or give a "
+            f"CSV file (Arrow says: {str(error).splitlines()[0]})"
         ) from error
 
 
