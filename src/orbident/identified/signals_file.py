@@ -58,9 +58,7 @@ def read_signals(path: Path) -> Signals:
     if not path.exists():
         return ()
     try:
-        # Arrow itself opens no file whose name is not UTF-8.
-        with path.open("rb") as file:
-            table = parquet.read_table(file, schema=SCHEMA)
+        table = parquet.read_table(path, schema=SCHEMA)
     except (pa.ArrowException, OSError, ValueError) as error:
         reason = str(error).splitlines()[0]
         raise InputError(

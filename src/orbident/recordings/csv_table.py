@@ -123,7 +123,7 @@ def _fill(path: Path, columns: dict[str, np.ndarray], header_lines: int) -> int:
     convert = arrow_csv.ConvertOptions(
         column_types=dict.fromkeys(columns, number), null_values=_EMPTY
     )
-    # Arrow itself opens no file whose name is not UTF-8.
+    # Arrow opens no path whose name is not UTF-8.
     with (
         path.open("rb") as file,
         arrow_csv.open_csv(file, read, parse, convert) as reader,

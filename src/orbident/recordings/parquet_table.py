@@ -20,13 +20,11 @@ def read_parquet(path: Path) -> dict[str, np.ndarray]:
             column that is not numeric.
     """
     try:
-        # Arrow itself opens no file whose name is not UTF-8. Buffering ahead would hold
-        # the compressed file in memory as well.
+        # Arrow opens no path whose name is not UTF-8. Buffering ahead would hold the
+        # compressed file in memory as well.
         with (
-            path.open("rb") as opened,
-            parquet.ParquetFile(
-                opened, buffer_size=1 << 20, pre_buffer=False
-            ) as file,
+            path.open("rb") as source,
+            parquet.ParquetFile(source, buffer_size=1 << 20, pre_buffer=False) as file,
         ):
             schema = file.schema_arrow
             check_names(str(path), schema.names)

@@ -47,7 +47,7 @@ def _write_csv(
     csv.writer(header, lineterminator="\n").writerow(schema.names)
     # Arrow prints the shortest decimal that reads back as the same float64.
     options = arrow_csv.WriteOptions(include_header=False)
-    with path.open("wb") as sink:
+    with pa.OSFile(str(path), "wb") as sink:
         sink.write(header.getvalue().encode())
         with arrow_csv.CSVWriter(sink, schema, write_options=options) as writer:
             for batch in batches:
@@ -58,11 +58,8 @@ def _write_parquet(
     batches: Iterable[pa.RecordBatch], schema: pa.Schema, path: Path
 ) -> None:
     # Measured values hardly repeat: a dictionary would cost time and memory only.
-    with (
-        path.open("wb") as sink,
-        parquet.ParquetWriter(
-            sink, schema, compression="zstd", use_dictionary=False
-        ) as writer,
-    ):
+    with parquet.ParquetWriter(
+        str(path), schema, compression="zstd", use_dictionary=False
+    ) as writer:
         for batch in batches:
             writer.write_batch(batch)

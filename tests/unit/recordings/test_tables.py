@@ -1,3 +1,4 @@
+import os
 import tempfile
 import tracemalloc
 from pathlib import Path
@@ -271,3 +272,51 @@ def test_failed_write_leaves_the_old_file(tmp_path, suffix, monkeypatch):
         write_recording(Recording(np.arange(3.0), {}), path)
     assert path.read_bytes() == before
     assert [entry.name for entry in tmp_path.iterdir()] == [path.name]
+
+
+@pytest.mark.parametrize(
+    ("separator", "called"), [(";", "semicolons"), ("\t", "tabs"), ("; ", "semicolons")]
+)
+def test_another_separator_is_named(tmp_path, separator, called):
+    path = tmp_path / "flight.csv"
+    path.write_text(f"t{separator}gyro.x\n0{separator}1,5\n")
+    with pytest.raises(InputError, match=f"cells are separated by {called}; export it"):
+        read_recording(path)
+
+
+def test_a_bad_byte_in_a_row_of_the_wrong_length(tmp_path, capfd):
+    path = tmp_path / "flight.csv"
+    path.write_bytes(b"t,gyro.x\r\n0,1\r\n1,2,\xff\r\n")
+    with pytest.raises(InputError, match=r"flight.csv: line 3: byte 0xff is not UTF-8"):
+        read_recording(path)
+    assert capfd.readouterr() == ("", "")
+
+
+def test_a_character_that_is_cut_off(tmp_path):
+    path = tmp_path / "flight.csv"
+    path.write_bytes(b"t,gyro.x\n0,1\n1,\xc3")
+    with pytest.raises(InputError, match=r"flight.csv: line 3: byte 0xc3 is not UTF-8"):
+        read_recording(path)
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_a_file_whose_name_is_not_utf_8(tmp_path, suffix):
+    write_recording(Recording([0.0, 1.0], {}), tmp_path / f"plain{suffix}")
+    path = Path(os.fsdecode(os.fsencode(tmp_path) + b"/\xff" + suffix.encode()))
+    (tmp_path / f"plain{suffix}").rename(path)
+    assert read_recording(path).t.tolist() == [0.0, 1.0]
+
+
+def test_a_damaged_parquet_file_says_what_to_do(tmp_path):
+    path = tmp_path / "flight.parquet"
+    path.write_bytes(b"PAR1" + b"\xff" * 100 + b"\x10\0\0\0PAR1")
+    with pytest.raises(InputError, match=r"flight.parquet: is no Parquet file, or a d"):
+        read_recording(path)
+
+
+def test_a_long_name_is_cut(tmp_path):
+    path = tmp_path / "flight.csv"
+    path.write_text("time" + "x" * 20_000 + "\n0\n")
+    with pytest.raises(InputError, match="column 't' is missing") as caught:
+        read_recording(path)
+    assert len(str(caught.value)) < 300 + len(str(path))
