@@ -179,12 +179,16 @@ def check_content(document: Any, joints: tuple[str, ...], path: Path) -> None:
         InputError: the first thing that is wrong, and how many more there are.
     """
     try:
-        if not isinstance(document, dict):
-            raise InputError("it holds no keys and values")
-        moved = validated(_Result, document, "").motion
-        if moved is not None and set(moved.joints) != set(joints):
-            raise InputError("motion.joints: these are not the robot's")
+        _check(document, joints)
     except InputError as error:
         raise InputError(
             f"{path}: is not what 'orbident identify' wrote: {error}; identify again"
         ) from None
+
+
+def _check(document: Any, joints: tuple[str, ...]) -> None:
+    if not isinstance(document, dict):
+        raise InputError("it holds no keys and values")
+    moved = validated(_Result, document, "").motion
+    if moved is not None and set(moved.joints) != set(joints):
+        raise InputError("motion.joints: these are not the robot's")

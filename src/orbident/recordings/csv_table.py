@@ -2,9 +2,10 @@
 
 import codecs
 import csv
+import os
 import re
 from collections.abc import Sequence
-from contextlib import suppress
+from contextlib import nullcontext, suppress
 from itertools import chain
 from pathlib import Path
 
@@ -123,10 +124,11 @@ def _fill(path: Path, columns: dict[str, np.ndarray], header_lines: int) -> int:
     convert = arrow_csv.ConvertOptions(
         column_types=dict.fromkeys(columns, number), null_values=_EMPTY
     )
-    # Arrow opens no path whose name is not UTF-8.
+    # Arrow opens no path whose name is not UTF-8, and reads far ahead in open files.
+    is_utf_8 = str(path).encode(errors="ignore") == os.fsencode(path)
     with (
-        path.open("rb") as file,
-        arrow_csv.open_csv(file, read, parse, convert) as reader,
+        nullcontext(path) if is_utf_8 else path.open("rb") as source,
+        arrow_csv.open_csv(source, read, parse, convert) as reader,
     ):
         for batch in reader:
             rows = slice(start, start + batch.num_rows)

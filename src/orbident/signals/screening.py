@@ -150,8 +150,8 @@ def _check_in_plane(robot: Robot, recording: Recording) -> None:
     # Scalar first, a turn about z has its zeros in the second and third place.
     scalar_first = np.nanquantile(np.hypot(y, z), MOSTLY) < TILTED
     cause = (
-        "the quaternions seem to be scalar first: put the first number into attitude.w, "
-        "and the others into attitude.x, .y and .z"
+        "the quaternions seem to be scalar first: put the first number into "
+        "attitude.w, and the others into attitude.x, .y and .z"
         if scalar_first
         else "give them scalar last, from base axes to inertial axes with z up; or say "
         "'motion: spatial' in the robot file"

@@ -70,8 +70,11 @@ REFUSED = {
     "a number for a name": (([3], "motion", "locked"), "motion.locked[0]: found 3"),
     "a number for joints": ((1, "motion", "joints"), "motion.joints: found 1"),
     "other joints": (({}, "motion", "joints"), "these are not the robot's"),
-    "a row less": ((WRITTEN["base"]["covariance"][1:], "base", "covariance"), "not 9"),
-    "a short row": (([1.0], "base", "covariance", 0), "the covariance is not 9 by 9"),
+    "a row less": (
+        (WRITTEN["base"]["covariance"][1:], "base", "covariance"),
+        "not 8 by 8",
+    ),
+    "a short row": (([1.0], "base", "covariance", 0), "the covariance is not 8 by 8"),
     "1e308": ((1e308, "base", "covariance", 0, 0), "covariance[0][0]: found 1e+308"),
     "infinite": ((float("inf"), "base", "values", 0), "base.values[0]: found inf"),
     "negative deviation": ((-1.0, "base", "std", 0), "a deviation is not negative"),
@@ -96,7 +99,7 @@ def test_what_is_refused(edit: tuple[Any, ...], words: str):
 
 @pytest.mark.parametrize("document", [[], 3, None, {}, "text"])
 def test_what_is_no_result_at_all(document: Any):
-    with pytest.raises(InputError, match="identify again$"):
+    with pytest.raises(InputError, match=r"identify again$"):
         check(document)
 
 

@@ -133,7 +133,7 @@ CSV_REFUSED = {
     "not text": (b"t,x\n0,1\n1,2\n2,\xff\n", "UTF-8"),
     "late not text": (
         b"t,x\n" + b"".join(b"%d,1\n" % k for k in range(9999)) + b"9999,\xff\n",
-        "'x', row 10000",
+        "line 10001: byte 0xff is not UTF-8",
     ),
     "utf-16": ("t,x\n0,1\n".encode("utf-16"), "UTF-8"),
     "ragged": ("t,x\n0,1\n1,2,3\n", "row 2 has 3 cells but the header names 2"),
@@ -141,7 +141,7 @@ CSV_REFUSED = {
     "twice": ("t,x, x\n0,1,1\n1,2,2\n", "2 columns are named 'x'"),
     "nameless": (",t\n0,0\n1,1\n", "column 1 has no name"),
     "no t": ("time,x\n0,1\n1,2\n", "'t' is missing .* found 'time', 'x'"),
-    "semicolons": ("t;x\n0;1\n1;2\n", "'t' is missing .* found 't;x'"),
+    "semicolons": ("t;x\n0;1\n1;2\n", "the cells are separated by semicolons"),
     "no time": ("t,x\n0,1\n,2\n", "'t', row 2: found nan"),
     "repeated time": ("t,x\n0,1\n0,2\n", "row 2: 0.0 s does not come after"),
     "infinite": ("t,x\n0,1\n1,inf\n", "'x', row 2: found inf"),
@@ -230,7 +230,7 @@ def test_parquet_overwritten_inside(tmp_path):
 def test_parquet_with_a_name_that_is_not_text(tmp_path):
     path = parquet_file(tmp_path, {"t": [0.0, 1.0], "abcdefgh": [0.0, 1.0]})
     path.write_bytes(path.read_bytes().replace(b"abcdefgh", b"abcd\xffefg"))
-    with pytest.raises(InputError, match="is not a readable Parquet file"):
+    with pytest.raises(InputError, match="is damaged, or no Parquet"):
         read_recording(path)
 
 
@@ -286,8 +286,10 @@ def test_another_separator_is_named(tmp_path, separator, called):
 
 def test_a_bad_byte_in_a_row_of_the_wrong_length(tmp_path, capfd):
     path = tmp_path / "flight.csv"
-    path.write_bytes(b"t,gyro.x\r\n0,1\r\n1,2,\xff\r\n")
-    with pytest.raises(InputError, match=r"flight.csv: line 3: byte 0xff is not UTF-8"):
+    path.write_bytes(b"t,gyro.x\r\n0,1\r\n" + b"0,1\r\n" * 9000 + b"1,2,\xff\r\n")
+    with pytest.raises(
+        InputError, match=r"flight.csv: line 9003: byte 0xff is not UTF-8"
+    ):
         read_recording(path)
     assert capfd.readouterr() == ("", "")
 
@@ -301,7 +303,7 @@ def test_a_character_that_is_cut_off(tmp_path):
 
 @pytest.mark.parametrize("suffix", SUFFIXES)
 def test_a_file_whose_name_is_not_utf_8(tmp_path, suffix):
-    write_recording(Recording([0.0, 1.0], {}), tmp_path / f"plain{suffix}")
+    write_recording(Recording(np.array([0.0, 1.0]), {}), tmp_path / f"plain{suffix}")
     path = Path(os.fsdecode(os.fsencode(tmp_path) + b"/\xff" + suffix.encode()))
     (tmp_path / f"plain{suffix}").rename(path)
     assert read_recording(path).t.tolist() == [0.0, 1.0]
@@ -310,7 +312,7 @@ def test_a_file_whose_name_is_not_utf_8(tmp_path, suffix):
 def test_a_damaged_parquet_file_says_what_to_do(tmp_path):
     path = tmp_path / "flight.parquet"
     path.write_bytes(b"PAR1" + b"\xff" * 100 + b"\x10\0\0\0PAR1")
-    with pytest.raises(InputError, match=r"flight.parquet: is no Parquet file, or a d"):
+    with pytest.raises(InputError, match=r"flight.parquet: is damaged, or no Parquet"):
         read_recording(path)
 
 

@@ -115,12 +115,11 @@ def test_a_quaternion_with_its_scalar_first_is_named():
 
 def test_an_attitude_that_leaves_the_plane_is_refused():
     with pytest.raises(InputError, match=r"tilt the base .* z up; or say 'motion: spa"):
-        screened(TABLE, with_attitude(*"zwyx"))
+        screened(TABLE, with_attitude(*"yzxw"))
 
 
 def test_single_wrong_attitudes_of_the_plane_are_left_to_others():
-    x = SPUN_UP.columns["attitude.x"].copy()
-    w = SPUN_UP.columns["attitude.w"].copy()
-    x[100:110], w[100:110] = w[100:110], x[100:110]
+    x, w = (SPUN_UP.columns[f"attitude.{k}"].copy() for k in "xw")
+    x[100:110], w[100:110] = w[100:110].copy(), x[100:110].copy()
     columns = {**SPUN_UP.columns, "attitude.x": x, "attitude.w": w}
     screened(TABLE, Recording(SPUN_UP.t, columns))
