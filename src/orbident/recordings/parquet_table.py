@@ -40,8 +40,8 @@ def read_parquet(path: Path) -> dict[str, np.ndarray]:
         if isinstance(error, OSError) and error.errno:
             raise
         raise InputError(
-            f"{path}: is damaged, or no Parquet file; write it again, or give a CSV file "
-            f"(Arrow says: {quoted(str(error))})"
+            f"{path}: is damaged, or no Parquet file; write it again, or give a CSV "
+            f"file (Arrow says: {quoted(str(error))})"
         ) from error
 
 
