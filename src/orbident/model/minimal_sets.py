@@ -23,6 +23,7 @@ from jaxtyping import Float, Int
 
 from orbident import _core
 from orbident.model.core_robot import core_tree
+from orbident.model.dependencies import Columns, dependencies
 from orbident.model.independent import independent_columns
 from orbident.model.momentum import Momentum, momentum
 from orbident.robot.description import Robot
@@ -121,30 +122,38 @@ def minimal_sets(robot: Robot) -> MinimalSets:
     Found once for each robot of a process.
     """
     turning, moving = conserved_axes(robot)
-    at = _random_momentum(robot, 3 * PER_BODY * len(robot.bodies))
+    samples = 2 * PER_BODY * len(robot.bodies)
+    at = _random_momentum(robot, -(-samples // len(turning)))
     base = _base_parameters(robot, _rows(at.P, moving), _rows(at.A, turning))
 
     sigma = slice(1, 1 + base.sigmas)
-    S, P = at.S @ base.theta_of[:, sigma], at.P @ base.theta_of[:, sigma]
     pairs = np.array(
         list(itertools.combinations_with_replacement(range(base.sigmas), 2)), dtype=int
     ).reshape(-1, 2)
-    products = _product_columns(S, P, pairs)
-    A = _rows(at.A @ base.theta_of, turning)
+    betas = base.T.shape[0]
+    columns = Columns(robot, base.theta_of, sigma, pairs, turning)
     # iota first: then each has a pi of its own, and the rest of pi is free of them.
-    of_beta = np.roll(np.arange(base.T.shape[0]), -1 - base.sigmas)
-    iotas = len(of_beta) - 1 - base.sigmas
-    columns = [A[:, of_beta[:iotas]], _rows(products, turning), A[:, of_beta[iotas:]]]
-    kept, T = independent_columns(np.concatenate(columns, axis=1))
-
-    kept = np.array(kept, dtype=int)
-    is_product = (kept >= iotas) & (kept < iotas + len(pairs))
-    chosen = pairs[kept[is_product] - iotas]
-    rank = np.argsort(is_product, kind="stable")
-    linear = kept[~is_product]
-    linear = of_beta[np.where(linear < iotas, linear, linear - len(pairs))]
-    T = T[rank]
-    T_beta = np.delete(T, np.s_[iotas : iotas + len(pairs)], axis=1)
+    first = np.arange(1 + base.sigmas, betas)
+    last = np.arange(1 + base.sigmas)
+    order = np.concatenate([first, betas + np.arange(len(pairs)), last])
+    # A column is left out that some combination which is zero makes up of those before.
+    zero = dependencies(columns)[order[::-1]].T
+    out, T = independent_columns(zero)
+    out, T = order[::-1][out], T[:, ::-1]
+    kept = order[~np.isin(order, out)]
+    kept = np.concatenate([kept[kept < betas], kept[kept >= betas]])
+    place = np.empty(len(order), dtype=int)
+    place[order] = np.arange(len(order))
+    pi_of_beta = np.zeros((len(kept), betas))
+    pi_of_products = np.zeros((len(kept), len(pairs)))
+    for k, column in enumerate(kept):
+        own, at_ = (pi_of_beta, column) if column < betas else (pi_of_products, column - betas)
+        own[k, at_] = 1.0
+    for column, row in zip(out, T, strict=True):
+        own, at_ = (pi_of_beta, column) if column < betas else (pi_of_products, column - betas)
+        own[:, at_] = -row[place[kept]]
+    chosen = pairs[kept[kept >= betas] - betas]
+    linear = kept[kept < betas]
     return MinimalSets(
         regressors=Regressors(
             core=_core.MinimalSets(
@@ -158,8 +167,8 @@ def minimal_sets(robot: Robot) -> MinimalSets:
             velocity_axes=moving,
         ),
         base=base,
-        pi_of_beta=T_beta[:, np.argsort(of_beta)],
-        pi_of_products=T[:, iotas : iotas + len(pairs)],
+        pi_of_beta=pi_of_beta,
+        pi_of_products=pi_of_products,
         pairs=pairs,
     )
 
