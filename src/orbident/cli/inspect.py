@@ -30,10 +30,10 @@ def inspect(
 ) -> None:
     """What a robot has, and what a recording of it can identify."""
     from orbident.cli.output import Output, prepare_jax, progress
-    from orbident.dynamics.regularity import check_regular
-    from orbident.regressors.formulas import formulas_of
-    from orbident.regressors.identifiability import not_identifiable
-    from orbident.regressors.minimal_sets import minimal_sets
+    from orbident.model.formulas import formulas_of
+    from orbident.model.identifiability import not_identifiable
+    from orbident.model.minimal_sets import minimal_sets
+    from orbident.model.regularity import check_regular
     from orbident.robot.robot_file import load_robot
 
     output = Output(json, quiet)

@@ -17,13 +17,15 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float, Int
 
-from orbident.model.independent import DEPENDENT, independent_columns
+from orbident.model.independent import DEPENDENT
 from orbident.model.momentum import momentum
 from orbident.robot.description import Robot
 from orbident.robot.parameters import PER_BODY
 
 SPARE = 1.5
-"""Times as many equations as unknowns: random ones are then well conditioned."""
+FEWEST = 30
+"""So many times more equations than unknowns, and samples beside: random equations are
+then well conditioned."""
 
 ZERO = 1e-9
 """Of the largest of a column: smaller parameters are rounding."""
@@ -124,38 +126,23 @@ def dependencies(columns: Columns) -> Float[np.ndarray, "columns m"]:
         X = np.hstack([seen.of(own), seen.along(left)])
         unit = np.zeros((columns.count, len(own)))
         unit[own, np.arange(len(own))] = 1.0
-        left = np.hstack([unit, left]) @ _zeros_of(X)
+        left = np.hstack([unit, left]) @ _parted(X)[0]
         # What is zero in any motion need not be looked at again.
         everywhere = columns.at(_any_motion(columns, left.shape[1], random))
-        zero = _zeros_of(everywhere.along(left))
+        zero, rest = _parted(everywhere.along(left))
         found.append(left @ zero)
-        left = _rest_of(left, zero)
+        left = left @ rest
     return np.hstack(found)
 
 
-def _zeros_of(X: Float[np.ndarray, "rows n"]) -> Float[np.ndarray, "n m"]:
-    """Combinations of columns that are zero, the first columns standing for others."""
-    n = X.shape[1]
-    size = np.sqrt(np.mean(X**2, axis=0))
-    some = np.flatnonzero(size > DEPENDENT)
-    T = np.zeros((n, n))
-    kept = np.zeros(0, dtype=int)
-    if some.size:
-        within, coefficients = independent_columns(X[:, some])
-        kept = some[within]
-        T[np.ix_(kept, some)] = coefficients
-    N = np.eye(n) - T
-    return np.delete(N, kept, axis=1)
-
-
-def _rest_of(
-    N: Float[np.ndarray, "columns n"], zero: Float[np.ndarray, "n m"]
-) -> Float[np.ndarray, "columns _"]:
-    """Combinations that, with those that are zero, make up all."""
-    if not zero.size:
-        return N
-    stood_for, _ = independent_columns(zero.T)
-    return np.delete(N, stood_for, axis=1)
+def _parted(
+    X: Float[np.ndarray, "rows n"],
+) -> tuple[Float[np.ndarray, "n zero"], Float[np.ndarray, "n rest"]]:
+    """Orthonormal combinations of columns that are zero, and all others."""
+    R = np.linalg.qr(X, mode="r") / np.sqrt(len(X))
+    _, s, Vt = np.linalg.svd(R)
+    rank = int(np.sum(s > DEPENDENT * max(1.0, s.max(initial=0.0))))
+    return Vt[rank:].T, Vt[:rank].T
 
 
 def _by_rate_of(
@@ -172,7 +159,7 @@ def _by_rate_of(
 def _any_motion(
     columns: Columns, unknowns: int, random: np.random.Generator
 ) -> Motion:
-    n = int(SPARE * unknowns / len(columns.axes)) + PER_BODY
+    n = int(SPARE * unknowns / len(columns.axes)) + FEWEST
     q, qd = random.standard_normal((2, n, len(columns.robot.joints)))
     w = random.standard_normal((n, 3))
     if columns.robot.motion == "planar":

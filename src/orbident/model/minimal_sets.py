@@ -130,47 +130,53 @@ def minimal_sets(robot: Robot) -> MinimalSets:
     pairs = np.array(
         list(itertools.combinations_with_replacement(range(base.sigmas), 2)), dtype=int
     ).reshape(-1, 2)
-    betas = base.T.shape[0]
     columns = Columns(robot, base.theta_of, sigma, pairs, turning)
-    # iota first: then each has a pi of its own, and the rest of pi is free of them.
-    first = np.arange(1 + base.sigmas, betas)
-    last = np.arange(1 + base.sigmas)
-    order = np.concatenate([first, betas + np.arange(len(pairs)), last])
-    # A column is left out that some combination which is zero makes up of those before.
-    zero = dependencies(columns)[order[::-1]].T
-    out, T = independent_columns(zero)
-    out, T = order[::-1][out], T[:, ::-1]
-    kept = order[~np.isin(order, out)]
-    kept = np.concatenate([kept[kept < betas], kept[kept >= betas]])
-    place = np.empty(len(order), dtype=int)
-    place[order] = np.arange(len(order))
-    pi_of_beta = np.zeros((len(kept), betas))
-    pi_of_products = np.zeros((len(kept), len(pairs)))
-    for k, column in enumerate(kept):
-        own, at_ = (pi_of_beta, column) if column < betas else (pi_of_products, column - betas)
-        own[k, at_] = 1.0
-    for column, row in zip(out, T, strict=True):
-        own, at_ = (pi_of_beta, column) if column < betas else (pi_of_products, column - betas)
-        own[:, at_] = -row[place[kept]]
-    chosen = pairs[kept[kept >= betas] - betas]
-    linear = kept[kept < betas]
+    betas = base.T.shape[0]
+    kept, T = _first_that_span(dependencies(columns), betas, 1 + base.sigmas)
     return MinimalSets(
         regressors=Regressors(
             core=_core.MinimalSets(
                 tree=core_tree(robot),
-                theta_of_linear=np.ascontiguousarray(base.theta_of[:, linear]),
+                theta_of_linear=np.ascontiguousarray(
+                    base.theta_of[:, kept[kept < betas]]
+                ),
                 theta_of_sigma=np.ascontiguousarray(base.theta_of[:, sigma]),
-                pairs=chosen.astype(float),
+                pairs=pairs[kept[kept >= betas] - betas].astype(float),
             ),
             joints=len(robot.joints),
             momentum_axes=turning,
             velocity_axes=moving,
         ),
         base=base,
-        pi_of_beta=pi_of_beta,
-        pi_of_products=pi_of_products,
+        pi_of_beta=T[:, :betas],
+        pi_of_products=T[:, betas:],
         pairs=pairs,
     )
+
+
+def _first_that_span(
+    zero: Float[np.ndarray, "columns m"], betas: int, shown: int
+) -> tuple[Int[np.ndarray, " pi"], Float[np.ndarray, "pi columns"]]:
+    """The first columns that span all, and how they make up all: `X = X[:, kept] T`.
+
+    Args:
+        zero: combinations of the columns that are zero.
+        betas: how many columns are those of `beta`; the others are products.
+        shown: how many of them, the first, come last: iota is first, so that each has a
+            `pi` of its own, and the rest of `pi` is free of them.
+    """
+    order = np.roll(np.arange(len(zero)), -shown)
+    # A column goes where a combination that is zero makes it up of those before it.
+    last_first = order[::-1]
+    left_out, relations = independent_columns(zero[last_first].T)
+    left_out = last_first[left_out]
+    kept = order[~np.isin(order, left_out)]
+    # Products, the last columns, make up the last of pi.
+    kept = np.concatenate([kept[kept < betas], kept[kept >= betas]])
+    T = np.zeros((len(kept), len(zero)))
+    T[np.arange(len(kept)), kept] = 1.0
+    T[:, left_out] = -relations[:, np.argsort(last_first)[kept]].T
+    return kept, T
 
 
 def _random_momentum(robot: Robot, samples: int) -> Momentum:
