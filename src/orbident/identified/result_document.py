@@ -20,8 +20,9 @@ MOST = 10**12
 def _known(value: object) -> float | None:
     if value is None:
         return None
-    number = isinstance(value, int | float) and not isinstance(value, bool)
-    if not number or not abs(value) <= LARGEST:
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise WrongValueError("a number is expected, or null")
+    if not abs(value) <= LARGEST:
         raise WrongValueError(f"a number of at most {LARGEST:g}, or null, is expected")
     return float(value)
 
@@ -96,7 +97,12 @@ class _SensorFit(_Part):
 
 
 _Equation = Literal[
-    *("gyro", "accelerometer", "attitude", "position", "velocity", "joints"),
+    "gyro",
+    "accelerometer",
+    "attitude",
+    "position",
+    "velocity",
+    "joints",
     "momentum",
 ]
 

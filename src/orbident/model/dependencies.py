@@ -110,7 +110,8 @@ class Seen:
             C[np.diag_indices(sigmas)] /= 2
             products = np.cross(self.S @ C, self.P, axis=1).sum(axis=2)
             seen[:, :, k] = self.A @ combination[:beta] - products[:, self.columns.axes]
-        return seen.reshape(seen.shape[0] * seen.shape[1], N.shape[1])
+        rows = self.A.shape[0] * self.A.shape[1]
+        return seen.reshape(rows, N.shape[1])
 
 
 def dependencies(columns: Columns) -> Float[np.ndarray, "columns m"]:
@@ -156,9 +157,7 @@ def _by_rate_of(
     return Motion(motion.q, qd, w)
 
 
-def _any_motion(
-    columns: Columns, unknowns: int, random: np.random.Generator
-) -> Motion:
+def _any_motion(columns: Columns, unknowns: int, random: np.random.Generator) -> Motion:
     n = int(SPARE * unknowns / len(columns.axes)) + FEWEST
     q, qd = random.standard_normal((2, n, len(columns.robot.joints)))
     w = random.standard_normal((n, 3))

@@ -22,6 +22,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from orbident import _core
+from orbident.errors import InputError
 from orbident.model.core_robot import core_tree
 from orbident.model.dependencies import Columns, dependencies
 from orbident.model.independent import independent_columns
@@ -29,6 +30,10 @@ from orbident.model.momentum import Momentum, momentum
 from orbident.robot.description import Robot
 from orbident.robot.parameters import MASS, PER_BODY
 from orbident.threads import processors
+
+MOST_PRODUCTS = 8000
+"""Of first moments; `pi` has nearly as many parameters, and a table of theirs by these
+takes 0.5 GB."""
 
 
 class BaseParameters(NamedTuple):
@@ -120,6 +125,9 @@ def minimal_sets(robot: Robot) -> MinimalSets:
     """Find the minimal sets of a robot under what its `structure` says is known.
 
     Found once for each robot of a process.
+
+    Raises:
+        InputError: the robot has too many joints.
     """
     turning, moving = conserved_axes(robot)
     samples = 2 * PER_BODY * len(robot.bodies)
@@ -131,6 +139,12 @@ def minimal_sets(robot: Robot) -> MinimalSets:
         list(itertools.combinations_with_replacement(range(base.sigmas), 2)), dtype=int
     ).reshape(-1, 2)
     columns = Columns(robot, base.theta_of, sigma, pairs, turning)
+    if len(pairs) > MOST_PRODUCTS:
+        raise InputError(
+            f"{robot.name}: has {len(robot.joints)} joints, and so {len(pairs)} "
+            "products of first moments; minimal sets are found of up to "
+            f"{MOST_PRODUCTS}, or some 60 joints: make fixed what need not move"
+        )
     betas = base.T.shape[0]
     kept, T = _first_that_span(dependencies(columns), betas, 1 + base.sigmas)
     return MinimalSets(

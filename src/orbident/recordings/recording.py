@@ -195,8 +195,8 @@ def _check_column(source: str, name: str, values: np.ndarray, samples: int) -> N
             f"{source}: column '{name}', row {bad[0] + 1}: found {values[bad[0]]}; "
             "leave the cell empty where there is no sample"
         )
-    huge = np.flatnonzero(np.abs(values) > LARGEST) if is_known(name) else ()
-    if len(huge):
+    huge = np.flatnonzero(np.abs(values) > LARGEST)
+    if huge.size and is_known(name):
         raise InputError(
             f"{source}: column '{name}', row {huge[0] + 1}: found "
             f"{values[huge[0]]:g}; give at most {LARGEST:g} in SI units, or leave the "
