@@ -40,7 +40,7 @@ def read_parquet(path: Path) -> dict[str, np.ndarray]:
         if isinstance(error, OSError) and error.errno:
             raise
         raise InputError(
-            f"{path}: is damaged, or no Parquet file; write it again, or give a CSV "
+            f"{path}: is not a readable Parquet file; write it again, or give a CSV "
             f"file (Arrow says: {quoted(str(error))})"
         ) from error
 

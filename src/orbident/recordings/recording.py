@@ -50,6 +50,8 @@ class Recording:
             _check_column(self.source, name, values, t.size)
         if self.has(*(f"attitude.{k}" for k in "xyzw")):
             _check_attitude(self.source, [columns[f"attitude.{k}"] for k in "xyzw"])
+        for name, values in columns.items():
+            _check_size(self.source, name, values)
 
     def has(self, *names: str) -> bool:
         """Whether every one of these columns is there."""
@@ -195,6 +197,9 @@ def _check_column(source: str, name: str, values: np.ndarray, samples: int) -> N
             f"{source}: column '{name}', row {bad[0] + 1}: found {values[bad[0]]}; "
             "leave the cell empty where there is no sample"
         )
+
+
+def _check_size(source: str, name: str, values: np.ndarray) -> None:
     huge = np.flatnonzero(np.abs(values) > LARGEST)
     if huge.size and is_known(name):
         raise InputError(
@@ -206,8 +211,9 @@ def _check_column(source: str, name: str, values: np.ndarray, samples: int) -> N
 
 def _check_attitude(source: str, components: Sequence[np.ndarray]) -> None:
     norm = np.zeros_like(components[0])
-    for component in components:
-        norm += np.square(component)
+    with np.errstate(over="ignore"):
+        for component in components:
+            norm += np.square(component)
     np.sqrt(norm, out=norm)
     bad = np.flatnonzero(np.abs(norm - 1.0) > QUATERNION_TOLERANCE)
     if bad.size:

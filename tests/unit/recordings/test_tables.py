@@ -230,7 +230,7 @@ def test_parquet_overwritten_inside(tmp_path):
 def test_parquet_with_a_name_that_is_not_text(tmp_path):
     path = parquet_file(tmp_path, {"t": [0.0, 1.0], "abcdefgh": [0.0, 1.0]})
     path.write_bytes(path.read_bytes().replace(b"abcdefgh", b"abcd\xffefg"))
-    with pytest.raises(InputError, match="is damaged, or no Parquet"):
+    with pytest.raises(InputError, match="is not a readable Parquet file"):
         read_recording(path)
 
 
@@ -312,7 +312,9 @@ def test_a_file_whose_name_is_not_utf_8(tmp_path, suffix):
 def test_a_damaged_parquet_file_says_what_to_do(tmp_path):
     path = tmp_path / "flight.parquet"
     path.write_bytes(b"PAR1" + b"\xff" * 100 + b"\x10\0\0\0PAR1")
-    with pytest.raises(InputError, match=r"flight.parquet: is damaged, or no Parquet"):
+    with pytest.raises(
+        InputError, match=r"flight.parquet: is not a readable Parquet file"
+    ):
         read_recording(path)
 
 
