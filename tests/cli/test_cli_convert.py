@@ -1,12 +1,12 @@
 """From a bag to a recording that is identified, by the command."""
 
-import subprocess
 import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 from bag_writers import KINDS, START, Sent, float64, imu, joint_state, pose, write_bag
+from processes import finished
 from running import LINEAR, Orbident, check_recovered
 
 from orbident.recordings.recording import Recording
@@ -218,9 +218,8 @@ def test_a_long_bag_takes_little_memory():
         "assert 'jax' not in sys.modules\n"
         "print(peak() - before)\n"
     )
-    ran = subprocess.run(
-        [sys.executable, "-c", script], capture_output=True, text=True, check=True
-    )
+    ran = finished(sys.executable, "-c", script)
+    assert ran.returncode == 0, ran.stderr
     # A batch and a block of rows, Arrow's buffers and the libraries' types: 25 MB,
     # however long the bag is. The decoded messages would be 60 MB.
     assert int(ran.stdout) < 45_000

@@ -3,31 +3,18 @@
 import json
 import os
 import pty
-import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+from processes import ORBIDENT, finished, started
 from running import LINEAR, written
 
 from orbident.recordings.recording import Recording
 
-ORBIDENT = (sys.executable, "-m", "orbident.cli.app")
-
-
-def run(*arguments: object, **options) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [*ORBIDENT, *map(str, arguments)],
-        capture_output=True,
-        text=True,
-        timeout=300,
-        check=False,
-        **options,
-    )
-
 
 def refused(*arguments: object) -> str:
-    ran = run(*arguments)
+    ran = finished(*ORBIDENT, *arguments)
     assert ran.returncode == 2
     assert ran.stdout == ""
     assert ran.stderr.startswith("orbident: ")
@@ -38,12 +25,12 @@ def refused(*arguments: object) -> str:
 
 def test_statuses_and_streams(flight: Recording):
     written(flight, "r.csv")
-    ran = run("identify", "paper-spatial", "r.csv", "--json", "-")
+    ran = finished(*ORBIDENT, "identify", "paper-spatial", "r.csv", "--json", "-")
     assert (ran.returncode, ran.stderr) == (0, "")
     assert json.loads(ran.stdout)["status"] == "ok"
 
     written(flight, "r.csv", drop=["velocity", "position"])
-    ran = run("identify", "paper-spatial", "r.csv", "--json", "-")
+    ran = finished(*ORBIDENT, "identify", "paper-spatial", "r.csv", "--json", "-")
     assert ran.returncode == 1
     assert json.loads(ran.stdout)["status"] == "rejected"
     assert all(
@@ -97,40 +84,25 @@ def test_help_without_arguments_and_version(orbident):
 
 def test_a_reader_that_goes_away():
     """`orbident robots | true`, with pipefail."""
-    with subprocess.Popen(
-        [*ORBIDENT, "robots"],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    ) as process:
+    with started("robots") as process:
         assert process.stdout is not None
         assert process.stderr is not None
         process.stdout.close()
-        assert process.wait(300) == 0
         assert process.stderr.read() == ""
+        assert process.wait(timeout=60) == 0
+        process.stdout = None
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs Linux's /dev/full")
 def test_a_full_disk():
     with Path("/dev/full").open("w") as full:
-        ran = subprocess.run(
-            [*ORBIDENT, "robots"],
-            stdout=full,
-            stderr=subprocess.PIPE,
-            text=True,
-            check=False,
-        )
+        ran = finished(*ORBIDENT, "robots", stdout=full)
     assert ran.returncode == 2
     assert ran.stderr == "orbident: standard output: No space left on device\n"
 
 
 def test_no_output_at_all():
-    ran = subprocess.run(
-        ["sh", "-c", '"$@" >&-', "sh", *ORBIDENT, "robots"],
-        stderr=subprocess.PIPE,
-        text=True,
-        check=False,
-    )
+    ran = finished("sh", "-c", '"$@" >&-', "sh", *ORBIDENT, "robots")
     assert (ran.returncode, ran.stderr) == (0, "")
 
 
@@ -141,7 +113,7 @@ def test_names_that_the_terminal_cannot_show():
         encoding="utf-8",
     )
     ascii_only = os.environ | {"PYTHONIOENCODING": "ascii", "PYTHONUTF8": "0"}
-    ran = run("inspect", "r.urdf", env=ascii_only)
+    ran = finished(*ORBIDENT, "inspect", "r.urdf", env=ascii_only)
     assert (ran.returncode, ran.stderr) == (0, "")
     assert "Gelenk-\\xe4" in ran.stdout
 
@@ -156,13 +128,8 @@ print(jax.jit(lambda x: x + 1)(1.0))
 
 def compiled(cache: Path) -> None:
     """One function, compiled with this cache folder, without a word."""
-    ran = subprocess.run(
-        [sys.executable, "-c", COMPILE],
-        env=os.environ | {"XDG_CACHE_HOME": str(cache)},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    environment = os.environ | {"XDG_CACHE_HOME": str(cache)}
+    ran = finished(sys.executable, "-c", COMPILE, env=environment)
     assert (ran.stdout, ran.stderr) == ("2.0\n", "")
 
 
@@ -185,12 +152,8 @@ def test_progress_in_a_terminal(flight: Recording):
     """On standard error, and gone when it is done; none in a pipe."""
     written(flight, "r.csv")
     terminal, inside = pty.openpty()
-    with subprocess.Popen(
-        [*ORBIDENT, "identify", "paper-spatial", "r.csv", "--json", "-", *LINEAR],
-        stdout=subprocess.PIPE,
-        stderr=inside,
-        text=True,
-    ) as process:
+    verb = ("identify", "paper-spatial", "r.csv", "--json", "-", *LINEAR)
+    with started(*verb, stderr=inside) as process:
         os.close(inside)
         shown = b""
         # Linux reports the end of a terminal as an error.
@@ -214,13 +177,11 @@ HEAVY = ("jax", "numpy", "scipy", "pyarrow", "yourdfpy")
 def test_help_loads_nothing_heavy():
     """What keeps `orbident --help` below half a second, without a clock."""
     code = (
-        "import sys; import orbident.cli.app; "
+        "import sys; import orbident.cli.verbs; "
         f"print([name for name in {HEAVY} if name in sys.modules])"
     )
-    ran = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=True
-    )
-    assert ran.stdout == "[]\n"
+    ran = finished(sys.executable, "-c", code)
+    assert (ran.stdout, ran.stderr) == ("[]\n", "")
 
 
 def test_importing_the_package_loads_nothing_heavy():
@@ -228,7 +189,5 @@ def test_importing_the_package_loads_nothing_heavy():
         "import sys; import orbident; "
         f"print([name for name in {HEAVY} if name in sys.modules])"
     )
-    ran = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=True
-    )
-    assert ran.stdout == "[]\n"
+    ran = finished(sys.executable, "-c", code)
+    assert (ran.stdout, ran.stderr) == ("[]\n", "")

@@ -9,7 +9,8 @@ import pytest
 import typer
 from pages import PAGES, Block, blocks, commands, name_of
 
-from orbident.cli.app import app, main
+from orbident.cli.app import main
+from orbident.cli.verbs import app
 from orbident.recordings.tables import write_recording
 from orbident.sensing.simulate import simulate
 from orbident.studies.spatial import spatial_robot, spatial_trajectory

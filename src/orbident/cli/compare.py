@@ -35,8 +35,8 @@ def compare(
     results = load_result(before), load_result(after)
     prepare_jax()
     comparison = compared(*results, body)
-    output.say(*_lines(comparison))
     output.warn(comparison.warnings)
+    output.say(*_lines(comparison))
     output.write_json(comparison.to_json())
     if comparison.status == "rejected":
         raise typer.Exit(1)

@@ -28,8 +28,8 @@ def convert(
     check_place(out)
     with progress("converting") as done:
         report = convert_bag(bag, topic_map, out, done)
-    output.say(*_lines(report))
     output.warn(report.warnings)
+    output.say(*_lines(report))
     output.write_json(report.to_json())
 
 

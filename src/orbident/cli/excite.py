@@ -1,7 +1,5 @@
 """`orbident excite ROBOT -o TRAJ`, and `orbident excite ROBOT --compare TRAJ`."""
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Any
@@ -88,7 +86,7 @@ def excite(
     quiet: Quiet = False,
 ) -> None:
     """Design a trajectory that excites every parameter, or compare some."""
-    from orbident.cli.output import Output, prepare_jax
+    from orbident.cli.output import Output, prepare_jax, progress
     from orbident.files.replacing import check_place
     from orbident.robot.robot_file import load_robot
 
@@ -109,7 +107,7 @@ def excite(
     from orbident.excitation.design import design_excitation
     from orbident.trajectories.trajectory_file import save_trajectory
 
-    with _search_bar() as progress:
+    with progress("preparing") as show:
         found = design_excitation(
             described,
             objective=objective.value,
@@ -118,13 +116,16 @@ def excite(
             uncertainty=uncertainty,
             seed=seed,
             conditions=given,
-            progress=progress,
+            progress=lambda found: show(
+                found.fraction, f"start {found.starts}, best {found.best:.4g}"
+            ),
         )
     save_trajectory(found, out)
+    trusted = excites_all(found)
+    output.warn([] if trusted else [NOT_EXCITED])
     output.say(*designed(found, paper), f"written: {out}")
     output.write_json(written(found, paper, out))
-    if not excites_all(found):
-        output.warn([NOT_EXCITED])
+    if not trusted:
         raise typer.Exit(1)
 
 
@@ -201,23 +202,3 @@ def _limits(entries: list[str]) -> dict[str, float]:
             )
         limits[name] = number
     return limits
-
-
-@contextmanager
-def _search_bar() -> Iterator[Any]:
-    """A bar that shows the best so far, none when standard error is no terminal."""
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
-
-    console = Console(stderr=True)
-    columns = TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn()
-    with Progress(
-        *columns, console=console, transient=True, disable=not console.is_terminal
-    ) as bar:
-        task = bar.add_task("preparing", total=None)
-
-        def show(found: Any) -> None:
-            words = f"start {found.starts}, best {found.best:.4g}"
-            bar.update(task, total=1.0, completed=found.fraction, description=words)
-
-        yield show

@@ -97,8 +97,8 @@ def identify(
         with saving(result, out, force) as new:
             write_replay(described, table, new)
             write_report(result, new)
-    output.say(*_summary(result, out))
     output.warn(result.warnings)
+    output.say(*_summary(result, out))
     output.write_json(result.to_json())
     if result.status == "rejected":
         raise typer.Exit(1)

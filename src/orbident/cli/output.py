@@ -12,6 +12,7 @@ from typing import Any
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
+from orbident.cli.streams import warn
 from orbident.files.replacing import check_place
 from orbident.files.text import write_text
 
@@ -44,9 +45,9 @@ class Output:
             print(thing if isinstance(thing, str) else self._drawn(thing))
 
     def warn(self, sentences: Iterable[str]) -> None:
-        """Lines on standard error, quiet or not."""
+        """Lines on standard error, quiet or not; before any results."""
         for sentence in sentences:
-            print(f"orbident: warning: {' '.join(sentence.split())}", file=sys.stderr)
+            warn(sentence)
 
     def _drawn(self, table: Any) -> str:
         with self._console.capture() as drawn:
@@ -73,15 +74,20 @@ def progress(what: str) -> Iterator[Any]:
     """A bar on standard error, none when it is no terminal.
 
     Yields:
-        A function to be called with the fraction done; without a call the bar pulses.
+        A function to be called with the fraction done, and with other words if they
+        change; without a call the bar pulses.
     """
-    console = Console(stderr=True)
     columns = TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn()
-    with Progress(
-        *columns, console=console, transient=True, disable=not console.is_terminal
-    ) as bar:
+    console = Console(stderr=True)
+    # FORCE_COLOR makes rich take a file for a terminal.
+    hidden = not (console.is_terminal and sys.stderr.isatty())
+    with Progress(*columns, console=console, transient=True, disable=hidden) as bar:
         task = bar.add_task(what, total=None)
-        yield lambda fraction: bar.update(task, total=1.0, completed=fraction)
+
+        def show(fraction: float, words: str = what) -> None:
+            bar.update(task, total=1.0, completed=fraction, description=words)
+
+        yield show
 
 
 def prepare_jax() -> None:

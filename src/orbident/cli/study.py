@@ -104,14 +104,15 @@ def study(
         done = run(noise.value, seeds, seed, progress=done_so_far)
     if out is not None:
         _keep(done, name, out, force, seed if noise == Noise.paper else None)
+    if done.rejected:
+        output.warn([f"{done.rejected} of {done.seeds} runs were rejected"])
+    if not done.trusted:
+        output.warn(done.result.warnings)
     output.say(*lines(done))
     if out is not None:
         output.say(f"written: {out}")
-    if done.rejected:
-        output.warn([f"{done.rejected} of {done.seeds} runs were rejected"])
     output.write_json(done.to_json())
     if not done.trusted:
-        output.warn(done.result.warnings)
         raise typer.Exit(1)
 
 

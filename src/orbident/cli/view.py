@@ -42,21 +42,24 @@ def view(
     """Look at a robot, or at a recorded motion, in the browser; Ctrl-C ends it."""
     from orbident.cli.output import Output, prepare_jax, progress
     from orbident.viewer.pages import prepared
-    from orbident.viewer.server import open_server, run
+    from orbident.viewer.server import close, open_server, run
 
     output = Output(json, quiet)
     prepare_jax()
     with progress("preparing"):
         made = prepared(shown, recording)
         served = open_server(host, port)
+    try:
         page = made.page(served.server)
-    output.warn(made.warnings)
-    if served.is_open:
-        output.warn([_open_to_the_network(served.url)])
-    output.say(f"{shown} is shown at {served.url}; Ctrl-C ends it")
-    output.write_json({"shown": shown, "url": served.url})
-    sys.stdout.flush()
-    run(served.server, page)
+        output.warn(made.warnings)
+        if served.is_open:
+            output.warn([_open_to_the_network(served.url)])
+        output.say(f"{shown} is shown at {served.url}; Ctrl-C ends it")
+        output.write_json({"shown": shown, "url": served.url})
+        sys.stdout.flush()
+        run(page)
+    finally:
+        close(served.server)
 
 
 def _open_to_the_network(url: str) -> str:

@@ -25,8 +25,8 @@ def weigh(
     prepare_jax()
     with progress("weighing"):
         weighing = weighed(described, table)
-    output.say(*_lines(described.name, weighing))
     output.warn(weighing.warnings)
+    output.say(*_lines(described.name, weighing))
     output.write_json(weighing.to_json())
     if weighing.status == "rejected":
         raise typer.Exit(1)

@@ -40,6 +40,10 @@ faster would show hardly any motion, and that could be anything's."""
 GAP = 10.0
 """Times the usual step from sample to sample."""
 
+LONGEST = 0.25
+"""Of the stretch that is looked at: a search that goes beyond has lost its way, and too
+little would be left for both clocks to show."""
+
 ROUNDS = 8
 
 
@@ -109,15 +113,19 @@ def joint_delay(
     pi = sets.pi(robot.theta)
     derived = samples.origins["base_rate"] == SMOOTHED
     equations = DelayEquations(sets.regressors, wheels_of(robot), known, pi, derived)
-    moving = MovingJoints.of(_part(samples, pi.size))
+    part = _part(samples, pi.size)
+    moving = MovingJoints.of(part)
     found = equations.fit(*moving.at(0.0), pi)
     late, before = found.change, found.before
+    longest = LONGEST * np.ptp(part.t)
     # Where no delay makes the fit better there is nothing to settle.
     for _ in range(ROUNDS if found.after**2 < WORTH * found.before**2 else 0):
-        if abs(found.change) < max(SETTLED, found.std / 10):
+        if abs(found.change) < max(SETTLED, found.std / 10) or abs(late) > longest:
             break
         found = equations.fit(*moving.at(late), found.pi)
         late += found.change
+    if abs(late) > longest:
+        return Delay(late, found.std, believed=False)
     return delay_of(late, found.std, found.change, before, found.after)
 
 

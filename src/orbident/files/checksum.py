@@ -16,4 +16,5 @@ def sha256(path: Path) -> str:
         with path.open("rb") as file:
             return hashlib.file_digest(file, "sha256").hexdigest()
     except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror})") from error
+        reason = error.strerror or error
+        raise InputError(f"{path}: cannot be read ({reason})") from error

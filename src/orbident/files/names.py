@@ -4,7 +4,19 @@ from collections.abc import Hashable, Iterable
 from difflib import get_close_matches
 from typing import TypeVar
 
+from orbident.errors import QUOTED
+
 Name = TypeVar("Name", bound=Hashable)
+
+
+LISTED = 20
+"""Names: more are no help."""
+
+
+def quoted(value: object) -> str:
+    """What was found, as Python writes it, on one line and cut where it is long."""
+    text = " ".join(repr(value).split())
+    return text if len(text) <= QUOTED else text[: QUOTED - 3] + "..."
 
 
 def closest(name: str, known: Iterable[str]) -> str | None:
@@ -21,7 +33,9 @@ def suggestion(name: str, known: Iterable[str], what: str) -> str:
         what: a plural: "joints", "keys".
     """
     known = tuple(known)
-    listed = ", ".join(repr(each) for each in known) or "none"
+    listed = ", ".join(repr(each) for each in known[:LISTED]) or "none"
+    if len(known) > LISTED:
+        listed += f" and {len(known) - LISTED} more"
     close = closest(name, known)
     hint = f"did you mean {close!r}? " if close else ""
     return f"{hint}known {what}: {listed}"

@@ -6,6 +6,8 @@ from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
 from orbident.errors import InputError
+from orbident.files.names import quoted
+from orbident.files.schema_parts import WrongValueError
 
 Model = TypeVar("Model", bound=BaseModel)
 
@@ -58,7 +60,9 @@ def _problem(detail: ErrorDetails) -> str:
     if detail["type"] == "missing":
         return "this key is missing; add it"
     cause = detail.get("ctx", {}).get("error")
-    if isinstance(cause, ValueError) and isinstance(detail["input"], dict):
+    # What a section says of itself names the key that is wrong.
+    own = isinstance(detail["input"], dict) and not isinstance(cause, WrongValueError)
+    if own and isinstance(cause, InputError):
         return str(cause)
     expected = detail["msg"].removeprefix("Input should be ")
     remedy = cause or _REMEDIES.get(detail["type"], f"give {expected}")
@@ -66,7 +70,4 @@ def _problem(detail: ErrorDetails) -> str:
 
 
 def _found(value: object) -> str:
-    if value is None:
-        return "nothing"
-    text = " ".join(repr(value).split())
-    return text if len(text) <= 80 else text[:77] + "..."
+    return "nothing" if value is None else quoted(value)

@@ -7,46 +7,63 @@ from typing import Annotated, Any
 from pydantic import BaseModel, BeforeValidator, ConfigDict, model_validator
 
 from orbident.errors import InputError
-from orbident.files.names import suggestion
+from orbident.files.bounds import LARGEST, SMALLEST
+from orbident.files.names import quoted, suggestion
+
+
+class WrongValueError(InputError):
+    """A value that is wrong by itself, whatever stands beside it: it is to be shown."""
 
 
 def finite_number(value: object) -> float:
-    """The value as a number, also where it is text: `1e-4`, which YAML wants as 1.0e-4.
+    """The value as a number, also where it is text: `1e-4`, which YAML takes for text.
 
     Raises:
-        InputError: not a finite number. A truth value is none either: YAML reads "yes"
-            as one.
+        WrongValueError: no number, or larger than any of a spacecraft. A truth value
+            is no number either.
     """
+    number = math.nan
     if isinstance(value, int | float | str) and not isinstance(value, bool):
         with suppress(ValueError, OverflowError):
-            if math.isfinite(number := float(value)):
-                return number
-    raise InputError("give a finite number")
+            number = float(value)
+    if not math.isfinite(number):
+        raise WrongValueError("give a finite number")
+    if abs(number) > LARGEST:
+        raise WrongValueError(f"give a number of at most {LARGEST:g}, in SI units")
+    return number
 
 
 def finite_vector(value: object, length: int) -> tuple[float, ...]:
     """The value as a vector of finite numbers.
 
     Raises:
-        InputError: not a list of that length, or not of finite numbers.
+        WrongValueError: not a list of that length, or not of finite numbers.
     """
     if not isinstance(value, list | tuple) or len(value) != length:
-        raise InputError(f"give a {length}-vector")
+        raise WrongValueError(f"give a {length}-vector")
     try:
         return tuple(finite_number(each) for each in value)
-    except InputError:
-        raise InputError(f"give a {length}-vector of finite numbers") from None
+    except WrongValueError as error:
+        wanted = str(error).removeprefix("give a ").replace("number", "numbers", 1)
+        raise WrongValueError(f"give a {length}-vector of {wanted}") from None
 
 
-def _positive(value: object) -> float:
+def positive_number(value: object) -> float:
+    """The value as a number above zero.
+
+    Raises:
+        WrongValueError: none, or smaller or larger than any of a spacecraft.
+    """
     number = finite_number(value)
     if number <= 0:
-        raise InputError("give a number above zero")
+        raise WrongValueError("give a number above zero")
+    if number < SMALLEST:
+        raise WrongValueError(f"give a number of at least {SMALLEST:g}, in SI units")
     return number
 
 
 Number = Annotated[float, BeforeValidator(finite_number)]
-Positive = Annotated[float, BeforeValidator(_positive)]
+Positive = Annotated[float, BeforeValidator(positive_number)]
 Vector3 = Annotated[
     tuple[float, float, float], BeforeValidator(lambda value: finite_vector(value, 3))
 ]
@@ -66,11 +83,11 @@ class Section(BaseModel):
     def _known_keys(cls, data: Any) -> Any:
         """Names an unknown key and the known ones, which pydantic does not."""
         if not isinstance(data, dict):
-            raise InputError("give keys and values: " + ", ".join(cls._keys()))
+            raise WrongValueError("give keys and values: " + ", ".join(cls._keys()))
         for key in data:
             if key not in cls._keys():
                 known = suggestion(str(key), cls._keys(), "keys")
-                raise InputError(f"unknown key {key!r}; {known}")
+                raise InputError(f"unknown key {quoted(key)}; {known}")
         return data
 
     @classmethod

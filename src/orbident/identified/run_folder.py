@@ -12,7 +12,7 @@ import numpy as np
 
 from orbident.errors import InputError
 from orbident.estimation.predicted import Signals
-from orbident.estimation.result import SCHEMA, Estimate, Estimates, Result
+from orbident.estimation.result import Estimate, Estimates, Result
 from orbident.files.folder_replacing import (
     finish,
     is_committed,
@@ -27,6 +27,7 @@ from orbident.identified.checksums import (
     check_files,
     with_checksums,
 )
+from orbident.identified.result_document import check_content
 from orbident.identified.signals_file import read_signals, write_signals
 from orbident.robot.robot_file import load_robot, write_robot
 from orbident.signals.delays import Delay
@@ -173,64 +174,54 @@ def _read(text: str, folder: Path) -> Result:
     path = folder / RESULT
     try:
         document = json.loads(text)
-    except (ValueError, RecursionError) as error:
-        raise InputError(f"{path}: is not JSON ({error}); identify again") from error
-    try:
-        _check_schema(document, path)
-        check_document(document, path)
-        check_files(document[FILES], folder, READ)
-        mass = document["mass"]
-        return Result(
-            robot=load_robot(folder / "robot.yaml"),
-            method=document["method"],
-            initial_momentum=document["initial_momentum"],
-            status=document["status"],
-            warnings=tuple(document["warnings"]),
-            mass=Estimate(_number(mass["value"]), _number(mass["std"])),
-            mass_forms=_estimates(mass["forms"]),
-            pi=_estimates(document["pi"]),
-            phi=_estimates(document["phi"]),
-            base=_estimates(document["base"]),
-            base_covariance=_table(document["base"]["covariance"]),
-            condition_number={
-                name: _number(value)
-                for name, value in document["condition_number"].items()
-            },
-            residual=document["residual"],
-            biases=document["biases"],
-            clocks={
-                sensor: Delay(_number(d["late"]), _number(d["std"]), d["corrected"])
-                for sensor, d in document["clocks"].items()
-            },
-            rejected=document["rejected"],
-            origins=document["signals"],
-            samples=document["samples"],
-            motion=document.get("motion", {}),
-            input=document.get("input", {}),
-            signals=partial(_signals, folder, document[FILES]),
-            elapsed_s=document["elapsed_s"],
-            versions=document["versions"],
-        )
-    except InputError:
-        raise
-    except (KeyError, TypeError, AttributeError, ValueError) as error:
-        what = f"{error} is missing" if isinstance(error, KeyError) else error
+    except json.JSONDecodeError as error:
         raise InputError(
-            f"{path}: is not a result of this version ({what}); identify again"
-        ) from error
+            f"{path}: is not JSON, or was cut off: see line {error.lineno}, column "
+            f"{error.colno}; identify again"
+        ) from None
+    except (ValueError, RecursionError):
+        raise InputError(f"{path}: is not JSON; identify again") from None
+    check_document(document, path)
+    check_files(document[FILES], folder, READ)
+    robot = load_robot(folder / "robot.yaml")
+    check_content(document, robot.joint_names, path)
+    mass = document["mass"]
+    return Result(
+        robot=robot,
+        method=document["method"],
+        initial_momentum=document["initial_momentum"],
+        status=document["status"],
+        warnings=tuple(document["warnings"]),
+        mass=Estimate(_number(mass["value"]), _number(mass["std"])),
+        mass_forms=_estimates(mass["forms"]),
+        pi=_estimates(document["pi"]),
+        phi=_estimates(document["phi"]),
+        base=_estimates(document["base"]),
+        base_covariance=_table(document["base"]["covariance"]),
+        condition_number={
+            name: _number(value) for name, value in document["condition_number"].items()
+        },
+        residual=document["residual"],
+        biases=document["biases"],
+        clocks={
+            sensor: Delay(_number(d["late"]), _number(d["std"]), d["corrected"])
+            for sensor, d in document["clocks"].items()
+        },
+        rejected=document["rejected"],
+        origins=document["signals"],
+        samples=document["samples"],
+        motion=document.get("motion", {}),
+        input=document.get("input", {}),
+        signals=partial(_signals, folder, document[FILES]),
+        elapsed_s=document["elapsed_s"],
+        versions=document["versions"],
+    )
 
 
 def _signals(folder: Path, files: dict[str, str]) -> Signals:
     """Read when they are wanted: the folder may have been replaced by then."""
     check_files(files, folder, [SIGNALS])
     return read_signals(folder / SIGNALS)
-
-
-def _check_schema(document: dict[str, Any], path: Path) -> None:
-    if document["schema"] != SCHEMA:
-        raise InputError(
-            f"{path}: schema: found {document['schema']!r}; give {SCHEMA!r}"
-        )
 
 
 def _number(value: float | None) -> float:
@@ -243,10 +234,6 @@ def _table(rows: list[list[float | None]]) -> np.ndarray:
 
 
 def _estimates(document: dict[str, Any]) -> Estimates:
-    columns = ("names", "formulas", "values", "std")
-    lengths = {len(document[column]) for column in columns}
-    if len(lengths) > 1:
-        raise ValueError(f"lists of {lengths} parameters side by side")
     return Estimates(
         names=tuple(document["names"]),
         formulas=tuple(document["formulas"]),

@@ -22,12 +22,18 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from orbident import _core
+from orbident.errors import InputError
 from orbident.model.core_robot import core_tree
+from orbident.model.dependencies import Columns, dependencies
 from orbident.model.independent import independent_columns
 from orbident.model.momentum import Momentum, momentum
 from orbident.robot.description import Robot
 from orbident.robot.parameters import MASS, PER_BODY
 from orbident.threads import processors
+
+MOST_PRODUCTS = 8000
+"""Of first moments; `pi` has nearly as many parameters, and a table of theirs by these
+takes 0.5 GB."""
 
 
 class BaseParameters(NamedTuple):
@@ -140,49 +146,72 @@ def minimal_sets(robot: Robot) -> MinimalSets:
     """Find the minimal sets of a robot under what its `structure` says is known.
 
     Found once for each robot of a process.
+
+    Raises:
+        InputError: the robot has too many joints.
     """
     turning, moving = conserved_axes(robot)
-    at = _random_momentum(robot, 3 * PER_BODY * len(robot.bodies))
+    samples = 2 * PER_BODY * len(robot.bodies)
+    at = _random_momentum(robot, -(-samples // len(turning)))
     base = _base_parameters(robot, _rows(at.P, moving), _rows(at.A, turning))
 
     sigma = slice(1, 1 + base.sigmas)
-    S, P = at.S @ base.theta_of[:, sigma], at.P @ base.theta_of[:, sigma]
     pairs = np.array(
         list(itertools.combinations_with_replacement(range(base.sigmas), 2)), dtype=int
     ).reshape(-1, 2)
-    products = _product_columns(S, P, pairs)
-    A = _rows(at.A @ base.theta_of, turning)
-    # iota first: then each has a pi of its own, and the rest of pi is free of them.
-    of_beta = np.roll(np.arange(base.T.shape[0]), -1 - base.sigmas)
-    iotas = len(of_beta) - 1 - base.sigmas
-    columns = [A[:, of_beta[:iotas]], _rows(products, turning), A[:, of_beta[iotas:]]]
-    kept, T = independent_columns(np.concatenate(columns, axis=1))
-
-    kept = np.array(kept, dtype=int)
-    is_product = (kept >= iotas) & (kept < iotas + len(pairs))
-    chosen = pairs[kept[is_product] - iotas]
-    rank = np.argsort(is_product, kind="stable")
-    linear = kept[~is_product]
-    linear = of_beta[np.where(linear < iotas, linear, linear - len(pairs))]
-    T = T[rank]
-    T_beta = np.delete(T, np.s_[iotas : iotas + len(pairs)], axis=1)
+    columns = Columns(robot, base.theta_of, sigma, pairs, turning)
+    if len(pairs) > MOST_PRODUCTS:
+        raise InputError(
+            f"{robot.name}: has {len(robot.joints)} joints, and so {len(pairs)} "
+            "products of first moments; minimal sets are found of up to "
+            f"{MOST_PRODUCTS}, or some 60 joints: make fixed what need not move"
+        )
+    betas = base.T.shape[0]
+    kept, T = _first_that_span(dependencies(columns), betas, 1 + base.sigmas)
     return MinimalSets(
         regressors=Regressors(
             core=_core.MinimalSets(
                 tree=core_tree(robot),
-                theta_of_linear=np.ascontiguousarray(base.theta_of[:, linear]),
+                theta_of_linear=np.ascontiguousarray(
+                    base.theta_of[:, kept[kept < betas]]
+                ),
                 theta_of_sigma=np.ascontiguousarray(base.theta_of[:, sigma]),
-                pairs=chosen.astype(float),
+                pairs=pairs[kept[kept >= betas] - betas].astype(float),
             ),
             joints=len(robot.joints),
             momentum_axes=turning,
             velocity_axes=moving,
         ),
         base=base,
-        pi_of_beta=T_beta[:, np.argsort(of_beta)],
-        pi_of_products=T[:, iotas : iotas + len(pairs)],
+        pi_of_beta=T[:, :betas],
+        pi_of_products=T[:, betas:],
         pairs=pairs,
     )
+
+
+def _first_that_span(
+    zero: Float[np.ndarray, "columns m"], betas: int, shown: int
+) -> tuple[Int[np.ndarray, " pi"], Float[np.ndarray, "pi columns"]]:
+    """The first columns that span all, and how they make up all: `X = X[:, kept] T`.
+
+    Args:
+        zero: combinations of the columns that are zero.
+        betas: how many columns are those of `beta`; the others are products.
+        shown: how many of them, the first, come last: iota is first, so that each has a
+            `pi` of its own, and the rest of `pi` is free of them.
+    """
+    order = np.roll(np.arange(len(zero)), -shown)
+    # A column goes where a combination that is zero makes it up of those before it.
+    last_first = order[::-1]
+    left_out, relations = independent_columns(zero[last_first].T)
+    left_out = last_first[left_out]
+    kept = order[~np.isin(order, left_out)]
+    # Products, the last columns, make up the last of pi.
+    kept = np.concatenate([kept[kept < betas], kept[kept >= betas]])
+    T = np.zeros((len(kept), len(zero)))
+    T[np.arange(len(kept)), kept] = 1.0
+    T[:, left_out] = -relations[:, np.argsort(last_first)[kept]].T
+    return kept, T
 
 
 def _random_momentum(robot: Robot, samples: int) -> Momentum:

@@ -1,10 +1,12 @@
 """CSV files into columns of float64."""
 
+import codecs
 import csv
 import os
 import re
 from collections.abc import Sequence
-from contextlib import suppress
+from contextlib import nullcontext, suppress
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +14,7 @@ import pyarrow as pa
 import pyarrow.csv as arrow_csv
 
 from orbident.errors import InputError
+from orbident.files.names import quoted
 from orbident.recordings.columns import check_names
 
 _BLOCK_BYTES = 1 << 20
@@ -30,6 +33,7 @@ def read_csv(path: Path) -> dict[str, np.ndarray]:
         InputError: The header is missing or refused, or a cell is not a number.
     """
     names, header_lines = _header(path)
+    _check_separator(path, names)
     check_names(str(path), names)
     lines = _lines(path)
     columns = {name: np.empty(lines) for name in names}
@@ -67,16 +71,42 @@ def _header(path: Path) -> tuple[list[str], int]:
     return names, lines
 
 
+def _check_separator(path: Path, names: Sequence[str]) -> None:
+    """Name what stands between the cells where it is no comma."""
+    header = ",".join(names)
+    for separator, called in (("\t", "tabs"), (";", "semicolons")):
+        cells = [cell.strip() for cell in header.split(separator)]
+        if "t" not in names and "t" in cells and len(cells) > len(names):
+            raise InputError(
+                f"{path}: the cells are separated by {called}; export it with commas "
+                "between the cells, and with points in the numbers"
+            )
+
+
 def _lines(path: Path) -> int:
     """An upper bound of the number of rows.
 
     Rows that do not come stay untouched pages: they cost address space, not memory.
+
+    Raises:
+        InputError: a byte is not UTF-8.
     """
-    count = 1
+    text, line_feeds, returns = codecs.getincrementaldecoder("utf-8")(), 0, 0
     with path.open("rb") as file:
-        while block := file.read(_BLOCK_BYTES):
-            count += block.count(b"\n") + block.count(b"\r")
-    return count
+        # An empty block at last: a character may be cut off.
+        for block in chain(iter(lambda: file.read(_BLOCK_BYTES), b""), [b""]):
+            try:
+                text.decode(block, final=not block)
+            except UnicodeDecodeError as error:
+                found, at = error.object, error.start
+                line = 1 + line_feeds + found.count(b"\n", 0, at)
+                raise InputError(
+                    f"{path}: line {line}: byte 0x{found[at]:02x} is not UTF-8; export "
+                    "it as CSV in UTF-8"
+                ) from None
+            line_feeds += block.count(b"\n")
+            returns += block.count(b"\r")
+    return 1 + line_feeds + returns
 
 
 def _skip_blank(row: arrow_csv.InvalidRow) -> str:
@@ -136,6 +166,6 @@ def _check_row(path: Path, names: Sequence[str], number: int, row: list[str]) ->
     for name, cell in zip(names, row, strict=True):
         if not _NUMBER.fullmatch(cell.strip()):
             raise InputError(
-                f"{path}: column '{name}', row {number}: found {cell!r}; "
+                f"{path}: column '{name}', row {number}: found {quoted(cell)}; "
                 "give a number, or leave the cell empty"
             )

@@ -8,6 +8,7 @@ import pyarrow as pa
 import pyarrow.parquet as parquet
 
 from orbident.errors import InputError
+from orbident.files.names import quoted
 from orbident.recordings.columns import check_names
 
 _BATCH_ROWS = 16_384
@@ -34,10 +35,14 @@ def read_parquet(path: Path) -> dict[str, np.ndarray]:
             return _filled(file, schema)
     except InputError:
         raise
-    except (pa.ArrowException, ValueError) as error:
+    except (pa.ArrowException, ValueError, OSError) as error:
+        # Arrow takes what it cannot decode for a fault of the system; those have a
+        # number.
+        if isinstance(error, OSError) and error.errno:
+            raise
         raise InputError(
-            f"{path}: is not a readable Parquet file ({str(error).splitlines()[0]}); "
-            "write it again"
+            f"{path}: is not a readable Parquet file; write it again, or give a CSV "
+            f"file (Arrow says: {quoted(str(error))})"
         ) from error
 
 

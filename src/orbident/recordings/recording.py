@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.errors import InputError
+from orbident.files.bounds import LARGEST, SHORTEST
 from orbident.files.names import closest
 from orbident.recordings.columns import is_known, joint_of, meaning, wheel_of
 from orbident.robot.description import Robot
@@ -49,6 +50,8 @@ class Recording:
             _check_column(self.source, name, values, t.size)
         if self.has(*(f"attitude.{k}" for k in "xyzw")):
             _check_attitude(self.source, [columns[f"attitude.{k}"] for k in "xyzw"])
+        for name, values in columns.items():
+            _check_size(self.source, name, values)
 
     def has(self, *names: str) -> bool:
         """Whether every one of these columns is there."""
@@ -157,6 +160,12 @@ def _check_time(source: str, t: np.ndarray) -> None:
             f"{source}: column 't', row {bad[0] + 1}: found {t[bad[0]]}; "
             "every row needs a time in seconds"
         )
+    far = np.flatnonzero(np.abs(t) > LARGEST)
+    if far.size:
+        raise InputError(
+            f"{source}: column 't', row {far[0] + 1}: found {t[far[0]]:g} s; give at "
+            f"most {LARGEST:g}: is it in nanoseconds? divide it by 1e9"
+        )
     late = np.flatnonzero(np.diff(t) <= 0)
     if late.size:
         k = int(late[0]) + 1
@@ -164,6 +173,13 @@ def _check_time(source: str, t: np.ndarray) -> None:
             f"{source}: column 't', row {k + 1}: {t[k]} s does not come after "
             f"{t[k - 1]} s; times must be strictly increasing, so sort the rows "
             "and drop repeated ones"
+        )
+    short = np.flatnonzero(np.diff(t) < SHORTEST)
+    if short.size:
+        k = int(short[0]) + 1
+        raise InputError(
+            f"{source}: column 't', row {k + 1}: {t[k] - t[k - 1]:.3g} s after the row "
+            f"before; give times in seconds, at least {SHORTEST:g} s apart"
         )
 
 
@@ -180,6 +196,16 @@ def _check_column(source: str, name: str, values: np.ndarray, samples: int) -> N
         raise InputError(
             f"{source}: column '{name}', row {bad[0] + 1}: found {values[bad[0]]}; "
             "leave the cell empty where there is no sample"
+        )
+
+
+def _check_size(source: str, name: str, values: np.ndarray) -> None:
+    huge = np.flatnonzero(np.abs(values) > LARGEST)
+    if huge.size and is_known(name):
+        raise InputError(
+            f"{source}: column '{name}', row {huge[0] + 1}: found "
+            f"{values[huge[0]]:g}; give at most {LARGEST:g} in SI units, or leave the "
+            "cell empty where there is no sample"
         )
 
 

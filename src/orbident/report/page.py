@@ -5,6 +5,7 @@ import gzip
 import json
 from collections.abc import Sequence
 from functools import lru_cache
+from math import isfinite
 
 from orbident.report.section import Section
 from orbident.report.verdict import Judgement
@@ -44,9 +45,18 @@ def page(
 
 
 def embedded(data: object) -> str:
-    """JSON that ends no script element, whatever names are in it."""
-    text = json.dumps(data, allow_nan=False, separators=(",", ":"))
+    """JSON that ends no script element, whatever names are in it; null for NaN."""
+    text = json.dumps(_drawable(data), allow_nan=False, separators=(",", ":"))
     return text.replace("<", "\\u003c")
+
+
+def _drawable(data: object) -> object:
+    """With gaps, which plotly knows as null, for what is not finite."""
+    if isinstance(data, dict):
+        return {key: _drawable(value) for key, value in data.items()}
+    if isinstance(data, list | tuple):
+        return [_drawable(value) for value in data]
+    return None if isinstance(data, float) and not isfinite(data) else data
 
 
 @lru_cache(maxsize=1)

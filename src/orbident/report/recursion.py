@@ -137,7 +137,9 @@ def _course(trail: Trail, k: int) -> list[Trace]:
 def _y(trail: Trail, k: int) -> dict[str, list[float]]:
     """What is learnt at first is far off, and would flatten the rest."""
     later = slice(trail.t.size // LEARNING, None)
-    value, half = trail.values[later, k], NINETY_FIVE * trail.std[later, k]
+    # Without a deviation there is no band.
+    half = NINETY_FIVE * np.nan_to_num(trail.std[later, k], posinf=0.0)
+    value = trail.values[later, k]
     return {"range": [float(np.min(value - half)), float(np.max(value + half))]}
 
 

@@ -5,11 +5,13 @@ from typing import Annotated, Literal
 from pydantic import BeforeValidator, Field, model_validator
 
 from orbident.errors import InputError
+from orbident.files.bounds import SMALLEST
 from orbident.files.names import first_duplicate
 from orbident.files.schema_parts import (
     Positive,
     Section,
     Vector3,
+    WrongValueError,
     finite_number,
     finite_vector,
 )
@@ -19,17 +21,17 @@ from orbident.robot.sensor_schema import Sensors
 
 def _direction(value: object) -> tuple[float, ...]:
     vector = finite_vector(value, 3)
-    if not any(vector):
-        raise InputError("give a nonzero 3-vector")
+    if max(map(abs, vector)) < SMALLEST:
+        raise WrongValueError("give a nonzero 3-vector")
     return vector
 
 
 def _range(value: object) -> tuple[float, ...]:
     if not isinstance(value, list | tuple) or len(value) != 2:
-        raise InputError("give [lower, upper]")
+        raise WrongValueError("give [lower, upper]")
     ends = tuple(finite_number(each) for each in value)
     if ends[0] >= ends[1]:
-        raise InputError("give [lower, upper] with lower below upper")
+        raise WrongValueError("give [lower, upper] with lower below upper")
     return ends
 
 

@@ -5,8 +5,14 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator, field_validator
 
-from orbident.errors import InputError
-from orbident.files.schema_parts import Section, Vector3, finite_number, finite_vector
+from orbident.files.bounds import SMALLEST
+from orbident.files.schema_parts import (
+    Section,
+    Vector3,
+    WrongValueError,
+    finite_number,
+    finite_vector,
+)
 from orbident.robot.sensor_suites import sensor_suite
 from orbident.robot.units import quantity
 
@@ -17,7 +23,9 @@ def _measure(dimension: str) -> BeforeValidator:
     def in_si(value: object) -> float:
         number = quantity(value, dimension)
         if number < 0:
-            raise InputError("give zero or more")
+            raise WrongValueError("give zero or more")
+        if number and number < SMALLEST:
+            raise WrongValueError(f"give zero, or at least {SMALLEST:g} in SI units")
         return number
 
     return BeforeValidator(in_si)
@@ -28,7 +36,7 @@ def _each(dimension: str) -> BeforeValidator:
 
     def in_si(value: object) -> tuple[float, ...]:
         if not isinstance(value, list | tuple):
-            raise InputError("give a 3-vector")
+            raise WrongValueError("give a 3-vector")
         return finite_vector([quantity(each, dimension) for each in value], 3)
 
     return BeforeValidator(in_si)
@@ -36,8 +44,8 @@ def _each(dimension: str) -> BeforeValidator:
 
 def _rate(value: object) -> float:
     number = quantity(value, "frequency")
-    if number <= 0:
-        raise InputError("give a rate above zero")
+    if number < SMALLEST:
+        raise WrongValueError("give a rate above zero")
     return number
 
 
@@ -46,15 +54,15 @@ def _lasting(value: object) -> float:
     if value == math.inf:
         return math.inf
     number = quantity(value, "time")
-    if number <= 0:
-        raise InputError("give a time above zero, or .inf")
+    if number < SMALLEST:
+        raise WrongValueError("give a time above zero, or .inf")
     return number
 
 
 def _probability(value: object) -> float:
     number = finite_number(value)
     if not 0 <= number <= 1:
-        raise InputError("give a probability, from 0 to 1")
+        raise WrongValueError("give a probability, from 0 to 1")
     return number
 
 

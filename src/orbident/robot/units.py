@@ -3,7 +3,9 @@
 import math
 import re
 
-from orbident.errors import InputError
+from orbident.files.bounds import LARGEST
+from orbident.files.names import quoted
+from orbident.files.schema_parts import WrongValueError
 
 STANDARD_GRAVITY = 9.80665
 """m/s^2, exact by definition."""
@@ -64,19 +66,23 @@ def quantity(given: object, dimension: str) -> float:
         dimension: a key of `UNITS`.
 
     Raises:
-        InputError: no finite number, or a unit that the dimension does not have.
+        WrongValueError: no finite number, or a unit that the dimension does not have.
     """
     units = UNITS[dimension]
     number, unit = _split(given)
     factor = units.get(unit) if unit else 1.0
     if factor is None:
-        raise InputError(
-            f"unknown unit {unit!r} of {_article(dimension)}; "
+        raise WrongValueError(
+            f"unknown unit {quoted(unit)} of {_article(dimension)}; "
             f"accepted: {', '.join(units)}"
         )
+    si = next(iter(units))
     if number is None or not math.isfinite(number):
-        si = next(iter(units))
-        raise InputError(f"give a finite number, with or without a unit ('0.1 {si}')")
+        raise WrongValueError(
+            f"give a finite number, with or without a unit ('0.1 {si}')"
+        )
+    if abs(number * factor) > LARGEST:
+        raise WrongValueError(f"give at most {LARGEST:g} {si}")
     return number * factor
 
 

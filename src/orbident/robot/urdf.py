@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.errors import InputError
+from orbident.files.bounds import LARGEST, SMALLEST
 from orbident.robot.parameters import PER_BODY, from_mass_com_inertia
 from orbident.robot.urdf_xml import checked_xml
 
@@ -100,7 +101,7 @@ def _joint(joint: ET.Element, place: str, warnings: list[str]) -> UrdfJoint:
     axis = np.array(_numbers(joint, "axis", "xyz", (1.0, 0.0, 0.0)))
     moves = kind in {"revolute", "continuous", "prismatic"}
     norm = float(np.linalg.norm(axis))
-    if moves and norm == 0:
+    if moves and norm < SMALLEST:
         raise InputError(f"{place}: {where}: found axis 0 0 0; give a nonzero vector")
     mimicked = joint.find("mimic")
     if mimicked is not None:
@@ -162,7 +163,7 @@ def _position_limits(
     if joint.attrib["type"] not in {"revolute", "prismatic"} or ends == (None, None):
         return None
     # The URDF format's default for one missing end is zero.
-    lower, upper = (end or 0.0 for end in ends)
+    lower, upper = (_unbounded(end or 0.0) for end in ends)
     if lower > upper:
         raise InputError(
             f"{where}: found lower limit {lower:g} above the upper limit {upper:g}; "
@@ -177,15 +178,20 @@ def _position_limits(
     return None if math.isinf(lower) and math.isinf(upper) else (lower, upper)
 
 
+def _unbounded(limit: float) -> float:
+    """Many files write the largest number that they can where there is no limit."""
+    return math.copysign(math.inf, limit) if abs(limit) > LARGEST else limit
+
+
 def _velocity_limit(joint: ET.Element, where: str, warnings: list[str]) -> float | None:
     velocity = _limit(joint, "velocity")
-    if velocity is None or math.isinf(velocity):
+    if velocity is None or math.isinf(_unbounded(velocity)):
         return None
     if velocity < 0:
         raise InputError(
             f"{where}: found velocity limit {velocity:g}; give more than 0"
         )
-    if velocity == 0:
+    if velocity < SMALLEST:
         warnings.append(
             f"joint '{joint.attrib['name']}': velocity limit 0 leaves no motion; "
             "taken as no limit"

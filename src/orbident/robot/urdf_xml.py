@@ -5,7 +5,8 @@ import xml.etree.ElementTree as ET
 from collections.abc import Iterable
 
 from orbident.errors import InputError
-from orbident.files.names import first_duplicate, suggestion
+from orbident.files.bounds import LARGEST, SMALLEST
+from orbident.files.names import first_duplicate, quoted, suggestion
 
 KINDS = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
 
@@ -96,6 +97,9 @@ def _clean_link(link: ET.Element, name: str, where: str) -> ET.Element:
         mass = float(next(kept.iter("mass")).attrib["value"])
         if mass < 0:
             raise InputError(f"{where}: found mass {mass:g} kg; give zero or more")
+        if mass and mass < SMALLEST:
+            wanted = f"give zero, or at least {SMALLEST:g} kg"
+            raise InputError(f"{where}: found mass {mass:g} kg; {wanted}")
         clean.append(kept)
     return clean
 
@@ -165,10 +169,14 @@ def _check_numbers(text: str, count: int, where: str, tag: str) -> None:
     except ValueError:
         numbers = []
     # An infinite limit is a way to write "no limit".
-    usable = all(
+    finite = all(
         math.isfinite(x) or (tag == "limit" and not math.isnan(x)) for x in numbers
     )
-    if len(numbers) != count or not usable:
+    if len(numbers) != count or not finite:
         wanted = "one finite number" if count == 1 else f"{count} finite numbers"
         hint = "; expand it with xacro first" if "${" in text else ""
-        raise InputError(f"{where}: found '{text}'; give {wanted}{hint}")
+        raise InputError(f"{where}: found {quoted(text)}; give {wanted}{hint}")
+    if tag != "limit" and max(map(abs, numbers)) > LARGEST:
+        raise InputError(
+            f"{where}: found {quoted(text)}; give at most {LARGEST:g}, in SI units"
+        )

@@ -60,7 +60,11 @@ def attitude_delay(
         x = integrate_gyro(t, w - bias, start)
         known = np.isfinite(x).all(axis=1)
         then = t - late
+        if not known.any():
+            return None
         usable = fixed & (t[known][0] <= then) & (then <= t[known][-1])
+        if usable.sum() < FEWEST:
+            return None
         R_then = Rotation.from_quat(CubicSpline(t[known], x[known])(then[usable]))
         error = Rotation.from_quat(fixes[usable]) * R_then.inv()
         shown = rate(t[known]) - bias

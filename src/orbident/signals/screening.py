@@ -22,6 +22,13 @@ MARGIN = 0.05
 """Of a joint's range: beyond its stops by so much it cannot have been."""
 
 
+TILTED = 0.2
+"""Sine of a tilt: no table is so steep, nor motion capture mounted so badly."""
+
+MOSTLY = 0.9
+"""Of the samples: single ones may be wrong."""
+
+
 @dataclass(frozen=True)
 class Screened:
     """A recording without what cannot be true, and what was taken out."""
@@ -39,11 +46,12 @@ def screened(robot: Robot, recording: Recording) -> Screened:
         recording: of any sensors.
 
     Raises:
-        InputError: a sensor shows one value throughout while joints move, or a joint
-            was beyond its stops.
+        InputError: a sensor shows one value throughout while joints move, a joint was
+            beyond its stops, or the attitude of a planar robot leaves the plane.
     """
     _check_ranges(robot, recording)
     _check_alive(robot, recording)
+    _check_in_plane(robot, recording)
     columns, rejected = dict(recording.columns), {}
     for names in _sensors(recording):
         masks = {name: _spikes(recording, name) for name in names}
@@ -127,6 +135,32 @@ def _check_alive(robot: Robot, recording: Recording) -> None:
                 f"'{moved}' moves: is the sensor dead? remove the columns "
                 f"'{sensor}.*' or record again"
             )
+
+
+def _check_in_plane(robot: Robot, recording: Recording) -> None:
+    names = [f"attitude.{k}" for k in "xyzw"]
+    if robot.motion != "planar" or not recording.has(*names):
+        return
+    x, y, z, w = (recording.column(name) for name in names)
+    # The sine of the angle between the base's z axis and the inertial one.
+    sine = 2 * np.sqrt((x**2 + y**2) * (z**2 + w**2))
+    known = sine[~np.isnan(sine)]
+    if not known.size or np.quantile(known, MOSTLY) < TILTED:
+        return
+    # Scalar first, a turn about z has its zeros in the second and third place.
+    scalar_first = np.nanquantile(np.hypot(y, z), MOSTLY) < TILTED
+    cause = (
+        "the quaternions seem to be scalar first: put the first number into "
+        "attitude.w, and the others into attitude.x, .y and .z"
+        if scalar_first
+        else "give them scalar last, from base axes to inertial axes with z up; or say "
+        "'motion: spatial' in the robot file"
+    )
+    raise InputError(
+        f"{recording.source}: columns 'attitude.x' to '.w' tilt the base by up to "
+        f"{np.degrees(np.arcsin(min(known.max(), 1.0))):.0f} deg, but '{robot.name}' "
+        f"moves in a plane and turns about z only; {cause}"
+    )
 
 
 def _moved(recording: Recording, joint: str) -> bool:

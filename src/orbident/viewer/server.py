@@ -68,20 +68,15 @@ def _address(host: str, port: int, gate: Gate) -> str:
     return f"http://{in_address(name)}:{port}{gate.path}"
 
 
-def run(server: Any, page: Page) -> None:
-    """Show the page until the user interrupts."""
+def run(page: Page) -> None:
+    """Let the page move until the process is interrupted."""
     before = time.monotonic()
-    try:
-        with _silent():
-            while True:
-                time.sleep(PERIOD)
-                now = time.monotonic()
-                page.advance(now - before)
-                before = now
-    except KeyboardInterrupt:
-        pass
-    finally:
-        close(server)
+    with _silent():
+        while True:
+            time.sleep(PERIOD)
+            now = time.monotonic()
+            page.advance(now - before)
+            before = now
 
 
 def close(server: Any) -> None:

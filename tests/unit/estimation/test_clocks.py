@@ -97,3 +97,14 @@ def test_what_shares_a_clock_is_corrected_together():
         "the clock of joints and wheels is 37.00 +- 0.1 ms behind that of the base "
         "rate: corrected",
     )
+
+
+def test_a_search_that_loses_its_way_is_not_believed():
+    """With an attitude that is wrong the delay grows beyond the recording."""
+    motion = random_motion(PLANAR, duration=20.0, start="spun up")
+    right = simulate(PLANAR, motion, rate=50.0, noise="sensors")
+    x = dict(zip("xyzw", "wxyz", strict=True))
+    wrong = {f"attitude.{k}": right.columns[f"attitude.{x[k]}"] for k in "xyzw"}
+    samples = samples_of(PLANAR, changed(right, wrong), {})
+    delay = in_float64(joint_delay)(PLANAR, minimal_sets(PLANAR), samples, "at-rest")
+    assert not delay.believed

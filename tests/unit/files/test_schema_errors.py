@@ -35,7 +35,7 @@ class Whole(Section):
 
 @pytest.mark.parametrize(
     ("value", "number"),
-    [(1, 1.0), (0.5, 0.5), ("1e-3", 1e-3), ("-2", -2.0), (10**30, 1e30)],
+    [(1, 1.0), (0.5, 0.5), ("1e-3", 1e-3), ("-2", -2.0), (10**12, 1e12)],
 )
 def test_numbers(value, number):
     found = validated(Whole, {"number": value, "p": [0, value, 0]}, "a.yaml")
@@ -55,7 +55,34 @@ def test_what_is_no_number(value):
         validated(Whole, {"p": [0, value, 0]}, "a.yaml")
 
 
+@pytest.mark.parametrize("value", [1.1e12, "-1e200", 10**30])
+def test_what_no_spacecraft_has(value):
+    words = r"number: found .*; give a number of at most 1e\+12, in SI units$"
+    with pytest.raises(InputError, match=words):
+        validated(Whole, {"number": value}, "a.yaml")
+    words = r"p: found .*; give a 3-vector of numbers of at most 1e\+12"
+    with pytest.raises(InputError, match=words):
+        validated(Whole, {"p": [0, value, 0]}, "a.yaml")
+
+
 REFUSED = {
+    "tiny": (
+        {"size": 1e-16},
+        "size: found 1e-16; give a number of at least 1e-15, in SI units",
+    ),
+    "a mapping for a number": (
+        {"number": {"a": 1}},
+        "number: found {'a': 1}; give a finite number",
+    ),
+    "a mapping for a vector": (
+        {"p": {"a": 1}},
+        "p: found {'a': 1}; give a 3-vector",
+    ),
+    "nothing for a vector": ({"p": None}, "p: found nothing; give a 3-vector"),
+    "a long key": (
+        {"parts": [{"k" * 20_000: 1}]},
+        f"parts[0]: unknown key '{'k' * 76}...; known keys: 'label', 'lower', 'upper'",
+    ),
     "schema": ({"schema": "whole/2"}, "schema: found 'whole/2'; give 'whole/1'"),
     "zero": ({"size": 0}, "size: found 0; give a number above zero"),
     "boolean size": ({"size": True}, "size: found True; give a finite number"),

@@ -1,4 +1,5 @@
 import pytest
+import yaml
 
 from orbident.errors import InputError
 from orbident.files.yaml_mapping import read_yaml_mapping
@@ -57,3 +58,57 @@ def test_refused(text, message):
     with pytest.raises(InputError, match=message) as caught:
         read(text)
     assert "\n" not in str(caught.value)
+
+
+PLAIN = {
+    "sexagesimal": ("1:30", "1:30"),
+    "sexagesimal fraction": ("1:30.5", "1:30.5"),
+    "octal": ("010", "010"),
+    "underscores": ("1_000", "1_000"),
+    "on": ("on", "on"),
+    "no": ("no", "no"),
+    "true": ("true", True),
+    "negative": ("-7", -7),
+    "fraction": ("-.5", -0.5),
+    "exponent": ("1.0e+3", 1000.0),
+    "nothing": ("~", None),
+}
+
+
+@pytest.mark.parametrize(("text", "value"), PLAIN.values(), ids=PLAIN)
+def test_plain_values_are_those_of_yaml_1_2(text, value):
+    found = read(f"a: [{text}]")["a"][0]
+    assert (found, type(found)) == (value, type(value))
+
+
+@pytest.mark.parametrize(
+    "value", ["1:30", "010", "on", "no", "true", "1e5", "1_000", "09", "~", "1.", "0x1"]
+)
+def test_what_is_written_as_text_is_read_as_text(value):
+    """PyYAML's writer quotes at least what is no text here."""
+    assert read(yaml.safe_dump({"a": value})) == {"a": value}
+
+
+DEEP = {
+    "lists": "[" * 100_000,
+    "mappings": "{a: " * 100_000,
+    "blocks": "- " * 100_000,
+    "just too deep": "a: " + "[" * 50 + "]" * 50,
+}
+
+
+@pytest.mark.parametrize("text", DEEP.values(), ids=DEEP)
+def test_deep_nesting_is_refused(text):
+    """libyaml's stack would overflow, and the process crash."""
+    with pytest.raises(InputError, match=r"^a\.yaml:1:\d+: .* more than 50 deep; "):
+        read(text)
+
+
+def test_less_deep_nesting_is_read():
+    assert read("a: " + "[" * 49 + "]" * 49)
+
+
+@pytest.mark.parametrize("text", ["!!bool maybe", "!!int ''", "!!timestamp noon"])
+def test_a_value_that_does_not_fit_its_tag(text):
+    with pytest.raises(InputError, match=r"^a\.yaml:1:4: found .* tagged '!!\w+', "):
+        read(f"a: {text}")

@@ -184,3 +184,25 @@ def test_check_wheels():
         recording(wheel__rw__position=T).check_wheels(robot(wheels=()))
     with pytest.raises(InputError, match=r"'wheel\.rw_x\.speed' is missing"):
         recording().check_wheels(robot())
+
+
+HUGE = {
+    "a cell": (
+        {"gyro.x": [0.0, 2e12]},
+        [0.0, 1.0],
+        "'gyro.x', row 2: found 2e.12; give",
+    ),
+    "a time": ({}, [0.0, 1.7e18], "'t', row 2: found 1.7e.18 s; .* in nanoseconds"),
+    "a step": ({}, [0.0, 1e-12], "'t', row 2: 1e-12 s after the row before"),
+}
+
+
+@pytest.mark.parametrize(("columns", "t", "words"), HUGE.values(), ids=HUGE)
+def test_what_no_recording_has(columns, t, words):
+    columns = {name: np.array(values) for name, values in columns.items()}
+    with pytest.raises(InputError, match=words):
+        Recording(np.array(t), columns)
+
+
+def test_a_column_without_a_meaning_may_hold_anything_finite():
+    Recording(np.array([0.0, 1.0]), {"header.stamp": np.array([1.7e18, 1.7e18])})

@@ -2,6 +2,7 @@
 
 import html
 import json
+import math
 import re
 from dataclasses import replace
 from html.parser import HTMLParser
@@ -144,3 +145,8 @@ def test_numbers_read_back():
 def test_json_ends_no_script():
     assert "<" not in embedded({"a": "</script><!--"})
     assert json.loads(embedded({"a": "</script><!--"})) == {"a": "</script><!--"}
+
+
+def test_what_is_not_finite_is_a_gap():
+    data = {"range": [math.nan, 1.0], "y": (math.inf, -math.inf, 0.5)}
+    assert json.loads(embedded(data)) == {"range": [None, 1.0], "y": [None, None, 0.5]}

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from orbident.errors import InputError
+from orbident.report.page import embedded
 from orbident.report.recursion import read_trail, recursion
 
 HEADER = (
@@ -41,3 +42,17 @@ def test_damaged(tmp_path, text: str):
     path.write_text(text)
     with pytest.raises(InputError, match="identify again"):
         read_trail(path)
+
+
+def test_what_is_not_determined_has_no_band(tmp_path):
+    """As of a run that is refused: its deviations are NaN."""
+    path = tmp_path / "history.csv"
+    t = np.arange(100) / 10
+    rows = [t, 10 + t, t, np.nan * t, np.inf + t, np.nan * t, 3 + 0 * t, np.nan * t]
+    np.savetxt(path, np.column_stack(rows), "%.10g", ",", header=HEADER, comments="")
+    section = recursion(read_trail(path))
+    assert section is not None
+    for chart in section.charts:
+        assert "NaN" not in embedded(chart.figure)
+    layout = section.charts[0].figure["layout"]
+    assert layout["yaxis"]["range"] == [12.0, 19.9]

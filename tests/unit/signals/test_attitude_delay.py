@@ -82,3 +82,15 @@ def test_a_base_that_does_not_turn_tells_nothing():
 
 def test_too_few_fixes_tell_nothing():
     assert attitude_delay(T, W, late_fixes(0.0, every=1000)) is None
+
+
+@pytest.mark.parametrize("declared", [0.0, 1e3, -1e3])
+def test_too_few_fixes_within_the_gyro_samples_tell_nothing(declared):
+    """As where the robot file declares a latency that is longer than the recording."""
+    few = late_fixes(0.0)
+    if not declared:
+        few[7:] = np.nan
+        few[-9:] = late_fixes(0.0)[-9:]
+    w = W.copy()
+    w[: T.size // 2] = np.nan
+    assert attitude_delay(T, w, few, declared) is None

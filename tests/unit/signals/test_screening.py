@@ -92,3 +92,34 @@ def test_forces_may_jump():
     force[300:303] = 5.0
     columns = {"force__x": force, "force__y": 0 * force, "force__z": 0 * force}
     assert not screened(ROBOT, changed(**columns)).rejected
+
+
+TABLE = load_robot("cepheus-like")
+SPUN_UP = simulate(TABLE, random_motion(TABLE, start="spun up"), rate=20.0)
+
+
+def with_attitude(*order):
+    x = dict(zip("xyzw", order, strict=True))
+    columns = {f"attitude.{k}": SPUN_UP.columns[f"attitude.{x[k]}"] for k in "xyzw"}
+    return Recording(SPUN_UP.t, {**SPUN_UP.columns, **columns}, source="table.csv")
+
+
+def test_a_quaternion_with_its_scalar_first_is_named():
+    words = (
+        r"table\.csv: columns 'attitude\.x' to '\.w' tilt the base by up to \d+ deg, "
+        r"but 'cepheus-like' moves in a plane .* scalar first: put the first number"
+    )
+    with pytest.raises(InputError, match=words):
+        screened(TABLE, with_attitude(*"wxyz"))
+
+
+def test_an_attitude_that_leaves_the_plane_is_refused():
+    with pytest.raises(InputError, match=r"tilt the base .* z up; or say 'motion: spa"):
+        screened(TABLE, with_attitude(*"yzxw"))
+
+
+def test_single_wrong_attitudes_of_the_plane_are_left_to_others():
+    x, w = (SPUN_UP.columns[f"attitude.{k}"].copy() for k in "xw")
+    x[100:110], w[100:110] = w[100:110].copy(), x[100:110].copy()
+    columns = {**SPUN_UP.columns, "attitude.x": x, "attitude.w": w}
+    screened(TABLE, Recording(SPUN_UP.t, columns))

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from orbident.errors import InputError
+from orbident.files.bounds import LARGEST, SMALLEST
 from orbident.trajectories.trajectory import InitialState, Trajectory
 from orbident.trajectories.trajectory_file import load_trajectory, save_trajectory
 
@@ -25,7 +26,7 @@ initial: {angular_velocity: [0.01, 0.03, 0.025], attitude: [0.2, 0.1, 0.3, 0.93]
 design: {objective: cond, value: 5.8, margins: {joint1: [0.1, 0.2]}}
 """
 
-number = st.floats(allow_nan=False, allow_infinity=False)
+number = st.floats(-LARGEST, LARGEST)
 names = st.lists(st.text(min_size=1, max_size=6), unique=True, max_size=3)
 
 
@@ -34,7 +35,7 @@ def fields(draw):
     joints = draw(names)
     K, harmonics = len(joints), draw(st.integers(0, 3)) if joints else 0
     return {
-        "duration": draw(st.floats(min_value=1e-300, max_value=1e300)),
+        "duration": draw(st.floats(SMALLEST, LARGEST)),
         "joints": tuple(joints),
         "a": draw(arrays(float, (K, harmonics), elements=number)),
         "b": draw(arrays(float, (K, harmonics), elements=number)),
@@ -153,7 +154,7 @@ REFUSED = {
     "text": (swap("duration: 2", "duration: long"), "duration: found 'long'; .*number"),
     "boolean": (
         swap("duration: 2", "duration: yes"),
-        "True; give a finite number",
+        "'yes'; give a finite number",
     ),
     "infinite": (swap("a: [1]", "a: [.inf]"), r"joints\.j\.a\[0\]: found inf"),
     "lengths": (swap("a: [1]", "a: [1, 2]"), r"joints\.j: a has 2 and b has 1 entries"),

@@ -56,8 +56,7 @@ def test_without_viser_one_line_says_what_to_install(monkeypatch: pytest.MonkeyP
         open_server("127.0.0.1", 0)
 
 
-def test_an_interrupt_ends_it_quietly(capsys: pytest.CaptureFixture[str]):
-    server, url, _ = open_server("127.0.0.1", 0)
+def test_an_interrupt_ends_the_movement():
     told = []
 
     class Once:
@@ -65,8 +64,14 @@ def test_an_interrupt_ends_it_quietly(capsys: pytest.CaptureFixture[str]):
             told.append(seconds)
             raise KeyboardInterrupt
 
-    run(server, Once())
+    with pytest.raises(KeyboardInterrupt):
+        run(Once())
     assert len(told) == 1
+
+
+def test_it_closes_quietly(capsys: pytest.CaptureFixture[str]):
+    server, url, _ = open_server("127.0.0.1", 0)
+    close(server)
     assert capsys.readouterr() == ("", "")
     with pytest.raises(OSError, match="refused"):
         urllib.request.urlopen(url, timeout=60)

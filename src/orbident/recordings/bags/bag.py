@@ -80,7 +80,9 @@ def open_bag(path: str | Path) -> Iterator[Bag]:
         try:
             storage = stack.enter_context(opening)
         except PermissionError as error:
-            raise InputError(f"{path}: cannot be read ({error.strerror})") from error
+            raise InputError(
+                f"{path}: cannot be read ({error.strerror or error})"
+            ) from error
         except Exception as error:
             raise InputError(_damaged(path, error)) from error
         topics = {topic.name: topic for topic in storage.topics}

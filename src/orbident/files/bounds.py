@@ -1,0 +1,16 @@
+"""How large a number may be that comes from a file, so that all that follows is finite.
+
+What is beyond is a unit that was mistaken, or a damaged file, and would only come to
+light as an overflow far inside.
+"""
+
+LARGEST = 1e12
+"""SI. No spacecraft needs more: 1e12 m is beyond Saturn, 1e12 s are 30,000 years. A
+product of twenty such numbers is still a float64."""
+
+SMALLEST = 1e-15
+"""SI, of what must be above zero: a proton's radius in m, far below any noise. The
+inverse fourth power is still a float64."""
+
+SHORTEST = 1e-9
+"""s, between two samples. Loggers count nanoseconds at best."""

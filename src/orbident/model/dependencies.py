@@ -1,0 +1,166 @@
+"""Which columns of `h_rs` depend on each other, joint by joint from the tips.
+
+`h_rs` has a column for every free-flying base parameter and for every product of two
+first moments `sigma_a sigma_b / M`. There are as many products as the joints' number
+squared, so that no matrix of all of them over random motion is ever made. Instead:
+
+- a column belongs to the last body whose parameters are in it;
+- among the columns of the bodies up to body `k` only those that belong to it depend on
+  the rate of its joint, for joints are in topological order;
+- so what makes zero of all columns makes zero, in the part that is linear in that rate,
+  of that body's columns alone. What does is kept, and must make zero in the bodies
+  before it too, by their rates, and at last by the rate of the base.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from orbident.model.independent import DEPENDENT
+from orbident.model.momentum import momentum
+from orbident.robot.description import Robot
+from orbident.robot.parameters import PER_BODY
+
+SPARE = 1.5
+FEWEST = 30
+"""So many times more equations than unknowns, and samples beside: random equations are
+then well conditioned."""
+
+ZERO = 1e-9
+"""Of the largest of a column: smaller parameters are rounding."""
+
+
+@dataclass(frozen=True)
+class Columns:
+    """The columns of `h_rs`: first those of `beta`, then those of the products."""
+
+    robot: Robot
+    theta_of: Float[np.ndarray, "theta beta"]
+    sigma: slice
+    pairs: Int[np.ndarray, "pairs 2"]
+    axes: tuple[int, ...]
+
+    @property
+    def count(self) -> int:
+        """Of all columns."""
+        return self.theta_of.shape[1] + len(self.pairs)
+
+    def bodies(self) -> Int[np.ndarray, " columns"]:
+        """The body that each column belongs to."""
+        size = np.abs(self.theta_of).max(axis=0, initial=0.0)
+        shown = np.abs(self.theta_of) > ZERO * size
+        last = len(self.theta_of) - 1 - shown[::-1].argmax(axis=0)
+        of_beta = last // PER_BODY
+        return np.concatenate([of_beta, of_beta[self.sigma][self.pairs].max(axis=1)])
+
+    def at(self, motion: "Motion") -> "Seen":
+        """What all columns are made of, in some motion."""
+        at = momentum(self.robot, motion.q, motion.qd, motion.w)
+        of_sigma = self.theta_of[:, self.sigma]
+        return Seen(
+            A=(at.A @ self.theta_of)[:, self.axes, :],
+            S=at.S @ of_sigma,
+            P=at.P @ of_sigma,
+            columns=self,
+        )
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Samples of random motion."""
+
+    q: Float[np.ndarray, "n joints"]
+    qd: Float[np.ndarray, "n joints"]
+    w: Float[np.ndarray, "n 3"]
+
+
+@dataclass(frozen=True)
+class Seen:
+    """Columns of `h_rs` in some motion."""
+
+    A: Float[np.ndarray, "n axes beta"]
+    S: Float[np.ndarray, "n 3 sigma"]
+    P: Float[np.ndarray, "n 3 sigma"]
+    columns: Columns
+
+    def of(self, which: Int[np.ndarray, " some"]) -> Float[np.ndarray, "rows some"]:
+        """Some columns."""
+        linear = which[which < self.A.shape[2]]
+        a, b = self.columns.pairs[which[which >= self.A.shape[2]] - self.A.shape[2]].T
+        products = np.where(a == b, -0.5, -1.0) * (
+            np.cross(self.S[:, :, a], self.P[:, :, b], axis=1)
+            + np.cross(self.S[:, :, b], self.P[:, :, a], axis=1)
+        )
+        X = np.concatenate(
+            [self.A[:, :, linear], products[:, self.columns.axes]], axis=2
+        )
+        return X.reshape(X.shape[0] * X.shape[1], len(which))
+
+    def along(self, N: Float[np.ndarray, "columns m"]) -> Float[np.ndarray, "rows m"]:
+        """Combinations of all columns."""
+        beta, sigmas = self.A.shape[2], self.S.shape[2]
+        a, b = self.columns.pairs.T
+        seen = np.empty((*self.A.shape[:2], N.shape[1]))
+        for k, combination in enumerate(N.T):
+            # sum c_ab (S_a x P_b + S_b x P_a) = sum over b of (S C)_b x P_b.
+            C = np.zeros((sigmas, sigmas))
+            C[a, b] = combination[beta:]
+            C += C.T
+            C[np.diag_indices(sigmas)] /= 2
+            products = np.cross(self.S @ C, self.P, axis=1).sum(axis=2)
+            seen[:, :, k] = self.A @ combination[:beta] - products[:, self.columns.axes]
+        rows = self.A.shape[0] * self.A.shape[1]
+        return seen.reshape(rows, N.shape[1])
+
+
+def dependencies(columns: Columns) -> Float[np.ndarray, "columns m"]:
+    """All independent combinations of the columns that are zero in any motion."""
+    random = np.random.default_rng(0)
+    bodies = columns.bodies()
+    found: list[Float[np.ndarray, "columns m"]] = []
+    left = np.zeros((columns.count, 0))
+    for body in reversed(range(len(columns.robot.bodies))):
+        own = np.flatnonzero(bodies == body)
+        unknowns = len(own) + left.shape[1]
+        seen = columns.at(_by_rate_of(columns, body, unknowns, random))
+        X = np.hstack([seen.of(own), seen.along(left)])
+        unit = np.zeros((columns.count, len(own)))
+        unit[own, np.arange(len(own))] = 1.0
+        left = np.hstack([unit, left]) @ _parted(X)[0]
+        # What is zero in any motion need not be looked at again.
+        everywhere = columns.at(_any_motion(columns, left.shape[1], random))
+        zero, rest = _parted(everywhere.along(left))
+        found.append(left @ zero)
+        left = left @ rest
+    return np.hstack(found)
+
+
+def _parted(
+    X: Float[np.ndarray, "rows n"],
+) -> tuple[Float[np.ndarray, "n zero"], Float[np.ndarray, "n rest"]]:
+    """Orthonormal combinations of columns that are zero, and all others."""
+    R = np.linalg.qr(X, mode="r") / np.sqrt(len(X))
+    _, s, Vt = np.linalg.svd(R)
+    rank = int(np.sum(s > DEPENDENT * max(1.0, s.max(initial=0.0))))
+    return Vt[rank:].T, Vt[:rank].T
+
+
+def _by_rate_of(
+    columns: Columns, body: int, unknowns: int, random: np.random.Generator
+) -> Motion:
+    """Random configurations in which only this body's joint moves, or the base."""
+    motion = _any_motion(columns, unknowns, random)
+    qd, w = np.zeros_like(motion.qd), motion.w
+    if body:
+        qd[:, body - 1], w = 1.0, np.zeros_like(w)
+    return Motion(motion.q, qd, w)
+
+
+def _any_motion(columns: Columns, unknowns: int, random: np.random.Generator) -> Motion:
+    n = int(SPARE * unknowns / len(columns.axes)) + FEWEST
+    q, qd = random.standard_normal((2, n, len(columns.robot.joints)))
+    w = random.standard_normal((n, 3))
+    if columns.robot.motion == "planar":
+        w[:, :2] = 0.0
+    return Motion(q, qd, w)
