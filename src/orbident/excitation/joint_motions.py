@@ -11,9 +11,8 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from orbident.compilation import compiled
-from orbident.excitation.limits import Limits
-from orbident.trajectories.fourier_quintic import fourier_quintic
+from orbident.excitation.conditions import Limits
+from orbident.trajectories.fourier_quintic import FourierQuintic
 
 # A rate whose coefficients are ten thousand times larger is not worth its digits.
 NEGLIGIBLE = 1e-4
@@ -24,8 +23,6 @@ Histories = tuple[
     Float[np.ndarray, "n columns"],
 ]
 """Position, rate and acceleration."""
-
-_evaluate = compiled(fourier_quintic)
 
 
 class JointMotions(NamedTuple):
@@ -85,19 +82,13 @@ def joint_motions(
     """
     t = np.linspace(0.0, duration, nodes)
     none = np.zeros((len(start), harmonics))
-    offset = _histories(none, none, start, end, duration, t)
-    one = np.eye(2 * harmonics)
+    offset = FourierQuintic(none, none, start, end, duration).at(t)
     still = np.zeros((2 * harmonics, 3))
-    q, qd, qdd = _histories(
-        one[:, :harmonics], one[:, harmonics:], still, still, duration, t
-    )
+    a, b = np.hsplit(np.eye(2 * harmonics), 2)
+    q, qd, qdd = FourierQuintic(a, b, still, still, duration).at(t)
     _, s, Vt = np.linalg.svd(qd / np.sqrt(nodes), full_matrices=False)
     kept = s > NEGLIGIBLE * s[0]
     ab_of_y = Vt[kept].T / s[kept]
     basis = (q @ ab_of_y, qd @ ab_of_y, qdd @ ab_of_y)
     return JointMotions(t, offset, basis, limits.velocity, ab_of_y)
 
-
-def _histories(*eq_41: np.ndarray | float) -> Histories:
-    q, qd, qdd = _evaluate(*eq_41)
-    return np.asarray(q), np.asarray(qd), np.asarray(qdd)

@@ -12,7 +12,7 @@ from scipy.optimize import linprog
 
 from orbident.errors import InputError
 from orbident.excitation.joint_motions import JointMotions
-from orbident.excitation.limits import Limits
+from orbident.excitation.conditions import Limits
 
 # Kept back from the limits: between nodes a motion goes a little beyond its nodes.
 KEPT_BACK = 5e-4
