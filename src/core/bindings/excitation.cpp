@@ -61,7 +61,6 @@ auto float_along(const OwnedFloating& owned, const Array& q_, const Array& qd_, 
   const std::ptrdiff_t nodes = q.size(0), n = steps_of(nodes);
   const auto qd = input<2>("qd", qd_, {nodes, K});
   Out<2> w(n + 1, 3), x_WB(n + 1, 4);
-  Out<3> E(n + 1, 3, 3);
   {
     nb::gil_scoped_release release;
     const Laws laws = laws_at(floating, q.data(), qd.data(), nodes, threads);
@@ -70,11 +69,10 @@ auto float_along(const OwnedFloating& owned, const Array& q_, const Array& qd_, 
       const RateLaw<double>* law = laws.data() + 2 * k;
       Eigen::Map<Quaternion<double>>(x_WB.data() + 4 * k) = x;
       Eigen::Map<Vector3<double>>(w.data() + 3 * k) = law->rate(x, floating.h_cm);
-      Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(E.data() + 9 * k) = law->E;
       if (k < n) x = Step<double>(law, floating.h_cm, dt, x).end.normalized();
     }
   }
-  return std::make_tuple(w.give(), x_WB.give(), E.give());
+  return std::make_tuple(w.give(), x_WB.give());
 }
 
 // Memory for the gradient at one node.
@@ -224,7 +222,7 @@ void bind_excitation(nb::module_& m) {
            nb::arg("h_cm"), nb::arg("x_WB"));
   m.def("float_along", &float_along, nb::arg("floating"), nb::arg("q"), nb::arg("qd"),
         nb::arg("dt"), nb::arg("threads") = 1,
-        "Base rate, attitude and E at every second of the nodes, by RK4.");
+        "Base rate and attitude at every second of the nodes, by RK4.");
   m.def("float_gradient", &float_gradient, nb::arg("floating"), nb::arg("sets"), nb::arg("q"),
         nb::arg("qd"), nb::arg("dt"), nb::arg("w"), nb::arg("x_WB"), nb::arg("f_Y"),
         nb::arg("f_W"), nb::arg("f_D"), nb::arg("f_r"), nb::arg("f_w"), nb::arg("f_turn"),

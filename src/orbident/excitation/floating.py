@@ -62,11 +62,15 @@ class Gradient:
     @property
     def turn(self) -> Float[np.ndarray, "n 3"]:
         """With respect to a small rotation of the base: `dR = R [turn]x`."""
-        G = np.swapaxes(self.motion.R, 1, 2) @ self.R
-        return np.stack(
-            [G[:, 2, 1] - G[:, 1, 2], G[:, 0, 2] - G[:, 2, 0], G[:, 1, 0] - G[:, 0, 1]],
-            axis=1,
-        )
+        return axial(np.swapaxes(self.motion.R, 1, 2) @ self.R)
+
+
+def axial(G: Float[np.ndarray, "n 3 3"]) -> Float[np.ndarray, "n 3"]:
+    """The gradient with respect to `v`, from that with respect to `[v]x`."""
+    return np.stack(
+        [G[:, 2, 1] - G[:, 1, 2], G[:, 0, 2] - G[:, 2, 0], G[:, 1, 0] - G[:, 0, 1]],
+        axis=1,
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,23 +97,31 @@ class Craft:
             qd: joint rates.
             dt: from node to node, s.
         """
-        w, x_WB, E = _core.float_along(self.floating, q, qd, dt, processors())
-        return self.shown(q[::2], qd[::2], w, x_WB, dt, E)
+        w, x_WB = _core.float_along(self.floating, q, qd, dt, processors())
+        return self.seen(q[::2], qd[::2], w, x_WB, dt)
 
-    def shown(
+    def seen(
         self,
         q: Float[np.ndarray, "n joints"],
         qd: Float[np.ndarray, "n joints"],
         w: Float[np.ndarray, "n 3"],
         x_WB: Float[np.ndarray, "n 4"],
         dt: float,
-        E: Float[np.ndarray, "n 3 3"],
     ) -> Motion:
         """What a motion shows, however it was found."""
         Y, W = self.sets.regressors(q, qd, w)
-        r_cm = _core.inertia(self.robot, np.ascontiguousarray(q), processors())[3]
+        at = _core.inertia(self.robot, np.ascontiguousarray(q), processors())
         qd_rw = self.spin - self.wheels.free * (w @ self.wheels.axes)
-        return Motion(dt, Y, W, w, x_WB, quaternion_matrix(x_WB), qd_rw, E, r_cm)
+        return Motion(dt, Y, W, w, x_WB, quaternion_matrix(x_WB), qd_rw, self._E(at[0]), at[3])
+
+    def _E(self, D: Float[np.ndarray, "n 3 3"]) -> Float[np.ndarray, "n 3 3"]:
+        """`(D - D_free)^-1`; in the plane of z alone."""
+        axes = self.sets.regressors.momentum_axes
+        D_free = (self.wheels.A_rw * self.wheels.free) @ self.wheels.axes.T
+        E = np.zeros_like(D)
+        own = np.ix_(range(len(D)), axes, axes)
+        E[own] = np.linalg.inv((D - D_free)[own])
+        return E
 
     def pull_back(
         self,

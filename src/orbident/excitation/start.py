@@ -91,6 +91,22 @@ def momentum_at_start(
     return initial.angular_velocity, h_cm
 
 
+def nutation(
+    robot: Robot, initial: InitialState, start: Float[np.ndarray, "joints 3"]
+) -> float:
+    """A bound of how fast the base tumbles and nutates at the start, rad/s.
+
+    In the plane nothing nutates, and the attitude is an integral over time.
+    """
+    if robot.motion == "planar":
+        return 0.0
+    at = np.ascontiguousarray(start[None, :, 0])
+    D = np.linalg.eigvalsh(_core.inertia(core_robot(robot), at)[0][0])
+    w = float(np.linalg.norm(initial.angular_velocity))
+    h_rw = float(np.linalg.norm(_wheels_momentum(robot, initial)))
+    return w + (float(D[-1]) * w + h_rw) / float(D[0])
+
+
 def _wheels_momentum(robot: Robot, initial: InitialState) -> Float[np.ndarray, "3"]:
     """`h_rw`, in the axes in which momentum is conserved, base axes."""
     h_rw = wheels_of(robot).A_rw @ initial.wheel_speeds(robot.wheel_names)

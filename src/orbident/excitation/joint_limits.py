@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
+from scipy.linalg import block_diag
 from scipy.optimize import linprog
 
 from orbident.errors import InputError
@@ -24,6 +25,11 @@ class Polytope(NamedTuple):
 
     normals: Float[np.ndarray, "joints rows m"]
     room: Float[np.ndarray, "joints rows"]
+
+    @property
+    def rows(self) -> Float[np.ndarray, "all_rows all_m"]:
+        """The normals as one matrix, over the coordinates of all joints in turn."""
+        return block_diag(*self.normals)
 
     def slack(self, y: Float[np.ndarray, "joints m"]) -> Float[np.ndarray, "joints r"]:
         """How far each limit is; above zero inside."""

@@ -1,0 +1,253 @@
+"""What a search minimises: a criterion, over all plausible robots, within limits."""
+
+from dataclasses import dataclass
+from math import ceil
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+from scipy.special import logsumexp, softmax
+
+from orbident.excitation.conditions import Conditions, Limits
+from orbident.excitation.criterion import (
+    Basis,
+    Objective,
+    Spectrum,
+    Y_hat,
+    add_Y_hat,
+    basis_of,
+    by_matrix,
+    log_criterion,
+    spectrum_of,
+    spectrum_of_rows,
+)
+from orbident.excitation.floating import Craft, Gradient, Motion, craft_of
+from orbident.excitation.information import Information, Sensing, sensing_of
+from orbident.excitation.joint_motions import JointMotions, joint_motions
+from orbident.excitation.start import nutation, was_at_rest
+from orbident.model.minimal_sets import minimal_sets
+from orbident.robot.description import Robot
+from orbident.robot.parameters import FIRST_MOMENT, INERTIA, MASS
+
+STEPS = 64
+"""The fewest steps of the grid."""
+
+A_PERIOD = 16
+"""Steps in a period of the highest harmonic."""
+
+STEP_ANGLE = 0.3
+"""Turn of the base, or of its nutation, in a step, rad: RK4 is wrong by 2e-5 rad."""
+
+MOST_STEPS = 8192
+"""More would need minutes a start; what is then wrong shows in the final score."""
+
+LIMITS_POWER = 2000.0
+"""Of the mean that stands for the largest use of a limit: 0.5 % above it at most."""
+
+ROBOTS = 6
+"""Plausible robots beside the nominal one: the worst of more is hardly worse."""
+
+
+class Tried(NamedTuple):
+    """One trajectory; logarithms of the worst robot's criterion."""
+
+    smooth: float
+    gradient: Float[np.ndarray, "joints m"]
+    exact: float
+    used: Float[np.ndarray, " limits"]
+    """Share of each limit of the base that is used, squared, by a smooth maximum."""
+    used_gradient: Float[np.ndarray, "limits joints m"]
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """All that stays the same while trajectories are tried."""
+
+    crafts: tuple[Craft, ...]
+    """Every plausible robot; the first is the nominal one."""
+    motions: JointMotions
+    """At nodes and mid-nodes."""
+    limits: Limits
+    objective: Objective
+    basis: Basis
+    sensing: Sensing | None
+    """None for the objective cond."""
+    at_rest: bool
+
+    @property
+    def limited(self) -> tuple[str, ...]:
+        """The limits of the base that there are."""
+        finite = {
+            "base rate": self.limits.base_rate < np.inf,
+            "excursion": self.limits.excursion < np.pi,
+            "wheel speed": self.limits.wheel_speed < np.inf
+            and self.crafts[0].wheels.free.size > 0,
+        }
+        return tuple(name for name, there in finite.items() if there)
+
+    def tried(self, y: Float[np.ndarray, "joints m"], p: float) -> Tried:
+        """The criterion and the use of the limits, with their gradients.
+
+        Args:
+            y: coordinates of the joint motion.
+            p: power of the means that stand for extremes.
+        """
+        q, qd = self.motions.along(y)
+        dt = 2 * float(self.motions.t[1])
+        motions = [craft.along(q, qd, dt) for craft in self.crafts]
+        values, gradients = zip(*(self._criterion(m, p) for m in motions), strict=True)
+        smooth, exact = np.array(values).T
+        # The worst robot by the mean of power p, as for eigenvalues.
+        shares = softmax(p * smooth)
+        gradient = sum(
+            share * self._pulled_back(craft, q, qd, f)
+            for share, craft, f in zip(shares, self.crafts, gradients, strict=True)
+        )
+        used = [self._used(name, q, qd, motions) for name in self.limited]
+        return Tried(
+            float(logsumexp(p * smooth) / p),
+            np.asarray(gradient),
+            float(exact.max()),
+            np.array([value for value, _ in used]),
+            np.reshape([by_y for _, by_y in used], (len(used), *y.shape)),
+        )
+
+    def _criterion(
+        self, motion: Motion, p: float
+    ) -> tuple[tuple[float, float], Gradient]:
+        """The logarithm, smooth and exact, and the gradient of the smooth one."""
+        f = Gradient(motion)
+        if self.sensing is None:
+            pi_of, axes = self.basis.pi_of, self._momentum_axes
+            rows = Y_hat(motion, pi_of, axes, self.at_rest)
+            spectrum = spectrum_of_rows(rows)
+            value = log_criterion(self.objective, spectrum.l, p)
+            by_gram = by_matrix(spectrum, value.by_l)
+            add_Y_hat(f, rows, by_gram, pi_of, axes, self.at_rest)
+        else:
+            information = Information(self.sensing, motion, self.at_rest)
+            spectrum = spectrum_of(information.F)
+            value = log_criterion(self.objective, spectrum.l, p)
+            information.add(f, by_matrix(spectrum, value.by_l))
+        return (value.smooth, value.exact), f
+
+    @property
+    def _momentum_axes(self) -> tuple[int, ...]:
+        return self.crafts[0].sets.regressors.momentum_axes
+
+    def _pulled_back(
+        self,
+        craft: Craft,
+        q: Float[np.ndarray, "nodes joints"],
+        qd: Float[np.ndarray, "nodes joints"],
+        f: Gradient,
+    ) -> Float[np.ndarray, "joints m"]:
+        return self.motions.pull_back(*craft.pull_back(q, qd, f))
+
+    def _used(
+        self,
+        name: str,
+        q: Float[np.ndarray, "nodes joints"],
+        qd: Float[np.ndarray, "nodes joints"],
+        motions: list[Motion],
+    ) -> tuple[float, Float[np.ndarray, "joints m"]]:
+        """The largest square of the share of a limit, of all robots; its gradient."""
+        uses = [self._use(name, motion) for motion in motions]
+        most = logsumexp([LIMITS_POWER * use for use in uses]) / LIMITS_POWER
+        gradient = np.zeros((q.shape[1], self.motions.basis[0].shape[1]))
+        for craft, motion, use in zip(self.crafts, motions, uses, strict=True):
+            f = Gradient(motion)
+            self._add_use(f, name, np.exp(LIMITS_POWER * (use - most)))
+            gradient += self._pulled_back(craft, q, qd, f)
+        return float(most), gradient
+
+    def _use(self, name: str, motion: Motion) -> Float[np.ndarray, "n uses"]:
+        """The square of the share of a limit, node by node."""
+        if name == "base rate":
+            return (motion.w**2).sum(axis=1, keepdims=True) / self.limits.base_rate**2
+        if name == "wheel speed":
+            return (motion.qd_rw / self.limits.wheel_speed) ** 2
+        # sin^2 of half the angle: (3 - tr R_0^T R) / 4.
+        trace = np.einsum("ij,nij->n", motion.R[0], motion.R)[:, None]
+        return (3 - trace) / 4 / np.sin(self.limits.excursion / 2) ** 2
+
+    def _add_use(
+        self, f: Gradient, name: str, by_use: Float[np.ndarray, "n uses"]
+    ) -> None:
+        motion = f.motion
+        if name == "base rate":
+            f.w += by_use * 2 * motion.w / self.limits.base_rate**2
+        elif name == "wheel speed":
+            by_speed = by_use * 2 * motion.qd_rw / self.limits.wheel_speed**2
+            wheels = self.crafts[0].wheels
+            f.w -= (by_speed * wheels.free) @ wheels.axes.T
+        else:
+            scale = 4 * np.sin(self.limits.excursion / 2) ** 2
+            f.R -= by_use[:, :, None] * motion.R[0] / scale
+
+
+def problem_for(
+    robot: Robot, given: Conditions, objective: Objective, uncertainty: float
+) -> Problem:
+    """What is minimised, for the nominal robot and those that could be the true one.
+
+    Raises:
+        InputError: the objective needs sensors that the robot file does not have.
+    """
+    sets = minimal_sets(robot)
+    at_rest = was_at_rest(robot, given.initial, given.start)
+    return Problem(
+        crafts=tuple(
+            craft_of(robot, sets, theta, given.initial, given.start, at_rest)
+            for theta in plausible_thetas(robot.theta, uncertainty)
+        ),
+        motions=joint_motions(
+            given.start,
+            given.end,
+            given.duration,
+            given.harmonics,
+            given.limits,
+            2 * steps_for(robot, given, objective) + 1,
+        ),
+        limits=given.limits,
+        objective=objective,
+        basis=given.basis or basis_of(sets),
+        sensing=None if objective == "cond" else sensing_of(robot, sets),
+        at_rest=at_rest,
+    )
+
+
+def steps_for(robot: Robot, given: Conditions, objective: Objective) -> int:
+    """Steps that follow the harmonics, the tumbling and the nutation of the base."""
+    sets = minimal_sets(robot)
+    turned = nutation(robot, given.initial, given.start) * given.duration
+    # Twice as many rows as unknowns: fewer would let rounding excite them.
+    pis, betas = sets.pi_of_beta.shape
+    unknowns = pis if objective == "cond" else betas
+    axes = len(sets.regressors.momentum_axes)
+    steps = max(STEPS, A_PERIOD * given.harmonics, ceil(2 * unknowns / axes))
+    return max(steps, min(ceil(turned / STEP_ANGLE), MOST_STEPS))
+
+
+def plausible_thetas(
+    theta: Float[np.ndarray, "bodies 10"], uncertainty: float
+) -> Float[np.ndarray, "robots bodies 10"]:
+    """Each body heavier or lighter and longer or shorter, by a factor of its own.
+
+    A body of mass m (1 + e) and size l (1 + f) can exist if the nominal one can, and
+    keeps its CM's axis and its principal axes.
+
+    Args:
+        theta: the nominal inertia; the first of those returned.
+        uncertainty: standard deviation of e and f.
+    """
+    if uncertainty == 0.0:
+        return theta[None]
+    random = np.random.default_rng(0)
+    e, f = uncertainty * random.standard_normal((2, ROBOTS, len(theta)))
+    heavier, longer = np.exp(e), np.exp(f)
+    thetas = np.repeat(theta[None], ROBOTS, axis=0)
+    thetas[:, :, MASS] *= heavier
+    thetas[:, :, FIRST_MOMENT] *= (heavier * longer)[..., None]
+    thetas[:, :, INERTIA] *= (heavier * longer**2)[..., None]
+    return np.concatenate([theta[None], thetas])
