@@ -15,7 +15,6 @@ from typing import Literal, NamedTuple, get_args
 
 import numpy as np
 from jaxtyping import Float
-from scipy.special import logsumexp, softmax
 
 from orbident.excitation.floating import Gradient, Motion
 from orbident.model.minimal_sets import MinimalSets
@@ -63,14 +62,25 @@ def log_criterion(
         value = float(-l.mean() / 2)
         return LogValue(value, value, np.full(l.size, -0.5 / l.size))
     if objective == "a":
-        value = float(logsumexp(-l) - np.log(l.size)) / 2
-        return LogValue(value, value, -softmax(-l) / 2)
-    low, by_l = logsumexp(-p * l) / p, -softmax(-p * l)
+        most, shares = smooth_maximum(-l, 1.0)
+        value = (most - float(np.log(l.size))) / 2
+        return LogValue(value, value, -shares / 2)
+    low, by_low = smooth_maximum(-l, p)
     if objective == "e":
-        return LogValue(float(low) / 2, float(-l[0]) / 2, by_l / 2)
-    high = logsumexp(p * l) / p
-    by_l += softmax(p * l)
-    return LogValue(float(high + low) / 2, float(l[-1] - l[0]) / 2, by_l / 2)
+        return LogValue(low / 2, float(-l[0]) / 2, -by_low / 2)
+    high, by_high = smooth_maximum(l, p)
+    exact = float(l[-1] - l[0]) / 2
+    return LogValue((high + low) / 2, exact, (by_high - by_low) / 2)
+
+
+def smooth_maximum(
+    x: Float[np.ndarray, "*n"], p: float
+) -> tuple[float, Float[np.ndarray, "*n"]]:
+    """`log (sum exp(x)^p)^(1/p)`, and its gradient: never below the greatest."""
+    greatest = x.max()
+    shares = np.exp(p * (x - greatest))
+    whole = shares.sum()
+    return float(greatest + np.log(whole) / p), shares / whole
 
 
 def Y_hat(
@@ -134,14 +144,13 @@ def by_matrix(
 
 def add_Y_hat(
     f: Gradient,
-    rows: Float[np.ndarray, "rows m"],
-    by_gram: Float[np.ndarray, "m m"],
+    by_rows: Float[np.ndarray, "rows m"],
     pi_of: Float[np.ndarray, "pi m"],
     axes: tuple[int, ...],
     at_rest: bool,
 ) -> None:
-    """Adds the gradient from that with respect to `Y-hat^T Y-hat`."""
-    by_RY = (2 * rows @ by_gram).reshape(len(f.motion.Y), len(axes), -1) @ pi_of.T
+    """Adds the gradient, from that with respect to `Y-hat`."""
+    by_RY = by_rows.reshape(len(f.motion.Y), len(axes), -1) @ pi_of.T
     if not at_rest:
         by_RY[0] -= by_RY.sum(axis=0)
     R = rotations(f.motion, axes)

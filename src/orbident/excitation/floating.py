@@ -5,7 +5,7 @@ and with the nominal or another plausible inertia.
 """
 
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from functools import cached_property
 
 import numpy as np
 from jaxtyping import Float
@@ -21,9 +21,12 @@ from orbident.threads import processors
 from orbident.trajectories.trajectory import InitialState
 
 
-class Motion(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Motion:
     """A motion at evenly spaced nodes, and what it shows; base axes."""
 
+    craft: "Craft"
+    q: Float[np.ndarray, "n joints"]
     dt: float
     """s."""
     Y: Float[np.ndarray, "n h pi"]
@@ -33,14 +36,35 @@ class Motion(NamedTuple):
     w: Float[np.ndarray, "n 3"]
     """Base rate, rad/s."""
     x_WB: Float[np.ndarray, "n 4"]
-    R: Float[np.ndarray, "n 3 3"]
-    """`R_WB`."""
-    qd_rw: Float[np.ndarray, "n wheels"]
-    """Relative to the base, rad/s."""
-    E: Float[np.ndarray, "n 3 3"]
-    """`dw = E R_0^T dh_cm`."""
-    r_cm: Float[np.ndarray, "n 3"]
-    """From S to the system CM, m."""
+
+    @cached_property
+    def R(self) -> Float[np.ndarray, "n 3 3"]:
+        """`R_WB`."""
+        return quaternion_matrix(self.x_WB)
+
+    @cached_property
+    def qd_rw(self) -> Float[np.ndarray, "n wheels"]:
+        """Wheel speeds relative to the base, rad/s."""
+        wheels = self.craft.wheels
+        return self.craft.spin - wheels.free * (self.w @ wheels.axes)
+
+    @cached_property
+    def E(self) -> Float[np.ndarray, "n 3 3"]:
+        """`dw = E R_0^T dh_cm`, with `E = (D - D_free)^-1`; in the plane of z alone."""
+        axes, wheels = self.craft.sets.regressors.momentum_axes, self.craft.wheels
+        D = self._inertia[0] - (wheels.A_rw * wheels.free) @ wheels.axes.T
+        E, own = np.zeros_like(D), np.ix_(range(len(D)), axes, axes)
+        E[own] = np.linalg.inv(D[own])
+        return E
+
+    @property
+    def r_cm(self) -> Float[np.ndarray, "n 3"]:
+        """From S to the system CM, m."""
+        return self._inertia[3]
+
+    @cached_property
+    def _inertia(self) -> tuple[np.ndarray, ...]:
+        return _core.inertia(self.craft.robot, self.q, processors())
 
 
 @dataclass(eq=False)
@@ -56,13 +80,22 @@ class Gradient:
     r_cm: Float[np.ndarray, "n 3"] = field(init=False)
 
     def __post_init__(self) -> None:
-        for name in ("Y", "W", "w", "R", "E", "r_cm"):
-            setattr(self, name, np.zeros_like(getattr(self.motion, name)))
+        self.Y, self.W = np.zeros_like(self.motion.Y), np.zeros_like(self.motion.W)
+        self.w, self.r_cm = np.zeros((2, len(self.motion.w), 3))
+        self.R, self.E = np.zeros((2, len(self.motion.w), 3, 3))
 
     @property
     def turn(self) -> Float[np.ndarray, "n 3"]:
         """With respect to a small rotation of the base: `dR = R [turn]x`."""
         return axial(np.swapaxes(self.motion.R, 1, 2) @ self.R)
+
+    @property
+    def D(self) -> Float[np.ndarray, "n 3 3"]:
+        """With respect to `D`: `dE = -E dD E`."""
+        if not self.E.any():
+            return self.E
+        E_T = np.swapaxes(self.motion.E, 1, 2)
+        return -(E_T @ self.E @ E_T)
 
 
 def axial(G: Float[np.ndarray, "n 3 3"]) -> Float[np.ndarray, "n 3"]:
@@ -110,18 +143,7 @@ class Craft:
     ) -> Motion:
         """What a motion shows, however it was found."""
         Y, W = self.sets.regressors(q, qd, w)
-        at = _core.inertia(self.robot, np.ascontiguousarray(q), processors())
-        qd_rw = self.spin - self.wheels.free * (w @ self.wheels.axes)
-        return Motion(dt, Y, W, w, x_WB, quaternion_matrix(x_WB), qd_rw, self._E(at[0]), at[3])
-
-    def _E(self, D: Float[np.ndarray, "n 3 3"]) -> Float[np.ndarray, "n 3 3"]:
-        """`(D - D_free)^-1`; in the plane of z alone."""
-        axes = self.sets.regressors.momentum_axes
-        D_free = (self.wheels.A_rw * self.wheels.free) @ self.wheels.axes.T
-        E = np.zeros_like(D)
-        own = np.ix_(range(len(D)), axes, axes)
-        E[own] = np.linalg.inv((D - D_free)[own])
-        return E
+        return Motion(self, np.ascontiguousarray(q), dt, Y, W, w, x_WB)
 
     def pull_back(
         self,
@@ -131,7 +153,6 @@ class Craft:
     ) -> tuple[Float[np.ndarray, "nodes joints"], Float[np.ndarray, "nodes joints"]]:
         """The gradient with respect to `q` and `qd` at nodes and mid-nodes."""
         motion, regressors = f.motion, self.sets.regressors
-        E_T = np.swapaxes(motion.E, 1, 2)
         return _core.float_gradient(
             self.floating,
             regressors.core,
@@ -142,8 +163,7 @@ class Craft:
             motion.x_WB,
             _all_axes(f.Y, regressors.momentum_axes),
             _all_axes(f.W, regressors.velocity_axes),
-            # dE = -E dD E
-            -(E_T @ f.E @ E_T),
+            f.D,
             f.r_cm,
             f.w,
             f.turn,

@@ -6,7 +6,6 @@ from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
-from scipy.special import logsumexp, softmax
 
 from orbident.excitation.conditions import Conditions, Limits
 from orbident.excitation.criterion import (
@@ -18,6 +17,7 @@ from orbident.excitation.criterion import (
     basis_of,
     by_matrix,
     log_criterion,
+    smooth_maximum,
     spectrum_of,
     spectrum_of_rows,
 )
@@ -98,14 +98,14 @@ class Problem:
         values, gradients = zip(*(self._criterion(m, p) for m in motions), strict=True)
         smooth, exact = np.array(values).T
         # The worst robot by the mean of power p, as for eigenvalues.
-        shares = softmax(p * smooth)
+        worst, shares = smooth_maximum(smooth, p)
         gradient = sum(
             share * self._pulled_back(craft, q, qd, f)
             for share, craft, f in zip(shares, self.crafts, gradients, strict=True)
         )
         used = [self._used(name, q, qd, motions) for name in self.limited]
         return Tried(
-            float(logsumexp(p * smooth) / p),
+            worst,
             np.asarray(gradient),
             float(exact.max()),
             np.array([value for value, _ in used]),
@@ -119,11 +119,15 @@ class Problem:
         f = Gradient(motion)
         if self.sensing is None:
             pi_of, axes = self.basis.pi_of, self._momentum_axes
-            rows = Y_hat(motion, pi_of, axes, self.at_rest)
+            # Trapezoidal weights: as on a grid so fine that its ends do not count.
+            weights = np.ones((len(motion.w), len(axes)))
+            weights[[0, -1]] = np.sqrt(0.5)
+            weights = weights.reshape(-1, 1)
+            rows = weights * Y_hat(motion, pi_of, axes, self.at_rest)
             spectrum = spectrum_of_rows(rows)
             value = log_criterion(self.objective, spectrum.l, p)
-            by_gram = by_matrix(spectrum, value.by_l)
-            add_Y_hat(f, rows, by_gram, pi_of, axes, self.at_rest)
+            by_rows = weights * (2 * rows @ by_matrix(spectrum, value.by_l))
+            add_Y_hat(f, by_rows, pi_of, axes, self.at_rest)
         else:
             information = Information(self.sensing, motion, self.at_rest)
             spectrum = spectrum_of(information.F)
@@ -152,14 +156,14 @@ class Problem:
         motions: list[Motion],
     ) -> tuple[float, Float[np.ndarray, "joints m"]]:
         """The largest square of the share of a limit, of all robots; its gradient."""
-        uses = [self._use(name, motion) for motion in motions]
-        most = logsumexp([LIMITS_POWER * use for use in uses]) / LIMITS_POWER
+        uses = np.array([self._use(name, motion) for motion in motions])
+        most, shares = smooth_maximum(uses, LIMITS_POWER)
         gradient = np.zeros((q.shape[1], self.motions.basis[0].shape[1]))
-        for craft, motion, use in zip(self.crafts, motions, uses, strict=True):
+        for craft, motion, by_use in zip(self.crafts, motions, shares, strict=True):
             f = Gradient(motion)
-            self._add_use(f, name, np.exp(LIMITS_POWER * (use - most)))
+            self._add_use(f, name, by_use)
             gradient += self._pulled_back(craft, q, qd, f)
-        return float(most), gradient
+        return most, gradient
 
     def _use(self, name: str, motion: Motion) -> Float[np.ndarray, "n uses"]:
         """The square of the share of a limit, node by node."""

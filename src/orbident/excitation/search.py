@@ -157,15 +157,26 @@ def search(
                     searched.starts,
                 )
             )
-        for optimum in searched.optima[:POLISHED]:
-            descent = _Descent(problem, polytopes[1], effort, NEAR)
-            _descend(descent, optimum.y, searched, (LAST_POWER,))
+        _polish(problem, polytopes[1], effort, searched)
     except KeyboardInterrupt:
         # Without a first motion there is nothing to keep.
         if not searched.random:
             raise
         searched.interrupted = True
     return searched
+
+
+def _polish(
+    problem: Problem, polytope: Polytope, effort: Effort, searched: Searched
+) -> None:
+    """Replaces the best optima by those under the limits at many nodes."""
+    best, searched.optima = searched.optima[:POLISHED], []
+    try:
+        for optimum in best:
+            descent = _Descent(problem, polytope, effort, NEAR)
+            _descend(descent, optimum.y, searched, (LAST_POWER,))
+    finally:
+        searched.optima = searched.optima or best
 
 
 def _descend(
@@ -228,8 +239,9 @@ class _Descent:
         self, y: Float[np.ndarray, "joints m"], p: float
     ) -> Float[np.ndarray, "joints m"]:
         shape = y.shape
-        kept = self.polytope.slack(y).ravel() < self._near
-        normals, room = self.polytope.rows[kept], self.polytope.room.ravel()[kept]
+        rows = self.polytope.rows
+        kept = rows.any(axis=1) & (self.polytope.slack(y).ravel() < self._near)
+        normals, room = rows[kept], self.polytope.room.ravel()[kept]
         base = len(self.problem.limited)
 
         def value(x: np.ndarray) -> tuple[float, np.ndarray]:
