@@ -8,10 +8,9 @@ import numpy as np
 import pytest
 
 from orbident.errors import InputError
-from orbident.excitation.conditions import conditions_for
+from orbident.excitation.conditions import conditions_for, limits_of
 from orbident.excitation.design import design_excitation
-from orbident.excitation.limits import limits_of
-from orbident.excitation.plausible import plausible_thetas
+from orbident.excitation.problem import plausible_thetas
 from orbident.excitation.start import was_at_rest
 from orbident.robot.parameters import inertia_about_com
 from orbident.robot.physical import nonphysical
