@@ -14,6 +14,7 @@ from orbident.cli.excite_tables import (
     designed,
     doubts,
     excites_all,
+    was_interrupted,
     written,
 )
 from orbident.cli.options import Json, Quiet, RobotName
@@ -125,7 +126,7 @@ def excite(
     output.say(*designed(found, paper), f"written: {out}")
     output.write_json(written(found, paper, out))
     output.warn(doubts(found))
-    if found.design["interrupted"]:
+    if was_interrupted(found):
         output.warn([INTERRUPTED])
         raise typer.Exit(INTERRUPTED_STATUS)
     if not excites_all(found):

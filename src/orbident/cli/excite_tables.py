@@ -48,6 +48,11 @@ def doubts(found: Any) -> list[str]:
     return sentences
 
 
+def was_interrupted(found: Any) -> bool:
+    """Whether Ctrl-C ended the search."""
+    return found.design["interrupted"]
+
+
 def excites_all(found: Any) -> bool:
     """Whether the criterion that was made small shows every parameter."""
     value = found.design["value"]

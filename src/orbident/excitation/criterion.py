@@ -84,7 +84,10 @@ def smooth_maximum(
 
 
 def Y_hat(
-    motion: Motion, pi_of: Float[np.ndarray, "pi m"], axes: tuple[int, ...], at_rest: bool
+    motion: Motion,
+    pi_of: Float[np.ndarray, "pi m"],
+    axes: tuple[int, ...],
+    at_rest: bool,
 ) -> Float[np.ndarray, "rows m"]:
     """`R_0 Y - (R_0 Y)_in`, inertial axes (Eq. 24).
 

@@ -32,10 +32,10 @@ FINER = 8
 these, limits hold to 2 in 10000."""
 
 JUDGED = 3
-"""So many of the best optima, and of the best random motions, are floated and scored."""
+"""So many optima, and so many random motions, are scored on their true motion."""
 
 RESERVED = 0.1
-"""Share of a budget that proving and scoring take, at most, in the cases that were tried."""
+"""Share of a budget that is kept for the proof and the scores."""
 
 
 class Judged(NamedTuple):

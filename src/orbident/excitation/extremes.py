@@ -1,7 +1,7 @@
 """How far a motion goes, between samples too: bounds that hold for all times.
 
-Joints: between two nodes a function exceeds them by at most `h^2/8 max|f''|`. The second
-derivative is bounded in the same way by the fourth, and that by the coefficients
+Joints: between two nodes a function exceeds them by at most `h^2/8 max|f''|`. The
+second derivative is bounded in the same way by the fourth, and that by the coefficients
 (rounding apart).
 
 Base: from `D w + g = R_0^T h_cm`, with `g` the momentum of the joints' and wheels'

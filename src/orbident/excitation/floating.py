@@ -12,7 +12,8 @@ from jaxtyping import Float
 
 from orbident import _core
 from orbident.excitation.start import momentum_at_start
-from orbident.model.core_robot import core_tree
+from orbident.model.core_robot import core_robot
+from orbident.model.inertia import Inertia, inertia
 from orbident.model.minimal_sets import MinimalSets
 from orbident.model.rotations import quaternion_matrix
 from orbident.model.wheels import Wheels, wheels_of
@@ -52,7 +53,7 @@ class Motion:
     def E(self) -> Float[np.ndarray, "n 3 3"]:
         """`dw = E R_0^T dh_cm`, with `E = (D - D_free)^-1`; in the plane of z alone."""
         axes, wheels = self.craft.sets.regressors.momentum_axes, self.craft.wheels
-        D = self._inertia[0] - (wheels.A_rw * wheels.free) @ wheels.axes.T
+        D = self._inertia.D - (wheels.A_rw * wheels.free) @ wheels.axes.T
         E, own = np.zeros_like(D), np.ix_(range(len(D)), axes, axes)
         E[own] = np.linalg.inv(D[own])
         return E
@@ -60,16 +61,16 @@ class Motion:
     @property
     def r_cm(self) -> Float[np.ndarray, "n 3"]:
         """From S to the system CM, m."""
-        return self._inertia[3]
+        return self._inertia.r_cm
 
     @cached_property
-    def _inertia(self) -> tuple[np.ndarray, ...]:
-        return _core.inertia(self.craft.robot, self.q, processors())
+    def _inertia(self) -> Inertia:
+        return inertia(self.craft.robot, self.q)
 
 
 @dataclass(eq=False)
 class Gradient:
-    """The gradient of a scalar with respect to a motion; zero until something is added."""
+    """The gradient of a scalar with respect to a motion; zero at first."""
 
     motion: Motion
     Y: Float[np.ndarray, "n h pi"] = field(init=False)
@@ -110,11 +111,12 @@ def axial(G: Float[np.ndarray, "n 3 3"]) -> Float[np.ndarray, "n 3"]:
 class Craft:
     """A robot with one plausible inertia, floating with a constant momentum."""
 
+    robot: Robot
+    """With that inertia."""
     sets: MinimalSets
     wheels: Wheels
     spin: Float[np.ndarray, " wheels"]
-    """Of the wheels where the base does not turn, rad/s."""
-    robot: _core.Robot
+    """Speeds of the wheels where the base does not turn, rad/s."""
     floating: _core.Floating
 
     def along(
@@ -174,7 +176,6 @@ class Craft:
 def craft_of(
     robot: Robot,
     sets: MinimalSets,
-    theta: Float[np.ndarray, "bodies 10"],
     initial: InitialState,
     start: Float[np.ndarray, "joints 3"],
     at_rest: bool,
@@ -182,33 +183,26 @@ def craft_of(
     """The robot as it starts a manoeuvre.
 
     Args:
-        robot: its tree and wheels.
-        sets: its minimal sets.
-        theta: a plausible inertia.
+        robot: its `theta` decides.
+        sets: its minimal sets, which are those of any inertia.
         initial: of base and wheels.
         start: of the joints.
         at_rest: all was at rest before the wheels spun up: `h_cm = 0` whatever the
             inertia, and so `w` at the start.
     """
     wheels = wheels_of(robot)
-    core = _core.Robot(
-        tree=core_tree(robot),
-        theta=np.ascontiguousarray(theta),
-        wheel_axis=np.ascontiguousarray(wheels.axes.T),
-        wheel_inertia=wheels.inertia,
-    )
     speeds = initial.wheel_speeds(robot.wheel_names)
-    w, h_cm = momentum_at_start(robot, core, initial, start, at_rest)
+    w, h_cm = momentum_at_start(robot, initial, start, at_rest)
     spin = speeds + wheels.free * (wheels.axes.T @ w)
     floating = _core.Floating(
-        robot=core,
+        robot=core_robot(robot),
         planar=robot.motion == "planar",
         D_free=np.ascontiguousarray((wheels.A_rw * wheels.free) @ wheels.axes.T),
         h_rw=wheels.A_rw @ spin,
         h_cm=h_cm,
         x_WB=np.array(initial.attitude),
     )
-    return Craft(sets, wheels, spin, core, floating)
+    return Craft(robot, sets, wheels, spin, floating)
 
 
 def _all_axes(

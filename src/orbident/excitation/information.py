@@ -151,17 +151,17 @@ class Seen:
 
     def add(self, f: Gradient, sensor: str, by_rows: Rows) -> None:
         """Adds the gradient, from that with respect to `rows`."""
-        columns, dt = self.dw.shape[2], self.motion.dt
+        columns, dt, sensing = self.dw.shape[2], self.motion.dt, self.sensing
         by, by_own = by_rows[:, :, :columns], by_rows[:, :, columns:]
         if sensor == "gyro":
             self._add_dw(f, by)
         elif sensor == "attitude":
             by_turned = _integral_transposed(by, dt)
-            _add(f.R, self.sensing.h, by_turned @ np.swapaxes(self.dw, 1, 2))
+            _add(f.R, sensing.h, sensing.h, by_turned @ np.swapaxes(self.dw, 1, 2))
             self._add_dw(f, np.swapaxes(self.R_h, 1, 2) @ by_turned)
         elif sensor == "accelerometer":
             by_R = np.concatenate([np.zeros_like(self.R_v[:1]), by_own])
-            _add(f.R, self.sensing.v, by_R)
+            _add(f.R, sensing.v, sensing.v, by_R)
             self._add_dv(f, -np.diff(by, axis=0, prepend=0, append=0) / dt)
         else:
             self._add_dv(f, _integral_transposed(by, dt))
@@ -169,22 +169,22 @@ class Seen:
     def _add_dv(self, f: Gradient, by_dv: Rows) -> None:
         """`dv = R_v (W dphi + lever dw)`."""
         sensing = self.sensing
-        _add(f.R, sensing.v, by_dv @ np.swapaxes(self.dv_B, 1, 2))
+        _add(f.R, sensing.v, sensing.v, by_dv @ np.swapaxes(self.dv_B, 1, 2))
         by = np.swapaxes(self.R_v, 1, 2) @ by_dv
         f.W += by[:, :, : sensing.phi_of.shape[1]] @ sensing.phi_of.T
         by_lever = np.zeros_like(f.R)
-        _add(by_lever, (sensing.v, sensing.h), by @ np.swapaxes(self.dw, 1, 2))
+        _add(by_lever, sensing.v, sensing.h, by @ np.swapaxes(self.dw, 1, 2))
         f.r_cm += axial(by_lever)
         self._add_dw(f, np.swapaxes(self.lever, 1, 2) @ by)
 
     def _add_dw(self, f: Gradient, by_dw: Rows) -> None:
         """`dw = E [-Y dpi, R_h^T]`."""
         sensing, u = self.sensing, self.sensing.pi_of.shape[1]
-        _add(f.E, sensing.h, by_dw @ np.swapaxes(self.dh, 1, 2))
+        _add(f.E, sensing.h, sensing.h, by_dw @ np.swapaxes(self.dh, 1, 2))
         by = np.swapaxes(self.E, 1, 2) @ by_dw
         f.Y -= by[:, :, :u] @ sensing.pi_of.T
         if not self.at_rest:
-            _add(f.R, sensing.h, np.swapaxes(by[:, :, u:], 1, 2))
+            _add(f.R, sensing.h, sensing.h, np.swapaxes(by[:, :, u:], 1, 2))
 
 
 class Information:
@@ -234,10 +234,10 @@ class Information:
 
 def _add(
     whole: Float[np.ndarray, "n 3 3"],
-    axes: tuple[int, ...] | tuple[tuple[int, ...], tuple[int, ...]],
+    rows: tuple[int, ...],
+    columns: tuple[int, ...],
     part: Float[np.ndarray, "n rows columns"],
 ) -> None:
-    rows, columns = axes if isinstance(axes[0], tuple) else (axes, axes)
     whole[np.ix_(range(len(whole)), rows, columns)] += part
 
 

@@ -12,8 +12,8 @@ from scipy.linalg import block_diag
 from scipy.optimize import linprog
 
 from orbident.errors import InputError
-from orbident.excitation.joint_motions import JointMotions
 from orbident.excitation.conditions import Limits
+from orbident.excitation.joint_motions import JointMotions
 
 # Kept back from the limits: between nodes a motion goes a little beyond its nodes.
 KEPT_BACK = 5e-4
@@ -29,7 +29,7 @@ class Polytope(NamedTuple):
     @property
     def rows(self) -> Float[np.ndarray, "all_rows all_m"]:
         """The normals as one matrix, over the coordinates of all joints in turn."""
-        return block_diag(*self.normals)
+        return np.asarray(block_diag(*self.normals))
 
     def slack(self, y: Float[np.ndarray, "joints m"]) -> Float[np.ndarray, "joints r"]:
         """How far each limit is; above zero inside."""

@@ -63,9 +63,7 @@ class JointMotions(NamedTuple):
         by_qd: Float[np.ndarray, "n joints"],
     ) -> Float[np.ndarray, "joints m"]:
         """The gradient with respect to `y`."""
-        return self.scale[:, None] * (
-            by_q.T @ self.basis[0] + by_qd.T @ self.basis[1]
-        )
+        return self.scale[:, None] * (by_q.T @ self.basis[0] + by_qd.T @ self.basis[1])
 
     def coefficients(
         self, y: Float[np.ndarray, "joints m"]

@@ -1,6 +1,6 @@
 """What a search minimises: a criterion, over all plausible robots, within limits."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import ceil
 from typing import NamedTuple
 
@@ -11,7 +11,6 @@ from orbident.excitation.conditions import Conditions, Limits
 from orbident.excitation.criterion import (
     Basis,
     Objective,
-    Spectrum,
     Y_hat,
     add_Y_hat,
     basis_of,
@@ -202,8 +201,8 @@ def problem_for(
     at_rest = was_at_rest(robot, given.initial, given.start)
     return Problem(
         crafts=tuple(
-            craft_of(robot, sets, theta, given.initial, given.start, at_rest)
-            for theta in plausible_thetas(robot.theta, uncertainty)
+            craft_of(each, sets, given.initial, given.start, at_rest)
+            for each in plausible_robots(robot, uncertainty)
         ),
         motions=joint_motions(
             given.start,
@@ -233,25 +232,23 @@ def steps_for(robot: Robot, given: Conditions, objective: Objective) -> int:
     return max(steps, min(ceil(turned / STEP_ANGLE), MOST_STEPS))
 
 
-def plausible_thetas(
-    theta: Float[np.ndarray, "bodies 10"], uncertainty: float
-) -> Float[np.ndarray, "robots bodies 10"]:
+def plausible_robots(robot: Robot, uncertainty: float) -> list[Robot]:
     """Each body heavier or lighter and longer or shorter, by a factor of its own.
 
     A body of mass m (1 + e) and size l (1 + f) can exist if the nominal one can, and
     keeps its CM's axis and its principal axes.
 
     Args:
-        theta: the nominal inertia; the first of those returned.
+        robot: with the nominal inertia; the first of those returned.
         uncertainty: standard deviation of e and f.
     """
     if uncertainty == 0.0:
-        return theta[None]
+        return [robot]
     random = np.random.default_rng(0)
-    e, f = uncertainty * random.standard_normal((2, ROBOTS, len(theta)))
+    e, f = uncertainty * random.standard_normal((2, ROBOTS, len(robot.theta)))
     heavier, longer = np.exp(e), np.exp(f)
-    thetas = np.repeat(theta[None], ROBOTS, axis=0)
+    thetas = np.repeat(robot.theta[None], ROBOTS, axis=0)
     thetas[:, :, MASS] *= heavier
     thetas[:, :, FIRST_MOMENT] *= (heavier * longer)[..., None]
     thetas[:, :, INERTIA] *= (heavier * longer**2)[..., None]
-    return np.concatenate([theta[None], thetas])
+    return [robot, *(replace(robot, theta=theta) for theta in thetas)]

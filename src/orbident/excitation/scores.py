@@ -30,7 +30,7 @@ from orbident.robot.description import Robot
 from orbident.trajectories.trajectory import Trajectory
 
 DETERMINED = 1e-13
-"""Spread of the eigenvalues of information beyond which some parameters are not fixed."""
+"""Information whose eigenvalues spread farther does not fix all parameters."""
 
 EVERY = 4
 """So many samples of a motion are one of its score."""
@@ -83,11 +83,14 @@ def scores_of(
     """
     sets = minimal_sets(robot)
     at_rest = was_at_rest(robot, trajectory.initial, trajectory.start)
-    craft = craft_of(
-        robot, sets, robot.theta, trajectory.initial, trajectory.start, at_rest
+    craft = craft_of(robot, sets, trajectory.initial, trajectory.start, at_rest)
+    seen = craft.seen(
+        motion.q[::EVERY],
+        motion.qd[::EVERY],
+        motion.w[::EVERY],
+        motion.attitude[::EVERY],
+        float(motion.t[EVERY] - motion.t[0]),
     )
-    parts = (motion.q, motion.qd, motion.w, motion.attitude)
-    seen = craft.seen(*(part[::EVERY] for part in parts), float(motion.t[EVERY]))
     regressors, basis = sets.regressors, basis or basis_of(sets)
     Y = Y_hat(seen, basis.pi_of, regressors.momentum_axes, at_rest)
     W = W_hat(seen, basis.phi_of, regressors.velocity_axes)

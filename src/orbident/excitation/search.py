@@ -1,8 +1,8 @@
 """Many starts: from random motions inside the limits to the best local optima.
 
-Each start is sequential quadratic programming (SLSQP of SciPy) with exact gradients. The
-joints' limits are linear in the coordinates of a motion. Half of the starts after the
-first few begin beside a good motion that was found already: what is best is often a
+Each start is sequential quadratic programming (SLSQP of SciPy) with exact gradients.
+The joints' limits are linear in the coordinates of a motion. Half of the starts after
+the first few begin beside a good motion that was found already: what is best is often a
 small step from what is good.
 """
 
@@ -117,7 +117,7 @@ class Searched:
         )
 
 
-class _TimeIsUp(Exception):
+class _TimeIsUpError(Exception):
     """Ends a descent."""
 
 
@@ -172,7 +172,7 @@ def _polish(
     """Replaces the best optima by those under the limits at many nodes."""
     best, searched.optima = searched.optima[:POLISHED], []
     try:
-        for optimum in best:
+        for optimum in () if effort.over() else best:
             descent = _Descent(problem, polytope, effort, NEAR)
             _descend(descent, optimum.y, searched, (LAST_POWER,))
     finally:
@@ -212,11 +212,9 @@ class _Descent:
         self.evaluations = 0
 
     def tried(self, y: Float[np.ndarray, "joints m"], p: float) -> Tried:
-        """The criterion at `y`; SLSQP asks for values and limits one after the other."""
+        """The criterion at `y`; SLSQP asks for values, then for limits."""
         key = np.append(y, p).tobytes()
         if self._last is None or self._last[0] != key:
-            if self._effort.over() and self.evaluations:
-                raise _TimeIsUp
             tried = self.problem.tried(y, p)
             self.evaluations += 1
             self._last = key, tried
@@ -225,14 +223,12 @@ class _Descent:
                 self.best = Found(tried.exact, y.copy())
         return self._last[1]
 
-    def run(
-        self, y: Float[np.ndarray, "joints m"], powers: tuple[float, ...]
-    ) -> None:
+    def run(self, y: Float[np.ndarray, "joints m"], powers: tuple[float, ...]) -> None:
         """Descends with means of rising power."""
         try:
             for p in powers:
                 y = self._slsqp(y, p)
-        except _TimeIsUp:
+        except _TimeIsUpError:
             return
 
     def _slsqp(
@@ -246,6 +242,8 @@ class _Descent:
 
         def value(x: np.ndarray) -> tuple[float, np.ndarray]:
             tried = self.tried(x.reshape(shape), p)
+            if self._effort.over():
+                raise _TimeIsUpError
             return tried.smooth, tried.gradient.ravel()
 
         def slack(x: np.ndarray) -> np.ndarray:
@@ -311,11 +309,12 @@ def _inside_base_limits(
     y: Float[np.ndarray, "joints m"],
 ) -> Found:
     """The motion, halved towards the gentlest one until the base keeps its limits."""
+    tried = descent.tried(y, POWERS[0])
     for _ in range(MOST_HALVINGS):
-        tried = descent.tried(y, POWERS[0])
         if (tried.used < 1).all():
             return Found(tried.exact, y)
         y = middle + (y - middle) / 2
+        tried = descent.tried(y, POWERS[0])
     worst = int(tried.used.argmax())
     raise InputError(
         "base limits: even the gentlest joint motion exceeds the limit of "

@@ -3,8 +3,7 @@
 import numpy as np
 from jaxtyping import Float
 
-from orbident import _core
-from orbident.model.core_robot import core_robot
+from orbident.model.inertia import inertia_at
 from orbident.model.rotations import quaternion_matrix
 from orbident.model.wheels import wheels_of
 from orbident.robot.description import Robot
@@ -17,7 +16,7 @@ TUMBLE = (0.01, 0.03, 0.025)
 """rad/s, base axes: Table 3's."""
 
 NO_MOMENTUM = 1e-6
-"""Share of the wheels' momentum: rounding in a file is far below, tumbling far above."""
+"""Share of the wheels' momentum: more than rounding in a file, less than tumbling."""
 
 
 def usual_initial(robot: Robot, start: Float[np.ndarray, "joints 3"]) -> InitialState:
@@ -44,7 +43,7 @@ def spun_up(
         start: position, velocity and acceleration of each joint.
     """
     initial = InitialState(wheel_speed=wheel_speed)
-    w, _ = momentum_at_start(robot, core_robot(robot), initial, start, at_rest=True)
+    w, _ = momentum_at_start(robot, initial, start, at_rest=True)
     return InitialState(w, wheel_speed=wheel_speed)
 
 
@@ -52,15 +51,13 @@ def was_at_rest(
     robot: Robot, initial: InitialState, start: Float[np.ndarray, "joints 3"]
 ) -> bool:
     """Whether the momentum is zero although wheels spin: `h_cm = 0` (Eqs. 25, 26)."""
-    core = core_robot(robot)
-    _, h_cm = momentum_at_start(robot, core, initial, start, at_rest=False)
+    _, h_cm = momentum_at_start(robot, initial, start, at_rest=False)
     size = np.linalg.norm(_wheels_momentum(robot, initial))
-    return bool(0 < size and np.linalg.norm(h_cm) <= NO_MOMENTUM * size)
+    return bool(size > 0 and np.linalg.norm(h_cm) <= NO_MOMENTUM * size)
 
 
 def momentum_at_start(
     robot: Robot,
-    core: _core.Robot,
     initial: InitialState,
     start: Float[np.ndarray, "joints 3"],
     at_rest: bool,
@@ -68,26 +65,22 @@ def momentum_at_start(
     """The base rate, and `h_cm = R_0 (D w + D_q qd + h_rw)` in inertial axes.
 
     Args:
-        robot: whose wheels and plane are meant.
-        core: its tree with a plausible inertia.
+        robot: its `theta` decides.
         initial: of base and wheels.
         start: position, velocity and acceleration of each joint.
         at_rest: all was at rest before the wheels spun up: `h_cm = 0`, and the base
             rate is `-D^-1 (D_q qd + h_rw)`, whatever the initial state says of it.
     """
-    D, D_q = (
-        x[0] for x in _core.inertia(core, np.ascontiguousarray(start[None, :, 0]))[:2]
-    )
-    h = D_q @ start[:, 1] + _wheels_momentum(robot, initial)
+    at = inertia_at(robot, start[:, 0])
+    h = at.D_q @ start[:, 1] + _wheels_momentum(robot, initial)
     axes = [2] if robot.motion == "planar" else [0, 1, 2]
     if at_rest:
         w = np.zeros(3)
-        w[axes] = -np.linalg.solve(D[np.ix_(axes, axes)], h[axes])
+        w[axes] = -np.linalg.solve(at.D[np.ix_(axes, axes)], h[axes])
         return w, np.zeros(3)
-    h_cm = np.zeros(3)
-    h_cm[axes] = (
-        quaternion_matrix(initial.attitude) @ (D @ initial.angular_velocity + h)
-    )[axes]
+    h_cm = quaternion_matrix(initial.attitude) @ (at.D @ initial.angular_velocity + h)
+    if robot.motion == "planar":
+        h_cm[:2] = 0.0
     return initial.angular_velocity, h_cm
 
 
@@ -100,8 +93,7 @@ def nutation(
     """
     if robot.motion == "planar":
         return 0.0
-    at = np.ascontiguousarray(start[None, :, 0])
-    D = np.linalg.eigvalsh(_core.inertia(core_robot(robot), at)[0][0])
+    D = np.linalg.eigvalsh(inertia_at(robot, start[:, 0]).D)
     w = float(np.linalg.norm(initial.angular_velocity))
     h_rw = float(np.linalg.norm(_wheels_momentum(robot, initial)))
     return w + (float(D[-1]) * w + h_rw) / float(D[0])

@@ -127,7 +127,9 @@ class Trajectory:
     @cached_property
     def motion(self) -> FourierQuintic:
         """The same joint motions as functions, with derivatives of any order."""
-        return FourierQuintic(self.a, self.b, self.start, self.end, float(self.duration))
+        return FourierQuintic(
+            self.a, self.b, self.start, self.end, float(self.duration)
+        )
 
     def for_robot(self, robot: Robot) -> "Trajectory":
         """The same trajectory with its rows in the order of the robot's joints.

@@ -10,7 +10,7 @@ import pytest
 from orbident.errors import InputError
 from orbident.excitation.conditions import conditions_for, limits_of
 from orbident.excitation.design import design_excitation
-from orbident.excitation.problem import plausible_thetas
+from orbident.excitation.problem import plausible_robots
 from orbident.excitation.start import was_at_rest
 from orbident.robot.parameters import inertia_about_com
 from orbident.robot.physical import nonphysical
@@ -107,7 +107,7 @@ def test_usual_conditions_start_spun_up(emulator):
 
 
 def test_plausible_robots_can_exist(servicer):
-    thetas = plausible_thetas(servicer.theta, 0.2)
+    thetas = np.array([each.theta for each in plausible_robots(servicer, 0.2)])
     np.testing.assert_array_equal(thetas[0], servicer.theta)
     for theta in thetas:
         for body, theta_i in zip(servicer.bodies, theta, strict=True):

@@ -34,9 +34,7 @@ def both(robot: Robot, trajectory: Trajectory, steps: int = STEPS) -> Both:
         initial.wheel_speeds(robot.wheel_names),
     )
     at_rest = was_at_rest(robot, initial, trajectory.start)
-    craft = craft_of(
-        robot, minimal_sets(robot), robot.theta, initial, trajectory.start, at_rest
-    )
+    craft = craft_of(robot, minimal_sets(robot), initial, trajectory.start, at_rest)
     q, qd, _ = trajectory.at(t)
     ours = craft.along(q, qd, float(t[2]))
     return Both(ours, free_floating(robot, trajectory, t[::2], start))
@@ -83,9 +81,7 @@ def test_in_the_plane():
 
 def test_regressors_and_inertia_are_those_of_the_motion(servicer, table_2):
     pair = both(servicer, table_2)
-    Y, W = minimal_sets(servicer).regressors(
-        pair.theirs.q, pair.theirs.qd, pair.ours.w
-    )
+    Y, W = minimal_sets(servicer).regressors(pair.theirs.q, pair.theirs.qd, pair.ours.w)
     at = inertia(servicer, pair.theirs.q)
     # Entries of order one, but for rounding.
     np.testing.assert_allclose(pair.ours.Y, Y, rtol=0, atol=1e-12)

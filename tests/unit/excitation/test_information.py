@@ -56,9 +56,7 @@ def test_the_gyro_and_the_accelerometer(servicer, table_2, motion):
     sets = minimal_sets(servicer)
     sensing = sensing_of(servicer, sets)
     dt = motion.t[1]
-    craft = craft_of(
-        servicer, sets, servicer.theta, table_2.initial, table_2.start, at_rest=False
-    )
+    craft = craft_of(servicer, sets, table_2.initial, table_2.start, at_rest=False)
     seen = craft.seen(motion.q, motion.qd, motion.w, motion.attitude, dt)
     ours = Information(sensing, seen, at_rest=False).F
 
