@@ -105,6 +105,11 @@ class Searched:
     evaluations: int = 0
     interrupted: bool = False
 
+    @property
+    def best(self) -> Found:
+        """The least value of all."""
+        return min([*self.optima, *self.random], key=lambda found: found.value)
+
     def keep(self, found: Found) -> None:
         """Adds an optimum in its place."""
         near = [each for each in self.optima if abs(each.value - found.value) < ALIKE]
@@ -153,7 +158,7 @@ def search(
             report(
                 Progress(
                     effort.fraction(searched.starts),
-                    float(np.exp(searched.optima[0].value)),
+                    float(np.exp(searched.best.value)),
                     searched.starts,
                 )
             )
