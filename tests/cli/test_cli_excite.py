@@ -187,8 +187,8 @@ def test_a_sample_rate_that_makes_no_sense(orbident, table_5):
 def test_a_motion_that_shows_too_little_is_not_trusted(orbident):
     """One harmonic in 5 s: eight parameters, and hardly any motion."""
     ran = orbident(
-        *("excite", "cepheus-like", "--starts", 1, "--duration", 0.02),
-        *("--harmonics", 1, "-o", "made.yaml"),
+        *("excite", "cepheus-like", "--objective", "cond", "--starts", 1),
+        *("--duration", 0.02, "--harmonics", 1, "-o", "made.yaml"),
     )
     assert ran.status == 1
     assert "does not determine all parameters" in ran.err

@@ -80,6 +80,7 @@ struct NodeMemory {
   BodiesMemory<double> bodies;
   std::vector<Motion<double>> wrench;
   std::vector<double> columns;
+  std::vector<double> still, unused;  // joint rates of zero, and a gradient that is not needed
   Wrenches<double> wrenches;
   Rows3<double> S, P, A;
   RegressorGradients<double> gradients;
@@ -88,15 +89,17 @@ struct NodeMemory {
       : bodies(tree),
         wrench(static_cast<std::size_t>(2 * tree.bodies())),
         columns(static_cast<std::size_t>(6 * 3 * PER_BODY * tree.bodies() + 4 * 3 * phis)),
+        still(static_cast<std::size_t>(tree.joints), 0.0),
+        unused(still),
         wrenches{wrench.data(), wrench.data() + tree.bodies()},
-        S(rows(0, tree, phis)),
-        P(rows(1, tree, phis)),
-        A(rows(2, tree, phis)),
-        gradients{phi(0, tree, phis),  phi(1, tree, phis),  phi(2, tree, phis), phi(3, tree, phis),
-                  rows(3, tree, phis), rows(4, tree, phis), rows(5, tree, phis)} {}
+        S(theta(0, tree)),
+        P(theta(1, tree)),
+        A(theta(2, tree)),
+        gradients{phi(0, tree, phis), phi(1, tree, phis), phi(2, tree, phis), phi(3, tree, phis),
+                  theta(3, tree),     theta(4, tree),     theta(5, tree)} {}
 
  private:
-  Rows3<double> rows(int k, const Tree& tree, std::ptrdiff_t) {
+  Rows3<double> theta(int k, const Tree& tree) {
     const std::ptrdiff_t m = PER_BODY * tree.bodies();
     return {columns.data() + 3 * m * k, 3, m};
   }
@@ -162,7 +165,6 @@ auto float_gradient(const OwnedFloating& owned, const OwnedMinimalSets& owned_se
   {
     nb::gil_scoped_release release;
     const Laws laws = laws_at(floating, q.data(), qd.data(), nodes, threads);
-    const std::vector<double> still(static_cast<std::size_t>(K), 0.0);
     const Vector3<double> none = Vector3<double>::Zero();
     std::vector<double> to_w(f_w.data(), f_w.data() + 3 * m);
     // Y and W of a node, its D and r_cm.
@@ -185,12 +187,11 @@ auto float_gradient(const OwnedFloating& owned, const OwnedMinimalSets& owned_se
         // D e_i is h_rs at the unit rate e_i.
         const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> by_D(f_D.data() +
                                                                                   9 * k);
-        std::vector<double> unused(static_cast<std::size_t>(K), 0.0);
         Vector3<double> r = vector(f_r.data() + 3 * k);
         for (int i = 0; i < 3 && (!by_D.isZero(0) || !r.isZero(0)); ++i, r = none)
           add_momentum_gradient<double>(robot, at, memory.wrenches, by_D.col(i), r,
-                                        Vector3<double>::Unit(i), still.data(), f_q_k,
-                                        unused.data());
+                                        Vector3<double>::Unit(i), memory.still.data(), f_q_k,
+                                        memory.unused.data());
       }
     });
     const std::vector<NodeStages> stages = reverse_attitude(

@@ -28,6 +28,9 @@ LAST_POWER = 512.0
 POLISHED = 3
 """So many of the best are."""
 
+SEARCHING = 0.9
+"""Share of a budget after which only the best are descended once more."""
+
 NEAR = 0.1
 """Of a limit: the last descents keep to the limits that are nearer than this."""
 
@@ -36,6 +39,9 @@ FIRST_RANDOM = 8
 
 BEST = 6
 """A start beside a good motion takes one of so many."""
+
+SHARES = 0.5, 0.95
+"""A random motion takes a share between these of what the joints' limits allow."""
 
 ASIDE = 0.5
 """How far beside, in coordinates with rates of unit mean square over their limits."""
@@ -75,14 +81,17 @@ class Effort:
     began: float = field(default_factory=time.perf_counter)
 
     def fraction(self, starts: int) -> float:
-        """Done so far, 1 where the search is to end."""
+        """Share of the starts that is done, 1 where no other is to begin."""
         if self.budget is not None:
-            return min((time.perf_counter() - self.began) / self.budget, 1.0)
+            return min(self._used(self.budget) / SEARCHING, 1.0)
         return starts / (self.starts or 1)
 
-    def over(self) -> bool:
-        """Whether time is up."""
-        return self.budget is not None and self.fraction(0) >= 1
+    def over(self, share: float) -> bool:
+        """Whether so much of the time is up."""
+        return self.budget is not None and self._used(self.budget) >= share
+
+    def _used(self, budget: float) -> float:
+        return (time.perf_counter() - self.began) / budget
 
 
 class Found(NamedTuple):
@@ -177,8 +186,8 @@ def _polish(
     """Replaces the best optima by those under the limits at many nodes."""
     best, searched.optima = searched.optima[:POLISHED], []
     try:
-        for optimum in () if effort.over() else best:
-            descent = _Descent(problem, polytope, effort, NEAR)
+        for optimum in () if effort.over(1.0) else best:
+            descent = _Descent(problem, polytope, effort, NEAR, until=1.0)
             _descend(descent, optimum.y, searched, (LAST_POWER,))
     finally:
         searched.optima = searched.optima or best
@@ -208,10 +217,14 @@ class _Descent:
         polytope: Polytope,
         effort: Effort,
         near: float = np.inf,
+        until: float = SEARCHING,
     ) -> None:
-        """Only limits that are nearer than `near` at the start are kept to."""
+        """Limits that are nearer than `near` at the start are kept to.
+
+        It ends when the share `until` of a budget is used up.
+        """
         self.problem, self.polytope, self._effort = problem, polytope, effort
-        self._near = near
+        self._near, self._until = near, until
         self._last: tuple[bytes, Tried] | None = None
         self.best = Found(np.inf, np.empty((0, 0)))
         self.evaluations = 0
@@ -247,7 +260,7 @@ class _Descent:
 
         def value(x: np.ndarray) -> tuple[float, np.ndarray]:
             tried = self.tried(x.reshape(shape), p)
-            if self._effort.over():
+            if self._effort.over(self._until):
                 raise _TimeIsUpError
             return tried.smooth, tried.gradient.ravel()
 
@@ -282,30 +295,17 @@ def _start(
 ) -> Float[np.ndarray, "joints m"]:
     """A random motion, or one beside a good one; inside all limits."""
     good = searched.optima[:BEST]
+    direction = random.standard_normal(middle.shape)
     if searched.starts < FIRST_RANDOM or searched.starts % 2 == 0 or not good:
-        direction = random.standard_normal(middle.shape)
-        share = random.uniform(0.5, 0.95, len(middle))
-        y = middle + _within(descent, middle, share, direction)
+        share = random.uniform(*SHARES, len(middle))
+        steps = share * descent.polytope.reach(middle, direction)
+        y = middle + steps[:, None] * direction
         found = _inside_base_limits(descent, middle, y)
         searched.random.append(found)
         return found.y
-    from_there = middle + INWARD * (good[random.integers(len(good))].y - middle)
-    direction = ASIDE * random.standard_normal(middle.shape)
-    y = from_there + _within(descent, from_there, np.ones(len(middle)), direction, 0.95)
-    return _inside_base_limits(descent, middle, y).y
-
-
-def _within(
-    descent: _Descent,
-    y: Float[np.ndarray, "joints m"],
-    share: Float[np.ndarray, " joints"],
-    direction: Float[np.ndarray, "joints m"],
-    most: float | None = None,
-) -> Float[np.ndarray, "joints m"]:
-    """A step in a direction: a share of what the joints' limits allow."""
-    reach = descent.polytope.reach(y, direction)
-    steps = share * reach if most is None else np.minimum(share, most * reach)
-    return steps[:, None] * direction
+    y = middle + INWARD * (good[random.integers(len(good))].y - middle)
+    steps = np.minimum(ASIDE, SHARES[1] * descent.polytope.reach(y, direction))
+    return _inside_base_limits(descent, middle, y + steps[:, None] * direction).y
 
 
 def _inside_base_limits(

@@ -107,12 +107,12 @@ def test_an_interrupt_keeps_the_best(emulator, case):
 def test_search_and_truth_agree_where_the_base_nutates():
     """Strong wheels on a light base: 64 steps would miss the nutation altogether."""
     wheels = random_wheels(0, ("held", "held", "held"))
-    robot = random_robot(0, (0, 1), wheels=wheels, base=5.0)
+    robot = random_robot(0, (0, 1), wheels=wheels, base=1.0)
     joints = tuple(
         replace(joint, position=(-2.0, 2.0), velocity=0.5) for joint in robot.joints
     )
     robot = replace(robot, joints=joints)
-    given = conditions_for(robot, 20.0, 2)
+    given = conditions_for(robot, 30.0, 2)
     assert steps_for(robot, given, "cond") > 2 * STEPS
     made = made_for(robot, objective="cond", conditions=given, starts=2)
     assert made["value"] == pytest.approx(made["searched_value"], rel=0.02)
