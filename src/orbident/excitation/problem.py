@@ -35,7 +35,7 @@ A_PERIOD = 16
 """Steps in a period of the highest harmonic."""
 
 FINER_FOR_SENSORS = 2
-"""An accelerometer is seen by differences over a step, which are 3 % too small without."""
+"""Times as many steps: differences over longer ones make accelerations too small."""
 
 STEP_ANGLE = 0.3
 """Turn of the base, or of its nutation, in a step, rad: RK4 is wrong by 2e-5 rad."""
