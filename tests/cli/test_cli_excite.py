@@ -60,7 +60,8 @@ def test_an_interrupted_search_says_so(orbident, monkeypatch):
 
 def test_a_score_that_falls_from_search_to_truth_is_told():
     def design(value, searched):
-        motion = Trajectory(1.0, (), *np.zeros((2, 0, 1)), *np.zeros((2, 0, 3)))
+        none, still = np.zeros((0, 1)), np.zeros((0, 3))
+        motion = Trajectory(1.0, (), none, none, still, still)
         return replace(motion, design={"value": value, "searched_value": searched})
 
     assert not excite_tables.doubts(design(100.0, 99.0))
