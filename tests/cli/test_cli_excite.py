@@ -1,15 +1,18 @@
 """`orbident excite` and `orbident sample`."""
 
 import csv
+from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 import yaml
 
-from orbident.cli import excite_tables
+from orbident.cli import excite, excite_tables
 from orbident.robot.robot_file import load_robot
 from orbident.studies.exciting import paper_case
+from orbident.trajectories.trajectory import Trajectory
 from orbident.trajectories.trajectory_file import load_trajectory, save_trajectory
 
 
@@ -34,6 +37,37 @@ def test_like_the_paper(orbident):
     assert made.design["value"] < 60
     for joint in made.design["proven"]["joints"].values():
         assert joint["velocity"] <= joint["velocity_limit"]
+
+
+def test_an_interrupted_search_says_so(orbident, monkeypatch):
+    """Ctrl-C after the first start: the best is written, and the status tells."""
+
+    @contextmanager
+    def interrupting():
+        def report(progress):
+            raise KeyboardInterrupt
+
+        yield report
+
+    monkeypatch.setattr(excite, "_search_bar", interrupting)
+    ran = orbident("excite", "cepheus-like", "--like-paper", "-o", "made.yaml")
+    assert ran.status == 130
+    assert "interrupted: the trajectory that was written is the best" in ran.err
+    made = load_trajectory("made.yaml").design
+    assert made is not None
+    assert made["starts"] == 1
+
+
+def test_a_score_that_falls_from_search_to_truth_is_told():
+    def design(value, searched):
+        none, still = np.zeros((0, 1)), np.zeros((0, 3))
+        motion = Trajectory(1.0, (), none, none, still, still)
+        return replace(motion, design={"value": value, "searched_value": searched})
+
+    assert not excite_tables.doubts(design(100.0, 99.0))
+    (sentence,) = excite_tables.doubts(design(832.0, 81.4))
+    assert "81.4" in sentence
+    assert "832" in sentence
 
 
 def test_json_is_the_design(orbident):
@@ -154,8 +188,8 @@ def test_a_sample_rate_that_makes_no_sense(orbident, table_5):
 def test_a_motion_that_shows_too_little_is_not_trusted(orbident):
     """One harmonic in 5 s: eight parameters, and hardly any motion."""
     ran = orbident(
-        *("excite", "cepheus-like", "--starts", 1, "--duration", 0.02),
-        *("--harmonics", 1, "-o", "made.yaml"),
+        *("excite", "cepheus-like", "--objective", "cond", "--starts", 1),
+        *("--duration", 0.02, "--harmonics", 1, "-o", "made.yaml"),
     )
     assert ran.status == 1
     assert "does not determine all parameters" in ran.err

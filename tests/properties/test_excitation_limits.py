@@ -9,13 +9,17 @@ from hypothesis import strategies as st
 from random_robots import random_planar_robot, random_robot, random_wheels
 
 from orbident.errors import InputError
-from orbident.excitation.assembly import motions_for
-from orbident.excitation.conditions import Conditions, conditions_for
-from orbident.excitation.design import design_excitation
-from orbident.excitation.extremes import NODES, Derivatives
-from orbident.excitation.limits import Limits
-from orbident.excitation.polytope import inner_point, polytope_of
-from orbident.excitation.proof import floated, proven_within
+from orbident.excitation.conditions import Conditions, Limits, conditions_for
+from orbident.excitation.design import (
+    FINER,
+    LIMIT_STEPS,
+    LIMIT_STEPS_A_PERIOD,
+    design_excitation,
+)
+from orbident.excitation.extremes import NODES
+from orbident.excitation.guarantee import floated, proven_within
+from orbident.excitation.joint_limits import inner_point, polytope_of
+from orbident.excitation.joint_motions import joint_motions
 from orbident.robot.description import Robot
 from orbident.trajectories.trajectory import Trajectory
 
@@ -71,7 +75,7 @@ recipes = st.builds(
 
 def check(trajectory: Trajectory, limits: Limits) -> None:
     t = np.linspace(0.0, trajectory.duration, 100 * NODES)
-    q, qd, qdd = Derivatives(trajectory).at(t)
+    q, qd, qdd = trajectory.at(t)
     lower, upper = limits.position.T
     assert (q >= lower - ROUNDING).all()
     assert (q <= upper + ROUNDING).all()
@@ -85,7 +89,14 @@ def test_no_motion_that_was_let_through_leaves_a_limit(recipe):
     """Random motions that touch their limits at the nodes, as the search's do."""
     robot = recipe.robot()
     conditions = recipe.conditions(robot)
-    motions = motions_for(robot, conditions, "cond")
+    motions = joint_motions(
+        conditions.start,
+        conditions.end,
+        conditions.duration,
+        conditions.harmonics,
+        conditions.limits,
+        FINER * max(LIMIT_STEPS, LIMIT_STEPS_A_PERIOD * conditions.harmonics) + 1,
+    )
     polytope = polytope_of(motions, conditions.limits)
     try:
         middle = inner_point(polytope, conditions.limits, robot.joint_names)

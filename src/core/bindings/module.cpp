@@ -8,6 +8,7 @@ void bind_free_floating(nanobind::module_& m);
 void bind_free_flying(nanobind::module_& m);
 void bind_householder(nanobind::module_& m);
 void bind_output_error(nanobind::module_& m);
+void bind_excitation(nanobind::module_& m);
 void bind_regressors(nanobind::module_& m);
 void bind_recursive(nanobind::module_& m);
 void bind_smoothing(nanobind::module_& m);
@@ -23,6 +24,7 @@ NB_MODULE(_core, m) {
   orbident::python::bind_free_flying(m);
   orbident::python::bind_householder(m);
   orbident::python::bind_output_error(m);
+  orbident::python::bind_excitation(m);
   orbident::python::bind_regressors(m);
   orbident::python::bind_recursive(m);
   orbident::python::bind_smoothing(m);

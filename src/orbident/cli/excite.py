@@ -7,10 +7,12 @@ from typing import Annotated, Any
 import typer
 
 from orbident.cli.excite_tables import (
-    NOT_EXCITED,
+    INTERRUPTED,
     compared,
     designed,
+    doubts,
     excites_all,
+    was_interrupted,
     written,
 )
 from orbident.cli.options import Json, Quiet, RobotName
@@ -36,12 +38,14 @@ Out = Annotated[
 Duration = Annotated[float | None, typer.Option(help="Seconds; 60 by default.")]
 Harmonics = Annotated[int | None, typer.Option(help="Of Eq. 41; 3 by default.")]
 Criterion = Annotated[
-    Objective,
+    Objective | None,
     typer.Option(
-        help="cond: condition number of Y-hat; d, a, e: information of all parameters."
+        help="cond: condition number of Y-hat; d, a, e: mean, root mean square or "
+        "largest deviation of all parameters. d by default where the robot file "
+        "declares sensors, cond with --like-paper."
     ),
 ]
-Starts = Annotated[int | None, typer.Option(help="Random starts; 24 by default.")]
+Starts = Annotated[int | None, typer.Option(help="Starts; 24 by default.")]
 Budget = Annotated[
     float | None, typer.Option(metavar="SECONDS", help="Instead of --starts.")
 ]
@@ -73,7 +77,7 @@ def excite(
     out: Out = None,
     duration: Duration = None,
     harmonics: Harmonics = None,
-    objective: Criterion = Objective.cond,
+    objective: Criterion = None,
     starts: Starts = None,
     budget: Budget = None,
     uncertainty: Uncertainty = 0.0,
@@ -86,21 +90,19 @@ def excite(
     quiet: Quiet = False,
 ) -> None:
     """Design a trajectory that excites every parameter, or compare some."""
-    from orbident.cli.output import Output, prepare_jax, progress
+    from orbident.cli.output import Output, progress
     from orbident.files.replacing import check_place
     from orbident.robot.robot_file import load_robot
 
     output = Output(json, quiet)
     described = load_robot(robot)
     if compare:
-        prepare_jax()
         _compare(described, compare, like_paper, output)
         return
     if out is None:
         raise InputError("-o is missing; say where the trajectory is to be written")
     check_place(out)
     limits = _limits(limit or [])
-    prepare_jax()
     given, paper = _conditions(
         described, (duration, harmonics), like, like_paper, limits
     )
@@ -110,7 +112,7 @@ def excite(
     with progress("preparing") as show:
         found = design_excitation(
             described,
-            objective=objective.value,
+            objective=None if objective is None else objective.value,
             starts=starts,
             budget=budget,
             uncertainty=uncertainty,
@@ -122,16 +124,21 @@ def excite(
         )
     save_trajectory(found, out)
     trusted = excites_all(found)
+    output.warn(doubts(found))
+    if was_interrupted(found):
+        output.warn([INTERRUPTED])
     output.warn([] if trusted else [NOT_EXCITED])
     output.say(*designed(found, paper), f"written: {out}")
     output.write_json(written(found, paper, out))
+    if was_interrupted(found):
+        raise KeyboardInterrupt
     if not trusted:
         raise typer.Exit(1)
 
 
 def _compare(robot: Any, paths: list[Path], like_paper: bool, output: Any) -> None:
     from orbident.cli.output import progress
-    from orbident.excitation.comparison import compare
+    from orbident.excitation.scores import compare
     from orbident.trajectories.trajectory_file import load_trajectory
 
     basis = None
@@ -157,8 +164,7 @@ def _conditions(
     """What to keep to, and the paper's case where it is meant."""
     from dataclasses import replace
 
-    from orbident.excitation.conditions import conditions_for
-    from orbident.excitation.limits import limits_of
+    from orbident.excitation.conditions import conditions_for, limits_of
     from orbident.trajectories.trajectory_file import load_trajectory
 
     duration, harmonics = wanted

@@ -24,6 +24,35 @@ NOT_EXCITED = (
 )
 
 
+INTERRUPTED = (
+    "interrupted: the trajectory that was written is the best that was found until then"
+)
+
+AGREEMENT = 0.02
+"""Relative difference of the search's score and the final one that is worth a word."""
+
+
+def doubts(found: Any) -> list[str]:
+    """What makes a design doubtful."""
+    made, sentences = found.design, []
+    value, searched = made["value"], made["searched_value"]
+    if not excites_all(found):
+        sentences.append(NOT_EXCITED)
+    elif abs(searched - value) > AGREEMENT * value:
+        sentences.append(
+            f"the search valued this motion at {searched:.4g}, but the motion that it "
+            f"really makes is worth {value:.4g}: the base turns or nutates faster than "
+            "the grid of the search follows, so a better motion may exist; start with "
+            "less momentum, or give less time"
+        )
+    return sentences
+
+
+def was_interrupted(found: Any) -> bool:
+    """Whether Ctrl-C ended the search."""
+    return found.design["interrupted"]
+
+
 def excites_all(found: Any) -> bool:
     """Whether the criterion that was made small shows every parameter."""
     value = found.design["value"]
@@ -42,7 +71,8 @@ def designed(found: Any, paper: Any) -> list[Any]:
     made = found.design
     lines: list[Any] = [
         f"objective {made['objective']}: {_number(made['value'])}, the best of "
-        f"{made['starts']} starts (random motions: {made['median_random_start']:.4g})"
+        f"{made['starts']} starts (random motions: {made['median_random_start']:.4g}, "
+        f"the best of them {_number(made['best_random_start'])})"
     ]
     if paper is not None and paper.quoted is not None:
         lines.append(f"the paper quotes a condition number of {paper.quoted:g} for its")

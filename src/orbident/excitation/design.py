@@ -1,32 +1,60 @@
-"""The exciting trajectory of a robot: conditions, search, proof, scores."""
+"""The exciting trajectory of a robot: conditions, search, guarantee, scores."""
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from orbident.errors import InputError
-from orbident.excitation.assembly import motions_for, problem_for
 from orbident.excitation.conditions import Conditions, conditions_for
-from orbident.excitation.polytope import check_ends, inner_point, polytope_of
-from orbident.excitation.proof import Proven, proven_within
+from orbident.excitation.criterion import OBJECTIVES, Objective
+from orbident.excitation.guarantee import Proven, proven_within
+from orbident.excitation.information import weights_of
+from orbident.excitation.joint_limits import check_ends, inner_point, polytope_of
+from orbident.excitation.problem import Problem, problem_for
 from orbident.excitation.scores import Scores, scores_of
-from orbident.excitation.search import Effort, Progress, Searched, search
-from orbident.excitation.spectra import OBJECTIVES, Objective
-from orbident.precision import in_float64
+from orbident.excitation.search import Effort, Found, Progress, Searched, search
 from orbident.robot.description import Robot
+from orbident.threads import one_blas_thread
 from orbident.trajectories.trajectory import Trajectory
 
 STARTS = 24
 
+LIMIT_STEPS = 64
+"""Steps between the nodes at which the search keeps the joints' limits, at least."""
 
-@in_float64
+LIMIT_STEPS_A_PERIOD = 16
+"""The same, in a period of the highest harmonic."""
+
+FINER = 8
+"""The best are descended once more under limits at so many times more nodes: between
+these, limits hold to 2 in 10000."""
+
+JUDGED = 3
+"""So many optima, and so many random motions, are scored on their true motion."""
+
+RESERVED = 0.1
+"""Share of a budget that is kept for the proof and the scores."""
+
+
+class Judged(NamedTuple):
+    """A motion that keeps to its limits for all times, and what it is worth."""
+
+    proven: Proven
+    scores: Scores
+    value: float
+    """The criterion on the true motion; infinite where not all is determined."""
+    searched: float
+    """The same on the search's grid."""
+
+
+@one_blas_thread
 def design_excitation(
     robot: Robot,
     duration: float = 60.0,
     harmonics: int = 3,
-    objective: Objective = "cond",
+    objective: Objective | None = None,
     starts: int | None = None,
     budget: float | None = None,
     uncertainty: float = 0.0,
@@ -44,9 +72,11 @@ def design_excitation(
         duration: t_f, s.
         harmonics: N_f.
         objective: `"cond"` for the condition number of `Y-hat`; `"d"`, `"a"` or `"e"`
-            for the information of all parameters under the robot file's sensors.
-        starts: so many random starts; 24 by default.
-        budget: instead of `starts`, seconds of search.
+            for the information of all parameters under the robot file's sensors. By
+            default `"d"` where the robot file declares the noise of a sensor of the
+            base and the conditions name no basis, else `"cond"`.
+        starts: so many starts; 24 by default.
+        budget: instead of `starts`, seconds for all of it.
         uncertainty: relative, of the bodies' masses and sizes; the worst of several
             plausible robots counts.
         seed: of the random starts.
@@ -54,45 +84,90 @@ def design_excitation(
         progress: is called after each start.
 
     Returns:
-        The best one found; `design` holds its scores and the extremes that it is
-        proven to keep for all times, with nominal inertia.
+        The best one found, on the motion that it really makes, random motions
+        included; `design` holds its scores and the extremes that it is proven to keep
+        for all times, with nominal inertia.
 
     Raises:
         InputError: no motion keeps to the limits, or an argument makes no sense.
     """
+    effort = Effort(
+        starts or STARTS, None if budget is None else (1 - RESERVED) * budget
+    )
     _check(objective, starts, budget, uncertainty)
     given = conditions or conditions_for(robot, duration, harmonics)
-    names = robot.joint_names
-    check_ends(names, given.limits, given.start, given.end)
-    motions = motions_for(robot, given, objective)
-    polytope = polytope_of(motions, given.limits)
-    middle = inner_point(polytope, given.limits, names)
-    problem = problem_for(robot, given, motions, objective, uncertainty)
-    effort = Effort(starts or STARTS, budget)
-    searched = search(problem, polytope, middle, effort, seed, progress)
-    proven = proven_within(robot, given, motions, middle, searched.y)
-    scores = scores_of(robot, proven.trajectory, proven.motion, given.basis)
+    objective = objective or usual_objective(robot, given)
+    check_ends(robot.joint_names, given.limits, given.start, given.end)
+    problem = problem_for(robot, given, objective, uncertainty)
+    steps = max(LIMIT_STEPS, LIMIT_STEPS_A_PERIOD * given.harmonics)
+    few, many = (
+        polytope_of(problem.motions.resampled(nodes + 1), given.limits)
+        for nodes in (steps, FINER * steps)
+    )
+    middle = inner_point(many, given.limits, robot.joint_names)
+    searched = search(problem, (few, many), middle, effort, seed, progress)
+    optima, random = (
+        _judged(robot, given, problem, middle, found[:JUDGED])
+        for found in (searched.optima, sorted(searched.random, key=lambda f: f.value))
+    )
+    best = min([*optima, *random], key=lambda each: each.value)
     made = {
         "objective": objective,
-        "value": _value(scores, objective),
+        "value": _finite(best.value),
+        "searched_value": _finite(best.searched),
+        "best_random_start": _finite(min(each.value for each in random)),
         "uncertainty": uncertainty,
         "seed": seed,
         **_effort(searched),
-        "scores": _scores(scores),
-        **_margins(robot, given, proven),
+        "scores": _scores(best.scores),
+        **_margins(robot, given, best.proven),
     }
-    return replace(proven.trajectory, design=made)
+    return replace(best.proven.trajectory, design=made)
 
 
-def _value(scores: Scores, objective: Objective) -> float | None:
-    return scores.cond_Y if objective == "cond" else getattr(scores, objective)
+def usual_objective(robot: Robot, given: Conditions) -> Objective:
+    """`d` where sensors are declared: errors are then several times smaller.
+
+    A basis is named for its condition number.
+    """
+    return "d" if given.basis is None and weights_of(robot) else "cond"
+
+
+def _judged(
+    robot: Robot,
+    given: Conditions,
+    problem: Problem,
+    middle: np.ndarray,
+    candidates: list[Found],
+) -> list[Judged]:
+    """What motions are worth when they are made small enough for their limits."""
+    judged = []
+    for found in candidates:
+        proven = proven_within(robot, given, problem.motions, middle, found.y)
+        scores = scores_of(robot, proven.trajectory, proven.motion, given.basis)
+        value = scores.cond_Y if problem.objective == "cond" else None
+        if problem.objective != "cond":
+            value = getattr(scores, problem.objective)
+        there = problem.tried(middle + proven.share * (found.y - middle), 1.0)
+        judged.append(
+            Judged(
+                proven,
+                scores,
+                np.inf if value is None else value,
+                float(np.exp(there.exact)),
+            )
+        )
+    return judged
 
 
 def _effort(searched: Searched) -> dict[str, Any]:
     return {
-        "starts": len(searched.values),
+        "starts": searched.starts,
+        "interrupted": searched.interrupted,
         "evaluations": searched.evaluations,
-        "median_random_start": float(np.exp(np.median(searched.first_values))),
+        "median_random_start": float(
+            np.exp(np.median([found.value for found in searched.random]))
+        ),
     }
 
 
@@ -128,9 +203,9 @@ def _finite(value: float) -> float | None:
 
 
 def _check(
-    objective: str, starts: int | None, budget: float | None, uncertainty: float
+    objective: str | None, starts: int | None, budget: float | None, uncertainty: float
 ) -> None:
-    if objective not in OBJECTIVES:
+    if objective not in (None, *OBJECTIVES):
         raise InputError(
             f"objective '{objective}' is unknown; use {', '.join(OBJECTIVES)}"
         )

@@ -1,22 +1,45 @@
-"""How far a trajectory of Eq. 41 goes, between samples too.
+"""How far a motion goes, between samples too: bounds that hold for all times.
 
-Between two nodes a function exceeds them by at most `h^2/8 max|f''|`. The second
-derivative is bounded in the same way by the fourth, and that by the coefficients, so
-what is given here holds for all times (rounding apart).
+Joints: between two nodes a function exceeds them by at most `h^2/8 max|f''|`. The
+second derivative is bounded in the same way by the fourth, and that by the coefficients
+(rounding apart).
+
+Base: from `D w + g = R_0^T h_cm`, with `g` the momentum of the joints' and wheels'
+motion,
+
+    |w'| <= (|w| |h_cm| + |D'| |w| + |g'|) / min eig D.
+
+With `r` from the CM, `u` and `a` velocity and acceleration relative to the base, of the
+mass elements of the links (on the base `u = a = 0`), and `|x|^2 = integral |x|^2 dm`,
+Cauchy and Schwarz give
+
+    |D'| <= 2 |r| |u|,    |g'| <= |r| |a|,    min eig D >= min eig I_base, about its CM.
+
+The norms follow from the largest joint rates and accelerations, from the base to the
+tips. So `w` between two samples is within `h/2 max|w'|` of one of them.
 """
 
-import math
-from dataclasses import dataclass
-from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 
+from orbident.dynamics.free_floating import FreeFloating
+from orbident.model.wheels import wheels_of
+from orbident.robot.description import Robot
+from orbident.robot.parameters import (
+    FIRST_MOMENT,
+    INERTIA,
+    INERTIA_ENTRIES,
+    MASS,
+    inertia_about_com,
+)
 from orbident.trajectories.trajectory import Trajectory
 
 NODES = 4001
-DEGREE = 5
+
+LEAST_INERTIA = 1e-12
+"""kg m^2: a massless base cannot bound the inertia, and nothing is proven then."""
 
 
 class Extremes(NamedTuple):
@@ -29,79 +52,116 @@ class Extremes(NamedTuple):
     acceleration: Float[np.ndarray, " joints"]
 
 
-@dataclass(frozen=True, eq=False)
-class Derivatives:
-    """Any derivative of a trajectory, without compiling anything."""
+class BaseExtremes(NamedTuple):
+    """Bounds for all times, never too small; infinite where nothing can be proven."""
 
-    trajectory: Trajectory
+    rate: float
+    """Norm of the base's angular velocity, rad/s."""
+    excursion: float
+    """Angle from the first attitude, rad; at most pi."""
+    wheel_speed: float
+    """Of the fastest wheel, rad/s."""
 
-    def at(
-        self, t: Float[np.ndarray, " n"]
-    ) -> tuple[
-        Float[np.ndarray, "n joints"],
-        Float[np.ndarray, "n joints"],
-        Float[np.ndarray, "n joints"],
-    ]:
-        """Positions, rates and accelerations."""
-        return self.of_order(0, t), self.of_order(1, t), self.of_order(2, t)
 
-    def of_order(
-        self, order: int, t: Float[np.ndarray, " n"]
-    ) -> Float[np.ndarray, "n joints"]:
-        """A derivative at these times."""
-        T = self.trajectory.duration
-        powers = _powers(order, t / T) / T**order
-        return self._series(order, t) + powers @ self._quintic.T
+class _Norms(NamedTuple):
+    """Root integrals over the mass of the links."""
 
-    def bound(self, order: int) -> Float[np.ndarray, " joints"]:
-        """Of a derivative that the quintic has no part in: the sixth and later."""
-        gain = self._frequencies ** (order - 1)
-        return np.hypot(self.trajectory.a, self.trajectory.b) @ gain
-
-    def _series(
-        self, order: int, t: Float[np.ndarray, " n"]
-    ) -> Float[np.ndarray, "n joints"]:
-        """`w^(k-1) (a sin(w t + k pi/2) - b cos(w t + k pi/2))`, over harmonics."""
-        w = self._frequencies
-        phase = np.outer(t, w) + order * np.pi / 2
-        sin, cos = np.sin(phase) * w ** (order - 1), np.cos(phase) * w ** (order - 1)
-        return sin @ self.trajectory.a.T - cos @ self.trajectory.b.T
-
-    @property
-    def _frequencies(self) -> Float[np.ndarray, " harmonics"]:
-        harmonics = np.arange(1, self.trajectory.a.shape[1] + 1)
-        return 2 * np.pi * harmonics / self.trajectory.duration
-
-    @cached_property
-    def _quintic(self) -> Float[np.ndarray, "joints 6"]:
-        """Coefficients over powers of t / t_f: what the ends need beyond the series."""
-        T = self.trajectory.duration
-        ends = np.array([0.0, T])
-        rows, values = [], []
-        for order in range(3):
-            series = self._series(order, ends)
-            rows += list(_powers(order, ends / T))
-            for k, state in enumerate((self.trajectory.start, self.trajectory.end)):
-                values.append((state[:, order] - series[k]) * T**order)
-        return np.linalg.solve(np.array(rows), np.array(values)).T
+    r: float
+    u: float
+    a: float
 
 
 def extremes_of(trajectory: Trajectory) -> Extremes:
     """The extremes of every joint over the whole duration."""
     t = np.linspace(0.0, trajectory.duration, NODES)
-    derivatives = Derivatives(trajectory)
+    motion = trajectory.motion
     beyond = t[1] ** 2 / 8
-    most = [derivatives.bound(order) for order in range(8)]
+    most = [motion.bound(order) for order in range(8)]
     for order in (5, 4, 3, 2, 1):
-        sampled = np.abs(derivatives.of_order(order, t)).max(axis=0)
+        sampled = np.abs(motion.derivative(order, t)).max(axis=0)
         most[order] = sampled + beyond * most[order + 2]
-    q = derivatives.of_order(0, t)
+    q = motion.derivative(0, t)
     over = beyond * most[2]
     position = np.stack([q.min(axis=0) - over, q.max(axis=0) + over], axis=1)
     return Extremes(position, most[1], most[2])
 
 
-def _powers(order: int, s: Float[np.ndarray, " n"]) -> Float[np.ndarray, "n 6"]:
-    """A derivative of `s^0` to `s^5`."""
-    columns = [math.perm(j, order) * s ** max(j - order, 0) for j in range(DEGREE + 1)]
-    return np.stack(columns, axis=1)
+def base_extremes_of(
+    robot: Robot, motion: FreeFloating, joints: Extremes
+) -> BaseExtremes:
+    """The extremes of the base over the whole duration, with nominal inertia.
+
+    Args:
+        robot: with its nominal inertia.
+        motion: at times that are evenly spaced over the whole duration.
+        joints: proven extremes of the same motion.
+    """
+    t = motion.t
+    least = _least_inertia(robot)
+    if least <= LEAST_INERTIA:
+        return BaseExtremes(np.inf, np.inf, np.inf)
+    norms = _norms(robot, joints)
+    h_cm = float(np.linalg.norm(motion.h_cm))
+    wheels = wheels_of(robot)
+    spin = motion.qd_rw[0] + wheels.free * (wheels.axes.T @ motion.w[0])
+    h_rw = float(np.linalg.norm(wheels.A_rw @ spin))
+    sampled = float(np.linalg.norm(motion.w, axis=1).max())
+    rate = (h_cm + norms.r * norms.u + h_rw) / least
+    planar = robot.motion == "planar"
+    change = np.inf
+    for _ in range(3):
+        # In the plane R_0^T h_cm is constant.
+        torque = (0.0 if planar else h_cm) * rate + norms.r * norms.a
+        change = (torque + 2 * norms.r * norms.u * rate) / least
+        rate = min(rate, sampled + change * t[1] / 2)
+    half = np.abs(motion.attitude @ motion.attitude[0])
+    turned = float(2 * np.arccos(np.clip(half, 0.0, 1.0)).max())
+    excursion = turned + rate * t[1] / 2 + motion.attitude_error
+    free_change = change * t[1] / 2 if wheels.free.any() else 0.0
+    fastest = float(np.abs(motion.qd_rw).max(initial=0.0))
+    return BaseExtremes(
+        float(rate), float(min(excursion, np.pi)), float(fastest + free_change)
+    )
+
+
+def _least_inertia(robot: Robot) -> float:
+    """Below every eigenvalue of `D`, free wheels apart, kg m^2."""
+    if robot.theta[0, MASS] <= 0:
+        return 0.0
+    wheels = wheels_of(robot)
+    I = inertia_about_com(robot.theta[0]) - (wheels.A_rw * wheels.free) @ wheels.axes.T
+    return float(I[2, 2] if robot.motion == "planar" else np.linalg.eigvalsh(I)[0])
+
+
+def _norms(robot: Robot, joints: Extremes) -> _Norms:
+    """Recursively from the base: each body's largest rates and accelerations."""
+    d, v, a, w, alpha = np.zeros((5, len(robot.bodies)))
+    com = robot.theta[0, FIRST_MOMENT] / robot.theta[0, MASS]
+    for k, joint in enumerate(robot.joints):
+        j, rate, acceleration = joint.parent, joints.velocity[k], joints.acceleration[k]
+        slides = joint.kind == "prismatic"
+        slide = np.abs(joints.position[k]).max() if slides else 0.0
+        arm = np.linalg.norm(joint.p_PJ) + slide
+        # Distances are from the base's CM; rates are zero there.
+        from_parent = arm if j else np.linalg.norm(joint.p_PJ - com) + slide
+        d[k + 1] = d[j] + from_parent
+        v[k + 1] = v[j] + w[j] * arm + slides * rate
+        a[k + 1] = a[j] + (alpha[j] + w[j] ** 2) * arm
+        a[k + 1] += slides * (acceleration + 2 * w[j] * rate)
+        w[k + 1] = w[j] + (not slides) * rate
+        alpha[k + 1] = alpha[j] + (not slides) * (acceleration + w[j] * rate)
+    m, spread = np.abs(robot.theta[1:, MASS]), _spread(robot.theta[1:])
+    root, d, v, a, w, alpha = np.sqrt(m), d[1:], v[1:], a[1:], w[1:], alpha[1:]
+    # |c| <= sqrt(m_links) |r| / M takes r from the base's CM to that of the system.
+    to_cm = 1 + m.sum() / robot.mass
+    return _Norms(
+        r=float(np.linalg.norm(root * d + spread) * to_cm),
+        u=float(np.linalg.norm(root * v + spread * w)),
+        a=float(np.linalg.norm(root * a + spread * (alpha + w**2))),
+    )
+
+
+def _spread(theta: Float[np.ndarray, "bodies 10"]) -> Float[np.ndarray, " bodies"]:
+    """Root of `integral |rho|^2 dm = tr I / 2`, about the body's origin."""
+    diagonal = [row == column for row, column in INERTIA_ENTRIES]
+    return np.sqrt(np.abs(theta[:, INERTIA][:, diagonal].sum(axis=1)) / 2)

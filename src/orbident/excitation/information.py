@@ -3,7 +3,7 @@
 With the joint history and the attitude that turns `h_cm` as measured, momentum
 conservation predicts, to first order in `beta = [M, sigma, iota]`,
 
-    d w   = D^-1 (R_0^T d h_cm - Y (d pi/d beta) d beta)
+    d w   = E (R_0^T d h_cm - Y (d pi/d beta) d beta)
     d v_S = d v_cm + R_0 (W (d phi/d beta) d beta + r_cm x d w)
 
 A gyro sees `w`, an accelerometer the changes of `v_S`, a star tracker or motion capture
@@ -11,47 +11,43 @@ the integral of `w`, and motion capture that of `v_S`; each with white noise and
 unknown constant. Momenta and constants are eliminated.
 """
 
-from collections.abc import Mapping
+from dataclasses import dataclass
 
-import equinox as eqx
-import jax
-import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
-from orbident.compilation import compiled
 from orbident.errors import InputError
-from orbident.excitation.floating import Floating
-from orbident.regressors.derivatives import derivatives_of_beta
-from orbident.regressors.minimal_sets import MinimalSets
+from orbident.excitation.floating import Gradient, Motion, axial
+from orbident.model.derivatives import derivatives_of_beta
+from orbident.model.minimal_sets import MinimalSets
+from orbident.model.rotations import cross_matrix
 from orbident.robot.description import Robot
-from orbident.spatial.arrays import AnyArray
 
 RATE = 20.0
 """Hz, where the robot file does not say: the paper's."""
 
-Blocks = Mapping[str, Float[AnyArray, "_ _ _"]]
-"""Rows of a sensor, times first, for each group of unknowns."""
+Rows = Float[np.ndarray, "n axes columns"]
 
 
-class Sensing(eqx.Module):
+@dataclass(frozen=True, eq=False)
+class Sensing:
     """What is measured how well, and what of."""
 
     weights: dict[str, float]
     """By sensor that is there: 1 over the variance of a second of it, SI."""
-    pi_of: Float[AnyArray, "pi unknowns"]
+    pi_of: Float[np.ndarray, "pi unknowns"]
     """`d pi` of a change of the unknowns."""
-    phi_of: Float[AnyArray, "phi unknowns"]
-    beta_of: Float[AnyArray, "beta unknowns"]
+    phi_of: Float[np.ndarray, "phi unknowns"]
+    beta_of: Float[np.ndarray, "beta unknowns"]
     """The unknowns are `beta`, in units in which random motion shows all alike."""
+    h: tuple[int, ...]
+    """Axes in which angular momentum is conserved."""
+    v: tuple[int, ...]
+    """Axes in which linear momentum is conserved."""
 
 
-def sensing_of(robot: Robot, sets: MinimalSets) -> Sensing:
-    """The sensors of the robot file, around the nominal parameters.
-
-    Raises:
-        InputError: the robot file has no sensor of the base's motion.
-    """
+def weights_of(robot: Robot) -> dict[str, float]:
+    """How well each sensor of the base's motion that has a noise measures it."""
     declared = robot.sensors
     rate = float(declared.get("rate") or RATE)
     entries = {
@@ -65,6 +61,16 @@ def sensing_of(robot: Robot, sets: MinimalSets) -> Sensing:
         noise = (declared.get(sensor) or {}).get(key, 0.0)
         if noise:
             weights[sensor] = per_second / noise**2
+    return weights
+
+
+def sensing_of(robot: Robot, sets: MinimalSets) -> Sensing:
+    """The sensors of the robot file, around the nominal parameters.
+
+    Raises:
+        InputError: the robot file has no sensor of the base's motion.
+    """
+    weights = weights_of(robot)
     if not weights:
         raise InputError(
             f"{robot.name}: sensors: found no noise of gyro, accelerometer, attitude "
@@ -73,7 +79,15 @@ def sensing_of(robot: Robot, sets: MinimalSets) -> Sensing:
         )
     dpi, dphi = derivatives_of_beta(sets, sets.beta(robot.theta))
     unit = _unit(sets, dpi, dphi)
-    return Sensing(weights, dpi @ unit, dphi @ unit, unit)
+    regressors = sets.regressors
+    return Sensing(
+        weights,
+        dpi @ unit,
+        dphi @ unit,
+        unit,
+        regressors.momentum_axes,
+        regressors.velocity_axes,
+    )
 
 
 def _unit(
@@ -83,109 +97,158 @@ def _unit(
 ) -> Float[np.ndarray, "beta beta"]:
     """Units of `beta` that depend on no basis: random motion shows them all alike."""
     random = np.random.default_rng(0)
-    joints = sets.regressors.tree.parent.shape[0]
-    q, qd = random.standard_normal((2, 4 * len(dpi), joints))
+    q, qd = random.standard_normal((2, 4 * len(dpi), sets.regressors.joints))
     w = random.standard_normal((4 * len(dpi), 3))
     if len(sets.regressors.momentum_axes) == 1:
         w[:, :2] = 0.0
-    Y, W = compiled(jax.vmap(sets.regressors))(q, qd, w)
+    Y, W = sets.regressors(q, qd, w)
     shown = np.concatenate(
-        [
-            (X @ d).reshape(-1, d.shape[1])
-            for X, d in ((np.asarray(Y), dpi), (np.asarray(W), dphi))
-        ]
+        [(X @ d).reshape(-1, d.shape[1]) for X, d in ((Y, dpi), (W, dphi))]
     )
     R = np.linalg.qr(shown / np.sqrt(len(q)), mode="r")
     return np.linalg.inv(R)
 
 
-def information(
-    sensing: Sensing,
-    motion: Floating,
-    dt: float | Float[AnyArray, ""],
-    at_rest: bool,
-) -> Float[AnyArray, "unknowns unknowns"]:
+class Seen:
+    """What sensors see of changes of the unknowns and of `h_cm`, side by side.
+
+    The first columns of `dw` (base axes) and `dv` (inertial axes) are the unknowns'.
+    """
+
+    def __init__(self, sensing: Sensing, motion: Motion, at_rest: bool) -> None:
+        """`at_rest`: `h_cm = 0` is known, and no unknown."""
+        h, v = sensing.h, sensing.v
+        self.sensing, self.motion, self.at_rest = sensing, motion, at_rest
+        self.R_h, self.R_v = motion.R[:, h][:, :, h], motion.R[:, v][:, :, v]
+        self.E = motion.E[:, h][:, :, h]
+        self.lever = cross_matrix(motion.r_cm)[:, v][:, :, h]
+        # R_0^T dh_cm - Y dpi.
+        change = [-(motion.Y @ sensing.pi_of)]
+        if not at_rest:
+            change.append(np.swapaxes(self.R_h, 1, 2))
+        self.dh = np.concatenate(change, axis=2)
+        self.dw = self.E @ self.dh
+        W = motion.W @ sensing.phi_of
+        self.dv_B = self.lever @ self.dw
+        self.dv_B[:, :, : W.shape[2]] += W
+        self.dv = self.R_v @ self.dv_B
+
+    def rows(self, sensor: str) -> Rows:
+        """What one sensor sees, then of its own constants."""
+        n, dt = len(self.dw), self.motion.dt
+        own, dw, dv = np.eye(self.R_v.shape[1]), self.dw, self.dv
+        if sensor in ("gyro", "attitude"):
+            own = np.eye(self.R_h.shape[1])
+            seen = dw if sensor == "gyro" else _integral(self.R_h @ dw, dt)
+        elif sensor == "accelerometer":
+            seen, own = np.diff(dv, axis=0) / dt, self.R_v[1:]
+        else:
+            # The velocity of the CM, and where it is at the start.
+            t = dt * np.arange(n)[:, None, None]
+            seen, own = _integral(dv, dt), np.concatenate([t * own, own + 0 * t], 2)
+        own = np.broadcast_to(own, (len(seen), *own.shape[-2:]))
+        return np.concatenate([seen, own], axis=2)
+
+    def add(self, f: Gradient, sensor: str, by_rows: Rows) -> None:
+        """Adds the gradient, from that with respect to `rows`."""
+        columns, dt, sensing = self.dw.shape[2], self.motion.dt, self.sensing
+        by, by_own = by_rows[:, :, :columns], by_rows[:, :, columns:]
+        if sensor == "gyro":
+            self._add_dw(f, by)
+        elif sensor == "attitude":
+            by_turned = _integral_transposed(by, dt)
+            _add(f.R, sensing.h, sensing.h, by_turned @ np.swapaxes(self.dw, 1, 2))
+            self._add_dw(f, np.swapaxes(self.R_h, 1, 2) @ by_turned)
+        elif sensor == "accelerometer":
+            by_R = np.concatenate([np.zeros_like(self.R_v[:1]), by_own])
+            _add(f.R, sensing.v, sensing.v, by_R)
+            self._add_dv(f, -np.diff(by, axis=0, prepend=0, append=0) / dt)
+        else:
+            self._add_dv(f, _integral_transposed(by, dt))
+
+    def _add_dv(self, f: Gradient, by_dv: Rows) -> None:
+        """`dv = R_v (W dphi + lever dw)`."""
+        sensing = self.sensing
+        _add(f.R, sensing.v, sensing.v, by_dv @ np.swapaxes(self.dv_B, 1, 2))
+        by = np.swapaxes(self.R_v, 1, 2) @ by_dv
+        f.W += by[:, :, : sensing.phi_of.shape[1]] @ sensing.phi_of.T
+        by_lever = np.zeros_like(f.R)
+        _add(by_lever, sensing.v, sensing.h, by @ np.swapaxes(self.dw, 1, 2))
+        f.r_cm += axial(by_lever)
+        self._add_dw(f, np.swapaxes(self.lever, 1, 2) @ by)
+
+    def _add_dw(self, f: Gradient, by_dw: Rows) -> None:
+        """`dw = E [-Y dpi, R_h^T]`."""
+        sensing, u = self.sensing, self.sensing.pi_of.shape[1]
+        _add(f.E, sensing.h, sensing.h, by_dw @ np.swapaxes(self.dh, 1, 2))
+        by = np.swapaxes(self.E, 1, 2) @ by_dw
+        f.Y -= by[:, :, :u] @ sensing.pi_of.T
+        if not self.at_rest:
+            _add(f.R, sensing.h, sensing.h, np.swapaxes(by[:, :, u:], 1, 2))
+
+
+class Information:
     """The information that a motion gives of the unknowns, nuisances eliminated.
 
     Args:
         sensing: what is measured.
         motion: of the robot.
-        dt: from node to node, s.
         at_rest: `h_cm = 0` is known: all was at rest before the wheels spun up.
     """
-    n, h, _ = motion.Y.shape
-    v, u = motion.W.shape[1], sensing.pi_of.shape[1]
-    dw, dv = _shown(sensing, motion)
-    one_h, one_v = (jnp.broadcast_to(jnp.eye(k), (n, k, k)) for k in (h, v))
-    seen: dict[str, Blocks] = {
-        "gyro": {**dw, "gyro": one_h},
-        "accelerometer": {
-            **{name: jnp.diff(block, axis=0) / dt for name, block in dv.items()},
-            "accelerometer": motion.R_v[1:],
-        },
-        "attitude": {
-            **{name: _integral(motion.R_h @ block, dt) for name, block in dw.items()},
-            "attitude": one_h,
-        },
-        "position": {
-            **{name: _integral(block, dt) for name, block in dv.items()},
-            "v_cm": _integral(one_v, dt),
-            "position": one_v,
-        },
-    }
-    nuisances = {"h_cm": h, "gyro": h, "attitude": h, "accelerometer": v}
-    nuisances |= {"position": v, "v_cm": v}
-    needed = set(sensing.weights) if at_rest else {"h_cm", *sensing.weights}
-    if "position" in sensing.weights:
-        needed.add("v_cm")
-    layout = {"unknown": u}
-    layout |= {name: size for name, size in nuisances.items() if name in needed}
-    F = jnp.zeros((sum(layout.values()),) * 2)
-    for sensor, weight in sensing.weights.items():
-        rows = _rows(seen[sensor], layout)
-        F = F + weight * dt * rows.T @ rows
-    return _without_nuisances(F, u)
+
+    def __init__(self, sensing: Sensing, motion: Motion, at_rest: bool) -> None:
+        self._seen = Seen(sensing, motion, at_rest)
+        self._rows = {sensor: self._seen.rows(sensor) for sensor in sensing.weights}
+        common = self._seen.dw.shape[2]
+        # The constants of each sensor are nuisances of their own, after the common.
+        self._columns, size = {}, common
+        for sensor, rows in self._rows.items():
+            own = np.arange(size, size + rows.shape[2] - common)
+            self._columns[sensor] = np.concatenate([np.arange(common), own])
+            size += own.size
+        F = np.zeros((size, size))
+        for sensor, rows in self._rows.items():
+            flat = rows.reshape(-1, rows.shape[2])
+            F[np.ix_(self._columns[sensor], self._columns[sensor])] += (
+                self._weight(sensor) * flat.T @ flat
+            )
+        # The Schur complement; nuisances scaled, since their units differ.
+        u = sensing.pi_of.shape[1]
+        scale = 1 / np.sqrt(np.diag(F)[u:])
+        F_nu = F[u:, :u] * scale[:, None]
+        by_nuisance = np.linalg.solve(F[u:, u:] * scale[:, None] * scale, F_nu)
+        left = F[:u, :u] - F_nu.T @ by_nuisance
+        self.F: Float[np.ndarray, "unknowns unknowns"] = (left + left.T) / 2
+        self._left = np.vstack([np.eye(u), -scale[:, None] * by_nuisance])
+
+    def _weight(self, sensor: str) -> float:
+        return self._seen.sensing.weights[sensor] * self._seen.motion.dt
+
+    def add(self, f: Gradient, by_F: Float[np.ndarray, "unknowns unknowns"]) -> None:
+        """Adds the gradient, from that with respect to `F`."""
+        for sensor, rows in self._rows.items():
+            left = self._left[self._columns[sensor]]
+            by_rows = 2 * self._weight(sensor) * (rows @ left) @ by_F @ left.T
+            self._seen.add(f, sensor, by_rows)
 
 
-def _without_nuisances(
-    F: Float[AnyArray, "all all"], unknowns: int
-) -> Float[AnyArray, "unknowns unknowns"]:
-    """The Schur complement; nuisances scaled, since their units differ."""
-    F_uu, F_nu = F[:unknowns, :unknowns], F[unknowns:, :unknowns]
-    scale = 1 / jnp.sqrt(jnp.diag(F)[unknowns:])
-    F_nn = F[unknowns:, unknowns:] * scale[:, None] * scale
-    F_nu = F_nu * scale[:, None]
-    left = F_uu - F_nu.T @ jnp.linalg.solve(F_nn, F_nu)
-    return (left + left.T) / 2
+def _add(
+    whole: Float[np.ndarray, "n 3 3"],
+    rows: tuple[int, ...],
+    columns: tuple[int, ...],
+    part: Float[np.ndarray, "n rows columns"],
+) -> None:
+    whole[np.ix_(range(len(whole)), rows, columns)] += part
 
 
-def _shown(sensing: Sensing, motion: Floating) -> tuple[Blocks, Blocks]:
-    """Changes of the base rate, base axes, and of the velocity of S, inertial axes."""
-    dw = {
-        "unknown": -motion.E @ (motion.Y @ sensing.pi_of),
-        "h_cm": motion.E @ jnp.swapaxes(motion.R_h, 1, 2),
-    }
-    dv = {
-        "unknown": motion.R_v
-        @ (motion.W @ sensing.phi_of + motion.lever @ dw["unknown"]),
-        "h_cm": motion.R_v @ motion.lever @ dw["h_cm"],
-    }
-    return dw, dv
-
-
-def _integral(
-    X: Float[AnyArray, "n axes m"], dt: float | Float[AnyArray, ""]
-) -> Float[AnyArray, "n axes m"]:
+def _integral(X: Rows, dt: float) -> Rows:
     """From the first node, by the trapezoidal rule."""
     steps = dt / 2 * (X[1:] + X[:-1])
-    return jnp.concatenate([jnp.zeros_like(X[:1]), jnp.cumsum(steps, axis=0)])
+    return np.concatenate([np.zeros_like(X[:1]), np.cumsum(steps, axis=0)])
 
 
-def _rows(blocks: Blocks, layout: Mapping[str, int]) -> Float[AnyArray, "rows columns"]:
-    """Blocks side by side in the order of the layout, zero where there is none."""
-    n, axes, _ = blocks["unknown"].shape
-    parts = [
-        blocks[name] if name in blocks else jnp.zeros((n, axes, size))
-        for name, size in layout.items()
-    ]
-    return jnp.concatenate(parts, axis=-1).reshape(n * axes, -1)
+def _integral_transposed(G: Rows, dt: float) -> Rows:
+    """The gradient with respect to `X`, from that with respect to its integral."""
+    after = np.cumsum(G[:0:-1], axis=0)[::-1]
+    none = np.zeros_like(G[:1])
+    return dt / 2 * (np.concatenate([after, none]) + np.concatenate([none, after]))

@@ -11,12 +11,11 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from orbident.compilation import compiled
-from orbident.excitation.limits import Limits
-from orbident.trajectories.fourier_quintic import fourier_quintic
+from orbident.excitation.conditions import Limits
+from orbident.trajectories.fourier_quintic import FourierQuintic
 
-# A rate whose coefficients are ten thousand times larger is not worth its digits.
 NEGLIGIBLE = 1e-4
+"""A rate whose coefficients are ten thousand times larger is not worth its digits."""
 
 Histories = tuple[
     Float[np.ndarray, "n columns"],
@@ -24,8 +23,6 @@ Histories = tuple[
     Float[np.ndarray, "n columns"],
 ]
 """Position, rate and acceleration."""
-
-_evaluate = compiled(fourier_quintic)
 
 
 class JointMotions(NamedTuple):
@@ -39,15 +36,34 @@ class JointMotions(NamedTuple):
     scale: Float[np.ndarray, " joints"]
     """The rate limits."""
     ab_of_y: Float[np.ndarray, "2harmonics m"]
+    without_series: FourierQuintic
+    """What `offset` are the values of."""
 
-    def every(self, stride: int) -> "JointMotions":
-        """The same motions at every so many of the times."""
-        (q, qd, qdd), (B, B_d, B_dd) = self.offset, self.basis
-        return self._replace(
-            t=self.t[::stride],
-            offset=(q[::stride], qd[::stride], qdd[::stride]),
-            basis=(B[::stride], B_d[::stride], B_dd[::stride]),
+    def resampled(self, nodes: int) -> "JointMotions":
+        """The same motions at so many times, evenly spaced over the duration."""
+        offset = self.without_series
+        t = np.linspace(0.0, offset.duration, nodes)
+        a, b = np.split(self.ab_of_y.T, 2, axis=1)
+        still = np.zeros((len(a), 3))
+        basis = FourierQuintic(a, b, still, still, offset.duration)
+        return self._replace(t=t, offset=offset.at(t), basis=basis.at(t))
+
+    def along(
+        self, y: Float[np.ndarray, "joints m"]
+    ) -> tuple[Float[np.ndarray, "n joints"], Float[np.ndarray, "n joints"]]:
+        """Positions and rates."""
+        scaled = (self.scale[:, None] * y).T
+        return self.offset[0] + self.basis[0] @ scaled, (
+            self.offset[1] + self.basis[1] @ scaled
         )
+
+    def pull_back(
+        self,
+        by_q: Float[np.ndarray, "n joints"],
+        by_qd: Float[np.ndarray, "n joints"],
+    ) -> Float[np.ndarray, "joints m"]:
+        """The gradient with respect to `y`."""
+        return self.scale[:, None] * (by_q.T @ self.basis[0] + by_qd.T @ self.basis[1])
 
     def coefficients(
         self, y: Float[np.ndarray, "joints m"]
@@ -85,19 +101,14 @@ def joint_motions(
     """
     t = np.linspace(0.0, duration, nodes)
     none = np.zeros((len(start), harmonics))
-    offset = _histories(none, none, start, end, duration, t)
-    one = np.eye(2 * harmonics)
+    offset = FourierQuintic(none, none, start, end, duration)
     still = np.zeros((2 * harmonics, 3))
-    q, qd, qdd = _histories(
-        one[:, :harmonics], one[:, harmonics:], still, still, duration, t
-    )
-    _, s, Vt = np.linalg.svd(qd / np.sqrt(nodes), full_matrices=False)
+    a, b = np.hsplit(np.eye(2 * harmonics), 2)
+    rates = FourierQuintic(a, b, still, still, duration).derivative(1, t)
+    _, s, Vt = np.linalg.svd(rates / np.sqrt(nodes), full_matrices=False)
     kept = s > NEGLIGIBLE * s[0]
     ab_of_y = Vt[kept].T / s[kept]
-    basis = (q @ ab_of_y, qd @ ab_of_y, qdd @ ab_of_y)
-    return JointMotions(t, offset, basis, limits.velocity, ab_of_y)
-
-
-def _histories(*eq_41: np.ndarray | float) -> Histories:
-    q, qd, qdd = _evaluate(*eq_41)
-    return np.asarray(q), np.asarray(qd), np.asarray(qdd)
+    empty = offset.at(t[:0])
+    return JointMotions(
+        t[:0], empty, empty, limits.velocity, ab_of_y, offset
+    ).resampled(nodes)

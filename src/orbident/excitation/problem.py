@@ -1,140 +1,260 @@
 """What a search minimises: a criterion, over all plausible robots, within limits."""
 
+from dataclasses import dataclass, replace
+from math import ceil
 from typing import NamedTuple
 
-import equinox as eqx
-import jax
-import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
-from orbident.compilation import compiled
-from orbident.excitation.floating import (
-    Floating,
-    Spacecraft,
-    float_along,
-    shown_along,
-)
-from orbident.excitation.hats import Basis, Y_hat
-from orbident.excitation.information import Sensing, information
-from orbident.excitation.spectra import (
+from orbident.excitation.conditions import Conditions, Limits
+from orbident.excitation.criterion import (
+    Basis,
     Objective,
-    log_eigenvalues,
-    log_objective,
-    log_squared_singular_values,
+    Y_hat,
+    add_Y_hat,
+    basis_of,
+    by_matrix,
+    log_criterion,
+    smooth_maximum,
+    spectrum_of,
+    spectrum_of_rows,
 )
-from orbident.spatial.arrays import AnyArray
+from orbident.excitation.floating import Craft, Gradient, Motion, craft_of
+from orbident.excitation.information import Information, Sensing, sensing_of
+from orbident.excitation.joint_motions import JointMotions, joint_motions
+from orbident.excitation.start import nutation, was_at_rest
+from orbident.model.minimal_sets import minimal_sets
+from orbident.robot.description import Robot
+from orbident.robot.parameters import FIRST_MOMENT, INERTIA, MASS
 
-SMALL = 64
-"""Parameters up to which compiling costs more than running."""
+STEPS = 64
+"""The fewest steps of the grid."""
 
+A_PERIOD = 16
+"""Steps in a period of the highest harmonic."""
 
-class BaseLimits(NamedTuple):
-    """Limits of what the joints do to the base; infinite where there is none."""
+FINER_FOR_SENSORS = 2
+"""Times as many steps: differences over longer ones make accelerations too small."""
 
-    rate: float
-    """rad/s."""
-    half_turn: float
-    """Cosine of half the greatest excursion; -1 where there is none."""
-    wheel_speed: float
-    """rad/s."""
+STEP_ANGLE = 0.3
+"""Turn of the base, or of its nutation, in a step, rad: RK4 is wrong by 2e-5 rad."""
 
+MOST_STEPS = 8192
+"""More would need minutes a start; what is then wrong shows in the final score."""
 
-class Robots(NamedTuple):
-    """Every plausible robot; the first is the nominal one."""
+LIMITS_POWER = 2000.0
+"""Of the mean that stands for the largest use of a limit: 0.5 % above it at most."""
 
-    pi: Float[AnyArray, "robots pi"]
-    phi: Float[AnyArray, "robots phi"]
-
-
-class Problem(eqx.Module):
-    """All that stays the same while trajectories are tried."""
-
-    craft: Spacecraft
-    robots: Robots
-    basis: Basis
-    sensing: Sensing | None
-    """None for the objective cond."""
-    offset: tuple[Float[AnyArray, "n joints"], Float[AnyArray, "n joints"]]
-    """Joint positions and rates where `y = 0`."""
-    per_y: tuple[Float[AnyArray, "n m"], Float[AnyArray, "n m"]]
-    scale: Float[AnyArray, " joints"]
-    dt: float
-    """s."""
-    limits: BaseLimits
-    objective: Objective = eqx.field(static=True)
+ROBOTS = 6
+"""Plausible robots beside the nominal one: the worst of more is hardly worse."""
 
 
 class Tried(NamedTuple):
-    """What a search is told of one trajectory; logarithms of the worst robot's."""
+    """One trajectory; logarithms of the worst robot's criterion."""
 
-    smooth: Float[AnyArray, ""]
-    """The smoothed criterion, with the barrier of the base's limits."""
-    exact: Float[AnyArray, ""]
+    smooth: float
+    gradient: Float[np.ndarray, "joints m"]
+    exact: float
+    used: Float[np.ndarray, " limits"]
+    """Share of each limit of the base that is used, squared, by a smooth maximum."""
+    used_gradient: Float[np.ndarray, "limits joints m"]
 
 
-def try_motion(
-    y: Float[AnyArray, "joints m"],
-    problem: Problem,
-    p: float | Float[AnyArray, ""],
-    mu: float | Float[AnyArray, ""],
-) -> tuple[Float[AnyArray, ""], Tried]:
-    """The smooth objective, and both values.
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """All that stays the same while trajectories are tried."""
+
+    crafts: tuple[Craft, ...]
+    """Every plausible robot; the first is the nominal one."""
+    motions: JointMotions
+    """At nodes and mid-nodes."""
+    limits: Limits
+    objective: Objective
+    basis: Basis
+    sensing: Sensing | None
+    """None for the objective cond."""
+    at_rest: bool
+
+    @property
+    def limited(self) -> tuple[str, ...]:
+        """The limits of the base that there are."""
+        finite = {
+            "base rate": self.limits.base_rate < np.inf,
+            "excursion": self.limits.excursion < np.pi,
+            "wheel speed": self.limits.wheel_speed < np.inf
+            and self.crafts[0].wheels.free.size > 0,
+        }
+        return tuple(name for name, there in finite.items() if there)
+
+    def tried(self, y: Float[np.ndarray, "joints m"], p: float) -> Tried:
+        """The criterion and the use of the limits, with their gradients.
+
+        Args:
+            y: coordinates of the joint motion.
+            p: power of the means that stand for extremes.
+        """
+        q, qd = self.motions.along(y)
+        dt = 2 * float(self.motions.t[1])
+        motions = [craft.along(q, qd, dt) for craft in self.crafts]
+        values, gradients = zip(*(self._criterion(m, p) for m in motions), strict=True)
+        smooth, exact = np.array(values).T
+        # The worst robot by the mean of power p, as for eigenvalues.
+        worst, shares = smooth_maximum(smooth, p)
+        gradient = sum(
+            share * self._pulled_back(craft, q, qd, f)
+            for share, craft, f in zip(shares, self.crafts, gradients, strict=True)
+        )
+        used = [self._used(name, q, qd, motions) for name in self.limited]
+        return Tried(
+            worst,
+            np.asarray(gradient),
+            float(exact.max()),
+            np.array([value for value, _ in used]),
+            np.reshape([by_y for _, by_y in used], (len(used), *y.shape)),
+        )
+
+    def _criterion(
+        self, motion: Motion, p: float
+    ) -> tuple[tuple[float, float], Gradient]:
+        """The logarithm, smooth and exact, and the gradient of the smooth one."""
+        f = Gradient(motion)
+        if self.sensing is None:
+            pi_of, axes = self.basis.pi_of, self._momentum_axes
+            # Trapezoidal weights: as on a grid so fine that its ends do not count.
+            weights = np.ones((len(motion.w), len(axes)))
+            weights[[0, -1]] = np.sqrt(0.5)
+            weights = weights.reshape(-1, 1)
+            rows = weights * Y_hat(motion, pi_of, axes, self.at_rest)
+            spectrum = spectrum_of_rows(rows)
+            value = log_criterion(self.objective, spectrum.l, p)
+            by_rows = weights * (2 * rows @ by_matrix(spectrum, value.by_l))
+            add_Y_hat(f, by_rows, pi_of, axes, self.at_rest)
+        else:
+            information = Information(self.sensing, motion, self.at_rest)
+            spectrum = spectrum_of(information.F)
+            value = log_criterion(self.objective, spectrum.l, p)
+            information.add(f, by_matrix(spectrum, value.by_l))
+        return (value.smooth, value.exact), f
+
+    @property
+    def _momentum_axes(self) -> tuple[int, ...]:
+        return self.crafts[0].sets.regressors.momentum_axes
+
+    def _pulled_back(
+        self,
+        craft: Craft,
+        q: Float[np.ndarray, "nodes joints"],
+        qd: Float[np.ndarray, "nodes joints"],
+        f: Gradient,
+    ) -> Float[np.ndarray, "joints m"]:
+        return self.motions.pull_back(*craft.pull_back(q, qd, f))
+
+    def _used(
+        self,
+        name: str,
+        q: Float[np.ndarray, "nodes joints"],
+        qd: Float[np.ndarray, "nodes joints"],
+        motions: list[Motion],
+    ) -> tuple[float, Float[np.ndarray, "joints m"]]:
+        """The largest square of the share of a limit, of all robots; its gradient."""
+        uses = np.array([self._use(name, motion) for motion in motions])
+        most, shares = smooth_maximum(uses, LIMITS_POWER)
+        gradient = np.zeros((q.shape[1], self.motions.basis[0].shape[1]))
+        for craft, motion, by_use in zip(self.crafts, motions, shares, strict=True):
+            f = Gradient(motion)
+            self._add_use(f, name, by_use)
+            gradient += self._pulled_back(craft, q, qd, f)
+        return most, gradient
+
+    def _use(self, name: str, motion: Motion) -> Float[np.ndarray, "n uses"]:
+        """The square of the share of a limit, node by node."""
+        if name == "base rate":
+            return (motion.w**2).sum(axis=1, keepdims=True) / self.limits.base_rate**2
+        if name == "wheel speed":
+            return (motion.qd_rw / self.limits.wheel_speed) ** 2
+        # sin^2 of half the angle: (3 - tr R_0^T R) / 4.
+        trace = np.einsum("ij,nij->n", motion.R[0], motion.R)[:, None]
+        return (3 - trace) / 4 / np.sin(self.limits.excursion / 2) ** 2
+
+    def _add_use(
+        self, f: Gradient, name: str, by_use: Float[np.ndarray, "n uses"]
+    ) -> None:
+        motion = f.motion
+        if name == "base rate":
+            f.w += by_use * 2 * motion.w / self.limits.base_rate**2
+        elif name == "wheel speed":
+            by_speed = by_use * 2 * motion.qd_rw / self.limits.wheel_speed**2
+            wheels = self.crafts[0].wheels
+            f.w -= (by_speed * wheels.free) @ wheels.axes.T
+        else:
+            scale = 4 * np.sin(self.limits.excursion / 2) ** 2
+            f.R -= by_use[:, :, None] * motion.R[0] / scale
+
+
+def problem_for(
+    robot: Robot, given: Conditions, objective: Objective, uncertainty: float
+) -> Problem:
+    """What is minimised, for the nominal robot and those that could be the true one.
+
+    Raises:
+        InputError: the objective needs sensors that the robot file does not have.
+    """
+    sets = minimal_sets(robot)
+    at_rest = was_at_rest(robot, given.initial, given.start)
+    return Problem(
+        crafts=tuple(
+            craft_of(each, sets, given.initial, given.start, at_rest)
+            for each in plausible_robots(robot, uncertainty)
+        ),
+        motions=joint_motions(
+            given.start,
+            given.end,
+            given.duration,
+            given.harmonics,
+            given.limits,
+            2 * steps_for(robot, given, objective) + 1,
+        ),
+        limits=given.limits,
+        objective=objective,
+        basis=given.basis or basis_of(sets),
+        sensing=None if objective == "cond" else sensing_of(robot, sets),
+        at_rest=at_rest,
+    )
+
+
+def steps_for(robot: Robot, given: Conditions, objective: Objective) -> int:
+    """Steps that follow the harmonics, the tumbling and the nutation of the base."""
+    sets = minimal_sets(robot)
+    turned = nutation(robot, given.initial, given.start) * given.duration
+    # Twice as many rows as unknowns: fewer would let rounding excite them.
+    pis, betas = sets.pi_of_beta.shape
+    unknowns = pis if objective == "cond" else betas
+    axes = len(sets.regressors.momentum_axes)
+    steps = max(STEPS, A_PERIOD * given.harmonics)
+    if objective != "cond":
+        steps *= FINER_FOR_SENSORS
+    steps = max(steps, ceil(2 * unknowns / axes))
+    return max(steps, min(ceil(turned / STEP_ANGLE), MOST_STEPS))
+
+
+def plausible_robots(robot: Robot, uncertainty: float) -> list[Robot]:
+    """Each body heavier or lighter and longer or shorter, by a factor of its own.
+
+    A body of mass m (1 + e) and size l (1 + f) can exist if the nominal one can, and
+    keeps its CM's axis and its principal axes.
 
     Args:
-        y: coordinates of the joint motion.
-        problem: what stays the same.
-        p: power of the means that stand for extremes.
-        mu: weight of the logarithmic barrier of the base's limits.
+        robot: with the nominal inertia; the first of those returned.
+        uncertainty: standard deviation of e and f.
     """
-    scaled = (problem.scale[:, None] * y).T
-    q, qd = (o + B @ scaled for o, B in zip(problem.offset, problem.per_y, strict=True))
-    shown = shown_along(problem.craft.regressors, q, qd)
-
-    def robot(robot: Robots):
-        motion = float_along(problem.craft, shown, robot.pi, robot.phi, problem.dt)
-        value = log_objective(problem.objective, _spectrum(problem, motion), p)
-        return value, _barrier(problem.limits, motion)
-
-    # One after the other: compiled once, and a search has few of them.
-    values, barriers = jax.lax.map(robot, problem.robots)
-    # The worst robot by the mean of power p, as for eigenvalues.
-    worst = jax.nn.logsumexp(p * values.smooth) / p
-    smooth = worst + mu * barriers.sum()
-    return smooth, Tried(smooth, values.exact.max())
-
-
-_value_and_gradient = jax.value_and_grad(try_motion, has_aux=True)
-# Large problems run faster with XLA's newer fusion, small ones do not.
-_large = jax.jit(_value_and_gradient)
-_small = compiled(_value_and_gradient)
-
-
-def value_and_gradient(
-    y: Float[np.ndarray, "joints m"], problem: Problem, p: float, mu: float
-) -> tuple[float, float, Float[np.ndarray, "joints m"]]:
-    """The smooth value, the exact one, and the gradient of the smooth one."""
-    small = problem.basis.pi_of.size <= SMALL**2
-    function = _small if small else _large
-    (_, tried), gradient = function(y, problem, p, mu)
-    return float(tried.smooth), float(tried.exact), np.asarray(gradient)
-
-
-def _spectrum(problem: Problem, motion: Floating) -> Float[AnyArray, " m"]:
-    if problem.sensing is None:
-        rows = Y_hat(motion, problem.basis.pi_of, problem.craft.at_rest)
-        return log_squared_singular_values(rows)
-    F = information(problem.sensing, motion, problem.dt, problem.craft.at_rest)
-    return log_eigenvalues(F)
-
-
-def _barrier(limits: BaseLimits, motion: Floating) -> Float[AnyArray, ""]:
-    """`-sum log slack`, slack 1 where there is no limit; infinite beyond a limit."""
-    slacks = [
-        1 - (motion.w**2).sum(axis=1) / limits.rate**2,
-        (motion.half_turn - limits.half_turn) / (1 - limits.half_turn),
-        1 - (motion.qd_rw / limits.wheel_speed) ** 2,
-    ]
-    slack = jnp.concatenate([each.ravel() for each in slacks])
-    inside = jnp.where(slack > 0, slack, 1.0)
-    return jnp.where((slack > 0).all(), -jnp.log(inside).sum(), jnp.inf)
+    if uncertainty == 0.0:
+        return [robot]
+    random = np.random.default_rng(0)
+    e, f = uncertainty * random.standard_normal((2, ROBOTS, len(robot.theta)))
+    heavier, longer = np.exp(e), np.exp(f)
+    thetas = np.repeat(robot.theta[None], ROBOTS, axis=0)
+    thetas[:, :, MASS] *= heavier
+    thetas[:, :, FIRST_MOMENT] *= (heavier * longer)[..., None]
+    thetas[:, :, INERTIA] *= (heavier * longer**2)[..., None]
+    return [robot, *(replace(robot, theta=theta) for theta in thetas)]

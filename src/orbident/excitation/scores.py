@@ -1,31 +1,36 @@
 """How good a trajectory is, by every criterion, on the motion it really makes."""
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
-import jax
 import numpy as np
 from jaxtyping import Float
 
-from orbident.compilation import compiled
 from orbident.dynamics.free_floating import FreeFloating
-from orbident.errors import InputError
-from orbident.excitation.floating import (
-    Spacecraft,
-    seen_along,
-    shown_along,
-    spacecraft_of,
+from orbident.excitation.criterion import (
+    Basis,
+    Objective,
+    W_hat,
+    Y_hat,
+    basis_of,
+    log_criterion,
+    spectrum_of,
 )
-from orbident.excitation.hats import Basis, W_hat, Y_hat
-from orbident.excitation.information import Sensing, information, sensing_of
-from orbident.excitation.spectra import Objective, log_eigenvalues, log_objective
+from orbident.excitation.floating import craft_of
+from orbident.excitation.guarantee import floated
+from orbident.excitation.information import (
+    Information,
+    Sensing,
+    sensing_of,
+    weights_of,
+)
 from orbident.excitation.start import was_at_rest
-from orbident.regressors.minimal_sets import MinimalSets, minimal_sets
+from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.description import Robot
-from orbident.spatial.arrays import AnyArray
 from orbident.trajectories.trajectory import Trajectory
 
-# An information matrix whose eigenvalues spread farther does not fix all parameters.
 DETERMINED = 1e-13
+"""Information whose eigenvalues spread farther does not fix all parameters."""
 
 EVERY = 4
 """So many samples of a motion are one of its score."""
@@ -77,24 +82,21 @@ def scores_of(
         basis: of the condition numbers; the automatic one by default.
     """
     sets = minimal_sets(robot)
-    try:
-        sensing = sensing_of(robot, sets)
-    except InputError:
-        sensing = None
     at_rest = was_at_rest(robot, trajectory.initial, trajectory.start)
-    craft = spacecraft_of(robot, sets.regressors, trajectory.initial, at_rest)
-    Y, W, F = _stacked(
-        craft,
-        (sets.pi(robot.theta), sets.phi(robot.theta)),
-        basis or basis_of(sets),
-        sensing,
-        jax.tree.map(
-            lambda history: history[::EVERY],
-            Seen(motion.q, motion.qd, motion.w, motion.attitude, motion.qd_rw),
-        ),
-        motion.t[EVERY] - motion.t[0],
+    craft = craft_of(robot, sets, trajectory.initial, trajectory.start, at_rest)
+    seen = craft.seen(
+        motion.q[::EVERY],
+        motion.qd[::EVERY],
+        motion.w[::EVERY],
+        motion.attitude[::EVERY],
+        float(motion.t[EVERY] - motion.t[0]),
     )
-    F = None if sensing is None or not _determined(F) else np.asarray(F)
+    regressors, basis = sets.regressors, basis or basis_of(sets)
+    Y = Y_hat(seen, basis.pi_of, regressors.momentum_axes, at_rest)
+    W = W_hat(seen, basis.phi_of, regressors.velocity_axes)
+    sensing = sensing_of(robot, sets) if weights_of(robot) else None
+    F = None if sensing is None else Information(sensing, seen, at_rest).F
+    F = None if F is None or not _determined(F) else F
     return Scores(
         cond_Y=_condition(Y),
         cond_Y_normalised=_condition(Y / _norms(Y)),
@@ -107,67 +109,81 @@ def scores_of(
     )
 
 
-def _condition(rows: Float[AnyArray, "m n"]) -> float:
+def _condition(rows: Float[np.ndarray, "m n"]) -> float:
     # Its triangular factor has the same, and is small.
     if rows.shape[1] == 0:
         return 1.0
-    return float(np.linalg.cond(np.linalg.qr(np.asarray(rows), mode="r")))
+    return float(np.linalg.cond(np.linalg.qr(rows, mode="r")))
 
 
-def _norms(rows: Float[AnyArray, "m n"]) -> Float[np.ndarray, " n"]:
-    norms = np.linalg.norm(np.asarray(rows), axis=0)
+def _norms(rows: Float[np.ndarray, "m n"]) -> Float[np.ndarray, " n"]:
+    norms = np.linalg.norm(rows, axis=0)
     return np.where(norms > 0, norms, 1.0)
 
 
-def _value(objective: Objective, F: Float[AnyArray, "n n"]) -> float:
-    return float(np.exp(log_objective(objective, log_eigenvalues(F), 1.0).exact))
+def _value(objective: Objective, F: Float[np.ndarray, "n n"]) -> float:
+    return float(np.exp(log_criterion(objective, spectrum_of(F).l, 1.0).exact))
 
 
-def _determined(F: Float[AnyArray, "u u"]) -> bool:
+def _determined(F: Float[np.ndarray, "u u"]) -> bool:
     eigenvalues = np.linalg.eigvalsh(F)
     return bool(eigenvalues[0] > DETERMINED * eigenvalues[-1])
 
 
-def basis_of(sets: MinimalSets) -> Basis:
-    """The automatic parameters themselves."""
-    return Basis(np.eye(sets.pi_of_beta.shape[0]), np.eye(sets.base.sigmas))
-
-
-class Seen(NamedTuple):
-    """What of a motion is scored."""
-
-    q: Float[AnyArray, "n joints"]
-    qd: Float[AnyArray, "n joints"]
-    w: Float[AnyArray, "n 3"]
-    x_WB: Float[AnyArray, "n 4"]
-    qd_rw: Float[AnyArray, "n wheels"]
-
-
-@compiled
-def _stacked(
-    craft: Spacecraft,
-    pi_phi: tuple[Float[AnyArray, " pi"], Float[AnyArray, " phi"]],
-    basis: Basis,
-    sensing: Sensing | None,
-    seen: Seen,
-    dt: float | Float[AnyArray, ""],
-):
-    """`Y-hat`, `W-hat` and the information."""
-    shown = shown_along(craft.regressors, seen.q, seen.qd)
-    w = seen.w[:, craft.regressors.momentum_axes]
-    motion = seen_along(craft, shown, pi_phi, w, seen.x_WB, seen.qd_rw)
-    F = None if sensing is None else information(sensing, motion, dt, craft.at_rest)
-    return (
-        Y_hat(motion, basis.pi_of, craft.at_rest),
-        W_hat(motion, basis.phi_of),
-        F,
-    )
-
-
-def _deviations(sensing: Sensing, F: Float[AnyArray, "u u"]) -> Deviations:
-    C = np.linalg.inv(np.asarray(F))
+def _deviations(sensing: Sensing, F: Float[np.ndarray, "u u"]) -> Deviations:
+    C = np.linalg.inv(F)
     beta, pi, phi = (
         np.sqrt(np.einsum("ij,jk,ik->i", J, C, J))
         for J in (sensing.beta_of, sensing.pi_of, sensing.phi_of)
     )
     return Deviations(float(beta[0]), pi, phi)
+
+
+class Comparison(NamedTuple):
+    """What each trajectory promises; the smaller, the better."""
+
+    sources: tuple[str, ...]
+    scores: tuple[Scores, ...]
+    parameters: tuple[str, ...]
+    """`M`, `pi_1` .., `phi_1` .., automatic basis."""
+    nominal: Float[np.ndarray, " parameters"]
+    deviations: Float[np.ndarray, "trajectories parameters"]
+    """Predicted standard deviations; NaN where not all is determined."""
+
+
+def compare(
+    robot: Robot, trajectories: Sequence[Trajectory], basis: Basis | None = None
+) -> Comparison:
+    """Score each trajectory, with the nominal inertia and the robot file's sensors.
+
+    Args:
+        robot: with its nominal inertia.
+        trajectories: each with its initial state.
+        basis: of the condition numbers; the automatic one by default.
+
+    Raises:
+        InputError: a trajectory is not for this robot, or the base turns too fast.
+    """
+    sets = minimal_sets(robot)
+    pi, phi = sets.pi(robot.theta), sets.phi(robot.theta)
+    names = ["M"]
+    names += [f"pi_{i + 1}" for i in range(pi.size)]
+    names += [f"phi_{i + 1}" for i in range(phi.size)]
+    scores, deviations = [], []
+    for trajectory in trajectories:
+        ordered = trajectory.for_robot(robot)
+        score = scores_of(robot, ordered, floated(robot, ordered), basis)
+        scores.append(score)
+        std = score.deviations
+        deviations.append(
+            np.full(len(names), np.nan)
+            if std is None
+            else np.concatenate([[std.mass], std.pi, std.phi])
+        )
+    return Comparison(
+        sources=tuple(trajectory.source for trajectory in trajectories),
+        scores=tuple(scores),
+        parameters=tuple(names),
+        nominal=np.concatenate([[robot.mass], pi, phi]),
+        deviations=np.array(deviations),
+    )

@@ -2,22 +2,20 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
-import jax
 import numpy as np
 from jaxtyping import Float
 
-from orbident.compilation import compiled
 from orbident.errors import InputError
 from orbident.robot.description import Robot
-from orbident.trajectories.fourier_quintic import fourier_quintic
+from orbident.trajectories.fourier_quintic import FourierQuintic
 
 QUATERNION_TOLERANCE = 0.1
 """Printed quaternions are rounded: that of Table 3 has norm 1.0024."""
 
 _ROUNDING = 1e-9
-_evaluate = compiled(fourier_quintic)
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,8 +105,6 @@ class Trajectory:
     ]:
         """Positions, rates and accelerations at these times (Eq. 41).
 
-        In float64 whatever the process has configured.
-
         Args:
             t: Times, s, within [0, duration].
 
@@ -126,12 +122,14 @@ class Trajectory:
                 f"{self.source}: asked for t = {t[outside[0]]} s; "
                 f"it is defined from 0 to {self.duration} s"
             )
-        with jax.enable_x64(True):
-            histories = _evaluate(
-                self.a, self.b, self.start, self.end, float(self.duration), t
-            )
-            q, qd, qdd = (np.asarray(history) for history in histories)
-        return q, qd, qdd
+        return self.motion.at(t)
+
+    @cached_property
+    def motion(self) -> FourierQuintic:
+        """The same joint motions as functions, with derivatives of any order."""
+        return FourierQuintic(
+            self.a, self.b, self.start, self.end, float(self.duration)
+        )
 
     def for_robot(self, robot: Robot) -> "Trajectory":
         """The same trajectory with its rows in the order of the robot's joints.

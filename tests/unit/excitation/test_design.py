@@ -1,17 +1,19 @@
 """Whole designs, small ones: planar, few starts."""
 
+import time
 from dataclasses import replace
 from typing import Any
 
 import jaxtyping
 import numpy as np
 import pytest
+from random_robots import random_robot, random_wheels
 
 from orbident.errors import InputError
-from orbident.excitation.conditions import conditions_for
-from orbident.excitation.design import design_excitation
-from orbident.excitation.limits import limits_of
-from orbident.excitation.plausible import plausible_thetas
+from orbident.excitation import search
+from orbident.excitation.conditions import conditions_for, limits_of
+from orbident.excitation.design import design_excitation, usual_objective
+from orbident.excitation.problem import STEPS, plausible_robots, steps_for
 from orbident.excitation.start import was_at_rest
 from orbident.robot.parameters import inertia_about_com
 from orbident.robot.physical import nonphysical
@@ -99,6 +101,44 @@ def test_an_interrupt_keeps_the_best(emulator, case):
 
     made = made_for(emulator, conditions=case.conditions, progress=interrupted)
     assert made["starts"] == 1
+    assert made["interrupted"]
+
+
+def test_search_and_truth_agree_where_the_base_nutates():
+    """Strong wheels on a light base: 64 steps would miss the nutation altogether."""
+    wheels = random_wheels(0, ("held", "held", "held"))
+    robot = random_robot(0, (0, 1), wheels=wheels, base=1.0)
+    joints = tuple(
+        replace(joint, position=(-2.0, 2.0), velocity=0.5) for joint in robot.joints
+    )
+    robot = replace(robot, joints=joints)
+    given = conditions_for(robot, 30.0, 2)
+    assert steps_for(robot, given, "cond") > 2 * STEPS
+    made = made_for(robot, objective="cond", conditions=given, starts=2)
+    assert made["value"] == pytest.approx(made["searched_value"], rel=0.02)
+    assert made["value"] < made["best_random_start"]
+
+
+def test_never_worse_than_a_random_motion(emulator, case, monkeypatch):
+    """Even if descents were in vain."""
+    monkeypatch.setattr(search, "_descend", lambda *_: None)
+    made = made_for(emulator, conditions=case.conditions, starts=3)
+    assert made["value"] == made["best_random_start"]
+
+
+def test_a_budget_is_kept(emulator, case):
+    started = time.perf_counter()
+    made = made_for(emulator, conditions=case.conditions, budget=8.0)
+    assert time.perf_counter() - started < 1.2 * 8.0
+    assert made["starts"] > 1
+
+
+def test_the_usual_objective(emulator, case):
+    """`d` where sensors are declared; a basis is named for its condition number."""
+    usual = conditions_for(emulator, 20.0)
+    assert usual_objective(emulator, usual) == "d"
+    assert usual_objective(replace(emulator, sensors={}), usual) == "cond"
+    assert usual_objective(emulator, case.conditions) == "cond"
 
 
 def test_usual_conditions_start_spun_up(emulator):
@@ -108,7 +148,7 @@ def test_usual_conditions_start_spun_up(emulator):
 
 
 def test_plausible_robots_can_exist(servicer):
-    thetas = plausible_thetas(servicer.theta, 0.2)
+    thetas = np.array([each.theta for each in plausible_robots(servicer, 0.2)])
     np.testing.assert_array_equal(thetas[0], servicer.theta)
     for theta in thetas:
         for body, theta_i in zip(servicer.bodies, theta, strict=True):

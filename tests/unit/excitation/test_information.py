@@ -2,15 +2,13 @@
 
 from dataclasses import replace
 
-import jax
 import numpy as np
 import pytest
 
 from orbident.dynamics.free_floating import BaseState, free_floating
-from orbident.dynamics.tree import tree_of
 from orbident.errors import InputError
-from orbident.excitation.floating import seen_along, shown_along, spacecraft_of
-from orbident.excitation.information import information, sensing_of
+from orbident.excitation.floating import craft_of
+from orbident.excitation.information import Information, sensing_of
 from orbident.model.inertia import inertia
 from orbident.model.minimal_sets import minimal_sets
 from orbident.model.rotations import quaternion_matrix
@@ -31,15 +29,12 @@ def motion(servicer, table_2):
     return free_floating(servicer, table_2, np.linspace(0.0, 80.0, NODES), start)
 
 
-inertias = jax.jit(jax.vmap(inertia, (None, None, 0)))
-
-
 def predicted(robot, motion, theta):
     """`w` and `R_0^T (v_S - v_cm)` with the momentum and attitude of the motion."""
     h_rw = wheels_of(robot).A_rw @ motion.qd_rw[0]
-    at = inertias(tree_of(robot), theta, motion.q)
-    R = np.asarray(quaternion_matrix(motion.attitude))
-    D, D_q, r_cm, J_cm = (np.asarray(x) for x in (at.D, at.D_q, at.r_cm, at.J_cm))
+    at = inertia(replace(robot, theta=theta), motion.q)
+    R = quaternion_matrix(motion.attitude)
+    D, D_q, r_cm, J_cm = at.D, at.D_q, at.r_cm, at.J_cm
     h_B = np.einsum("nji,j->ni", R, motion.h_cm)
     h_q = np.einsum("nij,nj->ni", D_q, motion.qd)
     w = np.linalg.solve(D, (h_B - h_rw - h_q)[..., None])[..., 0]
@@ -61,20 +56,18 @@ def test_the_gyro_and_the_accelerometer(servicer, table_2, motion):
     sets = minimal_sets(servicer)
     sensing = sensing_of(servicer, sets)
     dt = motion.t[1]
-    craft = spacecraft_of(servicer, sets.regressors, table_2.initial, at_rest=False)
-    shown = jax.jit(shown_along)(sets.regressors, motion.q, motion.qd)
-    pi_phi = sets.pi(servicer.theta), sets.phi(servicer.theta)
-    seen = seen_along(craft, shown, pi_phi, motion.w, motion.attitude, motion.qd_rw)
-    ours = np.asarray(information(sensing, seen, dt, at_rest=False))
+    craft = craft_of(servicer, sets, table_2.initial, table_2.start, at_rest=False)
+    seen = craft.seen(motion.q, motion.qd, motion.w, motion.attitude, dt)
+    ours = Information(sensing, seen, at_rest=False).F
 
     # A theta for every change of the unknowns, and what it does to w and v_S.
     thetas = (sets.base.theta_of @ sensing.beta_of).T.reshape(-1, *servicer.theta.shape)
     dw, dv = zip(*(differences(servicer, motion, each) for each in thetas), strict=True)
     dw, dv = np.stack(dw, axis=-1), np.stack(dv, axis=-1)
-    R = np.asarray(quaternion_matrix(motion.attitude))
-    at = inertias(tree_of(servicer), servicer.theta, motion.q)
-    dw_h = np.linalg.solve(np.asarray(at.D), np.swapaxes(R, 1, 2))
-    dv_h = R @ np.cross(np.asarray(at.r_cm)[:, :, None], dw_h, axis=1)
+    R = quaternion_matrix(motion.attitude)
+    at = inertia(servicer, motion.q)
+    dw_h = np.linalg.solve(at.D, np.swapaxes(R, 1, 2))
+    dv_h = R @ np.cross(at.r_cm[:, :, None], dw_h, axis=1)
     gyro = np.sqrt(sensing.weights["gyro"] * dt)
     accelerometer = np.sqrt(sensing.weights["accelerometer"] / dt)
     one, none = np.broadcast_to(np.eye(3), R.shape), np.zeros_like(R)

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
+from orbident.excitation.conditions import limits_of
 from orbident.excitation.joint_motions import joint_motions
-from orbident.excitation.limits import limits_of
 from orbident.robot.robot_file import load_robot
 from orbident.trajectories.trajectory import Trajectory
 
@@ -54,7 +54,21 @@ def test_coordinates_come_back(motions):
     np.testing.assert_allclose(back, y, rtol=0, atol=ROUNDING)
 
 
-def test_every_so_many_nodes(motions):
-    coarse = motions.every(4)
-    assert coarse.t.size == 51
-    np.testing.assert_array_equal(coarse.basis[0], motions.basis[0][::4])
+def test_the_same_motions_at_other_times(motions):
+    coarse = motions.resampled(51)
+    np.testing.assert_allclose(coarse.t, motions.t[::4], rtol=0, atol=ROUNDING)
+    for fewer, all_of_them in zip(coarse.basis, motions.basis, strict=True):
+        np.testing.assert_allclose(fewer, all_of_them[::4], rtol=0, atol=ROUNDING)
+
+
+def test_gradients_are_those_of_the_motion(motions):
+    """`<by, along(y)>` is linear in `y`: its gradient gives it back."""
+    random = np.random.default_rng(3)
+    y = random.standard_normal((2, 2 * HARMONICS))
+    by = random.standard_normal((2, NODES, 2))
+    moved = [
+        history - offset
+        for history, offset in zip(motions.along(y), motions.offset[:2], strict=True)
+    ]
+    expected = sum((b * x).sum() for b, x in zip(by, moved, strict=True))
+    assert (motions.pull_back(*by) * y).sum() == pytest.approx(expected, rel=1e-11)

@@ -1,4 +1,3 @@
-import jax
 import jaxtyping
 import numpy as np
 import pytest
@@ -63,15 +62,6 @@ def test_rates_against_finite_differences():
         difference = (after[order] - before[order]) / (2 * h)
         # h^2/6 of the third derivative, and 1e-15/h of rounding.
         np.testing.assert_allclose(difference, at[order + 1], atol=1e-9)
-
-
-def test_is_float64_in_a_float32_process():
-    t = np.linspace(0.0, 80.0, 5)
-    with jax.enable_x64(False):
-        q, _, _ = table_2().at(t)
-        assert jax.numpy.zeros(1).dtype == np.float32
-    with jax.enable_x64(True):
-        np.testing.assert_array_equal(q, table_2().at(t)[0])
 
 
 def test_no_joints():

@@ -7,16 +7,18 @@ from jaxtyping import Float
 
 from orbident.dynamics.free_floating import BaseState, FreeFloating, free_floating
 from orbident.errors import InputError
-from orbident.excitation.base_extremes import BaseExtremes, base_extremes_of
-from orbident.excitation.conditions import Conditions
-from orbident.excitation.extremes import Derivatives, Extremes, extremes_of
+from orbident.excitation.conditions import Conditions, Limits
+from orbident.excitation.extremes import (
+    NODES,
+    BaseExtremes,
+    Extremes,
+    base_extremes_of,
+    extremes_of,
+)
 from orbident.excitation.joint_motions import JointMotions
-from orbident.excitation.limits import Limits
-from orbident.precision import in_float64
 from orbident.robot.description import Robot
 from orbident.trajectories.trajectory import Trajectory
 
-NODES = 4001
 ACCURATE = 1e-6
 """Of the attitude, rad: bounds and scores need no more."""
 
@@ -79,7 +81,6 @@ def proven_within(
     raise InputError(f"limits: {broken}; raise the limit, or give more time")
 
 
-@in_float64
 def floated(robot: Robot, trajectory: Trajectory) -> FreeFloating:
     """The motion that the trajectory makes, at times close to each other.
 
@@ -98,7 +99,7 @@ def floated(robot: Robot, trajectory: Trajectory) -> FreeFloating:
         initial.wheel_speeds(robot.wheel_names),
     )
     t = np.linspace(0.0, trajectory.duration, NODES)
-    return free_floating(robot, Derivatives(trajectory), t, start, ACCURATE)
+    return free_floating(robot, trajectory.motion, t, start, ACCURATE)
 
 
 def _broken_by_joints(joints: Extremes, limits: Limits) -> str:

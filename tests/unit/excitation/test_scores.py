@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from orbident.estimation.identify import identify
-from orbident.excitation.comparison import compare
+from orbident.excitation.scores import compare
 from orbident.sensing.simulate import simulate
 from orbident.studies.exciting import paper_case
 

@@ -8,11 +8,12 @@ from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
+from scipy.linalg import block_diag
 from scipy.optimize import linprog
 
 from orbident.errors import InputError
+from orbident.excitation.conditions import Limits
 from orbident.excitation.joint_motions import JointMotions
-from orbident.excitation.limits import Limits
 
 # Kept back from the limits: between nodes a motion goes a little beyond its nodes.
 KEPT_BACK = 5e-4
@@ -24,6 +25,11 @@ class Polytope(NamedTuple):
 
     normals: Float[np.ndarray, "joints rows m"]
     room: Float[np.ndarray, "joints rows"]
+
+    @property
+    def rows(self) -> Float[np.ndarray, "all_rows all_m"]:
+        """The normals as one matrix, over the coordinates of all joints in turn."""
+        return np.asarray(block_diag(*self.normals))
 
     def slack(self, y: Float[np.ndarray, "joints m"]) -> Float[np.ndarray, "joints r"]:
         """How far each limit is; above zero inside."""

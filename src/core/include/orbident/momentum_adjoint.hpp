@@ -1,0 +1,157 @@
+// The gradient of a scalar f(S, P, A) of one sample's momentum columns, by the reverse pass.
+//
+// Given df/dS, df/dP and df/dA, each body has a gradient with respect to a small rotation and
+// displacement of its frame, gathered as the wrench (moment about S, force)
+//
+//   turn_i = (sum_j r_j x df/dr_j + d x df/dd,  df/dd),   rate_i = (df/dw, df/du),
+//
+// where r_j are the columns of R_i. Joint k displaces all that it carries by its field (w_k, u_k), and
+// turns their fields with it; with sums over all that k carries,
+//
+//   df/dqd_k = (w_k, u_k) . rate
+//   df/dq_k  = (w_k, u_k) . (turn + sum_j qd_j (w_j x rate_j.w + u_j x rate_j.u,  w_j x rate_j.u)).
+#pragma once
+
+#include "orbident/inertia.hpp"
+#include "orbident/regressors.hpp"
+
+namespace orbident {
+
+// df/dS, df/dP and df/dA of one body's columns.
+template <class T>
+struct ColumnGradients {
+  Eigen::Matrix<T, 3, PER_BODY> S, P, A;
+};
+
+// Memory of one reverse pass; the caller's.
+template <class T>
+struct Wrenches {
+  Motion<T>* turn;  // bodies; w the moment about S, u the force
+  Motion<T>* rate;  // bodies
+};
+
+// The wrenches of one body.
+template <class T>
+void body_wrenches(const ColumnGradients<T>& f, const Pose<T>& pose, const Motion<T>& motion,
+                   Motion<T>& turn, Motion<T>& rate) {
+  // Where the entry (a, b) of the inertia stands in theta_i.
+  constexpr int ENTRY[3][3] = {{4, 5, 7}, {5, 6, 8}, {7, 8, 9}};
+  const Vector3<T>&d = pose.d, &w = motion.w;
+  const Vector3<T> v = motion.u + w.cross(d), y = pose.R.transpose() * w;
+  Vector3<T> f_d = f.S.col(0) + v.cross(f.A.col(0));
+  Vector3<T> f_v = f.P.col(0) + f.A.col(0).cross(d);
+  Vector3<T> f_w = Vector3<T>::Zero(), moment = Vector3<T>::Zero();
+  for (int j = 0; j < 3; ++j) {
+    const Vector3<T> r = pose.R.col(j), a = f.A.col(1 + j);
+    // P: w x r, A: d x (w x r) + r x v, S: r.
+    const Vector3<T> f_wr = f.P.col(1 + j) + a.cross(d);
+    Vector3<T> f_r = f_wr.cross(w) + v.cross(a) + f.S.col(1 + j);
+    f_w += r.cross(f_wr);
+    f_d += w.cross(r).cross(a);
+    f_v += a.cross(r);
+    // A: sum_ab J_ab r_a y_b with y = R^T w.
+    T f_y = T(0);
+    for (int b = 0; b < 3; ++b) {
+      const Vector3<T> f_J = f.A.col(ENTRY[j][b]);
+      f_r += f_J * y[b];
+      f_y += f_J.dot(pose.R.col(b));
+    }
+    f_r += f_y * w;
+    f_w += f_y * r;
+    moment += r.cross(f_r);
+  }
+  // v = u + w x d.
+  f_d += f_v.cross(w);
+  turn = {moment + d.cross(f_d), f_d};
+  rate = {f_w + d.cross(f_v), f_v};
+}
+
+// Adds df/dq and df/dqd, and returns df/dw; f(i) gives the ColumnGradients of body i.
+template <class T, class F>
+Vector3<T> momentum_adjoint(const Tree& tree, const Pose<T>* pose, const Motion<T>* field,
+                            const Motion<T>* motion, const T* qd, F&& f, Wrenches<T>& at, T* f_q,
+                            T* f_qd) {
+  for (int i = 0; i < tree.bodies(); ++i)
+    body_wrenches<T>(f(i), pose[i], motion[i], at.turn[i], at.rate[i]);
+  for (int k = tree.joints - 1; k >= 0; --k) {
+    const Motion<T>&S = field[k], &rate = at.rate[k + 1];
+    Motion<T>& turn = at.turn[k + 1];
+    turn.w += qd[k] * (S.w.cross(rate.w) + S.u.cross(rate.u));
+    turn.u += qd[k] * S.w.cross(rate.u);
+    f_q[k] += S.w.dot(turn.w) + S.u.dot(turn.u);
+    f_qd[k] += S.w.dot(rate.w) + S.u.dot(rate.u);
+    const int parent = tree.joint[k].parent;
+    at.turn[parent].w += turn.w;
+    at.turn[parent].u += turn.u;
+    at.rate[parent].w += rate.w;
+    at.rate[parent].u += rate.u;
+  }
+  return at.rate[0].w;
+}
+
+// Column gradients of a . h_rs + r . r_cm, with h_rs = A theta - (S theta) x (P theta) / M and
+// r_cm = S theta / M: of rank one.
+template <class T>
+struct MomentumGradients {
+  Vector3<T> S, P, A;
+  const double* theta;
+
+  MomentumGradients(const Vector3<T>& a, const Vector3<T>& r, const Mass<T>& all,
+                    const Vector3<T>& p, const double* theta_)
+      : S((a.cross(p) + r) / all.m), P(all.s.cross(a) / all.m), A(a), theta(theta_) {}
+  ColumnGradients<T> operator()(int i) const {
+    const auto theta_i =
+        Eigen::Map<const Eigen::Matrix<double, 1, PER_BODY>>(theta + PER_BODY * i)
+            .template cast<T>();
+    return {S * theta_i, P * theta_i, A * theta_i};
+  }
+};
+
+// Adds X B^T for a sparse B.
+template <class T, class In>
+void add_product_transposed(const In& X, const Sparse& B, Rows3<T>& result) {
+  for (int c = 0; c < B.columns; ++c)
+    for (int k = B.first[c]; k < B.first[c + 1]; ++k)
+      result.col(B.row[k]) += X.col(c) * T(B.value[k]);
+}
+
+// Memory for the gradient of the regressors; the caller's.
+template <class T>
+struct RegressorGradients {
+  Rows3<T> S_sigma, P_sigma, f_S_sigma, f_P_sigma;  // 3 x phi
+  Rows3<T> f_S, f_P, f_A;                           // 3 x theta
+
+  ColumnGradients<T> operator()(int i) const {
+    return {f_S.template middleCols<PER_BODY>(PER_BODY * i),
+            f_P.template middleCols<PER_BODY>(PER_BODY * i),
+            f_A.template middleCols<PER_BODY>(PER_BODY * i)};
+  }
+};
+
+// From df/dY and df/dW to df/dS, df/dP and df/dA.
+template <class T, class Given>
+void regressor_gradients(const MinimalSets& sets, const Rows3<T>& S, const Rows3<T>& P,
+                         const Given& f_Y, const Given& f_W, RegressorGradients<T>& at) {
+  product<T>(S, sets.theta_of_sigma, at.S_sigma);
+  product<T>(P, sets.theta_of_sigma, at.P_sigma);
+  at.f_S_sigma.setZero();
+  at.f_P_sigma = -f_W;
+  for (int k = 0; k < sets.products; ++k) {
+    const int a = sets.pair[2 * k], b = sets.pair[2 * k + 1];
+    const Vector3<T> f = (a == b ? T(-0.5) : T(-1)) * f_Y.col(sets.theta_of_linear.columns + k);
+    const Vector3<T> S_a = at.S_sigma.col(a), S_b = at.S_sigma.col(b);
+    const Vector3<T> P_a = at.P_sigma.col(a), P_b = at.P_sigma.col(b);
+    at.f_S_sigma.col(a) += P_b.cross(f);
+    at.f_P_sigma.col(b) += f.cross(S_a);
+    at.f_S_sigma.col(b) += P_a.cross(f);
+    at.f_P_sigma.col(a) += f.cross(S_b);
+  }
+  at.f_S.setZero();
+  at.f_P.setZero();
+  at.f_A.setZero();
+  add_product_transposed<T>(at.f_S_sigma, sets.theta_of_sigma, at.f_S);
+  add_product_transposed<T>(at.f_P_sigma, sets.theta_of_sigma, at.f_P);
+  add_product_transposed<T>(f_Y, sets.theta_of_linear, at.f_A);
+}
+
+}  // namespace orbident

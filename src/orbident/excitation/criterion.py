@@ -1,0 +1,161 @@
+"""What is made small: one number from the information in a motion, with its gradient.
+
+    cond   the condition number of `Y-hat` (Eq. 24)
+    d      exp(-mean(l) / 2), the geometric mean of the standard deviations
+    a      sqrt(mean(exp(-l))), their root mean square
+    e      exp(-min l / 2), the largest
+
+with `l` the logarithms of the eigenvalues of the information matrix. The search works
+on the logarithm. Extreme eigenvalues are not smooth where they meet, and at an optimum
+they do; generalised means of power `p` stand for them: never below, and the same for
+`p = inf`.
+"""
+
+from typing import Literal, NamedTuple, get_args
+
+import numpy as np
+from jaxtyping import Float
+
+from orbident.excitation.floating import Gradient, Motion
+from orbident.model.minimal_sets import MinimalSets
+
+Objective = Literal["cond", "d", "a", "e"]
+OBJECTIVES: tuple[Objective, ...] = get_args(Objective)
+
+SMALLEST = 1e-30
+"""Below any eigenvalue that is more than rounding; keeps the logarithm finite."""
+
+
+class Basis(NamedTuple):
+    """Which parameters the columns of `Y` and `W` belong to."""
+
+    pi_of: Float[np.ndarray, "pi basis_pi"]
+    """The automatic `pi` is this times the one in use: its columns are `Y pi_of`."""
+    phi_of: Float[np.ndarray, "phi basis_phi"]
+
+
+def basis_of(sets: MinimalSets) -> Basis:
+    """The automatic parameters themselves."""
+    return Basis(np.eye(sets.pi_of_beta.shape[0]), np.eye(sets.base.sigmas))
+
+
+class LogValue(NamedTuple):
+    """The logarithm of a criterion, to be minimised."""
+
+    smooth: float
+    exact: float
+    by_l: Float[np.ndarray, " n"]
+    """The gradient of the smooth value with respect to `l`."""
+
+
+def log_criterion(
+    objective: Objective, l: Float[np.ndarray, " n"], p: float
+) -> LogValue:
+    """The logarithm of a criterion of the eigenvalues of an information matrix.
+
+    Args:
+        objective: which.
+        l: logarithms of the eigenvalues, ascending.
+        p: the greater, the closer to the extreme eigenvalues.
+    """
+    if objective == "d":
+        value = float(-l.mean() / 2)
+        return LogValue(value, value, np.full(l.size, -0.5 / l.size))
+    if objective == "a":
+        most, shares = smooth_maximum(-l, 1.0)
+        value = (most - float(np.log(l.size))) / 2
+        return LogValue(value, value, -shares / 2)
+    low, by_low = smooth_maximum(-l, p)
+    if objective == "e":
+        return LogValue(low / 2, float(-l[0]) / 2, -by_low / 2)
+    high, by_high = smooth_maximum(l, p)
+    exact = float(l[-1] - l[0]) / 2
+    return LogValue((high + low) / 2, exact, (by_high - by_low) / 2)
+
+
+def smooth_maximum(
+    x: Float[np.ndarray, "*n"], p: float
+) -> tuple[float, Float[np.ndarray, "*n"]]:
+    """`log (sum exp(x)^p)^(1/p)`, and its gradient: never below the greatest."""
+    greatest = x.max()
+    shares = np.exp(p * (x - greatest))
+    whole = shares.sum()
+    return float(greatest + np.log(whole) / p), shares / whole
+
+
+def Y_hat(
+    motion: Motion,
+    pi_of: Float[np.ndarray, "pi m"],
+    axes: tuple[int, ...],
+    at_rest: bool,
+) -> Float[np.ndarray, "rows m"]:
+    """`R_0 Y - (R_0 Y)_in`, inertial axes (Eq. 24).
+
+    Args:
+        motion: of the robot.
+        pi_of: the parameters in use.
+        axes: in which angular momentum is conserved.
+        at_rest: all was at rest before the wheels spun up, so `Y_in = 0` (Eq. 26).
+    """
+    RY = rotations(motion, axes) @ (motion.Y @ pi_of)
+    RY = RY if at_rest else RY - RY[0]
+    return RY.reshape(-1, RY.shape[-1])
+
+
+def W_hat(
+    motion: Motion, phi_of: Float[np.ndarray, "phi m"], axes: tuple[int, ...]
+) -> Float[np.ndarray, "rows m"]:
+    """`[W, R_0^T]` with the velocity of the CM eliminated (Eq. 31), inertial axes."""
+    # R_0 [W, R_0^T] = [R_0 W, 1]: a constant is what the mean takes away.
+    RW = rotations(motion, axes) @ (motion.W @ phi_of)
+    RW = RW - RW.mean(axis=0)
+    return RW.reshape(-1, RW.shape[-1])
+
+
+def rotations(motion: Motion, axes: tuple[int, ...]) -> Float[np.ndarray, "n h h"]:
+    """`R_WB` of some axes."""
+    return motion.R[:, axes][:, :, axes]
+
+
+class Spectrum(NamedTuple):
+    """Logarithms of eigenvalues, ascending, and their vectors."""
+
+    l: Float[np.ndarray, " n"]
+    vectors: Float[np.ndarray, "n n"]
+    """In the rows."""
+
+
+def spectrum_of_rows(rows: Float[np.ndarray, "m n"]) -> Spectrum:
+    """Of `rows^T rows`, by the singular values, whose digits it would halve."""
+    _, s, Vt = np.linalg.svd(np.linalg.qr(rows, mode="r"))
+    return Spectrum(2 * np.log(np.maximum(s[::-1], SMALLEST)), Vt[::-1])
+
+
+def spectrum_of(F: Float[np.ndarray, "n n"]) -> Spectrum:
+    """Of a symmetric matrix."""
+    s, V = np.linalg.eigh(F)
+    return Spectrum(np.log(np.maximum(s, SMALLEST)), V.T)
+
+
+def by_matrix(
+    spectrum: Spectrum, by_l: Float[np.ndarray, " n"]
+) -> Float[np.ndarray, "n n"]:
+    """The gradient with respect to the matrix, from that with respect to `l`."""
+    V = spectrum.vectors
+    return (V.T * (by_l * np.exp(-spectrum.l))) @ V
+
+
+def add_Y_hat(
+    f: Gradient,
+    by_rows: Float[np.ndarray, "rows m"],
+    pi_of: Float[np.ndarray, "pi m"],
+    axes: tuple[int, ...],
+    at_rest: bool,
+) -> None:
+    """Adds the gradient, from that with respect to `Y-hat`."""
+    by_RY = by_rows.reshape(len(f.motion.Y), len(axes), -1) @ pi_of.T
+    if not at_rest:
+        by_RY[0] -= by_RY.sum(axis=0)
+    R = rotations(f.motion, axes)
+    f.Y += np.swapaxes(R, 1, 2) @ by_RY
+    f.R[np.ix_(range(len(R)), axes, axes)] += by_RY @ np.swapaxes(f.motion.Y, 1, 2)

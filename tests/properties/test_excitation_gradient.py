@@ -1,0 +1,97 @@
+"""The gradient of the criterion and of the limits, on any tree, by differences."""
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from random_robots import random_planar_robot, random_robot, random_wheels
+
+from orbident.excitation.conditions import Conditions, conditions_for
+from orbident.excitation.criterion import Objective
+from orbident.excitation.problem import problem_for
+from orbident.robot.description import Robot
+
+STEP = 1e-3
+"""Of the criterion, which is smooth; rounding of information is 1e-10."""
+
+LIMITS_STEP = 1e-6
+"""Of the largest use of a limit, which bends where another node uses more of it."""
+
+
+class Recipe(NamedTuple):
+    """Any tree, wheel modes and objective; made into a robot in the test."""
+
+    seed: int
+    planar: bool
+    sliding: tuple[int, ...]
+    massless: bool
+    uncertainty: float
+    objective: Objective
+
+    def robot(self) -> Robot:
+        make = random_planar_robot if self.planar else random_robot
+        wheels = random_wheels(self.seed, ("held", "free"))
+        robot = make(self.seed, (0, 1, 0), self.sliding, wheels)
+        joints = tuple(
+            replace(joint, position=None, velocity=1.0) for joint in robot.joints
+        )
+        theta = robot.theta.copy()
+        if self.massless:
+            theta[2] = 0.0
+        sensors = {
+            "rate": 10.0,
+            "gyro": {"angle_random_walk": 1e-4},
+            "accelerometer": {"velocity_random_walk": 1e-3},
+            "attitude": {"angle": 1e-3},
+            "position": {"std": 1e-3},
+        }
+        return replace(robot, joints=joints, theta=theta, sensors=sensors)
+
+    def conditions(self, robot: Robot) -> Conditions:
+        given = conditions_for(robot, 5.0, 2)
+        rate = 2 * float(np.linalg.norm(given.initial.angular_velocity)) + 1.0
+        limits = replace(given.limits, base_rate=rate, excursion=2.0, wheel_speed=250.0)
+        return replace(given, limits=limits)
+
+
+recipes = st.builds(
+    Recipe,
+    seed=st.integers(0, 999),
+    planar=st.booleans(),
+    sliding=st.sampled_from([(), (1,), (0, 2)]),
+    massless=st.booleans(),
+    uncertainty=st.sampled_from([0.0, 0.1]),
+    objective=st.sampled_from(["cond", "d", "a"]),
+)
+
+
+@settings(max_examples=15, deadline=None)
+@given(recipes)
+def test_gradients_by_differences(recipe):
+    robot = recipe.robot()
+    problem = problem_for(
+        robot, recipe.conditions(robot), recipe.objective, recipe.uncertainty
+    )
+    random = np.random.default_rng(recipe.seed)
+    shape = len(robot.joints), problem.motions.basis[0].shape[1]
+    y, direction = 0.3 * random.standard_normal((2, *shape))
+
+    def differences(step: float) -> np.ndarray:
+        more, less = (problem.tried(y + s * step * direction, 4.0) for s in (1, -1))
+        return np.append(more.smooth - less.smooth, more.used - less.used) / (2 * step)
+
+    def extrapolated(step: float) -> np.ndarray:
+        # Richardson: what is left of the truncation is of fourth order.
+        return (4 * differences(step / 2) - differences(step)) / 3
+
+    expected = np.append(extrapolated(STEP)[0], extrapolated(LIMITS_STEP)[1:])
+    tried = problem.tried(y, 4.0)
+    found = np.append(
+        (tried.gradient * direction).sum(),
+        (tried.used_gradient * direction).sum(axis=(1, 2)),
+    )
+    # Eigenvalues of the information spread over 1e10: six digits are left.
+    assert found == pytest.approx(expected, rel=1e-6, abs=1e-7)
