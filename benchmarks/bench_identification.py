@@ -10,7 +10,6 @@ from orbident.estimation.identify import identify
 from orbident.estimation.least_squares import fit
 from orbident.estimation.mass import mass_of
 from orbident.model.minimal_sets import minimal_sets
-from orbident.precision import in_float64
 from orbident.sensing.simulate import simulate
 from orbident.signals.samples import samples_of
 
@@ -56,7 +55,7 @@ def bench_identify(benchmark, record, robot, recording):
 def bench_least_squares(benchmark, record, robot, recording):
     """Samples to parameters and mass, without screening, clocks and words."""
     sets = minimal_sets(robot)
-    least_squares = in_float64(partial(_least_squares, robot, sets, recording))
+    least_squares = partial(_least_squares, robot, sets, recording)
     mass = least_squares()
     benchmark.pedantic(least_squares, rounds=9)
     median = record("least squares", mass_error=abs(mass / robot.mass - 1))

@@ -9,15 +9,14 @@ rates for accelerations, are the momentum: `P` and `A`.
 
 from typing import NamedTuple
 
-import jax
 import numpy as np
 import pinocchio as pin
 import pytest
 from manoeuvres import dual_arm
 from pinocchio_model import pinocchio_model
 
-from orbident.dynamics.tree import Tree, tree_of
-from orbident.model.momentum import momentum
+from orbident import _core
+from orbident.model.core_robot import core_tree
 from orbident.robot.parameters import PER_BODY
 
 FASTER = 3
@@ -38,20 +37,10 @@ def states() -> States:
     return States(q, qd, random.standard_normal((SAMPLES, 3)))
 
 
-@pytest.fixture(scope="module")
-def tree() -> Tree:
-    return tree_of(dual_arm())
-
-
-@jax.jit
-def ours(tree, states):
+def ours(states: States, threads: int = 1) -> np.ndarray:
     """Linear, then angular momentum: six rows a sample, as Pinocchio gives them."""
-
-    def rows(q, qd, w):
-        at = momentum(tree, q, qd, w)
-        return at.P, at.A
-
-    return jax.vmap(rows)(*states)
+    _, P, A = _core.momentum(core_tree(dual_arm()), *states, threads)
+    return np.concatenate([P, A], axis=1)
 
 
 @pytest.fixture(scope="module")
@@ -76,18 +65,20 @@ def theirs(states):
 
 
 @pytest.fixture(scope="module")
-def difference(tree, states, theirs) -> float:
+def difference(states, theirs) -> float:
     """The largest between the two, beside the largest entry."""
     loop, columns = theirs
     expected = loop()[:, :, columns]
-    found = np.concatenate(ours(tree, states), axis=1)
+    found = ours(states)
     return float(np.abs(found - expected).max() / np.abs(expected).max())
 
 
 @pytest.mark.benchmark(group="momentum regressor, 3000 samples")
-def bench_orbident(benchmark, record, tree, states, difference):
-    benchmark(lambda: [np.asarray(rows) for rows in ours(tree, states)])
-    median = record("orbident", difference=difference)
+@pytest.mark.parametrize("threads", [1, 2])
+def bench_orbident(benchmark, record, states, difference, threads):
+    tree = core_tree(dual_arm())
+    benchmark(lambda: _core.momentum(tree, *states, threads))
+    median = record(f"orbident, {threads} threads", difference=difference)
     benchmark.extra_info["us_per_sample"] = 1e6 * median / SAMPLES
     assert difference < 1e-12
 
@@ -98,6 +89,6 @@ def bench_pinocchio(benchmark, record, medians, theirs):
     benchmark(loop)
     median = record("pinocchio")
     benchmark.extra_info["us_per_sample"] = 1e6 * median / SAMPLES
-    if "orbident" in medians:
-        benchmark.extra_info["ratio"] = median / medians["orbident"]
-        assert median >= FASTER * medians["orbident"]
+    if "orbident, 1 threads" in medians:
+        benchmark.extra_info["ratio"] = median / medians["orbident, 1 threads"]
+        assert median >= FASTER * medians["orbident, 1 threads"]

@@ -1,12 +1,10 @@
-"""What every benchmark runs under: float64, and the models of the oracle tests."""
+"""What every benchmark runs under: the models of the oracle tests."""
 
 import sys
 from pathlib import Path
 
-import jax
 import pytest
 
-jax.config.update("jax_enable_x64", True)
 sys.path.append(str(Path(__file__).parents[1] / "tests" / "oracles"))
 
 

@@ -4,13 +4,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Literal
 
-import jax.numpy as jnp
 import numpy as np
 
-from orbident.dynamics.tree import tree_of
-from orbident.model.inertia import inertia
+from orbident.model.inertia import inertia_at
 from orbident.model.wheels import wheels_of
-from orbident.precision import in_float64
 from orbident.robot.description import Robot
 from orbident.trajectories.trajectory import InitialState, Trajectory
 
@@ -90,14 +87,13 @@ def _room(robot: Robot, free: Trajectory) -> np.ndarray:
     return room
 
 
-@in_float64
 def _rate(robot: Robot, q: np.ndarray, wheel_speed: float, start: Start) -> np.ndarray:
     planar = robot.motion == "planar"
     if start == "at rest":
         return np.zeros(3)
     if start == "turning":
         return np.array([0.0, 0.0, 0.3] if planar else [0.01, 0.03, 0.025])
-    D = np.asarray(inertia(tree_of(robot), jnp.asarray(robot.theta), jnp.asarray(q)).D)
+    D = inertia_at(robot, q).D
     h_rw = wheels_of(robot).A_rw @ np.full(len(robot.wheels), wheel_speed)
     if planar:
         return np.array([0.0, 0.0, -h_rw[2] / D[2, 2]])

@@ -10,7 +10,6 @@ from made_results import exact_result, freed, joined, without
 from running import Orbident, resealed
 
 from orbident.identified.run_folder import save_result
-from orbident.precision import in_float64
 from orbident.robot.parameters import SYMBOLS, from_mass_com_inertia
 from orbident.robot.robot_file import load_robot
 
@@ -20,7 +19,6 @@ TARGET = from_mass_com_inertia(
 
 
 @pytest.fixture
-@in_float64
 def runs() -> None:
     """`before`, and `after` with another structure."""
     robot = load_robot("paper-spatial")

@@ -205,7 +205,7 @@ def test_zero_quaternions(orbident: Orbident):
 
 
 def test_a_long_bag_takes_little_memory():
-    """In a process of its own: 30 000 messages of 0.3 kB, and no JAX."""
+    """In a process of its own: 30 000 messages of 0.3 kB."""
     bag = write_bag("mcap-ros2", Path(), sent(count=30_000))
     Path("map.yaml").write_text(HEAD + IMU)
     script = (
@@ -215,7 +215,6 @@ def test_a_long_bag_takes_little_memory():
         "    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss\n"
         "before = peak()\n"
         f"convert_bag('{bag}', 'map.yaml', 'r.parquet')\n"
-        "assert 'jax' not in sys.modules\n"
         "print(peak() - before)\n"
     )
     ran = finished(sys.executable, "-c", script)

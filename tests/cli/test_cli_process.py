@@ -118,36 +118,6 @@ def test_names_that_the_terminal_cannot_show():
     assert "Gelenk-\\xe4" in ran.stdout
 
 
-COMPILE = """
-from orbident.cli.output import prepare_jax
-prepare_jax()
-import jax
-print(jax.jit(lambda x: x + 1)(1.0))
-"""
-
-
-def compiled(cache: Path) -> None:
-    """One function, compiled with this cache folder, without a word."""
-    environment = os.environ | {"XDG_CACHE_HOME": str(cache)}
-    ran = finished(sys.executable, "-c", COMPILE, env=environment)
-    assert (ran.stdout, ran.stderr) == ("2.0\n", "")
-
-
-def test_compiled_functions_that_were_cut_off(tmp_path: Path):
-    """A process that was killed may leave half a file in the cache."""
-    compiled(tmp_path)
-    entries = [path for path in (tmp_path / "orbident").rglob("*") if path.is_file()]
-    assert entries
-    for path in entries:
-        path.write_bytes(path.read_bytes()[:100])
-    compiled(tmp_path)
-
-
-def test_a_cache_that_cannot_be_written(tmp_path: Path):
-    (tmp_path / "file").write_text("")
-    compiled(tmp_path / "file" / "below")
-
-
 def test_progress_in_a_terminal(flight: Recording):
     """On standard error, and gone when it is done; none in a pipe."""
     written(flight, "r.csv")
@@ -171,7 +141,7 @@ def test_progress_in_a_terminal(flight: Recording):
     assert shown.rstrip().endswith(b"\x1b[2K") or b"\x1b[1A" in shown[-60:]
 
 
-HEAVY = ("jax", "numpy", "scipy", "pyarrow", "yourdfpy")
+HEAVY = ("numpy", "scipy", "pyarrow", "pydantic", "plotly")
 
 
 def test_help_loads_nothing_heavy():

@@ -27,13 +27,12 @@ def compare(
     quiet: Quiet = False,
 ) -> None:
     """Find what a robot captured, or let go, between two recordings."""
-    from orbident.cli.output import Output, prepare_jax
+    from orbident.cli.output import Output
     from orbident.identified.comparison import compare as compared
     from orbident.identified.run_folder import load_result
 
     output = Output(json, quiet)
     results = load_result(before), load_result(after)
-    prepare_jax()
     comparison = compared(*results, body)
     output.warn(comparison.warnings)
     output.say(*_lines(comparison))

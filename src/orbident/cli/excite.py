@@ -127,7 +127,6 @@ def excite(
     output.warn(doubts(found))
     if was_interrupted(found):
         output.warn([INTERRUPTED])
-    output.warn([] if trusted else [NOT_EXCITED])
     output.say(*designed(found, paper), f"written: {out}")
     output.write_json(written(found, paper, out))
     if was_interrupted(found):

@@ -31,7 +31,7 @@ def export(
     quiet: Quiet = False,
 ) -> None:
     """Write the identified model as a URDF, or its matrices in one configuration."""
-    from orbident.cli.output import Output, prepare_jax
+    from orbident.cli.output import Output
     from orbident.files.replacing import check_place
     from orbident.identified.run_folder import load_result
 
@@ -39,7 +39,6 @@ def export(
     _check_kind(out, q)
     check_place(out)
     result = load_result(run)
-    prepare_jax()
     if q is None:
         _export_urdf(output, result, out)
     else:

@@ -63,7 +63,7 @@ def identify(
     """Identify pi, phi and the total mass from a recording."""
     from dataclasses import replace
 
-    from orbident.cli.output import Output, prepare_jax, progress
+    from orbident.cli.output import Output, progress
     from orbident.estimation.identify import identify as identified
     from orbident.files.checksum import sha256
     from orbident.files.text import name_of
@@ -78,7 +78,6 @@ def identify(
     with progress("reading"):
         table = read_recording(recording)
         pushed = None if burn is None else read_recording(burn)
-    prepare_jax()
     with progress("identifying") as done:
         result = identified(
             described,

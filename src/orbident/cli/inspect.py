@@ -29,7 +29,7 @@ def inspect(
     quiet: Quiet = False,
 ) -> None:
     """What a robot has, and what a recording of it can identify."""
-    from orbident.cli.output import Output, prepare_jax, progress
+    from orbident.cli.output import Output, progress
     from orbident.model.formulas import formulas_of
     from orbident.model.identifiability import not_identifiable
     from orbident.model.minimal_sets import minimal_sets
@@ -38,7 +38,6 @@ def inspect(
 
     output = Output(json, quiet)
     described = load_robot(robot)
-    prepare_jax()
     with progress("finding the minimal sets"):
         check_regular(described)
         sets = minimal_sets(described)

@@ -1,9 +1,7 @@
 """Where results go: tables for people, JSON for machines, progress for the patient."""
 
 import json
-import os
 import sys
-import warnings
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -88,25 +86,3 @@ def progress(what: str) -> Iterator[Any]:
             bar.update(task, total=1.0, completed=fraction, description=words)
 
         yield show
-
-
-def prepare_jax() -> None:
-    """float64, and compiled functions kept in the user's cache folder."""
-    import jax
-    from platformdirs import user_cache_path
-
-    # What a killed process left half written there is compiled again.
-    warnings.filterwarnings(
-        "ignore", r"Error (reading|writing) persistent compilation cache"
-    )
-
-    jax.config.update("jax_enable_x64", True)
-    cache = user_cache_path("orbident") / "compiled"
-    try:
-        cache.mkdir(parents=True, exist_ok=True)
-    except OSError:
-        return
-    if os.access(cache, os.W_OK):
-        jax.config.update("jax_compilation_cache_dir", str(cache))
-        jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)
-        jax.config.update("jax_persistent_cache_min_entry_size_bytes", -1)

@@ -17,7 +17,7 @@ def report(
     quiet: Quiet = False,
 ) -> None:
     """Write RUN/report.html: one page to look at, which needs no network."""
-    from orbident.cli.output import Output, prepare_jax
+    from orbident.cli.output import Output
     from orbident.files.locking import locked
     from orbident.identified.run_folder import REPORT, load_result
     from orbident.report.write import write_report
@@ -26,7 +26,6 @@ def report(
     result = load_result(run)
     if (run / REPORT).exists() and not force:
         raise InputError(f"{run / REPORT}: exists already; use --force")
-    prepare_jax()
     with locked(run):
         path = write_report(result, run)
     output.say(f"written: {path}")

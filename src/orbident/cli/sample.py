@@ -39,7 +39,7 @@ def sample(
     quiet: Quiet = False,
 ) -> None:
     """Write a trajectory as samples, for a controller."""
-    from orbident.cli.output import Output, prepare_jax
+    from orbident.cli.output import Output
     from orbident.excitation.samples import (
         sampled,
         table_of,
@@ -54,7 +54,6 @@ def sample(
         check_writable(out)
     check_place(out)
     motion = load_trajectory(trajectory)
-    prepare_jax()
     samples = sampled(motion, rate)
     if format_ is Format.table:
         write_recording(table_of(samples), out)

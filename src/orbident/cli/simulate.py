@@ -42,7 +42,7 @@ def simulate(
     quiet: Quiet = False,
 ) -> None:
     """Float the robot along a trajectory and record it."""
-    from orbident.cli.output import Output, prepare_jax, progress
+    from orbident.cli.output import Output, progress
     from orbident.files.replacing import check_place
     from orbident.recordings.tables import check_writable, write_recording
     from orbident.robot.robot_file import load_robot
@@ -54,7 +54,6 @@ def simulate(
     check_place(out)
     described = load_robot(robot)
     motion = load_trajectory(trajectory)
-    prepare_jax()
     with progress("floating"):
         recording = simulated(
             described, motion, rate=rate, noise=noise.value, seed=seed, truth=truth

@@ -88,7 +88,7 @@ def study(
     quiet: Quiet = False,
 ) -> None:
     """Run a study of the paper, beside the paper's own numbers."""
-    from orbident.cli.output import Output, prepare_jax, progress
+    from orbident.cli.output import Output, progress
     from orbident.identified.run_folder import check_absent
 
     output = Output(json, quiet)
@@ -98,7 +98,6 @@ def study(
     if noise == Noise.none and seeds > 1:
         output.warn([f"--seeds {seeds}: without noise all are alike, so 1 is run"])
         seeds = 1
-    prepare_jax()
     run, lines = _runner(name, method)
     with progress(f"study {name}") as done_so_far:
         done = run(noise.value, seeds, seed, progress=done_so_far)

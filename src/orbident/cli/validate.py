@@ -10,7 +10,7 @@ def validate(
     quiet: Quiet = False,
 ) -> None:
     """Predict a recording that was not used, and score the prediction."""
-    from orbident.cli.output import Output, prepare_jax, progress
+    from orbident.cli.output import Output, progress
     from orbident.identified.run_folder import load_result
     from orbident.identified.validate import validate as validated
     from orbident.recordings.tables import read_recording
@@ -18,7 +18,6 @@ def validate(
     output = Output(json, quiet)
     result = load_result(run)
     table = read_recording(recording)
-    prepare_jax()
     with progress("predicting"):
         scores = validated(result, table)
     output.say(f"{scores.samples} samples predicted by {run}")

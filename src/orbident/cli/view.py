@@ -40,12 +40,11 @@ def view(
     quiet: Quiet = False,
 ) -> None:
     """Look at a robot, or at a recorded motion, in the browser; Ctrl-C ends it."""
-    from orbident.cli.output import Output, prepare_jax, progress
+    from orbident.cli.output import Output, progress
     from orbident.viewer.pages import prepared
     from orbident.viewer.server import close, open_server, run
 
     output = Output(json, quiet)
-    prepare_jax()
     with progress("preparing"):
         made = prepared(shown, recording)
         served = open_server(host, port)

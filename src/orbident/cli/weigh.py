@@ -14,7 +14,7 @@ def weigh(
     quiet: Quiet = False,
 ) -> None:
     """Find the total mass from a thruster burn with locked joints (Eq. 40)."""
-    from orbident.cli.output import Output, prepare_jax, progress
+    from orbident.cli.output import Output, progress
     from orbident.estimation.weigh import weigh as weighed
     from orbident.recordings.tables import read_recording
     from orbident.robot.robot_file import load_robot
@@ -22,7 +22,6 @@ def weigh(
     output = Output(json, quiet)
     described = load_robot(robot)
     table = read_recording(recording)
-    prepare_jax()
     with progress("weighing"):
         weighing = weighed(described, table)
     output.warn(weighing.warnings)

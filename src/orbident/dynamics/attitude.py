@@ -11,8 +11,6 @@ only the quaternion is integrated.
 from collections.abc import Callable
 from typing import NamedTuple
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
@@ -20,12 +18,10 @@ from orbident import _core
 from orbident.errors import InputError
 from orbident.model.rotations import (
     quaternion_matrix,
-    quaternion_rate,
     rotate,
     rotate_back,
     rotation_angle,
 )
-from orbident.spatial.arrays import AnyArray
 from orbident.threads import processors
 
 MOST_SUBSTEPS = 256
@@ -34,12 +30,12 @@ MOST_SUBSTEPS = 256
 class RateLaw(NamedTuple):
     """`w = E R_0^T h_cm - b` at some times; base axes."""
 
-    E: Float[AnyArray, "*n 3 3"]
-    b: Float[AnyArray, "*n 3"]
+    E: Float[np.ndarray, "*n 3 3"]
+    b: Float[np.ndarray, "*n 3"]
 
     def rate(
-        self, x_WB: Float[AnyArray, "*n 4"], h_cm: Float[AnyArray, "*#n 3"]
-    ) -> Float[AnyArray, "*n 3"]:
+        self, x_WB: Float[np.ndarray, "*n 4"], h_cm: Float[np.ndarray, "*#n 3"]
+    ) -> Float[np.ndarray, "*n 3"]:
         """The base rate, rad/s, base axes."""
         h_B = rotate_back(quaternion_matrix(x_WB), h_cm)
         return rotate(self.E, h_B) - self.b
@@ -78,36 +74,6 @@ def integrate_attitude(
         dt: lengths of the steps, s.
     """
     return _core.attitudes(law.E, law.b, h_cm, x_WB, dt)
-
-
-Node = tuple[RateLaw, Float[AnyArray, "*n 3"]]
-"""The law of the rate, and the momentum, inertial axes."""
-
-
-def attitudes(
-    x_WB: Float[AnyArray, "4"],
-    dt: Float[AnyArray, " steps"],
-    starts: Node,
-    middles: Node,
-    ends: Node,
-) -> Float[AnyArray, "steps 4"]:
-    """The quaternion after each RK4 step, from what holds at its ends and middle."""
-
-    def rate(node: Node, x: Float[AnyArray, "4"]) -> Float[AnyArray, "4"]:
-        law, h_cm = node
-        return quaternion_rate(x, law.rate(x, h_cm))
-
-    def step(x, nodes):
-        dt, start, middle, end = nodes
-        k_1 = rate(start, x)
-        k_2 = rate(middle, x + dt / 2 * k_1)
-        k_3 = rate(middle, x + dt / 2 * k_2)
-        k_4 = rate(end, x + dt * k_3)
-        x = x + dt / 6 * (k_1 + 2 * k_2 + 2 * k_3 + k_4)
-        x = x / jnp.linalg.norm(x)
-        return x, x
-
-    return jax.lax.scan(step, x_WB, (dt, starts, middles, ends))[1]
 
 
 class AttitudeHistory(NamedTuple):

@@ -13,7 +13,6 @@ from orbident.model.inertia import inertia_at
 from orbident.model.rotations import quaternion_matrix
 from orbident.model.wheels import wheels_of
 from orbident.robot.description import Robot
-from orbident.spatial.arrays import AnyArray
 from orbident.threads import processors
 
 OUT_OF_PLANE = 1e-9
@@ -136,18 +135,6 @@ def free_floating(
         attitude_error=error,
         substeps=substeps,
     )
-
-
-class Terms(NamedTuple):
-    """What momentum needs of the joint states, base axes."""
-
-    D: Float[AnyArray, "n 3 3"]
-    h_q: Float[AnyArray, "n 3"]
-    """`D_q qd`."""
-    r_cm: Float[AnyArray, "n 3"]
-    """From S to the system CM."""
-    v_q: Float[AnyArray, "n 3"]
-    """Velocity of the CM relative to S by the joints alone."""
 
 
 def check_plane(start: BaseState) -> None:

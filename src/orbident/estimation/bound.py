@@ -24,7 +24,6 @@ from orbident.estimation.output_error.sensors import sensors_of
 from orbident.estimation.output_error.solver import Solution
 from orbident.estimation.prior import prior_std
 from orbident.model.minimal_sets import minimal_sets
-from orbident.precision import in_float64
 from orbident.robot.description import Robot
 from orbident.sensing.measure import measure
 from orbident.sensing.simulate import RATE, float_along
@@ -45,7 +44,6 @@ TIMING = ("rate", "correlation_time")
 """What a sensor without noise keeps."""
 
 
-@in_float64
 @one_blas_thread
 def cramer_rao(
     robot: Robot,

@@ -138,7 +138,7 @@ def identify(
         origins=samples.origins,
         samples=fits.samples,
         elapsed_s=time.perf_counter() - started,
-        versions={name: version(name) for name in ("orbident", "jax", "numpy")},
+        versions={name: version(name) for name in ("orbident", "numpy", "scipy")},
         fits=fits,
         covariance=applied.found.covariance,
         history=applied.history,

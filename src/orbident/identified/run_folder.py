@@ -12,7 +12,7 @@ import numpy as np
 
 from orbident.errors import InputError
 from orbident.estimation.predicted import Signals
-from orbident.estimation.result import Estimate, Estimates, Result
+from orbident.estimation.result import SCHEMA, Estimate, Estimates, Result
 from orbident.files.folder_replacing import (
     finish,
     is_committed,

@@ -15,7 +15,6 @@ from orbident.estimation.result import Result, nulled
 from orbident.estimation.triangular import condition_numbers
 from orbident.estimation.weigh import Weighing
 from orbident.identified.validate import Validation
-from orbident.precision import in_float64
 from orbident.robot.description import Robot
 from orbident.signals.cut_off import CutOff
 from orbident.studies import tables
@@ -157,7 +156,6 @@ class PlanarStudy:
         }
 
 
-@in_float64
 def run_planar(
     noise: Literal["none", "paper"] = "none",
     seeds: int = 1,

@@ -17,7 +17,6 @@ from orbident.estimation.result import Result, nulled
 from orbident.estimation.triangular import condition_numbers
 from orbident.model.minimal_sets import minimal_sets
 from orbident.model.paper_bases import PaperBasis, paper_basis, spatial_columns
-from orbident.precision import in_float64
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.sensing.measure import measure
@@ -90,7 +89,6 @@ class SpatialStudy:
         }
 
 
-@in_float64
 def run_spatial(
     noise: Literal["none", "paper"] = "none",
     seeds: int = 1,

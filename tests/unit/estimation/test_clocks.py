@@ -7,7 +7,6 @@ from random_motions import random_motion
 
 from orbident.estimation.clocks import in_words, joint_delay
 from orbident.model.minimal_sets import minimal_sets
-from orbident.precision import in_float64
 from orbident.robot.description import Robot
 from orbident.robot.robot_file import load_robot
 from orbident.sensing.simulate import simulate
@@ -34,7 +33,7 @@ def found(robot: Robot, late: float, noise, seed=0, duration=40.0) -> Delay:
     off = 1 + 0.2 * random.choice([-1, 1], robot.theta.shape)
     guess = replace(robot, theta=off * robot.theta)
     momentum = "at-rest" if planar else "unknown"
-    find = in_float64(joint_delay)
+    find = joint_delay
     return find(guess, minimal_sets(guess), samples, momentum)
 
 
@@ -68,7 +67,7 @@ def test_a_fast_logger():
     flight = simulate(robot, spatial_trajectory(robot), 1000.0, noise="sensors")
     part = changed(flight, rows=slice(25_000, 55_000))
     samples = samples_of(robot, part)
-    delay = in_float64(joint_delay)(robot, minimal_sets(robot), samples, "unknown")
+    delay = joint_delay(robot, minimal_sets(robot), samples, "unknown")
     assert delay.late == pytest.approx(0.0, abs=5e-3)
     assert not delay.believed
 
@@ -106,5 +105,5 @@ def test_a_search_that_loses_its_way_is_not_believed():
     x = dict(zip("xyzw", "wxyz", strict=True))
     wrong = {f"attitude.{k}": right.columns[f"attitude.{x[k]}"] for k in "xyzw"}
     samples = samples_of(PLANAR, changed(right, wrong), {})
-    delay = in_float64(joint_delay)(PLANAR, minimal_sets(PLANAR), samples, "at-rest")
+    delay = joint_delay(PLANAR, minimal_sets(PLANAR), samples, "at-rest")
     assert not delay.believed

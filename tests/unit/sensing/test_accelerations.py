@@ -12,7 +12,6 @@ from random_robots import (
 
 from orbident.dynamics.free_floating import free_floating
 from orbident.model.rotations import quaternion_matrix
-from orbident.precision import in_float64
 from orbident.sensing.accelerations import accelerations
 
 PARENTS = (0, 1, 0)
@@ -47,7 +46,7 @@ def test_accelerations_are_derivatives_of_the_velocities(name):
     start = random_start(3, robot)
     motion = free_floating(robot, SWING, t, start, tolerance=1e-12)
     ours = accelerations(robot, motion, SWING.at(t)[2])
-    R_WB = np.asarray(in_float64(quaternion_matrix)(motion.attitude))[3:-3]
+    R_WB = quaternion_matrix(motion.attitude)[3:-3]
     f_S = np.einsum("nji,nj->ni", R_WB, central(motion.v_S))
     # Rounding divided by H, of wheel speeds of hundreds of rad/s; the formula is off by
     # H^6 x^(7) / 140. Seen: 2e-13, and 4e-12 for the wheels.

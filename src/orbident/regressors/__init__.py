@@ -1,1 +1,0 @@
-"""What is linear in the inertial parameters, and its minimal sets."""

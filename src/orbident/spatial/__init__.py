@@ -1,1 +1,0 @@
-"""Rotations and cross products: geometry, no model."""
