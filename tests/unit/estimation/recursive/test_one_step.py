@@ -262,7 +262,7 @@ def tree(seed: int, slides: list[bool], planar: bool, massless: bool) -> Robot:
     build = random_planar_robot if planar else random_robot
     parents = random_parents(random, joints)
     wheels = random_wheels(seed, ("held", "held"))
-    robot = build(seed, parents, list(np.flatnonzero(slides)), wheels)
+    robot = build(seed, parents, np.flatnonzero(slides).tolist(), wheels)
     theta = robot.theta.copy()
     if massless:
         theta[1 + seed % joints] = 0.0
