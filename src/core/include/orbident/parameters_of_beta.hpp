@@ -63,9 +63,13 @@ ORBIDENT_FEW_WIDE inline void shown_columns(const ParametersOfBeta& sets, const 
                                         int first, const double* phi, double M_0,
                                         double* transposed, double* out) {
   const int size = sets.size(), rows = size - first < TILE ? size - first : TILE;
-  for (int k = first; k < size; ++k)
-    for (int r = 0; r < TILE; ++r)
-      transposed[k * TILE + r] = r < rows ? R[(first + r) * stride + k] : 0.0;
+  // Rows behind the last one repeat it, and are not used.
+  const double* row_of[TILE];
+  for (int r = 0; r < TILE; ++r) row_of[r] = R + (first + (r < rows ? r : rows - 1)) * stride;
+  for (int k = first; k < size; ++k) {
+    double* __restrict const column = transposed + k * TILE;
+    for (int r = 0; r < TILE; ++r) column[r] = row_of[r][k];
+  }
   const auto axpy = [](double a, const double* __restrict x, double* __restrict y) {
     for (int r = 0; r < TILE; ++r) y[r] += a * x[r];
   };
@@ -89,7 +93,7 @@ ORBIDENT_FEW_WIDE inline void shown_columns(const ParametersOfBeta& sets, const 
         axpy(sets.pi_of_shown.value[k], transposed + sets.pi_of_shown.row[k] * TILE,
              out + c * TILE);
   double* const rhs = out + sets.shown() * TILE;
-  for (int r = 0; r < rows; ++r) rhs[r] = R[(first + r) * stride + size];
+  for (int r = 0; r < TILE; ++r) rhs[r] = row_of[r][size];
   for (int k = 0; k < sets.sigmas; ++k) {
     const int row = sets.pis + k;
     if (row < first) continue;
