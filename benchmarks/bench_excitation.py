@@ -21,7 +21,7 @@ from orbident.excitation.search import Effort, search
 from orbident.model.minimal_sets import minimal_sets
 from orbident.recordings.recording import Recording
 from orbident.robot.robot_file import load_robot
-from orbident.sensing.simulate import simulate
+from orbident.simulation.simulate import simulate
 from orbident.studies.exciting import paper_case
 from orbident.trajectories.trajectory_file import load_trajectory
 

@@ -10,8 +10,8 @@ from orbident.estimation.identify import identify
 from orbident.estimation.least_squares import fit
 from orbident.estimation.mass import mass_of
 from orbident.model.minimal_sets import minimal_sets
-from orbident.sensing.simulate import simulate
-from orbident.signals.samples import samples_of
+from orbident.preprocessing.samples import samples_of
+from orbident.simulation.simulate import simulate
 
 SECONDS = 0.5
 WHOLE_SECONDS = 1.0

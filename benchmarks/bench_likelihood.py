@@ -11,8 +11,8 @@ from orbident.estimation.recursive.changes import Detector
 from orbident.estimation.recursive.filter import Extended
 from orbident.estimation.recursive.given import given_of
 from orbident.estimation.recursive.prior import cad_prior
-from orbident.sensing.simulate import simulate
-from orbident.signals.samples import samples_of
+from orbident.preprocessing.samples import samples_of
+from orbident.simulation.simulate import simulate
 from orbident.studies.spatial import spatial_robot, spatial_trajectory
 
 SECONDS = 0.15

@@ -10,11 +10,11 @@ import pytest
 from mujoco_runs import Drive, Flight, Prescribed, Servoed
 from scipy.integrate import solve_ivp
 
-from orbident.dynamics.free_floating import BaseState, FreeFloating, free_floating
 from orbident.model.inertia import inertia_at
 from orbident.model.rotations import quaternion_matrix, quaternion_rate
 from orbident.model.wheels import wheels_of
-from orbident.sensing.simulate import sample_times
+from orbident.simulation.free_floating import BaseState, FreeFloating, free_floating
+from orbident.simulation.simulate import sample_times
 from orbident.studies.spatial import spatial_robot, spatial_trajectory
 from orbident.studies.tables import SPATIAL_DURATION, SPATIAL_RATE
 

@@ -14,9 +14,9 @@ import mujoco.rollout
 import numpy as np
 from mujoco_model import WHEEL_MASS, give_inertia, wheel_inertia
 
-from orbident.dynamics.free_floating import BaseState, JointMotion
 from orbident.robot.description import Robot
 from orbident.robot.parameters import from_mass_com_inertia
+from orbident.simulation.free_floating import BaseState, JointMotion
 
 ARMATURE = 1e16
 """kg m^2. So heavy a rotor has the acceleration `force / ARMATURE` to rounding, and

@@ -5,9 +5,9 @@ from collections.abc import Sequence
 import numpy as np
 from random_robots import random_start, random_unit_vector
 
-from orbident.dynamics.control_laws import OpenLoop
-from orbident.dynamics.flight import FlyingState, standing
 from orbident.robot.description import Robot, Thruster
+from orbident.simulation.control_laws import OpenLoop
+from orbident.simulation.flight import FlyingState, standing
 
 
 def waving(seed: int, count: int) -> OpenLoop:

@@ -6,9 +6,9 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from orbident.dynamics.free_floating import BaseState
 from orbident.robot.description import Joint, Robot, Wheel
 from orbident.robot.parameters import PER_BODY, from_mass_com_inertia
+from orbident.simulation.free_floating import BaseState
 
 DUAL_ARM = (0, 1, 2, 0, 4, 5)
 """Parents of two arms of three joints."""

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from orbident.estimation.recursive.filter import Sample
-from orbident.signals.samples import Samples
+from orbident.preprocessing.samples import Samples
 
 
 def stream(samples: Samples, w_smooth: np.ndarray | None = None) -> Iterator[Sample]:

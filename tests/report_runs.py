@@ -10,7 +10,7 @@ from orbident.estimation.result import Result
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.robot.robot_file import load_robot
-from orbident.sensing.simulate import simulate
+from orbident.simulation.simulate import simulate
 
 HOSTILE = {
     "name": "<script>document.title='taken'</script>" + "long " * 52,

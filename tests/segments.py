@@ -6,7 +6,6 @@ import numpy as np
 from random_robots import random_start, random_swing
 
 from orbident import _core
-from orbident.dynamics.free_floating import free_floating
 from orbident.estimation.output_error.problem import (
     NO_ROWS,
     NOTHING,
@@ -21,7 +20,8 @@ from orbident.model.minimal_sets import minimal_sets
 from orbident.model.rotations import quaternion_matrix
 from orbident.model.wheels import wheels_of
 from orbident.robot.description import Robot
-from orbident.sensing.accelerations import accelerations
+from orbident.simulation.accelerations import accelerations
+from orbident.simulation.free_floating import free_floating
 
 GYRO, ACCELEROMETER = np.array([1.0, -2.0, 3.0]), np.array([0.3, 0.1, -0.2])
 """Biases, rad/s and m/s^2."""

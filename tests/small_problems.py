@@ -17,11 +17,11 @@ from orbident.estimation.output_error.problem import (
 from orbident.estimation.output_error.sensors import sensors_of
 from orbident.estimation.output_error.solver import Prior
 from orbident.model.minimal_sets import minimal_sets
+from orbident.preprocessing.delays import SENSORS
+from orbident.preprocessing.samples import samples_of
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot, Wheel
-from orbident.sensing.simulate import simulate
-from orbident.signals.delays import SENSORS
-from orbident.signals.samples import samples_of
+from orbident.simulation.simulate import simulate
 
 NOISE = {"gyro": 1e-4, "attitude": 1e-3, "position": 1e-3, "velocity": 1e-3}
 """Std of a sample, SI."""

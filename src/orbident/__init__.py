@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from orbident.robot.description import Robot as Robot
     from orbident.robot.robot_file import bundled_robots as bundled_robots
     from orbident.robot.robot_file import load_robot as load_robot
-    from orbident.sensing.simulate import simulate as simulate
+    from orbident.simulation.simulate import simulate as simulate
     from orbident.trajectories.trajectory import InitialState as InitialState
     from orbident.trajectories.trajectory import Trajectory as Trajectory
     from orbident.trajectories.trajectory_file import load_trajectory as load_trajectory
@@ -55,7 +55,7 @@ _PUBLIC = {
     "read_recording": "orbident.recordings.tables",
     "save_result": "orbident.identified.run_folder",
     "save_trajectory": "orbident.trajectories.trajectory_file",
-    "simulate": "orbident.sensing.simulate",
+    "simulate": "orbident.simulation.simulate",
     "survey_bag": "orbident.recordings.bags.survey",
     "validate": "orbident.identified.validate",
     "weigh": "orbident.estimation.weigh",

@@ -17,7 +17,7 @@ from selenium.webdriver.common.keys import Keys
 from orbident.robot.robot_file import load_robot
 from orbident.scene.replay import recorded_motion
 from orbident.scene.scene import scene_of
-from orbident.sensing.simulate import simulate
+from orbident.simulation.simulate import simulate
 from orbident.viewer.replay_page import ReplayPage
 from orbident.viewer.server import PERIOD, close, open_server
 

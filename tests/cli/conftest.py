@@ -13,7 +13,7 @@ from running import Orbident, Ran
 from orbident.cli.app import main
 from orbident.recordings.recording import Recording
 from orbident.robot.robot_file import load_robot
-from orbident.sensing.simulate import simulate
+from orbident.simulation.simulate import simulate
 
 
 @pytest.fixture(scope="session", autouse=True)

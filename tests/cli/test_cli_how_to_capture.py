@@ -13,7 +13,7 @@ from running import Orbident
 from orbident.recordings.tables import write_recording
 from orbident.robot.parameters import from_mass_com_inertia
 from orbident.robot.robot_file import load_robot
-from orbident.sensing.simulate import simulate
+from orbident.simulation.simulate import simulate
 
 PAGE = Path(__file__).parents[2] / "docs" / "how-to" / "after-a-capture.md"
 NUMBER = re.compile(r"(?<=\s)-?\d[\d.]*(e[-+]\d+)?(?=[\s,)])")

@@ -10,7 +10,7 @@ from running import LINEAR, Orbident, missing, worst_error, written
 from orbident.estimation.identify import Method
 from orbident.recordings.recording import Recording
 from orbident.robot.robot_file import load_robot
-from orbident.sensing.simulate import simulate
+from orbident.simulation.simulate import simulate
 
 EXACT = 1e-9
 """Relative error without noise: rounding."""

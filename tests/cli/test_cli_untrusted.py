@@ -11,7 +11,7 @@ from running import Orbident, missing, worst_error, written
 
 from orbident.recordings.recording import Recording
 from orbident.robot.robot_file import load_robot
-from orbident.sensing.simulate import simulate
+from orbident.simulation.simulate import simulate
 from orbident.trajectories.trajectory_file import save_trajectory
 
 

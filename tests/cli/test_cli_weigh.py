@@ -11,7 +11,7 @@ from running import Orbident, written
 
 from orbident.recordings.recording import Recording
 from orbident.robot.robot_file import load_robot
-from orbident.sensing.simulate import simulate
+from orbident.simulation.simulate import simulate
 
 BODY = Body(load_robot("cepheus-like").joint_names, mass=12.3)
 

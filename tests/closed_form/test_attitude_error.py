@@ -14,8 +14,8 @@ from random_robots import (
 )
 from scipy.integrate import quad, solve_ivp
 
-from orbident.dynamics.free_floating import BaseState, free_floating
 from orbident.robot.description import Robot, Wheel
+from orbident.simulation.free_floating import BaseState, free_floating
 
 PARENTS = (0, 1, 0)
 MOTION = random_swing(2, len(PARENTS))

@@ -14,12 +14,12 @@ from random_robots import (
     random_wheels,
 )
 
-from orbident.dynamics.free_floating import (
+from orbident.robot.description import Robot, Wheel
+from orbident.simulation.free_floating import (
     BaseState,
     FreeFloating,
     free_floating,
 )
-from orbident.robot.description import Robot, Wheel
 
 T = np.linspace(0.0, 10.0, 101)
 # Sums of some tens of terms in float64, divided and multiplied by D; the worst

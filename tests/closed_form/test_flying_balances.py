@@ -9,14 +9,14 @@ from flying_robots import moving_start, random_thrusters, waving
 from obvious_momentum import quaternion_rotation
 from random_robots import DUAL_ARM, random_robot, random_wheels
 
-from orbident.dynamics.control_laws import Hold, OpenLoop
-from orbident.dynamics.flight import FlyingState, FreeFlying, standing
-from orbident.dynamics.free_floating import BaseState
-from orbident.dynamics.free_flying import free_flying
-from orbident.dynamics.thrusters import Pulse
 from orbident.model.equations_of_motion import equations_of_motion
 from orbident.robot.description import Robot, Thruster, Wheel
 from orbident.robot.parameters import from_mass_com_inertia
+from orbident.simulation.control_laws import Hold, OpenLoop
+from orbident.simulation.flight import FlyingState, FreeFlying, standing
+from orbident.simulation.free_floating import BaseState
+from orbident.simulation.free_flying import free_flying
+from orbident.simulation.thrusters import Pulse
 
 ON, OFF, END = 0.6, 1.3, 2.0
 ROBOT = replace(

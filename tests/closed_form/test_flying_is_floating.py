@@ -9,11 +9,11 @@ from flying_robots import moving_start, waving
 from random_robots import DUAL_ARM, random_planar_robot, random_robot, random_wheels
 from scipy.interpolate import BPoly
 
-from orbident.dynamics.control_laws import Hold
-from orbident.dynamics.free_floating import free_floating
-from orbident.dynamics.free_flying import free_flying
-from orbident.dynamics.thrusters import Pulse
 from orbident.robot.description import Robot, Thruster, Wheel
+from orbident.simulation.control_laws import Hold
+from orbident.simulation.free_floating import free_floating
+from orbident.simulation.free_flying import free_flying
+from orbident.simulation.thrusters import Pulse
 
 END = 2.0
 Z = np.array([0.0, 0.0, 1.0])

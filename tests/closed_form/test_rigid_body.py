@@ -13,9 +13,9 @@ import pytest
 from obvious_momentum import quaternion_rotation, rotation
 from random_robots import random_quaternion, random_unit_vector
 
-from orbident.dynamics.free_floating import BaseState, FreeFloating, free_floating
 from orbident.robot.description import Robot, Wheel
 from orbident.robot.parameters import from_mass_com_inertia
+from orbident.simulation.free_floating import BaseState, FreeFloating, free_floating
 
 MASS, A = 40.0, 3.0
 T = np.linspace(0.0, 20.0, 201)

@@ -6,7 +6,7 @@ from random_motions import random_motion
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.robot.robot_file import load_robot
-from orbident.sensing.simulate import simulate
+from orbident.simulation.simulate import simulate
 
 
 @pytest.fixture(scope="module")

@@ -17,7 +17,7 @@ from orbident.identified.validate import validate
 from orbident.model.minimal_sets import minimal_sets
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
-from orbident.sensing.simulate import simulate
+from orbident.simulation.simulate import simulate
 
 pytestmark = pytest.mark.parametrize("method", METHODS)
 

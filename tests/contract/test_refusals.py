@@ -9,7 +9,7 @@ from orbident.errors import InputError
 from orbident.estimation.identify import METHODS, Method, identify
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
-from orbident.sensing.simulate import simulate
+from orbident.simulation.simulate import simulate
 
 pytestmark = pytest.mark.parametrize("method", METHODS)
 

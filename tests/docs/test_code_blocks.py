@@ -12,7 +12,7 @@ from pages import PAGES, Block, blocks, commands, name_of
 from orbident.cli.app import main
 from orbident.cli.verbs import app
 from orbident.recordings.tables import write_recording
-from orbident.sensing.simulate import simulate
+from orbident.simulation.simulate import simulate
 from orbident.studies.spatial import spatial_robot, spatial_trajectory
 from orbident.trajectories.trajectory_file import save_trajectory
 

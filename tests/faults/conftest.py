@@ -12,7 +12,7 @@ from verbs import COMMAND, IDENTIFY, OLD, PLACES, VERBS, Shelf
 
 from orbident.recordings.tables import write_recording
 from orbident.robot.robot_file import load_robot
-from orbident.sensing.simulate import simulate
+from orbident.simulation.simulate import simulate
 from orbident.trajectories.trajectory_file import save_trajectory
 
 MAP = """\

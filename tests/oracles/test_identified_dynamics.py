@@ -26,7 +26,7 @@ from orbident.model.equations_of_motion import equations_of_motion, movable
 from orbident.model.forces import jacobian
 from orbident.robot.description import Robot
 from orbident.robot.robot_file import load_robot
-from orbident.sensing.simulate import simulate
+from orbident.simulation.simulate import simulate
 from orbident.studies.control import off_by
 
 STATES = 1000

@@ -19,10 +19,10 @@ from obvious_momentum import quaternion_rotation
 from random_robots import DUAL_ARM, random_quaternion, random_robot, random_wheels
 from scipy.interpolate import CubicHermiteSpline
 
-from orbident.dynamics.free_floating import BaseState, FreeFloating, free_floating
 from orbident.model.inertia import inertia_at
 from orbident.model.wheels import wheels_of
 from orbident.robot.description import Robot
+from orbident.simulation.free_floating import BaseState, FreeFloating, free_floating
 
 DURATION = 4.0
 STEPS = (0.04, 0.02, 0.01)

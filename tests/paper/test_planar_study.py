@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from orbident.dynamics.thrusters import thrust
 from orbident.errors import InputError
+from orbident.simulation.thrusters import thrust
 from orbident.studies import tables
 from orbident.studies.flight_record import measured_record
 from orbident.studies.planar import (

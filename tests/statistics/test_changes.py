@@ -12,14 +12,14 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from orbident.dynamics.free_floating import FreeFloating
 from orbident.estimation.recursive.history import History, recursive_history
 from orbident.model.minimal_sets import minimal_sets
+from orbident.preprocessing.samples import samples_of
 from orbident.robot.description import Robot
-from orbident.sensing.capture import Target, holding, truth_through_change
-from orbident.sensing.measure import measure, measure_truth
-from orbident.sensing.simulate import float_along, sample_times
-from orbident.signals.samples import samples_of
+from orbident.simulation.capture import Target, holding, truth_through_change
+from orbident.simulation.free_floating import FreeFloating
+from orbident.simulation.measure import measure, measure_truth
+from orbident.simulation.simulate import float_along, sample_times
 from orbident.studies.spatial import spatial_robot, spatial_trajectory
 
 RUNS = int(os.environ.get("ORBIDENT_RUNS", "1"))

@@ -11,8 +11,8 @@ from scipy.stats import chi2
 from orbident.estimation.identify import Method, identify
 from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.description import Robot
-from orbident.sensing.measure import measure
-from orbident.sensing.simulate import float_along
+from orbident.simulation.measure import measure
+from orbident.simulation.simulate import float_along
 from orbident.studies import tables
 from orbident.studies.run_spatial import spatial_robot, spatial_trajectory
 

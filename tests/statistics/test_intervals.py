@@ -15,7 +15,7 @@ from orbident.model.derivatives import sets_of_beta
 from orbident.model.minimal_sets import minimal_sets
 from orbident.recordings.recording import Recording
 from orbident.robot.robot_file import load_robot
-from orbident.sensing.simulate import simulate
+from orbident.simulation.simulate import simulate
 
 pytestmark = pytest.mark.long
 

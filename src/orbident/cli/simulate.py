@@ -46,7 +46,7 @@ def simulate(
     from orbident.files.replacing import check_place
     from orbident.recordings.tables import check_writable, write_recording
     from orbident.robot.robot_file import load_robot
-    from orbident.sensing.simulate import simulate as simulated
+    from orbident.simulation.simulate import simulate as simulated
     from orbident.trajectories.trajectory_file import load_trajectory
 
     output = Output(json, quiet)

@@ -9,7 +9,6 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-from orbident.dynamics.free_floating import FreeFloating
 from orbident.errors import InputError
 from orbident.estimation.found import Found, found_beta
 from orbident.estimation.least_squares import InitialMomentum
@@ -24,11 +23,12 @@ from orbident.estimation.output_error.sensors import sensors_of
 from orbident.estimation.output_error.solver import Solution
 from orbident.estimation.prior import prior_std
 from orbident.model.minimal_sets import minimal_sets
+from orbident.preprocessing.delays import SENSORS
+from orbident.preprocessing.samples import Samples
 from orbident.robot.description import Robot
-from orbident.sensing.measure import measure
-from orbident.sensing.simulate import RATE, float_along
-from orbident.signals.delays import SENSORS
-from orbident.signals.samples import Samples
+from orbident.simulation.free_floating import FreeFloating
+from orbident.simulation.measure import measure
+from orbident.simulation.simulate import RATE, float_along
 from orbident.threads import one_blas_thread
 from orbident.trajectories.trajectory import Trajectory
 

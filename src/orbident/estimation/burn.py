@@ -16,12 +16,12 @@ from jaxtyping import Float, Int
 from scipy.spatial.transform import Rotation
 
 from orbident.errors import InputError
+from orbident.preprocessing.attitude_rates import same_sign
+from orbident.preprocessing.base_motion import base_motion
+from orbident.preprocessing.rates import at_times, fill
+from orbident.preprocessing.velocity import bias_response, velocity_from_accelerometer
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
-from orbident.signals.attitude_rates import same_sign
-from orbident.signals.base_motion import base_motion
-from orbident.signals.rates import at_times, fill
-from orbident.signals.velocity import bias_response, velocity_from_accelerometer
 
 Vectors = Float[np.ndarray, "n 3"]
 Matrices = Float[np.ndarray, "n 3 3"]

@@ -18,14 +18,14 @@ from orbident.estimation.least_squares import (
 )
 from orbident.model.minimal_sets import MinimalSets
 from orbident.model.wheels import wheels_of
+from orbident.preprocessing.attitude_delay import attitude_delay
+from orbident.preprocessing.base_motion import AXES as GYRO
+from orbident.preprocessing.base_motion import QUATERNION as ATTITUDE
+from orbident.preprocessing.base_motion import SMOOTHED
+from orbident.preprocessing.delays import SETTLED, WORTH, Delay, delay_of, delays
+from orbident.preprocessing.samples import Samples
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
-from orbident.signals.attitude_delay import attitude_delay
-from orbident.signals.base_motion import AXES as GYRO
-from orbident.signals.base_motion import QUATERNION as ATTITUDE
-from orbident.signals.base_motion import SMOOTHED
-from orbident.signals.delays import SETTLED, WORTH, Delay, delay_of, delays
-from orbident.signals.samples import Samples
 
 NUMBERS = 2**20
 """Of all equations together; of a longer recording the middle is enough."""

@@ -25,7 +25,7 @@ from orbident.estimation.least_squares import (
 from orbident.estimation.triangular import Layout
 from orbident.model.minimal_sets import Regressors
 from orbident.model.wheels import Wheels
-from orbident.signals.samples import Batch, Samples
+from orbident.preprocessing.samples import Batch, Samples
 
 STRETCHES = 20
 """Of a recording, each taken to err for itself."""

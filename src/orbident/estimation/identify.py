@@ -36,12 +36,12 @@ from orbident.estimation.weigh import Weighing, weigh
 from orbident.model.formulas import Formulas, SetFormulas, formulas_of, mass_forms
 from orbident.model.minimal_sets import MinimalSets, minimal_sets
 from orbident.model.regularity import check_regular
+from orbident.preprocessing.delays import corrections
+from orbident.preprocessing.samples import Samples, samples_of
+from orbident.preprocessing.screening import in_words as spikes_in_words
+from orbident.preprocessing.screening import screened
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
-from orbident.signals.delays import corrections
-from orbident.signals.samples import Samples, samples_of
-from orbident.signals.screening import in_words as spikes_in_words
-from orbident.signals.screening import screened
 from orbident.threads import one_blas_thread
 
 Method = Literal["maximum-likelihood", "structured", "least-squares", "recursive"]

@@ -20,8 +20,8 @@ from orbident.estimation.triangular import Layout, LinearFit, fold, solve
 from orbident.model.minimal_sets import MinimalSets, Regressors
 from orbident.model.rotations import quaternion_matrix
 from orbident.model.wheels import Wheels, wheels_of
+from orbident.preprocessing.samples import Batch, Samples
 from orbident.robot.description import Robot
-from orbident.signals.samples import Batch, Samples
 
 InitialMomentum = Literal["unknown", "at-rest", "first-sample"]
 INITIAL_MOMENTA: tuple[InitialMomentum, ...] = get_args(InitialMomentum)

@@ -29,10 +29,10 @@ from orbident.estimation.predicted import Signals, sensor_signals
 from orbident.estimation.prior import prior_std
 from orbident.estimation.verdict import no_direct_mass
 from orbident.model.minimal_sets import MinimalSets, conserved_axes
+from orbident.preprocessing.delays import delays
+from orbident.preprocessing.samples import Samples
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
-from orbident.signals.delays import delays
-from orbident.signals.samples import Samples
 
 UNKNOWN = 1e3
 """Std beforehand: m/s, m, and times a momentum (or the wheels' at 1 rad/s)."""

@@ -23,10 +23,10 @@ from orbident.estimation.result import Estimate, nulled
 from orbident.estimation.structured import Structured, beta_of_fits, structured
 from orbident.estimation.verdict import no_direct_mass, no_linear_mass
 from orbident.model.minimal_sets import MinimalSets
+from orbident.preprocessing.histories import MEASURED
+from orbident.preprocessing.samples import Samples
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
-from orbident.signals.histories import MEASURED
-from orbident.signals.samples import Samples
 
 DISAGREE = 5.0
 """Combined deviations by which two masses differ that cannot both be right,"""

@@ -16,8 +16,8 @@ from orbident.estimation.output_error.problem import Problem
 from orbident.estimation.output_error.sensors import Sensors
 from orbident.model.minimal_sets import MinimalSets
 from orbident.model.wheels import wheels_of
+from orbident.preprocessing.samples import Samples
 from orbident.robot.description import Robot
-from orbident.signals.samples import Samples
 
 UNITS = {
     "gyro": "rad/s",

@@ -12,8 +12,8 @@ from orbident.estimation.least_squares import Fits
 from orbident.estimation.predicted import Signals
 from orbident.estimation.recursive.history import History
 from orbident.model.reconstruction import Dynamics, reconstructed
+from orbident.preprocessing.delays import Delay
 from orbident.robot.description import Robot
-from orbident.signals.delays import Delay
 
 SCHEMA = "orbident/result/1"
 

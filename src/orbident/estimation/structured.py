@@ -26,8 +26,8 @@ from orbident.estimation.recursive.prior import Prior
 from orbident.estimation.triangular import LinearFit
 from orbident.model.derivatives import derivatives_of_beta, sets_of_beta
 from orbident.model.minimal_sets import MinimalSets
+from orbident.preprocessing.samples import Samples
 from orbident.robot.description import Robot
-from orbident.signals.samples import Samples
 
 ROUNDING = 1e-13
 """Of the right-hand side: without noise the scatter is no smaller."""

@@ -9,8 +9,8 @@ from orbident.estimation.found import Found
 from orbident.estimation.least_squares import Fits
 from orbident.estimation.mass import Mass
 from orbident.estimation.triangular import LinearFit
+from orbident.preprocessing.samples import Samples
 from orbident.robot.description import Robot
-from orbident.signals.samples import Samples
 
 # The known term of the momentum equation, nuisance apart, beside the whole of it:
 # zero but for rounding.

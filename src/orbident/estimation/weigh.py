@@ -17,9 +17,9 @@ from orbident.estimation.burn import (
 from orbident.estimation.result import Estimate, nulled
 from orbident.estimation.triangular import Layout, LinearFit, fold, solve
 from orbident.model.minimal_sets import conserved_axes
+from orbident.preprocessing.delays import delays
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
-from orbident.signals.delays import delays
 
 LOCKED = 0.02
 """rad or m: a locked joint moves less; encoders are far finer."""

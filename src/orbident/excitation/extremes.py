@@ -24,7 +24,6 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from orbident.dynamics.free_floating import FreeFloating
 from orbident.model.wheels import wheels_of
 from orbident.robot.description import Robot
 from orbident.robot.parameters import (
@@ -34,6 +33,7 @@ from orbident.robot.parameters import (
     MASS,
     inertia_about_com,
 )
+from orbident.simulation.free_floating import FreeFloating
 from orbident.trajectories.trajectory import Trajectory
 
 NODES = 4001

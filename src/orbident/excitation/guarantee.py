@@ -5,7 +5,6 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from orbident.dynamics.free_floating import BaseState, FreeFloating, free_floating
 from orbident.errors import InputError
 from orbident.excitation.conditions import Conditions, Limits
 from orbident.excitation.extremes import (
@@ -17,6 +16,7 @@ from orbident.excitation.extremes import (
 )
 from orbident.excitation.joint_motions import JointMotions
 from orbident.robot.description import Robot
+from orbident.simulation.free_floating import BaseState, FreeFloating, free_floating
 from orbident.trajectories.trajectory import Trajectory
 
 ACCURATE = 1e-6

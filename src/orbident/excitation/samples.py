@@ -9,7 +9,7 @@ from jaxtyping import Float
 
 from orbident.files.text import write_text
 from orbident.recordings.recording import Recording
-from orbident.sensing.simulate import sample_times
+from orbident.simulation.simulate import sample_times
 from orbident.trajectories.trajectory import Trajectory
 
 NANOSECONDS = 1_000_000_000

@@ -6,7 +6,6 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from orbident.dynamics.free_floating import FreeFloating
 from orbident.excitation.criterion import (
     Basis,
     Objective,
@@ -27,6 +26,7 @@ from orbident.excitation.information import (
 from orbident.excitation.start import was_at_rest
 from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.description import Robot
+from orbident.simulation.free_floating import FreeFloating
 from orbident.trajectories.trajectory import Trajectory
 
 DETERMINED = 1e-13

@@ -12,15 +12,15 @@ import numpy as np
 from jaxtyping import Float
 from scipy.interpolate import CubicSpline
 
-from orbident.dynamics.attitude import RateLaw, float_attitude, rate_law
 from orbident.errors import InputError
 from orbident.estimation.result import Result
 from orbident.model.minimal_sets import MinimalSets, Regressors, minimal_sets
 from orbident.model.rotations import quaternion_matrix, rotate
 from orbident.model.wheels import wheels_of
+from orbident.preprocessing.delays import corrections
+from orbident.preprocessing.samples import Batch, samples_of
 from orbident.recordings.recording import Recording
-from orbident.signals.delays import corrections
-from orbident.signals.samples import Batch, samples_of
+from orbident.simulation.attitude import RateLaw, float_attitude, rate_law
 
 TOLERANCE = 1e-8
 """Of the predicted attitude, rad: below what any sensor sees."""

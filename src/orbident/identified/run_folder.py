@@ -29,8 +29,8 @@ from orbident.identified.checksums import (
 )
 from orbident.identified.result_document import check_content
 from orbident.identified.signals_file import read_signals, write_signals
+from orbident.preprocessing.delays import Delay
 from orbident.robot.robot_file import load_robot, write_robot
-from orbident.signals.delays import Delay
 
 RESULT, REPORT = "result.json", "report.html"
 SIGNALS, HISTORY, REPLAY = "signals.parquet", "history.csv", "replay.json"

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from orbident.errors import InputError
 from orbident.files.replacing import replacing
-from orbident.signals.cut_off import CutOff
+from orbident.preprocessing.cut_off import CutOff
 
 FORMATS = ("png", "svg")
 

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from orbident.preprocessing.cut_off import CutOff
 from orbident.report.charts import (
     ERROR,
     LIMIT,
@@ -18,7 +19,6 @@ from orbident.report.charts import (
 from orbident.report.decimation import extremes
 from orbident.report.numbers import short
 from orbident.report.section import Chart, Section
-from orbident.signals.cut_off import CutOff
 
 UNITS = {"gyro": "rad/s", "position": "m"}
 """By how a signal's name begins; angles but for these."""

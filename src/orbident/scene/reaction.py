@@ -5,8 +5,8 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from orbident.dynamics.free_floating import BaseState, JointState, free_floating
 from orbident.robot.description import Robot
+from orbident.simulation.free_floating import BaseState, JointState, free_floating
 
 NODES = 9
 """Times from one position of the sliders to the next; the integrator adds its own."""

@@ -11,10 +11,10 @@ from orbident.estimation.result import Result
 from orbident.identified.prediction import predict
 from orbident.model.inertia import inertia
 from orbident.model.rotations import quaternion_matrix, rotate
+from orbident.preprocessing.samples import Batch, samples_of
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.scene.motion import Motion
-from orbident.signals.samples import Batch, samples_of
 
 
 class Replay(NamedTuple):

@@ -15,10 +15,6 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.campaigns.seeds import over_seeds
-from orbident.dynamics.control_laws import ComputedTorque
-from orbident.dynamics.flight import standing
-from orbident.dynamics.free_floating import BaseState
-from orbident.dynamics.free_flying import free_flying
 from orbident.estimation.identify import identify
 from orbident.estimation.result import Result, nulled
 from orbident.model.rotations import rotation_angle
@@ -30,8 +26,12 @@ from orbident.robot.parameters import (
     from_mass_com_inertia,
     inertia_about_com,
 )
-from orbident.sensing.measure import measure
-from orbident.sensing.simulate import float_along, recorded, sample_times
+from orbident.simulation.control_laws import ComputedTorque
+from orbident.simulation.flight import standing
+from orbident.simulation.free_floating import BaseState
+from orbident.simulation.free_flying import free_flying
+from orbident.simulation.measure import measure
+from orbident.simulation.simulate import float_along, recorded, sample_times
 from orbident.studies import tables
 from orbident.studies.control_law import Slew
 from orbident.studies.spatial import spatial_robot, spatial_trajectory

@@ -6,11 +6,11 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
+from orbident.preprocessing.cut_off import CutOff, choose_cut_off
+from orbident.preprocessing.low_pass import low_pass
+from orbident.preprocessing.rates import spline_rates
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
-from orbident.signals.cut_off import CutOff, choose_cut_off
-from orbident.signals.low_pass import low_pass
-from orbident.signals.rates import spline_rates
 
 Columns = dict[str, Float[np.ndarray, " n"]]
 

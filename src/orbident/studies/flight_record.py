@@ -3,11 +3,11 @@
 import numpy as np
 from jaxtyping import Float
 
-from orbident.dynamics.flight import FreeFlying
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
-from orbident.sensing.measure import measure_truth
-from orbident.sensing.truth import truth_of_flight
+from orbident.simulation.flight import FreeFlying
+from orbident.simulation.measure import measure_truth
+from orbident.simulation.truth import truth_of_flight
 
 
 def ideal_record(robot: Robot, flight: FreeFlying) -> Recording:

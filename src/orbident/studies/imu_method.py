@@ -2,10 +2,10 @@
 
 import numpy as np
 
+from orbident.preprocessing.attitude_fusion import integrate_gyro
+from orbident.preprocessing.velocity import velocity_from_accelerometer
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
-from orbident.signals.attitude_fusion import integrate_gyro
-from orbident.signals.velocity import velocity_from_accelerometer
 from orbident.studies.filters import Filters
 from orbident.trajectories.trajectory import InitialState
 

@@ -5,10 +5,10 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from orbident.dynamics.control_laws import JointPD, WheelLimits, WheelSpeed
-from orbident.dynamics.thrusters import Pulse
 from orbident.robot.description import Robot
 from orbident.robot.robot_file import load_robot
+from orbident.simulation.control_laws import JointPD, WheelLimits, WheelSpeed
+from orbident.simulation.thrusters import Pulse
 from orbident.studies import tables
 from orbident.trajectories.trajectory import InitialState, Trajectory
 

@@ -5,11 +5,11 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from orbident.dynamics.control_laws import Hold, attitude_hold
-from orbident.dynamics.flight import FlyingState, FreeFlying, standing
-from orbident.dynamics.free_floating import BaseState, JointMotion
-from orbident.dynamics.free_flying import free_flying
 from orbident.robot.description import Robot
+from orbident.simulation.control_laws import Hold, attitude_hold
+from orbident.simulation.flight import FlyingState, FreeFlying, standing
+from orbident.simulation.free_floating import BaseState, JointMotion
+from orbident.simulation.free_flying import free_flying
 from orbident.studies import tables
 from orbident.studies.planar import (
     FOLDED,

@@ -15,8 +15,8 @@ from orbident.estimation.result import Result, nulled
 from orbident.estimation.triangular import condition_numbers
 from orbident.estimation.weigh import Weighing
 from orbident.identified.validate import Validation
+from orbident.preprocessing.cut_off import CutOff
 from orbident.robot.description import Robot
-from orbident.signals.cut_off import CutOff
 from orbident.studies import tables
 from orbident.studies.comparison import Row
 from orbident.studies.filters import Filters

@@ -9,7 +9,6 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.campaigns.seeds import Errors, over_seeds
-from orbident.dynamics.free_floating import FreeFloating
 from orbident.estimation.bound import cramer_rao
 from orbident.estimation.found import Found
 from orbident.estimation.identify import Method, identify
@@ -17,11 +16,12 @@ from orbident.estimation.result import Result, nulled
 from orbident.estimation.triangular import condition_numbers
 from orbident.model.minimal_sets import minimal_sets
 from orbident.model.paper_bases import PaperBasis, paper_basis, spatial_columns
+from orbident.preprocessing.cut_off import CutOff
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
-from orbident.sensing.measure import measure
-from orbident.sensing.simulate import float_along, recorded
-from orbident.signals.cut_off import CutOff
+from orbident.simulation.free_floating import FreeFloating
+from orbident.simulation.measure import measure
+from orbident.simulation.simulate import float_along, recorded
 from orbident.studies import tables
 from orbident.studies.comparison import Row
 from orbident.studies.filters import Filters

@@ -7,11 +7,11 @@ from random_motions import random_motion
 
 from orbident.estimation.clocks import in_words, joint_delay
 from orbident.model.minimal_sets import minimal_sets
+from orbident.preprocessing.delays import Delay, corrections, delay_of
+from orbident.preprocessing.samples import samples_of
 from orbident.robot.description import Robot
 from orbident.robot.robot_file import load_robot
-from orbident.sensing.simulate import simulate
-from orbident.signals.delays import Delay, corrections, delay_of
-from orbident.signals.samples import samples_of
+from orbident.simulation.simulate import simulate
 from orbident.studies.spatial import spatial_robot, spatial_trajectory
 
 SPATIAL, PLANAR = load_robot("paper-spatial"), load_robot("cepheus-like")

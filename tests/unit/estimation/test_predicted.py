@@ -10,7 +10,7 @@ from orbident.estimation.identify import identify
 from orbident.estimation.result import Result
 from orbident.recordings.recording import Recording
 from orbident.robot.robot_file import load_robot
-from orbident.sensing.simulate import simulate
+from orbident.simulation.simulate import simulate
 
 
 @pytest.fixture(scope="module")

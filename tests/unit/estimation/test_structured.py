@@ -17,8 +17,8 @@ from orbident.model import minimal_sets as model
 from orbident.model.derivatives import sets_of_beta
 from orbident.model.minimal_sets import minimal_sets
 from orbident.model.wheels import wheels_of
+from orbident.preprocessing.samples import Samples, samples_of
 from orbident.robot.description import Robot
-from orbident.signals.samples import Samples, samples_of
 
 NOISE = 1e-4
 """Std of the velocity (m/s) and of the wheels' speeds (rad/s, times 10)."""

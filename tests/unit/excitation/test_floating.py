@@ -7,13 +7,13 @@ import pytest
 from random_motions import random_motion
 from random_robots import random_robot, random_wheels
 
-from orbident.dynamics.free_floating import BaseState, FreeFloating, free_floating
 from orbident.excitation.floating import Motion, craft_of
 from orbident.excitation.start import was_at_rest
 from orbident.model.inertia import inertia
 from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.description import Robot
 from orbident.robot.robot_file import load_robot
+from orbident.simulation.free_floating import BaseState, FreeFloating, free_floating
 from orbident.trajectories.trajectory import Trajectory
 
 STEPS = 400

@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from orbident.dynamics.free_floating import BaseState, free_floating
 from orbident.errors import InputError
 from orbident.excitation.floating import craft_of
 from orbident.excitation.information import Information, sensing_of
@@ -13,6 +12,7 @@ from orbident.model.inertia import inertia
 from orbident.model.minimal_sets import minimal_sets
 from orbident.model.rotations import quaternion_matrix
 from orbident.model.wheels import wheels_of
+from orbident.simulation.free_floating import BaseState, free_floating
 
 NODES = 81
 STEP = 1e-5

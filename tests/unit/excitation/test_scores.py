@@ -5,7 +5,7 @@ import pytest
 
 from orbident.estimation.identify import identify
 from orbident.excitation.scores import compare
-from orbident.sensing.simulate import simulate
+from orbident.simulation.simulate import simulate
 from orbident.studies.exciting import paper_case
 
 

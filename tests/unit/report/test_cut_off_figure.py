@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 from orbident.errors import InputError
+from orbident.preprocessing.cut_off import choose_cut_off
 from orbident.report.cut_off_figure import draw_cut_off
-from orbident.signals.cut_off import choose_cut_off
 
 T = np.arange(400) / 20.0
 NOISE = 1e-3 * np.random.default_rng(0).standard_normal(T.size)

@@ -21,7 +21,7 @@ from orbident.robot.robot_file import load_robot
 from orbident.scene.motion import momentum, placed
 from orbident.scene.replay import recorded_motion
 from orbident.scene.scene import scene_of
-from orbident.sensing.simulate import simulate
+from orbident.simulation.simulate import simulate
 
 
 @pytest.fixture(scope="module")

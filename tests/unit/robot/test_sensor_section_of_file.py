@@ -4,7 +4,7 @@ import pytest
 
 from orbident.errors import InputError
 from orbident.robot.sensor_suites import SUITES
-from orbident.sensing.sensors import sensors_of
+from orbident.simulation.sensors import sensors_of
 
 
 def test_every_key_of_a_sensor_may_stand_in_the_file(load_yaml):

@@ -12,7 +12,7 @@ from orbident.recordings.recording import Recording
 from orbident.robot.robot_file import load_robot
 from orbident.scene.motion import momentum
 from orbident.scene.replay import predicted_motion, recorded_motion
-from orbident.sensing.simulate import simulate
+from orbident.simulation.simulate import simulate
 
 
 @pytest.fixture(scope="module")

@@ -5,12 +5,12 @@ import pytest
 from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
-from orbident.dynamics.control_laws import Hold, JointPD, WheelSpeed
-from orbident.dynamics.flight import FlyingState, FreeFlying, standing
-from orbident.dynamics.free_floating import BaseState
-from orbident.dynamics.free_flying import free_flying
-from orbident.dynamics.thrusters import Pulse
 from orbident.robot.robot_file import load_robot
+from orbident.simulation.control_laws import Hold, JointPD, WheelSpeed
+from orbident.simulation.flight import FlyingState, FreeFlying, standing
+from orbident.simulation.free_floating import BaseState
+from orbident.simulation.free_flying import free_flying
+from orbident.simulation.thrusters import Pulse
 from orbident.studies.flight_record import ideal_record, measured_record
 
 ROBOT = load_robot("cepheus-like")

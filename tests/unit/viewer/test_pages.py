@@ -16,7 +16,7 @@ from orbident.scene.motion import momentum, placed
 from orbident.scene.reaction import BasePose, reaction
 from orbident.scene.replay import recorded_motion
 from orbident.scene.scene import scene_of
-from orbident.sensing.simulate import simulate
+from orbident.simulation.simulate import simulate
 from orbident.viewer.pages import prepared
 from orbident.viewer.plots import Plot
 from orbident.viewer.replay_page import ReplayPage, slow_motion

@@ -23,8 +23,8 @@ from orbident.estimation.output_error.shooting import (
     substeps_of,
 )
 from orbident.model.core_robot import core_tree
+from orbident.preprocessing.samples import Samples
 from orbident.robot.description import Robot
-from orbident.signals.samples import Samples
 from orbident.threads import processors
 
 SENSORS = ("gyro", "accelerometer", "attitude", "joints", "position", "velocity")

@@ -10,8 +10,8 @@ from scipy.spatial.transform import Rotation
 
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
-from orbident.sensing.inertial import CORRELATION_TIME
-from orbident.sensing.noise import bias_walk
+from orbident.simulation.inertial import CORRELATION_TIME
+from orbident.simulation.noise import bias_walk
 
 COMPONENTS = {
     "gyro": "xyz",

@@ -10,10 +10,10 @@ from orbident.estimation.output_error.sensors import Sensors, scatter
 from orbident.model.inertia import inertia_at
 from orbident.model.minimal_sets import conserved_axes
 from orbident.model.wheels import wheels_of
+from orbident.preprocessing.histories import MEASURED
+from orbident.preprocessing.samples import Samples
+from orbident.preprocessing.smoothing import smooth
 from orbident.robot.description import Robot
-from orbident.signals.histories import MEASURED
-from orbident.signals.samples import Samples
-from orbident.signals.smoothing import smooth
 
 SHORT, LONG = 4, 128
 """Rows of an interval."""

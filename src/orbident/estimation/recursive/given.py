@@ -7,11 +7,11 @@ from jaxtyping import Float
 
 from orbident.errors import InputError
 from orbident.estimation.recursive.noise import Noise, noise_of
+from orbident.preprocessing.base_motion import SMOOTHED
+from orbident.preprocessing.histories import DERIVED
+from orbident.preprocessing.samples import Samples
+from orbident.preprocessing.smoothing import smooth
 from orbident.robot.description import Robot
-from orbident.signals.base_motion import SMOOTHED
-from orbident.signals.histories import DERIVED
-from orbident.signals.samples import Samples
-from orbident.signals.smoothing import smooth
 
 ENDS = 0.5
 """s: so near to the ends of a recording a smoothed rate is ten times as wrong."""

@@ -16,8 +16,8 @@ from orbident.estimation.recursive.prior import (
 )
 from orbident.model.derivatives import sets_of_beta
 from orbident.model.minimal_sets import minimal_sets
+from orbident.preprocessing.samples import Samples
 from orbident.robot.description import Robot
-from orbident.signals.samples import Samples
 
 PART = 1024
 """Samples between two reports of progress."""

@@ -7,13 +7,13 @@ import numpy as np
 from orbident.errors import InputError
 from orbident.estimation.least_squares import fit
 from orbident.model.minimal_sets import minimal_sets
+from orbident.preprocessing.base_motion import INTEGRATED, SMOOTHED
+from orbident.preprocessing.histories import DERIVED
+from orbident.preprocessing.point_velocity import SMOOTHED as DIFFERENTIATED
+from orbident.preprocessing.samples import Samples
 from orbident.robot.description import Robot
-from orbident.sensing.inertial import CORRELATION_TIME
-from orbident.sensing.noise import FLICKER_FLOOR, MARKOV_PEAK
-from orbident.signals.base_motion import INTEGRATED, SMOOTHED
-from orbident.signals.histories import DERIVED
-from orbident.signals.point_velocity import SMOOTHED as DIFFERENTIATED
-from orbident.signals.samples import Samples
+from orbident.simulation.inertial import CORRELATION_TIME
+from orbident.simulation.noise import FLICKER_FLOOR, MARKOV_PEAK
 
 UNKNOWN_BIAS = 1e-2
 """rad/s: more than any gyro's that is used for this."""

@@ -14,11 +14,6 @@ from small_problems import (
     small_robot,
 )
 
-from orbident.dynamics.control_laws import JointPD
-from orbident.dynamics.flight import standing
-from orbident.dynamics.free_floating import BaseState
-from orbident.dynamics.free_flying import free_flying
-from orbident.dynamics.thrusters import Pulse
 from orbident.estimation import maximum_likelihood, methods
 from orbident.estimation.identify import identify
 from orbident.estimation.output_error.disturbances import (
@@ -30,6 +25,11 @@ from orbident.estimation.output_error.disturbances import (
 from orbident.estimation.output_error.solver import Solution, solved
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot, Thruster
+from orbident.simulation.control_laws import JointPD
+from orbident.simulation.flight import standing
+from orbident.simulation.free_floating import BaseState
+from orbident.simulation.free_flying import free_flying
+from orbident.simulation.thrusters import Pulse
 
 ARM, DURATION = 0.4, 20.0
 """m, and s."""

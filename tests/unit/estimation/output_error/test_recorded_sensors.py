@@ -7,9 +7,9 @@ import pytest
 
 import orbident as oi
 from orbident.estimation.output_error.sensors import scatter, sensors_of
+from orbident.preprocessing.delays import delays
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
-from orbident.signals.delays import delays
 
 T = np.arange(200) * 0.05
 

@@ -14,10 +14,10 @@ from orbident.estimation.recursive.history import recursive_history
 from orbident.estimation.recursive.noise import Noise, noise_of
 from orbident.estimation.recursive.prior import cad_prior, prior_from
 from orbident.model.minimal_sets import MinimalSets, minimal_sets
+from orbident.preprocessing.samples import samples_of
 from orbident.robot.description import Robot
 from orbident.robot.robot_file import load_robot
-from orbident.sensing.simulate import simulate
-from orbident.signals.samples import samples_of
+from orbident.simulation.simulate import simulate
 
 FINE = Noise(gyro=1e-6, velocity=1e-6)
 

@@ -14,9 +14,9 @@ from orbident.estimation.recursive.changes import Detector
 from orbident.estimation.recursive.filter import Extended
 from orbident.estimation.recursive.given import given_of
 from orbident.estimation.recursive.prior import cad_prior
+from orbident.preprocessing.samples import samples_of
 from orbident.robot.robot_file import load_robot
-from orbident.sensing.simulate import simulate
-from orbident.signals.samples import samples_of
+from orbident.simulation.simulate import simulate
 
 HERE = Path(__file__).parent
 HEADERS = HERE.parents[3] / "src" / "core" / "include"

@@ -30,11 +30,11 @@ from orbident.estimation.recursive.noise import Noise, noise_of
 from orbident.estimation.recursive.prior import Prior, cad_prior
 from orbident.model.derivatives import derivatives_of_beta, sets_of_beta
 from orbident.model.minimal_sets import MinimalSets, minimal_sets
+from orbident.preprocessing.samples import samples_of
 from orbident.robot.description import Robot
 from orbident.robot.parameters import cross_matrix
 from orbident.robot.robot_file import load_robot
-from orbident.sensing.simulate import simulate
-from orbident.signals.samples import samples_of
+from orbident.simulation.simulate import simulate
 
 ROBOTS: dict[str, Robot] = {
     "sensors": load_robot("paper-spatial"),

@@ -1,1 +1,0 @@
-"""Kinematics, inertia and the momentum-conserving free-floating motion."""

@@ -1,0 +1,1 @@
+"""From a recording to samples: screening, clocks, smoothing, fusion of attitudes."""

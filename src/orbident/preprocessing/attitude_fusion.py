@@ -1,0 +1,178 @@
+"""The attitude from a gyro: alone, or with what attitude fixes say of its errors.
+
+With `R^` the attitude that the gyro alone gives, `R_WB = exp([phi]x) R^`, and the gyro
+wrong by a bias `b` and by white noise of density `N^2` (angle random walk), to first
+order in `phi`, inertial axes,
+
+    phi' = -R^ (b + white),   fix: log(R_fix R^T) = phi + N(0, std^2)
+
+Seen from inertial axes the error does not turn with the base. A Kalman smoother finds
+it (Rauch, Tung, Striebel 1965). All is repeated about what was found, for large errors.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Bool, Float
+from scipy.interpolate import CubicSpline
+from scipy.spatial.transform import Rotation
+
+from orbident import _core
+from orbident.errors import InputError
+from orbident.preprocessing.velocity import bias_response
+
+ROUNDS = 3
+"""The first leaves errors of second order in `phi`; the third is for large ones."""
+
+UNKNOWN_ATTITUDE = np.pi
+"""Std of `phi` beforehand, rad."""
+
+UNKNOWN_BIAS = 0.1
+"""Std of the bias beforehand, rad/s: more than any gyro's."""
+
+GAUSS = np.sqrt(3) / 6
+"""Of a step, from its middle to each of the two Gauss points."""
+
+
+class GyroNoise(NamedTuple):
+    """How far a gyro is to be trusted."""
+
+    N: float
+    """Angle random walk, rad/sqrt(s)."""
+    drift: float = 0.0
+    """Random walk of the bias, rad/s/sqrt(s)."""
+
+
+class Fused(NamedTuple):
+    """The attitude at every row within the gyro's samples; NaN outside."""
+
+    x_WB: Float[np.ndarray, "n 4"]
+    std: Float[np.ndarray, "n 3"]
+    """Of a small turn about each inertial axis, rad."""
+    bias: Float[np.ndarray, "n 3"]
+    """Of the gyro, base axes, rad/s."""
+    bias_std: Float[np.ndarray, "n 3"]
+
+
+def integrate_gyro(
+    t: Float[np.ndarray, " n"],
+    w: Float[np.ndarray, "n 3"],
+    x_start: Float[np.ndarray, "4"],
+) -> Float[np.ndarray, "n 4"]:
+    """The attitude whose rate is the cubic spline through the gyro's samples.
+
+    By the fourth-order Magnus expansion (Iserles et al. 2000), from one row to the
+    next, with `w_1`, `w_2` at the two Gauss points of the step `h`:
+
+        x(t + h) = x(t) (x) exp(h/2 (w_1 + w_2) + sqrt(3)/12 h^2 w_1 x w_2)
+
+    Args:
+        t: times, s.
+        w: angular rate of the base, base axes, rad/s; NaN where there is no sample.
+        x_start: attitude at the gyro's first sample, unit quaternion, scalar last.
+
+    Returns:
+        Unit quaternions; NaN before the first and after the last sample.
+
+    Raises:
+        InputError: the gyro has fewer than four samples.
+    """
+    measured = np.asarray(np.isfinite(w).all(axis=1))
+    if measured.sum() < 4:
+        raise InputError(f"gyro has {measured.sum()} samples; give at least 4")
+    rate = CubicSpline(t[measured], w[measured])
+    inside = _span(measured)
+    h = np.diff(t[inside])
+    middle = t[inside][:-1] + h / 2
+    w_1, w_2 = rate(middle - GAUSS * h), rate(middle + GAUSS * h)
+    return _placed(_core.integrate_rate(x_start, h, w_1, w_2), inside, t.size)
+
+
+def fuse_attitude(
+    t: Float[np.ndarray, " n"],
+    w: Float[np.ndarray, "n 3"],
+    fixes: Float[np.ndarray, "n 4"],
+    gyro: GyroNoise,
+    std: float,
+) -> Fused:
+    """The most likely attitude, given all samples of a gyro and all fixes.
+
+    Args:
+        t: times, s.
+        w: the gyro's samples, base axes, rad/s; NaN where there is none.
+        fixes: attitudes from outside, unit quaternions; NaN where there is none.
+        gyro: the gyro's noise.
+        std: of a fix, about each axis, rad.
+
+    Raises:
+        InputError: the gyro has fewer than four samples, or no fix lies within them.
+    """
+    measured, fixed = (np.asarray(np.isfinite(x).all(axis=1)) for x in (w, fixes))
+    if not measured.any():
+        raise InputError("gyro has no samples; give at least 4")
+    inside = _span(measured)
+    if not fixed[inside].any():
+        raise InputError("attitude has no samples while the gyro has; give both")
+    found = _fused(t[inside], w[inside], fixes[inside], fixed[inside], gyro, std)
+    return Fused(
+        x_WB=_placed(found.x_WB, inside, t.size),
+        std=_placed(np.sqrt(found.variance[:, :3]), inside, t.size),
+        bias=_placed(found.bias, inside, t.size),
+        bias_std=_placed(np.sqrt(found.variance[:, 3:]), inside, t.size),
+    )
+
+
+class _Round(NamedTuple):
+    """What one pass of the smoother found, at every row."""
+
+    x_WB: Float[np.ndarray, "n 4"]
+    variance: Float[np.ndarray, "n 6"]
+    """Of `[phi, b]`."""
+    bias: Float[np.ndarray, "n 3"]
+
+
+def _fused(
+    t: np.ndarray,
+    w: np.ndarray,
+    fixes: np.ndarray,
+    fixed: np.ndarray,
+    gyro: GyroNoise,
+    std: float,
+) -> _Round:
+    def about(start: np.ndarray, bias: np.ndarray) -> _Round:
+        x = integrate_gyro(t, w - bias, start)
+        turned = Rotation.from_quat(fixes[fixed]) * Rotation.from_quat(x[fixed]).inv()
+        y = np.full((t.size, 3), np.nan)
+        y[fixed] = turned.as_rotvec()
+        B = np.diff(bias_response(t, x), axis=0)
+        noise = np.array([gyro.N, gyro.drift, std])
+        before = np.array([UNKNOWN_ATTITUDE, UNKNOWN_BIAS])
+        mean, variance = _core.smooth_gyro_error(B, np.diff(t), y, noise, before)
+        fused = Rotation.from_rotvec(mean[:, :3]) * Rotation.from_quat(x)
+        return _Round(fused.as_quat(), variance, bias + mean[:, 3:])
+
+    found = about(_start(t, w, fixes, fixed), np.zeros(3))
+    for _ in range(ROUNDS - 1):
+        found = about(found.x_WB[0], found.bias.mean(axis=0))
+    return found
+
+
+def _start(
+    t: np.ndarray, w: np.ndarray, fixes: np.ndarray, fixed: np.ndarray
+) -> np.ndarray:
+    """Where the gyro must start to pass through the first fix."""
+    k = int(fixed.argmax())
+    x = Rotation.from_quat(integrate_gyro(t, w, np.array([0.0, 0.0, 0.0, 1.0]))[k])
+    return (Rotation.from_quat(fixes[k]) * x.inv()).as_quat()
+
+
+def _span(measured: Bool[np.ndarray, " n"]) -> slice:
+    """From the first row with a sample to the last."""
+    first, last = np.flatnonzero(measured)[[0, -1]]
+    return slice(first, last + 1)
+
+
+def _placed(values: np.ndarray, where: slice, rows: int) -> np.ndarray:
+    placed = np.full((rows, values.shape[1]), np.nan)
+    placed[where] = values
+    return placed

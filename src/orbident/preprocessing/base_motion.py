@@ -1,0 +1,160 @@
+"""Attitude and rate of the base at the rows of a recording."""
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+from scipy.interpolate import CubicSpline
+from scipy.spatial.transform import Rotation
+
+from orbident.preprocessing.attitude_fusion import (
+    GyroNoise,
+    fuse_attitude,
+    integrate_gyro,
+)
+from orbident.preprocessing.attitude_rates import attitude_rates
+from orbident.preprocessing.histories import MEASURED, Columns
+from orbident.recordings.recording import Recording
+
+INTEGRATED = "derived: integrated gyro, from an attitude of zero"
+FUSED = "derived: gyro and attitude fused"
+SMOOTHED = "derived: smoothed attitude"
+
+AXES = ("gyro.x", "gyro.y", "gyro.z")
+QUATERNION = ("attitude.x", "attitude.y", "attitude.z", "attitude.w")
+
+
+SIGMA = 1.4826
+"""Std over median absolute value, of Gaussian noise."""
+
+BIAS_CORRELATION = 3600.0
+"""s, of a gyro's bias: its data sheet gives none."""
+
+LEAST_N = 1e-9
+"""rad/sqrt(s)."""
+
+LEAST_STD = 1e-9
+"""rad: without noise the weights would be infinite."""
+
+
+class BaseMotion(NamedTuple):
+    """Columns; a row counts where the base rate is no NaN."""
+
+    w: Columns
+    """Base axes, rad/s."""
+    x_WB: Columns
+    origins: dict[str, str]
+
+
+def base_motion(
+    recording: Recording, sensors: Mapping[str, Any], late: float
+) -> BaseMotion:
+    """What gyro and attitude say together, or one of them alone.
+
+    Where most rows have both, they are used as they are. Without an attitude the
+    inertial axes are those of the base at the gyro's first sample: they may be chosen
+    freely.
+
+    Args:
+        recording: with a gyro, an attitude, or both.
+        sensors: the robot file's section, for the noise of both.
+        late: by how much the attitude's times are behind the gyro's, s.
+
+    Raises:
+        InputError: there is neither, or too few samples.
+    """
+    gyro, attitude = (_recorded(recording, names) for names in (AXES, QUATERNION))
+    if gyro and not attitude:
+        w = recording.vector("gyro")
+        x = integrate_gyro(recording.t, w, np.array([0.0, 0.0, 0.0, 1.0]))
+        return _motion(recording, x, INTEGRATED)
+    if attitude and not gyro:
+        fixes = recording.vector("attitude", "xyzw")
+        x, w = attitude_rates(recording.t, fixes, recording.source)
+        return BaseMotion(
+            tuple(w.T), tuple(x.T), {"attitude": SMOOTHED, "base_rate": SMOOTHED}
+        )
+    w, fixes = (
+        tuple(recording.column(name) for name in names) for names in (AXES, QUATERNION)
+    )
+    if not late and not _sparse(w, fixes):
+        return BaseMotion(w, fixes, {"attitude": MEASURED, "base_rate": MEASURED})
+    return _fused(recording, sensors, late)
+
+
+def _motion(recording: Recording, x: Float[np.ndarray, "n 4"], how: str) -> BaseMotion:
+    w = tuple(recording.column(name) for name in AXES)
+    return BaseMotion(w, tuple(x.T), {"attitude": how, "base_rate": MEASURED})
+
+
+def _recorded(recording: Recording, names: tuple[str, ...]) -> bool:
+    """Whether the sensor is there: with none of its columns it is not."""
+    return any(name in recording.columns for name in names)
+
+
+def _sparse(w: Columns, fixes: Columns) -> bool:
+    """Whether most rows that have a gyro sample lack an attitude."""
+    seen, fixed = (
+        np.logical_and.reduce([~np.isnan(column) for column in columns])
+        for columns in (w, fixes)
+    )
+    return bool((seen & fixed).sum() < seen.sum() / 2)
+
+
+def _fused(recording: Recording, sensors: Mapping[str, Any], late: float) -> BaseMotion:
+    t, w = recording.t, recording.vector("gyro")
+    fixes = recording.vector("attitude", "xyzw")
+    by_gyro = integrate_gyro(t, w, np.array([0.0, 0.0, 0.0, 1.0]))
+    if late:
+        fixes = _caught_up(t, fixes, by_gyro, late)
+    std = sensors.get("attitude", {}).get("angle") or _scatter(by_gyro, fixes)
+    noise = _gyro_noise(t, w, sensors.get("gyro", {}))
+    fused = fuse_attitude(t, w, fixes, noise, std)
+    return BaseMotion(
+        tuple((w - fused.bias).T),
+        tuple(fused.x_WB.T),
+        {"attitude": FUSED, "base_rate": FUSED},
+    )
+
+
+def _caught_up(
+    t: Float[np.ndarray, " n"],
+    fixes: Float[np.ndarray, "n 4"],
+    by_gyro: Float[np.ndarray, "n 4"],
+    late: float,
+) -> Float[np.ndarray, "n 4"]:
+    """What late fixes would be now: turned on by what the gyro felt since then."""
+    known = np.isfinite(by_gyro).all(axis=1)
+    then = CubicSpline(t[known], by_gyro[known], extrapolate=False)(t - late)
+    usable = np.isfinite(np.hstack([fixes, by_gyro, then])).all(axis=1)
+    now = Rotation.from_quat(by_gyro[usable])
+    felt = Rotation.from_quat(then[usable]).inv() * now
+    moved = np.full(fixes.shape, np.nan)
+    moved[usable] = (Rotation.from_quat(fixes[usable]) * felt).as_quat()
+    return moved
+
+
+def _gyro_noise(
+    t: Float[np.ndarray, " n"], w: Float[np.ndarray, "n 3"], section: Mapping[str, Any]
+) -> GyroNoise:
+    """As declared, or else as the samples' second differences show it."""
+    N = section.get("angle_random_walk")
+    if not N:
+        seen = np.isfinite(w).all(axis=1)
+        # Of white noise these have 6 times its variance.
+        bend = np.median(np.abs(np.diff(w[seen], n=2, axis=0)))
+        N = SIGMA * bend / np.sqrt(6) * np.sqrt(np.median(np.diff(t[seen])))
+    drift = section.get("bias_instability", 0.0) * np.sqrt(2 / BIAS_CORRELATION)
+    return GyroNoise(max(float(N), LEAST_N), float(drift))
+
+
+def _scatter(
+    by_gyro: Float[np.ndarray, "n 4"], fixes: Float[np.ndarray, "n 4"]
+) -> float:
+    """Std of fixes, rad: turns between neighbours, less what the gyro felt."""
+    both = np.isfinite(np.hstack([by_gyro, fixes])).all(axis=1)
+    error = Rotation.from_quat(fixes[both]) * Rotation.from_quat(by_gyro[both]).inv()
+    between = (error[1:] * error[:-1].inv()).as_rotvec()
+    scatter = SIGMA * np.median(np.abs(between)) / np.sqrt(2) if both.sum() > 1 else 0.0
+    return max(float(scatter), LEAST_STD)

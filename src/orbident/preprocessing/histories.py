@@ -1,0 +1,107 @@
+"""What joints and wheels did at the rows of a recording."""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+
+from orbident.preprocessing.angles import unwrapped
+from orbident.preprocessing.rates import at_times, fill
+from orbident.preprocessing.smoothing import smooth
+from orbident.recordings.recording import Recording
+
+Columns = tuple[Float[np.ndarray, " samples"], ...]
+
+MEASURED = "measured"
+DERIVED = "derived: smoothed positions"
+
+
+FULL_TURN = 2 * np.pi + 1e-6
+"""rad, and what a printed pi may be too large."""
+
+
+class Histories(NamedTuple):
+    """Of all joints, or of all wheels, in the robot's order."""
+
+    positions: Columns
+    """Empty where they are not recorded."""
+    rates: Columns
+    origin: str
+    """How the rates were obtained."""
+
+
+def histories(
+    recording: Recording,
+    what: str,
+    names: Sequence[str],
+    rate: str,
+    sensor: Mapping[str, Any],
+    late: float,
+) -> Histories:
+    """Positions and rates at every row, gaps filled.
+
+    Rates that were measured are used as they are. Others are those of the positions,
+    as smooth as the encoders' noise says.
+
+    Args:
+        recording: with a position or a rate of each of `names`.
+        what: `"joint"` or `"wheel"`: how the columns begin.
+        names: of the robot.
+        rate: how the columns of rates end.
+        sensor: the encoders' section of the robot file; empty where it has none.
+        late: by how much the encoders' times are behind, s.
+
+    Raises:
+        InputError: a column has too few samples.
+    """
+    t, at = recording.t, recording.t + late
+    positions, rates, origins = [], [], set()
+    for name in names:
+        position, measured = f"{what}.{name}.position", f"{what}.{name}.{rate}"
+        if recording.has(measured):
+            columns = [c for c in (position, measured) if recording.has(c)]
+            *q, qd = (_at(recording, column, late) for column in columns)
+            origins.add(MEASURED)
+        else:
+            label = f"{recording.source}: column '{position}'"
+            column = _over_turns(t, recording.column(position))[:, None]
+            smoothed = smooth(t, column, encoder_noise(sensor), at, label)
+            q, qd = [smoothed.x[:, 0]], smoothed.rate[:, 0]
+            origins.add(DERIVED)
+        positions += q
+        rates.append(qd)
+    return Histories(
+        tuple(positions), tuple(rates), "; ".join(sorted(origins)) or "none"
+    )
+
+
+def _over_turns(
+    t: Float[np.ndarray, " samples"], x: Float[np.ndarray, " samples"]
+) -> Float[np.ndarray, " samples"]:
+    """An angle that an encoder counts within one turn, counted on."""
+    measured = x[~np.isnan(x)]
+    wrapped = measured.size and np.ptp(measured) <= FULL_TURN
+    if wrapped and np.abs(np.diff(measured)).max(initial=0.0) > np.pi:
+        return unwrapped(t, x)
+    return x
+
+
+def encoder_noise(sensor: Mapping[str, Any]) -> float | None:
+    """Std of an encoder's samples, rad or m; None where the samples themselves show it.
+
+    Counts are no noise that samples show, `resolution / sqrt(12)` beside the rest.
+    """
+    resolution = sensor.get("resolution", 0.0)
+    if not resolution:
+        return None
+    return math.hypot(sensor.get("position", 0.0), resolution / math.sqrt(12))
+
+
+def _at(recording: Recording, name: str, late: float) -> Float[np.ndarray, " samples"]:
+    t, column = recording.t, recording.column(name)
+    label = f"{recording.source}: column '{name}'"
+    if late:
+        return at_times(t, column, t + late, label)
+    return fill(t, column, label) if np.isnan(column).any() else column

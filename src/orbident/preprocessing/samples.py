@@ -1,0 +1,180 @@
+"""What the regressors need of a recording, sample by sample, without copying it."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from orbident.preprocessing.base_motion import base_motion
+from orbident.preprocessing.delays import delays
+from orbident.preprocessing.histories import Columns, Histories, histories
+from orbident.preprocessing.point_velocity import point_velocity
+from orbident.recordings.recording import Recording
+from orbident.robot.description import Robot
+
+LOCKED = 1e-3
+"""A joint that moved less (rad or m) did not move: encoders are finer than that."""
+
+
+class Batch(NamedTuple):
+    """Some consecutive samples, side by side; those not valid hold zeros."""
+
+    q: Float[np.ndarray, "n joints"]
+    qd: Float[np.ndarray, "n joints"]
+    w: Float[np.ndarray, "n 3"]
+    x_WB: Float[np.ndarray, "n 4"]
+    qd_rw: Float[np.ndarray, "n wheels"]
+    v_S: Float[np.ndarray, "n 3"]
+    drift: Float[np.ndarray, "n 3 3"]
+    """By an accelerometer's bias, inertial axes, s; zero where it does not show."""
+    turning: Bool[np.ndarray, " n"]
+    """Whether all that the momentum equation needs was measured."""
+    moving: Bool[np.ndarray, " n"]
+    """Whether the velocity of S was measured too."""
+
+
+@dataclass(frozen=True)
+class Samples:
+    """A recording's columns in the robot's order, with what was missing derived."""
+
+    t: Float[np.ndarray, " samples"]
+    q: Columns
+    qd: Columns
+    w: Columns
+    x_WB: Columns
+    qd_rw: Columns
+    v_S: Columns
+    """Of S, inertial axes, m/s; empty where it cannot be had."""
+    drift: Columns
+    """What an accelerometer's bias adds to that, row-major; empty without one."""
+    locked: tuple[str, ...]
+    """Joints that did not move: held at their mean, with zero rate."""
+    origins: dict[str, str]
+    """How joint rates, wheel speeds and the velocity of S were obtained."""
+    source: str
+    """Where the recording came from, for messages."""
+
+    def batches(self, size: int) -> Iterator[Batch]:
+        """All samples in batches of this size; the last one is what remains."""
+        for start in range(0, self.t.size, size):
+            yield self.batch(start, size)
+
+    def first(self) -> Batch | None:
+        """The first sample that is valid, alone; None where there is none."""
+        size = 1024
+        for k, batch in enumerate(self.batches(size)):
+            if batch.turning.any():
+                return self.batch(k * size + int(batch.turning.argmax()), 1)
+        return None
+
+    def complete(self) -> tuple[Float[np.ndarray, " n"], Batch]:
+        """Times, s, and all that was measured then: valid samples only."""
+        everything = self.batch(0, self.t.size)
+        valid = everything.turning
+        return self.t[valid], Batch(*(part[valid] for part in everything))
+
+    def batch(self, start: int, size: int) -> Batch:
+        """At most `size` samples from `start` on."""
+        rows = slice(start, min(start + size, self.t.size))
+        names = ("q", "qd", "w", "x_WB", "qd_rw", "v_S", "drift")
+        tables = [_table(getattr(self, name), rows) for name in names]
+        complete = [np.isfinite(table).all(axis=1) for table in tables]
+        turning = np.logical_and.reduce(complete[:5])
+        moving = turning & complete[5] & bool(self.v_S)
+        q, qd, w, x_WB, qd_rw, v_S, drift = (
+            np.where(turning[:, None], table, 0.0) for table in tables
+        )
+        x_WB[~turning, 3] = 1.0
+        unknown = np.zeros((turning.size, 3))
+        v_S = np.where(moving[:, None], v_S if self.v_S else unknown, unknown)
+        if not self.drift:
+            drift = np.zeros((turning.size, 9))
+        drift = drift.reshape(-1, 3, 3)
+        return Batch(q, qd, w, x_WB, qd_rw, v_S, drift, turning, moving)
+
+
+def samples_of(
+    robot: Robot, recording: Recording, late: Mapping[str, float] | None = None
+) -> Samples:
+    """Take what identification needs from a recording, and derive what is missing.
+
+    A row counts where the base rate is measured; all else is filled in between its own
+    samples, so that every sensor may have its own rate.
+
+    Args:
+        robot: with the noise of its sensors, where that is known.
+        recording: joint and wheel positions, and gyro or attitude, at least.
+        late: by sensor, by how much its times are behind the gyro's, s, beside what
+            the robot file declares; none where absent.
+
+    Raises:
+        InputError: a joint or wheel column, or gyro and attitude, are missing, or one
+            names a joint or wheel that the robot does not have.
+    """
+    recording.check_joints(robot)
+    recording.check_wheels(robot)
+    behind = delays(robot, recording, late or {})
+    sensors = robot.sensors
+    joints = histories(
+        recording,
+        "joint",
+        robot.joint_names,
+        "velocity",
+        sensors.get("joints", {}),
+        behind["joints"],
+    )
+    wheels = histories(
+        recording,
+        "wheel",
+        robot.wheel_names,
+        "speed",
+        sensors.get("wheels", {}),
+        behind["wheels"],
+    )
+    base = base_motion(recording, sensors, behind["attitude"])
+    point = point_velocity(recording, base.x_WB, behind)
+    moving = _locked_apart(joints, robot.joint_names)
+    return Samples(
+        t=recording.t,
+        q=moving.q,
+        qd=moving.qd,
+        w=base.w,
+        x_WB=base.x_WB,
+        qd_rw=wheels.rates,
+        v_S=point.v_S,
+        drift=point.drift,
+        locked=moving.locked,
+        origins={
+            "joint_rates": joints.origin,
+            "wheel_speeds": wheels.origin,
+            **base.origins,
+            "velocity": point.origin,
+        },
+        source=recording.source,
+    )
+
+
+class _Joints(NamedTuple):
+    q: Columns
+    qd: Columns
+    locked: tuple[str, ...]
+
+
+def _locked_apart(joints: Histories, names: tuple[str, ...]) -> _Joints:
+    """Joints that did not move are held: their encoders' noise is no motion."""
+    q, qd, locked = [], [], []
+    for name, position, rate in zip(names, joints.positions, joints.rates, strict=True):
+        still = np.nanmax(position) - np.nanmin(position) < LOCKED
+        q.append(np.full_like(position, np.nanmean(position)) if still else position)
+        qd.append(np.zeros_like(rate) if still else rate)
+        locked += [name] if still else []
+    return _Joints(tuple(q), tuple(qd), tuple(locked))
+
+
+def _table(columns: Columns, rows: slice) -> Float[np.ndarray, "n k"]:
+    table = np.empty((rows.stop - rows.start, len(columns)))
+    for k, column in enumerate(columns):
+        table[:, k] = column[rows]
+    return table

@@ -1,1 +1,0 @@
-"""From motion to what sensors would record."""

@@ -1,1 +1,0 @@
-"""From samples to the quantities a regressor needs."""

@@ -1,0 +1,119 @@
+"""A robot whose inertia changes on the way: a capture, a release, a loss.
+
+What is captured moves with the body that it is attached to already, so nothing jumps:
+base rate, attitude and the velocity of S go on as they were. From then on the momentum
+is that of both together.
+"""
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+
+from orbident.errors import InputError
+from orbident.recordings.recording import Recording
+from orbident.robot.description import Robot
+from orbident.robot.parameters import from_mass_com_inertia
+from orbident.simulation.free_floating import BaseState, free_floating
+from orbident.simulation.measure import measure_truth
+from orbident.simulation.simulate import RATE, sample_times
+from orbident.simulation.truth import Truth, truth_of
+from orbident.trajectories.trajectory import Trajectory
+
+
+class Target(NamedTuple):
+    """A rigid body, in the frame of the body it is attached to."""
+
+    mass: float
+    """kg; negative for what is let go."""
+    com: Float[np.ndarray, "3"]
+    """m."""
+    I_com: Float[np.ndarray, "3 3"]
+    """About its CM, kg m^2; negative for what is let go."""
+
+
+def holding(robot: Robot, target: Target, body: str | None = None) -> Robot:
+    """The robot with the target attached.
+
+    Args:
+        robot: before.
+        target: what is attached.
+        body: to which; the last link where it is None.
+
+    Raises:
+        InputError: the robot has no such body.
+    """
+    name = robot.bodies[-1] if body is None else body
+    if name not in robot.bodies:
+        raise InputError(
+            f"{robot.name}: no body '{name}'; give one of {', '.join(robot.bodies)}"
+        )
+    theta = robot.theta.copy()
+    theta[robot.bodies.index(name)] += from_mass_com_inertia(*target)
+    return replace(robot, theta=theta)
+
+
+def simulate_change(
+    before: Robot,
+    after: Robot,
+    trajectory: Trajectory,
+    at: float,
+    seed: int = 0,
+    rate: float | None = None,
+) -> Recording:
+    """Record a free-floating motion through a change, with the robot's sensors.
+
+    Args:
+        before: the robot until then.
+        after: the robot from then on: the same but for its inertia.
+        trajectory: of the joints, with the initial state of base and wheels.
+        at: when, s.
+        seed: of the sensors' noise.
+        rate: samples per second; the robot file's by default, else 20 Hz.
+
+    Raises:
+        InputError: as `simulate`, or the change is not between two samples.
+    """
+    rate = float(before.sensors.get("rate", RATE) if rate is None else rate)
+    t = sample_times(trajectory.duration, rate)
+    if not t[1] <= at <= t[-2]:
+        raise InputError(f"change at {at:g} s: give a time from {t[1]:g} to {t[-2]:g}")
+    true = truth_through_change(before, after, trajectory, at, t)
+    return measure_truth(before, t, true, seed)
+
+
+def truth_through_change(
+    before: Robot,
+    after: Robot,
+    trajectory: Trajectory,
+    at: float,
+    t: Float[np.ndarray, " n"],
+) -> Truth:
+    """What ideal sensors would show at the times `t`, s."""
+    trajectory = trajectory.for_robot(before)
+    initial = trajectory.initial
+    start = BaseState(
+        initial.angular_velocity,
+        initial.attitude,
+        initial.velocity,
+        initial.wheel_speeds(before.wheel_names),
+    )
+    first = np.append(t[t < at], at)
+    second = np.insert(t[t > at], 0, at)
+    motion = free_floating(before, trajectory, first, start)
+    goes_on = BaseState(
+        motion.w[-1], motion.attitude[-1], motion.v_S[-1], motion.qd_rw[-1]
+    )
+    sooner = truth_of(before, motion, trajectory)
+    later = truth_of(
+        after, free_floating(after, trajectory, second, goes_on), trajectory
+    )
+    later = later._replace(
+        q_rw=later.q_rw + sooner.q_rw[-1], position=later.position + sooner.position[-1]
+    )
+    # The sample at the change itself is the last one before it.
+    last = len(first) if at in t else -1
+    return Truth(
+        *(np.concatenate([a[:last], b[1:]]) for a, b in zip(sooner, later, strict=True))
+    )

@@ -1,0 +1,193 @@
+"""Free-flying motion: thrusters, wheels and joint torques move the robot (Eq. 13)."""
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from jaxtyping import Float
+
+from orbident.errors import InputError
+from orbident.model.inertia import inertia_at
+from orbident.model.rotations import quaternion_matrix, rotation_angle
+from orbident.robot.description import Robot
+from orbident.simulation.control_laws import JointLaw, WheelLaw, WheelLimits
+from orbident.simulation.flight import FlyingState, FreeFlying
+from orbident.simulation.flight_checks import check_flight, check_laws
+from orbident.simulation.flight_steps import Drive, Shown, integrate, vehicle_of
+from orbident.simulation.free_floating import JointMotion
+from orbident.simulation.thrusters import Pulse, thrust
+
+MOST_STEPS = 2**19
+
+
+def free_flying(
+    robot: Robot,
+    t: Float[np.ndarray, " n"],
+    start: FlyingState,
+    command: JointMotion,
+    joints: JointLaw,
+    wheels: WheelLaw | None = None,
+    limits: WheelLimits | None = None,
+    pulses: Sequence[Pulse] = (),
+    tolerance: float = 1e-8,
+) -> FreeFlying:
+    """How the robot moves under its controllers and thrusters (Eqs. 13, 15).
+
+    RK4 with steps that end on every sample time and every pulse edge, halved until
+    the motion at the samples changes by no more than `tolerance`.
+
+    Args:
+        robot: with its nominal inertia.
+        t: sample times, s.
+        start: the state at `t[0]`.
+        command: what the joints are told to do.
+        joints: the law of the joint torques, N m or N.
+        wheels: the law of the torques on the rotors, N m; without one, each wheel is
+            held or free as the robot says.
+        limits: of the wheels' motors, where a law drives them.
+        pulses: of the thrusters, within the times of the samples.
+        tolerance: of attitude, joints and position, rad or m.
+
+    Raises:
+        InputError: the times do not increase, something has not the size of the robot,
+            a planar robot starts out of its plane, the mass matrix is singular, the
+            wheels are heavier than the base, a pulse cannot be flown, or no step is
+            small enough.
+    """
+    check_flight(robot, t, start, command, pulses)
+    check_laws(robot, joints, wheels, limits, t)
+    edges = [edge for pulse in pulses for edge in (pulse.on, pulse.off)]
+    breaks = np.unique(np.concatenate([t, edges]))
+
+    def thrust_at(nodes: Float[np.ndarray, "steps 3"]) -> Float[np.ndarray, "steps 6"]:
+        # No step straddles an edge: the thrust is that of its middle.
+        return thrust(robot, pulses, nodes[:, 1])
+
+    drive = Drive(
+        command,
+        joints,
+        wheels,
+        lambda nodes: np.tile(thrust_at(nodes)[:, None, None], (1, 3, 1, 1)),
+    )
+    vehicle, at_start = (
+        vehicle_of(robot, joints, wheels, limits),
+        _at_start(robot, start),
+    )
+
+    def solve(parts: int) -> tuple[Shown, Float[np.ndarray, "n 6"]]:
+        nodes = _step_nodes(breaks, parts)
+        wanted = np.zeros(len(nodes), dtype=bool)
+        wanted[parts * np.searchsorted(breaks, t)] = True
+        shown = integrate(
+            vehicle, at_start, nodes, lambda some: drive.at(robot, some), wanted
+        )
+        return shown, thrust_at(nodes[wanted])
+
+    path, error, parts = _refined(robot, solve, breaks.size, tolerance)
+    return _flown(t, *path, error, parts * (breaks.size - 1))
+
+
+def _step_nodes(
+    breaks: Float[np.ndarray, " n"], parts: int
+) -> Float[np.ndarray, "steps 3"]:
+    """Start, middle and end of `parts` equal steps from each break to the next.
+
+    A last step of no length is at the last break.
+    """
+    part = np.arange(parts + 1) / parts
+    grid = breaks[:-1, None] * (1 - part) + breaks[1:, None] * part
+    starts = np.append(grid[:, :-1], breaks[-1])
+    ends = np.append(grid[:, 1:], breaks[-1])
+    return np.stack([starts, (starts + ends) / 2, ends], axis=1)
+
+
+def _at_start(robot: Robot, start: FlyingState) -> Float[np.ndarray, " states"]:
+    """`[r_cm, x_WB, q, q_rw, v]`."""
+    base, at = start.base, inertia_at(robot, start.q)
+    R_WB = quaternion_matrix(base.attitude)
+    # Eq. 28, the other way round.
+    v_cm = R_WB.T @ base.velocity + at.J_cm @ start.qd
+    v_cm += np.cross(base.angular_velocity, at.r_cm)
+    return np.concatenate(
+        [
+            start.r_S + R_WB @ at.r_cm,
+            base.attitude / np.linalg.norm(base.attitude),
+            start.q,
+            start.q_rw,
+            v_cm,
+            base.angular_velocity,
+            start.qd,
+            base.wheel_speed,
+        ]
+    )
+
+
+def _refined(
+    robot: Robot,
+    solve: Callable[[int], tuple[Shown, Float[np.ndarray, "n 6"]]],
+    breaks: int,
+    tolerance: float,
+) -> tuple[tuple[Shown, Float[np.ndarray, "n 6"]], float, int]:
+    """The motion, its error, and the number of steps from each break to the next."""
+    parts, coarse, error = 1, solve(1), np.inf
+    while 2 * parts * breaks <= MOST_STEPS:
+        parts *= 2
+        fine = solve(parts)
+        # Where a limit cuts in, halving does not divide the error by RK4's 16: the
+        # whole difference is taken.
+        error = _difference(coarse[0], fine[0])
+        if error <= tolerance:
+            return fine, error, parts
+        coarse = fine
+    raise InputError(
+        f"{robot.name}: the motion does not settle: with {parts * breaks} steps it "
+        f"changes by {error:.2g} when they are halved, more than {tolerance:g}; lower "
+        "the gains, raise the tolerance, or fly a shorter time"
+    )
+
+
+def _difference(a: Shown, b: Shown) -> float:
+    """The largest of attitude, joints and position, rad or m; infinite for a NaN."""
+    with np.errstate(all="ignore"):
+        largest = (
+            np.abs(a.r_cm - b.r_cm).max(),
+            np.abs(a.q - b.q).max(initial=0.0),
+            rotation_angle(a.x_WB, b.x_WB).max(),
+        )
+    # A motion that blew up is not a number.
+    return float(np.nan_to_num(largest, nan=np.inf).max())
+
+
+def _flown(
+    t: Float[np.ndarray, " n"],
+    seen: Shown,
+    thrust: Float[np.ndarray, "n 6"],
+    error: float,
+    steps: int,
+) -> FreeFlying:
+    joints_end = 6 + seen.q.shape[1]
+    _, w, qd, qd_rw = np.split(seen.v, [3, 6, joints_end], axis=1)
+    _, w_dot, qdd, qdd_rw = np.split(seen.vd, [3, 6, joints_end], axis=1)
+    return FreeFlying(
+        t=t,
+        q=seen.q,
+        qd=qd,
+        qdd=qdd,
+        attitude=seen.x_WB,
+        w=w,
+        w_dot=w_dot,
+        q_rw=seen.q_rw,
+        qd_rw=qd_rw,
+        qdd_rw=qdd_rw,
+        r_S=seen.r_S,
+        v_S=seen.v_S,
+        f_S=seen.f_S,
+        r_cm=seen.r_cm,
+        v_cm=seen.v_cm,
+        h_cm=seen.h_cm,
+        tau=seen.tau,
+        tau_rw=seen.tau_rw,
+        force=thrust[:, :3],
+        torque=thrust[:, 3:],
+        error=error,
+        steps=steps,
+    )

@@ -1,0 +1,128 @@
+"""A motion as the sensors of a robot would record it."""
+
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+
+from orbident.errors import InputError
+from orbident.recordings.recording import Recording
+from orbident.robot.description import Robot
+from orbident.simulation.free_floating import FreeFloating, JointMotion
+from orbident.simulation.sensor import Reading, Sensor
+from orbident.simulation.sensors import Sensors, sensors_of
+from orbident.simulation.streams import stream
+from orbident.simulation.truth import Truth, truth_of
+from orbident.trajectories.trajectory import Trajectory
+
+
+def measure(
+    robot: Robot,
+    motion: FreeFloating,
+    trajectory: JointMotion,
+    seed: int = 0,
+    truth: bool = False,
+) -> Recording:
+    """Record a free-floating motion with the sensors of the robot's file.
+
+    A sensor that the file does not declare has no columns, but joint positions are
+    always there, exact where there are no encoders. Encoders of wheels show angles;
+    speeds of joints and wheels are not measured. Every sensor draws from a stream of
+    its own, so that none changes another's noise.
+
+    Args:
+        robot: with its nominal inertia and its sensors.
+        motion: the free-floating motion, at evenly spaced times: the rows.
+        trajectory: of the joints, that the motion was made with.
+        seed: of all random numbers.
+        truth: whether to add the noise-free `truth.*` columns.
+
+    Raises:
+        InputError: a sensor's parameters are not usable, its rate does not fit the
+            rows, the rows are not evenly spaced, or the seed is no whole number.
+    """
+    if isinstance(trajectory, Trajectory):
+        trajectory = trajectory.for_robot(robot)
+    true = truth_of(robot, motion, trajectory)
+    return measure_truth(robot, motion.t, true, seed, truth)
+
+
+def measure_truth(
+    robot: Robot,
+    t: Float[np.ndarray, " rows"],
+    true: Truth,
+    seed: int = 0,
+    truth: bool = False,
+) -> Recording:
+    """Record what is true of any motion, as `measure` does.
+
+    Args:
+        robot: with its sensors.
+        t: evenly spaced times, s: the rows.
+        true: at these times.
+        seed: of all random numbers.
+        truth: whether to add the noise-free `truth.*` columns.
+
+    Raises:
+        InputError: as `measure`.
+    """
+    sensors = sensors_of(robot.sensors)
+    columns = {}
+    for channel in _channels(robot, sensors, true):
+        sensor = getattr(sensors, channel.key)
+        if sensor is not None:
+            values = _measured(channel, sensor, t, seed)
+        elif channel.key == "joints":
+            values = channel.true
+        else:
+            continue
+        for k, component in enumerate(channel.components):
+            columns[f"{channel.name}.{component}"] = values[:, k]
+    if truth:
+        columns |= {
+            f"truth.{name}": column for name, column in true.columns(robot).items()
+        }
+    return Recording(t, columns, source=f"simulation of {robot.name}")
+
+
+class Channel(NamedTuple):
+    """What one sensor, or one of several encoders, is there to see."""
+
+    key: str
+    """Of the sensor section."""
+    name: str
+    """Of the columns, before the dot; and of the stream of random numbers."""
+    components: Sequence[str]
+    """Of the columns, after the dot."""
+    true: Float[np.ndarray, "rows true"]
+    """The noise-free values."""
+    read: Reading | None = None
+    """Instead of the sensor's own."""
+
+
+def _channels(robot: Robot, sensors: Sensors, true: Truth) -> Iterator[Channel]:
+    for k, name in enumerate(robot.joint_names):
+        yield Channel("joints", f"joint.{name}", ("position",), true.q[:, [k]])
+    for k, name in enumerate(robot.wheel_names):
+        yield Channel("wheels", f"wheel.{name}", ("position",), true.q_rw[:, [k]])
+    yield Channel("gyro", "gyro", "xyz", true.gyro)
+    if sensors.accelerometer is not None and sensors.accelerometer.increments:
+        pose = np.hstack([true.attitude, true.velocity])
+        read = sensors.accelerometer.read_increments
+        yield Channel("accelerometer", "velocity_increment", "xyz", pose, read)
+    else:
+        yield Channel("accelerometer", "accelerometer", "xyz", true.accelerometer)
+    yield Channel("attitude", "attitude", "xyzw", true.attitude)
+    yield Channel("position", "position", "xyz", true.position)
+
+
+def _measured(
+    channel: Channel, sensor: Sensor, t: Float[np.ndarray, " rows"], seed: int
+) -> Float[np.ndarray, "rows axes"]:
+    """A sensor's samples; what is wrong with it is said with its place in the file."""
+    random = stream(seed, channel.name)
+    try:
+        return sensor.sample(t, channel.true, random, channel.read)
+    except InputError as error:
+        raise InputError(f"sensors.{channel.key}: {error}") from None

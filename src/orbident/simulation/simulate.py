@@ -1,0 +1,127 @@
+"""A recording of a free-floating manoeuvre, by ideal or by real sensors."""
+
+from typing import Literal
+
+import numpy as np
+
+from orbident.errors import InputError
+from orbident.model.regularity import check_regular
+from orbident.recordings.recording import Recording
+from orbident.robot.description import Robot
+from orbident.simulation.free_floating import BaseState, FreeFloating, free_floating
+from orbident.simulation.measure import measure
+from orbident.trajectories.trajectory import Trajectory
+
+RATE = 20.0
+"""Hz, where neither the caller nor the robot file says otherwise: the paper's."""
+
+MOST_SAMPLES = 50_000_000
+"""More would not fit into memory: a recording has some twenty columns and more."""
+
+
+def simulate(
+    robot: Robot,
+    trajectory: Trajectory,
+    rate: float | None = None,
+    tolerance: float = 1e-9,
+    noise: Literal["none", "sensors"] = "none",
+    seed: int = 0,
+    truth: bool = False,
+) -> Recording:
+    """Let the robot float free along a trajectory, and record it.
+
+    Args:
+        robot: with its nominal inertia.
+        trajectory: of the joints, with the initial state of base and wheels.
+        rate: samples per second; the robot file's by default, else 20 Hz.
+        tolerance: of the attitude, rad.
+        noise: `"none"` for ideal sensors of everything, `"sensors"` for those that the
+            robot file declares, as `measure` has them.
+        seed: of the sensors' noise.
+        truth: add noise-free columns `truth.*` beside what the sensors measured.
+
+    Raises:
+        InputError: the trajectory is not for this robot's joints and wheels, its mass
+            matrix is singular, the rate is not positive, the base turns too fast for
+            it, or a sensor cannot sample at it.
+    """
+    if noise not in {"none", "sensors"}:
+        raise InputError(f"noise {noise!r}: give 'none' or 'sensors'")
+    if truth and noise == "none":
+        raise InputError("truth: a recording without noise is the truth already")
+    rate = float(robot.sensors.get("rate", RATE) if rate is None else rate)
+    motion = float_along(robot, trajectory, rate, tolerance)
+    if noise == "none":
+        return recorded(robot, motion)
+    return measure(robot, motion, trajectory, seed, truth)
+
+
+def float_along(
+    robot: Robot, trajectory: Trajectory, rate: float, tolerance: float = 1e-9
+) -> FreeFloating:
+    """The free-floating motion along a trajectory, from its initial state.
+
+    Args:
+        robot: with its nominal inertia.
+        trajectory: of the joints, with the initial state of base and wheels.
+        rate: samples per second.
+        tolerance: of the attitude, rad.
+
+    Raises:
+        InputError: the trajectory is not for this robot's joints and wheels, its mass
+            matrix is singular, the rate is not positive, or the base turns too fast
+            for it.
+    """
+    check_regular(robot)
+    if not 0.0 < rate < np.inf:
+        raise InputError(f"rate {rate} Hz: give a positive number of samples a second")
+    trajectory = trajectory.for_robot(robot)
+    initial = trajectory.initial
+    start = BaseState(
+        angular_velocity=initial.angular_velocity,
+        attitude=initial.attitude,
+        velocity=initial.velocity,
+        wheel_speed=initial.wheel_speeds(robot.wheel_names),
+    )
+    t = sample_times(trajectory.duration, rate)
+    try:
+        return free_floating(robot, trajectory, t, start, tolerance)
+    except InputError as error:
+        raise InputError(f"{trajectory.source}: {error}") from None
+
+
+def sample_times(duration: float, rate: float) -> np.ndarray:
+    """0, 1/rate, 2/rate ... up to and including the duration, s.
+
+    Raises:
+        InputError: that are fewer than two samples, or more than memory can hold.
+    """
+    # A duration that is a whole number of periods but for rounding has its last one.
+    count = np.floor(duration * rate * (1 + 1e-12)) + 1
+    if not 2 <= count <= MOST_SAMPLES:
+        remedy = "sample faster" if count < 2 else "sample slower"
+        raise InputError(
+            f"rate {rate:g} Hz, duration {duration:g} s: samples: found {count:.6g}; "
+            f"give 2 to {MOST_SAMPLES:g}: {remedy}"
+        )
+    return np.minimum(np.arange(int(count)) / rate, duration)
+
+
+def recorded(robot: Robot, motion: FreeFloating) -> Recording:
+    """A motion as the columns of a recording."""
+    columns = {}
+    for k, name in enumerate(robot.joint_names):
+        columns[f"joint.{name}.position"] = motion.q[:, k]
+        columns[f"joint.{name}.velocity"] = motion.qd[:, k]
+    for k, name in enumerate(robot.wheel_names):
+        columns[f"wheel.{name}.speed"] = motion.qd_rw[:, k]
+    vectors = {
+        "gyro": (motion.w, "xyz"),
+        "attitude": (motion.attitude, "xyzw"),
+        "position": (motion.r_S, "xyz"),
+        "velocity": (motion.v_S, "xyz"),
+    }
+    for sensor, (values, components) in vectors.items():
+        for k, component in enumerate(components):
+            columns[f"{sensor}.{component}"] = values[:, k]
+    return Recording(motion.t, columns, source=f"simulation of {robot.name}")

@@ -1,0 +1,96 @@
+"""What ideal sensors would show of a motion, free-floating or free-flying."""
+
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+
+from orbident.robot.description import Robot
+from orbident.simulation.accelerations import accelerations
+from orbident.simulation.flight import FreeFlying
+from orbident.simulation.free_floating import FreeFloating, JointMotion
+
+Columns = dict[str, Float[np.ndarray, " rows"]]
+
+
+class Truth(NamedTuple):
+    """Noise-free values at the rows of a recording; frames as in the recording's."""
+
+    q: Float[np.ndarray, "rows joints"]
+    qd: Float[np.ndarray, "rows joints"]
+    q_rw: Float[np.ndarray, "rows wheels"]
+    """Wheel angles over full turns, zero at the first row, rad."""
+    qd_rw: Float[np.ndarray, "rows wheels"]
+    gyro: Float[np.ndarray, "rows 3"]
+    accelerometer: Float[np.ndarray, "rows 3"]
+    attitude: Float[np.ndarray, "rows 4"]
+    position: Float[np.ndarray, "rows 3"]
+    velocity: Float[np.ndarray, "rows 3"]
+
+    def columns(self, robot: Robot) -> Columns:
+        """All of it, by the names of a recording's columns."""
+        columns: Columns = {}
+        for k, name in enumerate(robot.joint_names):
+            columns[f"joint.{name}.position"] = self.q[:, k]
+            columns[f"joint.{name}.velocity"] = self.qd[:, k]
+        for k, name in enumerate(robot.wheel_names):
+            columns[f"wheel.{name}.position"] = self.q_rw[:, k]
+            columns[f"wheel.{name}.speed"] = self.qd_rw[:, k]
+        for name in ("gyro", "accelerometer", "attitude", "position", "velocity"):
+            vector = getattr(self, name)
+            for k, component in enumerate("xyzw"[: vector.shape[1]]):
+                columns[f"{name}.{component}"] = vector[:, k]
+        return columns
+
+
+def truth_of(robot: Robot, motion: FreeFloating, trajectory: JointMotion) -> Truth:
+    """The noise-free values of every sensor.
+
+    Args:
+        robot: with its nominal inertia.
+        motion: the free-floating motion.
+        trajectory: of the joints, in the robot's order.
+    """
+    at = accelerations(robot, motion, trajectory.at(motion.t)[2])
+    return Truth(
+        q=motion.q,
+        qd=motion.qd,
+        q_rw=_integrated(motion.t, motion.qd_rw, at.qdd_rw),
+        qd_rw=motion.qd_rw,
+        gyro=motion.w,
+        accelerometer=at.f_S,
+        attitude=motion.attitude,
+        position=motion.r_S,
+        velocity=motion.v_S,
+    )
+
+
+def truth_of_flight(flight: FreeFlying) -> Truth:
+    """The noise-free values of every sensor in free flight.
+
+    Args:
+        flight: wheels turn on from wherever they were; their angles count from here.
+    """
+    return Truth(
+        q=flight.q,
+        qd=flight.qd,
+        q_rw=flight.q_rw - flight.q_rw[0],
+        qd_rw=flight.qd_rw,
+        gyro=flight.w,
+        accelerometer=flight.f_S,
+        attitude=flight.attitude,
+        position=flight.r_S,
+        velocity=flight.v_S,
+    )
+
+
+def _integrated(
+    t: Float[np.ndarray, " n"],
+    speed: Float[np.ndarray, "n axes"],
+    acceleration: Float[np.ndarray, "n axes"],
+) -> Float[np.ndarray, "n axes"]:
+    """From zero, by the trapezoidal rule with end corrections: of fourth order."""
+    h = np.diff(t)[:, None]
+    steps = h / 2 * (speed[1:] + speed[:-1])
+    steps -= h**2 / 12 * np.diff(acceleration, axis=0)
+    return np.concatenate([np.zeros_like(speed[:1]), np.cumsum(steps, axis=0)])

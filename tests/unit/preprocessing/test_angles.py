@@ -1,0 +1,62 @@
+import numpy as np
+import pytest
+
+from orbident.errors import InputError
+from orbident.preprocessing.angles import unwrapped
+
+T = np.arange(0.0, 20.0, 0.05)
+
+
+def wrapped(x, period=2 * np.pi):
+    return x - period * np.round(x / period)
+
+
+@pytest.mark.parametrize("period", [2 * np.pi, np.pi, 360.0])
+def test_a_turning_angle_is_as_numpy_has_it(period):
+    x = period * (0.3 * T + 0.4 * np.sin(T))
+    np.testing.assert_allclose(
+        unwrapped(T, wrapped(x, period), period),
+        np.unwrap(wrapped(x, period), period=period),
+        rtol=1e-12,
+    )
+
+
+def test_a_wheel_that_spins_up_past_half_a_turn_a_sample():
+    # To -170 rad/s: 8.5 rad from one sample to the next, more than a turn.
+    x = -170.0 * np.where(T < 10, T**2 / 20, T - 5)
+    np.testing.assert_allclose(unwrapped(T, wrapped(x)), x, atol=1e-9)
+    assert np.abs(np.unwrap(wrapped(x)) - x).max() > 100
+
+
+def test_gaps_of_several_turns():
+    x = 7.0 * T + 0.5 * np.sin(T)
+    shown = wrapped(x)
+    missing = (T > 4) & (T < 7)
+    shown[missing | (T < 0.3)] = np.nan
+    found = unwrapped(T, shown)
+    np.testing.assert_array_equal(np.isnan(found), np.isnan(shown))
+    valid = ~np.isnan(shown)
+    # The first sample stays as it is.
+    offset = (x - found)[valid][0]
+    np.testing.assert_allclose((x - found)[valid], offset, atol=1e-9)
+
+
+def test_a_spike_does_not_turn_what_follows():
+    x = 2.0 * T
+    shown = wrapped(x)
+    shown[100] = wrapped(shown[100] + 2.5)
+    found = unwrapped(T, shown)
+    others = np.arange(T.size) != 100
+    np.testing.assert_allclose(found[others], x[others], atol=1e-9)
+
+
+def test_noise_of_half_a_radian():
+    x = 0.2 * T
+    noisy = x + 0.5 * np.random.default_rng(0).uniform(-1, 1, T.size)
+    np.testing.assert_allclose(unwrapped(T, wrapped(noisy)), noisy, atol=1e-9)
+
+
+def test_nothing_to_unwrap():
+    assert np.isnan(unwrapped(T, np.full(T.size, np.nan))).all()
+    with pytest.raises(InputError, match="period 0; give a positive"):
+        unwrapped(T, T, 0.0)

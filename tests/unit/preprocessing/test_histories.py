@@ -1,0 +1,48 @@
+import math
+
+import numpy as np
+import pytest
+
+from orbident.preprocessing.histories import DERIVED, MEASURED, encoder_noise, histories
+from orbident.recordings.recording import Recording
+
+T = np.arange(400) * 0.01
+
+
+def wheel(late=0.0, **columns):
+    named = {f"wheel.rw.{name}": column for name, column in columns.items()}
+    return histories(Recording(T, named), "wheel", ("rw",), "speed", {}, late)
+
+
+def test_a_wheel_counted_within_one_turn_is_counted_on():
+    angle = 0.3 - 170.0 * T
+    wrapped = (angle + np.pi) % (2 * np.pi) - np.pi
+    found = wheel(position=wrapped)
+    np.testing.assert_allclose(found.rates[0], -170.0, rtol=1e-9)
+    np.testing.assert_allclose(found.positions[0], angle, atol=1e-9)
+    assert found.origin == DERIVED
+
+
+def test_a_wheel_that_turned_less_than_half_is_as_it_was():
+    angle = 3.0 * np.sin(T)
+    np.testing.assert_allclose(wheel(position=angle).positions[0], angle, atol=1e-9)
+
+
+@pytest.mark.parametrize("measured", [True, False])
+def test_late_encoders_are_read_later(measured):
+    columns = {"position": np.sin(T)} | ({"speed": np.cos(T)} if measured else {})
+    found = wheel(late=0.035, **columns)
+    rate = found.rates[0]
+    inside = np.isfinite(rate)
+    # Nothing is known of what comes after the last sample.
+    assert not inside[-3:].any()
+    assert inside[:-4].all()
+    np.testing.assert_allclose(rate[inside], np.cos(T + 0.035)[inside], atol=1e-6)
+    assert found.origin == (MEASURED if measured else DERIVED)
+
+
+def test_noise_is_declared_where_counts_hide_it():
+    assert encoder_noise({}) is None
+    assert encoder_noise({"position": 1e-3}) is None
+    counts = encoder_noise({"position": 3e-3, "resolution": 4e-3 * math.sqrt(12)})
+    assert counts == pytest.approx(5e-3)
