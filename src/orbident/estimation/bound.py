@@ -9,6 +9,8 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
+
 from orbident.errors import InputError
 from orbident.estimation.found import Found, found_beta
 from orbident.estimation.least_squares import InitialMomentum
@@ -19,12 +21,13 @@ from orbident.estimation.output_error.problem import (
     problem_of,
     start_of,
 )
-from orbident.estimation.output_error.sensors import sensors_of
+from orbident.estimation.output_error.sensors import Sensors, sensors_of
 from orbident.estimation.output_error.solver import Solution
 from orbident.estimation.prior import prior_std
 from orbident.model.minimal_sets import minimal_sets
 from orbident.preprocessing.delays import SENSORS
 from orbident.preprocessing.samples import Samples
+from orbident.preprocessing.smoothing import smooth
 from orbident.robot.description import Robot
 from orbident.simulation.free_floating import FreeFloating
 from orbident.simulation.measure import measure
@@ -67,7 +70,7 @@ def cramer_rao(
     ideal = replace(robot, sensors=_without_noise(robot.sensors))
     recording = measure(ideal, motion, trajectory)
     sensors = sensors_of(robot, recording, dict.fromkeys(SENSORS, 0.0))
-    samples = _true_samples(motion)
+    samples = _true_samples(motion, _shares(motion, sensors))
     problem = problem_of(robot, sets.base.theta_of, samples, sensors)
     outside = NOTHING._replace(h_cm=motion.h_cm, v_cm=motion.v_cm)
     state = start_of(problem, samples, outside, sets.beta(robot.theta))
@@ -100,7 +103,17 @@ def _without_noise(sensors: Mapping[str, Any]) -> dict[str, Any]:
     return ideal
 
 
-def _true_samples(motion: FreeFloating) -> Samples:
+def _shares(motion: FreeFloating, sensors: Sensors) -> tuple[float, ...]:
+    """What smoothing would leave of the encoders' variance."""
+    encoders = sensors.by_name.get("joints")
+    if encoders is None:
+        return motion.q.shape[1] * (np.nan,)
+    smoothed = smooth(motion.t, motion.q, encoders.std, name="joints")
+    share = np.median(np.square(smoothed.std_x), axis=0) / np.square(encoders.std)
+    return tuple(share.tolist())
+
+
+def _true_samples(motion: FreeFloating, shares: tuple[float, ...]) -> Samples:
     return Samples(
         t=motion.t,
         q=tuple(motion.q.T),
@@ -111,6 +124,7 @@ def _true_samples(motion: FreeFloating) -> Samples:
         v_S=tuple(motion.v_S.T),
         drift=(),
         locked=(),
+        shares=shares,
         origins={"wheel_speeds": "exact"},
         source="simulation",
     )

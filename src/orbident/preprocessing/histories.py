@@ -30,6 +30,9 @@ class Histories(NamedTuple):
     rates: Columns
     origin: str
     """How the rates were obtained."""
+    shares: tuple[float, ...]
+    """Variance of a smoothed position over that of a sample; NaN where the rate was
+    measured. A sample determines so many unknowns of the motion."""
 
 
 def histories(
@@ -57,24 +60,26 @@ def histories(
         InputError: a column has too few samples.
     """
     t, at = recording.t, recording.t + late
-    positions, rates, origins = [], [], set()
+    positions, rates, shares, origins = [], [], [], set()
     for name in names:
         position, measured = f"{what}.{name}.position", f"{what}.{name}.{rate}"
         if recording.has(measured):
             columns = [c for c in (position, measured) if recording.has(c)]
             *q, qd = (_at(recording, column, late) for column in columns)
+            shares.append(np.nan)
             origins.add(MEASURED)
         else:
             label = f"{recording.source}: column '{position}'"
             column = _over_turns(t, recording.column(position))[:, None]
             smoothed = smooth(t, column, encoder_noise(sensor), at, label)
             q, qd = [smoothed.x[:, 0]], smoothed.rate[:, 0]
+            std = np.nanmedian(smoothed.std_x[:, 0]) / smoothed.noise_std[0]
+            shares.append(float(std**2))
             origins.add(DERIVED)
         positions += q
         rates.append(qd)
-    return Histories(
-        tuple(positions), tuple(rates), "; ".join(sorted(origins)) or "none"
-    )
+    origin = "; ".join(sorted(origins)) or "none"
+    return Histories(tuple(positions), tuple(rates), origin, tuple(shares))
 
 
 def _over_turns(

@@ -51,6 +51,9 @@ class Samples:
     """What an accelerometer's bias adds to that, row-major; empty without one."""
     locked: tuple[str, ...]
     """Joints that did not move: held at their mean, with zero rate."""
+    shares: tuple[float, ...]
+    """Of each joint: variance of the smoothed position over that of a sample; NaN where
+    the rate was measured."""
     origins: dict[str, str]
     """How joint rates, wheel speeds and the velocity of S were obtained."""
     source: str
@@ -146,6 +149,7 @@ def samples_of(
         v_S=point.v_S,
         drift=point.drift,
         locked=moving.locked,
+        shares=joints.shares,
         origins={
             "joint_rates": joints.origin,
             "wheel_speeds": wheels.origin,

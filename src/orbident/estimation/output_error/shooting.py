@@ -12,14 +12,11 @@ from orbident.model.minimal_sets import conserved_axes
 from orbident.model.wheels import wheels_of
 from orbident.preprocessing.histories import MEASURED
 from orbident.preprocessing.samples import Samples
-from orbident.preprocessing.smoothing import smooth
 from orbident.robot.description import Robot
 
 SHORT, LONG = 4, 128
 """Rows of an interval."""
 
-ENOUGH = 4096
-"""Samples that tell how smooth the joints move."""
 
 OF_A_RADIAN = 0.75
 """An interval lasts so much of a radian of the joints' motion: cubics follow that."""
@@ -97,7 +94,7 @@ def intervals_of(robot: Robot, samples: Samples, sensors: Sensors) -> Intervals:
     history = JointHistory(
         *(np.ascontiguousarray(x) for x in (q, qd, qdd, h_rw, h_rw_rate))
     )
-    rows = _rows_of_an_interval(history, sensors, t)
+    rows = _rows_of_an_interval(history, samples.shares, t)
     return Intervals(kept, t, _edges(t.size, rows), history)
 
 
@@ -117,9 +114,14 @@ def _edges(samples: int, rows: int) -> Int[np.ndarray, " edges"]:
 
 
 def _rows_of_an_interval(
-    history: JointHistory, sensors: Sensors, t: Float[np.ndarray, " rows"]
+    history: JointHistory, shares: tuple[float, ...], t: Float[np.ndarray, " rows"]
 ) -> int:
-    """A power of two: intervals at both ends are halved again and again."""
+    """A power of two: intervals at both ends are halved again and again.
+
+    The variance of a smoothed sample over that of the noise is the number of unknowns
+    that a sample determines. An interval has two unknowns of a joint, twice as many as
+    that: what moves is rougher at times.
+    """
     rate, bend = (
         np.sqrt(np.mean(x[::2] ** 2, axis=0)) for x in (history.qd, history.qdd)
     )
@@ -127,27 +129,10 @@ def _rows_of_an_interval(
     if not moving.any():
         return LONG
     radian = float(np.min(rate[moving] / np.maximum(bend[moving], 1e-12)))
-    lasting = OF_A_RADIAN * radian
-    if "joints" in sensors.by_name:
-        lasting = min(lasting, _as_smooth_as(sensors, moving))
-    rows = lasting / float(np.median(np.diff(t)))
+    rows = OF_A_RADIAN * radian / float(np.median(np.diff(t)))
+    smoothed = np.array(shares)[moving]
+    rows = min(rows, 1 / np.nanmax(smoothed, initial=1 / LONG))
     return int(2 ** np.round(np.log2(np.clip(rows, SHORT, LONG))))
-
-
-def _as_smooth_as(sensors: Sensors, moving: Bool[np.ndarray, " joints"]) -> float:
-    """How long an interval may last for its cubics to follow what smoothing leaves, s.
-
-    A smoothed sample's variance, over that of the noise, is the number of unknowns a
-    sample that smoothing is worth. An interval has two of a joint, twice as many as
-    that: what moves is rougher at times.
-    """
-    encoders = sensors.by_name["joints"]
-    seen = np.flatnonzero(np.isfinite(encoders.values).all(axis=1))
-    middle = seen[max(seen.size - ENOUGH, 0) // 2 :][:ENOUGH]
-    t, x = sensors.t[middle], encoders.values[middle][:, moving]
-    found = smooth(t, x, encoders.std, name="joints")
-    variance = np.median(np.square(found.std_x), axis=0) / encoders.std**2
-    return 1 / float(variance.max()) * float(np.median(np.diff(t)))
 
 
 class Looseness(NamedTuple):
