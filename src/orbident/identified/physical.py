@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
-from scipy.stats import chi2
+from scipy.special import chdtri
 
 from orbident.estimation.result import Result
 from orbident.identified.semidefinite import nearest_to_one, nearest_within
@@ -115,7 +115,7 @@ def _within_covariance(
     root[:size] = root_of(result.base_covariance) / met.scale[:size, None]
     if not np.isfinite(root).all():
         return None
-    most = float(np.sqrt(chi2.ppf(CONFIDENCE, size)))
+    most = float(np.sqrt(chdtri(size, 1 - CONFIDENCE)))
     return nearest_within(met.A, met.b, root, most)
 
 

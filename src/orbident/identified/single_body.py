@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float, Int
-from scipy.stats import chi2 as chi_square
+from scipy.special import chdtrc
 
 from orbident.identified.difference import Difference, shown
 from orbident.robot.description import Robot, Structure
@@ -20,7 +20,7 @@ class ChiSquare(NamedTuple):
     @property
     def p(self) -> float:
         """The probability that chance alone gives as much."""
-        return float(chi_square.sf(self.value, self.dof)) if self.dof else 1.0
+        return float(chdtrc(self.dof, self.value)) if self.dof else 1.0
 
     def to_json(self) -> dict[str, float]:
         """As in the JSON of `compare`."""

@@ -4,7 +4,6 @@ from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
-from scipy.signal.windows import hann
 
 from orbident.preprocessing.low_pass import filtered, require_even
 from orbident.preprocessing.smoothing import smooth
@@ -128,6 +127,9 @@ def _spectrum(
     A record that does not end as it began would leak into all lines: the line through
     its ends is taken away, and a squared Hann window leaves 1e-10 a hundred lines off.
     """
+    # Late: the import takes half a second.
+    from scipy.signal.windows import hann
+
     window = hann(x.size, sym=False) ** 2
     bent = x - np.linspace(x[0], x[-1], x.size)
     bent = bent - np.average(bent, weights=window)

@@ -2,7 +2,6 @@
 
 import numpy as np
 from jaxtyping import Float
-from scipy.signal import butter, sosfiltfilt
 
 from orbident.errors import InputError
 from orbident.preprocessing.smoothing import Smoothed, smooth
@@ -74,6 +73,9 @@ def filtered(
         cut_off: Hz.
         order: of the filter, each way.
     """
+    # Late: the import takes half a second.
+    from scipy.signal import butter, sosfiltfilt
+
     # Close to half the sampling rate a filter rings at that frequency.
     slowest = min(cut_off, rate / 2 - cut_off)
     pad = min(int(np.ceil(SETTLED * rate / slowest)), len(x) - 1)

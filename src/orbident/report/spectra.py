@@ -4,7 +4,6 @@ from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
-from scipy.signal import welch
 
 from orbident.estimation.predicted import Signal
 
@@ -49,6 +48,9 @@ def autocorrelation(x: Float[np.ndarray, " n"]) -> Float[np.ndarray, " lags"]:
 def spectrum(t: Float[np.ndarray, " n"], x: Float[np.ndarray, " n"]) -> Spectrum:
     """As if the samples came evenly (Welch 1967): the mean of each band."""
     rate = 1 / float(np.median(np.diff(t)))
+    # Late: the import takes half a second.
+    from scipy.signal import welch
+
     f, power = welch(x, rate, nperseg=min(x.size, 2 * LINES), detrend="constant")
     f, power = f[1:], power[1:]
     if f.size > DRAWN:

@@ -9,7 +9,6 @@ instability `B` is read.
 
 import numpy as np
 from jaxtyping import Float
-from scipy.signal import lfilter
 
 FLICKER_FLOOR = float(np.sqrt(2 * np.log(2) / np.pi))
 """Allan deviation of flicker noise over its coefficient B: 0.664."""
@@ -76,6 +75,9 @@ def bias_drift(
     kick = markov_std(B) * np.sqrt(-np.expm1(-2 * dt / correlation_time))
     kicks = gaussian(random, shape, float(kick))
     kicks[:1] = 0.0
+    # Late: the import takes half a second.
+    from scipy.signal import lfilter
+
     return np.asarray(lfilter([1.0], [1.0, -np.exp(-dt / correlation_time)], kicks, 0))
 
 

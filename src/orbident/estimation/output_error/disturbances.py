@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
-from scipy.stats import chi2
+from scipy.special import chdtri
 
 from orbident.estimation.output_error.problem import Outside
 from orbident.estimation.output_error.solver import Prior, Solution
@@ -49,5 +49,5 @@ def push_of(solution: Solution, name: str, axes: tuple[int, ...]) -> Push:
     C = C[np.ix_(here, here)]
     seen = bool(np.diag(C).max() < FREE**2 / 100)
     size = float(value @ np.linalg.solve(C, value))
-    believed = seen and size > chi2.isf(CHANCE, len(axes))
+    believed = seen and size > chdtri(len(axes), CHANCE)
     return Push(value, np.sqrt(np.diag(C)), bool(believed))

@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
-from scipy.stats import chi2
+from scipy.special import chdtrc, chdtri
 
 from orbident import _core
 
@@ -61,7 +61,7 @@ class Detector:
     def threshold(self) -> float:
         """Of `g`."""
         each = self.false_alarms / (self.samples * self.window)
-        return COLOUR * float(chi2.isf(each, self.rows))
+        return COLOUR * float(chdtri(self.rows, each))
 
     def start(self) -> _core.Watch:
         """Nothing seen."""
@@ -87,7 +87,7 @@ class Detector:
     def change(self, t: float, onset: float, g: float) -> Change:
         """The change that a statistic above the threshold tells."""
         tests = self.samples * self.window
-        alarm = min(1.0, tests * float(chi2.sf(g / COLOUR, self.rows)))
+        alarm = min(1.0, tests * float(chdtrc(self.rows, g / COLOUR)))
         return Change(t, onset, g / self.threshold, 1.0 - alarm)
 
 
