@@ -131,8 +131,8 @@ def test_refusals(orbident: Orbident, runs: None):
     document["base"]["covariance"] = document["base"]["covariance"][:-1]
     Path("after/result.json").write_text(json.dumps(document))
     resealed(Path("after"))
-    refused("before", "after", words="has not the 23 base parameters of robot")
+    refused("before", "after", words="the covariance is not 23 by 23")
     del document["base"]["covariance"]
     Path("after/result.json").write_text(json.dumps(document))
     resealed(Path("after"))
-    refused("before", "after", words="after/result.json: is not a result of this")
+    refused("before", "after", words="base.covariance: this key is missing")

@@ -53,6 +53,9 @@ def test_warnings_come_before_results():
     assert ran.stdout.startswith("orbident: warning: ")
 
 
+BEST_SO_FAR = "orbident: warning: interrupted: the trajectory that was written"
+
+
 @pytest.mark.parametrize(
     ("number", "status", "words"),
     [
@@ -70,7 +73,10 @@ def test_a_signal_ends_a_run(
         time.sleep(after)
         process.send_signal(number)
         _, said = process.communicate(timeout=PROMISED + SLOW)
-    assert (process.returncode, said) == (status, words)
+    *warnings, last = said.splitlines(keepends=True)
+    assert (process.returncode, last) == (status, words)
+    # A search that is interrupted writes the best that it has, and says so.
+    assert all(line.startswith(BEST_SO_FAR) for line in warnings)
     assert all(path.name == "made.yaml" for path in Path().iterdir())
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import yaml
 
-from orbident.cli import excite, excite_tables
+from orbident.cli import excite_tables, output
 from orbident.robot.robot_file import load_robot
 from orbident.studies.exciting import paper_case
 from orbident.trajectories.trajectory import Trajectory
@@ -43,13 +43,13 @@ def test_an_interrupted_search_says_so(orbident, monkeypatch):
     """Ctrl-C after the first start: the best is written, and the status tells."""
 
     @contextmanager
-    def interrupting():
-        def report(progress):
+    def interrupting(_):
+        def report(fraction, words):
             raise KeyboardInterrupt
 
         yield report
 
-    monkeypatch.setattr(excite, "_search_bar", interrupting)
+    monkeypatch.setattr(output, "progress", interrupting)
     ran = orbident("excite", "cepheus-like", "--like-paper", "-o", "made.yaml")
     assert ran.status == 130
     assert "interrupted: the trajectory that was written is the best" in ran.err

@@ -4,7 +4,7 @@ import os
 import sys
 import traceback
 from contextlib import suppress
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, NoReturn
 
 from orbident.cli.interruption import interruptible
 from orbident.cli.streams import (
@@ -37,10 +37,21 @@ def main() -> None:
             ended = _run()
         status = ended.status
         if interruption.by is not None:
-            status = interruption.end(interruption.by)
+            _end_now(interruption.end(interruption.by))
         elif ended.why:
             complain(ended.why)
     sys.exit(status)
+
+
+def _end_now(status: int) -> NoReturn:
+    """End with this status, without the rest of the output.
+
+    Where compiled code met the interrupt, Python would end by the signal itself; and
+    what an interrupted write has left in a buffer would be written twice.
+    """
+    with suppress(OSError):
+        sys.stderr.flush()
+    os._exit(status)
 
 
 def _run() -> Ended:

@@ -1,5 +1,6 @@
 """`orbident excite ROBOT -o TRAJ`, and `orbident excite ROBOT --compare TRAJ`."""
 
+import sys
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Any
@@ -130,6 +131,7 @@ def excite(
     output.say(*designed(found, paper), f"written: {out}")
     output.write_json(written(found, paper, out))
     if was_interrupted(found):
+        sys.stdout.flush()
         raise KeyboardInterrupt
     if not trusted:
         raise typer.Exit(1)

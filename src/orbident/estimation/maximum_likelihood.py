@@ -230,7 +230,7 @@ def _biases(
         for k in axes if name in sensors.by_name else ():
             biases[f"{name}.{'xyz'[k]}"] = {
                 "value": float(solution.state.local[-1, first + k]),
-                "std": float(np.sqrt(C[first + k, first + k])),
+                "std": float(np.sqrt(max(C[first + k, first + k], 0.0))),
             }
     return biases
 

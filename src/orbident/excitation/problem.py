@@ -34,7 +34,7 @@ STEPS = 64
 A_PERIOD = 16
 """Steps in a period of the highest harmonic."""
 
-FINER_FOR_SENSORS = 2
+FINER_FOR_SENSORS = 4
 """Times as many steps: differences over longer ones make accelerations too small."""
 
 STEP_ANGLE = 0.3

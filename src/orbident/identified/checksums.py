@@ -7,7 +7,9 @@ from pathlib import Path
 from typing import Any
 
 from orbident.errors import InputError
+from orbident.estimation.result import SCHEMA
 from orbident.files.checksum import sha256
+from orbident.files.names import quoted
 
 FILES, OWN = "files", "sha256"
 """Keys of `result.json`: the SHA-256 of every file, and of all else in itself."""
@@ -38,6 +40,11 @@ def check_document(document: Mapping[str, Any], path: Path) -> None:
     Raises:
         InputError: it has no checksums, or was altered.
     """
+    schema = document.get("schema") if isinstance(document, Mapping) else None
+    if schema != SCHEMA:
+        raise InputError(
+            f"{path}: schema: found {quoted(schema)}, expected '{SCHEMA}'; identify again"
+        )
     if not {FILES, OWN} <= document.keys():
         raise InputError(
             f"{path}: has no checksums, so an earlier orbident wrote it, and whether "
