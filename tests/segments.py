@@ -55,12 +55,15 @@ class Segment(NamedTuple):
         )
         return Linear(factor, links, cost, dict(zip(SENSORS, tables, strict=True)))
 
-    def _at(self, state: State | None, *sensors: str):
+    def _at(
+        self, state: State | None, *sensors: str
+    ) -> tuple[list[np.ndarray], np.ndarray, np.ndarray, np.ndarray]:
         weights = [
             self.weights[name] * (name in sensors) if name in self.weights else NO_ROWS
             for name in SENSORS
         ]
-        return weights, *(self.state if state is None else state)
+        at = self.state if state is None else state
+        return weights, at.x_WB, at.local, at.common
 
 
 def segment_of(
@@ -106,7 +109,6 @@ def segment_of(
     edges = np.round(np.linspace(0, rows, intervals + 1))
     local = np.zeros((intervals + 1, 9 + 2 * joints))
     local[:, 3:9] = np.append(GYRO, ACCELEROMETER)
-    tables = (q, qd, qdd, motion.qd_rw @ A_rw.T, felt.qdd_rw @ A_rw.T)
     recorded = _core.Recorded(
         core_tree(robot),
         sets.base.theta_of,
@@ -115,7 +117,11 @@ def segment_of(
         np.arange(joints, dtype=float),
         t[::2],
         edges.astype(float),
-        *(np.ascontiguousarray(x) for x in tables),
+        q,
+        qd,
+        qdd,
+        motion.qd_rw @ A_rw.T,
+        felt.qdd_rw @ A_rw.T,
         [np.ascontiguousarray(samples[name]) for name in SENSORS],
         np.ones(9 + 2 * joints),
         np.ones(2 * joints),

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 import pinocchio as pin
 import pytest
+from one_state import only_state
 from pinocchio_model import PinocchioRobot, pinocchio_model
 from random_robots import random_parents, random_robot
 
@@ -15,7 +16,7 @@ from orbident.model.inertia import (
     Inertia,
     Masses,
     carried_about_S,
-    inertia,
+    inertia_at,
     masses_about_S,
 )
 from orbident.model.kinematics import Poses, point_jacobian, poses
@@ -55,14 +56,13 @@ class Case(NamedTuple):
 
 def ours_of(robot: Robot, q: np.ndarray, qd: np.ndarray, w: np.ndarray) -> Ours:
     """One state, without the leading axis of the states."""
-    every = (
-        poses(robot, q[None]),
-        masses_about_S(robot, q[None]),
-        carried_about_S(robot, q[None]),
-        inertia(robot, q[None]),
-        momentum(robot, q[None], qd[None], w[None]),
+    return Ours(
+        only_state(poses(robot, q[None])),
+        only_state(masses_about_S(robot, q[None])),
+        only_state(carried_about_S(robot, q[None])),
+        inertia_at(robot, q),
+        only_state(momentum(robot, q[None], qd[None], w[None])),
     )
-    return Ours(*(type(parts)(*(part[0] for part in parts)) for parts in every))
 
 
 def some_robot(seed: int) -> Robot:

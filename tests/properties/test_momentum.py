@@ -8,9 +8,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from obvious_momentum import body_motion, system_motion
+from one_state import only_state
 from random_robots import random_robot
 
-from orbident.model.inertia import inertia
+from orbident.model.inertia import inertia_at
 from orbident.model.kinematics import poses
 from orbident.model.minimal_sets import minimal_sets
 from orbident.model.momentum import momentum
@@ -61,12 +62,9 @@ def random_state(robot: Robot):
 
 def everything(robot: Robot, q: np.ndarray, qd: np.ndarray, w: np.ndarray):
     """Poses, momentum regressors and inertia of one state."""
-    every = (
-        poses(robot, q[None]),
-        momentum(robot, q[None], qd[None], w[None]),
-        inertia(robot, q[None]),
-    )
-    return (type(parts)(*(part[0] for part in parts)) for parts in every)
+    at = only_state(poses(robot, q[None]))
+    regressors = only_state(momentum(robot, q[None], qd[None], w[None]))
+    return at, regressors, inertia_at(robot, q)
 
 
 def check_against_the_textbook(robot: Robot):

@@ -29,9 +29,8 @@ def columns(seed, rows, count):
 def test_mean_and_deviations_equal_the_dense_smoother(seed, rows, density):
     t, x = columns(seed, rows, 1)
     h, noise_std, offset = 0.7, 0.3, -2.0
-    found = _core.smooth_columns(
-        t, x, *(np.array([v]) for v in (density, h, noise_std, offset))
-    )
+    units = np.array([[density], [h], [noise_std], [offset]])
+    found = _core.smooth_columns(t, x, *units)
     F, Q = white_snap(np.diff(t) / h, density)
     # Samples in units of the noise: only deviations know of their unit here.
     dense = GaussMarkov(F, Q, np.eye(1, 4), x - offset, 1.0)
@@ -95,10 +94,10 @@ def test_evidence_does_not_depend_on_threads():
 
 
 def test_a_column_without_samples_is_nan():
-    t, units = np.arange(5.0), [np.ones(1)] * 4
-    for values in _core.smooth_columns(t, np.full((5, 1), np.nan), *units):
+    t, one = np.arange(5.0), np.ones(1)
+    for values in _core.smooth_columns(t, np.full((5, 1), np.nan), one, one, one, one):
         assert np.isnan(values).all()
-    for values in _core.smooth_columns(t[:0], np.zeros((0, 1)), *units):
+    for values in _core.smooth_columns(t[:0], np.zeros((0, 1)), one, one, one, one):
         assert values.shape == (1, 0)
 
 

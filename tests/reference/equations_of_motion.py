@@ -78,10 +78,9 @@ def system(robot: Robot, q: Array) -> System:
         w = np.hstack([np.eye(3), b.w])
         v = np.hstack([-cross_matrix(b.d), b.v])
         twists.append((w, v))
-    P = sum(
-        t[0] * v - cross_matrix(b.R @ t[1:4]) @ w
-        for b, t, (w, v) in zip(placed, robot.theta, twists, strict=True)
-    )
+    P = np.zeros((3, 3 + K), dtype=q.dtype)
+    for b, t, (w, v) in zip(placed, robot.theta, twists, strict=True):
+        P = P + t[0] * v - cross_matrix(b.R @ t[1:4]) @ w
     H = np.zeros((3 + K, 3 + K), dtype=q.dtype)
     for b, t, (w, v) in zip(placed, robot.theta, twists, strict=True):
         xx, xy, yy, xz, yz, zz = t[4:]

@@ -66,7 +66,7 @@ def deviations(
         v: generalised speeds, base axes.
     """
     arrays = (np.ascontiguousarray(x) for x in (directions, q, v))
-    return _core.deviations(core_robot(robot), *arrays, processors())
+    return _core.deviations(core_robot(robot), *arrays, threads=processors())
 
 
 def movable(robot: Robot) -> Bool[np.ndarray, " speeds"]:

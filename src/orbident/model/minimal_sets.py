@@ -68,7 +68,7 @@ class Regressors(NamedTuple):
             w: base angular velocities, rad/s, base axes.
         """
         state = (np.ascontiguousarray(x) for x in (q, qd, w))
-        Y, W = _core.regressors(self.core, *state, processors())
+        Y, W = _core.regressors(self.core, *state, threads=processors())
         return Y[:, self.momentum_axes], W[:, self.velocity_axes]
 
     def momentum_rate(
@@ -89,7 +89,7 @@ class Regressors(NamedTuple):
             pi: kg m^2.
         """
         state = (np.ascontiguousarray(x) for x in (*joints, w, pi))
-        rate = _core.momentum_rate(self.core, *state, processors())
+        rate = _core.momentum_rate(self.core, *state, threads=processors())
         return rate[:, self.momentum_axes]
 
 

@@ -34,4 +34,4 @@ def momentum(
 ) -> Momentum:
     """`S`, `P` and `A` at joint states and base rates (rad/s, base axes)."""
     state = (np.ascontiguousarray(x) for x in (q, qd, w))
-    return Momentum(*_core.momentum(core_tree(robot), *state, processors()))
+    return Momentum(*_core.momentum(core_tree(robot), *state, threads=processors()))

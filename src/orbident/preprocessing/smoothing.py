@@ -121,7 +121,7 @@ def smooth(
     if at is not None:
         rows = np.searchsorted(grid, at)
         smoothed = [values[:, rows] for values in smoothed]
-    return Smoothed(*(values.T for values in smoothed), noise_std)
+    return Smoothed(*(values.T for values in smoothed), noise_std=noise_std)
 
 
 def _check_times(t: np.ndarray, name: str) -> None:

@@ -14,7 +14,7 @@ def parameters():
 
 
 def evaluate(parameters, t):
-    return FourierQuintic(*parameters, DURATION).at(t)
+    return FourierQuintic(*parameters, duration=DURATION).at(t)
 
 
 def test_is_eq_41(parameters):
@@ -54,7 +54,7 @@ def test_boundary_values_are_exact(parameters):
 
 @pytest.mark.parametrize("order", range(1, 8))
 def test_derivatives_by_differences(parameters, order):
-    motion, step = FourierQuintic(*parameters, DURATION), 1e-4
+    motion, step = FourierQuintic(*parameters, duration=DURATION), 1e-4
     t = np.linspace(1.0, 6.0, 50)
     below = [motion.derivative(order - 1, t + s) for s in (-step, step)]
     difference = (below[1] - below[0]) / (2 * step)
@@ -79,7 +79,7 @@ def test_linear_in_a_and_b(parameters):
 
 
 def test_late_derivatives_are_bounded(parameters):
-    motion = FourierQuintic(*parameters, DURATION)
+    motion = FourierQuintic(*parameters, duration=DURATION)
     t = np.linspace(0, DURATION, 1000)
     for order in (6, 7):
         # The highest harmonic alone reaches its share of the bound.

@@ -175,8 +175,8 @@ class Extended:
         it is; so does one whose rate is the last one's to the last digit: that is how
         a gyro dies, or how a row is written twice.
         """
-        after, *info = self.core.step(state.core, sample.t, packed(sample))
-        return State(after), Info(*info)
+        after, white, nis, dof = self.core.step(state.core, sample.t, packed(sample))
+        return State(after), Info(white, nis, dof)
 
     def opened(self, state: State, covariance: Float[np.ndarray, "beta beta"]) -> State:
         """The robot has changed: the estimate becomes the prior of what it is now.
