@@ -1,4 +1,4 @@
-"""Least squares on 3000 samples of the dual-arm robot, once compiled."""
+"""Least squares on 3000 samples of the dual-arm robot."""
 
 from functools import partial
 

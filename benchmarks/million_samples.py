@@ -2,7 +2,7 @@
 
 Writes a recording, then identifies it twice, each time in a fresh process: step by
 step through the library, and by the command. Fails where the peak of either process,
-JAX and all, is more than 500 MiB above the recording's own size in memory. It takes
+Python and all, is more than 500 MiB above the recording's own size in memory. It takes
 some minutes:
 
     python benchmarks/million_samples.py
@@ -43,16 +43,15 @@ def measure(folder: Path, samples: int) -> int:
     """Exit status: 0 where both stay within the bound."""
     path = folder / "recording.parquet"
     itself = [sys.executable, __file__]
-    peak_of([*itself, "--record", str(path), "--samples", str(samples)], folder)
+    peak_of([*itself, "--record", str(path), "--samples", str(samples)])
     print(f"on disk         {path.stat().st_size / MiB:8.0f} MiB")
     print("\nthe library, step by step")
-    library = peak_of([*itself, "--identify", str(path)], folder)
+    library = peak_of([*itself, "--identify", str(path)])
     print("\nthe command: orbident identify dual-arm recording.parquet")
     command = str(Path(sys.executable).with_name("orbident"))
     robot = str(robot_file(folder))
     whole = peak_of(
-        [command, "identify", robot, str(path), "--quiet", "--method", "least-squares"],
-        folder,
+        [command, "identify", robot, str(path), "--quiet", "--method", "least-squares"]
     )
     size = recording_size(path)
     status = 0
@@ -68,11 +67,10 @@ def measure(folder: Path, samples: int) -> int:
     return int(status)
 
 
-def peak_of(command: list[str], cache: Path) -> int:
+def peak_of(command: list[str]) -> int:
     """Run a process to its end; its peak resident memory, bytes."""
     started = time.perf_counter()
-    environment = {**os.environ, "XDG_CACHE_HOME": str(cache)}
-    process = subprocess.Popen(command, env=environment)
+    process = subprocess.Popen(command)
     _, status, usage = os.wait4(process.pid, 0)
     if status:
         sys.exit(f"{' '.join(command)}: failed")

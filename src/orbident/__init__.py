@@ -64,7 +64,7 @@ _PUBLIC = {
 
 
 def __getattr__(name: str) -> Any:
-    # Late, so that importing orbident costs nothing: JAX alone takes half a second.
+    # Late, so that importing orbident costs nothing.
     if name not in _PUBLIC:
         raise AttributeError(f"module 'orbident' has no attribute '{name}'")
     return getattr(importlib.import_module(_PUBLIC[name]), name)

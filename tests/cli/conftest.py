@@ -1,8 +1,6 @@
 """The command run in this process, and recordings that many tests share."""
 
-import os
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 
 import jaxtyping
@@ -14,18 +12,6 @@ from orbident.cli.app import main
 from orbident.recordings.recording import Recording
 from orbident.robot.robot_file import load_robot
 from orbident.simulation.simulate import simulate
-
-
-@pytest.fixture(scope="session", autouse=True)
-def _own_cache(request: pytest.FixtureRequest) -> Iterator[None]:
-    """Compiled functions are kept apart from the user's, and apart for each worker:
-    the cache is not made for two that write at once."""
-    worker = os.environ.get("PYTEST_XDIST_WORKER", "gw0")
-    cache = request.config.cache
-    assert cache is not None
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("XDG_CACHE_HOME", str(cache.mkdir(f"orbident-{worker}")))
-        yield
 
 
 @pytest.fixture

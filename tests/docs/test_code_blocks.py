@@ -42,7 +42,6 @@ def test_the_page_runs(
     capsys: pytest.CaptureFixture[str],
 ):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     # As installed: in tests a wrong shape is refused before the command can see it.
     monkeypatch.setattr(jaxtyping.config, "jaxtyping_disable", True)
     BEFORE.get(name_of(page), lambda: None)()

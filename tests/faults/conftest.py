@@ -1,8 +1,7 @@
 """Inputs of all verbs, and what they make of them undisturbed."""
 
-import os
 import subprocess
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -23,17 +22,6 @@ topics:
   - {topic: /wheel, type: std_msgs/Float64, take: {wheel.rw_x.speed: rad/s}}
   - {topic: /imu, type: sensor_msgs/Imu, take: {gyro: rad/s}, frame: base}
 """
-
-
-@pytest.fixture(scope="session", autouse=True)
-def _own_cache(request: pytest.FixtureRequest) -> Iterator[None]:
-    """Compiled functions are kept apart from the user's, and apart for each worker."""
-    cache = request.config.cache
-    assert cache is not None
-    worker = os.environ.get("PYTEST_XDIST_WORKER", "gw0")
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("XDG_CACHE_HOME", str(cache.mkdir(f"orbident-{worker}")))
-        yield
 
 
 @pytest.fixture(scope="session")
