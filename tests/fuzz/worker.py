@@ -31,11 +31,7 @@ def _show_pages_for_a_moment() -> None:
     """`orbident view` would serve until it is interrupted."""
     import orbident.viewer.server as server
 
-    def run(shown: Any, page: Any) -> None:
-        page.advance(server.PERIOD)
-        server.close(shown)
-
-    patch.object(server, "run", run).start()
+    patch.object(server, "run", lambda page: page.advance(server.PERIOD)).start()
 
 
 def _answer(request: dict[str, Any]) -> dict[str, Any]:
