@@ -105,11 +105,11 @@ def test_a_worker_is_watched(
     monkeypatch.setattr("watcher.WORKER", worker)
     monkeypatch.setattr("watcher.MOST_MEMORY", 200_000_000)
     with Watcher() as watcher:
-        outcome = watcher.run(NO_FILES, longest=5.0)
+        outcome = watcher.run(NO_FILES, longest=1.0)
         assert (outcome.status, outcome.stopped) == (status, stopped)
         assert fault(NO_FILES, outcome) is not None
         # Another worker takes its place.
-        assert watcher.run(NO_FILES, longest=5.0).status == status
+        assert watcher.run(NO_FILES, longest=1.0).status == status
 
 
 def test_a_case_is_kept_whole(tmp_path: Path):
