@@ -1,13 +1,13 @@
 """Inputs of all verbs, and what they make of them undisturbed."""
 
-import subprocess
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 from bag_writers import START, float64, imu, joint_state, write_bag
+from processes import ORBIDENT, finished
 from random_motions import random_motion
-from verbs import COMMAND, IDENTIFY, OLD, PLACES, VERBS, Shelf
+from verbs import IDENTIFY, OLD, PLACES, VERBS, Shelf
 
 from orbident.recordings.tables import write_recording
 from orbident.robot.robot_file import load_robot
@@ -58,12 +58,6 @@ def _write_inputs(folder: Path) -> None:
 def _undisturbed(folder: Path, name: str) -> Path:
     """What a verb leaves when nothing happens."""
     arguments = IDENTIFY if name == "run" else VERBS[name]
-    ran = subprocess.run(
-        [*COMMAND, *arguments],
-        cwd=folder,
-        capture_output=True,
-        timeout=300,
-        check=False,
-    )
+    ran = finished(*ORBIDENT, *arguments, cwd=folder)
     assert ran.returncode == 0, ran.stderr
     return folder / (OLD if name == "run" else PLACES[name])

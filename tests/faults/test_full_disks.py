@@ -1,7 +1,6 @@
 """No space left: one line, status 2, nothing lost and nothing left behind."""
 
 import shutil
-import subprocess
 import sys
 from collections import Counter
 from collections.abc import Callable
@@ -9,6 +8,7 @@ from functools import cache
 from pathlib import Path
 
 import pytest
+from processes import finished
 from verbs import (
     PLACES,
     QUICK,
@@ -21,6 +21,7 @@ from verbs import (
     started,
 )
 
+WITH_OWN_MOUNTS = ("unshare", "--map-root-user", "--mount")
 ON_A_SMALL_DISK = """
 set -e
 size=$1; shift
@@ -49,8 +50,7 @@ def may_mount() -> bool:
     if shutil.which("unshare") is None:
         return False
     mount = "mount -t tmpfs -o size=4k none /mnt"
-    tried = ["unshare", "--map-root-user", "--mount", "sh", "-c", mount]
-    return subprocess.run(tried, capture_output=True, check=False).returncode == 0
+    return finished(*WITH_OWN_MOUNTS, "sh", "-c", mount).returncode == 0
 
 
 def size_of(path: Path) -> int:
@@ -79,7 +79,8 @@ def limited(seed: int, names: tuple[str, ...], shelf, tmp_path: Path) -> str:
     most = numbers.randrange(size_of(made))
 
     program = (sys.executable, "-c", WITH_SMALL_FILES, str(most))
-    status, said = ended(started(name, folder, program))
+    with started(name, folder, program) as process:
+        status, said = ended(process)
     return check_refused(status, said, here, name, folder)
 
 
@@ -94,8 +95,9 @@ def filled(seed: int, names: tuple[str, ...], shelf, tmp_path: Path) -> str:
     free = numbers.randrange(1, 2 + size_of(made) // 4096)
     used = sum(1 + each.lstat().st_size // 4096 for each in folder.rglob("*"))
     script = ("sh", "-c", ON_A_SMALL_DISK, "sh", str(4096 * (used + free)))
-    program = ("unshare", "--map-root-user", "--mount", *script)
-    status, said = ended(started(name, folder, program))
+    program = (*WITH_OWN_MOUNTS, *script)
+    with started(name, folder, program) as process:
+        status, said = ended(process)
     return check_refused(status, said, here, name, tmp_path / f"{seed}.new")
 
 

@@ -1,7 +1,6 @@
 """kill -9: what was there is there, or what is there is new and complete."""
 
 import random
-import subprocess
 import sys
 import time
 from collections import Counter
@@ -9,6 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from processes import finished
 from verbs import QUICK, VERBS, Shelf, chosen, ended, faults, leftovers, started
 
 HERE = Path(__file__).parent
@@ -18,14 +18,8 @@ SECONDS = 8.0
 
 def program(name: str) -> str:
     """A file beside this one as a program; what it prints."""
-    ran = subprocess.run(
-        [sys.executable, "-W", "ignore", HERE / name],
-        env={"PYTHONPATH": f"{HERE.parent}:{HERE.parents[1] / 'src'}"},
-        capture_output=True,
-        text=True,
-        timeout=300,
-        check=False,
-    )
+    env = {"PYTHONPATH": f"{HERE.parent}:{HERE.parents[1] / 'src'}"}
+    ran = finished(sys.executable, "-W", "ignore", HERE / name, env=env)
     assert (ran.returncode, ran.stderr) == (0, "")
     return ran.stdout
 
@@ -40,17 +34,17 @@ def test_before_every_call_of_the_file_system():
 
 def kill(name: str, folder: Path, numbers: random.Random) -> bool:
     """At a random moment, or just after the verb has begun to write; if in time."""
-    process = started(name, folder)
-    if numbers.random() < 0.5:
-        end = time.monotonic() + numbers.uniform(0.0, SECONDS)
-        while process.poll() is None and time.monotonic() < end:
-            time.sleep(0.01)
-    else:
-        while process.poll() is None and not leftovers(folder):
-            time.sleep(0.001)
-        time.sleep(numbers.uniform(0.0, 0.1))
-    process.kill()
-    status, _ = ended(process)
+    with started(name, folder) as process:
+        if numbers.random() < 0.5:
+            end = time.monotonic() + numbers.uniform(0.0, SECONDS)
+            while process.poll() is None and time.monotonic() < end:
+                time.sleep(0.01)
+        else:
+            while process.poll() is None and not leftovers(folder):
+                time.sleep(0.001)
+            time.sleep(numbers.uniform(0.0, 0.1))
+        process.kill()
+        status, _ = ended(process)
     return status != 0
 
 

@@ -18,8 +18,8 @@ def raced(seed: int, names: tuple[str, ...], shelf, tmp_path: Path) -> str:
     here: Shelf = shelf(name)
     folder = tmp_path / str(seed)
     here.laid_out(name, folder)
-    both = [started(name, folder) for _ in range(2)]
-    statuses = sorted(ended(process)[0] for process in both)
+    with started(name, folder) as first, started(name, folder) as second:
+        statuses = sorted(ended(process)[0] for process in (first, second))
     assert statuses in ([[0, 2]] if name in SPARING else [[0, 0], [0, 2]])
     assert leftovers(folder) == []
     here.check(name, folder)

@@ -4,16 +4,17 @@ import os
 import random
 import shutil
 import subprocess
-import sys
+from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import NamedTuple
+
+import processes
 
 from orbident.errors import InputError
 from orbident.files.replacing import UNFINISHED
 from orbident.files.text import write_text
 from orbident.identified.run_folder import check_absent, load_result
 
-COMMAND = (sys.executable, "-m", "orbident.cli.app")
 OLD = "run"
 """A RUN that is there before."""
 _LINEAR = ("paper-spatial", "r.csv", "--method", "least-squares", "--quiet")
@@ -90,20 +91,15 @@ def leftovers(folder: Path) -> list[Path]:
 
 def started(
     name: str, folder: Path, program: tuple[str, ...] = ()
-) -> subprocess.Popen[str]:
+) -> AbstractContextManager[subprocess.Popen[str]]:
     """The verb as a process in that folder, run by this program."""
-    return subprocess.Popen(
-        [*program, *COMMAND, *VERBS[name]],
-        cwd=folder,
-        text=True,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-    )
+    command = (*program, *processes.ORBIDENT)
+    return processes.started(*VERBS[name], command=command, cwd=folder)
 
 
 def ended(process: subprocess.Popen[str]) -> tuple[int, str]:
     """Its status and what it said; one line if it was refused."""
-    _, said = process.communicate(timeout=300)
+    _, said = process.communicate(timeout=processes.LIMIT)
     assert "internal error" not in said
     assert "Traceback" not in said
     if process.returncode == 2:

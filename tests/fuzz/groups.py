@@ -6,7 +6,7 @@ from random import Random
 import mutations
 import oddities
 from case import Case
-from mutations import Mutation, spoiled
+from mutations import spoiled
 from seeds import MAP, Seeds
 
 METHODS = ("least-squares", "structured", "maximum-likelihood", "recursive")
@@ -86,25 +86,10 @@ def recordings(random: Random, seeds: Seeds) -> Case:
 
 def _recording(random: Random, seeds: Seeds, name: str) -> tuple[str, bytes]:
     if random.random() < 0.3:
-        content = spoiled(random, seeds.parquet[name], _safely(mutations.PARQUET))
+        content = spoiled(random, seeds.parquet[name], mutations.PARQUET)
         return random.choice(("r.parquet",) * 9 + ("r.csv",)), content
-    content = spoiled(random, seeds.csv[name], _safely(mutations.CSV))
+    content = spoiled(random, seeds.csv[name], mutations.CSV)
     return random.choice(("r.csv",) * 9 + ("r.parquet", "r", "\udcff.csv")), content
-
-
-def _safely(ways: tuple[Mutation, ...]) -> tuple[Mutation, ...]:
-    """A second mutation of a table that is none any more does nothing."""
-
-    def safe(way: Mutation) -> Mutation:
-        def spoil(random: Random, content: bytes) -> bytes:
-            try:
-                return way(random, content)
-            except Exception:
-                return mutations.flipped(random, content)
-
-        return spoil
-
-    return tuple(map(safe, ways))
 
 
 def bags(random: Random, seeds: Seeds) -> Case:
@@ -115,13 +100,13 @@ def bags(random: Random, seeds: Seeds) -> Case:
     verb = random.choice(("topics", "convert", "convert"))
     if verb == "topics" or random.random() < 0.5:
         spoilt = random.choice(list(files))
-        ways = _safely(mutations.YAML if spoilt.endswith("yaml") else mutations.BINARY)
+        ways = mutations.YAML if spoilt.endswith("yaml") else mutations.BINARY
         files[spoilt] = spoiled(random, files[spoilt], ways)
         if random.random() < 0.1:
             del files[random.choice(list(files))]
         files["map.yaml"] = MAP.encode()
     else:
-        files["map.yaml"] = spoiled(random, MAP.encode(), _safely(mutations.YAML))
+        files["map.yaml"] = spoiled(random, MAP.encode(), mutations.YAML)
     to = {
         "topics": random.choice(([], ["-o", "proposed.yaml"], ["--json", "-"])),
         "convert": ["--map", "map.yaml", "-o", random.choice(("r.csv", "r.parquet"))],
@@ -132,7 +117,7 @@ def bags(random: Random, seeds: Seeds) -> Case:
 def trajectories(random: Random, seeds: Seeds) -> Case:
     """A spoiled trajectory."""
     name = random.choice(SMALL)
-    content = spoiled(random, seeds.trajectories[name], _safely(mutations.YAML))
+    content = spoiled(random, seeds.trajectories[name], mutations.YAML)
     rate = random.choice(("1", "2", "10", oddities.number(random)))
     arguments = random.choice(
         (
@@ -154,7 +139,7 @@ def runs(random: Random, seeds: Seeds) -> Case:
         "yaml": mutations.YAML,
         "parquet": mutations.PARQUET,
     }.get(spoilt.rpartition(".")[2], mutations.TEXT)
-    files[spoilt] = spoiled(random, files[spoilt], _safely(ways))
+    files[spoilt] = spoiled(random, files[spoilt], ways)
     if random.random() < 0.05:
         del files[random.choice(list(files))]
     files["r.csv"] = seeds.csv["paper-spatial"]
@@ -187,7 +172,7 @@ def scenes(random: Random, seeds: Seeds) -> Case:
         )
         files[f"{name}.urdf"] = spoiled(random, urdf, mutations.TEXT)
     elif how == 1:
-        files["r.csv"] = spoiled(random, files["r.csv"], _safely(mutations.CSV))
+        files["r.csv"] = spoiled(random, files["r.csv"], mutations.CSV)
     else:
         files |= runs(random, seeds).files
         shown = "run"

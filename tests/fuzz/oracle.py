@@ -6,6 +6,9 @@ import re
 from case import Case
 from watcher import MOST_MEMORY, Outcome
 
+INTERNAL_ERROR = 70
+INTERRUPTED = {130, 143}
+"""By Ctrl-C or SIGTERM, which no case is sent."""
 LONGEST_LINE = 1000
 """Characters: names are cut before they are quoted."""
 
@@ -20,6 +23,10 @@ def fault(case: Case, outcome: Outcome) -> str | None:
         return outcome.stopped
     if outcome.status < 0:
         return f"ended by signal {-outcome.status}"
+    if outcome.status == INTERNAL_ERROR:
+        return outcome.err.strip() or "an internal error without a word"
+    if outcome.status in INTERRUPTED:
+        return f"interrupted by nobody: status {outcome.status}"
     if outcome.status not in {0, 1, 2}:
         return f"status {outcome.status}"
     if outcome.peak > MOST_MEMORY:
@@ -58,9 +65,9 @@ def _wrong_results(case: Case, outcome: Outcome) -> str | None:
             return "status 2 with standard output"
         if outcome.left:
             return f"a refusal leaves or changes {next(iter(outcome.left))}"
-    elif "--json" in case.arguments and outcome.out:
+    elif "--json" in case.arguments and "--help" not in case.arguments:
         to = case.arguments[case.arguments.index("--json") + 1 :]
-        if to[:1] == ("-",) and not _is_json(outcome.out):
+        if to[:1] == ("-",) and outcome.out and not _is_json(outcome.out):
             return "standard output is not JSON"
     return None
 

@@ -35,7 +35,11 @@ def test_a_short_run(tmp_path: Path):
         ({"status": 2, "err": "orbident: r.csv: give t\n"}, None),
         ({"status": 1, "err": "orbident: warning: check units\n"}, None),
         ({"status": -11}, "ended by signal 11"),
-        ({"status": 130}, "status 130"),
+        ({"status": 3}, "status 3"),
+        ({"status": 130}, "interrupted by nobody"),
+        ({"status": 143}, "interrupted by nobody"),
+        ({"status": 70, "err": "orbident: internal error: KeyError\n"}, "KeyError"),
+        ({"status": 70}, "without a word"),
         ({"status": 2, "err": ""}, "status 2 with 0 lines"),
         ({"status": 2, "err": "orbident: a\norbident: b\n"}, "status 2 with 2 lines"),
         ({"status": 2, "err": "orbident: a\n", "out": "x"}, "standard output"),
@@ -61,6 +65,8 @@ def test_json_on_standard_output():
     assert fault(case, replace(DONE, out='{"a": 1.5}')) is None
     assert fault(case, replace(DONE, out='{"a": NaN}')) is not None
     assert fault(case, replace(DONE, out='{"a"')) is not None
+    help_asked = Case("test", ("robots", "--json", "-", "--help"), {})
+    assert fault(help_asked, replace(DONE, out="Usage: orbident robots")) is None
 
 
 def test_faults_of_one_kind_have_one_signature():
@@ -99,11 +105,11 @@ def test_a_worker_is_watched(
     monkeypatch.setattr("watcher.WORKER", worker)
     monkeypatch.setattr("watcher.MOST_MEMORY", 200_000_000)
     with Watcher() as watcher:
-        outcome = watcher.run(NO_FILES, longest=5.0)
+        outcome = watcher.run(NO_FILES, longest=1.0)
         assert (outcome.status, outcome.stopped) == (status, stopped)
         assert fault(NO_FILES, outcome) is not None
         # Another worker takes its place.
-        assert watcher.run(NO_FILES, longest=5.0).status == status
+        assert watcher.run(NO_FILES, longest=1.0).status == status
 
 
 def test_a_case_is_kept_whole(tmp_path: Path):

@@ -24,6 +24,8 @@ MOST_MEMORY = 2 * 1024**3
 """Bytes a case may hold."""
 LOOKS = 0.05
 """Seconds between two looks at a worker's memory."""
+ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
+"""Threads that wait for each other on a busy machine use the processor too."""
 RENEWED_AT = 1400 * 1024**2
 """Bytes held between two cases at which a worker is replaced: they are the libraries'
 memory of all cases before, not of the next one."""
@@ -58,7 +60,7 @@ class Watcher:
         Args:
             environment: variables beside those of this process.
         """
-        self._environment = os.environ | (environment or {})
+        self._environment = os.environ | ONE_THREAD | (environment or {})
         self._worker: subprocess.Popen[bytes] | None = None
 
     def __enter__(self) -> "Watcher":

@@ -43,7 +43,8 @@ def check_document(document: Mapping[str, Any], path: Path) -> None:
     schema = document.get("schema") if isinstance(document, Mapping) else None
     if schema != SCHEMA:
         raise InputError(
-            f"{path}: schema: found {quoted(schema)}, expected '{SCHEMA}'; identify again"
+            f"{path}: schema: found {quoted(schema)}, expected '{SCHEMA}'; identify "
+            "again"
         )
     if not {FILES, OWN} <= document.keys():
         raise InputError(
