@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Complex, Float
 
 DEGREE = 5
 
@@ -37,29 +37,48 @@ class FourierQuintic:
         Float[np.ndarray, "n joints"],
     ]:
         """Positions, rates and accelerations at the times `t`, s."""
-        return self.derivative(0, t), self.derivative(1, t), self.derivative(2, t)
+        z, powers = self._harmonics(t), _powers(t / self.duration)
+        position, rate, acceleration = (
+            self._series(order, z) + self._polynomial(order, powers)
+            for order in range(3)
+        )
+        return position, rate, acceleration
 
     def derivative(
         self, order: int, t: Float[np.ndarray, " n"]
     ) -> Float[np.ndarray, "n joints"]:
         """A derivative of any order at the times `t`, s."""
-        T = self.duration
-        return self._series(order, t) + _powers(order, t / T) @ self._quintic / T**order
+        polynomial = self._polynomial(order, _powers(t / self.duration))
+        return self._series(order, self._harmonics(t)) + polynomial
 
     def bound(self, order: int) -> Float[np.ndarray, " joints"]:
         """A bound of a derivative in which the quintic has no part: sixth or later."""
         return np.hypot(self.a, self.b) @ self._frequencies ** (order - 1)
 
+    def _harmonics(
+        self, t: Float[np.ndarray, " n"]
+    ) -> Complex[np.ndarray, "n harmonics"]:
+        """`exp(i w_f l t)`, each harmonic from the one before."""
+        first = np.exp(2j * np.pi / self.duration * t)
+        return np.cumprod(np.tile(first[:, None], self.a.shape[1]), axis=1)
+
     def _series(
-        self, order: int, t: Float[np.ndarray, " n"]
+        self, order: int, z: Complex[np.ndarray, "n harmonics"]
     ) -> Float[np.ndarray, "n joints"]:
-        """`w^(k-1) (a sin(w t + k pi/2) - b cos(w t + k pi/2))`, over harmonics."""
-        w = self._frequencies
-        sin, cos = np.sin(np.outer(t, w)), np.cos(np.outer(t, w))
-        for _ in range(order % 4):
-            sin, cos = cos, -sin
-        gain = w ** (order - 1)
-        return (sin * gain) @ self.a.T - (cos * gain) @ self.b.T
+        """`w^(k-1) (a sin(w t + k pi/2) - b cos(w t + k pi/2))`, over harmonics.
+
+        That is the imaginary part of `w^(k-1) i^k (a - i b) exp(i w t)`.
+        """
+        gain = 1j**order * (self.a - 1j * self.b) * self._frequencies ** (order - 1)
+        return (z @ gain.T).imag
+
+    def _polynomial(
+        self, order: int, powers: Float[np.ndarray, "n 6"]
+    ) -> Float[np.ndarray, "n joints"]:
+        """A derivative of the quintic: `sum_j j!/(j-k)! c_j s^(j-k) / t_f^k`."""
+        factors = [math.perm(j, order) for j in range(order, DEGREE + 1)]
+        c = np.array(factors, dtype=float)[:, None] * self._quintic[order:]
+        return powers[:, : len(c)] @ c / self.duration**order
 
     @property
     def _frequencies(self) -> Float[np.ndarray, " harmonics"]:
@@ -90,7 +109,6 @@ class FourierQuintic:
         )
 
 
-def _powers(order: int, s: Float[np.ndarray, " n"]) -> Float[np.ndarray, "n 6"]:
-    """A derivative of `s^0` to `s^5`."""
-    columns = [math.perm(j, order) * s ** max(j - order, 0) for j in range(DEGREE + 1)]
-    return np.stack(columns, axis=1)
+def _powers(s: Float[np.ndarray, " n"]) -> Float[np.ndarray, "n 6"]:
+    """`s^0` to `s^5`."""
+    return np.vander(s, DEGREE + 1, increasing=True)
