@@ -1,4 +1,6 @@
-// Householder reflections that take a few rows into a triangular factor.
+// Householder reflections that take three to eight rows into a triangular factor: what a step of the
+// filter waits for. householder.hpp folds tables of many rows, in strips of columns, and scales each
+// column; here the rows are whitened, and the loop over them is unrolled.
 //
 //   Q [R; rows] = [R'; 0],   R and R' upper triangular
 //
@@ -26,7 +28,8 @@ constexpr int BLOCK = 8;
 constexpr double UNDERFLOW_SQUARED = 1e-200;
 
 // Compiled for wider vectors too; the results are the same to the last bit.
-#if defined(__x86_64__) && defined(__gnu_linux__) && defined(__GNUC__) && !defined(__clang__)
+#if defined(__x86_64__) && defined(__gnu_linux__) && defined(__GNUC__) && !defined(__clang__) && \
+    !defined(__SANITIZE_ADDRESS__)
 #define ORBIDENT_FEW_WIDE __attribute__((target_clones("avx2", "default")))
 #else
 #define ORBIDENT_FEW_WIDE
