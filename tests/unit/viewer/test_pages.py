@@ -185,6 +185,6 @@ def test_meshes_without_their_library(tmp_path: Path, monkeypatch: pytest.Monkey
     monkeypatch.setitem(sys.modules, "trimesh", None)
     (warning,) = prepared(str(urdf), None).warnings
     assert warning == (
-        'drawing a mesh needs trimesh: pip install "orbident[view]"; collision shapes or '
-        "boxes stand for all meshes"
+        'drawing a mesh needs trimesh: pip install "orbident[view]"; collision shapes '
+        "or boxes stand for all meshes"
     )
