@@ -3,7 +3,7 @@ PYTHON ?= python3.11
 BIN := .venv/bin
 CORE := CMakeLists.txt $(shell find src/core -name '*.[ch]pp')
 
-.PHONY: demo test sanitize site clean
+.PHONY: demo test sanitize wheels site clean
 
 demo: .venv/installed
 	$(BIN)/orbident study spatial
@@ -26,6 +26,10 @@ sanitize: .venv/installed
 		--config-settings=build-dir=build/sanitized-core
 	LD_PRELOAD="$$(c++ -print-file-name=libasan.so)" ASAN_OPTIONS=detect_leaks=0 \
 		taskset -c 0 $(SANITIZED) -m pytest -n 0 -m core
+
+# The source distribution and wheels, tried in bare environments of Python 3.11 to 3.13.
+wheels: .venv/installed
+	.ci/wheels
 
 # The documentation, in build/site.
 site: .venv/installed

@@ -50,7 +50,7 @@ def test_the_page(orbident: Orbident, bag: Path):
     install, topics, convert, identify = (
         line for text in blocks("sh") for line in [text.strip()]
     )
-    assert install == "pip install 'orbident[ros]'"
+    assert install == 'pip install "orbident[ros]"'
     # These messages are of no flight; tests/statistics identifies from one's.
     assert identify.startswith("orbident identify table.yaml flight.parquet")
     verb, *arguments = topics.split()

@@ -67,7 +67,7 @@ def identify(
     from orbident.estimation.identify import identify as identified
     from orbident.files.checksum import sha256
     from orbident.files.text import name_of
-    from orbident.identified.run_folder import check_absent, saving
+    from orbident.identified.run_folder import check_absent
     from orbident.recordings.tables import read_recording
     from orbident.robot.robot_file import load_robot
 
@@ -89,18 +89,33 @@ def identify(
         )
     file = {"file": name_of(recording), "sha256": sha256(recording)}
     result = replace(result, input=file)
-    if out is not None:
-        from orbident.report.replay_figure import write_replay
-        from orbident.report.write import write_report
-
-        with saving(result, out, force) as new:
-            write_replay(described, table, new)
-            write_report(result, new)
-    output.warn(result.warnings)
+    unmade = [] if out is None else _keep(result, described, table, out, force)
+    output.warn([*unmade, *result.warnings])
     output.say(*_summary(result, out))
     output.write_json(result.to_json())
     if result.status == "rejected":
         raise typer.Exit(1)
+
+
+def _keep(result: Any, robot: Any, table: Any, out: Path, force: bool) -> list[str]:
+    """Write the RUN.
+
+    Returns:
+        A warning where its report could not be made.
+    """
+    from orbident.extras import MissingLibraryError
+    from orbident.identified.run_folder import REPORT, saving
+    from orbident.report.replay_figure import write_replay
+    from orbident.report.write import write_report
+
+    unmade = []
+    with saving(result, out, force) as new:
+        write_replay(robot, table, new)
+        try:
+            write_report(result, new)
+        except MissingLibraryError as refusal:
+            unmade.append(f"{refusal}; {out / REPORT} is not written")
+    return unmade
 
 
 def _summary(result: Any, out: Path | None) -> list[str]:

@@ -102,7 +102,8 @@ def study(
     with progress(f"study {name}") as done_so_far:
         done = run(noise.value, seeds, seed, progress=done_so_far)
     if out is not None:
-        _keep(done, name, out, force, seed if noise == Noise.paper else None)
+        used_seed = seed if noise == Noise.paper else None
+        output.warn(_keep(done, name, out, force, used_seed))
     if done.rejected:
         output.warn([f"{done.rejected} of {done.seeds} runs were rejected"])
     if not done.trusted:
@@ -158,24 +159,35 @@ def _check_free(out: Path, name: Study, force: bool) -> None:
             )
 
 
-def _keep(done: Any, name: Study, out: Path, force: bool, seed: int | None) -> None:
+def _keep(
+    done: Any, name: Study, out: Path, force: bool, seed: int | None
+) -> list[str]:
+    """Write the study's files and its RUN.
+
+    Returns:
+        A warning where pictures and report could not be made.
+    """
     from dataclasses import replace
 
+    from orbident.extras import MissingLibraryError
     from orbident.files.checksum import sha256
     from orbident.files.folder_replacing import replacing_files
     from orbident.identified.run_folder import save_result
-    from orbident.report.study import write_study_report
 
+    unmade = []
     cut_offs = {} if name == Study.control else done.cut_offs
     with replacing_files(out, _files(name, cut_offs)) as new:
         # Another process may have been faster.
         _check_free(out, name, force)
         recording = _write_data(done, name, new)
-        _draw_cut_offs(cut_offs, new / CUT_OFFS)
         known = {"file": recording.name, "sha256": sha256(recording), "seed": seed}
         result = replace(done.result, input=known)
-        write_study_report(done, result, f"Study: {name}", new)
+        try:
+            _draw(done, result, f"Study: {name}", cut_offs, new)
+        except MissingLibraryError as refusal:
+            unmade.append(f"{refusal}; {out} is kept without its report and pictures")
         save_result(result, out / RUN, force)
+    return unmade
 
 
 def _write_data(done: Any, name: Study, folder: Path) -> Path:
@@ -201,12 +213,17 @@ def _write_data(done: Any, name: Study, folder: Path) -> Path:
     return files[0]
 
 
-def _draw_cut_offs(cut_offs: Mapping[str, Any], folder: Path) -> None:
-    if not cut_offs:
-        return
+def _draw(
+    done: Any, result: Any, title: str, cut_offs: Mapping[str, Any], folder: Path
+) -> None:
+    """Write report and pictures."""
     from orbident.report.cut_off_figure import draw_cut_off
     from orbident.report.cut_offs import unit_of
+    from orbident.report.study import write_study_report
 
-    folder.mkdir(exist_ok=True)
+    write_study_report(done, result, title, folder)
+    if cut_offs:
+        (folder / CUT_OFFS).mkdir(exist_ok=True)
     for signal, cut_off in cut_offs.items():
-        draw_cut_off(cut_off, folder / f"{signal}.png", signal, unit_of(signal))
+        path = folder / CUT_OFFS / f"{signal}.png"
+        draw_cut_off(cut_off, path, signal, unit_of(signal))

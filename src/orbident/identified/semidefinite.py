@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from orbident.errors import InputError
+from orbident.extras import extra
 
 SMALLEST = 1e-3
 """Of a matrix that could not stay near 1: its eigenvalues are at least this."""
@@ -30,7 +30,7 @@ def nearest_to_one(
         The matrices; None where there are none.
 
     Raises:
-        InputError: cvxpy is not installed.
+        MissingLibraryError: cvxpy is not installed.
     """
     cp = _cvxpy()
     X = _matrices(cp, A)
@@ -55,7 +55,7 @@ def nearest_within(
         The matrices and `|z|`; None where there are none with so short a `z`.
 
     Raises:
-        InputError: cvxpy is not installed.
+        MissingLibraryError: cvxpy is not installed.
     """
     cp = _cvxpy()
     X, z = _matrices(cp, A), cp.Variable(root.shape[1])
@@ -99,12 +99,8 @@ def _solved(
 
 
 def _cvxpy() -> ModuleType:
-    try:
-        import clarabel  # noqa: F401  # pyright: ignore[reportUnusedImport]
+    # Late: the import takes more than a second.
+    with extra("export", "the search for physically possible bodies"):
         import cvxpy
-    except ImportError as error:
-        raise InputError(
-            f"physical bodies are found with cvxpy and clarabel ({error}); "
-            "pip install 'orbident[export]'"
-        ) from error
+
     return cvxpy

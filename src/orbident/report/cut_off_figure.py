@@ -3,12 +3,11 @@
 from pathlib import Path
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from orbident.errors import InputError
 from orbident.files.replacing import replacing
 from orbident.preprocessing.cut_off import CutOff
+from orbident.report.drawing import Axes, Drawing
 
 FORMATS = ("png", "svg")
 
@@ -36,7 +35,7 @@ def draw_cut_off(cut_off: CutOff, path: str | Path, title: str, unit: str) -> No
     kind = path.suffix.lower().removeprefix(".")
     if kind not in FORMATS:
         raise InputError(f"{path}: a picture; give a name that ends in .png or .svg")
-    figure = Figure(figsize=(10.0, 4.2), layout="constrained")
+    figure = Drawing(figsize=(10.0, 4.2), layout="constrained")
     spectrum, residual = figure.subplots(1, 2)
     _spectrum(spectrum, cut_off, unit)
     _residual(residual, cut_off, unit)

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from functools import lru_cache
 from math import isfinite
 
+from orbident.extras import extra
 from orbident.report.section import Section
 from orbident.report.verdict import Judgement
 
@@ -61,7 +62,13 @@ def _drawable(data: object) -> object:
 
 @lru_cache(maxsize=1)
 def plotly() -> str:
-    """plotly.js, packed to two fifths of its size: a page unpacks it when opened."""
-    from plotly.offline import get_plotlyjs
+    """plotly.js, packed to two fifths of its size: a page unpacks it when opened.
+
+    Raises:
+        MissingLibraryError: plotly is not installed.
+    """
+    # Late: without it, a RUN is written without its report.
+    with extra("report", "the report"):
+        from plotly.offline import get_plotlyjs
 
     return base64.b64encode(gzip.compress(get_plotlyjs().encode(), 6, mtime=0)).decode()

@@ -1,16 +1,11 @@
 """The paper's Figs. 6 to 13, and the errors of its Table 4, drawn as in the paper."""
 
 from collections.abc import Mapping, Sequence
-from io import StringIO
 from pathlib import Path
 
 import numpy as np
-from matplotlib import rc_context
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure as Drawing
 
-from orbident.files.replacing import replacing
-from orbident.files.text import write_text
+from orbident.report.drawing import Axes, Drawing, kept
 from orbident.report.section import Picture
 from orbident.studies.comparison import Row
 from orbident.studies.planar_figures import Figure
@@ -45,7 +40,7 @@ def draw_figures(figures: Mapping[str, Figure], folder: Path) -> tuple[Picture, 
         InputError: nothing can be written there.
     """
     return tuple(
-        _kept(_figure(figure), folder / name, f"Fig. {int(name[3:])}. {figure.title}")
+        kept(_figure(figure), folder / name, f"Fig. {int(name[3:])}. {figure.title}")
         for name, figure in figures.items()
     )
 
@@ -78,7 +73,7 @@ def draw_errors(rows: Sequence[Row], path: Path, title: str) -> Picture:
     axes.set(yscale="log", ylabel="relative error (%)")
     axes.set_xticks(places, [row.name for row in rows], rotation=90)
     _finish(axes)
-    return _kept(drawing, path, title)
+    return kept(drawing, path, title)
 
 
 def _figure(figure: Figure) -> Drawing:
@@ -127,15 +122,3 @@ def _finish(axes: Axes) -> None:
     axes.margins(x=0.02)
     # Above, where no curve is.
     axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=4, frameon=False)
-
-
-def _kept(drawing: Drawing, path: Path, title: str) -> Picture:
-    """As PNG and SVG files, and for a report."""
-    with replacing(path.with_suffix(".png")) as target:
-        drawing.savefig(target, format="png", dpi=150)
-    # Without a date and with a fixed salt the same data give the same file.
-    svg = StringIO()
-    with rc_context({"svg.hashsalt": path.name}):
-        drawing.savefig(svg, format="svg", metadata={"Date": None})
-    write_text(path.with_suffix(".svg"), svg.getvalue())
-    return Picture(title, svg.getvalue())

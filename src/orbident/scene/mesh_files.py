@@ -8,6 +8,8 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float, Int
 
+from orbident.extras import extra
+
 MOST_BYTES = 50_000_000
 """A larger file, or unpacked archive, is no picture of a link but a survey of it."""
 KINDS = frozenset({"3mf", "dae", "glb", "gltf", "obj", "off", "ply", "stl", "zae"})
@@ -67,9 +69,14 @@ def _inside(folder: Path, path: Path) -> Path | None:
 
 
 def read_mesh(path: Path) -> Mesh | None:
-    """Vertices and triangles; None where the file cannot be read as a mesh."""
+    """Vertices and triangles; None where the file cannot be read as a mesh.
+
+    Raises:
+        MissingLibraryError: trimesh is not installed.
+    """
     # Late: the import takes most of a second.
-    import trimesh
+    with extra("view", "drawing a mesh"):
+        import trimesh
 
     kind = path.suffix.lower().removeprefix(".")
     if kind not in KINDS:

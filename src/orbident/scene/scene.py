@@ -35,6 +35,8 @@ class Scene:
     """The longest way from S along the joints, m."""
     missing: tuple[str, ...]
     """Meshes that the URDF names and that could not be read."""
+    refusal: str
+    """Why no mesh can be read: the library for it is not installed; else empty."""
 
 
 def scene_of(robot: Robot, folder: Path | None = None) -> Scene:
@@ -45,7 +47,7 @@ def scene_of(robot: Robot, folder: Path | None = None) -> Scene:
         folder: of the URDF, for its meshes; without one no mesh is looked for.
     """
     size = robot_size(robot)
-    shown, missing = _shown(robot, folder)
+    shown, missing, refusal = _shown(robot, folder)
     for body in range(len(robot.bodies)):
         if not any(shape.frame == body for shape in shown):
             shown += made_shapes(robot, body, size)
@@ -64,7 +66,7 @@ def scene_of(robot: Robot, folder: Path | None = None) -> Scene:
             p[k], radius = _outside(base, wheel, sum(map(bool, same)))
             shapes += _disc(frame, radius)
     shapes += [shape for shape in shown if shape.frame < len(robot.bodies)]
-    return Scene(robot, tuple(shapes), R, p, size, missing)
+    return Scene(robot, tuple(shapes), R, p, size, missing, refusal)
 
 
 class Rotor(NamedTuple):
@@ -92,11 +94,13 @@ def rotors(robot: Robot) -> dict[int, Rotor]:
     return found
 
 
-def _shown(robot: Robot, folder: Path | None) -> tuple[list[Shape], tuple[str, ...]]:
+def _shown(
+    robot: Robot, folder: Path | None
+) -> tuple[list[Shape], tuple[str, ...], str]:
     """What the URDF shows, in frames of bodies; of rotors in the base's, but theirs."""
     if not robot.urdf:
-        return [], ()
-    by_link, missing = link_shapes(robot.urdf, folder)
+        return [], (), ""
+    by_link, missing, refusal = link_shapes(robot.urdf, folder)
     turning = {link: k for k, rotor in rotors(robot).items() for link in rotor.links}
     shown = []
     for link, at in links_of(robot).placements.items():
@@ -104,7 +108,7 @@ def _shown(robot: Robot, folder: Path | None) -> tuple[list[Shape], tuple[str, .
         wheel = turning.get(link)
         frame = at.body if wheel is None else len(robot.bodies) + wheel
         shown += [shape.moved(frame, at.R, p) for shape in by_link[link]]
-    return shown, missing
+    return shown, missing, refusal
 
 
 def _outside(

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
+from orbident.extras import MissingLibraryError
 from orbident.scene.mesh_files import mesh_file, read_mesh
 from orbident.scene.shapes import BASE, Colour, Shape, box, cylinder, sphere
 
@@ -19,6 +20,8 @@ class LinkShapes(NamedTuple):
     """Empty where nothing can be shown."""
     missing: tuple[str, ...]
     """Meshes that are not there or cannot be read."""
+    refusal: str
+    """Why no mesh can be read: the library for it is not installed; else empty."""
 
 
 def link_shapes(urdf: str, folder: Path | None) -> LinkShapes:
@@ -35,7 +38,7 @@ def link_shapes(urdf: str, folder: Path | None) -> LinkShapes:
         material.get("name", ""): material.find("color")
         for material in root.findall("material")
     }
-    reader = _Reader(folder, colours, [])
+    reader = _Reader(folder, colours, [], [])
     by_link = {}
     for link in root.findall("link"):
         visuals = [reader.shape(each) for each in link.findall("visual")]
@@ -43,13 +46,15 @@ def link_shapes(urdf: str, folder: Path | None) -> LinkShapes:
             visuals += [reader.shape(each) for each in link.findall("collision")]
         shown = [shape for shape in visuals if shape is not None]
         by_link[link.get("name", "")] = tuple(shown)
-    return LinkShapes(by_link, tuple(dict.fromkeys(reader.missing)))
+    missing = tuple(dict.fromkeys(reader.missing))
+    return LinkShapes(by_link, missing, "".join(reader.refusals[:1]))
 
 
 class _Reader(NamedTuple):
     folder: Path | None
     colours: dict[str, ET.Element | None]
     missing: list[str]
+    refusals: list[str]
 
     def shape(self, element: ET.Element) -> Shape | None:
         """What a <visual> or <collision> shows; None where it cannot be had."""
@@ -79,7 +84,11 @@ class _Reader(NamedTuple):
     def _mesh(self, geometry: ET.Element, colour: Colour) -> Shape | None:
         name = geometry.get("filename", "")
         path = mesh_file(name, self.folder) if self.folder else None
-        mesh = read_mesh(path) if path else None
+        try:
+            mesh = read_mesh(path) if path else None
+        except MissingLibraryError as refusal:
+            self.refusals.append(str(refusal))
+            mesh = None
         if mesh is None:
             self.missing.append(name)
             return None

@@ -83,6 +83,8 @@ def _folder(shown: str, robot: Robot) -> Path | None:
 def _missing(scene: Scene) -> tuple[str, ...]:
     if not scene.missing:
         return ()
+    if scene.refusal:
+        return (f"{scene.refusal}; collision shapes or boxes stand for all meshes",)
     listed = ", ".join(name.rsplit("/", 1)[-1] for name in scene.missing[:3])
     more = ", .." * (len(scene.missing) > 3)
     return (

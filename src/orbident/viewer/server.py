@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any, NamedTuple, Protocol, runtime_checkable
 
 from orbident.errors import InputError
+from orbident.extras import extra
 from orbident.viewer.gate import Gate, gated, in_address
 
 PERIOD = 1 / 30
@@ -48,7 +49,9 @@ def open_server(host: str, port: int) -> Served:
         InputError: viser is not installed, the host is no address of this machine, or
             the port is taken or not allowed.
     """
-    viser = _viser()
+    with extra("view", "the viewer"):
+        import viser
+
     bound = _free(host, port)
     gate = Gate.at(host, bound)
     with _silent(), gated(gate) as gating:
@@ -90,16 +93,6 @@ def _silent() -> Iterator[None]:
     """Standard output is for results, and viser writes there too."""
     with Path(os.devnull).open("w") as nowhere, redirect_stdout(nowhere):
         yield
-
-
-def _viser() -> Any:
-    try:
-        import viser
-    except ModuleNotFoundError as error:
-        raise InputError(
-            f"viewing needs `pip install orbident[view]` ({error.name} is missing)"
-        ) from error
-    return viser
 
 
 def _free(host: str, port: int) -> str:

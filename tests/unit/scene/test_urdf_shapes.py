@@ -122,6 +122,17 @@ def boxed(path: Path) -> Path:
     return path
 
 
+def test_meshes_without_the_library(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    boxed(tmp_path / "link.stl")
+    mesh, ball = visual('<mesh filename="link.stl"/>'), visual('<sphere radius="1"/>')
+    assert len(link_shapes(urdf(mesh, ball), tmp_path).by_link["a"]) == 2
+    monkeypatch.setitem(sys.modules, "trimesh", None)
+    found = link_shapes(urdf(mesh, ball), tmp_path)
+    assert len(found.by_link["a"]) == 1
+    assert found.missing == ("link.stl",)
+    assert found.refusal == 'drawing a mesh needs trimesh: pip install "orbident[view]"'
+
+
 def test_meshes_outside_the_robot_are_not_opened(tmp_path: Path):
     folder = tmp_path / "robot"
     inside = boxed(folder / "meshes" / "link.stl")

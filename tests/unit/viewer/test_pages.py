@@ -1,5 +1,6 @@
 """Pages follow their controls; no browser is needed for that."""
 
+import sys
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -169,3 +170,21 @@ def test_what_cannot_be_shown_is_refused(tmp_path: Path):
     write_recording(other, tmp_path / "r.csv")
     with pytest.raises(InputError, match="no joint 'joint3'"):
         prepared(ROBOT, tmp_path / "r.csv")
+
+
+def test_meshes_without_their_library(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    urdf = tmp_path / "servicer.urdf"
+    urdf.write_text(
+        '<robot name="r"><link name="a"><inertial><mass value="1"/>'
+        '<inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
+        '<visual><geometry><mesh filename="a.stl"/></geometry></visual></link></robot>'
+    )
+    (warning,) = prepared(str(urdf), None).warnings
+    assert warning.startswith("1 meshes are not there")
+    (tmp_path / "a.stl").touch()
+    monkeypatch.setitem(sys.modules, "trimesh", None)
+    (warning,) = prepared(str(urdf), None).warnings
+    assert warning == (
+        'drawing a mesh needs trimesh: pip install "orbident[view]"; collision shapes '
+        "or boxes stand for all meshes"
+    )

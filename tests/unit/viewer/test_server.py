@@ -1,7 +1,7 @@
 """The server says what is wrong with where it is to listen."""
 
-import builtins
 import socket
+import sys
 import urllib.request
 from typing import Any
 
@@ -44,15 +44,8 @@ def test_everywhere_is_shown_under_the_name_of_this_machine():
 
 
 def test_without_viser_one_line_says_what_to_install(monkeypatch: pytest.MonkeyPatch):
-    real = builtins.__import__
-
-    def absent(name: str, *rest: Any) -> Any:
-        if name == "viser":
-            raise ModuleNotFoundError("No module named 'viser'", name="viser")
-        return real(name, *rest)
-
-    monkeypatch.setattr(builtins, "__import__", absent)
-    with pytest.raises(InputError, match=r"pip install orbident\[view\].*viser"):
+    monkeypatch.setitem(sys.modules, "viser", None)
+    with pytest.raises(InputError, match=r'needs viser: .* "orbident\[view\]"'):
         open_server("127.0.0.1", 0)
 
 

@@ -1,8 +1,8 @@
 """The optional libraries that read bags; nothing else imports them."""
 
-from orbident.errors import InputError
+from orbident.extras import extra
 
-try:
+with extra("ros", "reading a bag"):
     from mcap.reader import NonSeekingReader as McapStream
     from mcap.reader import SeekingReader as McapIndex
     from mcap.records import Schema as McapSchema
@@ -13,10 +13,6 @@ try:
     from rosbags.rosbag1.reader import read_bytes, read_uint32
     from rosbags.rosbag2 import Reader as Ros2Reader
     from rosbags.typesys import Stores, get_types_from_msg, get_typestore
-except ModuleNotFoundError as error:
-    raise InputError(
-        f"reading bags needs `pip install orbident[ros]` ({error.name} is missing)"
-    ) from error
 
 __all__ = [
     "McapIndex",

@@ -245,5 +245,5 @@ def test_without_the_libraries(monkeypatch, library):
     monkeypatch.setitem(sys.modules, library, None)
     module = "orbident.recordings.bags.libraries"
     monkeypatch.delitem(sys.modules, module, raising=False)
-    with pytest.raises(InputError, match=r"needs `pip install orbident\[ros\]`"):
+    with pytest.raises(InputError, match=rf'needs {library}: .* "orbident\[ros\]"'):
         importlib.import_module(module)

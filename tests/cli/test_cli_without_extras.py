@@ -1,0 +1,92 @@
+"""The base installation: each extra that a verb needs is named in one line."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from processes import finished
+from running import LINEAR, Orbident, written
+
+from orbident.recordings.recording import Recording
+
+HIDDEN = (
+    "import sys; sys.modules.update(dict.fromkeys({}, None)); "
+    "from orbident.cli.app import main; main()"
+)
+"""The command where these libraries cannot be imported."""
+
+REPORT = 'needs plotly: pip install "orbident[report]"'
+
+
+def without(
+    libraries: tuple[str, ...], *arguments: object
+) -> subprocess.CompletedProcess[str]:
+    return finished(sys.executable, "-c", HIDDEN.format(libraries), *arguments)
+
+
+@pytest.fixture
+def short(flight: Recording) -> Path:
+    """A recording that takes little time."""
+    return written(flight, "short.csv", rows=slice(0, 400))
+
+
+def test_identify_and_report(orbident: Orbident, short: Path):
+    ran = without(
+        ("plotly", "matplotlib"),
+        *("identify", "paper-spatial", short, "-o", "run", *LINEAR),
+    )
+    assert ran.returncode == 0
+    assert ran.stderr == (
+        f"orbident: warning: the report {REPORT}; run/report.html is not written\n"
+    )
+    assert not Path("run/report.html").exists()
+    refused = without(("plotly",), "report", "run")
+    assert refused.returncode == 2
+    assert refused.stderr == f"orbident: the report {REPORT}\n"
+    # All else is there: with plotly the report can be made later.
+    orbident("report", "run").done()
+
+
+@pytest.mark.parametrize(
+    ("library", "need"), [("plotly", "the report"), ("matplotlib", "drawing a figure")]
+)
+def test_study(library: str, need: str):
+    ran = without((library,), "study", "spatial", "-o", "kept")
+    assert ran.returncode == 0
+    assert ran.stderr == (
+        f'orbident: warning: {need} needs {library}: pip install "orbident[report]"; '
+        "kept is kept without its report and pictures\n"
+    )
+    names = {path.name for path in Path("kept").iterdir()}
+    assert names >= {"trajectory.yaml", "recording.csv", "run"}
+    assert "report.html" not in names
+    assert Path("kept/run/result.json").exists()
+
+
+def test_export(orbident: Orbident, short: Path):
+    orbident("identify", "paper-spatial", short, "-o", "run", *LINEAR).done()
+    ran = without(("cvxpy",), "export", "run", "-o", "robot.urdf")
+    assert ran.returncode == 2
+    assert ran.stderr == (
+        "orbident: the search for physically possible bodies needs cvxpy: "
+        'pip install "orbident[export]"\n'
+    )
+
+
+@pytest.mark.parametrize("library", ["rosbags", "mcap"])
+def test_bags(library: str):
+    Path("flight.mcap").write_bytes(b"")
+    ran = without((library,), "topics", "flight.mcap")
+    assert ran.returncode == 2
+    assert ran.stderr == (
+        f'orbident: reading a bag needs {library}: pip install "orbident[ros]"\n'
+    )
+
+
+def test_view():
+    ran = without(("viser",), "view", "paper-spatial")
+    assert ran.returncode == 2
+    assert ran.stderr == (
+        'orbident: the viewer needs viser: pip install "orbident[view]"\n'
+    )
