@@ -22,6 +22,8 @@ from watcher import Outcome, Watcher
 
 KEPT = 3
 """Cases that are kept of faults with one signature; the first of them is shrunk."""
+REPORTED = 1000
+"""Cases from one word about the progress to the next."""
 MEGABYTE = 1024**2
 
 
@@ -49,6 +51,11 @@ class Summary:
     groups: dict[str, Tally] = field(default_factory=lambda: defaultdict(Tally))
     faults: Counter[str] = field(default_factory=Counter)
     """How often, by signature."""
+
+    @property
+    def cases(self) -> int:
+        """So many have been run."""
+        return sum(tally.statuses.total() for tally in self.groups.values())
 
     def table(self) -> str:
         """For people: a line for each group, and one for each kind of fault."""
@@ -126,6 +133,8 @@ class Campaign:
             wrong = fault(case, outcome) or f"only after other cases: {wrong}"
         with self._lock:
             self.summary.groups[case.group].add(outcome, wrong is not None)
+            if self.summary.cases % REPORTED == 0:
+                print(f"{self.summary.cases} cases", file=sys.stderr)
             if wrong is None:
                 return
             kind = signature(wrong)

@@ -16,7 +16,7 @@ trees, prismatic joints and what is known of the bodies need no case of their ow
 import itertools
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import NamedTuple
+from typing import NamedTuple, NoReturn
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -34,6 +34,9 @@ from orbident.threads import processors
 MOST_PRODUCTS = 8000
 """Of first moments; `pi` has nearly as many parameters, and a table of theirs by these
 takes 0.5 GB."""
+MOST_JOINTS = 125
+"""A joint shows one first moment at least, and products of so many are `MOST_PRODUCTS`:
+random motion of more joints is not even tried, for its table grows with their square."""
 
 
 class BaseParameters(NamedTuple):
@@ -150,6 +153,8 @@ def minimal_sets(robot: Robot) -> MinimalSets:
     Raises:
         InputError: the robot has too many joints.
     """
+    if len(robot.joints) > MOST_JOINTS:
+        _refuse(robot, f"has {len(robot.joints)} joints")
     turning, moving = conserved_axes(robot)
     samples = 2 * PER_BODY * len(robot.bodies)
     at = _random_momentum(robot, -(-samples // len(turning)))
@@ -161,11 +166,8 @@ def minimal_sets(robot: Robot) -> MinimalSets:
     ).reshape(-1, 2)
     columns = Columns(robot, base.theta_of, sigma, pairs, turning)
     if len(pairs) > MOST_PRODUCTS:
-        raise InputError(
-            f"{robot.name}: has {len(robot.joints)} joints, and so {len(pairs)} "
-            "products of first moments; minimal sets are found of up to "
-            f"{MOST_PRODUCTS}, or some 60 joints: make fixed what need not move"
-        )
+        products = f"{len(pairs)} products of first moments"
+        _refuse(robot, f"has {len(robot.joints)} joints, and so {products}")
     betas = base.T.shape[0]
     kept, T = _first_that_span(dependencies(columns), betas, 1 + base.sigmas)
     return MinimalSets(
@@ -186,6 +188,13 @@ def minimal_sets(robot: Robot) -> MinimalSets:
         pi_of_beta=T[:, :betas],
         pi_of_products=T[:, betas:],
         pairs=pairs,
+    )
+
+
+def _refuse(robot: Robot, has: str) -> NoReturn:
+    raise InputError(
+        f"{robot.name}: {has}; minimal sets are found of up to {MOST_PRODUCTS} "
+        "products of first moments, or some 60 joints: make fixed what need not move"
     )
 
 

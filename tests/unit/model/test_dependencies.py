@@ -1,5 +1,7 @@
 """The minimal sets of large robots: whole, exact, and found without large matrices."""
 
+import tracemalloc
+
 import numpy as np
 import pytest
 from random_robots import DUAL_ARM, random_planar_robot, random_robot
@@ -77,3 +79,13 @@ def test_rows_of_pi_are_independent():
 def test_too_many_joints_are_refused():
     with pytest.raises(InputError, match=r"has 70 joints, and so 10296 products .* 60"):
         minimal_sets(random_robot(1, range(70)))
+
+
+def test_far_too_many_joints_are_refused_before_any_large_table():
+    robot = random_robot(1, range(2000))
+    tracemalloc.start()
+    with pytest.raises(InputError, match=r"has 2000 joints; .* 60"):
+        minimal_sets(robot)
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert peak < 1e6
