@@ -9,6 +9,8 @@ from scipy.spatial.transform import Rotation
 
 from orbident import _core
 
+pytestmark = pytest.mark.core
+
 SEEDS = st.integers(0, 2**32 - 1)
 
 

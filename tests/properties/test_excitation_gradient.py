@@ -14,6 +14,8 @@ from orbident.excitation.criterion import Objective
 from orbident.excitation.problem import problem_for
 from orbident.robot.description import Robot
 
+pytestmark = pytest.mark.core
+
 STEP = 1e-3
 """Of the criterion, which is smooth; rounding of information is 1e-10."""
 

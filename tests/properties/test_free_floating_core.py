@@ -1,6 +1,7 @@
 """Free floating in the core, against momentum body by body, on random trees."""
 
 import numpy as np
+import pytest
 from hypothesis import given
 from obvious_momentum import quaternion_rotation, system_motion
 from random_trees import SHAPES, tree_of
@@ -8,6 +9,8 @@ from reference import runge_kutta
 
 from orbident import _core
 from orbident.model.core_robot import core_robot
+
+pytestmark = pytest.mark.core
 
 # Some tens of terms, and one division by the inertia: conditions of some hundreds.
 ROUNDING = 1e-11

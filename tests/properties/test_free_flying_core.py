@@ -1,6 +1,7 @@
 """Forward dynamics and flight steps of the core, against Newton and Euler by body."""
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from random_trees import SHAPES, tree_of
 from reference import flight, newton_euler
@@ -9,6 +10,8 @@ from reference.runge_kutta import step
 from orbident import _core
 from orbident.model.core_robot import core_robot
 from orbident.model.equations_of_motion import movable
+
+pytestmark = pytest.mark.core
 
 # Some tens of terms of order 1 to 1000, and a system of some fifteen equations whose
 # condition is some thousands.

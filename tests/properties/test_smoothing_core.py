@@ -9,6 +9,8 @@ from reference.gauss_markov import GaussMarkov, white_snap
 
 from orbident import _core
 
+pytestmark = pytest.mark.core
+
 SEEDS = st.integers(0, 2**32 - 1)
 DENSITIES = st.floats(-6.0, 3.0).map(lambda power: 10.0**power)
 """From next to a cubic to a spline through every sample, at steps of about one."""

@@ -35,8 +35,9 @@ MOST_PRODUCTS = 8000
 """Of first moments; `pi` has nearly as many parameters, and a table of theirs by these
 takes 0.5 GB."""
 MOST_JOINTS = 125
-"""A joint shows one first moment at least, and products of so many are `MOST_PRODUCTS`:
-random motion of more joints is not even tried, for its table grows with their square."""
+"""A joint shows one first moment at least, and so many make `MOST_PRODUCTS` products:
+random motion of more joints is not even tried, for its table grows with their square.
+"""
 
 
 class BaseParameters(NamedTuple):

@@ -7,6 +7,8 @@ from hypothesis import strategies as st
 
 from orbident import _core
 
+pytestmark = pytest.mark.core
+
 
 @given(st.integers(1, 70), st.integers(0, 90), st.integers(0, 2**31))
 def test_the_factor_has_the_information_of_all_rows(columns, rows, seed):

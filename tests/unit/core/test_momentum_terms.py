@@ -4,6 +4,7 @@ over bodies as a textbook has them."""
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from obvious_momentum import system_motion
@@ -13,6 +14,8 @@ from orbident import _core
 from orbident.model.core_robot import core_tree
 from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.description import Robot
+
+pytestmark = pytest.mark.core
 
 SYMMETRIC = ([0, 0, 0, 1, 1, 2], [0, 1, 2, 1, 2, 2])
 STEP = 1e-4

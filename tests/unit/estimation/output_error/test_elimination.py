@@ -9,6 +9,8 @@ from segments import Segment, segment_of
 
 from orbident.estimation.output_error.problem import SENSORS, Linear
 
+pytestmark = pytest.mark.core
+
 ROBOT = random_robot(1, (0, 1), prismatic=(1,), wheels=random_wheels(1, ["held"]))
 
 # Rounding of some hundred rotations, times the condition of the problem.

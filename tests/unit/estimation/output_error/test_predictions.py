@@ -17,6 +17,8 @@ from segments import Segment, segment_of
 from orbident.estimation.output_error.problem import SENSORS, State
 from orbident.robot.description import Robot
 
+pytestmark = pytest.mark.core
+
 ROBOTS = {
     "spatial": random_robot(
         1, (0, 1, 0), prismatic=(1,), wheels=random_wheels(1, ["held", "free", "held"])

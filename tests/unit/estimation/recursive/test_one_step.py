@@ -36,6 +36,8 @@ from orbident.robot.parameters import cross_matrix
 from orbident.robot.robot_file import load_robot
 from orbident.simulation.simulate import simulate
 
+pytestmark = pytest.mark.core
+
 ROBOTS: dict[str, Robot] = {
     "sensors": load_robot("paper-spatial"),
     "table": load_robot("cepheus-like"),
