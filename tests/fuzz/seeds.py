@@ -39,7 +39,7 @@ ROBOTS = (
 """The bundled ones."""
 
 PATIENCE = 600.0
-"""Seconds: the first runs may compile what the later ones find."""
+"""Seconds, on a busy machine: how long it takes to make a seed is no finding."""
 
 DURATION = 12.0
 """s: the shortest recordings from which all methods identify `paper-spatial`."""
