@@ -55,14 +55,14 @@ def formulas_of(robot: Robot, sets: MinimalSets) -> SetFormulas:
 
 def combination(coefficients: Float[np.ndarray, " n"], names: Sequence[str]) -> str:
     """`2 a + b - 0.5 c`: rounded, the largest first, without what is negligible."""
-    largest = np.abs(coefficients).max(initial=0.0)
+    sizes = np.abs(coefficients)
+    largest = sizes.max(initial=0.0)
+    shown = np.flatnonzero(sizes > NEGLIGIBLE * largest)
     text = ""
     # Rounded, so that what is equal but for rounding keeps its order.
-    sizes = np.abs(coefficients / (largest or 1.0)).round(9)
-    for k in np.argsort(-sizes, kind="stable"):
+    order = np.argsort(-(sizes[shown] / (largest or 1.0)).round(9), kind="stable")
+    for k in shown[order]:
         c = coefficients[k]
-        if abs(c) <= NEGLIGIBLE * largest:
-            break
         sign = ("-" if c < 0 else "") if not text else (" - " if c < 0 else " + ")
         factor = f"{abs(c):.4g} ".removeprefix("1 ")
         text += sign + factor + names[int(k)]

@@ -34,9 +34,11 @@ from orbident.threads import processors
 MOST_PRODUCTS = 8000
 """Of first moments; `pi` has nearly as many parameters, and a table of theirs by these
 takes 0.5 GB."""
+ROUNDING = 1e-12
+"""Of the largest coefficient of a relation between columns: smaller ones are zero."""
 MOST_JOINTS = 125
-"""A joint shows one first moment at least, and products of so many are `MOST_PRODUCTS`:
-random motion of more joints is not even tried, for its table grows with their square."""
+"""A joint shows one first moment at least, and products of so many are `MOST_PRODUCTS`.
+Random motion of more joints is not tried: its table grows with their square."""
 
 
 class BaseParameters(NamedTuple):
@@ -219,7 +221,13 @@ def _first_that_span(
     kept = np.concatenate([kept[kept < betas], kept[kept >= betas]])
     T = np.zeros((len(kept), len(zero)))
     T[np.arange(len(kept)), kept] = 1.0
-    T[:, left_out] = -relations[:, np.argsort(last_first)[kept]].T
+    relations = relations[:, np.argsort(last_first)[kept]]
+    # A large matrix of zeros takes memory only where something is written.
+    size = np.abs(relations)
+    which, row = np.nonzero(
+        size > ROUNDING * size.max(axis=1, initial=0, keepdims=True)
+    )
+    T[row, left_out[which]] = -relations[which, row]
     return kept, T
 
 
@@ -232,18 +240,6 @@ def _random_momentum(robot: Robot, samples: int) -> Momentum:
     if robot.motion == "planar":
         w[:, :2] = 0.0
     return momentum(robot, q, qd, w)
-
-
-def _product_columns(
-    S: Float[np.ndarray, "n 3 sigma"],
-    P: Float[np.ndarray, "n 3 sigma"],
-    pairs: Int[np.ndarray, "pairs 2"],
-) -> Float[np.ndarray, "n 3 pairs"]:
-    """`-(S_a x P_b + S_b x P_a)`, halved for squares: over `sigma_a sigma_b / M`."""
-    a, b = pairs.T
-    crossed = np.cross(S[:, :, a], P[:, :, b], axis=1)
-    crossed += np.cross(S[:, :, b], P[:, :, a], axis=1)
-    return -np.where(a == b, 0.5, 1.0) * crossed
 
 
 def _rows(
