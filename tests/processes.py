@@ -14,7 +14,7 @@ LIMIT = 300.0
 
 WITH_SIGINT = (
     "import os, signal, sys; "
-    "signal.signal(signal.SIGINT, signal.{}); os.execv(sys.executable, sys.argv[1:])"
+    "signal.signal(signal.SIGINT, signal.{}); os.execvp(sys.argv[1], sys.argv[1:])"
 )
 """Starts a command where Ctrl-C is heeded, also where tests run in the background; or
 ignored, as a shell starts what runs in the background of a script."""

@@ -12,7 +12,7 @@ from processes import finished
 from verbs import QUICK, VERBS, Shelf, chosen, ended, faults, leftovers, started
 
 HERE = Path(__file__).parent
-SECONDS = 8.0
+SECONDS = 4.0
 """About what a verb takes; later than that most are done."""
 
 

@@ -103,7 +103,7 @@ def ended(process: subprocess.Popen[str]) -> tuple[int, str]:
     assert "internal error" not in said
     assert "Traceback" not in said
     if process.returncode == 2:
-        assert said.startswith("orbident: ")
+        assert said.startswith("orbident: "), said
         assert said.count("\n") == 1, said
     return process.returncode, said
 

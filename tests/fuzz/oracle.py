@@ -65,11 +65,16 @@ def _wrong_results(case: Case, outcome: Outcome) -> str | None:
             return "status 2 with standard output"
         if outcome.left:
             return f"a refusal leaves or changes {next(iter(outcome.left))}"
-    elif "--json" in case.arguments and "--help" not in case.arguments:
-        to = case.arguments[case.arguments.index("--json") + 1 :]
-        if to[:1] == ("-",) and outcome.out and not _is_json(outcome.out):
-            return "standard output is not JSON"
+    elif _json_asked_for(case.arguments) and outcome.out and not _is_json(outcome.out):
+        return "standard output is not JSON"
     return None
+
+
+def _json_asked_for(arguments: tuple[str, ...]) -> bool:
+    """Whether standard output is to be JSON: the last `--json` holds."""
+    given = zip(arguments, arguments[1:], strict=False)
+    places = [place for option, place in given if option == "--json"]
+    return places[-1:] == ["-"] and "--help" not in arguments
 
 
 def _is_json(text: str) -> bool:

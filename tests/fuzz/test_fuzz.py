@@ -65,6 +65,8 @@ def test_json_on_standard_output():
     assert fault(case, replace(DONE, out='{"a": 1.5}')) is None
     assert fault(case, replace(DONE, out='{"a": NaN}')) is not None
     assert fault(case, replace(DONE, out='{"a"')) is not None
+    to_a_file = Case("test", ("robots", "--json", "-", "--json", "r.json"), {})
+    assert fault(to_a_file, replace(DONE, out="words")) is None
     help_asked = Case("test", ("robots", "--json", "-", "--help"), {})
     assert fault(help_asked, replace(DONE, out="Usage: orbident robots")) is None
 

@@ -12,5 +12,9 @@ SMALLEST = 1e-15
 """SI, of what must be above zero: a proton's radius in m, far below any noise. The
 inverse fourth power is still a float64."""
 
+FAINTEST = 1e-50
+"""SI, of the largest number of a column that is not all zero: rounding leaves more,
+and its inverse fourth power is still a float64."""
+
 SHORTEST = 1e-9
 """s, between two samples. Loggers count nanoseconds at best."""

@@ -59,11 +59,19 @@ class Columns:
         at = momentum(self.robot, motion.q, motion.qd, motion.w)
         of_sigma = self.theta_of[:, self.sigma]
         return Seen(
-            A=(at.A @ self.theta_of)[:, self.axes, :],
-            S=at.S @ of_sigma,
-            P=at.P @ of_sigma,
+            A=_times(at.A[:, self.axes], self.theta_of),
+            S=_times(at.S, of_sigma),
+            P=_times(at.P, of_sigma),
             columns=self,
         )
+
+
+def _times(
+    X: Float[np.ndarray, "n k all"], Y: Float[np.ndarray, "all some"]
+) -> Float[np.ndarray, "n k some"]:
+    """`X @ Y` as one product of two large matrices, not as `n` of small ones."""
+    n, k, _ = X.shape
+    return (X.reshape(n * k, len(Y)) @ Y).reshape(n, k, Y.shape[1])
 
 
 @dataclass(frozen=True)
@@ -125,9 +133,9 @@ def dependencies(columns: Columns) -> Float[np.ndarray, "columns m"]:
         unknowns = len(own) + left.shape[1]
         seen = columns.at(_by_rate_of(columns, body, unknowns, random))
         X = np.hstack([seen.of(own), seen.along(left)])
-        unit = np.zeros((columns.count, len(own)))
-        unit[own, np.arange(len(own))] = 1.0
-        left = np.hstack([unit, left]) @ _parted(X)[0]
+        of_own, of_left = np.split(_parted(X)[0], [len(own)])
+        left = left @ of_left
+        left[own] += of_own
         # What is zero in any motion need not be looked at again.
         everywhere = columns.at(_any_motion(columns, left.shape[1], random))
         zero, rest = _parted(everywhere.along(left))

@@ -1,10 +1,12 @@
 """The minimal sets in readable form: combinations of standard parameters."""
 
-from collections.abc import Sequence
+import itertools
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
+from scipy.sparse import csr_array
 
 from orbident.model.minimal_sets import MinimalSets
 from orbident.robot.description import Robot
@@ -43,8 +45,13 @@ def formulas_of(robot: Robot, sets: MinimalSets) -> SetFormulas:
     products = [_product(names[1 + a], names[1 + b]) for a, b in sets.pairs]
     linear = sets.pi_of_beta @ sets.base.T
     pi = tuple(
-        combination(np.concatenate(rows), [*standard, *products])
-        for rows in zip(linear, sets.pi_of_products, strict=True)
+        combination(
+            np.concatenate([row, data]),
+            [*standard, *(products[k] for k in indices)],
+        )
+        for row, (indices, data) in zip(
+            linear, _entries(sets.pi_of_products), strict=True
+        )
     )
     return SetFormulas(
         base=Formulas(tuple(names), base),
@@ -55,14 +62,14 @@ def formulas_of(robot: Robot, sets: MinimalSets) -> SetFormulas:
 
 def combination(coefficients: Float[np.ndarray, " n"], names: Sequence[str]) -> str:
     """`2 a + b - 0.5 c`: rounded, the largest first, without what is negligible."""
-    largest = np.abs(coefficients).max(initial=0.0)
+    sizes = np.abs(coefficients)
+    largest = sizes.max(initial=0.0)
+    shown = np.flatnonzero(sizes > NEGLIGIBLE * largest)
     text = ""
     # Rounded, so that what is equal but for rounding keeps its order.
-    sizes = np.abs(coefficients / (largest or 1.0)).round(9)
-    for k in np.argsort(-sizes, kind="stable"):
+    order = np.argsort(-(sizes[shown] / (largest or 1.0)).round(9), kind="stable")
+    for k in shown[order]:
         c = coefficients[k]
-        if abs(c) <= NEGLIGIBLE * largest:
-            break
         sign = ("-" if c < 0 else "") if not text else (" - " if c < 0 else " + ")
         factor = f"{abs(c):.4g} ".removeprefix("1 ")
         text += sign + factor + names[int(k)]
@@ -76,14 +83,22 @@ def mass_forms(
     phi = words.phi.names
     pairs = [(phi[a], phi[b]) for a, b in sets.pairs]
     below = ["1", *phi, *(f"{a}^2" if a == b else f"{a} {b}" for a, b in pairs)]
-    g = np.hstack([sets.pi_of_beta[:, : 1 + len(phi)], sets.pi_of_products])
+    divisors = np.hstack(
+        [forms @ sets.pi_of_beta[:, : 1 + len(phi)], forms @ sets.pi_of_products]
+    )
     names, formulas = [], []
-    for c, divisor in zip(forms, forms @ g, strict=True):
+    for c, divisor in zip(forms, divisors, strict=True):
         name = combination(c, words.pi.names)
         above = f"({name})" if " " in name else name
         names.append(name)
         formulas.append(f"{above}/({combination(divisor, below)})")
     return Formulas(tuple(names), tuple(formulas))
+
+
+def _entries(A: csr_array) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """Row by row, columns and values of what is not zero."""
+    for start, end in itertools.pairwise(A.indptr):
+        yield A.indices[start:end], A.data[start:end]
 
 
 def _numbered(name: str, count: int) -> tuple[str, ...]:

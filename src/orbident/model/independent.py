@@ -32,6 +32,8 @@ def independent_columns(X: Float[np.ndarray, "rows all"]) -> Independent:
     Q = np.empty((X.shape[0], min(X.shape)))
     columns: list[int] = []
     for k, norm in enumerate(norms):
+        if len(columns) == Q.shape[1]:
+            break
         if norm <= DEPENDENT * largest:
             continue
         v = X[:, k] / norm

@@ -20,6 +20,7 @@ from typing import NamedTuple, NoReturn
 
 import numpy as np
 from jaxtyping import Float, Int
+from scipy.sparse import csr_array
 
 from orbident import _core
 from orbident.errors import InputError
@@ -32,12 +33,12 @@ from orbident.robot.parameters import MASS, PER_BODY
 from orbident.threads import processors
 
 MOST_PRODUCTS = 8000
-"""Of first moments; `pi` has nearly as many parameters, and a table of theirs by these
-takes 0.5 GB."""
+"""Of first moments: `pi` has nearly as many parameters, which takes some seconds."""
+ROUNDING = 1e-12
+"""Of the largest coefficient of a relation between columns: smaller ones are zero."""
 MOST_JOINTS = 125
-"""A joint shows one first moment at least, and so many make `MOST_PRODUCTS` products:
-random motion of more joints is not even tried, for its table grows with their square.
-"""
+"""A joint shows one first moment at least, and products of so many are `MOST_PRODUCTS`.
+Random motion of more joints is not tried: its table grows with their square."""
 
 
 class BaseParameters(NamedTuple):
@@ -105,7 +106,8 @@ class MinimalSets:
     base: BaseParameters
     pi_of_beta: Float[np.ndarray, "pi beta"]
     """`pi = pi_of_beta beta + pi_of_products (sigma_a sigma_b / M)`."""
-    pi_of_products: Float[np.ndarray, "pi pairs"]
+    pi_of_products: csr_array
+    """Sparse: most products have a `pi` of their own."""
     pairs: Int[np.ndarray, "pairs 2"]
 
     @property
@@ -170,7 +172,9 @@ def minimal_sets(robot: Robot) -> MinimalSets:
         products = f"{len(pairs)} products of first moments"
         _refuse(robot, f"has {len(robot.joints)} joints, and so {products}")
     betas = base.T.shape[0]
-    kept, T = _first_that_span(dependencies(columns), betas, 1 + base.sigmas)
+    kept, pi_of_beta, pi_of_products = _first_that_span(
+        dependencies(columns), betas, 1 + base.sigmas
+    )
     return MinimalSets(
         regressors=Regressors(
             core=_core.MinimalSets(
@@ -186,8 +190,8 @@ def minimal_sets(robot: Robot) -> MinimalSets:
             velocity_axes=moving,
         ),
         base=base,
-        pi_of_beta=T[:, :betas],
-        pi_of_products=T[:, betas:],
+        pi_of_beta=pi_of_beta,
+        pi_of_products=pi_of_products,
         pairs=pairs,
     )
 
@@ -201,8 +205,10 @@ def _refuse(robot: Robot, has: str) -> NoReturn:
 
 def _first_that_span(
     zero: Float[np.ndarray, "columns m"], betas: int, shown: int
-) -> tuple[Int[np.ndarray, " pi"], Float[np.ndarray, "pi columns"]]:
+) -> tuple[Int[np.ndarray, " pi"], Float[np.ndarray, "pi beta"], csr_array]:
     """The first columns that span all, and how they make up all: `X = X[:, kept] T`.
+
+    `T` is given in two parts, over `beta` and over the products.
 
     Args:
         zero: combinations of the columns that are zero.
@@ -218,10 +224,15 @@ def _first_that_span(
     kept = order[~np.isin(order, left_out)]
     # Products, the last columns, make up the last of pi.
     kept = np.concatenate([kept[kept < betas], kept[kept >= betas]])
-    T = np.zeros((len(kept), len(zero)))
-    T[np.arange(len(kept)), kept] = 1.0
-    T[:, left_out] = -relations[:, np.argsort(last_first)[kept]].T
-    return kept, T
+    relations = relations[:, np.argsort(last_first)[kept]]
+    size = np.abs(relations)
+    largest = size.max(axis=1, initial=0.0, keepdims=True)
+    which, row = np.nonzero(size > ROUNDING * largest)
+    values = np.concatenate([np.ones(len(kept)), -relations[which, row]])
+    rows = np.concatenate([np.arange(len(kept)), row])
+    columns = np.concatenate([kept, left_out[which]])
+    T = csr_array((values, (rows, columns)), shape=(len(kept), len(zero)))
+    return kept, T[:, :betas].toarray(), T[:, betas:]
 
 
 def _random_momentum(robot: Robot, samples: int) -> Momentum:
@@ -233,18 +244,6 @@ def _random_momentum(robot: Robot, samples: int) -> Momentum:
     if robot.motion == "planar":
         w[:, :2] = 0.0
     return momentum(robot, q, qd, w)
-
-
-def _product_columns(
-    S: Float[np.ndarray, "n 3 sigma"],
-    P: Float[np.ndarray, "n 3 sigma"],
-    pairs: Int[np.ndarray, "pairs 2"],
-) -> Float[np.ndarray, "n 3 pairs"]:
-    """`-(S_a x P_b + S_b x P_a)`, halved for squares: over `sigma_a sigma_b / M`."""
-    a, b = pairs.T
-    crossed = np.cross(S[:, :, a], P[:, :, b], axis=1)
-    crossed += np.cross(S[:, :, b], P[:, :, a], axis=1)
-    return -np.where(a == b, 0.5, 1.0) * crossed
 
 
 def _rows(

@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.errors import InputError
-from orbident.files.bounds import LARGEST, SHORTEST
+from orbident.files.bounds import FAINTEST, LARGEST, SHORTEST
 from orbident.files.names import closest
 from orbident.recordings.columns import is_known, joint_of, meaning, wheel_of
 from orbident.robot.description import Robot
@@ -200,8 +200,17 @@ def _check_column(source: str, name: str, values: np.ndarray, samples: int) -> N
 
 
 def _check_size(source: str, name: str, values: np.ndarray) -> None:
-    huge = np.flatnonzero(np.abs(values) > LARGEST)
-    if huge.size and is_known(name):
+    if not is_known(name):
+        return
+    size = np.abs(values)
+    largest = np.fmax.reduce(size, initial=0.0)
+    if 0.0 < largest < FAINTEST:
+        raise InputError(
+            f"{source}: column '{name}': nothing in it is above {largest:.3g}, which "
+            "no sensor measures; give SI units, or 0 where nothing moves"
+        )
+    huge = np.flatnonzero(size > LARGEST)
+    if huge.size:
         raise InputError(
             f"{source}: column '{name}', row {huge[0] + 1}: found "
             f"{values[huge[0]]:g}; give at most {LARGEST:g} in SI units, or leave the "

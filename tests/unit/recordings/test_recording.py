@@ -186,22 +186,31 @@ def test_check_wheels():
         recording().check_wheels(robot())
 
 
-HUGE = {
+BEYOND = {
     "a cell": (
         {"gyro.x": [0.0, 2e12]},
         [0.0, 1.0],
         "'gyro.x', row 2: found 2e.12; give",
+    ),
+    "a faint column": (
+        {"gyro.x": [np.nan, 0.0, -2e-204]},
+        [0.0, 1.0, 2.0],
+        "'gyro.x': nothing in it is above 2e-204",
     ),
     "a time": ({}, [0.0, 1.7e18], "'t', row 2: found 1.7e.18 s; .* in nanoseconds"),
     "a step": ({}, [0.0, 1e-12], "'t', row 2: 1e-12 s after the row before"),
 }
 
 
-@pytest.mark.parametrize(("columns", "t", "words"), HUGE.values(), ids=HUGE)
+@pytest.mark.parametrize(("columns", "t", "words"), BEYOND.values(), ids=BEYOND)
 def test_what_no_recording_has(columns, t, words):
     columns = {name: np.array(values) for name, values in columns.items()}
     with pytest.raises(InputError, match=words):
         Recording(np.array(t), columns)
+
+
+def test_rounding_is_no_fault():
+    Recording(np.array([0.0, 1.0]), {"gyro.x": np.array([0.0, 1e-33])})
 
 
 def test_a_column_without_a_meaning_may_hold_anything_finite():

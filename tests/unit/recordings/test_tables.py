@@ -12,12 +12,14 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from orbident.errors import InputError
-from orbident.files.bounds import LARGEST
+from orbident.files.bounds import FAINTEST, LARGEST
 from orbident.recordings.recording import Recording
 from orbident.recordings.tables import read_recording, write_recording
 
 SUFFIXES = [".csv", ".parquet"]
-values = st.floats(-LARGEST, LARGEST) | st.just(np.nan)
+values = st.floats(-LARGEST, LARGEST).filter(
+    lambda x: x == 0.0 or abs(x) >= FAINTEST
+) | st.just(np.nan)
 times = st.lists(
     st.floats(-LARGEST, LARGEST), min_size=2, unique_by=lambda t: round(t, 6)
 ).map(lambda t: np.array(sorted(t)) + 0.0)

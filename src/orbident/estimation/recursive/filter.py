@@ -124,7 +124,7 @@ class Extended:
     def of(cls, robot: Robot, noise: Noise) -> "Extended":
         """The filter of a robot whose sensors have this noise."""
         sets = minimal_sets(robot)
-        of_products = sparse(sets.pi_of_products)
+        of_products = sparse(sets.pi_of_products.toarray())
         order = by_last_row(of_products)
         core = _core.Filter(
             robot=core_robot(robot),

@@ -19,7 +19,7 @@ def tables(
     sets = kalman.sets
     own, sigmas, pis = sets.regressors, sets.base.sigmas, len(sets.pi_of_beta)
     linear, chosen = columns_of_Y(sets)
-    products = sparse(sets.pi_of_products)
+    products = sparse(sets.pi_of_products.toarray())
     order = by_last_row(products)
     noise = [_number(std) for std in kalman.noise[:10]]
     noise.append(str(kalman.noise.accelerometer).lower())
@@ -61,7 +61,7 @@ def columns_of_Y(sets: MinimalSets) -> tuple[list[int], list[int]]:
         if own.size:
             linear.append(int(own[0]))
         else:
-            products = (unit == sets.pi_of_products.T).all(axis=1)
+            products = (unit == sets.pi_of_products.toarray().T).all(axis=1)
             chosen.append(int(np.flatnonzero(products)[0]))
     return linear, chosen
 
