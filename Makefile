@@ -35,11 +35,12 @@ wheels: .venv/installed
 site: .venv/installed
 	$(BIN)/mkdocs build --quiet
 
+# --no-compile: bytecode of all libraries takes half a minute, and most are never imported.
 .venv/installed: pyproject.toml $(CORE)
 	@command -v c++ > /dev/null || \
 		{ echo "orbident needs a C++17 compiler (g++ or clang++): install one, then make again"; exit 1; }
 	$(PYTHON) -m venv .venv
-	$(BIN)/pip install --quiet --editable ".[test]"
+	$(BIN)/pip install --quiet --no-compile --editable ".[test]"
 	touch $@
 
 clean:
