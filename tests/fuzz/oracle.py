@@ -1,5 +1,6 @@
 """What every case must show, whatever the input was."""
 
+import itertools
 import json
 import re
 
@@ -72,7 +73,7 @@ def _wrong_results(case: Case, outcome: Outcome) -> str | None:
 
 def _json_asked_for(arguments: tuple[str, ...]) -> bool:
     """Whether standard output is to be JSON: the last `--json` holds."""
-    given = zip(arguments, arguments[1:], strict=False)
+    given = itertools.pairwise(arguments)
     places = [place for option, place in given if option == "--json"]
     return places[-1:] == ["-"] and "--help" not in arguments
 
