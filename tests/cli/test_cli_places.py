@@ -2,12 +2,12 @@
 
 import json
 import os
-import subprocess
 import sys
 from pathlib import Path
 from typing import Any
 
 import pytest
+from processes import ORBIDENT, finished
 from random_motions import random_motion
 from running import LINEAR, Orbident, resealed, written
 
@@ -324,14 +324,8 @@ def test_a_folder_that_the_locale_cannot_name(run: Path):
         ("identify", "paper-spatial", folder / "ä.csv", *LINEAR, "-o", folder / "run"),
         ("report", folder / "run", "--force"),
     ):
-        ran = subprocess.run(
-            [sys.executable, "-m", "orbident.cli.app", *command, "--quiet"],
-            env=os.environ | plain,
-            capture_output=True,
-            timeout=300,
-            check=False,
-        )
-        assert (ran.returncode, ran.stderr) == (0, b"")
+        ran = finished(*ORBIDENT, *command, "--quiet", env=os.environ | plain)
+        assert (ran.returncode, ran.stderr) == (0, "")
     assert load_result(folder / "run").input["file"] == "ä.csv"
 
 

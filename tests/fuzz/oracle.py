@@ -1,8 +1,8 @@
 """What every case must show, whatever the input was."""
 
+import itertools
 import json
 import re
-from itertools import pairwise
 
 from case import Case
 from watcher import MOST_MEMORY, Outcome
@@ -73,7 +73,7 @@ def _wrong_results(case: Case, outcome: Outcome) -> str | None:
 
 def _json_asked_for(arguments: tuple[str, ...]) -> bool:
     """Whether standard output is to be JSON: the last `--json` holds."""
-    given = pairwise(arguments)
+    given = itertools.pairwise(arguments)
     places = [place for option, place in given if option == "--json"]
     return places[-1:] == ["-"] and "--help" not in arguments
 

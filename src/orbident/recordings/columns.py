@@ -6,6 +6,9 @@ from collections.abc import Sequence
 
 from orbident.errors import InputError
 
+MOST_COLUMNS = 10_000
+"""Arrow needs some 30 kB a column, however few the rows: so many take 0.3 GB."""
+
 VECTORS = {
     "gyro": ("xyz", "base angular velocity in base axes, rad/s"),
     "accelerometer": ("xyz", "specific force at S in base axes, m/s^2"),
@@ -65,11 +68,16 @@ def meaning(column: str) -> str:
 
 
 def check_names(source: str, names: Sequence[str]) -> None:
-    """Refuses nameless and repeated columns, and a table without `t`.
+    """Refuses nameless, repeated and too many columns, and a table without `t`.
 
     Raises:
         InputError: So.
     """
+    if len(names) > MOST_COLUMNS:
+        raise InputError(
+            f"{source}: has {len(names)} columns; give at most {MOST_COLUMNS}: remove "
+            "what is no signal of the robot"
+        )
     for name, count in Counter(names).items():
         if not name:
             where = names.index(name) + 1

@@ -16,6 +16,8 @@ from orbident.files.text import read_text, write_text
 from orbident.files.yaml_mapping import read_yaml_mapping
 from orbident.trajectories.trajectory import InitialState, Trajectory
 
+MOST_HARMONICS = 1000
+"""Of a joint: no motion needs a hundred; a table of so many over time takes 0.1 GB."""
 SCHEMA = "orbident/trajectory/1"
 
 
@@ -40,6 +42,10 @@ class _Joint(Section):
             raise InputError(
                 f"a has {len(self.a)} and b has {len(self.b)} entries; "
                 "give one entry a harmonic in each"
+            )
+        if len(self.a) > MOST_HARMONICS:
+            raise InputError(
+                f"has {len(self.a)} harmonics; give at most {MOST_HARMONICS}"
             )
         return self
 

@@ -141,6 +141,7 @@ CSV_REFUSED = {
     "ragged": ("t,x\n0,1\n1,2,3\n", "row 2 has 3 cells but the header names 2"),
     "short": ("t,x\n0,1\n1\n", "row 2 has 1 cells"),
     "twice": ("t,x, x\n0,1,1\n1,2,2\n", "2 columns are named 'x'"),
+    "columns": ("t," + "x," * 10_000 + "\n", "10002 columns; give at most 10000"),
     "nameless": (",t\n0,0\n1,1\n", "column 1 has no name"),
     "no t": ("time,x\n0,1\n1,2\n", "'t' is missing .* found 'time', 'x'"),
     "semicolons": ("t;x\n0;1\n1;2\n", "the cells are separated by semicolons"),

@@ -1,6 +1,5 @@
 """What a URDF shows is drawn; what cannot be drawn costs no more than itself."""
 
-import subprocess
 import sys
 import zipfile
 from pathlib import Path
@@ -9,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 import trimesh
+from processes import finished
 from scipy.spatial.transform import Rotation
 
 from orbident.scene.mesh_files import MOST_BYTES, mesh_file, read_mesh
@@ -207,12 +207,5 @@ def test_a_bad_mesh_is_left_without_a_word_of_its_reader(tmp_path: Path):
         "read_mesh(Path('link.stl'))"
     )
     # In a process of its own: pytest has handlers of its own for all logs.
-    ran = subprocess.run(
-        [sys.executable, "-c", code],
-        cwd=tmp_path,
-        capture_output=True,
-        text=True,
-        check=True,
-        timeout=60,
-    )
-    assert ran.stderr == ""
+    ran = finished(sys.executable, "-c", code, cwd=tmp_path)
+    assert (ran.returncode, ran.stderr) == (0, "")

@@ -158,6 +158,10 @@ REFUSED = {
     ),
     "infinite": (swap("a: [1]", "a: [.inf]"), r"joints\.j\.a\[0\]: found inf"),
     "lengths": (swap("a: [1]", "a: [1, 2]"), r"joints\.j: a has 2 and b has 1 entries"),
+    "harmonics": (
+        swap("a: [1], b: [2]", f"a: {[0] * 1001}, b: {[0] * 1001}"),
+        r"joints\.j: has 1001 harmonics; give at most 1000",
+    ),
     "joint list": (swap("{j: {a: [1], b: [2]}}", "[1]"), r"joints: found \[1\]"),
     "integer joint": (
         swap("{j:", "{7:"),

@@ -1,13 +1,13 @@
 """The filter with constant tables and static memory: Python's numbers, to the bit."""
 
 import shutil
-import subprocess
 import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 from flight_tables import WINDOW, tables
+from processes import finished
 from random_motions import random_motion
 
 from orbident.estimation.recursive.changes import Detector
@@ -23,8 +23,6 @@ HEADERS = HERE.parents[3] / "src" / "core" / "include"
 COMPILER = shutil.which("g++")
 FLAGS = ("-std=c++17", "-O2", "-ffp-contract=off", "-fno-exceptions", "-fno-rtti")
 WARNINGS = ("-Werror", "-Wall", "-Wextra", "-Wconversion", "-Wdouble-promotion")
-SECONDS = 300
-"""A compiler on a busy machine takes a minute."""
 
 
 def eigen() -> Path | None:
@@ -50,10 +48,9 @@ def test_a_flight_computer_gets_the_same_bits(tmp_path: Path, name: str):
     paths = [f"-I{HEADERS}", f"-isystem{eigen()}", f"-I{tmp_path}"]
     source = HERE / "filter_in_flight.cpp"
     build = [str(COMPILER), *FLAGS, *WARNINGS, *paths, str(source), "-o", str(program)]
-    subprocess.run(build, check=True, timeout=SECONDS)
-    run = subprocess.run(
-        [program], check=True, timeout=SECONDS, capture_output=True, text=True
-    )
+    built = finished(*build)
+    assert (built.returncode, built.stderr) == (0, "")
+    run = finished(program)
     found = [list(map(float.fromhex, row.split())) for row in run.stdout.splitlines()]
 
     state = kalman.begun(prior, every[0], None)
