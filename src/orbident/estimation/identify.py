@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable
-from functools import partial
+from functools import cache, partial
 from importlib.metadata import version
 from typing import Literal, get_args
 
@@ -138,7 +138,7 @@ def identify(
         origins=samples.origins,
         samples=fits.samples,
         elapsed_s=time.perf_counter() - started,
-        versions={name: version(name) for name in ("orbident", "numpy", "scipy")},
+        versions=_versions(),
         fits=fits,
         covariance=applied.found.covariance,
         history=applied.history,
@@ -185,6 +185,11 @@ class _Progress:
     def step(self) -> None:
         self.done += (1 - self.done) / 2
         self.progress(self.done)
+
+
+@cache
+def _versions() -> dict[str, str]:
+    return {name: version(name) for name in ("orbident", "numpy", "scipy")}
 
 
 def _check_choice(what: str, found: str, choices: tuple[str, ...]) -> None:
