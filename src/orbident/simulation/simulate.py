@@ -15,8 +15,8 @@ from orbident.trajectories.trajectory import Trajectory
 RATE = 20.0
 """Hz, where neither the caller nor the robot file says otherwise: the paper's."""
 
-MOST_SAMPLES = 50_000_000
-"""More would not fit into memory: a recording has some twenty columns and more."""
+MOST_SAMPLES = 2_000_000
+"""A simulated sample of a small robot takes 0.8 kB: so many take 1.6 GB."""
 
 
 def simulate(
