@@ -30,7 +30,7 @@ from orbident.model.independent import independent_columns
 from orbident.model.momentum import Momentum, momentum
 from orbident.robot.description import Robot
 from orbident.robot.parameters import MASS, PER_BODY
-from orbident.threads import processors
+from orbident.threads import one_blas_thread, processors
 
 MOST_PRODUCTS = 8000
 """Of first moments: `pi` has nearly as many parameters, which takes some seconds."""
@@ -148,6 +148,7 @@ def conserved_axes(robot: Robot) -> tuple[tuple[int, ...], tuple[int, ...]]:
 
 
 @lru_cache(maxsize=16)
+@one_blas_thread
 def minimal_sets(robot: Robot) -> MinimalSets:
     """Find the minimal sets of a robot under what its `structure` says is known.
 
