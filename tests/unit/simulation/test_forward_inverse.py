@@ -1,12 +1,9 @@
 """Forward and inverse dynamics: Eqs. 9-13 as the paper writes them, and each other."""
 
 import numpy as np
-import pytest
 from random_robots import random_planar_robot, random_robot, random_wheels
 
-from orbident.errors import InputError
 from orbident.model.equations_of_motion import equations_of_motion
-from orbident.model.forces import Wrench, generalised_forces, jacobian
 from orbident.robot.description import Robot, Wheel
 from orbident.simulation.forward_inverse import (
     accelerations,
@@ -103,37 +100,3 @@ def test_mixed_dynamics_keeps_what_is_known():
     force = inverse_dynamics(ROBOT, q, v, found)
     moved = free == 1
     np.testing.assert_allclose(force[0, moved], Q[0, moved], atol=ROUNDING * 100)
-
-
-def test_generalised_forces_by_name():
-    q, _, _ = some_state(ROBOT)
-    Q = generalised_forces(ROBOT, q[0], {"joint2": 2.0}, {"rw1": 0.3})
-    expected = np.zeros(11)
-    expected[[7, 9]] = 2.0, 0.3
-    np.testing.assert_array_equal(Q, expected)
-
-
-def test_power_of_a_wrench_is_that_of_its_body():
-    """`Q v = F v_p + M w_i`, on the base and on a link."""
-    (q,), (v,), _ = some_state(ROBOT)
-    force, moment, point = RANDOM.standard_normal((3, 3))
-    for body, name in ((0, "base"), (2, "link2")):
-        wrench = Wrench(name, point, force, moment)
-        Q = generalised_forces(ROBOT, q, {}, {}, [wrench, wrench])
-        twist = jacobian(ROBOT, q, body, point) @ v
-        power = force @ twist[:3] + moment @ twist[3:]
-        np.testing.assert_allclose(Q @ v, 2 * power, rtol=ROUNDING)
-
-
-@pytest.mark.parametrize(
-    ("joints", "wheels", "body", "message"),
-    [
-        ({"joint9": 1.0}, {}, "base", "no joint 'joint9'; did you mean 'joint"),
-        ({}, {"rwx": 1.0}, "base", "no wheel 'rwx'; .*known wheels: 'rw1', 'rw2'"),
-        ({}, {}, "hand", "no body 'hand'; .*known bodies: 'base', 'link1'"),
-    ],
-)
-def test_unknown_names(joints, wheels, body, message):
-    wrench = Wrench(body, np.zeros(3), np.zeros(3), np.zeros(3))
-    with pytest.raises(InputError, match=f"random-1: {message}"):
-        generalised_forces(ROBOT, np.zeros(3), joints, wheels, [wrench])
