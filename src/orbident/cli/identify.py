@@ -67,12 +67,13 @@ def identify(
     from orbident.estimation.identify import identify as identified
     from orbident.files.checksum import sha256
     from orbident.files.text import name_of
-    from orbident.identified.run_folder import check_absent
     from orbident.recordings.tables import read_recording
     from orbident.robot.robot_file import load_robot
 
     output = Output(json, quiet)
     if out is not None:
+        from orbident.identified.run_folder import check_absent
+
         check_absent(out, force)
     described = load_robot(robot)
     with progress("reading"):

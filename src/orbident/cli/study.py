@@ -89,10 +89,11 @@ def study(
 ) -> None:
     """Run a study of the paper, beside the paper's own numbers."""
     from orbident.cli.output import Output, progress
-    from orbident.identified.run_folder import check_absent
 
     output = Output(json, quiet)
     if out is not None:
+        from orbident.identified.run_folder import check_absent
+
         check_absent(out / RUN, force)
         _check_free(out, name, force)
     if noise == Noise.none and seeds > 1:
