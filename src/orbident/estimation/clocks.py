@@ -46,6 +46,9 @@ little would be left for both clocks to show."""
 
 ROUNDS = 8
 
+FEWEST = 4
+"""Complete samples that a cubic spline of the joints needs."""
+
 
 def base_clocks(robot: Robot, recording: Recording) -> dict[str, Delay]:
     """That of the attitude against the gyro's, where there are both.
@@ -77,6 +80,9 @@ def joint_clocks(
     """
     spinning = any(np.nanmax(np.abs(speed)) > 0 for speed in samples.qd_rw)
     if len(samples.locked) == len(samples.q) or not spinning:
+        return {}
+    part = _part(samples, len(sets.pi(robot.theta)))
+    if _seen([*part.q, *part.qd, *part.qd_rw]).sum() < FEWEST:
         return {}
     return {"joints": joint_delay(robot, sets, samples, initial_momentum)}
 
