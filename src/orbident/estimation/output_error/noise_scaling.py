@@ -54,7 +54,7 @@ class Whitened(NamedTuple):
 def whitened(
     weights: BySensor, residuals: BySensor, unknowns: Mapping[str, float]
 ) -> dict[str, Whitened]:
-    """By sensor."""
+    """The whitened residuals of every sensor, by its name."""
     found = {}
     for name, table in residuals.items():
         seen = weights[name] > 0
@@ -102,7 +102,7 @@ class Fitted(NamedTuple):
     levels: dict[str, float]
     """The noise found, over what was assumed at first."""
     residuals: BySensor
-    """At all rows, over the noise found; zero where there was no sample."""
+    """Residuals at all rows over the estimated noise; zero without a sample."""
 
 
 def fitted(

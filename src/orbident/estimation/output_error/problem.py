@@ -31,7 +31,7 @@ SENSORS = ("gyro", "accelerometer", "attitude", "joints", "position", "velocity"
 """In the core's order."""
 
 NO_ROWS = np.zeros((0, 3))
-"""Of a sensor that there is not."""
+"""The samples of a sensor that was not recorded."""
 
 BySensor = Mapping[str, Float[np.ndarray, "rows axes"]]
 
@@ -40,11 +40,11 @@ class Outside(NamedTuple):
     """The first common unknowns; the core's `outside.hpp` has the same order."""
 
     h_cm: Float[np.ndarray, "3"]
-    """At time zero, inertial axes, N m s."""
+    """Angular momentum at time zero, inertial axes, N m s."""
     v_cm: Float[np.ndarray, "3"]
-    """At time zero, inertial axes, m/s."""
+    """Velocity of the system CM at time zero, inertial axes, m/s."""
     r_cm: Float[np.ndarray, "3"]
-    """At time zero, inertial axes, m."""
+    """Position of the system CM at time zero, inertial axes, m."""
     torque: Float[np.ndarray, "3"]
     """Constant, inertial axes, N m."""
     pull: Float[np.ndarray, "3"]
