@@ -7,7 +7,7 @@ import pytest
 from manoeuvres import dual_arm, excitation
 
 from orbident.estimation.identify import identify
-from orbident.estimation.least_squares import fit
+from orbident.estimation.linear_fits import fit
 from orbident.estimation.mass import mass_of
 from orbident.model.minimal_sets import minimal_sets
 from orbident.preprocessing.samples import samples_of

@@ -4,12 +4,16 @@ from dataclasses import replace
 
 import numpy as np
 
-from orbident.estimation.result import Estimate, Estimates, Result
+from orbident.estimation.check import Check
+from orbident.estimation.quantities import Parameters, Quantity
+from orbident.estimation.result import Result
 from orbident.model.formulas import formulas_of
 from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.description import Robot, Structure
 
-NONE = Estimates((), (), np.zeros(0), np.zeros(0))
+REFUSED = Check("scale", "do not trust", "mass: no scale", "spin a wheel up")
+
+NONE = Parameters((), (), np.zeros(0), np.zeros(0))
 
 
 def made_result(robot: Robot, beta: np.ndarray, covariance: np.ndarray) -> Result:
@@ -20,13 +24,12 @@ def made_result(robot: Robot, beta: np.ndarray, covariance: np.ndarray) -> Resul
         robot=robot,
         method="maximum-likelihood",
         initial_momentum="unknown",
-        status="ok",
-        warnings=(),
-        mass=Estimate(float(beta[0]), float(std[0])),
+        checks=(),
+        mass=Quantity(float(beta[0]), float(std[0])),
         mass_forms=NONE,
         pi=NONE,
         phi=NONE,
-        base=Estimates(words.names, words.formulas, beta, std),
+        base=Parameters(words.names, words.formulas, beta, std),
         condition_number={},
         residual={},
         biases={},

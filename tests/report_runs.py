@@ -68,7 +68,7 @@ def hostile() -> Result:
         found,
         robot=renamed,
         motion=motion,
-        warnings=(f"joint '{HOSTILE['joint1']}' never moved",),
+        notes=(f"joint '{HOSTILE['joint1']}' never moved",),
         rejected={HOSTILE["joint2"]: {HOSTILE["link1"]: 3}},
         input={"file": HOSTILE["joint1"], "sha256": "0" * 64},
         signals=lambda: signals,

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from made_results import exact_result, freed, joined, without
+from made_results import REFUSED, exact_result, freed, joined, without
 from running import Orbident, resealed
 
 from orbident.identified.run_folder import save_result
@@ -88,9 +88,7 @@ def test_parameters_that_are_not_determined(orbident: Orbident, runs: None):
 
 def test_untrusted(orbident: Orbident, runs: None):
     robot = load_robot("paper-spatial")
-    rejected = replace(
-        exact_result(robot), status="rejected", warnings=("mass: no scale",)
-    )
+    rejected = replace(exact_result(robot), checks=(REFUSED,))
     save_result(rejected, Path("bad"))
     for arguments, words in (
         (("before", "bad"), "the run after is rejected, so nothing is compared: mass"),

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from made_results import REFUSED
 from running import Orbident, resealed, worst_error, written
 
 from orbident.recordings.recording import Recording
@@ -65,12 +66,11 @@ def test_refusals(orbident: Orbident, run: str):
 def test_a_rejected_run(orbident: Orbident, run: str):
     path = Path(run) / "result.json"
     document = json.loads(path.read_text())
-    path.write_text(
-        json.dumps({**document, "status": "rejected", "warnings": ["mass: too bad"]})
-    )
+    document["checks"].append(REFUSED.to_json())
+    path.write_text(json.dumps(document))
     resealed(Path(run))
     for arguments in (("-o", "a.urdf"), ("-o", "a.json", "--q", "0,0,0")):
-        orbident("export", run, *arguments).refused("is rejected", "mass: too bad")
+        orbident("export", run, *arguments).refused("is rejected", "mass: no scale")
     assert not list(Path().glob("a.*"))
 
 

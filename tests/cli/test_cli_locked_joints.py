@@ -41,11 +41,12 @@ def check(
     result = ran.json
     null = missing(result["pi"]) + missing(result["phi"])
     assert null
-    for sentence in result["warnings"][:2]:
+    lost = [words for words in result["warnings"] if "not determined" in words]
+    for sentence in lost:
         for joint in joints:
             assert f"'{joint}'" in sentence
-    assert "never moved" in result["warnings"][0]
-    named = " ".join(result["warnings"]).replace(",", "").split()
+    assert "never moved" in lost[0]
+    named = " ".join(lost).replace(",", "").split()
     assert [word for word in named if word.startswith(("pi_", "phi_"))] == null
     for name in ("pi", "phi", "base"):
         assert worst_error(result[name], true[name]) < tolerance, name

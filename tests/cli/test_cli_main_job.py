@@ -155,7 +155,7 @@ def test_result_json(orbident: Orbident, flight: Recording):
         "elapsed_s",
         "versions",
     }
-    assert found["schema"] == "orbident/result/1"
+    assert found["schema"] == "orbident/result/2"
     assert found["robot"] == "paper-spatial"
     assert found["method"] == "maximum-likelihood"
     assert found["initial_momentum"] == "unknown"
@@ -173,12 +173,11 @@ def test_result_json(orbident: Orbident, flight: Recording):
     assert set(found["residual"]["sensors"]) == {
         *("attitude", "gyro", "position", "velocity"),
     }
-    assert found["mass"]["forms"]["names"][-3:] == [
+    assert found["mass"]["forms"]["names"][-2:] == [
         "M by Eq. 32",
-        "M by structured, white noise",
         "M by maximum likelihood",
     ]
-    assert found["signals"] == {
+    assert found["origins"] == {
         "joint_rates": "measured",
         "wheel_speeds": "measured",
         "attitude": "measured",

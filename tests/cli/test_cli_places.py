@@ -149,7 +149,7 @@ def test_no_run(orbident: Orbident, run: Path):
 TRASH = {
     "empty": b"",
     "binary": b"\x00\xff\xfe" * 9,
-    "cut off": b'{"schema": "orbident/result/1", "mass',
+    "cut off": b'{"schema": "orbident/result/2", "mass',
     "a list": b"[1, 2]",
     "a number": b"3",
     "nothing in it": b"{}",
@@ -204,7 +204,7 @@ def test_edited_result(orbident: Orbident, run: Path, case: str):
 
 def test_result_of_another_version(orbident: Orbident, run: Path):
     edited(run, "schema", value="orbident/result/2")
-    orbident("validate", run, "r.csv").refused("run/result.json: ", "orbident/result/1")
+    orbident("validate", run, "r.csv").refused("run/result.json: ", "orbident/result/2")
 
 
 def test_result_without_checksums(orbident: Orbident, run: Path):

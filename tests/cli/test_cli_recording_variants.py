@@ -92,18 +92,18 @@ def test_integer_columns(check, seen: Recording):
 def test_derived_joint_rates(check, seen: Recording):
     drop = [f"joint.{joint}.velocity" for joint in JOINTS]
     result = check(written(seen, "r.csv", drop=drop), SPLINE)
-    assert result["signals"]["joint_rates"] == DERIVED
-    assert result["signals"]["wheel_speeds"] == MEASURED
+    assert result["origins"]["joint_rates"] == DERIVED
+    assert result["origins"]["wheel_speeds"] == MEASURED
 
 
 def test_one_derived_joint_rate(check, seen: Recording):
     result = check(written(seen, "r.csv", drop=["joint.joint2.velocity"]), SPLINE)
-    assert result["signals"]["joint_rates"] != MEASURED
+    assert result["origins"]["joint_rates"] != MEASURED
 
 
 def test_derived_velocity(check, flight: Recording):
     result = check(written(flight, "r.csv", drop=["velocity"]), SPLINE)
-    assert result["signals"]["velocity"] == DERIVED
+    assert result["origins"]["velocity"] == DERIVED
 
 
 def test_wheel_angles(check, seen: Recording):
@@ -119,7 +119,7 @@ def test_wheel_angles(check, seen: Recording):
     }
     write_recording(Recording(seen.t, columns | angles), path)
     result = check(path, EXACT)
-    assert result["signals"]["wheel_speeds"] == DERIVED
+    assert result["origins"]["wheel_speeds"] == DERIVED
 
 
 def test_gaps(check, seen: Recording):

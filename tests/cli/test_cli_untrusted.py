@@ -33,14 +33,17 @@ def identified(
 
 
 def check_no_scale(orbident: Orbident, result: dict[str, Any], robot: object) -> None:
-    """`pi`, and what needs its scale, is null; `phi` needs none and stands."""
+    """All is null; the linear `phi`, which needs no scale, is kept for a look."""
     true = orbident("inspect", robot, "--json", "-").done().json
     assert result["mass"]["value"] is None
     assert result["mass"]["std"] is None
     assert missing(result["pi"]) == result["pi"]["names"]
     assert missing(result["base"]) == result["base"]["names"]
-    assert missing(result["phi"]) == []
-    assert worst_error(result["phi"], true["phi"]) < 1e-9
+    assert missing(result["phi"]) == result["phi"]["names"]
+    kept = result["diagnostics"]
+    assert missing(kept["pi"]) == kept["pi"]["names"]
+    assert missing(kept["phi"]) == []
+    assert worst_error(kept["phi"], true["phi"]) < 1e-9
 
 
 @pytest.mark.parametrize("momentum", ["unknown", "at-rest", "first-sample"])
@@ -102,11 +105,13 @@ def test_without_velocity_and_position(orbident: Orbident, flight: Recording):
     result, said = identified(orbident, "paper-spatial", "r.csv")
     assert result["mass"]["value"] is None
     assert missing(result["phi"]) == result["phi"]["names"]
-    assert missing(result["pi"]) == []
-    assert worst_error(result["pi"], true["pi"]) < 1e-9
+    kept = result["diagnostics"]
+    assert missing(kept["phi"]) == kept["phi"]["names"]
+    assert missing(kept["pi"]) == []
+    assert worst_error(kept["pi"], true["pi"]) < 1e-9
     assert "velocity.x" in said
     assert "position.x" in said
-    assert result["signals"]["velocity"] == "missing"
+    assert result["origins"]["velocity"] == "missing"
 
 
 def test_validate_refuses_what_is_not_determined(orbident: Orbident, flight: Recording):
@@ -115,7 +120,7 @@ def test_validate_refuses_what_is_not_determined(orbident: Orbident, flight: Rec
     assert ran.status == 1
     assert json.loads(Path("run/result.json").read_text())["status"] == "rejected"
     written(flight, "s.csv")
-    orbident("validate", "run", "s.csv").refused("phi_1", "phi cannot predict")
+    orbident("validate", "run", "s.csv").refused("is rejected", "velocity.x")
 
 
 def test_the_reason_is_said_even_when_quiet(orbident: Orbident, flight: Recording):

@@ -6,7 +6,8 @@ from edited_recordings import changed
 from random_motions import random_motion
 
 from orbident.errors import InputError
-from orbident.estimation.identify import METHODS, Method, identify
+from orbident.estimation.estimators import METHODS, Method
+from orbident.estimation.identify import identify
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.simulation.simulate import simulate
@@ -33,7 +34,10 @@ def test_no_scale_is_rejected(method: Method, robot: Robot):
     assert result.status == "rejected"
     assert np.isnan(result.mass.value)
     assert np.isnan(result.pi.values).all()
-    assert np.isfinite(result.phi.values).all()
+    assert np.isnan(result.phi.values).all()
+    assert result.diagnostics is not None
+    assert np.isnan(result.diagnostics.pi.values).all()
+    assert np.isfinite(result.diagnostics.phi.values).all()
     assert any("pi has no scale" in warning for warning in result.warnings)
 
 

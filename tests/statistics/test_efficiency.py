@@ -1,4 +1,4 @@
-"""Estimates are as good as their own covariance says, from poor CAD values."""
+"""Parameters are as good as their own covariance says, from poor CAD values."""
 
 from dataclasses import replace
 from functools import cache

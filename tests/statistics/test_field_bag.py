@@ -8,7 +8,7 @@ from field_bag import IMU, MOCAP, OFFSET, field_bag, topic_map
 from random_motions import Start, random_motion
 
 import orbident as oi
-from orbident.estimation.least_squares import InitialMomentum
+from orbident.estimation.linear_fits import InitialMomentum
 from orbident.model.minimal_sets import minimal_sets
 
 

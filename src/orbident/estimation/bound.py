@@ -13,7 +13,7 @@ import numpy as np
 
 from orbident.errors import InputError
 from orbident.estimation.found import Found, found_beta
-from orbident.estimation.least_squares import InitialMomentum
+from orbident.estimation.linear_fits import InitialMomentum
 from orbident.estimation.maximum_likelihood import estimate_of, prior_of
 from orbident.estimation.output_error.problem import (
     NOTHING,

@@ -12,7 +12,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from orbident.estimation.delay_equations import DelayEquations, MovingJoints
-from orbident.estimation.least_squares import (
+from orbident.estimation.linear_fits import (
     InitialMomentum,
     known_momentum,
 )

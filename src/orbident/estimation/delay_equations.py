@@ -16,7 +16,7 @@ from jaxtyping import Bool, Float
 from scipy.integrate import cumulative_trapezoid
 from scipy.interpolate import CubicSpline
 
-from orbident.estimation.least_squares import (
+from orbident.estimation.linear_fits import (
     BATCH,
     KnownMomentum,
     momentum_layout,

@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 from scipy.linalg import block_diag
 
-from orbident.estimation.least_squares import Fits
+from orbident.estimation.linear_fits import Fits
 from orbident.estimation.mass import Mass
 from orbident.estimation.prior import WIDE, prior_std
 from orbident.estimation.propagation import base_parameters

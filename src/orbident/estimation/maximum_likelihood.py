@@ -13,8 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
+from orbident.estimation.estimate import Goodness, SensorFit
 from orbident.estimation.found import BetaEstimate, hidden_of
-from orbident.estimation.least_squares import Fits, InitialMomentum, known_momentum
+from orbident.estimation.linear_fits import Fits, InitialMomentum, known_momentum
 from orbident.estimation.output_error.disturbances import NONE, Push, freed, push_of
 from orbident.estimation.output_error.noise_scaling import Fitted, fitted
 from orbident.estimation.output_error.problem import (
@@ -27,7 +28,6 @@ from orbident.estimation.output_error.sensors import Sensors, sensors_of
 from orbident.estimation.output_error.solver import Prior, Solution
 from orbident.estimation.predicted import Signals, sensor_signals
 from orbident.estimation.prior import prior_std
-from orbident.estimation.verdict import no_direct_mass
 from orbident.model.minimal_sets import MinimalSets, conserved_axes
 from orbident.preprocessing.delays import delays
 from orbident.preprocessing.samples import Samples
@@ -40,29 +40,6 @@ UNKNOWN = 1e3
 KNOWN = 1e-9
 """Std of a known momentum, over the same."""
 
-NOISY = 1.5
-"""Times the declared noise: worth a warning."""
-
-ABSURD = 100.0
-"""Times the declared noise: no noise."""
-
-UNITS = {"torque": "N m", "pull": "m/s^2"}
-
-
-@dataclass(frozen=True)
-class SensorFit:
-    """How well one sensor was predicted; SI."""
-
-    rms: float
-    """Of the residuals."""
-    noise: float
-    """Std of its white noise, as the residuals show it."""
-    declared: float
-    """As the robot file has it; NaN where it does not."""
-    whiteness: float
-    """Correlation of neighbouring residuals: 0 for white noise."""
-    samples: int
-
 
 @dataclass(frozen=True)
 class Likelihood:
@@ -73,48 +50,10 @@ class Likelihood:
     pushes: dict[str, Push]
     """`"torque"` (N m) and `"pull"` (m/s^2) from outside."""
     sensors: dict[str, SensorFit]
-    chi2_per_dof: float
+    goodness: Goodness
     """Of all residuals over the declared noise, or that found where none is."""
     converged: bool
     signals: Signals
-
-    def in_words(self) -> tuple[str, ...]:
-        """What a user should know of it."""
-        words = [
-            f"{name} from outside: found {_vector(push.value)} +- "
-            f"{_vector(push.std)} {UNITS[name]}, inertial axes; estimated with the rest"
-            for name, push in self.pushes.items()
-            if push.believed
-        ]
-        words += [
-            f"{name}: its noise is {fit.noise / fit.declared:.2g} times what the robot "
-            f"file declares ({fit.noise:.2g} against {fit.declared:.2g}); check the "
-            "sensor, its frame and the robot's geometry"
-            for name, fit in self.sensors.items()
-            if fit.noise > NOISY * fit.declared
-        ]
-        return tuple(words)
-
-    @property
-    def no_mass(self) -> str | None:
-        """Why its mass cannot stand; None where it can."""
-        if any(fit.noise > ABSURD * fit.declared for fit in self.sensors.values()):
-            return (
-                "mass: what the sensors show does not follow from momentum "
-                "conservation; check units (rad, rad/s, m/s), the robot's geometry, "
-                "its wheels' inertia, and the signs and frames of wheel speeds and "
-                "velocity"
-            )
-        if not self.converged:
-            return (
-                "mass: maximum likelihood did not converge; use --method structured, "
-                "or check the recording"
-            )
-        return no_direct_mass(*self.estimate.mass)
-
-
-def _vector(numbers: Float[np.ndarray, " axes"]) -> str:
-    return "[" + ", ".join(f"{number:.2g}" for number in numbers) + "]"
 
 
 def maximum_likelihood(
@@ -167,7 +106,7 @@ def maximum_likelihood(
         biases=_biases(robot, sensors, found),
         pushes=pushes,
         sensors={name: _sensor_fit(sensors, found, name) for name in found.parts},
-        chi2_per_dof=_chi2(sensors, found),
+        goodness=_goodness(sensors, found),
         converged=found.solution.converged,
         signals=sensor_signals(robot, problem, sensors, found),
     )
@@ -249,11 +188,12 @@ def _sensor_fit(sensors: Sensors, found: Fitted, name: str) -> SensorFit:
     )
 
 
-def _chi2(sensors: Sensors, found: Fitted) -> float:
+def _goodness(sensors: Sensors, found: Fitted) -> Goodness:
     total = left = 0.0
     for name, part in found.parts.items():
         declared = sensors.by_name[name].declared
         level = found.levels[name] if declared else 1.0
         total += level**2 * float(np.sum(part.values**2))
         left += part.values.size - part.unknowns
-    return total / max(left, 1.0)
+    declared = any(sensors.by_name[name].declared for name in found.parts)
+    return Goodness(total, left, declared)

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from orbident.estimation.least_squares import (
+from orbident.estimation.linear_fits import (
     BATCH,
     InitialMomentum,
     known_momentum,

@@ -1,6 +1,6 @@
 """What identification found: the object that all later stages are given."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
@@ -8,69 +8,77 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.errors import InputError
-from orbident.estimation.least_squares import Fits
+from orbident.estimation.check import LEVELS, Check, Level, worst
+from orbident.estimation.linear_fits import Fits
 from orbident.estimation.predicted import Signals
+from orbident.estimation.quantities import Parameters, Quantity, nulled
 from orbident.estimation.recursive.history import History
 from orbident.model.reconstruction import Dynamics, reconstructed
 from orbident.preprocessing.delays import Delay
 from orbident.robot.description import Robot
 
-SCHEMA = "orbident/result/1"
+SCHEMA = "orbident/result/2"
 
 
-@dataclass(frozen=True)
-class Estimates:
-    """A set of parameters; NaN where the recording does not determine one."""
+@dataclass(frozen=True, kw_only=True)
+class Identified:
+    """The identified parameters; NaN where the recording does not determine one."""
 
-    names: tuple[str, ...]
-    formulas: tuple[str, ...]
-    values: Float[np.ndarray, " n"]
-    std: Float[np.ndarray, " n"]
+    mass: Quantity
+    """Total mass, kg."""
+    mass_forms: Parameters
+    """Eq. 32: the mass by each product form, and by every route, kg."""
+    pi: Parameters
+    phi: Parameters
+    base: Parameters
+    """The free-flying base parameters `M, sigma, iota`."""
+    base_covariance: Float[np.ndarray, "beta beta"] = field(repr=False)
+    """Of `M, sigma, iota`; NaN where one is not determined."""
 
-    def __iter__(self) -> Iterator[tuple[str, str, float, float]]:
-        """Name, formula, value and standard deviation of each."""
-        return zip(self.names, self.formulas, self.values, self.std, strict=True)
+    def nothing(self) -> "Identified":
+        """The same parameters, none of them determined."""
+        return Identified(
+            mass=Quantity(np.nan, np.nan),
+            mass_forms=Parameters((), (), np.zeros(0), np.zeros(0)),
+            pi=self.pi.undetermined(),
+            phi=self.phi.undetermined(),
+            base=self.base.undetermined(),
+            base_covariance=np.full_like(self.base_covariance, np.nan),
+        )
 
-    def to_json(self) -> dict[str, Any]:
-        """As in `result.json`: null for NaN."""
+    def parameters_to_json(self) -> dict[str, Any]:
+        """As in `result.json`: null for what is not determined."""
+        covariance = [nulled(row) for row in self.base_covariance]
         return {
-            "names": list(self.names),
-            "formulas": list(self.formulas),
-            "values": nulled(self.values),
-            "std": nulled(self.std),
+            "mass": {
+                "value": nulled(self.mass.value),
+                "std": nulled(self.mass.std),
+                "forms": self.mass_forms.to_json(),
+            },
+            "pi": self.pi.to_json(),
+            "phi": self.phi.to_json(),
+            "base": {**self.base.to_json(), "covariance": covariance},
         }
 
 
-@dataclass(frozen=True)
-class Estimate:
-    """One number and its standard deviation; NaN where it is not determined."""
-
-    value: float
-    std: float
-
-
-@dataclass(frozen=True)
-class Result:
+@dataclass(frozen=True, kw_only=True)
+class Result(Identified):
     """Everything identified from one recording."""
 
     robot: Robot
     method: str
     initial_momentum: str
-    status: Literal["ok", "rejected"]
-    warnings: tuple[str, ...]
-    mass: Estimate
-    """Total mass, kg."""
-    mass_forms: Estimates
-    """Eq. 32: the mass by each product form, kg."""
-    pi: Estimates
-    phi: Estimates
-    base: Estimates
-    """The free-flying base parameters `M, sigma, iota`."""
+    checks: tuple[Check, ...]
+    """Every rule of acceptance, and how the result fares under it."""
+    notes: tuple[str, ...] = ()
+    """What was done to the recording, and what its readers remarked."""
+    diagnostics: Identified | None = field(default=None, repr=False)
+    """What was estimated where the result is refused: for a look, not for use."""
     condition_number: dict[str, float]
     residual: dict[str, Any]
-    biases: dict[str, dict[str, float]]
+    biases: Mapping[str, Mapping[str, float]]
     """Of sensors, with their standard deviations; SI."""
-    clocks: dict[str, Delay]
+    clocks: Mapping[str, Delay]
     """By sensor, by how much its clock is behind that of the base rate."""
     rejected: Mapping[str, Mapping[str, int]]
     """By column and reason, how many samples were left out."""
@@ -79,8 +87,6 @@ class Result:
     samples: int
     elapsed_s: float
     versions: dict[str, str]
-    base_covariance: Float[np.ndarray, "beta beta"] = field(repr=False)
-    """Of `M, sigma, iota`; NaN where one is not determined."""
     fits: Fits | None = field(default=None, compare=False, repr=False)
     """The linear fits; not kept in `result.json`."""
     covariance: Float[np.ndarray, "n n"] | None = field(
@@ -96,6 +102,28 @@ class Result:
     signals: Callable[[], Signals] = field(default=tuple, compare=False, repr=False)
     """What was measured and predicted; in a RUN it is `signals.parquet`."""
 
+    @property
+    def level(self) -> Level:
+        """May the numbers be used: the worst that any check says."""
+        return worst(self.checks)
+
+    @property
+    def status(self) -> Literal["ok", "rejected"]:
+        """Whether there is a result."""
+        return "rejected" if self.level == "do not trust" else "ok"
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """The notes, and what every check that is not passed says."""
+        failed = (check for check in self.checks if not check.passed)
+        worst_first = sorted(failed, key=lambda check: -LEVELS.index(check.level))
+        return (*self.notes, *(check.words for check in worst_first))
+
+    def refusal(self) -> str:
+        """Why the result is refused; empty where it is not."""
+        refused = (c.words for c in self.checks if c.level == "do not trust")
+        return next(refused, "")
+
     def check_accepted(self) -> None:
         """Refuse to go on with what must not be trusted.
 
@@ -103,10 +131,9 @@ class Result:
             InputError: the result is rejected.
         """
         if self.status == "rejected":
-            reason = next(iter(self.warnings), "no reason given")
             raise InputError(
                 f"the result for '{self.robot.name}' is rejected, so no model is made "
-                f"of it: {reason}"
+                f"of it: {self.refusal()}"
             )
 
     def dynamics(self) -> Dynamics:
@@ -127,23 +154,21 @@ class Result:
             "method": self.method,
             "initial_momentum": self.initial_momentum,
             "status": self.status,
+            "level": self.level,
+            "checks": [check.to_json() for check in self.checks],
+            "notes": list(self.notes),
             "warnings": list(self.warnings),
-            "mass": {
-                "value": nulled(self.mass.value),
-                "std": nulled(self.mass.std),
-                "forms": self.mass_forms.to_json(),
-            },
-            "pi": self.pi.to_json(),
-            "phi": self.phi.to_json(),
-            "base": {
-                **self.base.to_json(),
-                "covariance": [nulled(row) for row in self.base_covariance],
-            },
+            **self.parameters_to_json(),
+            "diagnostics": (
+                None
+                if self.diagnostics is None
+                else self.diagnostics.parameters_to_json()
+            ),
             "condition_number": {
                 k: nulled(v) for k, v in self.condition_number.items()
             },
             "residual": self.residual,
-            "biases": self.biases,
+            "biases": {name: dict(bias) for name, bias in self.biases.items()},
             "clocks": {
                 sensor: {
                     "late": nulled(delay.late),
@@ -153,17 +178,10 @@ class Result:
                 for sensor, delay in self.clocks.items()
             },
             "rejected": {name: dict(why) for name, why in self.rejected.items()},
-            "signals": self.origins,
+            "origins": self.origins,
             "samples": self.samples,
             "motion": dict(self.motion),
             "input": dict(self.input),
             "elapsed_s": self.elapsed_s,
             "versions": self.versions,
         }
-
-
-def nulled(numbers: Float[np.ndarray, " n"] | float) -> Any:
-    """Numbers as JSON has them: null for what is not finite."""
-    if isinstance(numbers, np.ndarray):
-        return [nulled(float(number)) for number in numbers]
-    return float(numbers) if np.isfinite(numbers) else None

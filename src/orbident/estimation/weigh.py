@@ -14,7 +14,7 @@ from orbident.estimation.burn import (
     position_rows,
     velocity_rows,
 )
-from orbident.estimation.result import Estimate, nulled
+from orbident.estimation.quantities import Quantity, nulled
 from orbident.estimation.triangular import Layout, LinearFit, fold, solve
 from orbident.model.minimal_sets import conserved_axes
 from orbident.preprocessing.delays import delays
@@ -31,14 +31,14 @@ FREED = 0.5
 """Letting the force turn hardly makes the residual smaller where its frame is right."""
 
 SIGNALS = ("position", "velocity", "accelerometer")
-NOWHERE = Estimate(float("nan"), float("nan"))
+NOWHERE = Quantity(float("nan"), float("nan"))
 
 
 @dataclass(frozen=True)
 class Weighing:
     """The total mass, and what it rests on."""
 
-    mass: Estimate
+    mass: Quantity
     """kg; NaN where the status is rejected."""
     signal: str
     """What of S it was found from."""
@@ -150,9 +150,9 @@ def _uncertainty(fit: LinearFit) -> float:
     return float(fit.covariance[0, 0]) if fit.determined[0] else np.inf
 
 
-def _mass(fit: LinearFit) -> Estimate:
+def _mass(fit: LinearFit) -> Quantity:
     M = 1 / float(fit.values[0])
-    return Estimate(M, M**2 * float(np.sqrt(fit.covariance[0, 0])))
+    return Quantity(M, M**2 * float(np.sqrt(fit.covariance[0, 0])))
 
 
 def _doubts(fit: LinearFit) -> tuple[str, ...]:

@@ -5,8 +5,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from jaxtyping import Float, Inexact
 
-from orbident.estimation.result import Estimate, Estimates, nulled
-from orbident.estimation.verdict import VAGUE
+from orbident.estimation.criteria import VAGUE
+from orbident.estimation.quantities import Parameters, Quantity, nulled
 from orbident.identified.possible import impossible
 from orbident.robot.parameters import (
     FIRST_MOMENT,
@@ -40,13 +40,13 @@ class AddedBody(NamedTuple):
     theta: Float[np.ndarray, "10"]
     """In the order of `robot.parameters`."""
     covariance: Float[np.ndarray, "10 10"]
-    mass: Estimate
+    mass: Quantity
     """kg."""
-    com: Estimates
+    com: Parameters
     """From the origin of the body's frame, m."""
-    I_com: Estimates
+    I_com: Parameters
     """About its own CM, kg m^2."""
-    I_origin: Estimates
+    I_origin: Parameters
     """About the origin of the body's frame, kg m^2."""
     impossible: str | None
     """Why no body can be like this, its covariance considered; None where one can."""
@@ -101,20 +101,20 @@ def added_body(
     return AddedBody(
         theta=theta,
         covariance=covariance,
-        mass=Estimate(float(theta[MASS]), float(std[MASS])),
-        com=Estimates(
+        mass=Quantity(float(theta[MASS]), float(std[MASS])),
+        com=Parameters(
             names=("cx", "cy", "cz"),
             formulas=("mx/m", "my/m", "mz/m"),
             values=values[:3],
             std=stds[:3],
         ),
-        I_com=Estimates(
+        I_com=Parameters(
             names=SYMBOLS[INERTIA],
             formulas=I_COM,
             values=values[3:],
             std=stds[3:],
         ),
-        I_origin=Estimates(
+        I_origin=Parameters(
             names=SYMBOLS[INERTIA],
             formulas=SYMBOLS[INERTIA],
             values=theta[INERTIA],

@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 
 from orbident.errors import InputError
-from orbident.estimation.result import Result, nulled
+from orbident.estimation.quantities import nulled
+from orbident.estimation.result import Result
 
 SCHEMA = "orbident/matrices/1"
 

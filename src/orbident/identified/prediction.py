@@ -55,6 +55,7 @@ def predict(result: Result, recording: Recording) -> Prediction:
         InputError: the result has undetermined parameters, or the recording lacks what
             prediction needs.
     """
+    result.check_accepted()
     _check_complete(result)
     robot, sets = result.robot, minimal_sets(result.robot)
     _check_sizes(result, sets)

@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from orbident.estimation.criteria import VAGUE
 from orbident.estimation.result import Result
-from orbident.estimation.verdict import VAGUE
 from orbident.identified.added_body import AddedBody
 from orbident.identified.difference import Difference, shown
 from orbident.identified.single_body import Explanation, free_columns
@@ -21,8 +21,7 @@ WHITE = "least-squares"
 def rejected(before: Result, after: Result) -> tuple[str, ...]:
     """Which of two results must not be trusted."""
     return tuple(
-        f"the run {when} is rejected, so nothing is compared: "
-        + next(iter(result.warnings), "no reason given")
+        f"the run {when} is rejected, so nothing is compared: " + result.refusal()
         for when, result in (("before", before), ("after", after))
         if result.status == "rejected"
     )

@@ -6,6 +6,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
 from orbident.errors import InputError
+from orbident.estimation.check import Level
 from orbident.files.schema_errors import validated
 from orbident.files.schema_parts import WrongValueError
 
@@ -54,30 +55,30 @@ class _Part(BaseModel):
     model_config = ConfigDict(extra="ignore", strict=True)
 
 
-class _Estimate(_Part):
+class _Quantity(_Part):
     value: Known
     std: Std
 
 
-class _Estimates(_Part):
+class _Parameters(_Part):
     names: list[str]
     formulas: list[str]
     values: list[Known]
     std: list[Std]
 
     @model_validator(mode="after")
-    def _side_by_side(self) -> "_Estimates":
+    def _side_by_side(self) -> "_Parameters":
         columns = self.names, self.formulas, self.values, self.std
         if len({len(column) for column in columns}) > 1:
             raise InputError("names, formulas, values and std are not of one length")
         return self
 
 
-class _Mass(_Estimate):
-    forms: _Estimates
+class _Mass(_Quantity):
+    forms: _Parameters
 
 
-class _Base(_Estimates):
+class _Base(_Parameters):
     covariance: list[list[Known]]
 
     @model_validator(mode="after")
@@ -141,23 +142,41 @@ class _Motion(_Part):
     locked: list[str]
 
 
-class _Result(_Part):
-    schema_: Literal["orbident/result/1"] = Field(alias="schema")
+class _Check(BaseModel):
+    model_config = ConfigDict(extra="forbid", strict=True)
+
+    name: str
+    level: Level
+    reason: str
+    remedy: str
+    statistic: Known
+    limit: Known
+
+
+class _Identified(_Part):
+    mass: _Mass
+    pi: _Parameters
+    phi: _Parameters
+    base: _Base
+
+
+class _Result(_Identified):
+    schema_: Literal["orbident/result/2"] = Field(alias="schema")
     robot: str
     method: str
     initial_momentum: str
     status: Literal["ok", "rejected"]
+    level: Level
+    checks: list[_Check]
+    notes: list[str]
     warnings: list[str]
-    mass: _Mass
-    pi: _Estimates
-    phi: _Estimates
-    base: _Base
+    diagnostics: _Identified | None
     condition_number: dict[str, Known]
     residual: _Residual
-    biases: dict[str, _Estimate]
+    biases: dict[str, _Quantity]
     clocks: dict[str, _Clock]
     rejected: dict[str, dict[str, Count]]
-    signals: dict[str, str]
+    origins: dict[str, str]
     samples: Count
     motion: _Motion | None = None
     input: dict[str, str | int | None] = Field(default_factory=dict)

@@ -11,8 +11,10 @@ from typing import Any
 import numpy as np
 
 from orbident.errors import InputError
+from orbident.estimation.check import Check
 from orbident.estimation.predicted import Signals
-from orbident.estimation.result import SCHEMA, Estimate, Estimates, Result
+from orbident.estimation.quantities import Parameters, Quantity
+from orbident.estimation.result import SCHEMA, Identified, Result
 from orbident.files.folder_replacing import (
     finish,
     is_committed,
@@ -185,19 +187,15 @@ def _read(text: str, folder: Path) -> Result:
     check_files(document[FILES], folder, READ)
     robot = load_robot(folder / "robot.yaml")
     check_content(document, robot.joint_names, path)
-    mass = document["mass"]
+    refused = document["diagnostics"]
     return Result(
         robot=robot,
         method=document["method"],
         initial_momentum=document["initial_momentum"],
-        status=document["status"],
-        warnings=tuple(document["warnings"]),
-        mass=Estimate(_number(mass["value"]), _number(mass["std"])),
-        mass_forms=_estimates(mass["forms"]),
-        pi=_estimates(document["pi"]),
-        phi=_estimates(document["phi"]),
-        base=_estimates(document["base"]),
-        base_covariance=_table(document["base"]["covariance"]),
+        checks=tuple(_check(check) for check in document["checks"]),
+        notes=tuple(document["notes"]),
+        **vars(_identified(document)),
+        diagnostics=None if refused is None else _identified(refused),
         condition_number={
             name: _number(value) for name, value in document["condition_number"].items()
         },
@@ -208,7 +206,7 @@ def _read(text: str, folder: Path) -> Result:
             for sensor, d in document["clocks"].items()
         },
         rejected=document["rejected"],
-        origins=document["signals"],
+        origins=document["origins"],
         samples=document["samples"],
         motion=document.get("motion", {}),
         input=document.get("input", {}),
@@ -233,8 +231,25 @@ def _table(rows: list[list[float | None]]) -> np.ndarray:
     return table.reshape(len(rows), -1)
 
 
-def _estimates(document: dict[str, Any]) -> Estimates:
-    return Estimates(
+def _check(document: dict[str, Any]) -> Check:
+    numbers = {key: _number(document[key]) for key in ("statistic", "limit")}
+    return Check(**{**document, **numbers})
+
+
+def _identified(document: dict[str, Any]) -> Identified:
+    mass = document["mass"]
+    return Identified(
+        mass=Quantity(_number(mass["value"]), _number(mass["std"])),
+        mass_forms=_parameters(mass["forms"]),
+        pi=_parameters(document["pi"]),
+        phi=_parameters(document["phi"]),
+        base=_parameters(document["base"]),
+        base_covariance=_table(document["base"]["covariance"]),
+    )
+
+
+def _parameters(document: dict[str, Any]) -> Parameters:
+    return Parameters(
         names=tuple(document["names"]),
         formulas=tuple(document["formulas"]),
         values=np.array([_number(value) for value in document["values"]]),

@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from orbident.estimation.result import Result, nulled
+from orbident.estimation.quantities import nulled
+from orbident.estimation.result import Result
 from orbident.identified.intervals import deviations
 from orbident.identified.prediction import predict
 from orbident.model.minimal_sets import conserved_axes

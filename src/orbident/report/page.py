@@ -9,18 +9,18 @@ from math import isfinite
 
 from orbident.extras import extra
 from orbident.report.section import Section
-from orbident.report.verdict import Judgement
+from orbident.report.verdict import Verdict
 
 
 def page(
-    title: str, subtitle: str, judgement: Judgement, sections: Sequence[Section]
+    title: str, subtitle: str, verdict: Verdict, sections: Sequence[Section]
 ) -> str:
     """The page.
 
     Args:
         title: what it is about.
         subtitle: how that came about.
-        judgement: what it says first.
+        verdict: what it says first.
         sections: all else.
     """
     from jinja2 import Environment, PackageLoader, StrictUndefined
@@ -38,7 +38,7 @@ def page(
     return environment.get_template("page.html").render(
         title=title,
         subtitle=subtitle,
-        judgement=judgement,
+        verdict=verdict,
         sections=sections,
         figures=embedded(figures),
         plotly=plotly() if figures else "",

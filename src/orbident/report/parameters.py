@@ -5,7 +5,8 @@ from collections.abc import Mapping
 import numpy as np
 from jaxtyping import Float
 
-from orbident.estimation.result import Estimates, Result
+from orbident.estimation.quantities import Parameters
+from orbident.estimation.result import Result
 from orbident.model.minimal_sets import minimal_sets
 from orbident.report.charts import listed, shortened
 from orbident.report.numbers import (
@@ -68,7 +69,7 @@ def parameters(result: Result, nominal: Nominal, known_as: str) -> Section:
         name="parameters",
         title="Parameters",
         words=(
-            "Estimates with their 95 % intervals; a dash is what the recording does "
+            "Parameters with their 95 % intervals; a dash is what the recording does "
             "not tell. Inertias are about the origins of the bodies' frames, products "
             "of sigma as the formulas have them.",
         ),
@@ -116,7 +117,7 @@ def masses(result: Result, nominal: Nominal, known_as: str) -> Section | None:
 
 
 def _table(
-    title: str, found: Estimates, nominal: Float[np.ndarray, " n"], known_as: str
+    title: str, found: Parameters, nominal: Float[np.ndarray, " n"], known_as: str
 ) -> Table:
     rows = tuple(
         Row(
@@ -141,7 +142,7 @@ def _off(value: float, cad: float) -> float:
 
 
 def _chart(
-    base: Estimates, nominal: Float[np.ndarray, " n"], known_as: str
+    base: Parameters, nominal: Float[np.ndarray, " n"], known_as: str
 ) -> tuple[Chart, ...]:
     kinds = np.array([name.split("_")[0] for name in base.names])
     size = [np.abs(nominal[kinds == kind]).max(initial=0.0) for kind in kinds]

@@ -82,7 +82,7 @@ def read_trail(path: Path) -> Trail | None:
 
 
 def recursion(trail: Trail | None) -> Section | None:
-    """Estimates over time with their 95 % bands, and what the detector saw."""
+    """Parameters over time with their 95 % bands, and what the detector saw."""
     if trail is None or not np.isfinite(trail.values).all():
         return None
     panels = [
@@ -108,7 +108,7 @@ def recursion(trail: Trail | None) -> Section | None:
             "threshold the detector takes the robot for changed, and begins anew.",
         ),
         charts=(
-            Chart("course", "Estimates over time", stacked(panels, "t (s)")),
+            Chart("course", "Parameters over time", stacked(panels, "t (s)")),
             Chart(
                 "detector", "What the filter was surprised by", stacked(seen, "t (s)")
             ),

@@ -31,13 +31,6 @@ def residuals(signal: Signal) -> Float[np.ndarray, "n axes"]:
     return signal.measured - signal.predicted
 
 
-def whiteness(signal: Signal) -> float:
-    """Correlation of neighbouring residuals, all axes together; NaN of none."""
-    e = residuals(signal)
-    power = float(np.sum(e**2))
-    return float(np.sum(e[:-1] * e[1:])) / power if power else np.nan
-
-
 def autocorrelation(x: Float[np.ndarray, " n"]) -> Float[np.ndarray, " lags"]:
     """At lags of 1, 2, .. samples, of what is about zero."""
     lags = min(LAGS, x.size - 1)

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from orbident.estimation.check import Check, worst
 from orbident.estimation.result import Result
 from orbident.files.text import write_text
 from orbident.identified.run_folder import REPORT
@@ -12,7 +13,7 @@ from orbident.report.numbers import NONE, short, with_std
 from orbident.report.page import page
 from orbident.report.paper_figures import draw_errors, draw_figures
 from orbident.report.section import Row, Section, Table
-from orbident.report.verdict import HEADLINES, Check, judgement
+from orbident.report.verdict import verdict_of
 from orbident.report.write import sections_of, seen
 from orbident.studies import comparison
 from orbident.studies.control import ControlStudy
@@ -37,17 +38,15 @@ def write_study_report(done: Study, result: Result, title: str, folder: Path) ->
     """
     first = own_sections(done, folder)
     signals = seen(result)
-    verdict = judgement(result, signals)
-    words = f"the study's aim is {'' if done.trusted else 'not '}met"
-    checks = Check(done.trusted, words), *verdict.checks
-    level = verdict.level if done.trusted else "no"
+    verdict = verdict_of(result)
+    level = "trust" if done.trusted else "do not trust"
+    reason = f"the study's aim is {'' if done.trusted else 'not '}met"
+    checks = Check("aim of the study", level, reason), *verdict.checks
     known_as = "CAD" if isinstance(done, ControlStudy) else "truth"
     text = page(
         title=title,
         subtitle=f"{done.seeds} run{'' if done.seeds == 1 else 's'}; below, the first",
-        judgement=verdict._replace(
-            level=level, headline=HEADLINES[level], checks=checks
-        ),
+        verdict=verdict._replace(level=worst(checks), checks=checks),
         sections=[*first, *sections_of(result, signals, known_as=known_as)],
     )
     path = folder / REPORT

@@ -16,7 +16,7 @@ from orbident.report.provenance import provenance, references
 from orbident.report.recursion import Trail, read_trail, recursion
 from orbident.report.replay_figure import replay_sections
 from orbident.report.section import Section
-from orbident.report.verdict import judgement
+from orbident.report.verdict import verdict_of
 
 METHODS = {
     "least-squares": "least squares",
@@ -59,7 +59,7 @@ def report(
     return page(
         title=result.robot.name,
         subtitle=f"Identified by {METHODS.get(result.method, result.method)}",
-        judgement=judgement(result, signals),
+        verdict=verdict_of(result),
         sections=[*sections_of(result, signals, trail), *replay],
     )
 

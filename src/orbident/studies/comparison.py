@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Any
 
-from orbident.estimation.result import nulled
+from orbident.estimation.quantities import nulled
 from orbident.studies.spatial import PRINTED
 
 NAN = float("nan")

@@ -16,7 +16,8 @@ from jaxtyping import Float
 
 from orbident.campaigns.seeds import over_seeds
 from orbident.estimation.identify import identify
-from orbident.estimation.result import Result, nulled
+from orbident.estimation.quantities import nulled
+from orbident.estimation.result import Result
 from orbident.model.rotations import rotation_angle
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot

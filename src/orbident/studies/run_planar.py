@@ -11,7 +11,8 @@ from jaxtyping import Float
 
 from orbident.campaigns.seeds import Errors, over_seeds
 from orbident.estimation.identify import Method as Estimator
-from orbident.estimation.result import Result, nulled
+from orbident.estimation.quantities import nulled
+from orbident.estimation.result import Result
 from orbident.estimation.triangular import condition_numbers
 from orbident.estimation.weigh import Weighing
 from orbident.identified.validate import Validation

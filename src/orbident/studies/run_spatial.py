@@ -12,7 +12,8 @@ from orbident.campaigns.seeds import Errors, over_seeds
 from orbident.estimation.bound import cramer_rao
 from orbident.estimation.found import Found
 from orbident.estimation.identify import Method, identify
-from orbident.estimation.result import Result, nulled
+from orbident.estimation.quantities import nulled
+from orbident.estimation.result import Result
 from orbident.estimation.triangular import condition_numbers
 from orbident.model.minimal_sets import minimal_sets
 from orbident.model.paper_bases import PaperBasis, paper_basis, spatial_columns

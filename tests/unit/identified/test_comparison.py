@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from made_results import exact_result, freed, joined, known, without
+from made_results import REFUSED, exact_result, freed, joined, known, without
 from random_robots import DUAL_ARM, random_body, random_planar_robot, random_robot
 from scipy.stats import chi2, kstest
 
@@ -252,11 +252,12 @@ def test_two_bodies_at_once():
 def test_rejected_runs(servicer):
     _, robot = servicer
     good = exact_result(robot)
-    bad = replace(good, status="rejected", warnings=("mass: no scale",))
+    bad = replace(good, checks=(REFUSED,))
     found = compare(good, bad)
     assert found.status == "rejected"
     assert found.warnings == (
-        "the run after is rejected, so nothing is compared: mass: no scale",
+        "the run after is rejected, so nothing is compared: mass: no scale; "
+        "spin a wheel up",
     )
     assert len(compare(bad, bad).warnings) == 2
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from made_results import REFUSED
 from random_motions import random_motion
 
 from orbident.errors import InputError
@@ -111,8 +112,8 @@ def test_impossible_parameters_move_within_their_deviations(found):
 
 def test_refusals(found, monkeypatch):
     rotors = np.zeros_like(found.robot.theta)
-    rejected = replace(found, status="rejected", warnings=("mass: too bad",))
-    with pytest.raises(InputError, match=r"is rejected, .*: mass: too bad"):
+    rejected = replace(found, checks=(REFUSED,))
+    with pytest.raises(InputError, match=r"is rejected, .*: mass: no scale; spin"):
         physical_bodies(rejected, rotors)
     unknown = found.base.values.copy()
     unknown[-1] = np.nan

@@ -81,7 +81,7 @@ REFUSED = {
     "one value less": (([1.0], "base", "values"), "not of one length"),
     "true for a number": ((True, "elapsed_s"), "elapsed_s: found True"),
     "a status": (("fine", "status"), "status: found 'fine'; give 'ok' or 'rejected'"),
-    "another version": (("orbident/result/2", "schema"), "give 'orbident/result/1'"),
+    "another version": (("orbident/result/1", "schema"), "give 'orbident/result/2'"),
 }
 
 

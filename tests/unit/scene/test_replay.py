@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from made_results import REFUSED
 from random_motions import random_motion
 
 from orbident.errors import InputError
@@ -75,7 +76,7 @@ def test_the_ghost_goes_where_the_robot_went(robot, flight: Recording):
     ours = momentum(replay.model, replay.measured)
     assert np.abs(ours.h_rs - theirs.h_rs).max() < 1e-6 * np.abs(theirs.h_rs).max()
 
-    rejected = replace(result, status="rejected", warnings=("no scale",))
+    rejected = replace(result, checks=(REFUSED,))
     alone = predicted_motion(rejected, flight)
     assert alone.predicted is alone.model is None
     assert "no scale" in alone.warnings[0]

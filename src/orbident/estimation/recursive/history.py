@@ -52,9 +52,8 @@ class History(NamedTuple):
     scale: bool
     """Whether the wheels' momentum told the scale of `pi`. Where it did not, `beta`,
     `pi` and `M` are NaN, and no change can be told."""
-    consistent: bool
-    """Whether the samples since the last change agree with each other, within the noise
-    that the sensors are declared with."""
+    declared: bool
+    """Whether the noise of all sensors is, that the innovations are whitened with."""
     biases: dict[str, dict[str, float]]
     """Of the sensors, at the end: `value` and `std`."""
 
@@ -103,8 +102,6 @@ def recursive_history(
     scale |= _scaled(robot, state)
     unknown = 0.0 if scale else np.nan
     nis, dof, statistic = tests.T
-    since = t > (changes[-1].t if changes else -np.inf)
-    left = float(nis[since].sum() / max(dof[since].sum(), 1.0))
     pi, phi = zip(*(sets_of_beta(kalman.sets, row) for row in beta), strict=True)
     beforehand = np.linalg.norm(np.linalg.inv(prior.root), axis=1)
     return History(
@@ -121,7 +118,7 @@ def recursive_history(
         covariance=state.covariance,
         determined=(std[-1] < LEARNT * beforehand) & scale,
         scale=scale,
-        consistent=noise.explains(left),
+        declared=noise.declared,
         biases=kalman.biases(state, state.beta, state.covariance),
     )
 

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from orbident.errors import InputError
-from orbident.estimation.least_squares import fit
+from orbident.estimation.linear_fits import fit
 from orbident.model.minimal_sets import minimal_sets
 from orbident.preprocessing.base_motion import INTEGRATED, SMOOTHED
 from orbident.preprocessing.histories import DERIVED
@@ -31,10 +31,6 @@ samples tell no more than the few that are independent."""
 FINE = 0.1
 """An integrated velocity's error from sample to sample that is no random walk, over
 what the walk is."""
-
-CONSISTENT = 2.0
-"""Mean square of residuals over what it should be: signals that contradict each other
-leave thousands."""
 
 
 class Noise(NamedTuple):
@@ -64,10 +60,6 @@ class Noise(NamedTuple):
     """Whether the velocity is integrated from one, and its bias an unknown."""
     declared: bool = True
     """Whether the velocity's noise is declared, not what least squares leaves of it."""
-
-    def explains(self, chi2_per_dof: float) -> bool:
-        """Whether equations with so large residuals hold, but for what is declared."""
-        return self.declared and chi2_per_dof < CONSISTENT
 
 
 def noise_of(robot: Robot, samples: Samples, seen: float = 0.0) -> Noise:

@@ -14,8 +14,9 @@ from small_problems import (
     small_robot,
 )
 
-from orbident.estimation import maximum_likelihood, methods
+from orbident.estimation import maximum_likelihood
 from orbident.estimation.identify import identify
+from orbident.estimation.output_error import estimator
 from orbident.estimation.output_error.disturbances import (
     Push,
     freed,
@@ -130,7 +131,7 @@ def test_a_torque_is_reported_as_it_was_estimated(monkeypatch):
         monkeypatch.setattr(module, name, kept)
 
     keep(maximum_likelihood, "fitted", fits)
-    keep(methods, "maximum_likelihood", likelihoods)
+    keep(estimator, "maximum_likelihood", likelihoods)
     recording = noisy(under_a_couple(1e-4), 0)
     identify(with_sensors(), recording, initial_momentum="at-rest")
     _, last = (fit.solution for fit in fits)

@@ -10,9 +10,9 @@ from scipy.spatial.transform import Rotation
 
 import orbident as oi
 from orbident.estimation.found import found_beta
-from orbident.estimation.least_squares import Fits, fit
+from orbident.estimation.linear_fits import Fits, fit
+from orbident.estimation.nonlinear_fit import beta_of_fits
 from orbident.estimation.prior import WIDE, prior_std
-from orbident.estimation.structured import beta_of_fits
 from orbident.model import minimal_sets as model
 from orbident.model.derivatives import sets_of_beta
 from orbident.model.minimal_sets import minimal_sets

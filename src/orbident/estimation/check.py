@@ -1,0 +1,48 @@
+"""One rule of acceptance, applied: what was found, what that means, what to do."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from orbident.estimation.quantities import nulled
+
+Level = Literal["trust", "with care", "do not trust"]
+LEVELS: tuple[Level, ...] = ("trust", "with care", "do not trust")
+"""From the best to the worst."""
+
+
+@dataclass(frozen=True)
+class Check:
+    """A rule, and how a result fares under it."""
+
+    name: str
+    level: Level
+    """`"trust"` where it is passed; else what may be done with the result."""
+    reason: str
+    """What was found, and what it means."""
+    remedy: str = ""
+    """What to do; empty where it is passed."""
+    statistic: float = float("nan")
+    limit: float = float("nan")
+    """Of the statistic; NaN where the rule has none."""
+
+    @property
+    def passed(self) -> bool:
+        """Whether there is nothing to say against the result."""
+        return self.level == "trust"
+
+    @property
+    def words(self) -> str:
+        """A sentence: what was found, and what to do."""
+        return f"{self.reason}; {self.remedy}" if self.remedy else self.reason
+
+    def to_json(self) -> dict[str, Any]:
+        """As in `result.json`."""
+        numbers = {"statistic": nulled(self.statistic), "limit": nulled(self.limit)}
+        words = {"reason": self.reason, "remedy": self.remedy}
+        return {"name": self.name, "level": self.level, **words, **numbers}
+
+
+def worst(checks: Iterable[Check]) -> Level:
+    """The level of a result with these checks."""
+    return LEVELS[max((LEVELS.index(check.level) for check in checks), default=0)]

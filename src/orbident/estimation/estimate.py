@@ -1,0 +1,132 @@
+"""What an estimator makes of a problem: in one form, whatever the method."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import NamedTuple, Protocol, runtime_checkable
+
+import numpy as np
+from jaxtyping import Float
+
+from orbident.estimation.found import BetaEstimate, Found, found_beta
+from orbident.estimation.output_error.disturbances import Push
+from orbident.estimation.predicted import Signals
+from orbident.estimation.problem import MomentumProblem
+from orbident.estimation.quantities import Quantity
+from orbident.estimation.recursive.history import History
+from orbident.preprocessing.histories import MEASURED
+
+Progress = Callable[[float], object]
+"""Is called with the fraction of the work that is done."""
+
+
+class SensorFit(NamedTuple):
+    """How well one sensor, or one equation, was predicted; SI."""
+
+    rms: float
+    """Of the residuals."""
+    noise: float
+    """Std of its white noise, as the residuals show it."""
+    declared: float
+    """As the robot file has it; NaN where it does not."""
+    whiteness: float
+    """Correlation of neighbouring residuals: 0 for white noise."""
+    samples: int
+
+
+class Goodness(NamedTuple):
+    """The squared residuals over the noise of the sensors."""
+
+    chi2: float
+    dof: float
+    """Residuals less unknowns: what `chi2` is on average."""
+    declared: bool = True
+    """Whether the noise is, of all that the residuals are made of."""
+
+    @property
+    def per_dof(self) -> float:
+        """1 where the model and its noise are right."""
+        return self.chi2 / max(self.dof, 1.0)
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """The parameters, and what the residuals say of them."""
+
+    found: Found
+    """`pi`, `phi` and base parameters."""
+    mass: Quantity
+    """kg."""
+    masses: Mapping[str, Quantity]
+    """By every route that was taken, the method's own last."""
+    rms: Mapping[str, float | None]
+    """Of the residuals of sensors or equations; SI."""
+    goodness: Goodness | None = None
+    """Of all residuals; None for a method that takes the noise from them."""
+    sensors: Mapping[str, SensorFit] = field(default_factory=dict)
+    biases: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    """Of sensors, with their standard deviations; SI."""
+    disturbances: Mapping[str, Push] = field(default_factory=dict)
+    """What acted from outside, where that was an unknown."""
+    converged: bool = True
+    history: History | None = None
+    """Of a recursion."""
+    signals: Signals = ()
+    """Of the sensors, where these are what is fitted."""
+
+
+@runtime_checkable
+class Estimator(Protocol):
+    """A method of identification, with its options."""
+
+    @property
+    def name(self) -> str:
+        """As `--method` has it."""
+        ...
+
+    def estimate(self, problem: MomentumProblem, progress: Progress) -> Estimate:
+        """Estimate the parameters of a problem.
+
+        Args:
+            problem: of a recording.
+            progress: is called with the fraction of the work that is done.
+        """
+        ...
+
+
+def estimate_of_beta(
+    problem: MomentumProblem,
+    beta: BetaEstimate,
+    route: str,
+    rms: Mapping[str, float | None],
+    goodness: Goodness | None,
+) -> Estimate:
+    """The estimate of a method whose unknowns are the base parameters."""
+    mass, linear = Quantity(*beta.mass), problem.linear_mass
+    return Estimate(
+        found=found_beta(problem.robot, problem.sets, beta),
+        mass=mass,
+        masses={"Eq. 32": Quantity(linear.value, linear.std), route: mass},
+        rms=rms,
+        goodness=goodness,
+    )
+
+
+def biases_of_sensors(
+    problem: MomentumProblem, biases: Mapping[str, Mapping[str, float]]
+) -> dict[str, Mapping[str, float]]:
+    """Without that of a base rate which is not the gyro's own."""
+    if problem.samples.origins["base_rate"] == MEASURED:
+        return dict(biases)
+    return {name: b for name, b in biases.items() if not name.startswith("gyro")}
+
+
+def rms_of_equations(problem: MomentumProblem) -> dict[str, float | None]:
+    """What the linear fits leave of Eq. 24, N m s, and Eq. 31, m/s."""
+    velocity = problem.fits.phi.rms if problem.samples.v_S else None
+    return {"momentum": problem.fits.pi.rms, "velocity": velocity}
+
+
+def whiteness(values: Float[np.ndarray, "samples axes"]) -> float:
+    """Correlation of neighbouring residuals, all axes together: 0 for white noise."""
+    power = np.sum(values**2)
+    return float(np.sum(values[:-1] * values[1:]) / power) if power else 0.0

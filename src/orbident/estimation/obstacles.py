@@ -1,0 +1,126 @@
+"""Why a recording cannot tell the parameters, whatever the method."""
+
+import numpy as np
+
+from orbident.estimation.check import Check
+from orbident.estimation.problem import MomentumProblem
+
+# The known term of the momentum equation, nuisance apart, beside the whole of it:
+# zero but for rounding.
+ROUNDING = 1e-9
+# What the parameters must explain of it, squared: noise is explained hardly at all, and
+# signals in wrong units or frames in part.
+EXPLAINED = 0.9
+# Below this part of the wheels' momentum the known term may be noise of their speeds.
+VARIES = 1e-2
+# Freeing a momentum that is rightly known hardly makes the residual smaller.
+FREED = 0.5
+# CAD values are off by some ten percent; a robot that was not at rest by far more.
+SURPRISING = 0.3
+
+
+def obstacles(problem: MomentumProblem) -> list[Check]:
+    """What the linear fits show: each forbids a result."""
+    return [*_no_scale(problem), *_no_velocity(problem)]
+
+
+def _no_velocity(problem: MomentumProblem) -> list[Check]:
+    """Why `phi` is not determined, or wrong."""
+    phi = problem.fits.phi
+    if not problem.samples.v_S:
+        reason = (
+            "phi and the mass are not determined: the recording has no velocity.x .y "
+            ".z of the feature point (nor position.x .y .z)"
+        )
+        return [_refused("velocity of S", reason, "record one of them")]
+    if phi.explained**2 <= EXPLAINED * (phi.explained**2 + phi.unexplained**2):
+        reason = (
+            "phi and the mass are not determined: the velocity of the feature point "
+            "does not follow from joints, gyro and attitude"
+        )
+        remedy = (
+            "check its units and frame (inertial axes), and the attitude (scalar "
+            "last, base to inertial axes)"
+        )
+        return [_refused("velocity of S", reason, remedy)]
+    return []
+
+
+def _no_scale(problem: MomentumProblem) -> list[Check]:
+    """Why `pi` has no scale, or a wrong one."""
+    fits, pi = problem.fits, problem.fits.pi
+    assumed = (
+        problem.initial_momentum == "at-rest" and pi.unexplained > ROUNDING * fits.h_rw
+    )
+    # Only where the parameters could be told without the assumption can it be checked.
+    freed = np.hypot(pi.explained_freed, pi.unexplained_freed)
+    checkable = bool(
+        pi.explained_freed**2 > EXPLAINED * freed**2 and freed > VARIES * fits.h_rw
+    )
+    if assumed and checkable and pi.unexplained_freed < FREED * pi.unexplained:
+        reason = (
+            "pi is not determined: the robot was not at rest as assumed (with the "
+            "momentum unknown the residual falls to "
+            f"{pi.unexplained_freed / pi.unexplained:.2g} of what it is)"
+        )
+        return [_refused("at rest", reason, "use --initial-momentum unknown")]
+    known = np.hypot(pi.explained, pi.unexplained)
+    if known <= ROUNDING * fits.h_rw or pi.explained**2 <= EXPLAINED * known**2:
+        varies = bool(known > VARIES * fits.h_rw)
+        reason, remedy = _why_no_scale(problem, varies)
+        return [_refused("scale", f"pi has no scale: {reason}", remedy)]
+    return []
+
+
+def _why_no_scale(problem: MomentumProblem, varies: bool) -> tuple[str, str]:
+    """What was found, and the remedy."""
+    if not problem.robot.wheels:
+        return (
+            "the robot has no reaction wheel, so only ratios show",
+            "declare its wheels and spin one up before recording",
+        )
+    if problem.initial_momentum == "at-rest":
+        return (
+            "base and arms have no momentum of their own, or not the one that starting "
+            "from rest gives them",
+            "spin a wheel up from rest, so that the base turns, or use "
+            "--initial-momentum unknown",
+        )
+    if varies:
+        return (
+            "base and arms do not answer the wheels' momentum as a free-floating robot "
+            "does",
+            "check units (rad, rad/s), signs, the wheels' axes, and the attitude "
+            "(scalar last, from base to inertial axes)",
+        )
+    remedy = "spin up a wheel before recording"
+    if problem.robot.motion == "planar":
+        remedy += (
+            "; in the plane a constant wheel speed tells nothing unless the momentum "
+            "is known, so start at rest and use --initial-momentum at-rest, or change "
+            "the wheel speed during the recording"
+        )
+    return "the wheels' momentum does not vary in the recording", remedy
+
+
+def surprise(problem: MomentumProblem) -> list[Check]:
+    """Whether the first sample contradicts a momentum that is taken as known."""
+    if problem.fits.surprise <= SURPRISING:
+        return []
+    return [
+        Check(
+            "at rest",
+            "with care",
+            "with nominal inertia the first sample's momentum is off by "
+            f"{problem.fits.surprise:.2g} times the wheels', and the scale of pi and "
+            "the mass rest on it",
+            "was the robot at rest before the wheels spun up? if not, use "
+            "--initial-momentum unknown",
+            problem.fits.surprise,
+            SURPRISING,
+        )
+    ]
+
+
+def _refused(name: str, reason: str, remedy: str) -> Check:
+    return Check(name, "do not trust", reason, remedy)

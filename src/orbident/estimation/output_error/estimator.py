@@ -1,0 +1,53 @@
+"""Maximum likelihood as an estimator like the others."""
+
+from dataclasses import dataclass, replace
+
+from orbident.estimation.estimate import Estimate, Progress, estimate_of_beta
+from orbident.estimation.maximum_likelihood import maximum_likelihood
+from orbident.estimation.nonlinear_fit import beta_of_fits
+from orbident.estimation.problem import MomentumProblem
+
+
+@dataclass(frozen=True)
+class OutputError:
+    """Maximum likelihood of all that the sensors showed, by output error."""
+
+    name: str = "maximum-likelihood"
+
+    def estimate(self, problem: MomentumProblem, progress: Progress) -> Estimate:
+        """Fit all sensors at once."""
+        done = 0.0
+
+        def step() -> None:
+            # How many steps there will be nobody knows: half of what is left.
+            nonlocal done
+            done += (1 - done) / 2
+            progress(done)
+
+        likelihood = maximum_likelihood(
+            problem.robot,
+            problem.sets,
+            problem.recording,
+            problem.samples,
+            problem.fits,
+            beta_of_fits(problem.robot, problem.sets, problem.fits).values,
+            problem.late,
+            problem.initial_momentum,
+            step,
+        )
+        sensors = likelihood.sensors
+        rms = {name: fit.rms for name, fit in sensors.items()}
+        return replace(
+            estimate_of_beta(
+                problem,
+                likelihood.estimate,
+                "maximum likelihood",
+                rms,
+                likelihood.goodness,
+            ),
+            sensors=sensors,
+            biases=likelihood.biases,
+            disturbances=likelihood.pushes,
+            converged=likelihood.converged,
+            signals=likelihood.signals,
+        )

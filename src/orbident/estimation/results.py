@@ -1,0 +1,167 @@
+"""From an estimate and its checks to the result."""
+
+from collections.abc import Callable
+from functools import cache, partial
+from importlib.metadata import version
+from typing import Any
+
+import numpy as np
+from jaxtyping import Bool
+
+from orbident.estimation.check import worst
+from orbident.estimation.clocks import in_words as clocks_in_words
+from orbident.estimation.criteria import Judgement
+from orbident.estimation.estimate import Estimate
+from orbident.estimation.found import Known
+from orbident.estimation.linear_fits import Fits
+from orbident.estimation.motion import motion_of
+from orbident.estimation.predicted import Signals, equation_signals
+from orbident.estimation.problem import MomentumProblem
+from orbident.estimation.quantities import Parameters, Quantity, nulled
+from orbident.estimation.result import Identified, Result
+from orbident.estimation.triangular import condition_numbers
+from orbident.estimation.weigh import Weighing
+from orbident.model.formulas import Formulas, SetFormulas, formulas_of, mass_forms
+from orbident.preprocessing.screening import in_words as spikes_in_words
+
+NAN = float("nan")
+
+
+def result_of(
+    problem: MomentumProblem,
+    method: str,
+    estimate: Estimate,
+    judgement: Judgement,
+    masses: dict[str, Quantity],
+    weighing: Weighing | None,
+    elapsed_s: float,
+) -> Result:
+    """Put together what was estimated and how it was judged."""
+    identified = _identified(problem, estimate, judgement, masses)
+    refused = worst(judgement.checks) == "do not trust"
+    stands = identified.nothing() if refused else identified
+    return Result(
+        robot=problem.robot,
+        method=method,
+        initial_momentum=problem.initial_momentum,
+        checks=judgement.checks,
+        notes=(
+            *problem.robot.warnings,
+            *spikes_in_words(problem.rejected),
+            *clocks_in_words(problem.clocks),
+            *(() if weighing is None else (f"burn: {w}" for w in weighing.warnings)),
+        ),
+        **vars(stands),
+        diagnostics=identified if refused else None,
+        condition_number=_condition(problem.fits),
+        residual=_residual(estimate),
+        biases=estimate.biases,
+        clocks=problem.clocks,
+        rejected=problem.rejected,
+        origins=problem.samples.origins,
+        samples=problem.fits.samples,
+        elapsed_s=elapsed_s,
+        versions=_versions(),
+        fits=problem.fits,
+        covariance=estimate.found.covariance,
+        history=estimate.history,
+        motion=motion_of(problem.robot, problem.samples),
+        signals=_signals(problem, estimate),
+    )
+
+
+def _identified(
+    problem: MomentumProblem,
+    estimate: Estimate,
+    judgement: Judgement,
+    masses: dict[str, Quantity],
+) -> Identified:
+    words, found = formulas_of(problem.robot, problem.sets), estimate.found
+    determined = np.outer(judgement.base, judgement.base)
+    return Identified(
+        mass=estimate.mass,
+        mass_forms=_mass_forms(problem, words, masses),
+        pi=_parameters(words.pi, found.pi, judgement.pi),
+        phi=_parameters(words.phi, found.phi, judgement.phi),
+        base=_parameters(words.base, found.base, judgement.base),
+        base_covariance=np.where(determined, found.base.covariance, NAN),
+    )
+
+
+def _parameters(
+    words: Formulas, known: Known, determined: Bool[np.ndarray, " n"]
+) -> Parameters:
+    # Deviations of what is known but for a cancelling unknown may round to below zero.
+    std = np.sqrt(np.maximum(np.diag(known.covariance), 0.0))
+    return Parameters(
+        names=words.names,
+        formulas=words.formulas,
+        values=np.where(determined, known.values, NAN),
+        std=np.where(determined, std, NAN),
+    )
+
+
+def _mass_forms(
+    problem: MomentumProblem, words: SetFormulas, routes: dict[str, Quantity]
+) -> Parameters:
+    """Every form of Eq. 32, then every route where there are several."""
+    mass = problem.linear_mass
+    forms = mass_forms(problem.sets, mass.forms, words)
+    several = routes if len(routes) > 1 else {}
+    return Parameters(
+        names=(
+            *(f"M from {name}" for name in forms.names),
+            *(f"M by {route}" for route in several),
+        ),
+        formulas=(*forms.formulas, *("" for _ in several)),
+        values=np.array([*mass.values, *(M.value for M in several.values())]),
+        std=np.array([*mass.stds, *(M.std for M in several.values())]),
+    )
+
+
+def _residual(estimate: Estimate) -> dict[str, Any]:
+    goodness = estimate.goodness
+    document: dict[str, Any] = {
+        "rms": dict(estimate.rms),
+        "chi2_per_dof": None if goodness is None else goodness.per_dof,
+    }
+    if estimate.sensors:
+        document["sensors"] = {
+            name: {
+                key: nulled(value) if isinstance(value, float) else value
+                for key, value in fit._asdict().items()
+            }
+            for name, fit in estimate.sensors.items()
+        }
+    return document
+
+
+def _signals(problem: MomentumProblem, estimate: Estimate) -> Callable[[], Signals]:
+    """Of a million samples the equations' would take memory that few want."""
+    if estimate.signals:
+        return lambda: estimate.signals
+    return partial(
+        equation_signals,
+        problem.robot,
+        problem.sets,
+        problem.samples,
+        problem.initial_momentum,
+        pi=estimate.found.pi.values,
+        phi=estimate.found.phi.values,
+    )
+
+
+def _condition(fits: Fits) -> dict[str, float]:
+    Y, Y_normalised = condition_numbers(fits.pi.factor)
+    W, W_normalised = condition_numbers(fits.phi.factor)
+    return {
+        "Y": Y,
+        "Y_normalised": Y_normalised,
+        "W": W,
+        "W_normalised": W_normalised,
+    }
+
+
+@cache
+def _versions() -> dict[str, str]:
+    return {name: version(name) for name in ("orbident", "numpy", "scipy")}
