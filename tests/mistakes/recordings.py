@@ -45,6 +45,17 @@ SENSORS: Mapping[str, Mapping[str, Any]] = {
 """By robot, SI."""
 
 
+DESIGN = 0.1
+"""A body is up to so much heavier or lighter than its CAD model."""
+
+
+def designed(robot: Robot) -> Robot:
+    """The robot as its CAD model has it: what a user knows of its inertia."""
+    random = np.random.default_rng(SEED)
+    off = 1 + DESIGN * random.uniform(-1, 1, (len(robot.bodies), 1))
+    return replace(robot, theta=off * robot.theta)
+
+
 @dataclass(frozen=True, eq=False)
 class Clean:
     """A motion of a robot that is exactly as described, and how it came about."""

@@ -79,8 +79,8 @@ def scored(spoiled: Spoiled, method: Method) -> Score:
 
 
 def misses_of(result: Result, true: oi.Robot) -> Misses:
-    """Of the base parameters, and of what follows from them."""
-    sets = oi.minimal_sets(true)
+    """Of the formulas that the result tells, evaluated for the true bodies."""
+    sets = oi.minimal_sets(result.robot)
 
     def worst(values: np.ndarray, std: np.ndarray, expected: np.ndarray) -> float:
         told = np.isfinite(values)

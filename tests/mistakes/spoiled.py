@@ -3,8 +3,9 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from recordings import Clean
+from recordings import Clean, designed
 
+from orbident.estimation.least_squares import InitialMomentum
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 
@@ -17,7 +18,7 @@ class Spoiled:
     recording: Recording
     true: tuple[Robot, ...]
     """A result that is right for one of these is right."""
-    initial_momentum: str
+    initial_momentum: InitialMomentum
 
 
 Spoil = Callable[[Clean], Spoiled]
@@ -27,7 +28,7 @@ def spoiled(
     clean: Clean, robot: Robot | None = None, recording: Recording | None = None
 ) -> Spoiled:
     return Spoiled(
-        robot=robot or clean.robot,
+        robot=designed(robot or clean.robot),
         recording=recording or clean.recorded(),
         true=(clean.robot,),
         initial_momentum=clean.initial_momentum,

@@ -61,7 +61,7 @@ def totals(rows: Sequence[Row]) -> str:
 
 
 def table(rows: Sequence[Row]) -> str:
-    """A line a mistake and robot; in each cell the worst base parameter's deviations."""
+    """By mistake and robot; how many deviations the worst base parameter is off."""
     body = (
         [
             row.mistake.group,

@@ -1,6 +1,5 @@
 """Sensors that do not show what the robot file says, with their own noise."""
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -63,12 +62,12 @@ def jitter(part: float) -> Spoil:
     return spoil
 
 
-def marker(off: Sequence[float]) -> Spoil:
+def marker(off: np.ndarray) -> Spoil:
     """The position is that of a point so far from S, base axes, m."""
 
     def spoil(clean: Clean) -> Spoiled:
         R_WB = quaternion_matrix(clean.true.attitude)
-        position = clean.true.position + R_WB @ np.asarray(off)
+        position = clean.true.position + R_WB @ off
         true = clean.true._replace(position=position)
         return spoiled(clean, recording=clean.recorded(true))
 
