@@ -1,6 +1,7 @@
 """What acts on a robot that should float free, and robots that change on the way."""
 
 from mistake import IN_SPACE, ON_TABLE, Groups, Mistake
+from recordings import ROBOTS
 from wrong_motions import (
     acceleration,
     burst,
@@ -25,12 +26,13 @@ BURSTS = (
 
 TORQUES = (
     *(
-        Mistake(f"steady torque {size:g} N m", torque(size), TURNED, ON_TABLE)
-        for size in (1e-5, 1e-4, 1e-3)
-    ),
-    *(
-        Mistake(f"steady torque {size:g} N m", torque(size), TURNED, IN_SPACE)
-        for size in (1e-3, 1e-2)
+        Mistake(f"steady torque {size:g} N m", torque(size), TURNED, robots)
+        for size, robots in (
+            (1e-5, ON_TABLE),
+            (1e-4, ON_TABLE),
+            (1e-3, ROBOTS),
+            (1e-2, IN_SPACE),
+        )
     ),
     *(
         Mistake(f"torque {size:g} N m over 30 s", torque(size, 30.0), TURNED, IN_SPACE)
