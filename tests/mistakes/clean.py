@@ -10,6 +10,7 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, field
+from itertools import repeat
 from multiprocessing import get_context
 from pathlib import Path
 
@@ -105,13 +106,18 @@ def of_robot(name: str, seeds: int = SEEDS) -> ByMethod:
 
 
 def of_robots(
-    names: Sequence[str], workers: int, told: Callable[[str], object] = str
+    names: Sequence[str],
+    workers: int,
+    seeds: int = SEEDS,
+    told: Callable[[str], object] = str,
 ) -> dict[str, ByMethod]:
     """By robot."""
     found: dict[str, ByMethod] = {}
     # A fresh interpreter: threads of the core do not survive a fork.
     with ProcessPoolExecutor(workers, get_context("spawn")) as pool:
-        for name, runs in zip(names, pool.map(of_robot, names), strict=True):
+        for name, runs in zip(
+            names, pool.map(of_robot, names, repeat(seeds)), strict=True
+        ):
             found[name] = runs
             told(f"{len(found)}/{len(names)} {name}")
     return found
@@ -166,12 +172,16 @@ def main() -> int:
     """Run them and print a table."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--workers", type=int, default=2, help="processes at a time")
+    parser.add_argument("--seeds", type=int, default=SEEDS, help="of each robot")
     parser.add_argument("--out", type=Path, help="file for the tables, Markdown")
     given = parser.parse_args()
     parts = []
     for title, names in (("Random robots", flights()), ("Free-flyer", flyers())):
         found = of_robots(
-            [*names], given.workers, lambda words: print(words, file=sys.stderr)
+            [*names],
+            given.workers,
+            given.seeds,
+            lambda words: print(words, file=sys.stderr),
         )
         parts.append(f"{title}\n\n{markdown(found)}\n")
     text = "\n".join(parts)

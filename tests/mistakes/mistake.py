@@ -18,7 +18,7 @@ class Mistake(NamedTuple):
     """Words that a message which names the true cause has all of; of `a|b` one."""
     robots: tuple[str, ...] = ROBOTS
     unobservable: tuple[str, ...] = ()
-    """Robots for which other parameters give the same data, within their noise."""
+    """Robots on which nobody can see it: see `visibility.py`."""
     tolerance: Mapping[str, Any] | None = None
     """What in a robot file's `tolerances:` covers it: standard deviations, SI."""
     group: str = ""

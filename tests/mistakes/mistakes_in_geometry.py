@@ -85,6 +85,8 @@ GEOMETRY = (
             f"link1 {1000 * x:g} mm longer",
             one_joint(JOINT2, moved(x)),
             "geometry|length|place joint2|link1",
+            unobservable=ON_TABLE,
+            tolerance={"joints": {"place": x}},
         )
         for x in (1e-3, 1e-2)
     ),
@@ -92,6 +94,7 @@ GEOMETRY = (
         "joint1 placed 10 mm off",
         one_joint(JOINT1, moved(0.01)),
         "geometry|place joint1",
+        tolerance={"joints": {"place": 0.01}},
     ),
     Mistake(
         "joint2 tilted 1 deg",

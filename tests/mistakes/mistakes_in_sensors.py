@@ -71,6 +71,7 @@ SCALES = (
         "joint2 scale 1 %",
         columns("joint.joint2", times(1.01)),
         "scale joint2",
+        unobservable=ON_TABLE,
         tolerance={"joints": {"scale": 0.01}},
     ),
     Mistake(
@@ -174,9 +175,10 @@ FEATURE_POINT = tuple(
         f"position {1000 * off:g} mm from S",
         marker(off * np.array([0.6, 0.8, 0.0])),
         "feature|marker|point position|feature",
+        unobservable=robots,
         tolerance={"feature_point": off},
     )
-    for off in (1e-3, 1e-2, 1e-1)
+    for off, robots in ((1e-3, ON_TABLE), (1e-2, ()), (1e-1, ()))
 )
 
 FLEXIBILITY = tuple(

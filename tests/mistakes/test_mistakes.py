@@ -10,6 +10,7 @@ from recordings import ROBOTS, clean
 from scoring import Row, row, scored
 from spoiled import nothing
 from table import Count, markdown
+from visibility import visibility
 
 from orbident.estimation.identify import METHODS, Method
 
@@ -60,6 +61,19 @@ def test_refusals_name_the_true_cause(rows: list[Row]):
     counts = [Count(rows, method) for method in METHODS]
     named, refused = sum(n.named for n in counts), sum(n.refused for n in counts)
     assert named >= NAMED * refused, markdown(rows)
+
+
+HIDDEN = [
+    pytest.param(robot, mistake.name, id=f"{robot}, {mistake.name}")
+    for mistake in MISTAKES
+    for robot in mistake.unobservable
+]
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(("robot", "name"), HIDDEN)
+def test_what_is_excused_cannot_be_seen(robot: str, name: str):
+    assert not visibility(robot, by_name(name).spoil).seen
 
 
 def test_there_are_enough_mistakes():
