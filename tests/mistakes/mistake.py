@@ -1,5 +1,6 @@
 """One mistake as data: how it is made, and what a message must say of it."""
 
+import re
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
@@ -15,7 +16,8 @@ class Mistake(NamedTuple):
     name: str
     spoil: Spoil
     cause: str
-    """Words that a message which names the true cause has all of; of `a|b` one."""
+    """Words that a message which names the true cause has all of; of `a|b` one, and
+    `a*` is any word that begins so."""
     robots: tuple[str, ...] = ROBOTS
     unobservable: tuple[str, ...] = ()
     """Robots on which nobody can see it: see `visibility.py`."""
@@ -25,11 +27,15 @@ class Mistake(NamedTuple):
 
     def is_named(self, message: str) -> bool:
         """Whether a message names the true cause."""
-        text = message.lower()
         return all(
-            any(word in text for word in words.split("|"))
+            re.search(rf"\b({_pattern(words)})\b", message, re.IGNORECASE)
             for words in self.cause.split()
         )
+
+
+def _pattern(words: str) -> str:
+    """Whole words, one or several of a thing; `*` is any end."""
+    return "|".join(word.replace("*", r"\w*") + "s?" for word in words.split("|"))
 
 
 Groups = Mapping[str, tuple[Mistake, ...]]

@@ -49,12 +49,12 @@ SIGNS = (
 )
 
 UNITS = (
-    Mistake("joint1 in degrees", columns("joint.joint1", DEGREES), "degree joint1"),
-    Mistake("all joints in degrees", columns("joint.", DEGREES), "degree joint"),
+    Mistake("joint1 in degrees", columns("joint.joint1", DEGREES), "degree|deg joint1"),
+    Mistake("all joints in degrees", columns("joint.", DEGREES), "degree|deg joint"),
     Mistake(
         "wheels in degrees",
         columns("wheel.", DEGREES),
-        "degree wheel",
+        "degree|deg wheel",
         unobservable=ROBOTS,  # a gain of the wheels' momentum, as the next
     ),
     Mistake(
@@ -63,86 +63,112 @@ UNITS = (
         "turn|revolution|rpm wheel",
         unobservable=ROBOTS,
     ),
-    Mistake("gyro in degrees/s", columns("gyro.", DEGREES), "degree gyro", IN_SPACE),
-    Mistake("position in mm", columns("position.", times(1000)), "mm|milli position"),
-    Mistake("time in ms", stamped(times(1000)), "time ms|milli"),
+    Mistake(
+        "gyro in degrees/s", columns("gyro.", DEGREES), "degree|deg gyro", IN_SPACE
+    ),
+    Mistake("position in mm", columns("position.", times(1000)), "mm|milli* position"),
+    Mistake("time in ms", stamped(times(1000)), "time ms|milli*"),
     Mistake("time in minutes", stamped(times(1 / 60)), "time unit|minute|second"),
 )
 
 AXES = (
-    Mistake("position x, y swapped", vector("position", SWAPPED), "ax|order position"),
     Mistake(
-        "position y, z, x", vector("position", CYCLED), "ax|order position", IN_SPACE
+        "position x, y swapped",
+        vector("position", SWAPPED),
+        "axes|axis|order|sequence position",
     ),
-    Mistake("position y up", vector("position", Y_UP), "ax|frame position", IN_SPACE),
-    Mistake("gyro x, y swapped", vector("gyro", SWAPPED), "ax|order gyro", IN_SPACE),
-    Mistake("gyro z down", vector("gyro", Z_DOWN), "ax|sign gyro", IN_SPACE),
+    Mistake(
+        "position y, z, x",
+        vector("position", CYCLED),
+        "axes|axis|order|sequence position",
+        IN_SPACE,
+    ),
+    Mistake(
+        "position y up", vector("position", Y_UP), "axes|axis|frame position", IN_SPACE
+    ),
+    Mistake(
+        "gyro x, y swapped",
+        vector("gyro", SWAPPED),
+        "axes|axis|order|sequence gyro",
+        IN_SPACE,
+    ),
+    Mistake("gyro z down", vector("gyro", Z_DOWN), "axes|axis|sign gyro", IN_SPACE),
     Mistake(
         "rw_x, rw_y swapped",
         exchanged(*wheels("x", "y")),
-        "order|swap|exchang|ax wheel",
+        "order|sequence|swap*|exchang*|axes|axis wheel",
         IN_SPACE,
     ),
 )
 
 JOINT_ORDER = (
     Mistake(
-        "joint1, joint2 swapped", exchanged(*joints(1, 2)), "order|swap|exchang joint"
+        "joint1, joint2 swapped",
+        exchanged(*joints(1, 2)),
+        "order|sequence|swap*|exchang* joint",
     ),
     Mistake(
         "joint2, joint3 swapped",
         exchanged(*joints(2, 3)),
-        "order|swap|exchang joint",
+        "order|sequence|swap*|exchang* joint",
         IN_SPACE,
     ),
 )
 
 QUATERNIONS = (
     Mistake(
-        "quaternion scalar first", quaternion(scalar_first), "scalar attitude|quat"
+        "quaternion scalar first",
+        quaternion(scalar_first),
+        "scalar attitude|quaternion",
     ),
     Mistake(
         "quaternion conjugated",
         quaternion(lambda x: CONJUGATE * x),
-        "conjugat|invers attitude|quat",
+        "conjugat*|invers* attitude|quaternion",
     ),
     Mistake(
         "quaternion conjugated, scalar first",
         quaternion(lambda x: scalar_first(CONJUGATE * x)),
-        "scalar attitude|quat",
+        "scalar attitude|quaternion",
     ),
     Mistake(
         "attitude in other inertial axes, 90 deg",
         world_turned("z", 90.0),
-        "ax|frame attitude position",
+        "axes|axis|frame attitude position",
     ),
     Mistake(
         "attitude in other inertial axes, 5 deg",
         world_turned("z", 5.0),
-        "ax|frame attitude position",
+        "axes|axis|frame attitude position",
     ),
 )
 
 REPEATED = (
-    Mistake("every row twice", held("", 2), "repeat|stale|held|same"),
-    Mistake("position every 5th row new", held("position", 5), "repeat|stale|held pos"),
-    Mistake("joints every 5th row new", held("joint.", 5), "repeat|stale|held joint"),
+    Mistake("every row twice", held("", 2), "repeat*|stale|held|same"),
+    Mistake(
+        "position every 5th row new", held("position", 5), "repeat*|stale|held position"
+    ),
+    Mistake("joints every 5th row new", held("joint.", 5), "repeat*|stale|held joint"),
     Mistake(
         "attitude stuck for 2 s",
         held("attitude", 10**6, 8.0, 10.0),
-        "repeat|stale|held|stuck attitude",
+        "repeat*|stale|held|stuck attitude",
     ),
     Mistake(
         "joint2 stuck for 2 s",
         held("joint.joint2", 10**6, 8.0, 10.0),
-        "repeat|stale|held|stuck joint2",
+        "repeat*|stale|held|stuck joint2",
     ),
 )
 
 TIMES = (
     Mistake("time 1 % fast", stamped(times(1.01)), "time|clock rate|fast|scale"),
     Mistake("time 0.1 % fast", stamped(times(1.001)), "time|clock rate|fast|scale"),
-    Mistake("1 s of rows lost, times closed up", rows_lost(9.0, 10.0), "time gap|lost"),
+    Mistake(
+        "1 s of rows lost, times closed up",
+        rows_lost(9.0, 10.0),
+        "time gap|lost|missing",
+    ),
 )
 
 IN_COLUMNS: Groups = {

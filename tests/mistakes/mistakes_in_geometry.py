@@ -67,12 +67,15 @@ WHEELS = (
 
 WHEEL_AXES = (
     Mistake(
-        "axis of one wheel 2 deg off", each_wheel(tilted(2.0), 1), "ax wheel", IN_SPACE
+        "axis of one wheel 2 deg off",
+        each_wheel(tilted(2.0), 1),
+        "axes|axis wheel",
+        IN_SPACE,
     ),
     Mistake(
         "axis of the wheel 10 deg off",
         each_wheel(tilted(10.0)),
-        "ax wheel",
+        "axes|axis wheel",
         ON_TABLE,
         unobservable=ON_TABLE,  # its cosine is a gain of 1.5 %
         tolerance={"wheels": {"inertia": 0.015}},
@@ -84,7 +87,7 @@ GEOMETRY = (
         Mistake(
             f"link1 {1000 * x:g} mm longer",
             one_joint(JOINT2, moved(x)),
-            "geometry|length|place joint2|link1",
+            "geometry|length|place|placed|placement joint2|link1",
             unobservable=ON_TABLE,
             tolerance={"joints": {"place": x}},
         )
@@ -93,19 +96,19 @@ GEOMETRY = (
     Mistake(
         "joint1 placed 10 mm off",
         one_joint(JOINT1, moved(0.01)),
-        "geometry|place joint1",
+        "geometry|place|placed|placement joint1",
         tolerance={"joints": {"place": 0.01}},
     ),
     Mistake(
         "joint2 tilted 1 deg",
         one_joint(JOINT2, twisted("x", 1.0)),
-        "geometry|ax|tilt joint2",
+        "geometry|axes|axis|tilt* joint2",
         IN_SPACE,
     ),
     Mistake(
         "joint2 about the opposite axis",
         one_joint(JOINT2, about_the_other_way),
-        "sign|ax joint2",
+        "sign|axes|axis joint2",
     ),
     Mistake("CM of link2 10 mm off its axis", really(off_its_axis), "structure link2"),
 )
@@ -113,6 +116,10 @@ GEOMETRY = (
 IN_GEOMETRY: Groups = {
     "wheel inertia": WHEELS,
     "wheel axis": WHEEL_AXES,
-    "missing wheel": (Mistake("a wheel is missing", without_wheel, "wheel"),),
+    "missing wheel": (
+        Mistake(
+            "a wheel is missing", without_wheel, "wheel missing|declare|undeclared"
+        ),
+    ),
     "geometry of a link": GEOMETRY,
 }

@@ -14,8 +14,8 @@ from wrong_motions import (
 )
 
 BASE, LAST = 0, -1
-FIRED = "thrust|burst|force|push|pull|impuls"
-TURNED = "torque|disturb|external"
+FIRED = "thrust*|burst|force|push|pull|impuls*"
+TURNED = "torque|disturb*|external"
 
 BURSTS = (
     Mistake("1 N for 0.2 s", burst(1.0, 10.0, 0.2), FIRED),
@@ -51,12 +51,12 @@ PULLS = (
     Mistake(
         "table 0.1 mrad off level", acceleration(1e-3), "force|pull|level", ON_TABLE
     ),
-    Mistake("steady pull of 0.1 N", acceleration(1e-4), "force|pull|thrust", IN_SPACE),
+    Mistake("steady pull of 0.1 N", acceleration(1e-4), "force|pull|thrust*", IN_SPACE),
 )
 
 DRAGS = tuple(
     Mistake(
-        f"drag over {time:g} s", drag(time), "drag|friction|torque|disturb|external"
+        f"drag over {time:g} s", drag(time), "drag|friction|torque|disturb*|external"
     )
     for time in (1e2, 2e3, 5e4)
 )
@@ -66,30 +66,47 @@ CAPTURES = (
         Mistake(
             f"last link {100 * part:g} % heavier from the middle on",
             changing(LAST, part),
-            "chang|captur",
+            "chang*|captur*",
         )
         for part in (0.02, 0.2)
     ),
     Mistake(
-        "base 2 % lighter from the middle on", changing(BASE, -0.02), "chang|releas"
+        "base 2 % lighter from the middle on", changing(BASE, -0.02), "chang*|releas*"
     ),
 )
 
 LOOSE = (
-    Mistake("2 % of the base slides 20 mm", loose(0.02, 0.02, 8.0), "loose|mov|slosh"),
     Mistake(
-        "0.5 % of the base slides 20 mm", loose(5e-3, 0.02, 8.0), "loose|mov|slosh"
+        "2 % of the base slides 20 mm",
+        loose(0.02, 0.02, 8.0),
+        "loose|moves|moving|slosh*",
+    ),
+    Mistake(
+        "0.5 % of the base slides 20 mm",
+        loose(5e-3, 0.02, 8.0),
+        "loose|moves|moving|slosh*",
     ),
 )
 
 STARTS = (
-    Mistake("turning before the wheels spun up", turning_already(0.05), "rest"),
-    Mistake("turning a little before", turning_already(0.005), "rest"),
     Mistake(
-        "wheels lose 10 %, recorded as constant", spun_down(0.1), "wheel speed|spin"
+        "turning before the wheels spun up",
+        turning_already(0.05),
+        "rest",
+        unobservable=ON_TABLE,
     ),
     Mistake(
-        "wheels lose 1 %, recorded as constant", spun_down(0.01), "wheel speed|spin"
+        "turning a little before", turning_already(0.005), "rest", unobservable=ON_TABLE
+    ),
+    Mistake(
+        "wheels lose 10 %, recorded as constant",
+        spun_down(0.1),
+        "wheel speed|spin|spun",
+    ),
+    Mistake(
+        "wheels lose 1 %, recorded as constant",
+        spun_down(0.01),
+        "wheel speed|spin|spun",
     ),
 )
 

@@ -25,7 +25,7 @@ TURNED = (
         Mistake(
             f"attitude sensor turned {angle:g} deg",
             body_turned("z", angle),
-            "misalign|turned|rotat|ax attitude",
+            "misalign*|turned|rotat*|axes|axis attitude",
             tolerance={"attitude": {"misalignment": np.radians(angle)}},
         )
         for angle in (0.5, 5.0, 90.0)
@@ -34,7 +34,7 @@ TURNED = (
         Mistake(
             f"gyro turned {angle:g} deg",
             vector("gyro", turned("x", angle)),
-            "misalign|turned|rotat gyro",
+            "misalign*|turned|rotat* gyro",
             IN_SPACE,
             tolerance={"gyro": {"misalignment": np.radians(angle)}},
         )
@@ -92,7 +92,7 @@ SCALES = (
 CLOCKS = (
     *(
         Mistake(
-            f"{name} {late:g} s late", clock(name, late), f"clock|late|delay {name}"
+            f"{name} {late:g} s late", clock(name, late), f"clock|late|delay* {name}"
         )
         for name in ("position", "attitude", "joint")
         for late in (0.05, 0.5)
@@ -101,14 +101,18 @@ CLOCKS = (
         Mistake(
             f"gyro {late:g} s late",
             clock("gyro", late),
-            "clock|late|delay gyro",
+            "clock|late|delay* gyro",
             IN_SPACE,
         )
         for late in (0.05, 0.5)
     ),
     Mistake("clock of joints 1 % fast", clock("joint", 0.0, 1.01), "clock joint"),
-    Mistake("clock of position 1 % slow", clock("position", 0.0, 0.99), "clock pos"),
-    Mistake("rows 20 % off their times", jitter(0.2), "time|clock jitter|even|spread"),
+    Mistake(
+        "clock of position 1 % slow", clock("position", 0.0, 0.99), "clock position"
+    ),
+    Mistake(
+        "rows 20 % off their times", jitter(0.2), "time|clock jitter|uneven*|spread"
+    ),
 )
 
 ZEROS = (
@@ -131,13 +135,15 @@ ZEROS = (
 
 OFFSETS = (
     Mistake(
-        "position from another origin", columns("position.", plus(3.0)), "position"
+        "position from another origin",
+        columns("position.", plus(3.0)),
+        "origin position",
     ),
-    Mistake("position drifts 1 mm/s", drift("position.x", 1e-3), "drift position"),
-    Mistake("position jumps 20 mm", jump("position.x", 0.02), "jump|step position"),
-    Mistake("attitude jumps 0.5 deg", attitude_jump(0.5), "jump|step attitude"),
+    Mistake("position drifts 1 mm/s", drift("position.x", 1e-3), "drift* position"),
+    Mistake("position jumps 20 mm", jump("position.x", 0.02), "jump*|step position"),
+    Mistake("attitude jumps 0.5 deg", attitude_jump(0.5), "jump*|step attitude"),
     Mistake(
-        "joint2 slips 20 mrad", jump("joint.joint2", 0.02), "jump|slip|step joint2"
+        "joint2 slips 20 mrad", jump("joint.joint2", 0.02), "jump*|slip*|step joint2"
     ),
     Mistake(
         "gyro bias 1 mrad/s",
@@ -146,9 +152,9 @@ OFFSETS = (
         IN_SPACE,
     ),
     Mistake(
-        "gyro bias drifts 0.02 mrad/s^2", drift("gyro.x", 2e-5), "drift gyro", IN_SPACE
+        "gyro bias drifts 0.02 mrad/s^2", drift("gyro.x", 2e-5), "drift* gyro", IN_SPACE
     ),
-    Mistake("gyro bias jumps 1 mrad/s", jump("gyro.x", 1e-3), "jump gyro", IN_SPACE),
+    Mistake("gyro bias jumps 1 mrad/s", jump("gyro.x", 1e-3), "jump* gyro", IN_SPACE),
 )
 
 NOISE = (
@@ -174,7 +180,7 @@ FEATURE_POINT = tuple(
     Mistake(
         f"position {1000 * off:g} mm from S",
         marker(off * np.array([0.6, 0.8, 0.0])),
-        "feature|marker|point position|feature",
+        "marker|offset|distance feature|marker|point",
         unobservable=robots,
         tolerance={"feature_point": off},
     )
@@ -182,7 +188,9 @@ FEATURE_POINT = tuple(
 )
 
 FLEXIBILITY = tuple(
-    Mistake(f"joints give way at {hz:g} Hz", flexible(hz), "flexib|elastic|stiff joint")
+    Mistake(
+        f"joints give way at {hz:g} Hz", flexible(hz), "flexib*|elastic|stiff* joint"
+    )
     for hz in (3.0, 10.0)
 )
 

@@ -19,6 +19,8 @@ from orbident.simulation.truth import Truth, truth_of
 SPACE, TABLE = "paper-spatial", "cepheus-like"
 ROBOTS = (SPACE, TABLE)
 SEED = 1
+WHEEL_SPEED = 100.0
+"""rad/s."""
 
 SENSORS: Mapping[str, Mapping[str, Any]] = {
     # The gyro and the encoders of the paper; a good star tracker and a good camera.
@@ -105,7 +107,7 @@ def clean(name: str) -> Clean:
         robot,
         seed=SEED,
         duration=80.0 if space else 20.0,
-        wheel_speed=200.0 if space else 100.0,
+        wheel_speed=WHEEL_SPEED,
         start="turning" if space else "spun up",
     )
     initial = trajectory.initial
@@ -113,7 +115,8 @@ def clean(name: str) -> Clean:
         initial.angular_velocity,
         initial.attitude,
         initial.velocity,
-        initial.wheel_speeds(robot.wheel_names),
+        # Three speeds, so that no wheel can pass for another.
+        WHEEL_SPEED * np.array([2.0, -1.5, 2.5] if space else [1.0]),
     )
     t = sample_times(trajectory.duration, SENSORS[name]["rate"])
     return Clean(

@@ -6,6 +6,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 from mistake import Mistake
+from mistakes import names
 from recordings import clean
 from spoiled import Spoiled
 
@@ -116,7 +117,7 @@ class Row(NamedTuple):
 
     def named(self, method: Method) -> bool:
         """Whether the first reason is the true one."""
-        return self.mistake.is_named(self.scores[method].reason)
+        return names(self.mistake, self.scores[method].reason)
 
     def excused(self, method: Method) -> bool:
         """Whether what is accepted and wrong could not have been known."""
