@@ -1,0 +1,40 @@
+"""Every mistake on every robot by every method, in several processes."""
+
+from collections.abc import Callable, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
+
+from mistakes import MISTAKES, by_name
+from scoring import Row, row
+
+
+def all_rows(
+    workers: int, names: Sequence[str] = (), told: Callable[[str], object] = str
+) -> list[Row]:
+    """In the order of the table.
+
+    Args:
+        workers: processes.
+        names: of mistakes, where not all.
+        told: is called with what is done.
+    """
+    asked = [
+        (robot, mistake.name)
+        for mistake in MISTAKES
+        if not names or mistake.name in names
+        for robot in mistake.robots
+    ]
+    rows = []
+    # A fresh interpreter: threads of the core do not survive a fork.
+    with ProcessPoolExecutor(workers, get_context("spawn")) as pool:
+        for one in pool.map(_scores, asked):
+            robot, name = asked[len(rows)]
+            rows.append(Row(robot, by_name(name), one))
+            told(f"{len(rows)}/{len(asked)} {robot}: {name}")
+    return rows
+
+
+def _scores(asked: tuple[str, str]) -> dict:
+    """Without the mistake: its functions cannot be sent to another process."""
+    robot, name = asked
+    return row(robot, by_name(name)).scores

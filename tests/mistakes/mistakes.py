@@ -1,0 +1,48 @@
+"""All mistakes, by group, and the few that are tried every time."""
+
+from itertools import chain
+
+from mistake import Mistake
+from mistakes_in_columns import IN_COLUMNS
+from mistakes_in_geometry import IN_GEOMETRY
+from mistakes_in_motion import IN_MOTION
+from mistakes_in_sensors import IN_SENSORS
+
+MISTAKES = tuple(
+    mistake._replace(group=group)
+    for group, members in chain(
+        IN_COLUMNS.items(), IN_SENSORS.items(), IN_GEOMETRY.items(), IN_MOTION.items()
+    )
+    for mistake in members
+)
+
+QUICK = (
+    "all joints negated",
+    "one wheel negated",
+    "all joints in degrees",
+    "quaternion scalar first",
+    "attitude sensor turned 5 deg",
+    "joint2 scale 1 %",
+    "position 0.5 s late",
+    "position 10 mm from S",
+    "joint2 zero off 20 mrad",
+    "1 N for 0.2 s",
+    "last link 20 % heavier from the middle on",
+)
+"""The worst of each kind."""
+
+
+MOST_GROUPS = 3
+"""A message that names more kinds of causes is a list of all that can be wrong."""
+
+
+def names(mistake: Mistake, message: str) -> bool:
+    """Whether a message says that it is this, and not that it may be anything."""
+    groups = {each.group for each in MISTAKES if each.is_named(message)}
+    return mistake.is_named(message) and len(groups) <= MOST_GROUPS
+
+
+def by_name(name: str) -> Mistake:
+    """The one mistake of this name."""
+    (mistake,) = (each for each in MISTAKES if each.name == name)
+    return mistake

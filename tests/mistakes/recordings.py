@@ -1,0 +1,129 @@
+"""Two robots with declared sensors, and what these record where nothing is wrong."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cache
+from typing import Any, Literal
+
+import numpy as np
+from random_motions import random_motion
+
+from orbident.recordings.recording import Recording
+from orbident.robot.description import Robot
+from orbident.robot.robot_file import load_robot
+from orbident.simulation.free_floating import BaseState, JointMotion, free_floating
+from orbident.simulation.measure import measure_truth
+from orbident.simulation.simulate import sample_times
+from orbident.simulation.truth import Truth, truth_of
+
+SPACE, TABLE = "paper-spatial", "cepheus-like"
+ROBOTS = (SPACE, TABLE)
+SEED = 1
+WHEEL_SPEED = 100.0
+"""rad/s."""
+
+SENSORS: Mapping[str, Mapping[str, Any]] = {
+    # The gyro and the encoders of the paper; a good star tracker and a good camera.
+    SPACE: {
+        "rate": 10.0,
+        "gyro": {
+            "angle_random_walk": np.radians(0.01) / 60,
+            "bias_instability": np.radians(0.3) / 3600,
+        },
+        "joints": {"position": 2.5e-5},
+        "wheels": {"position": 2.5e-5},
+        "attitude": {"angle": np.radians(0.01)},
+        "position": {"std": 1e-4},
+    },
+    # Motion capture.
+    TABLE: {
+        "rate": 50.0,
+        "joints": {"position": 2e-4},
+        "wheels": {"position": 2e-4},
+        "attitude": {"angle": np.radians(0.02)},
+        "position": {"std": 1e-4},
+    },
+}
+"""By robot, SI."""
+
+
+DESIGN = 0.1
+"""A body is up to so much heavier or lighter than its CAD model."""
+
+
+def designed(robot: Robot) -> Robot:
+    """The robot as its CAD model has it: what a user knows of its inertia."""
+    random = np.random.default_rng(SEED)
+    off = 1 + DESIGN * random.uniform(-1, 1, (len(robot.bodies), 1))
+    return replace(robot, theta=off * robot.theta)
+
+
+@dataclass(frozen=True, eq=False)
+class Clean:
+    """A motion of a robot that is exactly as described, and how it came about."""
+
+    robot: Robot
+    joints: JointMotion
+    start: BaseState
+    t: np.ndarray
+    true: Truth
+    """At the times `t`."""
+    initial_momentum: Literal["unknown", "at-rest"]
+
+    @property
+    def space(self) -> bool:
+        """Whether the robot is in space, and not on a table."""
+        return self.robot.motion == "spatial"
+
+    def recorded(
+        self, true: Truth | None = None, sensors: Mapping[str, Any] | None = None
+    ) -> Recording:
+        """What the sensors show.
+
+        Args:
+            true: of another motion at the same times.
+            sensors: what is different about them, by sensor.
+        """
+        actual = dict(self.robot.sensors)
+        for name, changes in (sensors or {}).items():
+            actual[name] = {**actual[name], **changes}
+        robot = replace(self.robot, sensors=actual)
+        return measure_truth(robot, self.t, true or self.true, SEED)
+
+
+def motion_of(
+    robot: Robot, joints: JointMotion, start: BaseState, t: np.ndarray
+) -> Truth:
+    """The free-floating motion at any times, s."""
+    return truth_of(robot, free_floating(robot, joints, t, start), joints)
+
+
+@cache
+def clean(name: str) -> Clean:
+    """80 s in space while the base tumbles, or 20 s on the table from rest."""
+    robot = replace(load_robot(name), sensors=SENSORS[name])
+    space = name == SPACE
+    trajectory = random_motion(
+        robot,
+        seed=SEED,
+        duration=80.0 if space else 20.0,
+        wheel_speed=WHEEL_SPEED,
+        start="turning" if space else "spun up",
+    )
+    initial = trajectory.initial
+    start = BaseState(
+        initial.angular_velocity,
+        initial.attitude,
+        initial.velocity,
+        # Three speeds, so that no wheel can pass for another.
+        WHEEL_SPEED * np.array([2.0, -1.5, 2.5] if space else [1.0]),
+    )
+    t = sample_times(trajectory.duration, SENSORS[name]["rate"])
+    return Clean(
+        robot=robot,
+        joints=trajectory,
+        start=start,
+        t=t,
+        true=motion_of(robot, trajectory, start, t),
+        initial_momentum="unknown" if space else "at-rest",
+    )

@@ -1,0 +1,83 @@
+"""No wrong number is accepted, whatever is wrong with recording or robot file."""
+
+import os
+from functools import cache
+
+import pytest
+from campaign_of_mistakes import all_rows
+from mistakes import MISTAKES, QUICK, by_name
+from recordings import ROBOTS, clean
+from scoring import Row, row, scored
+from spoiled import nothing
+from table import Count, markdown
+from visibility import visibility
+
+from orbident.estimation.identify import METHODS, Method
+
+NAMED = 0.8
+"""Of the refusals, at least this part names the true cause first."""
+
+CASES = [
+    pytest.param(robot, name, id=f"{robot}, {name}")
+    for name in QUICK
+    for robot in by_name(name).robots
+]
+
+
+@cache
+def quick(robot: str, name: str) -> Row:
+    return row(robot, by_name(name))
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize(("robot", "name"), CASES)
+def test_nothing_wrong_is_accepted(robot: str, name: str, method: Method):
+    score = quick(robot, name).scores[method]
+    assert score.outcome in {"refused", "right"}, score
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("robot", ROBOTS)
+def test_what_has_no_mistake_is_accepted(robot: str, method: Method):
+    score = scored(nothing(clean(robot)), method)
+    assert score.outcome == "right", score
+
+
+@pytest.fixture(scope="module")
+def rows() -> list[Row]:
+    return all_rows(workers=min(2, os.cpu_count() or 1))
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("method", METHODS)
+def test_no_wrong_number_is_ever_accepted(rows: list[Row], method: Method):
+    n = Count(rows, method)
+    assert n.wrong == [], markdown(n.wrong)
+    assert n.crashed == [], markdown(n.crashed)
+
+
+@pytest.mark.long
+def test_refusals_name_the_true_cause(rows: list[Row]):
+    counts = [Count(rows, method) for method in METHODS]
+    named, refused = sum(n.named for n in counts), sum(n.refused for n in counts)
+    assert named >= NAMED * refused, markdown(rows)
+
+
+HIDDEN = [
+    pytest.param(robot, mistake.name, id=f"{robot}, {mistake.name}")
+    for mistake in MISTAKES
+    for robot in mistake.unobservable
+]
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(("robot", "name"), HIDDEN)
+def test_what_is_excused_cannot_be_seen(robot: str, name: str):
+    assert not visibility(robot, by_name(name).spoil).seen
+
+
+def test_there_are_enough_mistakes():
+    names = [mistake.name for mistake in MISTAKES]
+    assert len(names) == len(set(names))
+    for robot in ROBOTS:
+        assert sum(robot in mistake.robots for mistake in MISTAKES) >= 60

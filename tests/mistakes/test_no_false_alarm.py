@@ -1,0 +1,55 @@
+"""What nothing is wrong with is accepted, and its intervals hold what is true."""
+
+import os
+
+import pytest
+from clean import ByMethod, Runs, coverage, markdown, of_robot, of_robots, pooled
+from random_flights import flight, flights, flyers
+
+from orbident.estimation.identify import METHODS, Method
+
+REFUSED = 0.01
+"""Of good recordings, at most this part is refused."""
+
+COVERAGE = (0.94, 0.96)
+"""Of the 95 % intervals, pooled over robots, seeds and base parameters."""
+
+FEW = ("space 0", "table 1", "free-flyer 0", "free-flyer 3")
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("name", FEW)
+def test_a_good_recording_is_accepted(name: str, method: Method):
+    runs = Runs()
+    runs.take(flight(name), 0, method)
+    assert runs.refused == 0, runs.reasons
+    # Of a hundred normal errors none is beyond.
+    assert max(map(abs, runs.z)) < 5
+
+
+@pytest.fixture(scope="module")
+def found() -> dict[str, ByMethod]:
+    return of_robots([*flights()], min(2, os.cpu_count() or 1))
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("method", METHODS)
+def test_hardly_any_good_recording_is_refused(
+    found: dict[str, ByMethod], method: Method
+):
+    runs = pooled(found, method)
+    assert runs.refused <= REFUSED * runs.runs, markdown(found)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("method", METHODS)
+def test_intervals_hold_what_is_true(found: dict[str, ByMethod], method: Method):
+    low, high = COVERAGE
+    assert low < coverage(pooled(found, method).z) < high, markdown(found)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", [*flyers()])
+def test_slow_and_noisy_recordings_are_accepted(name: str):
+    for method, runs in of_robot(name).items():
+        assert runs.refused == 0, (method, runs.reasons)
