@@ -22,7 +22,7 @@ from recordings import Clean, designed
 from table import lines
 
 import orbident as oi
-from orbident.estimation.identify import METHODS, Method
+from orbident.estimation.estimators import METHODS, Method
 
 INTERVAL = 1.959964
 """Deviations to either side: 95 % of a normal distribution."""

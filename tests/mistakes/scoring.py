@@ -11,7 +11,7 @@ from recordings import clean
 from spoiled import Spoiled
 
 import orbident as oi
-from orbident.estimation.identify import METHODS, Method
+from orbident.estimation.estimators import METHODS, Method
 from orbident.estimation.result import Result
 
 MOST = 5.0

@@ -12,7 +12,7 @@ from spoiled import nothing
 from table import Count, markdown
 from visibility import visibility
 
-from orbident.estimation.identify import METHODS, Method
+from orbident.estimation.estimators import METHODS, Method
 
 NAMED = 0.8
 """Of the refusals, at least this part names the true cause first."""
