@@ -40,8 +40,12 @@ def check(orbident: Orbident):
     true = orbident("inspect", "paper-spatial", "--json", "-").done().json
 
     def checked(path: object, tolerance: float) -> dict[str, Any]:
-        result = orbident(*IDENTIFY, path, "--json", "-").done().json
-        check_recovered(result, true, tolerance)
+        ran = orbident(*IDENTIFY, path, "--json", "-")
+        assert ran.status == 0
+        result = ran.json
+        # Beside residuals of splines least squares says what it takes them for.
+        others = [w for w in result["warnings"] if "the noise for white" not in w]
+        check_recovered({**result, "warnings": others}, true, tolerance)
         return result
 
     return checked
