@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from recordings import Clean, designed
 
-from orbident.estimation.least_squares import InitialMomentum
+from orbident.estimation.linear_fits import InitialMomentum
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 

@@ -14,6 +14,7 @@ from orbident.estimation.problem import MomentumProblem
 from orbident.estimation.quantities import Quantity
 from orbident.estimation.recursive.changes import in_words
 from orbident.estimation.triangular import condition_numbers
+from orbident.estimation.whiteness import low_frequencies
 
 # Forms of Eq. 32 that differ by more than this do not measure one mass.
 SPREAD = 0.5
@@ -27,8 +28,6 @@ DISAGREE = 5.0
 MATTERS = 0.03
 # Std of residuals over the declared noise: chi-square of its square is worth a word.
 NOISY = 1.5
-# Correlation of neighbouring residuals that makes deviations a fifth too small.
-COLOURED = 0.2
 # Residuals over the signal: what integration and float32 leave.
 ROUNDING = 1e-7
 # Condition number, columns scaled: three digits of the measurements are lost.
@@ -86,7 +85,10 @@ def judge(
     if none:
         checks += [
             *_convergence(problem, estimate),
-            *(_exact(problem, estimate) or [*_noise(estimate), *_sensors(estimate)]),
+            *(
+                _exact(problem, estimate)
+                or [*_noise(estimate), *_sensors(estimate), *_whiteness(estimate)]
+            ),
             *_mass(problem, estimate),
             *_changes(estimate),
             *_disturbances(estimate),
@@ -169,7 +171,7 @@ def _is_rounding(signal: Signal) -> bool:
 
 
 def _sensors(estimate: Estimate) -> Iterator[Check]:
-    """The residuals of each sensor: their size, and whether they are white."""
+    """The size of the residuals of each sensor."""
     for name, fit in estimate.sensors.items():
         times = fit.noise / fit.declared
         level: Level = "with care" if times > NOISY else "trust"
@@ -180,19 +182,41 @@ def _sensors(estimate: Estimate) -> Iterator[Check]:
             )
             remedy = "" if level == "trust" else REMEDY
             yield Check(f"noise of {name}", level, reason, remedy, times, NOISY)
-    coloured = [
-        name for name, fit in estimate.sensors.items() if abs(fit.whiteness) > COLOURED
-    ]
-    if coloured:
+
+
+def _whiteness(estimate: Estimate) -> Iterator[Check]:
+    """Whether the residuals of each sensor are noise, or motion that is not modelled.
+
+    Parameters take up what they can of an effect that is left out: what remains may be
+    far below the noise, and they are off by many deviations all the same.
+    """
+    if not estimate.signals and estimate.goodness is not None:
         yield Check(
             "whiteness",
             "with care",
-            f"residuals of {', '.join(coloured)} are not white: something is not "
-            "modelled, and the intervals are too narrow",
-            "check clocks, frames and what else acts on the robot",
+            "this method does not test what each sensor shows, so an effect that is not "
+            "modelled may pass unseen",
+            "identify by maximum-likelihood too, which tests it",
         )
-    elif estimate.sensors:
-        yield Check("whiteness", "trust", "residuals are white")
+    for signal in estimate.signals:
+        found = low_frequencies(signal.measured - signal.predicted, signal.std)
+        if found is None:
+            continue
+        name = f"whiteness of {signal.name}"
+        if found.ratio <= found.limit:
+            reason = f"residuals of {signal.name} are white"
+            yield Check(name, "trust", reason, "", *found)
+            continue
+        yield Check(
+            name,
+            "do not trust",
+            f"residuals of {signal.name} are not noise: at low frequencies they have "
+            f"{found.ratio:.2g} times the power of white noise, and more than "
+            f"{found.limit:.2g} is no chance, so something acts that is not modelled",
+            f"{CAUSES}; see whether a clock is late or runs fast, and whether anything "
+            "pushes the robot or is loose on it",
+            *found,
+        )
 
 
 def _mass(problem: MomentumProblem, estimate: Estimate) -> Iterator[Check]:
