@@ -9,6 +9,7 @@ from orbident.estimation.found import Found
 from orbident.estimation.least_squares import Fits
 from orbident.estimation.mass import Mass
 from orbident.estimation.triangular import LinearFit
+from orbident.files.names import joined, listed
 from orbident.preprocessing.samples import Samples
 from orbident.robot.description import Robot
 
@@ -205,16 +206,15 @@ def _undetermined(
     if which.size == 0:
         return []
     runs = np.split(which, np.flatnonzero(np.diff(which) > 1) + 1)
-    names = ", ".join(
+    names = joined(
         f"{name}_{run[0]} to {name}_{run[-1]}"
         if run.size > LISTED
         else ", ".join(f"{name}_{k}" for k in run)
         for run in runs
     )
     if locked:
-        joints = ", ".join(f"'{joint}'" for joint in locked)
         noun, pronoun = ("joint", "it") if len(locked) == 1 else ("joints", "them")
-        reason = f"{noun} {joints} never moved; move {pronoun}"
+        reason = f"{noun} {listed(locked)} never moved; move {pronoun}"
     else:
         reason = "the motion does not excite them; record a richer trajectory"
     return [f"{names} not determined: {reason}"]
