@@ -82,7 +82,7 @@ def _times(
 ) -> Float[np.ndarray, "n k some"]:
     """`X @ Y` as one product of two matrices, not as `n` of small ones."""
     n, k, size = X.shape
-    return (X.reshape(n * k, size) @ Y).reshape(n, k, Y.shape[1])
+    return (X.reshape(n * k, size) @ Y).reshape(n, k, -1)
 
 
 @dataclass(frozen=True)

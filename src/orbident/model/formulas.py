@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
-from scipy.sparse import csr_array, hstack, sparray
+from scipy.sparse import csr_array, hstack
 
 from orbident.model.minimal_sets import MinimalSets
 from orbident.robot.description import Robot
@@ -43,7 +43,8 @@ def formulas_of(robot: Robot, sets: MinimalSets) -> SetFormulas:
     phi = tuple(_quotient(formula) for formula in base[1 : 1 + sigmas])
     products = [_product(names[1 + a], names[1 + b]) for a, b in sets.pairs]
     linear = csr_array(sets.pi_of_beta) @ csr_array(sets.base.T)
-    pi = combinations(hstack([linear, sets.pi_of_products]), [*standard, *products])
+    both = csr_array(hstack([linear, sets.pi_of_products]))
+    pi = combinations(both, [*standard, *products])
     return SetFormulas(
         base=Formulas(tuple(names), base),
         phi=Formulas(_numbered("phi", sigmas), phi),
@@ -52,7 +53,7 @@ def formulas_of(robot: Robot, sets: MinimalSets) -> SetFormulas:
 
 
 def combinations(
-    coefficients: Float[np.ndarray, "rows n"] | sparray, names: Sequence[str]
+    coefficients: Float[np.ndarray, "rows n"] | csr_array, names: Sequence[str]
 ) -> tuple[str, ...]:
     """`2 a + b - 0.5 c`: rounded, the largest first, without what is negligible."""
     A = csr_array(coefficients)
@@ -64,10 +65,11 @@ def combinations(
     order = np.lexsort((A.indices, -share.round(9), rows))
     order = order[share[order] > NEGLIGIBLE]
     texts = [""] * len(largest)
-    terms = (x[order].tolist() for x in (rows, A.data, A.indices))
-    for row, c, k in zip(*terms, strict=True):
+    rows, values, columns = rows[order], A.data[order], A.indices[order]
+    for row, c, k in zip(rows.tolist(), values.tolist(), columns.tolist(), strict=True):
         sign = ("-" if c < 0 else "") if not texts[row] else (" - " if c < 0 else " + ")
-        texts[row] += sign + f"{abs(c):.4g} ".removeprefix("1 ") + names[k]
+        factor = f"{abs(c):.4g} ".removeprefix("1 ")
+        texts[row] += f"{sign}{factor}{names[k]}"
     return tuple(text or "0" for text in texts)
 
 
