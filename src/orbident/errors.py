@@ -8,13 +8,18 @@ QUOTED = 80
 LONGEST_WORD = 255
 """Characters: no system has a longer file name, and paths are not to be cut."""
 
-_LONG_QUOTED = re.compile(rf"'([^\s']{{{QUOTED - 3}}})[^\s']{{4,}}'")
+_QUOTED = re.compile(r"(?<!\w)'([^']*)'(?!\w)")
 _LONG_WORD = re.compile(rf"([^\s/]{{{QUOTED - 3}}})[^\s/]{{{LONGEST_WORD - QUOTED},}}")
 
 
 def readable(message: str) -> str:
     """The message with names cut that nobody could read."""
-    return _LONG_WORD.sub(r"\1...", _LONG_QUOTED.sub(r"'\1...'", message))
+    return _LONG_WORD.sub(r"\1...", _QUOTED.sub(_cut, message))
+
+
+def _cut(quoted: re.Match[str]) -> str:
+    name = quoted[1]
+    return quoted[0] if len(name) <= QUOTED else f"'{name[: QUOTED - 3]}...'"
 
 
 class InputError(ValueError):

@@ -133,7 +133,7 @@ def accelerometer_rows(burn: Burn, recording: Recording) -> Rows:
         InputError: there are fewer than four samples.
     """
     f_S = recording.vector("accelerometer")[burn.rows]
-    v_S = velocity_from_accelerometer(burn.t, burn.x_WB, f_S)
+    v_S = velocity_from_accelerometer(burn.t, burn.x_WB, f_S, recording.source)
     v_S[np.isnan(f_S).any(axis=1)] = np.nan
     J = [
         velocity_from_accelerometer(burn.t, burn.x_WB, F)

@@ -15,6 +15,7 @@ from orbident.estimation.quantities import Quantity
 from orbident.estimation.recursive.changes import in_words
 from orbident.estimation.triangular import condition_numbers
 from orbident.estimation.whiteness import low_frequencies
+from orbident.files.names import joined, listed
 
 # Forms of Eq. 32 that differ by more than this do not measure one mass.
 SPREAD = 0.5
@@ -107,16 +108,15 @@ def _determined(
         yield Check(f"{name} determined", "trust", reason)
         return
     runs = np.split(which, np.flatnonzero(np.diff(which) > 1) + 1)
-    names = ", ".join(
+    names = joined(
         f"{name}_{run[0]} to {name}_{run[-1]}"
         if run.size > LISTED
         else ", ".join(f"{name}_{k}" for k in run)
         for run in runs
     )
     if locked:
-        joints = ", ".join(f"'{joint}'" for joint in locked)
         noun, pronoun = ("joint", "it") if len(locked) == 1 else ("joints", "them")
-        reason, remedy = f"{noun} {joints} never moved", f"move {pronoun}"
+        reason, remedy = f"{noun} {listed(locked)} never moved", f"move {pronoun}"
     else:
         reason, remedy = "the motion does not excite them", "record a richer trajectory"
     words = f"{names} not determined: {reason}"
@@ -194,8 +194,8 @@ def _whiteness(estimate: Estimate) -> Iterator[Check]:
         yield Check(
             "whiteness",
             "with care",
-            "this method does not test what each sensor shows, so an effect that is not "
-            "modelled may pass unseen",
+            "this method does not test what each sensor shows, so an effect that is "
+            "not modelled may pass unseen",
             "identify by maximum-likelihood too, which tests it",
         )
     for signal in estimate.signals:

@@ -2,6 +2,7 @@
 
 from collections.abc import Hashable, Iterable
 from difflib import get_close_matches
+from itertools import accumulate
 from typing import TypeVar
 
 from orbident.errors import QUOTED
@@ -9,14 +10,28 @@ from orbident.errors import QUOTED
 Name = TypeVar("Name", bound=Hashable)
 
 
-LISTED = 20
-"""Names: more are no help."""
+LISTED = 400
+"""Characters of a list of names: a line has room for two of them, and for words."""
 
 
 def quoted(value: object) -> str:
     """What was found, as Python writes it, on one line and cut where it is long."""
     text = " ".join(repr(value).split())
     return text if len(text) <= QUOTED else text[: QUOTED - 3] + "..."
+
+
+def listed(names: Iterable[str]) -> str:
+    """`'x', 'y' and 7 more`: names, as many as one can read at a glance."""
+    return joined(map(quoted, names))
+
+
+def joined(texts: Iterable[str]) -> str:
+    """`x, y and 7 more`: the first texts, as many as one can read at a glance."""
+    texts = tuple(texts)
+    ends = accumulate(len(text) + len(", ") for text in texts)
+    shown = sum(end <= LISTED for end in ends)
+    more = f" and {len(texts) - shown} more" if shown < len(texts) else ""
+    return (", ".join(texts[:shown]) or "none") + more
 
 
 def closest(name: str, known: Iterable[str]) -> str | None:
@@ -33,12 +48,9 @@ def suggestion(name: str, known: Iterable[str], what: str) -> str:
         what: a plural: "joints", "keys".
     """
     known = tuple(known)
-    listed = ", ".join(repr(each) for each in known[:LISTED]) or "none"
-    if len(known) > LISTED:
-        listed += f" and {len(known) - LISTED} more"
     close = closest(name, known)
-    hint = f"did you mean {close!r}? " if close else ""
-    return f"{hint}known {what}: {listed}"
+    hint = f"did you mean {quoted(close)}? " if close else ""
+    return f"{hint}known {what}: {listed(known)}"
 
 
 def first_duplicate(names: Iterable[Name]) -> Name | None:

@@ -8,6 +8,7 @@ import numpy as np
 from orbident.errors import InputError
 from orbident.estimation.quantities import nulled
 from orbident.estimation.result import Result
+from orbident.files.names import listed, quoted
 
 SCHEMA = "orbident/matrices/1"
 
@@ -25,10 +26,9 @@ def matrices_at(result: Result, q: Sequence[float]) -> dict[str, Any]:
     """
     robot, at = result.robot, np.array(q, dtype=float)
     if at.shape != (len(robot.joints),) or not np.isfinite(at).all():
-        names = ", ".join(robot.joint_names)
         raise InputError(
-            f"--q: found {list(q)}, expected {len(robot.joints)} finite numbers, of "
-            f"{names}"
+            f"--q: found {quoted(list(q))}, expected {len(robot.joints)} finite "
+            f"numbers, of {listed(robot.joint_names)}"
         )
     model = result.dynamics()
     return {

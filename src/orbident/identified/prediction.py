@@ -14,6 +14,7 @@ from scipy.interpolate import CubicSpline
 
 from orbident.errors import InputError
 from orbident.estimation.result import Result
+from orbident.files.names import joined
 from orbident.model.minimal_sets import MinimalSets, Regressors, minimal_sets
 from orbident.model.rotations import quaternion_matrix, rotate
 from orbident.model.wheels import wheels_of
@@ -157,6 +158,6 @@ def _check_complete(result: Result) -> None:
         ]
         if unknown:
             raise InputError(
-                f"the result does not determine {', '.join(unknown)}, so {name} cannot "
+                f"the result does not determine {joined(unknown)}, so {name} cannot "
                 "predict; identify from a recording that does (see its warnings)"
             )

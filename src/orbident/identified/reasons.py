@@ -4,6 +4,7 @@ import numpy as np
 
 from orbident.estimation.criteria import VAGUE
 from orbident.estimation.result import Result
+from orbident.files.names import joined
 from orbident.identified.added_body import AddedBody
 from orbident.identified.difference import Difference, shown
 from orbident.identified.single_body import Explanation, free_columns
@@ -12,8 +13,6 @@ from orbident.robot.parameters import PER_BODY, SYMBOLS
 
 POSSIBLE = 0.05
 """A body of this probability is worth a word."""
-LISTED = 8
-"""Names in a sentence."""
 WHITE = "least-squares"
 """The method whose covariance knows no bias, and nothing that sensors integrate."""
 
@@ -45,8 +44,7 @@ def lost(before: Result, after: Result) -> str:
         unknown = np.flatnonzero(~np.isfinite(result.base.values))
         names = [result.base.names[k] for k in unknown]
         if names:
-            listed = ", ".join(names[:LISTED]) + ", .." * (len(names) > LISTED)
-            parts.append(f"the run {when} does not determine {listed}")
+            parts.append(f"the run {when} does not determine {joined(names)}")
     return " and ".join(parts)
 
 

@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 
 from orbident.errors import InputError
+from orbident.files.names import listed
 from orbident.robot.description import Joint, Robot, Wheel
 
 TOLERANCE = 1e-9
@@ -38,7 +39,7 @@ def _of_names(before: Robot, after: Robot) -> str | None:
             if name not in a:
                 return f"{what} '{name}' is in the run after only"
         if a != b:
-            return f"{what} order: {', '.join(a)} before, {', '.join(b)} after"
+            return f"{what} order: {listed(a)} before, {listed(b)} after"
     return None
 
 

@@ -13,9 +13,11 @@ squared, so that no matrix of all of them over random motion is ever made. Inste
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from jaxtyping import Float, Int
+from scipy.sparse import csc_array
 
 from orbident.model.independent import DEPENDENT
 from orbident.model.momentum import momentum
@@ -29,6 +31,10 @@ then well conditioned."""
 
 ZERO = 1e-9
 """Of the largest of a column: smaller parameters are rounding."""
+
+ROUNDING = 1e-16
+"""Of a combination of length one. Without this, rounding of rounding of sixty bodies
+ends in numbers near 1e-308, which processors are slow at."""
 
 
 @dataclass(frozen=True)
@@ -57,21 +63,26 @@ class Columns:
     def at(self, motion: "Motion") -> "Seen":
         """What all columns are made of, in some motion."""
         at = momentum(self.robot, motion.q, motion.qd, motion.w)
-        of_sigma = self.theta_of[:, self.sigma]
+        of_sigma = self._sparse_theta_of[:, self.sigma]
         return Seen(
-            A=_times(at.A[:, self.axes], self.theta_of),
+            A=_times(at.A[:, self.axes], self._sparse_theta_of),
             S=_times(at.S, of_sigma),
             P=_times(at.P, of_sigma),
             columns=self,
         )
 
+    @cached_property
+    def _sparse_theta_of(self) -> csc_array:
+        """Most of `beta` are one parameter of `theta` each."""
+        return csc_array(self.theta_of)
+
 
 def _times(
-    X: Float[np.ndarray, "n k all"], Y: Float[np.ndarray, "all some"]
+    X: Float[np.ndarray, "n k all"], Y: csc_array
 ) -> Float[np.ndarray, "n k some"]:
-    """`X @ Y` as one product of two large matrices, not as `n` of small ones."""
-    n, k, _ = X.shape
-    return (X.reshape(n * k, len(Y)) @ Y).reshape(n, k, Y.shape[1])
+    """`X @ Y` as one product of two matrices, not as `n` of small ones."""
+    n, k, size = X.shape
+    return (X.reshape(n * k, size) @ Y).reshape(n, k, -1)
 
 
 @dataclass(frozen=True)
@@ -107,19 +118,21 @@ class Seen:
 
     def along(self, N: Float[np.ndarray, "columns m"]) -> Float[np.ndarray, "rows m"]:
         """Combinations of all columns."""
-        beta, sigmas = self.A.shape[2], self.S.shape[2]
+        n, axes, beta = self.A.shape
+        sigmas = self.S.shape[2]
         a, b = self.columns.pairs.T
-        seen = np.empty((*self.A.shape[:2], N.shape[1]))
-        for k, combination in enumerate(N.T):
+        S, P = self.S.reshape(3 * n, sigmas), self.P.transpose(0, 2, 1)
+        seen = self.A.reshape(n * axes, beta) @ N[:beta]
+        for k, of_products in enumerate(N[beta:].T):
             # sum c_ab (S_a x P_b + S_b x P_a) = sum over b of (S C)_b x P_b.
             C = np.zeros((sigmas, sigmas))
-            C[a, b] = combination[beta:]
+            C[a, b] = of_products
             C += C.T
             C[np.diag_indices(sigmas)] /= 2
-            products = np.cross(self.S @ C, self.P, axis=1).sum(axis=2)
-            seen[:, :, k] = self.A @ combination[:beta] - products[:, self.columns.axes]
-        rows = self.A.shape[0] * self.A.shape[1]
-        return seen.reshape(rows, N.shape[1])
+            M = (S @ C).reshape(n, 3, sigmas) @ P
+            across = M[:, (1, 2, 0), (2, 0, 1)] - M[:, (2, 0, 1), (1, 2, 0)]
+            seen[:, k] -= across[:, self.columns.axes].ravel()
+        return seen
 
 
 def dependencies(columns: Columns) -> Float[np.ndarray, "columns m"]:
@@ -136,6 +149,7 @@ def dependencies(columns: Columns) -> Float[np.ndarray, "columns m"]:
         of_own, of_left = np.split(_parted(X)[0], [len(own)])
         left = left @ of_left
         left[own] += of_own
+        left[np.abs(left) < ROUNDING] = 0.0
         # What is zero in any motion need not be looked at again.
         everywhere = columns.at(_any_motion(columns, left.shape[1], random))
         zero, rest = _parted(everywhere.along(left))

@@ -1,12 +1,11 @@
 """The minimal sets in readable form: combinations of standard parameters."""
 
-import itertools
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
-from scipy.sparse import csr_array
+from scipy.sparse import csr_array, hstack
 
 from orbident.model.minimal_sets import MinimalSets
 from orbident.robot.description import Robot
@@ -40,19 +39,12 @@ def formulas_of(robot: Robot, sets: MinimalSets) -> SetFormulas:
     standard = [f"{symbol}({body})" for body in robot.bodies for symbol in SYMBOLS]
     sigmas, iotas = sets.base.sigmas, sets.iotas
     names = ["M", *_numbered("sigma", sigmas), *_numbered("iota", iotas)]
-    base = tuple(combination(row, standard) for row in sets.base.T)
+    base = combinations(sets.base.T, standard)
     phi = tuple(_quotient(formula) for formula in base[1 : 1 + sigmas])
     products = [_product(names[1 + a], names[1 + b]) for a, b in sets.pairs]
-    linear = sets.pi_of_beta @ sets.base.T
-    pi = tuple(
-        combination(
-            np.concatenate([row, data]),
-            [*standard, *(products[k] for k in indices)],
-        )
-        for row, (indices, data) in zip(
-            linear, _entries(sets.pi_of_products), strict=True
-        )
-    )
+    linear = csr_array(sets.pi_of_beta) @ csr_array(sets.base.T)
+    both = csr_array(hstack([linear, sets.pi_of_products]))
+    pi = combinations(both, [*standard, *products])
     return SetFormulas(
         base=Formulas(tuple(names), base),
         phi=Formulas(_numbered("phi", sigmas), phi),
@@ -60,20 +52,25 @@ def formulas_of(robot: Robot, sets: MinimalSets) -> SetFormulas:
     )
 
 
-def combination(coefficients: Float[np.ndarray, " n"], names: Sequence[str]) -> str:
+def combinations(
+    coefficients: Float[np.ndarray, "rows n"] | csr_array, names: Sequence[str]
+) -> tuple[str, ...]:
     """`2 a + b - 0.5 c`: rounded, the largest first, without what is negligible."""
-    sizes = np.abs(coefficients)
-    largest = sizes.max(initial=0.0)
-    shown = np.flatnonzero(sizes > NEGLIGIBLE * largest)
-    text = ""
+    A = csr_array(coefficients)
+    rows = np.repeat(np.arange(len(A.indptr) - 1), np.diff(A.indptr))
+    largest = np.zeros(len(A.indptr) - 1)
+    np.maximum.at(largest, rows, np.abs(A.data))
+    share = np.abs(A.data) / np.where(largest > 0, largest, 1.0)[rows]
     # Rounded, so that what is equal but for rounding keeps its order.
-    order = np.argsort(-(sizes[shown] / (largest or 1.0)).round(9), kind="stable")
-    for k in shown[order]:
-        c = coefficients[k]
-        sign = ("-" if c < 0 else "") if not text else (" - " if c < 0 else " + ")
+    order = np.lexsort((A.indices, -share.round(9), rows))
+    order = order[share[order] > NEGLIGIBLE]
+    texts = [""] * len(largest)
+    rows, values, columns = rows[order], A.data[order], A.indices[order]
+    for row, c, k in zip(rows.tolist(), values.tolist(), columns.tolist(), strict=True):
+        sign = ("-" if c < 0 else "") if not texts[row] else (" - " if c < 0 else " + ")
         factor = f"{abs(c):.4g} ".removeprefix("1 ")
-        text += sign + factor + names[int(k)]
-    return text or "0"
+        texts[row] += f"{sign}{factor}{names[k]}"
+    return tuple(text or "0" for text in texts)
 
 
 def mass_forms(
@@ -86,19 +83,12 @@ def mass_forms(
     divisors = np.hstack(
         [forms @ sets.pi_of_beta[:, : 1 + len(phi)], forms @ sets.pi_of_products]
     )
-    names, formulas = [], []
-    for c, divisor in zip(forms, divisors, strict=True):
-        name = combination(c, words.pi.names)
-        above = f"({name})" if " " in name else name
-        names.append(name)
-        formulas.append(f"{above}/({combination(divisor, below)})")
-    return Formulas(tuple(names), tuple(formulas))
-
-
-def _entries(A: csr_array) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-    """Row by row, columns and values of what is not zero."""
-    for start, end in itertools.pairwise(A.indptr):
-        yield A.indices[start:end], A.data[start:end]
+    names = combinations(forms, words.pi.names)
+    formulas = tuple(
+        f"{f'({above})' if ' ' in above else above}/({divisor})"
+        for above, divisor in zip(names, combinations(divisors, below), strict=True)
+    )
+    return Formulas(names, formulas)
 
 
 def _numbered(name: str, count: int) -> tuple[str, ...]:

@@ -5,12 +5,14 @@ import numpy as np
 from orbident.model.minimal_sets import MinimalSets
 from orbident.robot.description import Robot
 from orbident.robot.parameters import PER_BODY, SYMBOLS
+from orbident.threads import one_blas_thread
 
 # The projector on what is seen has 1 on the diagonal where a parameter is seen alone.
 ALONE = 1e-6
 NEVER = 1e-9
 
 
+@one_blas_thread
 def not_identifiable(robot: Robot, sets: MinimalSets) -> list[str]:
     """Plain sentences: no scale, parameters that never show, or only in company."""
     sentences = []
@@ -20,7 +22,7 @@ def not_identifiable(robot: Robot, sets: MinimalSets) -> list[str]:
             "momentum equation has no known term; declare the robot's wheels"
         )
     T = sets.base.T
-    seen = np.einsum("kt,kt->t", np.linalg.pinv(T).T, T)
+    seen = np.sum(np.linalg.qr(T.T)[0] ** 2, axis=1)
     never = np.linalg.norm(T, axis=0) <= NEVER
     free = np.zeros(T.shape[1], dtype=bool)
     free[list(robot.free_parameters)] = True

@@ -4,11 +4,15 @@ from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
+from scipy.linalg import solve_triangular
 
 # Over random samples the distance of an independent column from the span of those
 # before it is 1e-3 to 1 of its norm, of a dependent one 1e-14 (14 joints): the
 # threshold lies in the middle of that gap.
 DEPENDENT = 1e-8
+
+BLOCK = 64
+"""Columns from which the part that is known is taken at once: a product of matrices."""
 
 
 class Independent(NamedTuple):
@@ -25,28 +29,39 @@ def independent_columns(X: Float[np.ndarray, "rows all"]) -> Independent:
     stand for the others, as in the classical regrouping (Khalil and Dombre, 2002).
     Gram-Schmidt with a second pass, which makes it orthogonal to rounding.
     """
-    # The triangular factor has the same dependencies, and fewer rows.
-    X = np.asarray(np.linalg.qr(X, mode="r"))
+    if len(X) > X.shape[1]:
+        # The triangular factor has the same dependencies, and fewer rows.
+        X = np.asarray(np.linalg.qr(X, mode="r"))
     norms = np.linalg.norm(X, axis=0)
-    largest = norms.max(initial=0.0)
-    Q = np.empty((X.shape[0], min(X.shape)))
-    columns: list[int] = []
-    for k, norm in enumerate(norms):
-        if len(columns) == Q.shape[1]:
-            break
-        if norm <= DEPENDENT * largest:
-            continue
-        v = X[:, k] / norm
-        basis = Q[:, : len(columns)]
-        for _ in range(2):
-            v = v - basis @ (basis.T @ v)
-        distance = np.linalg.norm(v)
-        if distance > DEPENDENT:
-            Q[:, len(columns)] = v / distance
-            columns.append(k)
-    basis = Q[:, : len(columns)]
-    seen = np.where(norms > DEPENDENT * largest, norms, 1.0)
-    unit = X / seen * (norms > DEPENDENT * largest)
-    T = np.linalg.solve(basis.T @ unit[:, columns], basis.T @ unit)
+    shown = norms > DEPENDENT * norms.max(initial=0.0)
+    size = np.where(shown, norms, 1.0)
+    unit = np.where(shown, X / size, 0.0)
+    basis, columns = _orthonormal(unit)
+    T = solve_triangular(basis.T @ unit[:, columns], basis.T) @ unit
     T[:, columns] = np.eye(len(columns))
-    return Independent(columns, T * seen / seen[columns, None])
+    return Independent(columns, T * size / size[columns, None])
+
+
+def _orthonormal(
+    X: Float[np.ndarray, "rows all"],
+) -> tuple[Float[np.ndarray, "rows independent"], list[int]]:
+    """A basis of the columns' span, and the columns that each added to it."""
+    Q = np.empty((len(X), min(X.shape)), order="F")
+    columns: list[int] = []
+    for start in range(0, X.shape[1], BLOCK):
+        V = _apart(X[:, start : start + BLOCK], Q[:, : len(columns)])
+        for k in np.flatnonzero(np.linalg.norm(V, axis=0) > DEPENDENT):
+            if len(columns) == Q.shape[1]:
+                return Q, columns
+            basis = Q[:, : len(columns)]
+            v = _apart(_apart(V[:, k], basis), basis)
+            distance = np.linalg.norm(v)
+            if distance > DEPENDENT:
+                Q[:, len(columns)] = v / distance
+                columns.append(start + int(k))
+    return Q[:, : len(columns)], columns
+
+
+def _apart(V: np.ndarray, basis: Float[np.ndarray, "rows n"]) -> np.ndarray:
+    """What of one or many vectors is not in the span of the basis."""
+    return V - basis @ (basis.T @ V)

@@ -14,7 +14,7 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.errors import InputError
-from orbident.files.names import suggestion
+from orbident.files.names import joined, suggestion
 from orbident.model import forces
 from orbident.model.equations_of_motion import (
     deviations,
@@ -31,8 +31,6 @@ from orbident.robot.parameters import PER_BODY
 
 TILT = [3, 4]
 """Of the speeds: the rates about x and y, whose rows no planar motion shows."""
-LISTED = 8
-"""Names in a message: a robot may have a hundred."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -282,10 +280,9 @@ def check_known(robot: Robot, beta: Float[np.ndarray, " beta"]) -> None:
     names = formulas_of(robot, sets).base.names
     unknown = [names[k] for k in np.flatnonzero(~np.isfinite(beta))]
     if unknown:
-        listed = ", ".join(unknown[:LISTED]) + ", .." * (len(unknown) > LISTED)
         raise InputError(
             f"{robot.name}: {len(unknown)} of {beta.size} base parameters are not "
-            f"determined ({listed}), so there is no dynamics; identify from a "
+            f"determined ({joined(unknown)}), so there is no dynamics; identify from a "
             "recording that excites them (see its warnings)"
         )
 

@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.errors import InputError
+from orbident.files.names import joined
 from orbident.model.equations_of_motion import equations_of_motion, movable
 from orbident.model.inertia import carried_about_S, inertia_at
 from orbident.robot.description import Robot
@@ -98,7 +99,7 @@ def _configurations(robot: Robot) -> Float[np.ndarray, "n joints"]:
 def _refuse_identified(
     robot: Robot, who: str, q: Float[np.ndarray, " joints"]
 ) -> NoReturn:
-    at = ", ".join(f"{x:.3g}" for x in q)
+    at = joined(f"{x:.3g}" for x in q)
     raise InputError(
         f"{robot.name}: with the identified parameters H+ is singular or indefinite at "
         f"q = [{at}], mostly in '{who}'; the recording determines them too badly: "

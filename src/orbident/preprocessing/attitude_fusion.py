@@ -58,6 +58,7 @@ def integrate_gyro(
     t: Float[np.ndarray, " n"],
     w: Float[np.ndarray, "n 3"],
     x_start: Float[np.ndarray, "4"],
+    source: str = "recording",
 ) -> Float[np.ndarray, "n 4"]:
     """The attitude whose rate is the cubic spline through the gyro's samples.
 
@@ -70,6 +71,7 @@ def integrate_gyro(
         t: times, s.
         w: angular rate of the base, base axes, rad/s; NaN where there is no sample.
         x_start: attitude at the gyro's first sample, unit quaternion, scalar last.
+        source: where the samples came from, for messages.
 
     Returns:
         Unit quaternions; NaN before the first and after the last sample.
@@ -79,7 +81,9 @@ def integrate_gyro(
     """
     measured = np.asarray(np.isfinite(w).all(axis=1))
     if measured.sum() < 4:
-        raise InputError(f"gyro has {measured.sum()} samples; give at least 4")
+        raise InputError(
+            f"{source}: gyro has {measured.sum()} samples; give at least 4"
+        )
     rate = CubicSpline(t[measured], w[measured])
     inside = _span(measured)
     h = np.diff(t[inside])
@@ -94,6 +98,7 @@ def fuse_attitude(
     fixes: Float[np.ndarray, "n 4"],
     gyro: GyroNoise,
     std: float,
+    source: str = "recording",
 ) -> Fused:
     """The most likely attitude, given all samples of a gyro and all fixes.
 
@@ -103,16 +108,19 @@ def fuse_attitude(
         fixes: attitudes from outside, unit quaternions; NaN where there is none.
         gyro: the gyro's noise.
         std: of a fix, about each axis, rad.
+        source: where the samples came from, for messages.
 
     Raises:
         InputError: the gyro has fewer than four samples, or no fix lies within them.
     """
     measured, fixed = (np.asarray(np.isfinite(x).all(axis=1)) for x in (w, fixes))
     if not measured.any():
-        raise InputError("gyro has no samples; give at least 4")
+        raise InputError(f"{source}: gyro has no samples; give at least 4")
     inside = _span(measured)
     if not fixed[inside].any():
-        raise InputError("attitude has no samples while the gyro has; give both")
+        raise InputError(
+            f"{source}: attitude has no samples while the gyro has; give both"
+        )
     found = _fused(t[inside], w[inside], fixes[inside], fixed[inside], gyro, std)
     return Fused(
         x_WB=_placed(found.x_WB, inside, t.size),

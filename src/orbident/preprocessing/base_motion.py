@@ -24,6 +24,7 @@ SMOOTHED = "derived: smoothed attitude"
 AXES = ("gyro.x", "gyro.y", "gyro.z")
 QUATERNION = ("attitude.x", "attitude.y", "attitude.z", "attitude.w")
 
+UNTURNED = np.array([0.0, 0.0, 0.0, 1.0])
 
 SIGMA = 1.4826
 """Std over median absolute value, of Gaussian noise."""
@@ -67,7 +68,7 @@ def base_motion(
     gyro, attitude = (_recorded(recording, names) for names in (AXES, QUATERNION))
     if gyro and not attitude:
         w = recording.vector("gyro")
-        x = integrate_gyro(recording.t, w, np.array([0.0, 0.0, 0.0, 1.0]))
+        x = integrate_gyro(recording.t, w, UNTURNED, recording.source)
         return _motion(recording, x, INTEGRATED)
     if attitude and not gyro:
         fixes = recording.vector("attitude", "xyzw")
@@ -105,12 +106,12 @@ def _sparse(w: Columns, fixes: Columns) -> bool:
 def _fused(recording: Recording, sensors: Mapping[str, Any], late: float) -> BaseMotion:
     t, w = recording.t, recording.vector("gyro")
     fixes = recording.vector("attitude", "xyzw")
-    by_gyro = integrate_gyro(t, w, np.array([0.0, 0.0, 0.0, 1.0]))
+    by_gyro = integrate_gyro(t, w, UNTURNED, recording.source)
     if late:
         fixes = _caught_up(t, fixes, by_gyro, late)
     std = sensors.get("attitude", {}).get("angle") or _scatter(by_gyro, fixes)
     noise = _gyro_noise(t, w, sensors.get("gyro", {}))
-    fused = fuse_attitude(t, w, fixes, noise, std)
+    fused = fuse_attitude(t, w, fixes, noise, std, recording.source)
     return BaseMotion(
         tuple((w - fused.bias).T),
         tuple(fused.x_WB.T),

@@ -75,7 +75,7 @@ def _felt(
     known = np.isfinite(x_WB).all(axis=1)
     t, x, felt = recording.t[known], x_WB[known], recording.vector(sensor)[known]
     if sensor == "accelerometer":
-        v = velocity_from_accelerometer(t, x, felt)
+        v = velocity_from_accelerometer(t, x, felt, recording.source)
     else:
         v = velocity_from_increments(x, felt)
     both = np.hstack([v, bias_response(t, x).reshape(-1, 9)])

@@ -12,6 +12,7 @@ def velocity_from_accelerometer(
     t: Float[np.ndarray, " n"],
     x_WB: Float[np.ndarray, "n 4"],
     f_S: Float[np.ndarray, "n 3"],
+    source: str = "recording",
 ) -> Float[np.ndarray, "n 3"]:
     """What S's velocity changed by since the first sample.
 
@@ -22,6 +23,7 @@ def velocity_from_accelerometer(
         t: times, s.
         x_WB: attitude of the base.
         f_S: specific force at S, base axes, m/s^2; NaN where there is no sample.
+        source: where the samples came from, for messages.
 
     Returns:
         Inertial axes, m/s.
@@ -31,7 +33,9 @@ def velocity_from_accelerometer(
     """
     measured = np.isfinite(f_S).all(axis=1)
     if measured.sum() < 4:
-        raise InputError(f"accelerometer has {measured.sum()} samples; give at least 4")
+        raise InputError(
+            f"{source}: accelerometer has {measured.sum()} samples; give at least 4"
+        )
     f_W = Rotation.from_quat(x_WB[measured]).apply(f_S[measured])
     return _integral(t[measured], f_W, t)
 

@@ -5,6 +5,7 @@ from collections import Counter
 from collections.abc import Sequence
 
 from orbident.errors import InputError
+from orbident.files.names import listed
 
 MOST_COLUMNS = 10_000
 """Arrow needs some 30 kB a column, however few the rows: so many take 0.3 GB."""
@@ -90,8 +91,7 @@ def check_names(source: str, names: Sequence[str]) -> None:
                 f"{source}: {count} columns are named '{name}'; keep or rename one"
             )
     if "t" not in names:
-        found = ", ".join(f"'{name}'" for name in names[:5])
         raise InputError(
-            f"{source}: column 't' is missing (time, s); found {found}"
-            f"{', ...' if len(names) > 5 else ''}; name the columns in the first line"
+            f"{source}: column 't' is missing (time, s); found {listed(names)}; name "
+            "the columns in the first line"
         )

@@ -1,6 +1,6 @@
 """The recording as plain frozen data: what was measured, and when."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,7 +8,7 @@ from jaxtyping import Float
 
 from orbident.errors import InputError
 from orbident.files.bounds import FAINTEST, LARGEST, SHORTEST
-from orbident.files.names import closest
+from orbident.files.names import closest, listed
 from orbident.recordings.columns import is_known, joint_of, meaning, wheel_of
 from orbident.robot.description import Robot
 
@@ -127,12 +127,8 @@ class Recording:
             if name is not None and name not in names:
                 raise InputError(
                     f"{self.source}: column '{column}': robot '{robot}' has no {what} "
-                    f"'{name}', only {_listed(names)}; rename or remove the column"
+                    f"'{name}', only {listed(names)}; rename or remove the column"
                 )
-
-
-def _listed(names: Iterable[str]) -> str:
-    return ", ".join(names) or "none"
 
 
 def _as_column(source: str, name: str, values: object) -> np.ndarray:

@@ -5,7 +5,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 from orbident.errors import InputError
-from orbident.files.names import suggestion
+from orbident.files.names import listed, suggestion
 from orbident.robot.urdf import Urdf, UrdfJoint, UrdfLink
 
 _UNACTUATED = {"floating", "planar"}
@@ -89,10 +89,9 @@ def _joint_above_each_link(urdf: Urdf) -> dict[str, UrdfJoint]:
 def _root(urdf: Urdf, above: dict[str, UrdfJoint]) -> str:
     roots = [link.name for link in urdf.links if link.name not in above]
     if len(roots) > 1:
-        listed = ", ".join(repr(name) for name in roots)
         raise InputError(
-            f"{urdf.place}: disconnected: links {listed} have no parent (several "
-            "roots); connect all but the base by joints"
+            f"{urdf.place}: disconnected: links {listed(roots)} have no parent "
+            "(several roots); connect all but the base by joints"
         )
     for link in urdf.links:
         _refuse_cycle(link.name, above, urdf.place)
@@ -105,10 +104,9 @@ def _refuse_cycle(link: str, above: dict[str, UrdfJoint], place: str) -> None:
         joint = above[link]
         if joint.name in passed:
             names = list(passed)[list(passed).index(joint.name) :]
-            listed = ", ".join(repr(name) for name in reversed(names))
             raise InputError(
-                f"{place}: kinematic loop through link '{link}' and joints {listed}; "
-                "a robot must be a tree: remove one of them"
+                f"{place}: kinematic loop through link '{link}' and joints "
+                f"{listed(reversed(names))}; a robot must be a tree: remove one of them"
             )
         passed[joint.name] = link
         link = joint.parent

@@ -12,6 +12,7 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.errors import InputError
+from orbident.files.names import listed
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.robot.parameters import from_mass_com_inertia
@@ -47,7 +48,7 @@ def holding(robot: Robot, target: Target, body: str | None = None) -> Robot:
     name = robot.bodies[-1] if body is None else body
     if name not in robot.bodies:
         raise InputError(
-            f"{robot.name}: no body '{name}'; give one of {', '.join(robot.bodies)}"
+            f"{robot.name}: no body '{name}'; give one of {listed(robot.bodies)}"
         )
     theta = robot.theta.copy()
     theta[robot.bodies.index(name)] += from_mass_com_inertia(*target)

@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.errors import InputError
+from orbident.files.names import listed
 from orbident.robot.description import Robot
 from orbident.trajectories.fourier_quintic import FourierQuintic
 
@@ -88,7 +89,7 @@ class Trajectory:
             )
         if len(set(self.joints)) < len(self.joints):
             raise InputError(
-                f"{self.source}: joints: found {', '.join(self.joints)}; "
+                f"{self.source}: joints: found {listed(self.joints)}; "
                 "name each joint once"
             )
         K, N_f = len(self.joints), np.asarray(self.a).shape[-1]
@@ -139,14 +140,14 @@ class Trajectory:
         """
         if set(self.joints) != set(robot.joint_names):
             raise InputError(
-                f"{self.source}: joints: found {_listed(self.joints)}, but robot "
-                f"'{robot.name}' has {_listed(robot.joint_names)}; give each of them"
+                f"{self.source}: joints: found {listed(self.joints)}, but robot "
+                f"'{robot.name}' has {listed(robot.joint_names)}; give each of them"
             )
         if not set(self.initial.wheel_speed) <= set(robot.wheel_names):
             raise InputError(
                 f"{self.source}: initial.wheel_speed: found "
-                f"{_listed(self.initial.wheel_speed)}, but robot '{robot.name}' has "
-                f"{_listed(robot.wheel_names)}; name only wheels of the robot"
+                f"{listed(self.initial.wheel_speed)}, but robot '{robot.name}' has "
+                f"{listed(robot.wheel_names)}; name only wheels of the robot"
             )
         rows = [self.joints.index(name) for name in robot.joint_names]
         return replace(
@@ -157,10 +158,6 @@ class Trajectory:
             start=self.start[rows],
             end=self.end[rows],
         )
-
-
-def _listed(names: Sequence[str] | Mapping[str, float]) -> str:
-    return ", ".join(names) or "none"
 
 
 def _store(instance: object, name: str, value: object) -> None:

@@ -5,8 +5,9 @@ import pytest
 from edited_recordings import changed
 from random_motions import random_motion
 
-from orbident.estimation.clocks import in_words, joint_delay
+from orbident.estimation.clocks import in_words, joint_clocks, joint_delay
 from orbident.model.minimal_sets import minimal_sets
+from orbident.preprocessing.base_motion import AXES as GYRO
 from orbident.preprocessing.delays import Delay, corrections, delay_of
 from orbident.preprocessing.samples import samples_of
 from orbident.robot.description import Robot
@@ -107,3 +108,14 @@ def test_a_search_that_loses_its_way_is_not_believed():
     samples = samples_of(PLANAR, changed(right, wrong), {})
     delay = joint_delay(PLANAR, minimal_sets(PLANAR), samples, "at-rest")
     assert not delay.believed
+
+
+@pytest.mark.parametrize("rows", [1, 3])
+def test_too_few_complete_samples_show_no_delay(rows):
+    """No cubic goes through them; the fuzzer found such a recording."""
+    flight = simulate(SPATIAL, random_motion(SPATIAL, wheel_speed=200.0), rate=20.0)
+    few = {name: np.full(flight.t.size, np.nan) for name in GYRO}
+    for name, column in few.items():
+        column[:rows] = flight.columns[name][:rows]
+    samples = samples_of(SPATIAL, changed(flight, few))
+    assert joint_clocks(SPATIAL, minimal_sets(SPATIAL), samples, "unknown") == {}

@@ -49,7 +49,7 @@ def test_wheels_and_feature_point(robot):
         check_same_robot(robot, other)
     with pytest.raises(InputError, match="wheel 'rw_z' is in the run before only"):
         check_same_robot(robot, replace(robot, wheels=robot.wheels[:2]))
-    with pytest.raises(InputError, match="wheel order: rw_x, rw_y, rw_z before, rw_z"):
+    with pytest.raises(InputError, match="wheel order: 'rw_x', 'rw_y', 'rw_z' before"):
         check_same_robot(robot, replace(robot, wheels=robot.wheels[::-1]))
     with pytest.raises(InputError, match=r"feature point \(m\): \[0, 0, 0\] before"):
         check_same_robot(robot, replace(robot, feature_point=np.array([0, 0, 0.1])))

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from random_robots import random_robot
 
-from orbident.model.formulas import combination, formulas_of, mass_forms
+from orbident.model.formulas import combinations, formulas_of, mass_forms
 from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.robot_file import load_robot
 
@@ -21,11 +21,11 @@ from orbident.robot.robot_file import load_robot
     ],
 )
 def test_combination(coefficients, text):
-    assert combination(np.array(coefficients), ["a", "b", "c"]) == text
+    assert combinations(np.array([coefficients]), ["a", "b", "c"]) == (text,)
 
 
 def test_nothing_is_combined_of_nothing():
-    assert combination(np.zeros(0), []) == "0"
+    assert combinations(np.zeros((1, 0)), []) == ("0",)
 
 
 def test_formulas_of_the_papers_arm():

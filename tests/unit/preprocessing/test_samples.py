@@ -119,3 +119,28 @@ def test_a_missing_column_is_named(missing):
     changed = {missing.replace(".", "__"): None}
     with pytest.raises(InputError, match=missing):
         samples(**changed)
+
+
+NEVER = np.full(T.size, np.nan)
+
+
+@pytest.mark.parametrize(
+    ("changed", "words"),
+    [
+        ({"attitude__w": NEVER}, "attitude has no samples while the gyro has"),
+        (
+            {"gyro__y": NEVER, **{f"attitude__{k}": None for k in "xyzw"}},
+            "gyro has 0 samples",
+        ),
+        (
+            {
+                **{f"velocity__{k}": None for k in "xyz"},
+                **{f"accelerometer__{k}": NEVER for k in "xyz"},
+            },
+            "accelerometer has 0 samples",
+        ),
+    ],
+)
+def test_what_has_no_samples_is_refused_with_the_file(changed, words):
+    with pytest.raises(InputError, match=rf"^flight\.csv: .*{words}"):
+        samples(**changed)

@@ -165,7 +165,7 @@ def test_check_joints_accepts_the_robots_own():
 
 
 def test_check_joints_names_the_robots_joints():
-    with pytest.raises(InputError, match=r"no joint 'foo', only arm\.1, arm\.2"):
+    with pytest.raises(InputError, match=r"no joint 'foo', only 'arm\.1', 'arm\.2'"):
         arm(joint__foo__velocity=T).check_joints(robot())
 
 
@@ -178,7 +178,7 @@ def test_check_wheels():
     recording(wheel__rw_x__speed=T).check_wheels(robot())
     recording(wheel__rw_x__position=T).check_wheels(robot())
     recording().check_wheels(robot(wheels=()))
-    with pytest.raises(InputError, match="has no wheel 'rw', only rw_x"):
+    with pytest.raises(InputError, match="has no wheel 'rw', only 'rw_x'"):
         recording(wheel__rw__speed=T).check_wheels(robot())
     with pytest.raises(InputError, match="has no wheel 'rw', only none"):
         recording(wheel__rw__position=T).check_wheels(robot(wheels=()))

@@ -91,9 +91,9 @@ def test_a_robots_order():
 
 @pytest.mark.parametrize("joints", [NAMES[:2], (*NAMES, "joint4"), ()])
 def test_other_joints_refused(joints):
-    expected = ", ".join(joints) or "none"
+    expected = ", ".join(map(repr, joints)) or "none"
     with pytest.raises(
-        InputError, match=f"found joint1, joint2, joint3, but .* has {expected};"
+        InputError, match=f"found 'joint1', 'joint2', 'joint3', but .* has {expected};"
     ):
         table_2().for_robot(robot(joints))
 
@@ -101,7 +101,7 @@ def test_other_joints_refused(joints):
 def test_other_wheels_refused():
     trajectory = table_2(initial=InitialState(wheel_speed={"rw": 1.0}))
     with pytest.raises(
-        InputError, match=r"initial\.wheel_speed: found rw, .* has rw_x"
+        InputError, match=r"initial\.wheel_speed: found 'rw', .* has 'rw_x'"
     ):
         trajectory.for_robot(robot(NAMES))
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from orbident.errors import InputError
-from orbident.files.names import closest
+from orbident.files.names import closest, listed
 from orbident.recordings.bags.mcap_file import open_mcap
 from orbident.recordings.bags.ros1_file import open_ros1
 from orbident.recordings.bags.ros2_folder import open_ros2
@@ -38,9 +38,9 @@ class Bag:
         if name not in self.topics:
             close = closest(name, self.topics)
             hint = f"did you mean '{close}'? " if close else ""
-            listed = ", ".join(f"'{each}'" for each in self.topics)
             raise InputError(
-                f"{self.path}: has no topic '{name}'; {hint}it has {listed}"
+                f"{self.path}: has no topic '{name}'; {hint}it has "
+                + listed(self.topics)
             )
         if not self.topics[name].count:
             raise InputError(

@@ -13,6 +13,7 @@ with extra("ros", "reading a bag"):
     from rosbags.rosbag1.reader import read_bytes, read_uint32
     from rosbags.rosbag2 import Reader as Ros2Reader
     from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+    from rosbags.typesys.store import Typestore
 
 __all__ = [
     "McapIndex",
@@ -26,6 +27,7 @@ __all__ = [
     "Ros2Reader",
     "Stores",
     "TopicInfo",
+    "Typestore",
     "get_types_from_msg",
     "get_typestore",
     "read_bytes",

@@ -1,6 +1,6 @@
 """What a bag says of its topics, and how a message's bytes are read."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -11,6 +11,7 @@ from orbident.recordings.bags.libraries import (
     MessageDefinitionFormat,
     Stores,
     TopicInfo,
+    Typestore,
     get_types_from_msg,
     get_typestore,
 )
@@ -66,6 +67,12 @@ class Topic:
                     f"{place}: topic '{self.name}': the definition of {self.type} "
                     f"cannot be read ({one_line(error)})"
                 ) from error
+            for part, field in _missing(store):
+                raise InputError(
+                    f"{place}: topic '{self.name}': its {self.type} is not ROS's: "
+                    f"{part} has no '{field}' as it has there; convert its messages "
+                    "to the standard type"
+                )
         else:
             store = get_typestore(known[self.encoding])
         read = (
@@ -79,6 +86,19 @@ class Topic:
             return None
 
         return decoded
+
+
+def _missing(store: Typestore) -> Iterator[tuple[str, str]]:
+    """Types of ROS as a bag defines them, and fields that each lacks or has changed.
+
+    A ROS 1 header has all that a ROS 2 header has, and so have the other types.
+    """
+    standard = get_typestore(Stores.ROS2_HUMBLE).fielddefs
+    for name, (_, fields) in store.fielddefs.items():
+        _, expected = standard.get(name, ([], []))
+        for field in expected:
+            if field not in fields:
+                yield short_type(name), field[0]
 
 
 def short_type(name: str) -> str:

@@ -20,6 +20,7 @@ from bag_writers import (
 from conversions import HEAD, converted
 from mcap.reader import SeekingReader
 from mcap.writer import IndexType
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from orbident.errors import InputError
 from orbident.recordings.bags.convert import convert_bag
@@ -247,3 +248,27 @@ def test_without_the_libraries(monkeypatch, library):
     monkeypatch.delitem(sys.modules, module, raising=False)
     with pytest.raises(InputError, match=rf'needs {library}: .* "orbident\[ros\]"'):
         importlib.import_module(module)
+
+
+@pytest.mark.parametrize(
+    ("standard", "changed", "lost"),
+    [
+        (" orientation\n", " attitude\n", "sensor_msgs/Imu has no 'orientation'"),
+        ("float64 w", "float64 s", "geometry_msgs/Quaternion has no 'w'"),
+        ("float64 w", "string w", "geometry_msgs/Quaternion has no 'w'"),
+    ],
+)
+def test_a_message_that_is_only_called_as_one_of_ros(tmp_path, standard, changed, lost):
+    name = "sensor_msgs/msg/Imu"
+    definition, _ = typestore(ros1=True).generate_msgdef(name, ros_version=1)
+    assert standard in definition
+    own = get_typestore(Stores.EMPTY)
+    own.register(get_types_from_msg(definition.replace(standard, changed), name))
+    bag = tmp_path / "flight.bag"
+    with Ros1Writer(bag) as writer:
+        connection = writer.add_connection("/imu", name, typestore=own)
+        writer.write(connection, START, bytes(400))
+    expected = f"topic '/imu': its sensor_msgs/Imu is not ROS's: {lost}"
+    assert expected in refusal(tmp_path, bag)
+    with pytest.raises(InputError, match=expected):
+        survey_bag(bag)
