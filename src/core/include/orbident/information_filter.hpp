@@ -9,6 +9,10 @@
 // A filter whose state is beta alone would linearise every sample about another beta and take the
 // differences for information: from CAD values it gets lost.
 //
+// No smaller vector will do: pi and phi are linear in none. For two arms of seven joints y has 527
+// entries and beta 108, and y(beta) spans all 527. Linearised once, about the estimate after 10 s of
+// motion (CAD values 20 % off), the end is wrong by chi-square 3e5; about that after 20 s, by 1e-3.
+//
 // No function here allocates memory, throws, or keeps anything: state and room are the caller's.
 #pragma once
 
