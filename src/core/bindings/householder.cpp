@@ -20,9 +20,8 @@ auto folded(const Array& R_, const Array& rows_) {
     std::copy_n(R.data(), n * n, factor.data());
     // What stands below the diagonal is no part of R.
     for (std::ptrdiff_t i = 0; i < n; ++i) std::fill_n(factor.data() + i * n, i, 0.0);
-    std::vector<double> X(rows.data(), rows.data() + rows.size(0) * n),
-        v(static_cast<std::size_t>(rows_at_once(columns)));
-    fold(factor.data(), n, X.data(), n, m, columns, columns, v.data());
+    std::vector<double> X(rows.data(), rows.data() + rows.size(0) * n);
+    fold(factor.data(), n, X.data(), n, m, columns, columns);
   }
   return factor.give();
 }

@@ -142,9 +142,8 @@ class OwnedSweep {
     interval.felt = take(3 * unknowns);
     at.R = take(std::ptrdiff_t(all.width()) * n);
     at.known = take(std::ptrdiff_t(all.local()) * n);
-    at.rows = take(std::ptrdiff_t(5 * 3 * longest) * n + rows_at_once(ALIGNED) * ALIGNED);
+    at.rows = take(std::ptrdiff_t(5 * 3 * longest) * n);
     at.continuity = take(BIASES * n);
-    at.v = take(rows_at_once(n));
   }
   OwnedSweep(const OwnedSweep&) = delete;
   SweepMemory<double> at;
@@ -230,8 +229,7 @@ auto interval_equations(const OwnedRecorded& owned, const std::vector<Array>& we
   EquationTable<double> sensed{memory.at.rows, n, width, 0, L, L, 0, 0.0};
   EquationTable<double> continuity{memory.at.continuity, n, width, 0, L, L, 0, 0.0};
   linearise(all, call.at(), interval, memory.at.interval, sensed, continuity);
-  add_encoders(all, call.at(), interval, true, sensed.table + std::ptrdiff_t(sensed.rows) * n,
-               memory.at.R);
+  add_encoders(all, call.at(), interval, true, memory.at.R);
   Out<2> table(sensed.rows + BIASES + 2 * L, width);
   double* to = table.data();
   for (const auto& [from, rows] : {std::pair<const double*, int>{sensed.table, sensed.rows},

@@ -6,125 +6,11 @@
 #include <optional>
 
 #include "arrays.hpp"
+#include "filter.hpp"
 #include "orbident/change_detection.hpp"
-#include "orbident/information_filter.hpp"
-#include "robot.hpp"
 
 namespace orbident::python {
 namespace {
-
-struct OwnedFilter {
-  OwnedRobot robot;
-  OwnedMinimalSets sets;
-  OwnedSparse theta_of, pi_of_shown, pi_of_products;
-  std::vector<int> pair;
-  ConservedAxes axes;
-  SensorNoise noise;
-  int pis, sigmas, iotas;
-
-  FilterModel view() const {
-    return {{robot.view(), sets.view(), theta_of.view(), axes, noise},
-            {pi_of_shown.view(), pi_of_products.view(), pair.data(), pis, sigmas, iotas}};
-  }
-  int measured() const {
-    return measurement_size(static_cast<int>(robot.tree.joints.size()),
-                            static_cast<int>(robot.wheels.size()));
-  }
-};
-
-// Room for steps, as long as a call takes.
-class Room {
- public:
-  explicit Room(const FilterModel& model) : bodies_(model.laws.robot.tree) {
-    Memory count{nullptr};
-    room_in(model, bodies_.at, count);
-    doubles_.reset(new double[static_cast<std::size_t>(count.used)]);
-    Memory memory{doubles_.get()};
-    at = room_in(model, bodies_.at, memory);
-  }
-  FilterRoom at;
-
- private:
-  BodiesMemory<double> bodies_;
-  std::unique_ptr<double[]> doubles_;
-};
-
-// A state as Python holds it; never written to once it has been handed out.
-class OwnedState {
- public:
-  explicit OwnedState(const FilterSizes& size) : size(size) {
-    Memory count{nullptr};
-    state_in(size, count);
-    memory_.resize(static_cast<std::size_t>(count.used));
-    lay_out();
-  }
-  OwnedState(const OwnedState& other) : size(other.size), memory_(other.memory_) { lay_out(); }
-  FilterSizes size;
-  FilterState at;
-
- private:
-  void lay_out() {
-    Memory memory{memory_.data()};
-    at = state_in(size, memory);
-  }
-  std::vector<double> memory_;
-};
-
-using SharedState = std::shared_ptr<OwnedState>;
-
-SensorNoise make_noise(const Array& noise_) {
-  const auto noise = input<1>("noise", noise_, {11});
-  const double* const n = noise.data();
-  return {n[0], n[1], n[2], n[3], n[4], n[5], n[6], n[7], n[8], n[9], n[10] != 0.0};
-}
-
-std::vector<int> whole_numbers(const char* name, const In<1>& given, double below) {
-  std::vector<int> numbers;
-  for (std::ptrdiff_t k = 0; k < given.size(0); ++k) {
-    const double number = given.data()[k];
-    if (!(number >= 0 && number < below))
-      throw nb::value_error((std::string(name) + ": an index is out of range").c_str());
-    numbers.push_back(static_cast<int>(number));
-  }
-  return numbers;
-}
-
-int put_axes(const char* name, const Array& given_, int* axes) {
-  const std::vector<int> given = whole_numbers(name, input<1>(name, given_, {ANY}), 3);
-  if (given.empty() || given.size() > 3)
-    throw nb::value_error((std::string(name) + ": give one to three axes").c_str());
-  std::copy(given.begin(), given.end(), axes);
-  return static_cast<int>(given.size());
-}
-
-OwnedFilter make_filter(const OwnedRobot& robot, const OwnedMinimalSets& sets,
-                        const Array& theta_of_, const Array& pi_of_beta_,
-                        const Array& pi_of_products_, const Array& pairs_, int sigmas,
-                        const Array& momentum_axes, const Array& velocity_axes,
-                        const Array& noise) {
-  const int pis = sets.view().pis();
-  const std::int64_t thetas = PER_BODY * robot.tree.view().bodies();
-  const auto theta_of = input<2>("theta_of", theta_of_, {thetas, ANY});
-  const std::int64_t betas = theta_of.size(1);
-  if (sigmas != sets.view().phis() || betas < 1 + sigmas)
-    throw nb::value_error("sigmas is not the number of first moments in beta");
-  const int iotas = static_cast<int>(betas) - 1 - sigmas;
-  const auto pi_of_beta = input<2>("pi_of_beta", pi_of_beta_, {pis, betas});
-  const auto pairs = input<1>("pairs", pairs_, {ANY});
-  const auto pi_of_products = input<2>("pi_of_products", pi_of_products_, {pis, pairs.size(0) / 2});
-  for (int r = 0; r < pis; ++r)
-    for (int c = 0; c < iotas; ++c)
-      if (pi_of_beta.data()[r * betas + 1 + sigmas + c] != (r == c ? 1.0 : 0.0))
-        throw nb::value_error("pi_of_beta: every iota must have one of the first pi for itself");
-  OwnedFilter filter{robot, sets, sparse(theta_of), sparse(pi_of_beta), sparse(pi_of_products),
-                     whole_numbers("pairs", pairs, sigmas), {}, make_noise(noise), pis, sigmas,
-                     iotas};
-  // The columns of M and sigma alone.
-  filter.pi_of_shown.first.resize(static_cast<std::size_t>(sigmas) + 2);
-  filter.axes.momenta = put_axes("momentum_axes", momentum_axes, filter.axes.momentum);
-  filter.axes.velocities = put_axes("velocity_axes", velocity_axes, filter.axes.velocity);
-  return filter;
-}
 
 using Numbers = In<1>;
 
@@ -256,59 +142,10 @@ auto run(const OwnedFilter& filter, const OwnedState& before, const OwnedWatch& 
   return std::make_tuple(state, after, done, onset, beta.give(), std.give(), tests.give());
 }
 
-auto vector(const double* from, int size) {
-  Out<1> out(size);
-  std::copy(from, from + size, out.data());
-  return out.give();
-}
-
-// A table whose rows lie `stride` entries apart in the state.
-auto table(const double* from, int rows, int columns, int stride) {
-  Out<2> out(rows, columns);
-  for (int i = 0; i < rows; ++i)
-    std::copy(from + static_cast<std::ptrdiff_t>(i) * stride,
-              from + static_cast<std::ptrdiff_t>(i) * stride + columns,
-              out.data() + static_cast<std::ptrdiff_t>(i) * columns);
-  return out.give();
-}
-
-// [iota, M, sigma | z] in the order of beta.
-auto information(const FilterSizes& size, const double* from, bool with_z) {
-  const int k = size.betas(), columns = with_z ? k + 1 : k;
-  Out<2> out(k, columns);
-  for (int i = 0; i < k; ++i)
-    for (int j = 0; j < columns; ++j) {
-      const int own = j == k ? k : j < size.shown ? size.iotas + j : j - size.shown;
-      out.data()[i * columns + j] = from[i * size.beta_stride() + own];
-    }
-  return out.give();
-}
-
-auto beta_of(const OwnedState& s) { return vector(s.at.beta, s.size.betas()); }
-auto nuisances_of(const OwnedState& s) { return vector(s.at.x, s.size.nuisances); }
-auto R_WB_of(const OwnedState& s) { return table(s.at.R_WB, 3, 3, 3); }
-auto top_of(const OwnedState& s) {
-  return table(s.at.top, s.size.nuisances, s.size.nuisances + s.size.parameters + 1,
-               s.size.top_stride());
-}
-auto R_z_of(const OwnedState& s) {
-  return table(s.at.R, s.size.parameters, s.size.parameters + 1, s.size.R_stride());
-}
-auto root_of(const OwnedState& s) { return information(s.size, s.at.root, false); }
-auto prior_of(const OwnedState& s) { return information(s.size, s.at.prior, true); }
-
 }  // namespace
 
 void bind_recursive(nb::module_& m) {
-  nb::class_<OwnedState>(m, "FilterState", "What the recursive filter carries; a constant.")
-      .def_prop_ro("t", [](const OwnedState& s) { return *s.at.t; })
-      .def_prop_ro("beta", &beta_of, nb::rv_policy::move)
-      .def_prop_ro("nuisances", &nuisances_of, nb::rv_policy::move)
-      .def_prop_ro("R_WB", &R_WB_of, nb::rv_policy::move)
-      .def_prop_ro("top", &top_of, nb::rv_policy::move)
-      .def_prop_ro("R_z", &R_z_of, nb::rv_policy::move)
-      .def_prop_ro("root", &root_of, nb::rv_policy::move)
-      .def_prop_ro("prior", &prior_of, nb::rv_policy::move);
+  bind_filter_state(m);
   nb::class_<OwnedFilter>(m, "Filter", "The recursive filter of one robot and its sensors.")
       .def("__init__",
            [](OwnedFilter* self, const OwnedRobot& robot, const OwnedMinimalSets& sets,

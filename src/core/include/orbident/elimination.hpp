@@ -26,7 +26,6 @@ struct SweepMemory {
   T* known;       // local x n: rows over [z near | z far, empty | g | rhs]
   T* rows;        // as many as an interval's samples have axes x n
   T* continuity;  // BIASES x n
-  T* v;           // rows_at_once(n)
 };
 
 // Eliminates the boundaries from one end up to the meeting one, and returns the cost. `links`:
@@ -53,12 +52,11 @@ T sweep(const Recorded<T>& recorded, const LinearisedAt<T>& at, bool forward, Sw
     EquationTable<T> continuity{memory.continuity, n, width, start, end, L, 0, T(0)};
     linearise(recorded, at, interval, memory.interval, sensed, continuity);
     std::fill_n(memory.R, std::ptrdiff_t(2 * L) * n, T(0));
-    fold(memory.R, n, continuity.table, n, BIASES, n, BIASES, memory.v);
+    fold(memory.R, n, continuity.table, n, BIASES, n, BIASES);
     cost += sensed.cost + continuity.cost +
-            add_encoders(recorded, at, interval, forward, memory.rows + std::ptrdiff_t(sensed.rows) * n,
-                         memory.R);
-    fold(memory.R, n, memory.known, n, L, n, width, memory.v);
-    fold(memory.R, n, sensed.table, n, sensed.rows, n, width, memory.v);
+            add_encoders(recorded, at, interval, forward, memory.R);
+    fold(memory.R, n, memory.known, n, L, n, width);
+    fold(memory.R, n, sensed.table, n, sensed.rows, n, width);
     for (int k = 0; k < L; ++k) {
       std::copy_n(memory.R + std::ptrdiff_t(k) * n, width,
                   links + (std::ptrdiff_t(interval) * L + k) * width);
@@ -72,7 +70,7 @@ T sweep(const Recorded<T>& recorded, const LinearisedAt<T>& at, bool forward, Sw
   }
   // At the meeting boundary: z near alone.
   std::fill_n(memory.R, std::ptrdiff_t(2 * L) * n, T(0));
-  fold(memory.R, n, memory.known, n, L, n, width, memory.v);
+  fold(memory.R, n, memory.known, n, L, n, width);
   return cost;
 }
 
@@ -80,7 +78,7 @@ T sweep(const Recorded<T>& recorded, const LinearisedAt<T>& at, bool forward, Sw
 template <class T>
 void join(const Recorded<T>& recorded, SweepMemory<T>& forward, SweepMemory<T>& backward, T* factor) {
   const int L = recorded.local(), width = recorded.width(), n = recorded.stride();
-  fold(forward.R, n, backward.R, n, width, n, width, forward.v);
+  fold(forward.R, n, backward.R, n, width, n, width);
   const int left = width - L;
   for (int k = 0; k < left; ++k) {
     const T* row = forward.R + std::ptrdiff_t(k < L ? k : L + k) * n;

@@ -7,32 +7,33 @@
 namespace orbident {
 
 constexpr int FUNCTIONS = 4;
+// Of a row: the functions and the right-hand side.
+constexpr int JOINT_WIDTH = padded(FUNCTIONS + 1);
 
 // Writes each joint's triangle into R, over [z near | z far | g | right-hand side], whose rows and
-// columns of the corrections are empty. `rows` is memory for (rows of the interval + 2) x ALIGNED
-// numbers. Returns the sum of squared residuals.
+// columns of the corrections are empty. Returns the sum of squared residuals.
 template <class T>
 T add_encoders(const Recorded<T>& recorded, const LinearisedAt<T>& at, int interval, bool start_near,
-               T* rows, T* R) {
+               T* R) {
   const int K = recorded.tree.joints, C = recorded.columns.corrected, L = recorded.local();
   const int first = recorded.edge[interval], last = recorded.edge[interval + 1];
   const int end = std::min(last, recorded.rows - 1);
   const T duration = recorded.t[end] - recorded.t[first];
   const int stride = recorded.stride(), right_hand_side = recorded.width() - 1;
   const auto corrections = [&](int boundary) { return at.local + boundary * L + BIASES; };
-  T cost = T(0), v[rows_at_once(ALIGNED)];
+  T cost = T(0), rows[BLOCK * JOINT_WIDTH];
   for (int k = 0, c = 0; k < K; ++k) {
     const bool corrected = c < C && recorded.corrected[c] == k;
-    T triangle[ALIGNED * ALIGNED] = {};
+    T triangle[JOINT_WIDTH * JOINT_WIDTH] = {};
     int count = 0;
     const auto folded = [&] {
-      fold(triangle, ALIGNED, rows, ALIGNED, count, ALIGNED, FUNCTIONS, v);
+      fold(triangle, JOINT_WIDTH, rows, JOINT_WIDTH, count, JOINT_WIDTH, FUNCTIONS);
       count = 0;
     };
     const auto add = [&](const T& error) {
-      if (count == rows_at_once(ALIGNED)) folded();
-      T* row = rows + count++ * ALIGNED;
-      std::fill_n(row, ALIGNED, T(0));
+      if (count == BLOCK) folded();
+      T* row = rows + count++ * JOINT_WIDTH;
+      std::fill_n(row, JOINT_WIDTH, T(0));
       row[FUNCTIONS] = error;
       cost += error * error;
       return row;
@@ -60,8 +61,8 @@ T add_encoders(const Recorded<T>& recorded, const LinearisedAt<T>& at, int inter
     for (int f = 0; f < FUNCTIONS; ++f) {
       T* row = R + std::ptrdiff_t(place(f)) * stride;
       for (int other = f; other < FUNCTIONS; ++other)
-        row[place(other)] = triangle[f * ALIGNED + other];
-      row[right_hand_side] = triangle[f * ALIGNED + FUNCTIONS];
+        row[place(other)] = triangle[f * JOINT_WIDTH + other];
+      row[right_hand_side] = triangle[f * JOINT_WIDTH + FUNCTIONS];
     }
     ++c;
   }

@@ -22,7 +22,9 @@ struct FilterSizes {
   int betas() const { return shown + iotas; }
   int top_stride() const { return padded(nuisances + parameters + 1); }
   int R_stride() const { return padded(parameters + 1); }
-  int row_stride() const { return nuisances + padded(parameters + 1) + LANES; }
+  // Rows of a sample begin so far behind a multiple of LANES that y begins at one.
+  int row_start() const { return padded(nuisances) - nuisances; }
+  int row_stride() const { return padded(nuisances) + padded(parameters + 1) + LANES; }
   // Of [iota, M, sigma | right-hand side]; the part from M on is padded too.
   int beta_stride() const { return padded(iotas + padded(shown + 1)); }
 };
@@ -35,13 +37,13 @@ struct FilterModel {
   }
 };
 
-// Hands out parts of the caller's memory, or only counts them.
+// Hands out parts of the caller's memory, or only counts them. Each begins at a multiple of LANES.
 struct Memory {
   double* first;
   long used = 0;
-  double* take(long rows, long columns = 1) {
+  double* take(int rows, int columns = 1) {
     double* const part = first ? first + used : nullptr;
-    used += rows * columns;
+    used += padded(rows * columns);
     return part;
   }
 };
@@ -97,7 +99,8 @@ inline FilterRoom room_in(const FilterModel& model, const Bodies<double>& bodies
   room.equations.sigma = memory.take(3, model.laws.sets.phis());
   room.equations.Y = memory.take(3, model.laws.sets.pis());
   room.equations.W = memory.take(3, model.laws.sets.phis());
-  room.rows = memory.take(size.rows, size.row_stride());
+  room.rows = memory.take(size.rows + 1, size.row_stride());
+  if (room.rows) room.rows += size.row_start();
   room.kick = memory.take(size.nuisances, size.nuisances);
   room.covariance = memory.take(size.nuisances, size.nuisances);
   room.x = memory.take(size.nuisances);
@@ -125,7 +128,7 @@ inline void begin(const FilterModel& model, double t, const Matrix& R_WB, const 
   for (long i = 0; i < static_cast<long>(k) * stride; ++i) state.prior[i] = 0.0;
   for (int first = 0; first < k; first += BLOCK) {
     const int count = k - first < BLOCK ? k - first : BLOCK;
-    for (int i = 0; i < BLOCK * stride; ++i) room.block[i] = 0.0;
+    for (int i = 0; i < count * stride; ++i) room.block[i] = 0.0;
     for (int i = 0; i < count; ++i) {
       double* const row = room.block + i * stride;
       const double* const given = root + static_cast<long>(first + i) * k;
@@ -134,7 +137,7 @@ inline void begin(const FilterModel& model, double t, const Matrix& R_WB, const 
         row[k] += given[j] * beta_0[j];
       }
     }
-    fold_few(state.prior, stride, k, k + 1, room.block, stride, BLOCK);
+    fold(state.prior, stride, room.block, stride, count, stride, k);
   }
   for (long i = 0; i < static_cast<long>(k) * stride; ++i) state.root[i] = state.prior[i];
   for (int i = 0; i < k; ++i) state.beta[i] = beta_0[i];

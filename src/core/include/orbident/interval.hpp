@@ -48,8 +48,7 @@ struct Recorded {
   int local() const { return BIASES + 2 * columns.corrected; }
   int common() const { return OUTSIDE + columns.betas; }
   int width() const { return 2 * local() + common() + 1; }
-  // Widths that the fold likes.
-  int stride() const { return (width() + ALIGNED - 1) / ALIGNED * ALIGNED; }
+  int stride() const { return padded(width()); }
 };
 
 // Where the equations are linearised.

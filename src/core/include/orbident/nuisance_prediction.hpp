@@ -9,13 +9,13 @@
 #pragma once
 
 #include "orbident/conservation_equations.hpp"
-#include "orbident/few_rows.hpp"
+#include "orbident/householder.hpp"
 
 namespace orbident {
 
 // C = U U^T, U upper triangular, in place: row i of C, its lower triangle, becomes column i of U above
 // the diagonal, and the inverse of U_ii.
-ORBIDENT_FEW_WIDE inline void factor_upper(double* C, int n) {
+ORBIDENT_WIDEST inline void factor_upper(double* C, int n) {
   for (int i = n - 1; i >= 0; --i) {
     double* __restrict const column = C + i * n;
     const double inverse = 1.0 / std::sqrt(column[i]);
@@ -30,7 +30,7 @@ ORBIDENT_FEW_WIDE inline void factor_upper(double* C, int n) {
 }
 
 // U^-1 rows in place, from the last row up, with U as factor_upper leaves it.
-ORBIDENT_FEW_WIDE inline void solve_upper(const double* U, int n, double* rows, int stride, int width) {
+ORBIDENT_WIDEST inline void solve_upper(const double* U, int n, double* rows, int stride, int width) {
   for (int i = n - 1; i >= 0; --i) {
     const double* const column = U + i * n;
     double* __restrict const row = rows + i * stride;
@@ -45,7 +45,7 @@ ORBIDENT_FEW_WIDE inline void solve_upper(const double* U, int n, double* rows, 
 }
 
 // C = 1 + K K^T, its lower triangle; a row of `kicks` is what one source of noise does to all.
-ORBIDENT_FEW_WIDE inline void covariance_of(const double* kicks, int count, int n, double* C) {
+ORBIDENT_WIDEST inline void covariance_of(const double* kicks, int count, int n, double* C) {
   for (int i = 0; i < n; ++i)
     for (int j = 0; j <= i; ++j) C[i * n + j] = i == j ? 1.0 : 0.0;
   for (int k = 0; k < count; ++k) {

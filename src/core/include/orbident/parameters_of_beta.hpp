@@ -11,7 +11,7 @@
 // product of a triangular R with J begins with R's own triangle.
 #pragma once
 
-#include "orbident/few_rows.hpp"
+#include "orbident/householder.hpp"
 #include "orbident/regressors.hpp"
 
 namespace orbident {
@@ -59,7 +59,7 @@ constexpr int TILE = 16;
 //   phi        at beta_0, with M_0
 //   transposed room for TILE x size entries
 //   out        (1 + shown) x TILE: a column of the result after the other, the last is the right side
-ORBIDENT_FEW_WIDE inline void shown_columns(const ParametersOfBeta& sets, const double* R, int stride,
+ORBIDENT_WIDEST inline void shown_columns(const ParametersOfBeta& sets, const double* R, int stride,
                                         int first, const double* phi, double M_0,
                                         double* transposed, double* out) {
   const int size = sets.size(), rows = size - first < TILE ? size - first : TILE;
