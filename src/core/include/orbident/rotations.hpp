@@ -23,20 +23,6 @@ Matrix3<T> cross_matrix(const Vector3<T>& v) {
   return m;
 }
 
-// Rodrigues: the rotation by an angle (rad) about a unit vector.
-template <class T>
-Matrix3<T> axis_rotation(const Vector3<T>& axis, const T& angle) {
-  using std::cos;
-  using std::sin;
-  const T c = cos(angle), s = sin(angle), n = T(1) - c;
-  const T x = axis.x(), y = axis.y(), z = axis.z();
-  Matrix3<T> R;
-  R << c + n * x * x, n * x * y - s * z, n * x * z + s * y,  //
-      n * x * y + s * z, c + n * y * y, n * y * z - s * x,   //
-      n * x * z - s * y, n * y * z + s * x, c + n * z * z;
-  return R;
-}
-
 // R_WB of a quaternion of any nonzero norm: dividing by the squared norm makes it orthogonal.
 template <class T>
 Matrix3<T> quaternion_matrix(const Quaternion<T>& x_WB) {
