@@ -69,6 +69,7 @@ In<N> input(const char* name, const Array& given, const std::array<std::int64_t,
 template <class Run>
 void by_groups(std::ptrdiff_t first, std::ptrdiff_t last, Run&& run) {
   for (std::ptrdiff_t k = first; k < last; k += Lanes::COUNT) run(Group{k, last});
+  end_writes_past_caches();
 }
 
 // A new float64 array that Python will own. Made and given under the GIL.
@@ -96,8 +97,11 @@ class Out {
   void store(const Group& group, const Lanes* x) {
     std::size_t numbers = 1;
     for (std::size_t axis = 1; axis < N; ++axis) numbers *= shape_[axis];
-    group.store(x, static_cast<std::ptrdiff_t>(numbers), data(),
-                [](double* to, double value) { *to = value; });
+    const auto each = static_cast<std::ptrdiff_t>(numbers);
+    if (shape_[0] * numbers > PAST_CACHES)
+      group.store(x, each, data(), write_past_caches);
+    else
+      group.store(x, each, data(), [](double* to, double value) { *to = value; });
   }
 
   // Hands the memory over.
