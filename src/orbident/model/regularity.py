@@ -1,5 +1,6 @@
 """Is a mass matrix one that a mechanism can have?"""
 
+from functools import lru_cache
 from itertools import chain
 from typing import NoReturn
 
@@ -7,6 +8,7 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.errors import InputError
+from orbident.model.core_robot import KEPT
 from orbident.model.equations_of_motion import equations_of_motion, movable
 from orbident.model.inertia import carried_about_S, inertia_at
 from orbident.robot.description import Robot
@@ -19,6 +21,7 @@ CONFIGURATIONS = 1024
 """Random configurations in which an identified mass matrix is checked."""
 
 
+@lru_cache(maxsize=KEPT)
 def check_regular(robot: Robot) -> None:
     """Refuse a robot whose nominal mass matrix is singular.
 
