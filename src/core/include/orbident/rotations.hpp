@@ -35,6 +35,13 @@ Matrix3<T> quaternion_matrix(const Quaternion<T>& x_WB) {
   return R;
 }
 
+// R_WB^T v, of a quaternion of any nonzero norm.
+template <class T>
+Vector3<T> rotate_back(const Quaternion<T>& x_WB, const Vector3<T>& v) {
+  const Vector3<T> a = x_WB.template head<3>(), t = a.cross(v);
+  return v + T(2) / x_WB.squaredNorm() * (a.cross(t) - x_WB[3] * t);
+}
+
 // d/dt x_WB = 1/2 x_WB (w, 0), with w the rate of B in W, base axes, rad/s.
 template <class T>
 Quaternion<T> quaternion_rate(const Quaternion<T>& x_WB, const Vector3<T>& w_WB_B) {
