@@ -6,6 +6,7 @@ from hypothesis import given
 from obvious_momentum import quaternion_rotation, system_motion
 from random_trees import SHAPES, tree_of
 from reference import runge_kutta
+from scipy.spatial.transform import Rotation
 
 from orbident import _core
 from orbident.model.core_robot import core_robot
@@ -73,16 +74,27 @@ def test_rate_laws_are_floating_laws(shape):
 def test_attitudes_are_runge_kuttas(shape):
     """With a momentum that is another at each node."""
     _, random = tree_of(**shape)
-    steps = int(random.integers(0, 6))
-    nodes = 2 * steps + 1
+    substeps = int(random.choice([2, 4, 6]))
+    t = np.cumsum(random.uniform(0.0, 0.1, int(random.integers(1, 7))))
+    dt = np.repeat(np.diff(t) / substeps, substeps)
+    nodes = 2 * dt.size + 1
     E, b = random.standard_normal((nodes, 3, 3)), random.standard_normal((nodes, 3))
-    h_cm, dt = random.standard_normal((nodes, 3)), random.uniform(0.0, 0.1, steps)
-    x_WB = random.standard_normal(4)
+    h_cm, x_WB = random.standard_normal((nodes, 3)), random.standard_normal(4)
     x_WB /= np.linalg.norm(x_WB)
-    expected = runge_kutta.attitudes(E, b, h_cm, x_WB, dt)
-    np.testing.assert_allclose(
-        _core.attitudes(E, b, h_cm, x_WB, dt), expected, atol=1e-14
-    )
+    fine = runge_kutta.attitudes(E, b, h_cm, x_WB, dt)[::substeps]
+    coarse = runge_kutta.attitudes(E[::2], b[::2], h_cm[::2], x_WB, 2 * dt[::2])
+    coarse = coarse[:: substeps // 2]
+    found, apart = _core.attitudes(E, b, h_cm, x_WB, t, substeps)
+    np.testing.assert_allclose(found, fine, atol=1e-14)
+    angles = (Rotation.from_quat(coarse).inv() * Rotation.from_quat(fine)).magnitude()
+    np.testing.assert_allclose(apart, angles.max(), atol=1e-14)
+
+
+@pytest.mark.parametrize("substeps", [-2, 0, 3])
+def test_steps_that_have_no_halves_are_refused(substeps):
+    E, b, x_WB = np.zeros((1, 3, 3)), np.zeros((1, 3)), np.zeros(4)
+    with pytest.raises(ValueError, match="substeps"):
+        _core.attitudes(E, b, b, x_WB, np.zeros(1), substeps)
 
 
 def test_threads_change_no_bit():

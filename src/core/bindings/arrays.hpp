@@ -10,6 +10,7 @@
 #include <string>
 
 #include "memory.hpp"
+#include "orbident/lanes.hpp"
 
 namespace orbident::python {
 
@@ -28,6 +29,12 @@ struct In {
   const double* data() const { return array.data(); }
   std::ptrdiff_t size(std::size_t axis) const {
     return static_cast<std::ptrdiff_t>(array.shape(axis));
+  }
+  // Some samples of it, which the first axis counts.
+  void load(const Group& group, Lanes* x) const {
+    std::ptrdiff_t numbers = 1;
+    for (std::size_t axis = 1; axis < N; ++axis) numbers *= size(axis);
+    group.load(data(), numbers, x);
   }
 };
 
@@ -58,6 +65,13 @@ In<N> input(const char* name, const Array& given, const std::array<std::int64_t,
   return {nb::cast<DoublesIn>(nb::cast(given))};
 }
 
+// run(group) for all samples from first to last - 1.
+template <class Run>
+void by_groups(std::ptrdiff_t first, std::ptrdiff_t last, Run&& run) {
+  for (std::ptrdiff_t k = first; k < last; k += Lanes::COUNT) run(Group{k, last});
+  end_writes_past_caches();
+}
+
 // A new float64 array that Python will own. Made and given under the GIL.
 template <std::size_t N>
 class Out {
@@ -78,6 +92,17 @@ class Out {
   }
   double* data() { return block_.data; }
   const std::array<std::size_t, N>& shape() const { return shape_; }
+
+  // Some samples of it, which the first axis counts.
+  void store(const Group& group, const Lanes* x) {
+    std::size_t numbers = 1;
+    for (std::size_t axis = 1; axis < N; ++axis) numbers *= shape_[axis];
+    const auto each = static_cast<std::ptrdiff_t>(numbers);
+    if (shape_[0] * numbers > PAST_CACHES)
+      group.store(x, each, data(), write_past_caches);
+    else
+      group.store(x, each, data(), [](double* to, double value) { *to = value; });
+  }
 
   // Hands the memory over.
   Numpy give() {

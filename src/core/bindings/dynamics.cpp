@@ -85,19 +85,17 @@ auto momentum(const OwnedTree& owned, const Array& q_, const Array& qd_, const A
   {
     nb::gil_scoped_release release;
     parallel_for(n, threads, [&](std::ptrdiff_t first, std::ptrdiff_t last) {
-      BodiesMemory<double> memory(tree);
-      Bodies<double>& at = memory.at;
-      const auto rows = [m](Out<3>& X, std::ptrdiff_t k) {
-        return Rows3<double>(X.data() + 3 * m * k, 3, m);
-      };
+      MovingBodies bodies(tree, q, qd, w);
+      OwnedRows<Lanes> S_k(m), P_k(m), A_k(m);
       const NoHeap guard;
-      for (std::ptrdiff_t k = first; k < last; ++k) {
-        place(tree, q.data() + k * tree.joints, at.pose, at.field);
-        move(tree, at.field, Vector3<double>(w.data() + 3 * k), qd.data() + k * tree.joints,
-             at.motion);
-        first_moment_columns(tree, at.pose, rows(S, k));
-        momentum_columns(tree, at.pose, at.motion, rows(P, k), rows(A, k));
-      }
+      by_groups(first, last, [&](const Group& group) {
+        const Bodies<Lanes>& at = bodies.at(group);
+        first_moment_columns(tree, at.pose, S_k.view);
+        momentum_columns(tree, at.pose, at.motion, P_k.view, A_k.view);
+        S.store(group, S_k.numbers.data());
+        P.store(group, P_k.numbers.data());
+        A.store(group, A_k.numbers.data());
+      });
     });
   }
   return std::make_tuple(S.give(), P.give(), A.give());
@@ -165,14 +163,20 @@ auto equations_of_motion(const OwnedRobot& owned, const Array& q_, const Array& 
   {
     nb::gil_scoped_release release;
     parallel_for(n, threads, [&](std::ptrdiff_t first, std::ptrdiff_t last) {
-      BodiesMemory<double> memory(robot.tree);
+      BodiesMemory<Lanes> memory(robot.tree);
+      std::vector<Lanes> q_k = room<Lanes>(K), v_k = room<Lanes>(N), H_k = room<Lanes>(N * N),
+                         c_k = room<Lanes>(N);
       const NoHeap guard;
-      for (std::ptrdiff_t k = first; k < last; ++k) {
-        configure(robot, q.data() + k * K, memory.at);
-        mass_matrix(robot, memory.at, Square<double>(H.data() + N * N * k, N, N));
-        Eigen::Map<Vector3<double>>(f_S.data() + 3 * k) =
-            bias(robot, v.data() + N * k, memory.at, Column<double>(c.data() + N * k, N));
-      }
+      by_groups(first, last, [&](const Group& group) {
+        q.load(group, q_k.data());
+        v.load(group, v_k.data());
+        configure(robot, q_k.data(), memory.at);
+        mass_matrix(robot, memory.at, Square<Lanes>(H_k.data(), N, N));
+        const Vector3<Lanes> f_k = bias(robot, v_k.data(), memory.at, Column<Lanes>(c_k.data(), N));
+        H.store(group, H_k.data());
+        c.store(group, c_k.data());
+        f_S.store(group, f_k.data());
+      });
     });
   }
   return std::make_tuple(H.give(), c.give(), f_S.give());
@@ -203,8 +207,8 @@ auto deviations(const OwnedRobot& owned, const Array& directions_, const Array& 
     parallel_for(n, threads, [&](std::ptrdiff_t first, std::ptrdiff_t last) {
       BodiesMemory<Along> memory(robot.tree);
       Bodies<Along>& at = memory.at;
-      const auto all = [](std::ptrdiff_t m) { return std::vector<Along>(static_cast<std::size_t>(m)); };
-      std::vector<Along> theta = all(size), H = all(N * N), c = all(N), q_k = all(K), v_k = all(N);
+      std::vector<Along> theta = room<Along>(size), H = room<Along>(N * N), c = room<Along>(N),
+                         q_k = room<Along>(K), v_k = room<Along>(N);
       const NoHeap guard;
       for (std::ptrdiff_t k = first; k < last; ++k) {
         std::copy_n(q.data() + k * K, K, q_k.begin());

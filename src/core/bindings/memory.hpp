@@ -3,7 +3,11 @@
 #pragma once
 
 #include <cstddef>
+#include <cstring>
 #include <vector>
+#if defined(__x86_64__) || defined(_M_X64)
+#include <emmintrin.h>
+#endif
 
 namespace orbident::python {
 
@@ -46,5 +50,26 @@ class ArrayMemory {
     return *kept;
   }
 };
+
+// Numbers of an array that no cache of one processor holds (8 MB). What is written there goes to memory
+// at once, where the processor can do so: through the caches, every line would be read first.
+constexpr std::size_t PAST_CACHES = 1'000'000;
+
+inline void write_past_caches(double* to, double value) {
+#if defined(__x86_64__) || defined(_M_X64)
+  long long bits;
+  std::memcpy(&bits, &value, sizeof bits);
+  _mm_stream_si64(reinterpret_cast<long long*>(to), bits);
+#else
+  *to = value;
+#endif
+}
+
+// After this, other threads see what was written so.
+inline void end_writes_past_caches() {
+#if defined(__x86_64__) || defined(_M_X64)
+  _mm_sfence();
+#endif
+}
 
 }  // namespace orbident::python

@@ -12,6 +12,7 @@ void bind_excitation(nanobind::module_& m);
 void bind_regressors(nanobind::module_& m);
 void bind_recursive(nanobind::module_& m);
 void bind_smoothing(nanobind::module_& m);
+void bind_trajectories(nanobind::module_& m);
 }
 
 NB_MODULE(_core, m) {
@@ -28,4 +29,5 @@ NB_MODULE(_core, m) {
   orbident::python::bind_regressors(m);
   orbident::python::bind_recursive(m);
   orbident::python::bind_smoothing(m);
+  orbident::python::bind_trajectories(m);
 }

@@ -39,21 +39,17 @@ auto regressors_of(const OwnedMinimalSets& owned, const Array& q_, const Array& 
   {
     nb::gil_scoped_release release;
     parallel_for(n, threads, [&](std::ptrdiff_t first, std::ptrdiff_t last) {
-      BodiesMemory<double> memory(tree);
-      Bodies<double>& at = memory.at;
-      std::vector<double> room(static_cast<std::size_t>(3 * (3 * m + phis)));
-      const Rows3<double> S(room.data(), 3, m), P(room.data() + 3 * m, 3, m),
-          A(room.data() + 6 * m, 3, m), S_sigma(room.data() + 9 * m, 3, phis);
+      MovingBodies bodies(tree, q, qd, w);
+      OwnedRows<Lanes> S(m), P(m), A(m), S_sigma(phis), Y_k(pis), W_k(phis);
       const NoHeap guard;
-      for (std::ptrdiff_t k = first; k < last; ++k) {
-        place(tree, q.data() + k * tree.joints, at.pose, at.field);
-        move(tree, at.field, Vector3<double>(w.data() + 3 * k), qd.data() + k * tree.joints,
-             at.motion);
-        first_moment_columns(tree, at.pose, S);
-        momentum_columns(tree, at.pose, at.motion, P, A);
-        regressors(sets, S, P, A, S_sigma, Rows3<double>(Y.data() + 3 * pis * k, 3, pis),
-                   Rows3<double>(W.data() + 3 * phis * k, 3, phis));
-      }
+      by_groups(first, last, [&](const Group& group) {
+        const Bodies<Lanes>& at = bodies.at(group);
+        first_moment_columns(tree, at.pose, S.view);
+        momentum_columns(tree, at.pose, at.motion, P.view, A.view);
+        regressors(sets, S.view, P.view, A.view, S_sigma.view, Y_k.view, W_k.view);
+        Y.store(group, Y_k.numbers.data());
+        W.store(group, W_k.numbers.data());
+      });
     });
   }
   return std::make_tuple(Y.give(), W.give());
@@ -79,31 +75,24 @@ auto momentum_rate(const OwnedMinimalSets& owned, const Array& q_, const Array& 
     parallel_for(n, threads, [&](std::ptrdiff_t first, std::ptrdiff_t last) {
       BodiesMemory<T> memory(tree);
       Bodies<T>& at = memory.at;
-      std::vector<T> room(static_cast<std::size_t>(3 * (3 * m + pis + 2 * phis) + 2 * K));
-      T* next = room.data();
-      const auto rows = [&next](std::ptrdiff_t columns) {
-        T* data = next;
-        next += 3 * columns;
-        return Rows3<T>(data, 3, columns);
-      };
-      const Rows3<T> S = rows(m), P = rows(m), A = rows(m);
-      Rows3<T> Y = rows(pis), W = rows(phis), S_sigma = rows(phis);
-      T *q_k = next, *qd_k = next + K;
+      OwnedRows<T> S(m), P(m), A(m), S_sigma(phis), Y(pis), W(phis);
+      std::vector<T> q_k = room<T>(K), qd_k = room<T>(K);
       const NoHeap guard;
       for (std::ptrdiff_t k = first; k < last; ++k) {
         for (std::ptrdiff_t j = 0; j < K; ++j) {
-          q_k[j] = {q.data()[k * K + j], T::Derivatives(qd.data()[k * K + j])};
-          qd_k[j] = {qd.data()[k * K + j], T::Derivatives(qdd.data()[k * K + j])};
+          const std::ptrdiff_t i = k * K + j;
+          q_k[static_cast<std::size_t>(j)] = {q.data()[i], T::Derivatives(qd.data()[i])};
+          qd_k[static_cast<std::size_t>(j)] = {qd.data()[i], T::Derivatives(qdd.data()[i])};
         }
-        place(tree, q_k, at.pose, at.field);
+        place(tree, q_k.data(), at.pose, at.field);
         const Vector3<double> w_k(w.data() + 3 * k);
-        move(tree, at.field, Vector3<T>(w_k[0], w_k[1], w_k[2]), qd_k, at.motion);
-        first_moment_columns(tree, at.pose, S);
-        momentum_columns(tree, at.pose, at.motion, P, A);
-        regressors(sets, S, P, A, S_sigma, Y, W);
+        move(tree, at.field, Vector3<T>(w_k[0], w_k[1], w_k[2]), qd_k.data(), at.motion);
+        first_moment_columns(tree, at.pose, S.view);
+        momentum_columns(tree, at.pose, at.motion, P.view, A.view);
+        regressors(sets, S.view, P.view, A.view, S_sigma.view, Y.view, W.view);
         for (int i = 0; i < 3; ++i) {
           double sum = 0.0;
-          for (std::ptrdiff_t j = 0; j < pis; ++j) sum += Y(i, j).v[0] * pi.data()[j];
+          for (std::ptrdiff_t j = 0; j < pis; ++j) sum += Y.view(i, j).v[0] * pi.data()[j];
           rate.data()[3 * k + i] = sum;
         }
       }

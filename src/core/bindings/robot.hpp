@@ -5,6 +5,7 @@
 
 #include "arrays.hpp"
 #include "orbident/forward_dynamics.hpp"
+#include "orbident/lanes.hpp"
 #include "orbident/regressors.hpp"
 
 namespace orbident::python {
@@ -57,6 +58,12 @@ struct OwnedMinimalSets {
   }
 };
 
+// Memory for so many numbers.
+template <class T>
+std::vector<T> room(std::ptrdiff_t numbers) {
+  return std::vector<T>(static_cast<std::size_t>(numbers));
+}
+
 template <class T>
 class BodiesMemory {
  public:
@@ -75,6 +82,40 @@ class BodiesMemory {
   std::vector<Motion<T>> motions_;
   std::vector<Mass<T>> mass_;
   std::vector<Momentum<T>> momentum_;
+};
+
+// Three rows and their memory.
+template <class T>
+struct OwnedRows {
+  explicit OwnedRows(std::ptrdiff_t columns)
+      : numbers(room<T>(3 * columns)), view(numbers.data(), 3, columns) {}
+  OwnedRows(const OwnedRows&) = delete;
+  std::vector<T> numbers;
+  Rows3<T> view;
+};
+
+// The bodies at many joint states and base rates.
+class MovingBodies {
+ public:
+  MovingBodies(const Tree& tree, const In<2>& q, const In<2>& qd, const In<2>& w)
+      : tree_(tree), q_(q), qd_(qd), w_(w), joints_(room<Lanes>(2 * tree.joints)), bodies_(tree) {}
+
+  const Bodies<Lanes>& at(const Group& group) {
+    Lanes *q = joints_.data(), *qd = q + tree_.joints;
+    Vector3<Lanes> w;
+    q_.load(group, q);
+    qd_.load(group, qd);
+    w_.load(group, w.data());
+    place(tree_, q, bodies_.at.pose, bodies_.at.field);
+    move(tree_, bodies_.at.field, w, qd, bodies_.at.motion);
+    return bodies_.at;
+  }
+
+ private:
+  Tree tree_;
+  const In<2>&q_, &qd_, &w_;
+  std::vector<Lanes> joints_;
+  BodiesMemory<Lanes> bodies_;
 };
 
 template <class T>

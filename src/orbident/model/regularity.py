@@ -1,5 +1,6 @@
 """Is a mass matrix one that a mechanism can have?"""
 
+from functools import lru_cache
 from itertools import chain
 from typing import NoReturn
 
@@ -8,6 +9,7 @@ from jaxtyping import Float
 
 from orbident.errors import InputError
 from orbident.files.names import joined
+from orbident.model.core_robot import KEPT
 from orbident.model.equations_of_motion import equations_of_motion, movable
 from orbident.model.inertia import carried_about_S, inertia_at
 from orbident.robot.description import Robot
@@ -20,6 +22,7 @@ CONFIGURATIONS = 1024
 """Random configurations in which an identified mass matrix is checked."""
 
 
+@lru_cache(maxsize=KEPT)
 def check_regular(robot: Robot) -> None:
     """Refuse a robot whose nominal mass matrix is singular.
 

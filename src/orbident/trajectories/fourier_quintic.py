@@ -1,11 +1,15 @@
 """Eq. 41: a finite Fourier series plus the quintic that meets the ends."""
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from jaxtyping import Complex, Float
+from jaxtyping import Float
+
+from orbident import _core
+from orbident.threads import processors
 
 DEGREE = 5
 
@@ -37,48 +41,38 @@ class FourierQuintic:
         Float[np.ndarray, "n joints"],
     ]:
         """Positions, rates and accelerations at the times `t`, s."""
-        z, powers = self._harmonics(t), _powers(t / self.duration)
-        position, rate, acceleration = (
-            self._series(order, z) + self._polynomial(order, powers)
-            for order in range(3)
-        )
-        return position, rate, acceleration
+        q, qd, qdd = self._sums(range(3), t)
+        return q, qd, qdd
 
     def derivative(
         self, order: int, t: Float[np.ndarray, " n"]
     ) -> Float[np.ndarray, "n joints"]:
         """A derivative of any order at the times `t`, s."""
-        polynomial = self._polynomial(order, _powers(t / self.duration))
-        return self._series(order, self._harmonics(t)) + polynomial
+        return self._sums([order], t)[0]
 
     def bound(self, order: int) -> Float[np.ndarray, " joints"]:
         """A bound of a derivative in which the quintic has no part: sixth or later."""
         return np.hypot(self.a, self.b) @ self._frequencies ** (order - 1)
 
-    def _harmonics(
-        self, t: Float[np.ndarray, " n"]
-    ) -> Complex[np.ndarray, "n harmonics"]:
-        """`exp(i w_f l t)`, each harmonic from the one before."""
-        first = np.exp(2j * np.pi / self.duration * t)
-        return np.cumprod(np.tile(first[:, None], self.a.shape[1]), axis=1)
+    def _sums(
+        self, orders: Iterable[int], t: Float[np.ndarray, " n"]
+    ) -> Float[np.ndarray, "orders n joints"]:
+        coefficients = np.stack([self._coefficients(order) for order in orders])
+        return _core.fourier_quintic(coefficients, t / self.duration, processors())
 
-    def _series(
-        self, order: int, z: Complex[np.ndarray, "n harmonics"]
-    ) -> Float[np.ndarray, "n joints"]:
-        """`w^(k-1) (a sin(w t + k pi/2) - b cos(w t + k pi/2))`, over harmonics.
+    def _coefficients(self, order: int) -> Float[np.ndarray, "joints m"]:
+        """Over the cosines and sines of the harmonics and the powers of `s = t / t_f`.
 
-        That is the imaginary part of `w^(k-1) i^k (a - i b) exp(i w t)`.
+        The series' is `w^(k-1) (a sin(w t + k pi/2) - b cos(w t + k pi/2))`, the
+        imaginary part of `w^(k-1) i^k (a - i b) exp(i w t)`; the quintic's is
+        `sum_j j!/(j-k)! c_j s^(j-k) / t_f^k`.
         """
         gain = 1j**order * (self.a - 1j * self.b) * self._frequencies ** (order - 1)
-        return (z @ gain.T).imag
-
-    def _polynomial(
-        self, order: int, powers: Float[np.ndarray, "n 6"]
-    ) -> Float[np.ndarray, "n joints"]:
-        """A derivative of the quintic: `sum_j j!/(j-k)! c_j s^(j-k) / t_f^k`."""
-        factors = [math.perm(j, order) for j in range(order, DEGREE + 1)]
-        c = np.array(factors, dtype=float)[:, None] * self._quintic[order:]
-        return powers[:, : len(c)] @ c / self.duration**order
+        quintic = np.zeros_like(self._quintic)
+        for j in range(order, DEGREE + 1):
+            quintic[j - order] = math.perm(j, order) * self._quintic[j]
+        quintic /= self.duration**order
+        return np.concatenate([gain.imag, gain.real, quintic.T], axis=1)
 
     @property
     def _frequencies(self) -> Float[np.ndarray, " harmonics"]:
@@ -107,8 +101,3 @@ class FourierQuintic:
                 6 * p - 3 * v + a / 2,
             ]
         )
-
-
-def _powers(s: Float[np.ndarray, " n"]) -> Float[np.ndarray, "n 6"]:
-    """`s^0` to `s^5`."""
-    return np.vander(s, DEGREE + 1, increasing=True)

@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+from orbident import _core
 from orbident.trajectories.fourier_quintic import FourierQuintic
 
 DURATION = 7.0
@@ -93,3 +94,20 @@ def test_without_harmonics_it_is_the_quintic():
     s = np.linspace(0, 1, 7)
     q, _, _ = FourierQuintic(none, none, start, end, 2.0).at(2 * s)
     np.testing.assert_allclose(q[:, 0], 10 * s**3 - 15 * s**4 + 6 * s**5, atol=1e-14)
+
+
+@pytest.mark.core
+def test_threads_change_no_bit():
+    random = np.random.default_rng(1)
+    coefficients, s = random.standard_normal((3, 4, 16)), random.uniform(0, 1, 1001)
+    one, two = (_core.fourier_quintic(coefficients, s, k) for k in (1, 2))
+    np.testing.assert_array_equal(one, two)
+    alone = _core.fourier_quintic(coefficients, s[-1:])
+    np.testing.assert_array_equal(alone[:, 0], one[:, -1])
+
+
+@pytest.mark.core
+@pytest.mark.parametrize("functions", [4, 7])
+def test_functions_that_are_not_those_of_eq_41_are_refused(functions):
+    with pytest.raises(ValueError, match="2 N_f"):
+        _core.fourier_quintic(np.zeros((1, 2, functions)), np.zeros(3))

@@ -51,7 +51,7 @@ struct RateLaw {
   Matrix3<T> E;
   Vector3<T> b;
   Vector3<T> rate(const Quaternion<T>& x_WB, const Vector3<T>& h_cm) const {
-    return E * (quaternion_matrix(x_WB).transpose() * h_cm) - b;
+    return E * rotate_back(x_WB, h_cm) - b;
   }
 };
 

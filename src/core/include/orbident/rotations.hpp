@@ -23,20 +23,6 @@ Matrix3<T> cross_matrix(const Vector3<T>& v) {
   return m;
 }
 
-// Rodrigues: the rotation by an angle (rad) about a unit vector.
-template <class T>
-Matrix3<T> axis_rotation(const Vector3<T>& axis, const T& angle) {
-  using std::cos;
-  using std::sin;
-  const T c = cos(angle), s = sin(angle), n = T(1) - c;
-  const T x = axis.x(), y = axis.y(), z = axis.z();
-  Matrix3<T> R;
-  R << c + n * x * x, n * x * y - s * z, n * x * z + s * y,  //
-      n * x * y + s * z, c + n * y * y, n * y * z - s * x,   //
-      n * x * z - s * y, n * y * z + s * x, c + n * z * z;
-  return R;
-}
-
 // R_WB of a quaternion of any nonzero norm: dividing by the squared norm makes it orthogonal.
 template <class T>
 Matrix3<T> quaternion_matrix(const Quaternion<T>& x_WB) {
@@ -47,6 +33,13 @@ Matrix3<T> quaternion_matrix(const Quaternion<T>& x_WB) {
       s * (x * y + z * w), T(1) - s * (x * x + z * z), s * (y * z - x * w),   //
       s * (x * z - y * w), s * (y * z + x * w), T(1) - s * (x * x + y * y);
   return R;
+}
+
+// R_WB^T v, of a quaternion of any nonzero norm.
+template <class T>
+Vector3<T> rotate_back(const Quaternion<T>& x_WB, const Vector3<T>& v) {
+  const Vector3<T> a = x_WB.template head<3>(), t = a.cross(v);
+  return v + T(2) / x_WB.squaredNorm() * (a.cross(t) - x_WB[3] * t);
 }
 
 // d/dt x_WB = 1/2 x_WB (w, 0), with w the rate of B in W, base axes, rad/s.

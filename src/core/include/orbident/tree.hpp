@@ -9,12 +9,26 @@
 
 namespace orbident {
 
+// A joint turns its body about the unit vector a (Rodrigues), or slides it along a:
+//
+//   R_Pi = R_PJ (a a^T + cos q (1 - a a^T) + sin q [a]x)   or   R_Pi = R_PJ.
 struct Joint {
   int parent;
-  bool revolute;         // else prismatic
-  Vector3<double> axis;  // unit vector, joint axes
-  Matrix3<double> R_PJ;  // joint axes at q = 0 in the parent's
-  Vector3<double> p_PJ;  // from the parent's origin, m
+  bool revolute;           // else prismatic
+  Vector3<double> axis;    // unit vector, parent's axes
+  Vector3<double> p_PJ;    // from the parent's origin, m
+  Matrix3<double> fixed;   // what R_Pi is at any q
+  Matrix3<double> cosine;  // what it has beside that, times cos q
+  Matrix3<double> sine;    // and times sin q
+
+  // The axis in joint axes; R_PJ: joint axes at q = 0 in the parent's.
+  Joint(int parent, bool revolute, const Vector3<double>& a, const Matrix3<double>& R_PJ,
+        const Vector3<double>& p_PJ)
+      : parent(parent), revolute(revolute), axis(R_PJ * a), p_PJ(p_PJ), fixed(R_PJ) {
+    if (revolute) fixed *= a * a.transpose();
+    cosine = R_PJ - fixed;
+    sine = R_PJ * cross_matrix(a);
+  }
 };
 
 // A view of a constant table.
@@ -40,24 +54,25 @@ struct Motion {
 // to all that it carries: revolute w = a, u = d x a; prismatic w = 0, u = a.
 template <class T>
 void place(const Tree& tree, const T* q, Pose<T>* pose, Motion<T>* field) {
+  using std::cos;
+  using std::sin;
   pose[0].R.setIdentity();
   pose[0].d.setZero();
   for (int k = 0; k < tree.joints; ++k) {
     const Joint& joint = tree.joint[k];
     const Pose<T>& parent = pose[joint.parent];
-    const Vector3<T> axis = joint.axis.template cast<T>();
-    const Matrix3<T> R_BJ = parent.R * joint.R_PJ.template cast<T>();
-    const Vector3<T> a = R_BJ * axis;
+    const Vector3<T> a = parent.R * joint.axis.template cast<T>();
     Pose<T>& body = pose[k + 1];
     body.d = parent.d + parent.R * joint.p_PJ.template cast<T>();
+    Matrix3<T> R_Pi = joint.fixed.template cast<T>();
     if (joint.revolute) {
-      body.R = R_BJ * axis_rotation(axis, q[k]);
+      R_Pi += cos(q[k]) * joint.cosine.template cast<T>() + sin(q[k]) * joint.sine.template cast<T>();
       field[k] = {a, body.d.cross(a)};
     } else {
-      body.R = R_BJ;
       body.d += q[k] * a;
       field[k] = {Vector3<T>::Zero(), a};
     }
+    body.R = parent.R * R_Pi;
   }
 }
 
