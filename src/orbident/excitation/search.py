@@ -126,7 +126,7 @@ class Searched:
 
 def search(
     problem: Problem,
-    polytopes: tuple[Polytope, Polytope],
+    polytopes: tuple[Polytope, Polytope, Polytope],
     middle: Float[np.ndarray, "joints m"],
     effort: Effort,
     seed: int,
@@ -136,7 +136,7 @@ def search(
 
     Args:
         problem: what is minimised.
-        polytopes: the joint limits at few nodes, and at many.
+        polytopes: the joint limits at few nodes, at more and at many: of each stage.
         middle: a motion inside them.
         effort: when to end.
         seed: of the random starts.
@@ -145,14 +145,14 @@ def search(
     Raises:
         InputError: the limits of the base leave no room even for the gentlest motion.
     """
-    few, many = polytopes
+    few, more, many = polytopes
     run = _Search(problem, effort, report)
     searched = run.searched
     try:
         while effort.begins(searched.starts):
             random = np.random.default_rng([seed, searched.starts])
             run.descend(_start(run, few, middle, random), few, FIRST)
-        run.refine(searched.optima[: effort.followed], few, SECOND)
+        run.refine(searched.optima[: effort.followed], more, SECOND)
         run.refine(searched.optima[:POLISHED], many, LAST)
     except KeyboardInterrupt:
         # Without a first motion there is nothing to keep.

@@ -28,7 +28,7 @@ def case(emulator, given):
 
 def run(case, effort, seed=0, report=lambda _: None) -> Searched:
     problem, polytope, middle = case
-    return search(problem, (polytope, polytope), middle, effort, seed, report)
+    return search(problem, (polytope,) * 3, middle, effort, seed, report)
 
 
 def test_descends_inside_the_limits(case):
