@@ -19,7 +19,11 @@ struct OwnedFloating {
   }
 };
 
-using Laws = std::vector<RateLaw<double>>;
+// The laws of the base rate along one joint motion, at nodes and mid-nodes.
+struct Laws {
+  std::vector<RateLaw<double>> at;
+};
+
 using In3 = Eigen::Map<const Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor>>;
 
 Vector3<double> vector(const double* data) { return Eigen::Map<const Vector3<double>>(data); }
@@ -42,12 +46,12 @@ std::ptrdiff_t steps_of(std::ptrdiff_t nodes) {
 Laws laws_at(const Floating& floating, const double* q, const double* qd, std::ptrdiff_t nodes,
              int threads) {
   const std::ptrdiff_t K = floating.robot.tree.joints;
-  Laws laws(static_cast<std::size_t>(nodes));
+  Laws laws{std::vector<RateLaw<double>>(static_cast<std::size_t>(nodes))};
   parallel_for(nodes, threads, [&](std::ptrdiff_t first, std::ptrdiff_t last) {
     BodiesMemory<double> memory(floating.robot.tree);
     for (std::ptrdiff_t k = first; k < last; ++k) {
       configure(floating.robot, q + k * K, memory.at);
-      laws[static_cast<std::size_t>(k)] = rate_law(floating, memory.at, qd + k * K);
+      laws.at[static_cast<std::size_t>(k)] = rate_law(floating, memory.at, qd + k * K);
     }
   });
   return laws;
@@ -61,18 +65,19 @@ auto float_along(const OwnedFloating& owned, const Array& q_, const Array& qd_, 
   const std::ptrdiff_t nodes = q.size(0), n = steps_of(nodes);
   const auto qd = input<2>("qd", qd_, {nodes, K});
   Out<2> w(n + 1, 3), x_WB(n + 1, 4);
+  Laws laws;
   {
     nb::gil_scoped_release release;
-    const Laws laws = laws_at(floating, q.data(), qd.data(), nodes, threads);
+    laws = laws_at(floating, q.data(), qd.data(), nodes, threads);
     Quaternion<double> x = floating.x_WB;
     for (std::ptrdiff_t k = 0; k <= n; ++k) {
-      const RateLaw<double>* law = laws.data() + 2 * k;
+      const RateLaw<double>* law = laws.at.data() + 2 * k;
       Eigen::Map<Quaternion<double>>(x_WB.data() + 4 * k) = x;
       Eigen::Map<Vector3<double>>(w.data() + 3 * k) = law->rate(x, floating.h_cm);
       if (k < n) x = Step<double>(law, floating.h_cm, dt, x).end.normalized();
     }
   }
-  return std::make_tuple(w.give(), x_WB.give());
+  return std::make_tuple(w.give(), x_WB.give(), std::move(laws));
 }
 
 // Memory for the gradient at one node.
@@ -120,10 +125,10 @@ std::vector<NodeStages> reverse_attitude(const Floating& floating, const Laws& l
                                          const double* x_WB, const double* w, double dt,
                                          std::ptrdiff_t n, const double* f_w,
                                          const double* f_turn) {
-  std::vector<NodeStages> stages(laws.size());
+  std::vector<NodeStages> stages(laws.at.size());
   Quaternion<double> f_x = Quaternion<double>::Zero();
   for (std::ptrdiff_t k = n; k >= 0; --k) {
-    const RateLaw<double>* law = laws.data() + 2 * k;
+    const RateLaw<double>* law = laws.at.data() + 2 * k;
     NodeStages* here = stages.data() + 2 * k;
     const Quaternion<double> x = Eigen::Map<const Quaternion<double>>(x_WB + 4 * k);
     here[0].w[0] = vector(w + 3 * k);
@@ -143,8 +148,8 @@ std::vector<NodeStages> reverse_attitude(const Floating& floating, const Laws& l
   return stages;
 }
 
-auto float_gradient(const OwnedFloating& owned, const OwnedMinimalSets& owned_sets,
-                    const Array& q_, const Array& qd_, double dt, const Array& w_,
+auto float_gradient(const OwnedFloating& owned, const Laws& laws,
+                    const OwnedMinimalSets& owned_sets, const Array& q_, const Array& qd_, double dt, const Array& w_,
                     const Array& x_WB_, const Array& f_Y_, const Array& f_W_, const Array& f_D_,
                     const Array& f_r_, const Array& f_w_, const Array& f_turn_, int threads) {
   const Floating floating = owned.view();
@@ -153,6 +158,8 @@ auto float_gradient(const OwnedFloating& owned, const OwnedMinimalSets& owned_se
   const std::int64_t K = robot.tree.joints, pis = sets.pis(), phis = sets.phis();
   const auto q = input<2>("q", q_, {ANY, K});
   const std::ptrdiff_t nodes = q.size(0), n = steps_of(nodes), m = n + 1;
+  if (nodes != static_cast<std::ptrdiff_t>(laws.at.size()))
+    throw nb::value_error("laws: give those of this motion, one for each row of q");
   const auto qd = input<2>("qd", qd_, {nodes, K});
   const auto w = input<2>("w", w_, {m, 3}), x_WB = input<2>("x_WB", x_WB_, {m, 4});
   const auto f_Y = input<3>("f_Y", f_Y_, {m, 3, pis}), f_W = input<3>("f_W", f_W_, {m, 3, phis});
@@ -164,13 +171,15 @@ auto float_gradient(const OwnedFloating& owned, const OwnedMinimalSets& owned_se
   std::fill_n(f_qd.data(), nodes * K, 0.0);
   {
     nb::gil_scoped_release release;
-    const Laws laws = laws_at(floating, q.data(), qd.data(), nodes, threads);
     const Vector3<double> none = Vector3<double>::Zero();
     std::vector<double> to_w(f_w.data(), f_w.data() + 3 * m);
     // Y and W of a node, its D and r_cm.
     parallel_for(m, threads, [&](std::ptrdiff_t first, std::ptrdiff_t last) {
       NodeMemory memory(robot.tree, phis);
       Bodies<double>& at = memory.bodies.at;
+      const auto wrenches = [&](int i, Motion<double>& turn, Motion<double>& rate) {
+        body_wrenches(memory.gradients.of(i), at.pose[i], at.motion[i], turn, rate);
+      };
       for (std::ptrdiff_t k = first; k < last; ++k) {
         const double *q_k = q.data() + 2 * k * K, *qd_k = qd.data() + 2 * k * K;
         double *f_q_k = f_q.data() + 2 * k * K, *f_qd_k = f_qd.data() + 2 * k * K;
@@ -182,8 +191,7 @@ auto float_gradient(const OwnedFloating& owned, const OwnedMinimalSets& owned_se
         regressor_gradients<double>(sets, memory.S, memory.P, In3(f_Y.data() + 3 * pis * k, 3, pis),
                                     In3(f_W.data() + 3 * phis * k, 3, phis), memory.gradients);
         Eigen::Map<Vector3<double>>(to_w.data() + 3 * k) +=
-            momentum_adjoint(robot.tree, at.pose, at.field, at.motion, qd_k, memory.gradients,
-                             memory.wrenches, f_q_k, f_qd_k);
+            momentum_adjoint(robot.tree, at.field, qd_k, wrenches, memory.wrenches, f_q_k, f_qd_k);
         // D e_i is h_rs at the unit rate e_i.
         const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> by_D(f_D.data() +
                                                                                   9 * k);
@@ -221,10 +229,11 @@ void bind_excitation(nb::module_& m) {
         new (self) OwnedFloating(make_floating(robot, planar, D_free, h_rw, h_cm, x_WB));
       }, nb::arg("robot"), nb::arg("planar"), nb::arg("D_free"), nb::arg("h_rw"),
            nb::arg("h_cm"), nb::arg("x_WB"));
+  nb::class_<Laws>(m, "RateLaws", "How the base rate follows from the attitude, node by node.");
   m.def("float_along", &float_along, nb::arg("floating"), nb::arg("q"), nb::arg("qd"),
         nb::arg("dt"), nb::arg("threads") = 1,
-        "Base rate and attitude at every second of the nodes, by RK4.");
-  m.def("float_gradient", &float_gradient, nb::arg("floating"), nb::arg("sets"), nb::arg("q"),
+        "Base rate and attitude at every second of the nodes, by RK4; the laws at all of them.");
+  m.def("float_gradient", &float_gradient, nb::arg("floating"), nb::arg("laws"), nb::arg("sets"), nb::arg("q"),
         nb::arg("qd"), nb::arg("dt"), nb::arg("w"), nb::arg("x_WB"), nb::arg("f_Y"),
         nb::arg("f_W"), nb::arg("f_D"), nb::arg("f_r"), nb::arg("f_w"), nb::arg("f_turn"),
         nb::arg("threads") = 1,

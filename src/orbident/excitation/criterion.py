@@ -16,7 +16,7 @@ from typing import Literal, NamedTuple, get_args
 import numpy as np
 from jaxtyping import Float
 
-from orbident.excitation.floating import Gradient, Motion
+from orbident.excitation.floating import Gradient, Motion, block
 from orbident.model.minimal_sets import MinimalSets
 
 Objective = Literal["cond", "d", "a", "e"]
@@ -114,7 +114,7 @@ def W_hat(
 
 def rotations(motion: Motion, axes: tuple[int, ...]) -> Float[np.ndarray, "n h h"]:
     """`R_WB` of some axes."""
-    return motion.R[:, axes][:, :, axes]
+    return block(motion.R, axes, axes)
 
 
 class Spectrum(NamedTuple):
@@ -158,4 +158,5 @@ def add_Y_hat(
         by_RY[0] -= by_RY.sum(axis=0)
     R = rotations(f.motion, axes)
     f.Y += np.swapaxes(R, 1, 2) @ by_RY
-    f.R[np.ix_(range(len(R)), axes, axes)] += by_RY @ np.swapaxes(f.motion.Y, 1, 2)
+    by_R = block(f.R, axes, axes)
+    by_R += by_RY @ np.swapaxes(f.motion.Y, 1, 2)

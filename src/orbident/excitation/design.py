@@ -9,12 +9,13 @@ import numpy as np
 from orbident.errors import InputError
 from orbident.excitation.conditions import Conditions, conditions_for
 from orbident.excitation.criterion import OBJECTIVES, Objective
+from orbident.excitation.descent import Found
 from orbident.excitation.guarantee import Proven, proven_within
 from orbident.excitation.information import weights_of
 from orbident.excitation.joint_limits import check_ends, inner_point, polytope_of
 from orbident.excitation.problem import Problem, problem_for
 from orbident.excitation.scores import Scores, scores_of
-from orbident.excitation.search import Effort, Found, Progress, Searched, search
+from orbident.excitation.search import Effort, Progress, Searched, search
 from orbident.robot.description import Robot
 from orbident.threads import one_blas_thread
 from orbident.trajectories.trajectory import Trajectory
@@ -22,10 +23,14 @@ from orbident.trajectories.trajectory import Trajectory
 STARTS = 24
 
 LIMIT_STEPS = 64
-"""Steps between the nodes at which the search keeps the joints' limits, at least."""
+"""Steps between the nodes at which the second descents keep the joints' limits, at
+least."""
 
 LIMIT_STEPS_A_PERIOD = 16
 """The same, in a period of the highest harmonic."""
+
+COARSER = 2
+"""The first descents keep them at so many times fewer: they only compare starts."""
 
 FINER = 8
 """The best are descended once more under limits at so many times more nodes: between
@@ -81,7 +86,7 @@ def design_excitation(
             plausible robots counts.
         seed: of the random starts.
         conditions: instead of duration and harmonics.
-        progress: is called after each start.
+        progress: is called after each descent.
 
     Returns:
         The best one found, on the motion that it really makes, random motions
@@ -100,12 +105,12 @@ def design_excitation(
     check_ends(robot.joint_names, given.limits, given.start, given.end)
     problem = problem_for(robot, given, objective, uncertainty)
     steps = max(LIMIT_STEPS, LIMIT_STEPS_A_PERIOD * given.harmonics)
-    few, many = (
+    few, more, many = (
         polytope_of(problem.motions.resampled(nodes + 1), given.limits)
-        for nodes in (steps, FINER * steps)
+        for nodes in (steps // COARSER, steps, FINER * steps)
     )
     middle = inner_point(many, given.limits, robot.joint_names)
-    searched = search(problem, (few, many), middle, effort, seed, progress)
+    searched = search(problem, (few, more, many), middle, effort, seed, progress)
     optima, random = (
         _judged(robot, given, problem, middle, found[:JUDGED])
         for found in (searched.optima, sorted(searched.random, key=lambda f: f.value))

@@ -4,7 +4,7 @@ The same motion as `dynamics.free_floating`, by RK4 on one grid of nodes and mid
 and with the nominal or another plausible inertia.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -37,6 +37,8 @@ class Motion:
     w: Float[np.ndarray, "n 3"]
     """Base rate, rad/s."""
     x_WB: Float[np.ndarray, "n 4"]
+    laws: _core.RateLaws | None = None
+    """Of the base rate, for gradients: only of a motion that `along` found."""
 
     @cached_property
     def R(self) -> Float[np.ndarray, "n 3 3"]:
@@ -99,6 +101,16 @@ class Gradient:
         return -(E_T @ self.E @ E_T)
 
 
+def block(
+    X: Float[np.ndarray, "n 3 3"], rows: tuple[int, ...], columns: tuple[int, ...]
+) -> Float[np.ndarray, "n rows columns"]:
+    """The part of each matrix with these rows and columns: a view.
+
+    Axes in which momentum is conserved stand side by side.
+    """
+    return X[:, rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
+
+
 def axial(G: Float[np.ndarray, "n 3 3"]) -> Float[np.ndarray, "n 3"]:
     """The gradient with respect to `v`, from that with respect to `[v]x`."""
     return np.stack(
@@ -132,8 +144,8 @@ class Craft:
             qd: joint rates.
             dt: from node to node, s.
         """
-        w, x_WB = _core.float_along(self.floating, q, qd, dt, processors())
-        return self.seen(q[::2], qd[::2], w, x_WB, dt)
+        w, x_WB, laws = _core.float_along(self.floating, q, qd, dt, processors())
+        return replace(self.seen(q[::2], qd[::2], w, x_WB, dt), laws=laws)
 
     def seen(
         self,
@@ -155,8 +167,10 @@ class Craft:
     ) -> tuple[Float[np.ndarray, "nodes joints"], Float[np.ndarray, "nodes joints"]]:
         """The gradient with respect to `q` and `qd` at nodes and mid-nodes."""
         motion, regressors = f.motion, self.sets.regressors
+        assert motion.laws is not None
         return _core.float_gradient(
             self.floating,
+            motion.laws,
             regressors.core,
             q,
             qd,

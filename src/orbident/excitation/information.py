@@ -17,7 +17,7 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.errors import InputError
-from orbident.excitation.floating import Gradient, Motion, axial
+from orbident.excitation.floating import Gradient, Motion, axial, block
 from orbident.model.derivatives import derivatives_of_beta
 from orbident.model.minimal_sets import MinimalSets
 from orbident.model.rotations import cross_matrix
@@ -119,9 +119,9 @@ class Seen:
         """`at_rest`: `h_cm = 0` is known, and no unknown."""
         h, v = sensing.h, sensing.v
         self.sensing, self.motion, self.at_rest = sensing, motion, at_rest
-        self.R_h, self.R_v = motion.R[:, h][:, :, h], motion.R[:, v][:, :, v]
-        self.E = motion.E[:, h][:, :, h]
-        self.lever = cross_matrix(motion.r_cm)[:, v][:, :, h]
+        self.R_h, self.R_v = block(motion.R, h, h), block(motion.R, v, v)
+        self.E = block(motion.E, h, h)
+        self.lever = block(cross_matrix(motion.r_cm), v, h)
         # R_0^T dh_cm - Y dpi.
         change = [-(motion.Y @ sensing.pi_of)]
         if not at_rest:
@@ -238,7 +238,8 @@ def _add(
     columns: tuple[int, ...],
     part: Float[np.ndarray, "n rows columns"],
 ) -> None:
-    whole[np.ix_(range(len(whole)), rows, columns)] += part
+    own = block(whole, rows, columns)
+    own += part
 
 
 def _integral(X: Rows, dt: float) -> Rows:

@@ -1,38 +1,36 @@
 """Many starts: from random motions inside the limits to the best local optima.
 
-Each start is sequential quadratic programming (SLSQP of SciPy) with exact gradients.
-The joints' limits are linear in the coordinates of a motion. Half of the starts after
-the first few begin beside a good motion that was found already: what is best is often a
-small step from what is good.
+All starts are descended on a smooth criterion, half of them from beside a good motion
+that was found already: what is best is often a small step from what is good. Only the
+best are then descended on a sharp one, and of these the best under more limits.
 """
 
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from math import ceil
 from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
-from scipy.optimize import minimize
 
 from orbident.errors import InputError
+from orbident.excitation.descent import Descent, Found, Stage
 from orbident.excitation.joint_limits import Polytope
-from orbident.excitation.problem import Problem, Tried
+from orbident.excitation.problem import Problem
 
-POWERS = (2.0, 128.0)
-"""Of the means that stand for extreme eigenvalues: first smooth, then close to them."""
+FIRST = Stage(power=2.0, near=np.inf, until=0.5)
+SECOND = Stage(power=128.0, near=np.inf, until=0.9)
+LAST = Stage(power=512.0, near=0.1, until=1.0)
 
-LAST_POWER = 512.0
-"""When the best are descended once more, under limits at all nodes."""
+FOLLOWED = 4
+"""One start of so many is descended again; with a budget, as many as time allows."""
 
 POLISHED = 3
-"""So many of the best are."""
+"""So many of the best optima are descended once more."""
 
-SEARCHING = 0.9
-"""Share of a budget after which only the best are descended once more."""
-
-NEAR = 0.1
-"""Of a limit: the last descents keep to the limits that are nearer than this."""
+SHARES = 0.5, 0.95
+"""A random motion takes a share between these of what the joints' limits allow."""
 
 FIRST_RANDOM = 8
 """So many starts are random, then every second one."""
@@ -40,23 +38,13 @@ FIRST_RANDOM = 8
 BEST = 6
 """A start beside a good motion takes one of so many."""
 
-SHARES = 0.5, 0.95
-"""A random motion takes a share between these of what the joints' limits allow."""
-
 ASIDE = 0.5
 """How far beside, in coordinates with rates of unit mean square over their limits."""
 
 INWARD = 0.9
 """Share of a good motion's amplitude that such a start keeps: limits are then free."""
 
-TOLERANCE = 1e-4
-"""Of the criterion's logarithm; what ends a start."""
-
-MOST_STEPS = 100
 MOST_HALVINGS = 20
-
-OUTSIDE = 1e-6
-"""Of a limit: rounding in SLSQP's steps, and far less than limits are kept back."""
 
 ALIKE = 1e-3
 """Optima whose criterion's logarithms differ by less are taken for the same."""
@@ -75,31 +63,35 @@ class Progress(NamedTuple):
 class Effort:
     """How long to search: so many starts, or until a moment."""
 
-    starts: int | None
+    starts: int
     budget: float | None
-    """Seconds."""
+    """Seconds; the number of starts then does not matter."""
     began: float = field(default_factory=time.perf_counter)
 
-    def fraction(self, starts: int) -> float:
-        """Share of the starts that is done, 1 where no other is to begin."""
-        if self.budget is not None:
-            return min(self._used(self.budget) / SEARCHING, 1.0)
-        return starts / (self.starts or 1)
+    @property
+    def followed(self) -> int | None:
+        """So many starts are descended to the end; None: as many as time allows."""
+        return None if self.budget else ceil(self.starts / FOLLOWED)
+
+    def begins(self, starts: int) -> bool:
+        """Whether one more start is to begin after so many."""
+        if self.budget:
+            return starts == 0 or not self.over(FIRST.until)
+        return starts < self.starts
 
     def over(self, share: float) -> bool:
         """Whether so much of the time is up."""
-        return self.budget is not None and self._used(self.budget) >= share
+        return self._used() >= share
 
-    def _used(self, budget: float) -> float:
-        return (time.perf_counter() - self.began) / budget
+    def fraction(self, descents: int) -> float:
+        """Share of the search that is done."""
+        planned = self.starts + (self.followed or 0) + POLISHED
+        return min(self._used() if self.budget else descents / planned, 1.0)
 
-
-class Found(NamedTuple):
-    """A motion inside the limits."""
-
-    value: float
-    """Logarithm of the criterion, on the search's grid."""
-    y: Float[np.ndarray, "joints m"]
+    def _used(self) -> float:
+        if not self.budget:
+            return 0.0
+        return (time.perf_counter() - self.began) / self.budget
 
 
 @dataclass
@@ -111,6 +103,7 @@ class Searched:
     optima: list[Found] = field(default_factory=list)
     """The best first; nearly equal ones once."""
     starts: int = 0
+    descents: int = 0
     evaluations: int = 0
     interrupted: bool = False
 
@@ -131,13 +124,9 @@ class Searched:
         )
 
 
-class _TimeIsUpError(Exception):
-    """Ends a descent."""
-
-
 def search(
     problem: Problem,
-    polytopes: tuple[Polytope, Polytope],
+    polytopes: tuple[Polytope, Polytope, Polytope],
     middle: Float[np.ndarray, "joints m"],
     effort: Effort,
     seed: int,
@@ -147,31 +136,24 @@ def search(
 
     Args:
         problem: what is minimised.
-        polytopes: the joint limits at few nodes, and at many.
+        polytopes: the joint limits at few nodes, at more and at many: of each stage.
         middle: a motion inside them.
         effort: when to end.
         seed: of the random starts.
-        report: is called after each start.
+        report: is called after each descent.
 
     Raises:
         InputError: the limits of the base leave no room even for the gentlest motion.
     """
-    searched = Searched()
+    few, more, many = polytopes
+    run = _Search(problem, effort, report)
+    searched = run.searched
     try:
-        while effort.fraction(searched.starts) < 1 or not searched.random:
+        while effort.begins(searched.starts):
             random = np.random.default_rng([seed, searched.starts])
-            descent = _Descent(problem, polytopes[0], effort)
-            y = _start(descent, searched, middle, random)
-            searched.starts += 1
-            _descend(descent, y, searched)
-            report(
-                Progress(
-                    effort.fraction(searched.starts),
-                    float(np.exp(searched.best.value)),
-                    searched.starts,
-                )
-            )
-        _polish(problem, polytopes[1], effort, searched)
+            run.descend(_start(run, few, middle, random), few, FIRST)
+        run.refine(searched.optima[: effort.followed], more, SECOND)
+        run.refine(searched.optima[:POLISHED], many, LAST)
     except KeyboardInterrupt:
         # Without a first motion there is nothing to keep.
         if not searched.random:
@@ -180,149 +162,86 @@ def search(
     return searched
 
 
-def _polish(
-    problem: Problem, polytope: Polytope, effort: Effort, searched: Searched
-) -> None:
-    """Replaces the best optima by those under the limits at many nodes."""
-    best, searched.optima = searched.optima[:POLISHED], []
-    try:
-        for optimum in () if effort.over(1.0) else best:
-            descent = _Descent(problem, polytope, effort, NEAR, until=1.0)
-            _descend(descent, optimum.y, searched, (LAST_POWER,))
-    finally:
-        searched.optima = searched.optima or best
+@dataclass(frozen=True, eq=False)
+class _Search:
+    problem: Problem
+    effort: Effort
+    report: Callable[[Progress], object]
+    searched: Searched = field(default_factory=Searched)
 
-
-def _descend(
-    descent: "_Descent",
-    y: Float[np.ndarray, "joints m"],
-    searched: Searched,
-    powers: tuple[float, ...] = POWERS,
-) -> None:
-    """One descent; what it found is kept, however it ends."""
-    try:
-        descent.run(y, powers)
-    finally:
-        searched.evaluations += descent.evaluations
-        if np.isfinite(descent.best.value):
-            searched.keep(descent.best)
-
-
-class _Descent:
-    """One start, and the best motion met on its way that is inside all limits."""
-
-    def __init__(
-        self,
-        problem: Problem,
-        polytope: Polytope,
-        effort: Effort,
-        near: float = np.inf,
-        until: float = SEARCHING,
-    ) -> None:
-        """Limits that are nearer than `near` at the start are kept to.
-
-        It ends when the share `until` of a budget is used up.
-        """
-        self.problem, self.polytope, self._effort = problem, polytope, effort
-        self._near, self._until = near, until
-        self._last: tuple[bytes, Tried] | None = None
-        self.best = Found(np.inf, np.empty((0, 0)))
-        self.evaluations = 0
-
-    def tried(self, y: Float[np.ndarray, "joints m"], p: float) -> Tried:
-        """The criterion at `y`; SLSQP asks for values, then for limits."""
-        key = np.append(y, p).tobytes()
-        if self._last is None or self._last[0] != key:
-            tried = self.problem.tried(y, p)
-            self.evaluations += 1
-            self._last = key, tried
-            inside = self.polytope.slack(y).min() > -OUTSIDE
-            if inside and (tried.used <= 1).all() and tried.exact < self.best.value:
-                self.best = Found(tried.exact, y.copy())
-        return self._last[1]
-
-    def run(self, y: Float[np.ndarray, "joints m"], powers: tuple[float, ...]) -> None:
-        """Descends with means of rising power."""
+    def refine(self, found: list[Found], polytope: Polytope, stage: Stage) -> None:
+        """Replaces the optima by what descents from some of them find."""
+        before, self.searched.optima = self.searched.optima, []
         try:
-            for p in powers:
-                y = self._slsqp(y, p)
-        except _TimeIsUpError:
-            return
+            for each in found:
+                if self.effort.over(stage.until):
+                    break
+                self.descend(each.y, polytope, stage)
+        finally:
+            self.searched.optima = self.searched.optima or before
 
-    def _slsqp(
-        self, y: Float[np.ndarray, "joints m"], p: float
-    ) -> Float[np.ndarray, "joints m"]:
-        shape = y.shape
-        rows = self.polytope.rows
-        kept = rows.any(axis=1) & (self.polytope.slack(y).ravel() < self._near)
-        normals, room = rows[kept], self.polytope.room.ravel()[kept]
-        base = len(self.problem.limited)
-
-        def value(x: np.ndarray) -> tuple[float, np.ndarray]:
-            tried = self.tried(x.reshape(shape), p)
-            if self._effort.over(self._until):
-                raise _TimeIsUpError
-            return tried.smooth, tried.gradient.ravel()
-
-        def slack(x: np.ndarray) -> np.ndarray:
-            joints = room - normals @ x
-            if not base:
-                return joints
-            return np.concatenate([1 - self.tried(x.reshape(shape), p).used, joints])
-
-        def slack_gradient(x: np.ndarray) -> np.ndarray:
-            if not base:
-                return -normals
-            used = self.tried(x.reshape(shape), p).used_gradient
-            return -np.concatenate([used.reshape(base, -1), normals])
-
-        found = minimize(
-            value,
-            y.ravel(),
-            jac=True,
-            method="SLSQP",
-            constraints={"type": "ineq", "fun": slack, "jac": slack_gradient},
-            options={"maxiter": MOST_STEPS, "ftol": TOLERANCE},
+    def descend(
+        self, y: Float[np.ndarray, "joints m"], polytope: Polytope, stage: Stage
+    ) -> None:
+        """One descent; what it found is kept, however it ends."""
+        searched, effort = self.searched, self.effort
+        descent = Descent(
+            self.problem, polytope, stage, lambda: effort.over(stage.until)
         )
-        return found.x.reshape(shape)
+        try:
+            descent.run(y)
+        finally:
+            searched.evaluations += descent.evaluations
+            searched.descents += 1
+            if descent.best is not None:
+                searched.keep(descent.best)
+        self.report(
+            Progress(
+                effort.fraction(searched.descents),
+                float(np.exp(searched.best.value)),
+                searched.starts,
+            )
+        )
 
 
 def _start(
-    descent: _Descent,
-    searched: Searched,
+    run: _Search,
+    polytope: Polytope,
     middle: Float[np.ndarray, "joints m"],
     random: np.random.Generator,
 ) -> Float[np.ndarray, "joints m"]:
     """A random motion, or one beside a good one; inside all limits."""
-    good = searched.optima[:BEST]
+    searched = run.searched
+    good, is_random = searched.optima[:BEST], searched.starts % 2 == 0
+    searched.starts += 1
     direction = random.standard_normal(middle.shape)
-    if searched.starts < FIRST_RANDOM or searched.starts % 2 == 0 or not good:
+    if searched.starts <= FIRST_RANDOM or is_random or not good:
         share = random.uniform(*SHARES, len(middle))
-        steps = share * descent.polytope.reach(middle, direction)
+        steps = share * polytope.reach(middle, direction)
         y = middle + steps[:, None] * direction
-        found = _inside_base_limits(descent, middle, y)
+        found = _inside_base_limits(run.problem, middle, y)
         searched.random.append(found)
         return found.y
     y = middle + INWARD * (good[random.integers(len(good))].y - middle)
-    steps = np.minimum(ASIDE, SHARES[1] * descent.polytope.reach(y, direction))
-    return _inside_base_limits(descent, middle, y + steps[:, None] * direction).y
+    steps = np.minimum(ASIDE, SHARES[1] * polytope.reach(y, direction))
+    return _inside_base_limits(run.problem, middle, y + steps[:, None] * direction).y
 
 
 def _inside_base_limits(
-    descent: _Descent,
+    problem: Problem,
     middle: Float[np.ndarray, "joints m"],
     y: Float[np.ndarray, "joints m"],
 ) -> Found:
     """The motion, halved towards the gentlest one until the base keeps its limits."""
-    tried = descent.tried(y, POWERS[0])
+    tried = problem.tried(y, FIRST.power)
     for _ in range(MOST_HALVINGS):
         if (tried.used < 1).all():
             return Found(tried.exact, y)
         y = middle + (y - middle) / 2
-        tried = descent.tried(y, POWERS[0])
+        tried = problem.tried(y, FIRST.power)
     worst = int(tried.used.argmax())
     raise InputError(
         "base limits: even the gentlest joint motion exceeds the limit of "
-        f"{descent.problem.limited[worst]}, by {np.sqrt(tried.used[worst]) - 1:.2g} "
+        f"{problem.limited[worst]}, by {np.sqrt(tried.used[worst]) - 1:.2g} "
         "of it; raise the limit, or start with less momentum"
     )

@@ -10,8 +10,8 @@ import pytest
 from random_robots import random_robot, random_wheels
 
 from orbident.errors import InputError
-from orbident.excitation import search
 from orbident.excitation.conditions import conditions_for, limits_of
+from orbident.excitation.descent import Descent
 from orbident.excitation.design import design_excitation, usual_objective
 from orbident.excitation.problem import STEPS, plausible_robots, steps_for
 from orbident.excitation.start import was_at_rest
@@ -121,7 +121,7 @@ def test_search_and_truth_agree_where_the_base_nutates():
 
 def test_never_worse_than_a_random_motion(emulator, case, monkeypatch):
     """Even if descents were in vain."""
-    monkeypatch.setattr(search, "_descend", lambda *_: None)
+    monkeypatch.setattr(Descent, "run", lambda *_: None)
     made = made_for(emulator, conditions=case.conditions, starts=3)
     assert made["value"] == made["best_random_start"]
 

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from orbident.excitation.conditions import conditions_for, limits_of
+from orbident.excitation.descent import OUTSIDE, Found
 from orbident.excitation.joint_limits import inner_point, polytope_of
 from orbident.excitation.problem import Problem, problem_for
-from orbident.excitation.search import OUTSIDE, Effort, Found, Searched, search
+from orbident.excitation.search import Effort, Searched, search
 
 
 @pytest.fixture(scope="module")
@@ -27,7 +28,7 @@ def case(emulator, given):
 
 def run(case, effort, seed=0, report=lambda _: None) -> Searched:
     problem, polytope, middle = case
-    return search(problem, (polytope, polytope), middle, effort, seed, report)
+    return search(problem, (polytope,) * 3, middle, effort, seed, report)
 
 
 def test_descends_inside_the_limits(case):
@@ -53,7 +54,7 @@ def test_a_limit_of_the_base_costs(emulator, given, case):
 
 
 def test_stops_when_time_is_up(case):
-    searched = run(case, Effort(None, 1e-6))
+    searched = run(case, Effort(3, 1e-6))
     assert searched.starts == 1
     assert len(searched.optima) == 1
     # The random motion alone, made smaller for the base's limit: there is no step.

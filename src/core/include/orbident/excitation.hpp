@@ -123,9 +123,8 @@ Vector3<T> add_momentum_gradient(const Robot& robot, Bodies<T>& at, Wrenches<T>&
   Vector3<T> p = Vector3<T>::Zero();
   for (int i = 0; i < robot.tree.bodies(); ++i)
     p += at.mass[i].m * at.motion[i].u + at.motion[i].w.cross(at.mass[i].s);
-  return momentum_adjoint(robot.tree, at.pose, at.field, at.motion, qd,
-                          MomentumGradients<T>(a, r, at.carried[0], p, robot.theta), room, f_q,
-                          f_qd);
+  const MomentumGradients<T> wrenches(a, r, at.carried[0], p, at.mass, at.motion);
+  return momentum_adjoint(robot.tree, at.field, qd, wrenches, room, f_q, f_qd);
 }
 
 }  // namespace orbident

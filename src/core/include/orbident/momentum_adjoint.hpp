@@ -66,13 +66,11 @@ void body_wrenches(const ColumnGradients<T>& f, const Pose<T>& pose, const Motio
   rate = {f_w + d.cross(f_v), f_v};
 }
 
-// Adds df/dq and df/dqd, and returns df/dw; f(i) gives the ColumnGradients of body i.
+// Adds df/dq and df/dqd, and returns df/dw; wrenches(i, turn, rate) gives those of body i.
 template <class T, class F>
-Vector3<T> momentum_adjoint(const Tree& tree, const Pose<T>* pose, const Motion<T>* field,
-                            const Motion<T>* motion, const T* qd, F&& f, Wrenches<T>& at, T* f_q,
-                            T* f_qd) {
-  for (int i = 0; i < tree.bodies(); ++i)
-    body_wrenches<T>(f(i), pose[i], motion[i], at.turn[i], at.rate[i]);
+Vector3<T> momentum_adjoint(const Tree& tree, const Motion<T>* field, const T* qd, F&& wrenches,
+                            Wrenches<T>& at, T* f_q, T* f_qd) {
+  for (int i = 0; i < tree.bodies(); ++i) wrenches(i, at.turn[i], at.rate[i]);
   for (int k = tree.joints - 1; k >= 0; --k) {
     const Motion<T>&S = field[k], &rate = at.rate[k + 1];
     Motion<T>& turn = at.turn[k + 1];
@@ -89,21 +87,31 @@ Vector3<T> momentum_adjoint(const Tree& tree, const Pose<T>* pose, const Motion<
   return at.rate[0].w;
 }
 
-// Column gradients of a . h_rs + r . r_cm, with h_rs = A theta - (S theta) x (P theta) / M and
-// r_cm = S theta / M: of rank one.
+// The wrenches of a . h_rs + r . r_cm, with h_rs = h - s x p / M and r_cm = s / M, in terms of each
+// body's first moment s, momentum p = m u + w x s and h = J w + s x u about S:
+//
+//   a . h_rs + r . r_cm = S . s + P . p + a . h,   S = (a x p + r) / M,  P = s x a / M  of the system.
 template <class T>
 struct MomentumGradients {
-  Vector3<T> S, P, A;
-  const double* theta;
+  Vector3<T> S, P, a;
+  const Mass<T>* mass;
+  const Motion<T>* motion;
 
-  MomentumGradients(const Vector3<T>& a, const Vector3<T>& r, const Mass<T>& all,
-                    const Vector3<T>& p, const double* theta_)
-      : S((a.cross(p) + r) / all.m), P(all.s.cross(a) / all.m), A(a), theta(theta_) {}
-  ColumnGradients<T> operator()(int i) const {
-    const auto theta_i =
-        Eigen::Map<const Eigen::Matrix<double, 1, PER_BODY>>(theta + PER_BODY * i)
-            .template cast<T>();
-    return {S * theta_i, P * theta_i, A * theta_i};
+  MomentumGradients(const Vector3<T>& a_, const Vector3<T>& r, const Mass<T>& all,
+                    const Vector3<T>& p, const Mass<T>* mass_, const Motion<T>* motion_)
+      : S((a_.cross(p) + r) / all.m),
+        P(all.s.cross(a_) / all.m),
+        a(a_),
+        mass(mass_),
+        motion(motion_) {}
+  void operator()(int i, Motion<T>& turn, Motion<T>& rate) const {
+    const T m = mass[i].m;
+    const Vector3<T>&s = mass[i].s, &w = motion[i].w, &u = motion[i].u;
+    const Vector3<T> Jw = mass[i].J * w, Ja = mass[i].J * a, as = a.cross(s);
+    const Vector3<T> f_s = S + P.cross(w) + u.cross(a);
+    turn = {s.cross(f_s) + Jw.cross(a) + Ja.cross(w),
+            m * f_s + w.cross(s).cross(a) + as.cross(w)};
+    rate = {Ja + s.cross(P), m * P + as};
   }
 };
 
@@ -121,7 +129,7 @@ struct RegressorGradients {
   Rows3<T> S_sigma, P_sigma, f_S_sigma, f_P_sigma;  // 3 x phi
   Rows3<T> f_S, f_P, f_A;                           // 3 x theta
 
-  ColumnGradients<T> operator()(int i) const {
+  ColumnGradients<T> of(int i) const {
     return {f_S.template middleCols<PER_BODY>(PER_BODY * i),
             f_P.template middleCols<PER_BODY>(PER_BODY * i),
             f_A.template middleCols<PER_BODY>(PER_BODY * i)};

@@ -1,0 +1,112 @@
+"""One descent: sequential quadratic programming (SLSQP of SciPy), exact gradients."""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+from scipy.optimize import minimize
+
+from orbident.excitation.joint_limits import Polytope
+from orbident.excitation.problem import Problem, Tried
+
+MOST_STEPS = 100
+
+TOLERANCE = 1e-4
+"""Of the criterion's logarithm: a step that gains less ends a descent."""
+
+OUTSIDE = 1e-6
+"""Of a limit: rounding in SLSQP's steps, and far less than limits are kept back."""
+
+
+class Stage(NamedTuple):
+    """Descents of one kind."""
+
+    power: float
+    """Of the means that stand for extreme eigenvalues: smooth if low, exact if high."""
+    near: float
+    """Of a limit: those that are farther at the start are not given to SLSQP."""
+    until: float
+    """Share of a budget after which the stage ends."""
+
+
+class Found(NamedTuple):
+    """A motion inside the limits."""
+
+    value: float
+    """Logarithm of the criterion, on the search's grid."""
+    y: Float[np.ndarray, "joints m"]
+
+
+class _TimeIsUpError(Exception):
+    """Ends a descent."""
+
+
+class Descent:
+    """One descent, and the best motion met on its way that is inside all limits."""
+
+    def __init__(
+        self,
+        problem: Problem,
+        polytope: Polytope,
+        stage: Stage,
+        time_is_up: Callable[[], bool],
+    ) -> None:
+        """It ends early when the time is up."""
+        self._problem, self._polytope, self._stage = problem, polytope, stage
+        self._time_is_up = time_is_up
+        self._last: tuple[bytes, Tried] | None = None
+        self.best: Found | None = None
+        self.evaluations = 0
+
+    def run(self, y: Float[np.ndarray, "joints m"]) -> None:
+        """Descends from a motion."""
+        shape = y.shape
+        slack = self._polytope.slack(y).ravel()
+        kept = self._polytope.rows.any(axis=1) & (slack < self._stage.near)
+        normals = self._polytope.rows[kept]
+        room = self._polytope.room.ravel()[kept]
+        base = len(self._problem.limited)
+
+        def value(x: np.ndarray) -> tuple[float, np.ndarray]:
+            tried = self._tried(x.reshape(shape))
+            if self._time_is_up():
+                raise _TimeIsUpError
+            return tried.smooth, tried.gradient.ravel()
+
+        def slacks(x: np.ndarray) -> np.ndarray:
+            joints = room - normals @ x
+            if not base:
+                return joints
+            return np.concatenate([1 - self._tried(x.reshape(shape)).used, joints])
+
+        def slack_gradients(x: np.ndarray) -> np.ndarray:
+            if not base:
+                return -normals
+            used = self._tried(x.reshape(shape)).used_gradient
+            return -np.concatenate([used.reshape(base, -1), normals])
+
+        try:
+            minimize(
+                value,
+                y.ravel(),
+                jac=True,
+                method="SLSQP",
+                constraints={"type": "ineq", "fun": slacks, "jac": slack_gradients},
+                options={"maxiter": MOST_STEPS, "ftol": TOLERANCE},
+            )
+        except _TimeIsUpError:
+            return
+
+    def _tried(self, y: Float[np.ndarray, "joints m"]) -> Tried:
+        """The criterion at `y`; SLSQP asks for values, then for limits."""
+        key = y.tobytes()
+        if self._last is None or self._last[0] != key:
+            tried = self._problem.tried(y, self._stage.power)
+            self.evaluations += 1
+            self._last = key, tried
+            inside = self._polytope.slack(y).min() > -OUTSIDE
+            better = self.best is None or tried.exact < self.best.value
+            if inside and (tried.used <= 1).all() and better:
+                self.best = Found(tried.exact, y.copy())
+        return self._last[1]
