@@ -9,14 +9,14 @@ from scoring import Row, row
 
 
 def all_rows(
-    workers: int, names: Sequence[str] = (), told: Callable[[str], object] = str
+    workers: int, names: Sequence[str] = (), progress: Callable[[str], object] = str
 ) -> list[Row]:
     """In the order of the table.
 
     Args:
         workers: processes.
         names: of mistakes, where not all.
-        told: is called with what is done.
+        progress: is called with what is done.
     """
     asked = [
         (robot, mistake.name)
@@ -30,7 +30,7 @@ def all_rows(
         for one in pool.map(_scores, asked):
             robot, name = asked[len(rows)]
             rows.append(Row(robot, by_name(name), one))
-            told(f"{len(rows)}/{len(asked)} {robot}: {name}")
+            progress(f"{len(rows)}/{len(asked)} {robot}: {name}")
     return rows
 
 

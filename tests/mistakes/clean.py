@@ -82,9 +82,9 @@ class Runs:
         self.cautioned += bool(result.warnings)
         beta = oi.minimal_sets(robot).beta(clean.robot.theta)
         z = (result.base.values - beta) / result.base.std
-        told = np.isfinite(result.base.values)
-        self.unknown += int(np.count_nonzero(~told))
-        self.z += z[told].tolist()
+        determined = np.isfinite(result.base.values)
+        self.unknown += int(np.count_nonzero(~determined))
+        self.z += z[determined].tolist()
         self.z_mass.append((result.mass.value - beta[0]) / result.mass.std)
 
 
@@ -109,7 +109,7 @@ def of_robots(
     names: Sequence[str],
     workers: int,
     seeds: int = SEEDS,
-    told: Callable[[str], object] = str,
+    progress: Callable[[str], object] = str,
 ) -> dict[str, ByMethod]:
     """By robot."""
     found: dict[str, ByMethod] = {}
@@ -119,7 +119,7 @@ def of_robots(
             names, pool.map(of_robot, names, repeat(seeds)), strict=True
         ):
             found[name] = runs
-            told(f"{len(found)}/{len(names)} {name}")
+            progress(f"{len(found)}/{len(names)} {name}")
     return found
 
 

@@ -36,7 +36,7 @@ MOST_GROUPS = 3
 """A message that names more kinds of causes is a list of all that can be wrong."""
 
 
-def names(mistake: Mistake, message: str) -> bool:
+def names_cause(mistake: Mistake, message: str) -> bool:
     """Whether a message says that it is this, and not that it may be anything."""
     groups = {each.group for each in MISTAKES if each.is_named(message)}
     return mistake.is_named(message) and len(groups) <= MOST_GROUPS

@@ -50,7 +50,7 @@ WHEELS = (
         Mistake(
             f"inertia of all wheels {100 * part:g} % off",
             each_wheel(heavier(part)),
-            "inertia|scale wheel",
+            "inertia wheel",
             unobservable=ROBOTS,
             tolerance={"wheels": {"inertia": part}},
         )
@@ -59,7 +59,7 @@ WHEELS = (
     Mistake(
         "inertia of one wheel 10 % off",
         each_wheel(heavier(0.1), 1),
-        "inertia|scale wheel",
+        "inertia wheel",
         IN_SPACE,
         tolerance={"wheels": {"inertia": 0.1}},
     ),

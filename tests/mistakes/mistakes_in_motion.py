@@ -101,12 +101,12 @@ STARTS = (
     Mistake(
         "wheels lose 10 %, recorded as constant",
         spun_down(0.1),
-        "wheel speed|spin|spun",
+        "wheel speed",
     ),
     Mistake(
         "wheels lose 1 %, recorded as constant",
         spun_down(0.01),
-        "wheel speed|spin|spun",
+        "wheel speed",
     ),
 )
 

@@ -83,7 +83,7 @@ SCALES = (
     Mistake(
         "wheels scale 1 %",
         columns("wheel.", times(1.01)),
-        "scale|inertia wheel",
+        "gain|inertia wheel",
         unobservable=ROBOTS,  # with the inertia of all wheels 1 % less
         tolerance={"wheels": {"inertia": 0.01}},
     ),

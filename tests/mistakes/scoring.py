@@ -6,7 +6,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 from mistake import Mistake
-from mistakes import names
+from mistakes import names_cause
 from recordings import clean
 from spoiled import Spoiled
 
@@ -84,11 +84,11 @@ def misses_of(result: Result, true: oi.Robot) -> Misses:
     sets = oi.minimal_sets(result.robot)
 
     def worst(values: np.ndarray, std: np.ndarray, expected: np.ndarray) -> float:
-        told = np.isfinite(values)
-        if not told.any():
+        determined = np.isfinite(values)
+        if not determined.any():
             return float("nan")
         with np.errstate(divide="ignore", invalid="ignore"):
-            miss = np.abs(values - expected)[told] / std[told]
+            miss = np.abs(values - expected)[determined] / std[determined]
         # A deviation that is not a number promises nothing that could be kept.
         return float(np.nan_to_num(miss, nan=np.inf).max())
 
@@ -117,7 +117,7 @@ class Row(NamedTuple):
 
     def named(self, method: Method) -> bool:
         """Whether the first reason is the true one."""
-        return names(self.mistake, self.scores[method].reason)
+        return names_cause(self.mistake, self.scores[method].reason)
 
     def excused(self, method: Method) -> bool:
         """Whether what is accepted and wrong could not have been known."""

@@ -24,7 +24,7 @@ from orbident.robot.parameters import PER_BODY
 from orbident.simulation.free_floating import BaseState, JointState, free_floating
 
 SEEN = 5.0
-"""Deviations: one cause of a hundred is told at a hundredth of false alarms by 3.9; in
+"""Deviations: tests of a hundred causes have a false alarm in a hundred beyond 3.9; in
 nine of ten recordings a mistake of 5.2 exceeds that."""
 
 ROUNDS = 12
