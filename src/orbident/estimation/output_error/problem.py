@@ -1,7 +1,7 @@
 """All equations of a recording, and a state where they are linearised.
 
 The unknowns are those of each boundary between shooting intervals, `z`, and those that
-all have in common, `g = [outside | beta]`. The core linearises interval after interval
+all have in common, `g = [outside | beta | calibration]`. The core linearises interval after interval
 and eliminates what belongs to one of them alone, from both ends of the recording to a
 boundary in its middle, the meeting one.
 """
@@ -23,6 +23,7 @@ from orbident.estimation.output_error.shooting import (
     substeps_of,
 )
 from orbident.model.core_robot import core_tree
+from orbident.model.wheels import wheels_of
 from orbident.preprocessing.samples import Samples
 from orbident.robot.description import Robot
 from orbident.threads import processors
@@ -32,6 +33,9 @@ SENSORS = ("gyro", "accelerometer", "attitude", "joints", "position", "velocity"
 
 NO_ROWS = np.zeros((0, 3))
 """The samples of a sensor that was not recorded."""
+
+NOTHING_SELECTED = np.zeros(0)
+"""Every instrument is perfect."""
 
 BySensor = Mapping[str, Float[np.ndarray, "rows axes"]]
 
@@ -78,12 +82,26 @@ class State(NamedTuple):
     local: Float[np.ndarray, "boundaries local"]
     """Turn (always zero), biases, corrections of the joints and of their rates."""
     common: Float[np.ndarray, " common"]
-    """`h_cm`, `v_cm`, `r_cm`, torque, pull and `beta`."""
+    """`h_cm`, `v_cm`, `r_cm`, torque, pull, `beta` and selected calibrations."""
+    selected: Float[np.ndarray, " selected"] = NOTHING_SELECTED
+    """Places of the calibrations that are unknowns; all others are exact."""
 
     @property
     def beta(self) -> Float[np.ndarray, " beta"]:
         """`[M, sigma, iota]`."""
-        return self.common[OUTSIDE:]
+        return self.common[OUTSIDE : self.common.size - self.selected.size]
+
+    @property
+    def calibration(self) -> Float[np.ndarray, " selected"]:
+        """Errors of instruments, SI or relative."""
+        return self.common[self.common.size - self.selected.size :]
+
+    def selecting(self, places: Float[np.ndarray, " selected"]) -> "State":
+        """The state with these calibrations as unknowns too, at zero."""
+        return self._replace(
+            common=np.append(self.common, np.zeros(places.size)),
+            selected=np.append(self.selected, places),
+        )
 
     def moved(
         self, z: Float[np.ndarray, "boundaries local"], g: Float[np.ndarray, " common"]
@@ -95,7 +113,7 @@ class State(NamedTuple):
         local = self.local + z
         local[:, :3] = 0.0
         unit = x / np.linalg.norm(x, axis=1, keepdims=True)
-        return State(unit, local, self.common + g)
+        return self._replace(x_WB=unit, local=local, common=self.common + g)
 
 
 class Linear(NamedTuple):
@@ -153,6 +171,7 @@ def linear(problem: Problem, weights: BySensor, state: State) -> Linear:
         state.x_WB,
         state.local,
         state.common,
+        state.selected,
         processors(),
     )
     tables = zip(SENSORS, residuals, strict=True)
@@ -176,6 +195,7 @@ def problem_of(
     """
     intervals = intervals_of(robot, samples, sensors)
     loose = looseness(robot, samples, sensors)
+    history = intervals.history
     last = np.arange(intervals.t.size) == intervals.t.size - 1
     seen, weights = {}, {}
     for name, sensed in sensors.by_name.items():
@@ -194,7 +214,12 @@ def problem_of(
         loose.corrected,
         intervals.t,
         intervals.edges.astype(float),
-        *intervals.history,
+        history.q,
+        history.qd,
+        history.qdd,
+        np.ascontiguousarray(wheels_of(robot).A_rw),
+        history.qd_rw,
+        history.qdd_rw,
         [np.nan_to_num(seen.get(name, _none(name))) for name in SENSORS],
         loose.first,
         loose.corrections,
