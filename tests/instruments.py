@@ -70,33 +70,35 @@ def rotation(m: np.ndarray) -> Rotation:
 def shown_with(errors: Errors, robot: Robot, recording: Recording) -> Recording:
     """What was recorded without noise, by these instruments; velocity needs a gyro."""
     columns = dict(recording.columns)
-
-    def table(name: str, components: str = "xyz") -> np.ndarray:
-        return np.column_stack([columns[f"{name}.{k}"] for k in components])
+    shown: dict[str, np.ndarray] = {}
 
     def put(name: str, values: np.ndarray, components: str = "xyz") -> None:
-        if f"{name}.x" in columns:
-            columns.update(
-                (f"{name}.{k}", column)
-                for k, column in zip(components, values.T, strict=True)
-            )
+        shown.update(
+            (f"{name}.{k}", column)
+            for k, column in zip(components, values.T, strict=True)
+        )
 
-    x_WB = table("attitude", "xyzw")
-    if "velocity.x" in columns:
-        put("velocity", errors.velocities(table("velocity"), table("gyro"), x_WB))
-    if "gyro.x" in columns:
-        put("gyro", errors.rates(table("gyro")))
-    if "position.x" in columns:
-        put("position", errors.positions(table("position"), x_WB))
+    x_WB = recording.vector("attitude", "xyzw")
     put("attitude", errors.attitudes(x_WB), "xyzw")
+    if "position.x" in columns:
+        put("position", errors.positions(recording.vector("position"), x_WB))
+    if "gyro.x" in columns:
+        w = recording.vector("gyro")
+        put("gyro", errors.rates(w))
+        if "velocity.x" in columns:
+            put("velocity", errors.velocities(recording.vector("velocity"), w, x_WB))
     for k, name in enumerate(robot.joint_names):
-        scale = 1 + errors.scale[k]
-        at, rate = f"joint.{name}.position", f"joint.{name}.velocity"
-        columns[at] = (columns[at] - errors.zero[k]) / scale
-        if rate in columns:
-            columns[rate] = columns[rate] / scale
-    for k, name in enumerate(robot.wheel_names):
-        for key in (f"wheel.{name}.speed", f"wheel.{name}.position"):
-            if key in columns:
-                columns[key] = columns[key] / (1 + errors.wheel[k])
-    return Recording(recording.t, columns)
+        key = f"joint.{name}.position"
+        shown[key] = (columns[key] - errors.zero[k]) / (1 + errors.scale[k])
+    gains = {
+        f"joint.{n}.velocity": errors.scale[k] for k, n in enumerate(robot.joint_names)
+    }
+    gains |= {
+        f"wheel.{name}.{key}": errors.wheel[k]
+        for k, name in enumerate(robot.wheel_names)
+        for key in ("speed", "position")
+    }
+    shown |= {
+        key: columns[key] / (1 + gain) for key, gain in gains.items() if key in columns
+    }
+    return Recording(recording.t, columns | shown)

@@ -1,9 +1,9 @@
 """All equations of a recording, and a state where they are linearised.
 
 The unknowns are those of each boundary between shooting intervals, `z`, and those that
-all have in common, `g = [outside | beta | calibration]`. The core linearises interval after interval
-and eliminates what belongs to one of them alone, from both ends of the recording to a
-boundary in its middle, the meeting one.
+all have in common, `g = [outside | beta | calibration]`. The core linearises interval
+after interval and eliminates what belongs to one of them alone, from both ends of the
+recording to a boundary in its middle, the meeting one.
 """
 
 from collections.abc import Mapping
