@@ -75,4 +75,5 @@ def small_problem(robot: Robot, recording: Recording, off: float = 0.0) -> Small
     signs = np.where(np.arange(beta.size) % 2, 1.0, -1.0)
     start = (1 + off * signs) * beta
     state = start_of(problem, samples, NOTHING, start)
-    return Small(problem, prior_of(robot, sets, NOTHING, "at-rest"), state, beta)
+    prior = prior_of(robot, sets, problem.declared, NOTHING, "at-rest")
+    return Small(problem, prior, state, beta)

@@ -15,6 +15,7 @@ from scipy.linalg import solve_triangular
 from scipy.spatial.transform import Rotation, Slerp
 
 from orbident import _core
+from orbident.estimation.output_error.calibration import Calibration, calibrations_of
 from orbident.estimation.output_error.sensors import Sensors
 from orbident.estimation.output_error.shooting import (
     Looseness,
@@ -72,6 +73,13 @@ class Problem(NamedTuple):
     weights: BySensor
     """1 over the noise's standard deviation; zero where there was no sample."""
     loose: Looseness
+    calibrations: tuple[Calibration, ...]
+    """The calibration errors that act on it."""
+
+    @property
+    def declared(self) -> tuple[Calibration, ...]:
+        """The calibration errors that have a tolerance: the unknown ones."""
+        return tuple(each for each in self.calibrations if each.std)
 
 
 class State(NamedTuple):
@@ -225,7 +233,15 @@ def problem_of(
         loose.corrections,
         loose.walk,
     )
-    return Problem(recorded, intervals.t, intervals.boundaries, seen, weights, loose)
+    return Problem(
+        recorded,
+        intervals.t,
+        intervals.boundaries,
+        seen,
+        weights,
+        loose,
+        calibrations_of(robot, sensors.by_name),
+    )
 
 
 def _none(name: str) -> Float[np.ndarray, "0 axes"]:
@@ -248,11 +264,12 @@ def start_of(
     outside: Outside,
     beta: Float[np.ndarray, " beta"],
 ) -> State:
-    """The state with the measured attitude, without biases or corrections."""
+    """The state with the measured attitude, without biases, corrections and errors."""
     x = np.column_stack(samples.x_WB)
     known = np.isfinite(x).all(axis=1)
     at = samples.t[known]
     between = Slerp(at, Rotation.from_quat(x[known]))
     x_WB = between(np.clip(problem.boundaries, at[0], at[-1])).as_quat()
     local = np.zeros((len(x_WB), problem.recorded.local))
-    return State(np.ascontiguousarray(x_WB), local, np.concatenate([*outside, beta]))
+    state = State(np.ascontiguousarray(x_WB), local, np.concatenate([*outside, beta]))
+    return state.selecting(np.array([float(each.place) for each in problem.declared]))
