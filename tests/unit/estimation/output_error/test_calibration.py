@@ -1,6 +1,7 @@
 """Which calibration errors act, and estimates with instruments that have them."""
 
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -9,9 +10,12 @@ from small_problems import (
     NOISE,
     Small,
     noisy,
+    noisy_in_space,
     small_problem,
     small_recording,
+    small_recording_in_space,
     small_robot,
+    small_robot_in_space,
 )
 
 from orbident.estimation.maximum_likelihood import estimate_of
@@ -63,19 +67,48 @@ PLANAR: dict[str, tuple[Tolerances, dict[str, np.ndarray]]] = {
 }
 """What the robot file declares, and the standard deviation of each error."""
 
+SPATIAL: dict[str, tuple[Tolerances, dict[str, np.ndarray]]] = {
+    "gyro's misalignment": (
+        Tolerances(gyro_misalignment=HALF_A_DEGREE),
+        {"gyro": HALF_A_DEGREE * np.ones(3)},
+    ),
+    "all": (
+        Tolerances(
+            joint_zero={JOINT: 5e-3},
+            wheel_inertia=1e-2,
+            feature_point=2e-3,
+            attitude_misalignment=HALF_A_DEGREE,
+            gyro_misalignment=HALF_A_DEGREE,
+            position_scale=1e-2,
+        ),
+        {
+            "zero": np.array([5e-3]),
+            "wheel": 1e-2 * np.ones(3),
+            "feature_point": 2e-3 * np.ones(3),
+            "attitude": HALF_A_DEGREE * np.ones(3),
+            "gyro": HALF_A_DEGREE * np.ones(3),
+            "position": np.array([1e-2]),
+        },
+    ),
+}
+
 SEEDS = 20
 
 
-@pytest.fixture(scope="module")
-def robot() -> Robot:
-    """With the noise that is in its recordings: it is not to be estimated here."""
+def knowing_its_noise(robot: Robot) -> Robot:
+    """Here the noise is not to be estimated."""
     walk = NOISE["gyro"] * np.sqrt(0.05)
     sensors = {
         "gyro": {"angle_random_walk": walk},
         "attitude": {"angle": NOISE["attitude"]},
         "position": {"std": NOISE["position"]},
     }
-    return replace(small_robot(), sensors=sensors)
+    return replace(robot, sensors=sensors)
+
+
+@pytest.fixture(scope="module")
+def robot() -> Robot:
+    return knowing_its_noise(small_robot())
 
 
 @pytest.fixture(scope="module")
@@ -111,38 +144,61 @@ def ratio(small: Small, solution: Solution) -> float:
     return there - here
 
 
-@pytest.mark.parametrize("kind", PLANAR)
-def test_declared_errors_are_in_the_deviations(robot, recording, kind):
+class Trial(NamedTuple):
+    """Estimates with and without the tolerances, from instruments that are off."""
+
+    z: list[np.ndarray]
+    """Errors of `beta` over their deviations."""
+    ratios: list[float]
+    undeclared: list[float]
+    """The largest error over its deviation, without tolerances."""
+
+
+def trial(robot, recording, tolerances, stds, noisy) -> Trial:
+    declared = replace(robot, tolerances=tolerances)
+    scale = prior_std(robot, minimal_sets(robot))
+    found = Trial([], [], [])
+    for seed in range(SEEDS):
+        errors = drawn(robot, stds, seed)
+        shown = noisy(shown_with(errors, robot, recording), seed)
+        small, exact = small_problem(declared, shown), small_problem(robot, shown)
+        solution = most_likely(small)
+        estimates = [estimate_of(s, scale) for s in (solution, most_likely(exact))]
+        assert not any(each.hidden.size for each in estimates)
+        z, z_undeclared = (
+            (each.values - small.beta) / np.sqrt(np.diag(each.covariance))
+            for each in estimates
+        )
+        found.z.append(z)
+        found.ratios.append(ratio(small, solution))
+        found.undeclared.append(float(np.abs(z_undeclared).max()))
+    return found
+
+
+def check(trial: Trial) -> None:
     """Every parameter is within its deviations; without the tolerance it is not.
 
     An error that is known to a percent, in data that are good to 1e-4, bends: the true
     parameters are compared by what they cost, which no bend changes.
     """
-    tolerances, stds = PLANAR[kind]
-    declared = replace(robot, tolerances=tolerances)
-    scale = prior_std(robot, minimal_sets(robot))
-    z, ratios, undeclared = [], [], []
-    for seed in range(SEEDS):
-        errors = drawn(robot, stds, seed)
-        shown = noisy(shown_with(errors, robot, recording), seed)
-        small = small_problem(declared, shown)
-        solution = most_likely(small)
-        found = estimate_of(solution, scale)
-        assert found.hidden.shape[1] == 0
-        std = np.sqrt(np.diag(found.covariance))
-        z.append((found.values - small.beta) / std)
-        ratios.append(ratio(small, solution))
-        exact = small_problem(robot, shown)
-        found = estimate_of(most_likely(exact), scale)
-        std = np.sqrt(np.diag(found.covariance))
-        undeclared.append(np.abs((found.values - exact.beta) / std).max())
-    dof = len(scale)
-    # The mean of 20 chi-squares of 7 degrees of freedom: 7 +- 0.84.
-    assert dof == 7
-    assert abs(np.mean(ratios) - dof) < 3.5 * np.sqrt(2 * dof / SEEDS)
-    # 140 numbers, correlated: beyond 4.5 with a probability of less than 0.001.
-    assert np.abs(z).max() < 4.5
-    assert np.median(undeclared) > 4.5
+    dof = trial.z[0].size
+    # The mean of 20 chi-squares.
+    assert abs(np.mean(trial.ratios) - dof) < 3.5 * np.sqrt(2 * dof / SEEDS)
+    # 140 to 340 numbers, correlated: beyond 4.5 with a probability below 0.003.
+    assert np.abs(trial.z).max() < 4.5
+    assert np.median(trial.undeclared) > 4.5
+
+
+@pytest.mark.parametrize("kind", PLANAR)
+def test_declared_errors_are_in_the_deviations(robot, recording, kind):
+    check(trial(robot, recording, *PLANAR[kind], noisy))
+
+
+@pytest.mark.parametrize("kind", SPATIAL)
+def test_declared_errors_in_space(kind):
+    robot = knowing_its_noise(small_robot_in_space())
+    recording = small_recording_in_space(robot)
+    check(trial(robot, recording, *SPATIAL[kind], noisy_in_space))
 
 
 def test_errors_that_have_tolerances_are_estimated(robot, recording):

@@ -5,9 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from instruments import Errors, no_errors, shown_with
-from random_motions import random_motion
-from random_robots import random_robot, random_wheels
-from small_problems import Small, small_problem, small_recording, small_robot
+from small_problems import (
+    Small,
+    small_problem,
+    small_recording,
+    small_recording_in_space,
+    small_robot,
+    small_robot_in_space,
+)
 
 from orbident.estimation.output_error.problem import linear
 from orbident.estimation.output_error.sensitivity import (
@@ -22,7 +27,6 @@ from orbident.model.minimal_sets import minimal_sets
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.robot.tolerances import Tolerances
-from orbident.simulation.simulate import simulate
 
 NOISE = 1e-3
 """Standard deviation of all sensors, SI."""
@@ -41,8 +45,8 @@ def flown(request) -> tuple[Robot, Recording]:
     """A robot and what perfect instruments recorded of it."""
     if request.param == "planar":
         return small_robot(), small_recording(small_robot())
-    robot = random_robot(1, (0,), wheels=random_wheels(1, 3 * ["held"]))
-    return robot, simulate(robot, random_motion(robot, 1, 10.0, 50.0, "spun up"))
+    robot = small_robot_in_space()
+    return robot, small_recording_in_space(robot)
 
 
 def test_shifts_are_those_of_estimates_from_such_instruments(flown):
