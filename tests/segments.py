@@ -125,7 +125,7 @@ def segment_of(
         by.encoders(q),
         by.joint_rates(qd),
         by.joint_rates(qdd),
-        np.ascontiguousarray(wheels_of(robot).A_rw),
+        np.ascontiguousarray(wheels_of(robot).A_rw.T),
         by.wheel_rates(motion.qd_rw),
         by.wheel_rates(felt.qdd_rw),
         [np.ascontiguousarray(samples[name]) for name in SENSORS],

@@ -51,7 +51,7 @@ struct OwnedRecorded {
     all.q = q.data();
     all.qd = qd.data();
     all.qdd = qdd.data();
-    all.wheels = static_cast<int>(A_rw.size(1));
+    all.wheels = static_cast<int>(A_rw.size(0));
     all.A_rw = A_rw.data();
     all.qd_rw = qd_rw.data();
     all.qdd_rw = qdd_rw.data();
@@ -75,8 +75,8 @@ OwnedRecorded make_recorded(const OwnedTree& tree, const Array& theta_of, bool p
                             const std::vector<Array>& samples, const Array& first,
                             const Array& prior, const Array& walk) {
   const std::int64_t K = tree.view().joints;
-  const auto A_rw = input<2>("A_rw", A_rw_, {3, ANY});
-  const std::int64_t W = A_rw.size(1);
+  const auto A_rw = input<2>("A_rw", A_rw_, {ANY, 3});
+  const std::int64_t W = A_rw.size(0);
   const auto t = input<1>("t", t_, {ANY});
   const std::int64_t rows = t.size(0), nodes = 2 * rows - 1;
   if (rows < 2) throw nb::value_error("t: give two rows at least");

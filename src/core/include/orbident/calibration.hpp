@@ -78,13 +78,13 @@ void add_selected(const IntervalColumns& columns, const Calibration<T>& calibrat
 // Changes of the terms at a node with zeros and scales of joints, and with the wheels' inertia.
 //
 //   q, qd        as the encoders show
-//   A_rw, qd_rw  columns a_i I_i, and the wheels' rates
+//   A_rw, qd_rw  a_i I_i, three numbers each, and the wheels' rates
 template <class T>
 void write_calibrations(const IntervalColumns& columns, const Calibration<T>& calibration, const T* q,
                         const T* qd, const T* A_rw, const T* qd_rw, const TermsMemory<T>& memory,
                         T* by) {
   const CalibrationPlaces& places = calibration.places;
-  const int n = columns.count(), W = places.wheels;
+  const int n = columns.count();
   for (int c = 0; c < columns.calibrations; ++c) {
     T* column = by + columns.calibration() + c;
     const int place = calibration.selected[c];
@@ -98,7 +98,7 @@ void write_calibrations(const IntervalColumns& columns, const Calibration<T>& ca
                       column, n);
     } else if (place < places.feature_point()) {
       const int i = place - places.wheel();
-      for (int axis = 0; axis < 3; ++axis) column[(BY_H + axis) * n] = A_rw[axis * W + i] * qd_rw[i];
+      for (int axis = 0; axis < 3; ++axis) column[(BY_H + axis) * n] = A_rw[3 * i + axis] * qd_rw[i];
     }
   }
 }

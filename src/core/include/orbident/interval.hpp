@@ -39,7 +39,7 @@ struct Recorded {
   int intervals;
   // At 2 rows - 1 nodes: every row, and half-way between.
   const T *q, *qd, *qdd;       // nodes x joints
-  const T* A_rw;               // 3 x wheels: columns a_i I_i, base axes
+  const T* A_rw;               // wheels x 3: a_i I_i, base axes
   const T *qd_rw, *qdd_rw;     // nodes x wheels
   Sensed<T> gyro, accelerometer, attitude, joints, position, velocity;
   // How freely the unknowns of boundaries vary: standard deviations.
@@ -154,12 +154,11 @@ void place_joints(const Recorded<T>& recorded, const LinearisedAt<T>& at, int in
   const T* gain = at.calibration.values + places.wheel();
   joints.h_rw.setZero();
   joints.h_rw_rate.setZero();
-  for (int i = 0; i < W; ++i)
-    for (int axis = 0; axis < 3; ++axis) {
-      const T share = (1 + gain[i]) * recorded.A_rw[axis * W + i];
-      joints.h_rw[axis] += share * qd_rw[i];
-      joints.h_rw_rate[axis] += share * qdd_rw[i];
-    }
+  for (int i = 0; i < W; ++i) {
+    const Eigen::Map<const Vector3<T>> a_I(recorded.A_rw + 3 * i);
+    joints.h_rw += (1 + gain[i]) * qd_rw[i] * a_I;
+    joints.h_rw_rate += (1 + gain[i]) * qdd_rw[i] * a_I;
+  }
   expand(recorded.tree, recorded.theta_of, at.theta, recorded.corrected, recorded.columns, functions,
          memory.q, memory.qd, memory.qdd, memory.terms, joints);
   write_calibrations(recorded.columns, at.calibration, q, qd, recorded.A_rw, qd_rw, memory.terms,

@@ -225,7 +225,7 @@ def problem_of(
         history.q,
         history.qd,
         history.qdd,
-        np.ascontiguousarray(wheels_of(robot).A_rw),
+        np.ascontiguousarray(wheels_of(robot).A_rw.T),
         history.qd_rw,
         history.qdd_rw,
         [np.nan_to_num(seen.get(name, _none(name))) for name in SENSORS],
