@@ -3,6 +3,7 @@
 from typing import NamedTuple
 
 import numpy as np
+from instruments import Errors, no_errors
 from random_robots import random_start, random_swing
 
 from orbident import _core
@@ -57,13 +58,13 @@ class Segment(NamedTuple):
 
     def _at(
         self, state: State | None, *sensors: str
-    ) -> tuple[list[np.ndarray], np.ndarray, np.ndarray, np.ndarray]:
+    ) -> tuple[list[np.ndarray], np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         weights = [
             self.weights[name] * (name in sensors) if name in self.weights else NO_ROWS
             for name in SENSORS
         ]
         at = self.state if state is None else state
-        return weights, at.x_WB, at.local, at.common
+        return weights, at.x_WB, at.local, at.common, at.selected
 
 
 def segment_of(
@@ -73,22 +74,26 @@ def segment_of(
     dt: float = 0.02,
     substeps: int = 1,
     intervals: int = 1,
+    errors: Errors | None = None,
 ) -> Segment:
-    """From the simulator, at every node; nothing is interpolated."""
+    """From the simulator, at every node; nothing is interpolated.
+
+    With errors of the instruments, these are shown, and all are unknowns.
+    """
+    by = errors or no_errors(robot)
     t = np.arange(2 * rows - 1) * dt / 2
     swing = random_swing(seed, len(robot.joints))
     motion = free_floating(robot, swing, t, random_start(seed, robot), 1e-12)
     q, qd, qdd = swing.at(t)
     felt = accelerations(robot, motion, qdd)
-    A_rw = wheels_of(robot).A_rw
     row = slice(None, None, 2)
     samples = {
-        "gyro": motion.w[row] + GYRO,
+        "gyro": by.rates(motion.w[row]) + GYRO,
         "accelerometer": felt.f_S[row] + ACCELEROMETER,
-        "attitude": motion.attitude[row],
-        "joints": motion.q[row],
-        "position": motion.r_S[row],
-        "velocity": motion.v_S[row],
+        "attitude": by.attitudes(motion.attitude[row]),
+        "joints": by.encoders(motion.q[row]),
+        "position": by.positions(motion.r_S[row], motion.attitude[row]),
+        "velocity": by.velocities(motion.v_S[row], motion.w[row], motion.attitude[row]),
     }
     every = np.ones(3)
     turning, moving = (Z, every - Z) if robot.motion == "planar" else (every, every)
@@ -117,11 +122,12 @@ def segment_of(
         np.arange(joints, dtype=float),
         t[::2],
         edges.astype(float),
-        q,
-        qd,
-        qdd,
-        motion.qd_rw @ A_rw.T,
-        felt.qdd_rw @ A_rw.T,
+        by.encoders(q),
+        by.joint_rates(qd),
+        by.joint_rates(qdd),
+        np.ascontiguousarray(wheels_of(robot).A_rw.T),
+        by.wheel_rates(motion.qd_rw),
+        by.wheel_rates(felt.qdd_rw),
         [np.ascontiguousarray(samples[name]) for name in SENSORS],
         np.ones(9 + 2 * joints),
         np.ones(2 * joints),
@@ -131,4 +137,7 @@ def segment_of(
     assert common.size == OUTSIDE + sets.base.theta_of.shape[1]
     meets = 2 * np.minimum(edges.astype(int), rows - 1)
     state = State(np.ascontiguousarray(motion.attitude[meets]), local, common)
+    if errors is not None:
+        state = state.selecting(np.arange(by.vector.size, dtype=float))
+        state = state._replace(common=np.append(common, by.vector))
     return Segment(recorded, weights, state)

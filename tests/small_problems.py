@@ -4,7 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 from random_motions import random_motion
-from random_robots import random_planar_robot
+from random_robots import random_planar_robot, random_robot, random_wheels
+from scipy.spatial.transform import Rotation
 
 from orbident.estimation.maximum_likelihood import prior_of
 from orbident.estimation.output_error.problem import (
@@ -46,6 +47,16 @@ def small_robot() -> Robot:
     return random_planar_robot(2, (0,), wheels=(wheel,))
 
 
+def small_robot_in_space() -> Robot:
+    """One arm link on a base with three wheels."""
+    return random_robot(1, (0,), wheels=random_wheels(1, ["held", "held", "held"]))
+
+
+def small_recording_in_space(robot: Robot) -> Recording:
+    """From rest: the base tumbles because the wheels spun up."""
+    return simulate(robot, random_motion(robot, 1, 10.0, 50.0, "spun up"))
+
+
 def small_recording(robot: Robot, duration: float = 20.0) -> Recording:
     """From rest: the base turns because the wheel spun up."""
     motion = random_motion(robot, 1, duration, SPIN, "spun up")
@@ -65,6 +76,21 @@ def noisy(recording: Recording, seed: int) -> Recording:
     return Recording(recording.t, columns)
 
 
+def noisy_in_space(recording: Recording, seed: int) -> Recording:
+    """With white noise on all axes of the sensors of the base."""
+    random = np.random.default_rng(seed)
+    columns = dict(recording.columns)
+    for sensor in ("gyro", "position", "velocity"):
+        for k in "xyz":
+            noise = NOISE[sensor] * random.standard_normal(recording.t.size)
+            columns[f"{sensor}.{k}"] = columns[f"{sensor}.{k}"] + noise
+    x_WB = Rotation.from_quat(recording.vector("attitude", "xyzw"))
+    turns = NOISE["attitude"] * random.standard_normal((recording.t.size, 3))
+    turned = (x_WB * Rotation.from_rotvec(turns)).as_quat()
+    columns |= {f"attitude.{k}": x for k, x in zip("xyzw", turned.T, strict=True)}
+    return Recording(recording.t, columns)
+
+
 def small_problem(robot: Robot, recording: Recording, off: float = 0.0) -> Small:
     """With momentum known to be zero; `beta` is so far off at the start, relative."""
     sets = minimal_sets(robot)
@@ -75,4 +101,5 @@ def small_problem(robot: Robot, recording: Recording, off: float = 0.0) -> Small
     signs = np.where(np.arange(beta.size) % 2, 1.0, -1.0)
     start = (1 + off * signs) * beta
     state = start_of(problem, samples, NOTHING, start)
-    return Small(problem, prior_of(robot, sets, NOTHING, "at-rest"), state, beta)
+    prior = prior_of(robot, sets, problem.declared, NOTHING, "at-rest")
+    return Small(problem, prior, state, beta)

@@ -28,7 +28,7 @@ struct OwnedRecorded {
   int substeps;
   std::vector<int> corrected, edge;
   In<1> t;
-  In<2> q, qd, qdd, h_rw, h_rw_rate;
+  In<2> q, qd, qdd, A_rw, qd_rw, qdd_rw;
   std::vector<In<2>> samples;
   In<1> first, prior, walk;
 
@@ -36,14 +36,14 @@ struct OwnedRecorded {
     return sensor == 3 ? static_cast<std::int64_t>(tree.joints.size()) : 3;
   }
 
-  Recorded<double> view() const {
+  Recorded<double> view(int calibrations = 0) const {
     Recorded<double> all{};
     all.tree = tree.view();
     all.theta_of = theta_of.view();
     all.planar = planar;
     all.substeps = substeps;
     all.corrected = corrected.data();
-    all.columns = {static_cast<int>(corrected.size()), all.theta_of.columns};
+    all.columns = {static_cast<int>(corrected.size()), all.theta_of.columns, calibrations};
     all.rows = static_cast<int>(t.size(0));
     all.t = t.data();
     all.edge = edge.data();
@@ -51,8 +51,10 @@ struct OwnedRecorded {
     all.q = q.data();
     all.qd = qd.data();
     all.qdd = qdd.data();
-    all.h_rw = h_rw.data();
-    all.h_rw_rate = h_rw_rate.data();
+    all.wheels = static_cast<int>(A_rw.size(0));
+    all.A_rw = A_rw.data();
+    all.qd_rw = qd_rw.data();
+    all.qdd_rw = qdd_rw.data();
     all.first = first.data();
     all.prior = prior.data();
     all.walk = walk.data();
@@ -68,10 +70,13 @@ Sensed<double>* sensors_of(Recorded<double>& all, std::size_t sensor) {
 
 OwnedRecorded make_recorded(const OwnedTree& tree, const Array& theta_of, bool planar, int substeps,
                             const Array& corrected, const Array& t_, const Array& edge_,
-                            const Array& q, const Array& qd, const Array& qdd, const Array& h_rw,
-                            const Array& h_rw_rate, const std::vector<Array>& samples,
-                            const Array& first, const Array& prior, const Array& walk) {
+                            const Array& q, const Array& qd, const Array& qdd, const Array& A_rw_,
+                            const Array& qd_rw, const Array& qdd_rw,
+                            const std::vector<Array>& samples, const Array& first,
+                            const Array& prior, const Array& walk) {
   const std::int64_t K = tree.view().joints;
+  const auto A_rw = input<2>("A_rw", A_rw_, {ANY, 3});
+  const std::int64_t W = A_rw.size(0);
   const auto t = input<1>("t", t_, {ANY});
   const std::int64_t rows = t.size(0), nodes = 2 * rows - 1;
   if (rows < 2) throw nb::value_error("t: give two rows at least");
@@ -98,8 +103,9 @@ OwnedRecorded make_recorded(const OwnedTree& tree, const Array& theta_of, bool p
                     input<2>("q", q, {nodes, K}),
                     input<2>("qd", qd, {nodes, K}),
                     input<2>("qdd", qdd, {nodes, K}),
-                    input<2>("h_rw", h_rw, {nodes, 3}),
-                    input<2>("h_rw_rate", h_rw_rate, {nodes, 3}),
+                    A_rw,
+                    input<2>("qd_rw", qd_rw, {nodes, W}),
+                    input<2>("qdd_rw", qdd_rw, {nodes, W}),
                     {},
                     input<1>("first", first, {BIASES + 2 * C}),
                     input<1>("prior", prior, {2 * C}),
@@ -160,20 +166,23 @@ class OwnedSweep {
 
 // The arguments of a linearisation, checked, and where its residuals go.
 struct Call {
+  std::vector<int> selected;
   Recorded<double> recorded;
   In<2> x_WB, local;
   In<1> common;
   std::vector<In<2>> weights;
   std::vector<Out<2>> residuals;
-  std::vector<double> theta;
+  std::vector<double> theta, calibration;
 
   Call(const OwnedRecorded& owned, const std::vector<Array>& given, const Array& x_WB_,
-       const Array& local_, const Array& common_)
-      : recorded(owned.view()),
+       const Array& local_, const Array& common_, const Array& selected_)
+      : selected(indices(input<1>("selected", selected_, {ANY}))),
+        recorded(owned.view(static_cast<int>(selected.size()))),
         x_WB(input<2>("x_WB", x_WB_, {recorded.intervals + 1, 4})),
         local(input<2>("local", local_, {recorded.intervals + 1, recorded.local()})),
         common(input<1>("common", common_, {recorded.common()})),
-        theta(static_cast<std::size_t>(PER_BODY * recorded.tree.bodies()), 0.0) {
+        theta(static_cast<std::size_t>(PER_BODY * recorded.tree.bodies()), 0.0),
+        calibration(static_cast<std::size_t>(recorded.places().count()), 0.0) {
     if (given.size() != SENSORS) throw nb::value_error("weights: give one array a sensor");
     for (std::size_t k = 0; k < SENSORS; ++k) {
       const std::int64_t rows = owned.samples[k].size(0), axes = rows ? owned.axes(k) : ANY;
@@ -184,6 +193,12 @@ struct Call {
         *sensors_of(recorded, k) = {owned.samples[k].data(), weights[k].data(),
                                     residuals[k].data()};
     }
+    const double* value = common.data() + OUTSIDE + recorded.columns.betas;
+    for (const int place : selected) {
+      if (place < 0 || place >= recorded.places().count())
+        throw nb::value_error("selected: there is no calibration at this place");
+      calibration[static_cast<std::size_t>(place)] = *value++;
+    }
     const Sparse& theta_of = recorded.theta_of;
     for (int b = 0; b < theta_of.columns; ++b)
       for (int e = theta_of.first[b]; e < theta_of.first[b + 1]; ++e)
@@ -191,13 +206,14 @@ struct Call {
             theta_of.value[e] * common.data()[OUTSIDE + b];
   }
   LinearisedAt<double> at() const {
-    return {x_WB.data(), local.data(), common.data(), theta.data()};
+    return {x_WB.data(), local.data(), common.data(), theta.data(),
+            {recorded.places(), selected.data(), calibration.data()}};
   }
 };
 
 auto linearised(const OwnedRecorded& owned, const std::vector<Array>& weights, const Array& x_WB,
-                const Array& local, const Array& common, int threads) {
-  Call call(owned, weights, x_WB, local, common);
+                const Array& local, const Array& common, const Array& selected, int threads) {
+  Call call(owned, weights, x_WB, local, common, selected);
   const Recorded<double>& all = call.recorded;
   const std::int64_t left = all.width() - all.local();
   Out<2> factor(left, left);
@@ -219,8 +235,9 @@ auto linearised(const OwnedRecorded& owned, const std::vector<Array>& weights, c
 
 // The equations of one interval over [z start | z end | g | right-hand side].
 auto interval_equations(const OwnedRecorded& owned, const std::vector<Array>& weights,
-                        const Array& x_WB, const Array& local, const Array& common, int interval) {
-  Call call(owned, weights, x_WB, local, common);
+                        const Array& x_WB, const Array& local, const Array& common,
+                        const Array& selected, int interval) {
+  Call call(owned, weights, x_WB, local, common, selected);
   const Recorded<double>& all = call.recorded;
   if (interval < 0 || interval >= all.intervals)
     throw nb::value_error("interval: there is none of this number");
@@ -290,23 +307,25 @@ void bind_output_error(nb::module_& m) {
       .def("__init__", [](OwnedRecorded* self, const OwnedTree& tree, const Array& theta_of,
                           bool planar, int substeps, const Array& corrected, const Array& t,
                           const Array& edge, const Array& q, const Array& qd, const Array& qdd,
-                          const Array& h_rw, const Array& h_rw_rate,
+                          const Array& A_rw, const Array& qd_rw, const Array& qdd_rw,
                           const std::vector<Array>& samples, const Array& first,
                           const Array& prior, const Array& walk) {
         new (self) OwnedRecorded(make_recorded(tree, theta_of, planar, substeps, corrected, t, edge,
-                                               q, qd, qdd, h_rw, h_rw_rate, samples, first, prior,
-                                               walk));
+                                               q, qd, qdd, A_rw, qd_rw, qdd_rw, samples, first,
+                                               prior, walk));
       }, nb::arg("tree"), nb::arg("theta_of"), nb::arg("planar"), nb::arg("substeps"),
            nb::arg("corrected"), nb::arg("t"), nb::arg("edge"), nb::arg("q"), nb::arg("qd"),
-           nb::arg("qdd"), nb::arg("h_rw"), nb::arg("h_rw_rate"), nb::arg("samples"),
-           nb::arg("first"), nb::arg("prior"), nb::arg("walk"))
+           nb::arg("qdd"), nb::arg("A_rw"), nb::arg("qd_rw"), nb::arg("qdd_rw"),
+           nb::arg("samples"), nb::arg("first"), nb::arg("prior"), nb::arg("walk"))
       .def_prop_ro("local", [](const OwnedRecorded& all) { return all.view().local(); },
                    "How many unknowns a boundary has.");
   m.def("linearised", &linearised, nb::arg("recorded"), nb::arg("weights"), nb::arg("x_WB"),
-        nb::arg("local"), nb::arg("common"), nb::arg("threads") = 1,
-        "All equations at a state, eliminated: factor, links, cost and whitened residuals.");
+        nb::arg("local"), nb::arg("common"), nb::arg("selected"), nb::arg("threads") = 1,
+        "All equations at a state, eliminated: factor, links, cost and whitened residuals. "
+        "`selected`: the places of the calibrations that are common unknowns.");
   m.def("interval_equations", &interval_equations, nb::arg("recorded"), nb::arg("weights"),
-        nb::arg("x_WB"), nb::arg("local"), nb::arg("common"), nb::arg("interval"),
+        nb::arg("x_WB"), nb::arg("local"), nb::arg("common"), nb::arg("selected"),
+        nb::arg("interval"),
         "The equations of one interval over [z start | z end | g | right-hand side].");
   m.def("momentum_terms", &momentum_terms, nb::arg("tree"), nb::arg("theta_of"), nb::arg("beta"),
         nb::arg("q"), nb::arg("qd"), nb::arg("qdd"),

@@ -74,9 +74,9 @@ def cramer_rao(
     problem = problem_of(robot, sets.base.theta_of, samples, sensors)
     outside = NOTHING._replace(h_cm=motion.h_cm, v_cm=motion.v_cm)
     state = start_of(problem, samples, outside, sets.beta(robot.theta))
-    prior = prior_of(robot, sets, outside, initial_momentum)
+    prior = prior_of(robot, sets, problem.declared, outside, initial_momentum)
     there = linear(problem, problem.weights, state)
-    solution = Solution(state, there, prior, True, 0)
+    solution = Solution(state, there, prior, problem.weights, True, 0)
     return found_beta(robot, sets, estimate_of(solution, prior_std(robot, sets)))
 
 

@@ -7,8 +7,9 @@ shooting), and the errors of the smoothed joint histories. The information at th
 solution gives the covariance.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from jaxtyping import Float
@@ -16,14 +17,18 @@ from jaxtyping import Float
 from orbident.estimation.estimate import Goodness, SensorFit
 from orbident.estimation.found import BetaEstimate, hidden_of
 from orbident.estimation.linear_fits import Fits, InitialMomentum, known_momentum
+from orbident.estimation.output_error.calibration import Calibration
 from orbident.estimation.output_error.disturbances import NONE, Push, freed, push_of
 from orbident.estimation.output_error.noise_scaling import Fitted, fitted
 from orbident.estimation.output_error.problem import (
     NOTHING,
+    OUTSIDE,
     Outside,
+    Problem,
     problem_of,
     start_of,
 )
+from orbident.estimation.output_error.sensitivity import Sensitivity, sensitivity
 from orbident.estimation.output_error.sensors import Sensors, sensors_of
 from orbident.estimation.output_error.solver import Prior, Solution
 from orbident.estimation.predicted import Signals, sensor_signals
@@ -42,6 +47,16 @@ KNOWN = 1e-9
 
 
 @dataclass(frozen=True)
+class CalibrationFit:
+    """A calibration error; SI or relative."""
+
+    value: float
+    std: float
+    tolerance: float
+    """The standard deviation beforehand, as the robot file declares it."""
+
+
+@dataclass(frozen=True)
 class Likelihood:
     """The most likely parameters, and what else was found."""
 
@@ -54,6 +69,10 @@ class Likelihood:
     """Of all residuals over the declared noise, or that found where none is."""
     converged: bool
     signals: Signals
+    calibration: dict[str, CalibrationFit]
+    """The errors of instruments that have a tolerance."""
+    sensitivity: Callable[[], Sensitivity]
+    """What those without a tolerance would do; it takes one more linearisation."""
 
 
 def maximum_likelihood(
@@ -83,7 +102,7 @@ def maximum_likelihood(
     sensors = sensors_of(robot, recording, delays(robot, recording, late))
     problem = problem_of(robot, sets.base.theta_of, samples, sensors)
     outside = _first_momentum(robot, sets, samples, fits, initial_momentum)
-    prior = prior_of(robot, sets, outside, initial_momentum)
+    prior = prior_of(robot, sets, problem.declared, outside, initial_momentum)
     state = start_of(problem, samples, outside, beta)
     least = {name: each.least / each.std for name, each in sensors.by_name.items()}
     found = fitted(problem, prior, state, least, progress)
@@ -109,18 +128,28 @@ def maximum_likelihood(
         goodness=_goodness(sensors, found),
         converged=found.solution.converged,
         signals=sensor_signals(robot, problem, sensors, found),
+        calibration=_calibration(problem, found.solution),
+        sensitivity=partial(sensitivity, problem, found.solution),
     )
 
 
 def estimate_of(solution: Solution, scale: Float[np.ndarray, " beta"]) -> BetaEstimate:
     """The part of a solution that is about `beta`."""
     n, prior, state = scale.size, solution.prior, solution.state
+    of_beta = slice(OUTSIDE, OUTSIDE + n)
     # What is known beforehand of all else counts: a momentum gives the scale.
-    std = np.append(prior.std[:-n], np.full(n, np.inf))
+    std = prior.std.copy()
+    std[of_beta] = np.inf
     factor = prior._replace(std=std).added(solution.linear.common, state)
+    if state.selected.size:
+        # With the calibrations first, the last rows are what is known of beta alone.
+        columns = np.roll(np.arange(OUTSIDE, len(factor) - 1), state.selected.size)
+        order = np.r_[:OUTSIDE, columns, len(factor) - 1]
+        factor = np.asarray(np.linalg.qr(factor[:, order], mode="r"))
+    C = solution.covariance[solution.linear.local :, solution.linear.local :]
     return BetaEstimate(
         values=state.beta,
-        covariance=solution.covariance[-n:, -n:],
+        covariance=C[of_beta, of_beta],
         hidden=hidden_of(factor[-n - 1 : -1, -n - 1 : -1], scale),
     )
 
@@ -144,16 +173,32 @@ def _first_momentum(
 
 
 def prior_of(
-    robot: Robot, sets: MinimalSets, outside: Outside, initial_momentum: InitialMomentum
+    robot: Robot,
+    sets: MinimalSets,
+    calibrations: Sequence[Calibration],
+    outside: Outside,
+    initial_momentum: InitialMomentum,
 ) -> Prior:
-    """What is known of the unknowns of all segments: `beta` is about nominal."""
+    """What is known of the unknowns of all segments: `beta` is about nominal.
+
+    Args:
+        robot: with its wheels.
+        sets: its minimal sets.
+        calibrations: the errors that are unknown, which are about zero.
+        outside: a first momentum.
+        initial_momentum: `"at-rest"` where that is known.
+    """
     spin = sum(wheel.inertia for wheel in robot.wheels)
     h_std = max(float(np.linalg.norm(outside.h_cm)), spin)
     h_std *= KNOWN if initial_momentum == "at-rest" else UNKNOWN
     std = np.repeat([h_std, UNKNOWN, UNKNOWN, NONE, NONE], 3)
     return Prior(
-        values=np.concatenate([*outside, sets.beta(robot.theta)]),
-        std=np.concatenate([std, prior_std(robot, sets)]),
+        values=np.concatenate(
+            [*outside, sets.beta(robot.theta), np.zeros(len(calibrations))]
+        ),
+        std=np.concatenate(
+            [std, prior_std(robot, sets), [each.std for each in calibrations]]
+        ),
     )
 
 
@@ -172,6 +217,15 @@ def _biases(
                 "std": float(np.sqrt(max(C[first + k, first + k], 0.0))),
             }
     return biases
+
+
+def _calibration(problem: Problem, solution: Solution) -> dict[str, CalibrationFit]:
+    values, n = solution.state.calibration, len(problem.declared)
+    std = np.sqrt(np.diag(solution.covariance))[-n:] if n else np.zeros(0)
+    return {
+        each.name: CalibrationFit(float(value), float(deviation), each.std)
+        for each, value, deviation in zip(problem.declared, values, std, strict=True)
+    }
 
 
 def _sensor_fit(sensors: Sensors, found: Fitted, name: str) -> SensorFit:

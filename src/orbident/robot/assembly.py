@@ -51,6 +51,7 @@ def assembled(
         thrusters=tuple(_thruster(entry) for entry in file.thrusters),
         structure=structure,
         sensors=file.sensors.in_si(),
+        tolerances=file.tolerances.in_si(bodies.joints, place),
         warnings=(
             *urdf.warnings,
             *_nonphysical_links(tree, bodies),

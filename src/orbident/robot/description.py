@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.robot.parameters import PER_BODY, SYMBOLS
+from orbident.robot.tolerances import Tolerances
 
 Axis = Literal["x", "y", "z"]
 
@@ -101,6 +102,8 @@ class Robot:
     """By body name; a body that is absent is arbitrary."""
     sensors: Mapping[str, Any] = field(default_factory=dict)
     """The robot file's sensor section, in SI units."""
+    tolerances: Tolerances = field(default_factory=Tolerances)
+    """How far calibrations may be off; without tolerances they are exact."""
     warnings: tuple[str, ...] = ()
     """What the readers found odd, in words: non-physical inertias and the like."""
     document: Mapping[str, Any] = field(default_factory=dict)

@@ -17,6 +17,7 @@ from orbident.files.schema_parts import (
 )
 from orbident.robot.description import Axis
 from orbident.robot.sensor_schema import Sensors
+from orbident.robot.tolerance_schema import TolerancesEntry
 
 
 def _direction(value: object) -> tuple[float, ...]:
@@ -124,6 +125,7 @@ class RobotFile(Section):
     limits: dict[str, LimitEntry] = Field(default_factory=dict)
     structure: dict[str, StructureEntry] = Field(default_factory=dict)
     sensors: Sensors = Sensors()
+    tolerances: TolerancesEntry = TolerancesEntry()
 
     @model_validator(mode="after")
     def _unique_names(self) -> "RobotFile":

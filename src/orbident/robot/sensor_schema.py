@@ -17,18 +17,22 @@ from orbident.robot.sensor_suites import sensor_suite
 from orbident.robot.units import quantity
 
 
+def at_least_zero(value: object, dimension: str) -> float:
+    """A quantity of zero or more, in SI.
+
+    Raises:
+        WrongValueError: it is negative, too small, or of another dimension.
+    """
+    number = quantity(value, dimension)
+    if number < 0:
+        raise WrongValueError("give zero or more")
+    if number and number < SMALLEST:
+        raise WrongValueError(f"give zero, or at least {SMALLEST:g} in SI units")
+    return number
+
+
 def _measure(dimension: str) -> BeforeValidator:
-    """Zero or more of a dimension, in SI."""
-
-    def in_si(value: object) -> float:
-        number = quantity(value, dimension)
-        if number < 0:
-            raise WrongValueError("give zero or more")
-        if number and number < SMALLEST:
-            raise WrongValueError(f"give zero, or at least {SMALLEST:g} in SI units")
-        return number
-
-    return BeforeValidator(in_si)
+    return BeforeValidator(lambda value: at_least_zero(value, dimension))
 
 
 def _each(dimension: str) -> BeforeValidator:
@@ -71,6 +75,7 @@ Lasting = Annotated[float, BeforeValidator(_lasting)]
 Time = Annotated[float, _measure("time")]
 Angle = Annotated[float, _measure("angle")]
 Length = Annotated[float, _measure("length")]
+Share = Annotated[float, _measure("share")]
 
 
 class Sampled(Section):

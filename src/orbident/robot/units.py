@@ -25,6 +25,7 @@ UNITS: dict[str, dict[str, float]] = {
     },
     "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0, "h": _HOUR},
     "length": {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6},
+    "share": {"1": 1.0, "%": 1e-2, "ppm": 1e-6},
     "frequency": {"Hz": 1.0, "kHz": 1e3},
     "angular rate": {
         "rad/s": 1.0,
@@ -56,6 +57,7 @@ UNITS: dict[str, dict[str, float]] = {
     },
 }
 """By dimension: each accepted unit's value in SI; the first one is SI's own."""
+UNITS["angle or length"] = UNITS["angle"] | UNITS["length"]
 
 
 def quantity(given: object, dimension: str) -> float:

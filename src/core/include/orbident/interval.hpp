@@ -5,12 +5,12 @@
 //   corrections of the joints at the end = 0                                (prior)
 //
 // Unknowns z of a boundary: [turn 3 | gyro bias 3 | accelerometer bias 3 | corrections: values, rates];
-// g, common to all: [outside | beta]. A table has the columns [z near | z far | g | right-hand side]:
-// near is the boundary that is eliminated, the start or the end.
+// g, common to all: [outside | beta | calibration]. A table has the columns
+// [z near | z far | g | right-hand side]: near is the boundary that is eliminated, the start or the end.
 #pragma once
 
 #include "orbident/householder.hpp"
-#include "orbident/sensors.hpp"
+#include "orbident/calibration.hpp"
 
 namespace orbident {
 
@@ -31,6 +31,7 @@ struct Recorded {
   bool planar;
   int substeps;            // of the attitude, from row to row
   const int* corrected;    // joints that have corrections
+  int wheels;
   IntervalColumns columns;
   int rows;
   const T* t;       // rows, s
@@ -38,7 +39,8 @@ struct Recorded {
   int intervals;
   // At 2 rows - 1 nodes: every row, and half-way between.
   const T *q, *qd, *qdd;       // nodes x joints
-  const T *h_rw, *h_rw_rate;   // nodes x 3
+  const T* A_rw;               // wheels x 3: a_i I_i, base axes
+  const T *qd_rw, *qdd_rw;     // nodes x wheels
   Sensed<T> gyro, accelerometer, attitude, joints, position, velocity;
   // How freely the unknowns of boundaries vary: standard deviations.
   const T* first;  // of z at the first row
@@ -46,7 +48,8 @@ struct Recorded {
   const T* walk;   // of turn and biases, per square root of a second
 
   int local() const { return BIASES + 2 * columns.corrected; }
-  int common() const { return OUTSIDE + columns.betas; }
+  int common() const { return columns.common(); }
+  CalibrationPlaces places() const { return {tree.joints, wheels}; }
   int width() const { return 2 * local() + common() + 1; }
   int stride() const { return padded(width()); }
 };
@@ -58,6 +61,7 @@ struct LinearisedAt {
   const T* local;  // boundaries x local; turns are zero
   const T* common;
   const T* theta;  // of its beta
+  Calibration<T> calibration;
 };
 
 template <class T>
@@ -98,7 +102,7 @@ struct EquationTable {
     scaled(c.turn(), 3, row + start);
     scaled(c.corrections(), 2 * c.corrected, row + start + BIASES);
     scaled(c.corrections() + 2 * c.corrected, 2 * c.corrected, row + end + BIASES);
-    scaled(c.outside(), OUTSIDE + c.betas, row + 2 * local);
+    scaled(c.outside(), c.common(), row + 2 * local);
     return row;
   }
 };
@@ -116,7 +120,7 @@ void add_sample(const IntervalColumns& c, const Sensed<T>& sensor, int row, cons
   }
 }
 
-// The joints at a node, with their corrections.
+// Joints and wheels at a node, with calibrations and corrections.
 template <class T>
 void place_joints(const Recorded<T>& recorded, const LinearisedAt<T>& at, int interval, int node,
                   const T& t_start, const T& duration, IntervalMemory<T>& memory,
@@ -125,9 +129,15 @@ void place_joints(const Recorded<T>& recorded, const LinearisedAt<T>& at, int in
   const int row = node / 2;
   const T t = node % 2 ? (recorded.t[row] + recorded.t[row + 1]) / 2 : recorded.t[row];
   const Cubics<T> functions = cubics<T>(t - t_start, duration);
-  std::copy_n(recorded.q + node * K, K, memory.q);
-  std::copy_n(recorded.qd + node * K, K, memory.qd);
-  std::copy_n(recorded.qdd + node * K, K, memory.qdd);
+  const T *q = recorded.q + node * K, *qd = recorded.qd + node * K, *qdd = recorded.qdd + node * K;
+  const CalibrationPlaces& places = at.calibration.places;
+  const T* zero = at.calibration.values + places.zero();
+  const T* scale = at.calibration.values + places.scale();
+  for (int k = 0; k < K; ++k) {
+    memory.q[k] = (1 + scale[k]) * q[k] + zero[k];
+    memory.qd[k] = (1 + scale[k]) * qd[k];
+    memory.qdd[k] = (1 + scale[k]) * qdd[k];
+  }
   for (int c = 0; c < C; ++c) {
     const int k = recorded.corrected[c];
     for (int f = 0; f < 4; ++f) {
@@ -138,10 +148,20 @@ void place_joints(const Recorded<T>& recorded, const LinearisedAt<T>& at, int in
     }
   }
   joints.t = t - recorded.t[0];
-  joints.h_rw = Eigen::Map<const Vector3<T>>(recorded.h_rw + 3 * node);
-  joints.h_rw_rate = Eigen::Map<const Vector3<T>>(recorded.h_rw_rate + 3 * node);
+  const int W = recorded.wheels;
+  const T *qd_rw = recorded.qd_rw + node * W, *qdd_rw = recorded.qdd_rw + node * W;
+  const T* gain = at.calibration.values + places.wheel();
+  joints.h_rw.setZero();
+  joints.h_rw_rate.setZero();
+  for (int i = 0; i < W; ++i) {
+    const Eigen::Map<const Vector3<T>> a_I(recorded.A_rw + 3 * i);
+    joints.h_rw += (1 + gain[i]) * qd_rw[i] * a_I;
+    joints.h_rw_rate += (1 + gain[i]) * qdd_rw[i] * a_I;
+  }
   expand(recorded.tree, recorded.theta_of, at.theta, recorded.corrected, recorded.columns, functions,
          memory.q, memory.qd, memory.qdd, memory.terms, joints);
+  write_calibrations(recorded.columns, at.calibration, q, qd, recorded.A_rw, qd_rw, memory.terms,
+                     joints.by);
 }
 
 // The law of the base rate at the fraction s of a row's step, by the parabola through its nodes: a
@@ -189,29 +209,42 @@ void add_samples(const Recorded<T>& recorded, const LinearisedAt<T>& at, int int
                  const JointNode<T>& joints, const BaseNode<T>& base, IntervalMemory<T>& memory,
                  EquationTable<T>& equations) {
   const IntervalColumns& c = recorded.columns;
+  const Calibration<T>& calibration = at.calibration;
   const auto shown = [row](const Sensed<T>& sensor) {
     return Vector3<T>(Eigen::Map<const Vector3<T>>(sensor.values + 3 * row));
   };
+  // Perfect instruments show what is there: these slopes are not changed, and not copied.
+  const auto slopes_of = [&](const T* perfect) {
+    std::copy_n(perfect, 3 * c.count(), memory.slopes);
+    return memory.slopes;
+  };
   if (recorded.gyro.values) {
     const Eigen::Map<const Vector3<T>> bias(at.local + interval * recorded.local() + 3);
-    add_sample<T>(c, recorded.gyro, row, shown(recorded.gyro) - base.w - bias, base.dw, 3, equations);
+    Vector3<T> w = base.w;
+    if (c.calibrations) calibrate_gyro(c, calibration, w, slopes_of(base.dw));
+    add_sample<T>(c, recorded.gyro, row, shown(recorded.gyro) - w - bias,
+                  c.calibrations ? memory.slopes : base.dw, 3, equations);
   }
   if (recorded.attitude.values) {
     const Quaternion<T> x = Eigen::Map<const Quaternion<T>>(recorded.attitude.values + 4 * row);
-    add_sample<T>(c, recorded.attitude, row, small_rotation(base.x_WB, x), base.phi, -1, equations);
+    Quaternion<T> x_WB = base.x_WB;
+    if (c.calibrations) calibrate_attitude(c, calibration, x_WB, slopes_of(base.phi));
+    add_sample<T>(c, recorded.attitude, row, small_rotation(x_WB, x),
+                  c.calibrations ? memory.slopes : base.phi, -1, equations);
   }
   if (recorded.position.values) {
+    Vector3<T> r = position(joints, base, at.common);
     position_slopes(c, joints, base, memory.slopes);
-    add_sample<T>(c, recorded.position, row,
-                  shown(recorded.position) - position(joints, base, at.common), memory.slopes, -1,
+    if (c.calibrations) calibrate_position(c, calibration, base, r, memory.slopes);
+    add_sample<T>(c, recorded.position, row, shown(recorded.position) - r, memory.slopes, -1,
                   equations);
   }
   if (recorded.velocity.values) {
-    TableRows<T, 3> slopes(memory.slopes, 3, c.count());
-    slopes = TableRows<T, 3>(memory.velocity[0], 3, c.count());
+    Vector3<T> v = velocity(joints, base, at.common);
+    TableRows<T, 3> slopes(slopes_of(memory.velocity[0]), 3, c.count());
     add_outside(c, contributions(joints.t).v_cm, slopes);
-    add_sample<T>(c, recorded.velocity, row,
-                  shown(recorded.velocity) - velocity(joints, base, at.common), memory.slopes, -1,
+    if (c.calibrations) calibrate_velocity(c, calibration, base, v, memory.slopes);
+    add_sample<T>(c, recorded.velocity, row, shown(recorded.velocity) - v, memory.slopes, -1,
                   equations);
   }
 }

@@ -52,6 +52,16 @@ Quaternion<T> quaternion_rate(const Quaternion<T>& x_WB, const Vector3<T>& w_WB_
   return rate;
 }
 
+// x_WC = x_WB x_BC.
+template <class T>
+Quaternion<T> composed(const Quaternion<T>& x_WB, const Quaternion<T>& x_BC) {
+  const Vector3<T> a = x_WB.template head<3>(), b = x_BC.template head<3>();
+  Quaternion<T> x_WC;
+  x_WC.template head<3>() = x_WB[3] * b + x_BC[3] * a + a.cross(b);
+  x_WC[3] = x_WB[3] * x_BC[3] - a.dot(b);
+  return x_WC;
+}
+
 // The rotation vector from A to B, A's axes, rad; for a large angle a it has length 2 sin(a/2).
 template <class T>
 Vector3<T> small_rotation(const Quaternion<T>& x_WA, const Quaternion<T>& x_WB) {

@@ -14,10 +14,11 @@
 //
 // Unknowns of an interval, the columns of all tables:
 //
-//   [turn 3 | corrections 4 x corrected | outside | beta]
+//   [turn 3 | corrections 4 x corrected | outside | beta | calibration]
 //
 // turn: of the attitude at the start. Corrections of joint c: a cubic with the value and rate
-// (x_0, v_0) at the start and (x_1, v_1) at the end; all x_0, all v_0, all x_1, all v_1.
+// (x_0, v_0) at the start and (x_1, v_1) at the end; all x_0, all v_0, all x_1, all v_1. Calibration:
+// those of calibration.hpp that are selected.
 #pragma once
 
 #include "orbident/momentum_terms.hpp"
@@ -28,11 +29,14 @@ namespace orbident {
 struct IntervalColumns {
   int corrected;  // joints with corrections
   int betas;
+  int calibrations;
   static constexpr int turn() { return 0; }
   static constexpr int corrections() { return 3; }
   int outside() const { return 3 + 4 * corrected; }
   int beta() const { return outside() + OUTSIDE; }
-  int count() const { return beta() + betas; }
+  int calibration() const { return beta() + betas; }
+  int common() const { return OUTSIDE + betas + calibrations; }
+  int count() const { return outside() + common(); }
 };
 
 // Rows of `by`: D (xx, xy, xz, yy, yz, zz), h_q, r_cm, v_q.

@@ -1,9 +1,9 @@
 """All equations of a recording, and a state where they are linearised.
 
 The unknowns are those of each boundary between shooting intervals, `z`, and those that
-all have in common, `g = [outside | beta]`. The core linearises interval after interval
-and eliminates what belongs to one of them alone, from both ends of the recording to a
-boundary in its middle, the meeting one.
+all have in common, `g = [outside | beta | calibration]`. The core linearises interval
+after interval and eliminates what belongs to one of them alone, from both ends of the
+recording to a boundary in its middle, the meeting one.
 """
 
 from collections.abc import Mapping
@@ -15,6 +15,7 @@ from scipy.linalg import solve_triangular
 from scipy.spatial.transform import Rotation, Slerp
 
 from orbident import _core
+from orbident.estimation.output_error.calibration import Calibration, calibrations_of
 from orbident.estimation.output_error.sensors import Sensors
 from orbident.estimation.output_error.shooting import (
     Looseness,
@@ -23,6 +24,7 @@ from orbident.estimation.output_error.shooting import (
     substeps_of,
 )
 from orbident.model.core_robot import core_tree
+from orbident.model.wheels import wheels_of
 from orbident.preprocessing.samples import Samples
 from orbident.robot.description import Robot
 from orbident.threads import processors
@@ -32,6 +34,9 @@ SENSORS = ("gyro", "accelerometer", "attitude", "joints", "position", "velocity"
 
 NO_ROWS = np.zeros((0, 3))
 """The samples of a sensor that was not recorded."""
+
+NOTHING_SELECTED = np.zeros(0)
+"""Every instrument is perfect."""
 
 BySensor = Mapping[str, Float[np.ndarray, "rows axes"]]
 
@@ -68,6 +73,13 @@ class Problem(NamedTuple):
     weights: BySensor
     """1 over the noise's standard deviation; zero where there was no sample."""
     loose: Looseness
+    calibrations: tuple[Calibration, ...]
+    """The calibration errors that act on it."""
+
+    @property
+    def declared(self) -> tuple[Calibration, ...]:
+        """The calibration errors that have a tolerance: the unknown ones."""
+        return tuple(each for each in self.calibrations if each.std)
 
 
 class State(NamedTuple):
@@ -78,12 +90,26 @@ class State(NamedTuple):
     local: Float[np.ndarray, "boundaries local"]
     """Turn (always zero), biases, corrections of the joints and of their rates."""
     common: Float[np.ndarray, " common"]
-    """`h_cm`, `v_cm`, `r_cm`, torque, pull and `beta`."""
+    """`h_cm`, `v_cm`, `r_cm`, torque, pull, `beta` and selected calibrations."""
+    selected: Float[np.ndarray, " selected"] = NOTHING_SELECTED
+    """Places of the calibrations that are unknowns; all others are exact."""
 
     @property
     def beta(self) -> Float[np.ndarray, " beta"]:
         """`[M, sigma, iota]`."""
-        return self.common[OUTSIDE:]
+        return self.common[OUTSIDE : self.common.size - self.selected.size]
+
+    @property
+    def calibration(self) -> Float[np.ndarray, " selected"]:
+        """Errors of instruments, SI or relative."""
+        return self.common[self.common.size - self.selected.size :]
+
+    def selecting(self, places: Float[np.ndarray, " selected"]) -> "State":
+        """The state with these calibrations as unknowns too, at zero."""
+        return self._replace(
+            common=np.append(self.common, np.zeros(places.size)),
+            selected=np.append(self.selected, places),
+        )
 
     def moved(
         self, z: Float[np.ndarray, "boundaries local"], g: Float[np.ndarray, " common"]
@@ -95,7 +121,7 @@ class State(NamedTuple):
         local = self.local + z
         local[:, :3] = 0.0
         unit = x / np.linalg.norm(x, axis=1, keepdims=True)
-        return State(unit, local, self.common + g)
+        return self._replace(x_WB=unit, local=local, common=self.common + g)
 
 
 class Linear(NamedTuple):
@@ -153,6 +179,7 @@ def linear(problem: Problem, weights: BySensor, state: State) -> Linear:
         state.x_WB,
         state.local,
         state.common,
+        state.selected,
         processors(),
     )
     tables = zip(SENSORS, residuals, strict=True)
@@ -176,6 +203,7 @@ def problem_of(
     """
     intervals = intervals_of(robot, samples, sensors)
     loose = looseness(robot, samples, sensors)
+    history = intervals.history
     last = np.arange(intervals.t.size) == intervals.t.size - 1
     seen, weights = {}, {}
     for name, sensed in sensors.by_name.items():
@@ -194,13 +222,26 @@ def problem_of(
         loose.corrected,
         intervals.t,
         intervals.edges.astype(float),
-        *intervals.history,
+        history.q,
+        history.qd,
+        history.qdd,
+        np.ascontiguousarray(wheels_of(robot).A_rw.T),
+        history.qd_rw,
+        history.qdd_rw,
         [np.nan_to_num(seen.get(name, _none(name))) for name in SENSORS],
         loose.first,
         loose.corrections,
         loose.walk,
     )
-    return Problem(recorded, intervals.t, intervals.boundaries, seen, weights, loose)
+    return Problem(
+        recorded,
+        intervals.t,
+        intervals.boundaries,
+        seen,
+        weights,
+        loose,
+        calibrations_of(robot, sensors.by_name),
+    )
 
 
 def _none(name: str) -> Float[np.ndarray, "0 axes"]:
@@ -223,11 +264,12 @@ def start_of(
     outside: Outside,
     beta: Float[np.ndarray, " beta"],
 ) -> State:
-    """The state with the measured attitude, without biases or corrections."""
+    """The state with the measured attitude, without biases, corrections and errors."""
     x = np.column_stack(samples.x_WB)
     known = np.isfinite(x).all(axis=1)
     at = samples.t[known]
     between = Slerp(at, Rotation.from_quat(x[known]))
     x_WB = between(np.clip(problem.boundaries, at[0], at[-1])).as_quat()
     local = np.zeros((len(x_WB), problem.recorded.local))
-    return State(np.ascontiguousarray(x_WB), local, np.concatenate([*outside, beta]))
+    state = State(np.ascontiguousarray(x_WB), local, np.concatenate([*outside, beta]))
+    return state.selecting(np.array([float(each.place) for each in problem.declared]))

@@ -54,10 +54,10 @@ class JointHistory(NamedTuple):
     q: Float[np.ndarray, "nodes joints"]
     qd: Float[np.ndarray, "nodes joints"]
     qdd: Float[np.ndarray, "nodes joints"]
-    h_rw: Float[np.ndarray, "nodes 3"]
-    """The wheels' momentum, base axes, N m s."""
-    h_rw_rate: Float[np.ndarray, "nodes 3"]
-    """N m."""
+    qd_rw: Float[np.ndarray, "nodes wheels"]
+    """rad/s."""
+    qdd_rw: Float[np.ndarray, "nodes wheels"]
+    """rad/s^2."""
 
 
 class Intervals(NamedTuple):
@@ -82,17 +82,16 @@ def intervals_of(robot: Robot, samples: Samples, sensors: Sensors) -> Intervals:
     table = np.column_stack([*samples.q, *samples.qd, *samples.qd_rw])
     known = np.isfinite(table).all(axis=1)
     joints = len(robot.joints)
-    h_rw = table[known, 2 * joints :] @ wheels_of(robot).A_rw.T
     known_t = samples.t[known]
-    spline = CubicSpline(known_t, np.hstack([table[known, : 2 * joints], h_rw]))
+    spline = CubicSpline(known_t, table[known])
     kept = (sensors.t >= known_t[0]) & (sensors.t <= known_t[-1])
     t = sensors.t[kept]
     nodes = np.empty(2 * t.size - 1)
     nodes[::2], nodes[1::2] = t, (t[:-1] + t[1:]) / 2
-    q, qd, h_rw = np.split(spline(nodes), [joints, 2 * joints], axis=-1)
-    _, qdd, h_rw_rate = np.split(spline(nodes, nu=1), [joints, 2 * joints], axis=-1)
+    q, qd, qd_rw = np.split(spline(nodes), [joints, 2 * joints], axis=-1)
+    _, qdd, qdd_rw = np.split(spline(nodes, nu=1), [joints, 2 * joints], axis=-1)
     history = JointHistory(
-        *(np.ascontiguousarray(x) for x in (q, qd, qdd, h_rw, h_rw_rate))
+        *(np.ascontiguousarray(x) for x in (q, qd, qdd, qd_rw, qdd_rw))
     )
     rows = _rows_of_an_interval(history, samples.shares, t)
     return Intervals(kept, t, _edges(t.size, rows), history)

@@ -49,6 +49,7 @@ class Solution(NamedTuple):
     linear: Linear
     """At a state within a hundredth of a deviation of it."""
     prior: Prior
+    weights: BySensor
     converged: bool
     steps: int
 
@@ -90,7 +91,7 @@ def solved(
         last = np.linalg.norm(factor[:-1, :-1] @ g) < SMALL
         # What nothing shows would take an undamped step too far, again and again.
         if last and damping <= DAMPING:
-            return Solution(moved, here, prior, True, step + 1)
+            return Solution(moved, here, prior, weights, True, step + 1)
         # A step too far may overflow; its cost is not less.
         with np.errstate(over="ignore", invalid="ignore"):
             there = linear(problem, weights, moved)
@@ -102,7 +103,7 @@ def solved(
             break
         else:
             damping = max(10 * damping, DAMPING)
-    return Solution(state, here, prior, False, STEPS)
+    return Solution(state, here, prior, weights, False, STEPS)
 
 
 def _damped(

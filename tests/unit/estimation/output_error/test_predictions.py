@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from instruments import random_errors
 from random_robots import (
     random_parents,
     random_planar_robot,
@@ -70,13 +71,15 @@ def check_slopes(segment: Segment) -> None:
         part, least = (1e-3, 1e-4) if sensor == "accelerometer" else (1e-7, 1e-9)
         error = np.abs(ours - exact).max(axis=0)
         local = segment.state.local.size
+        betas = local + 15 + segment.state.beta.size
         for group in (
             slice(0, local),
             slice(local, local + 15),
-            slice(local + 15, None),
+            slice(local + 15, betas),
+            slice(betas, None),
         ):
-            size = np.abs(exact[:, group]).max()
-            assert error[group].max() < part * size + least, (sensor, group)
+            size = np.abs(exact[:, group]).max(initial=0.0)
+            assert error[group].max(initial=0.0) < part * size + least, (sensor, group)
 
 
 def test_values_are_the_simulators(segment: Segment):
@@ -102,6 +105,34 @@ def test_a_fast_nutation_needs_smaller_steps():
 
 def test_slopes_are_the_derivatives_of_the_values(segment: Segment):
     check_slopes(segment)
+
+
+@pytest.mark.parametrize("robot", ROBOTS)
+def test_badly_calibrated_instruments(robot):
+    """Values and slopes, with every calibration error of the order of 0.05."""
+    errors = random_errors(ROBOTS[robot], 7, 0.05)
+    segment = segment_of(ROBOTS[robot], 3, 33, errors=errors)
+    np.testing.assert_array_equal(segment.state.calibration, errors.vector)
+    for sensor, residual in segment.residuals().items():
+        np.testing.assert_allclose(residual, 0.0, atol=1e-9, err_msg=sensor)
+    check_slopes(segment)
+
+
+def test_a_selected_calibration_has_the_column_that_it_has_among_all():
+    """In any order; what is not selected is exact."""
+    robot = ROBOTS["spatial"]
+    perfect = segment_of(robot, 3, 9)
+    count = random_errors(robot, 0, 1.0).vector.size
+    places = np.random.default_rng(0).permutation(count)[:5].astype(float)
+    sensors = [name for name in SENSORS if name != "joints"]
+    own = perfect.equations(*sensors)
+    every = perfect.state.selecting(np.arange(count, dtype=float))
+    all_of_them = perfect.equations(*sensors, state=every)
+    some = perfect.equations(*sensors, state=perfect.state.selecting(places))
+    before = own.shape[1] - 1
+    np.testing.assert_array_equal(some[:, :before], own[:, :before])
+    chosen = all_of_them[:, before + places.astype(int)]
+    np.testing.assert_array_equal(some[:, before:-1], chosen)
 
 
 @settings(max_examples=8, deadline=None)

@@ -1,0 +1,161 @@
+// Calibration errors of the instruments, common to a whole recording; zero where they are perfect:
+//
+//   joints          q = (1 + s_k) q_shown + z_k,   rates and accelerations (1 + s_k) times those shown
+//   wheels          h_rw = sum_i (1 + g_i) a_i I_i qd_i
+//   feature point   the tracked point is S + d, base axes
+//   attitude        shown R_WB R(m)
+//   gyro            shown (1 + diag(s)) R(m)^T w + bias
+//   position        shown (1 + p) times the position
+//
+// m turns the base's axes into the instrument's: a vector along the axis, of length 2 sin(angle / 2).
+// A motion has columns of the calibrations that are selected, by their places among all:
+//
+//   [z, each joint | s, each joint | g, each wheel | d 3 | attitude m 3 | gyro m 3 | gyro s 3 | p]
+#pragma once
+
+#include "orbident/sensors.hpp"
+
+namespace orbident {
+
+struct CalibrationPlaces {
+  int joints, wheels;
+  int zero() const { return 0; }
+  int scale() const { return joints; }
+  int wheel() const { return 2 * joints; }
+  int feature_point() const { return wheel() + wheels; }
+  int attitude() const { return feature_point() + 3; }
+  int gyro() const { return attitude() + 3; }
+  int gyro_scale() const { return gyro() + 3; }
+  int position() const { return gyro_scale() + 3; }
+  int count() const { return position() + 1; }
+};
+
+// Which calibrations have columns, and the values of all.
+template <class T>
+struct Calibration {
+  CalibrationPlaces places;
+  const int* selected;
+  const T* values;
+
+  Vector3<T> vector(int place) const { return Eigen::Map<const Vector3<T>>(values + place); }
+};
+
+// The quaternion of a rotation m, and the rate of its rotation (axes after it) by m.
+template <class T>
+struct Misalignment {
+  Quaternion<T> x;
+  Matrix3<T> R;
+  Matrix3<T> by_m;
+
+  explicit Misalignment(const Vector3<T>& m) {
+    const Vector3<T> v = m / 2;
+    const T s = std::sqrt(T(1) - v.squaredNorm());
+    x << v, s;
+    R = quaternion_matrix(x);
+    by_m = s * Matrix3<T>::Identity() + v * v.transpose() / s - cross_matrix(v);
+  }
+};
+
+// Every column of a table times a matrix, in place.
+template <class T>
+void transform(const Matrix3<T>& by, int count, T* slopes) {
+  TableRows<T, 3> table(slopes, 3, count);
+  for (int k = 0; k < count; ++k) table.col(k) = (by * table.col(k)).eval();
+}
+
+// Adds the columns of the selected ones among the places from `first` on, given those of all of them.
+template <class T, class By>
+void add_selected(const IntervalColumns& columns, const Calibration<T>& calibration, int first,
+                  const By& by, T* slopes) {
+  const int n = columns.count();
+  for (int c = 0; c < columns.calibrations; ++c) {
+    const int k = calibration.selected[c] - first;
+    if (k < 0 || k >= by.cols()) continue;
+    for (int r = 0; r < by.rows(); ++r) slopes[r * n + columns.calibration() + c] += by(r, k);
+  }
+}
+
+// Changes of the terms at a node with zeros and scales of joints, and with the wheels' inertia.
+//
+//   q, qd        as the encoders show
+//   A_rw, qd_rw  a_i I_i, three numbers each, and the wheels' rates
+template <class T>
+void write_calibrations(const IntervalColumns& columns, const Calibration<T>& calibration, const T* q,
+                        const T* qd, const T* A_rw, const T* qd_rw, const TermsMemory<T>& memory,
+                        T* by) {
+  const CalibrationPlaces& places = calibration.places;
+  const int n = columns.count();
+  for (int c = 0; c < columns.calibrations; ++c) {
+    T* column = by + columns.calibration() + c;
+    const int place = calibration.selected[c];
+    if (place < places.wheel()) {
+      const bool zero = place < places.scale();
+      const int k = place - (zero ? places.zero() : places.scale());
+      const T x = zero ? T(1) : q[k], v = zero ? T(0) : qd[k];
+      const MomentumTerms<T>&by_q = memory.by_q[k], &by_qd = memory.by_qd[k];
+      write_change<T>({x * by_q.D, x * by_q.h_q + v * by_qd.h_q, x * by_q.r_cm,
+                       x * by_q.v_q + v * by_qd.v_q},
+                      column, n);
+    } else if (place < places.feature_point()) {
+      const int i = place - places.wheel();
+      for (int axis = 0; axis < 3; ++axis) column[(BY_H + axis) * n] = A_rw[3 * i + axis] * qd_rw[i];
+    }
+  }
+}
+
+// The predictions of the base's sensors as badly calibrated instruments show them, and their slopes,
+// in place from those of perfect instruments.
+
+template <class T>
+void calibrate_gyro(const IntervalColumns& columns, const Calibration<T>& calibration,
+                    Vector3<T>& shown, T* slopes) {
+  const CalibrationPlaces& places = calibration.places;
+  const Misalignment<T> m(calibration.vector(places.gyro()));
+  const Vector3<T> sensed = m.R.transpose() * shown;
+  const Vector3<T> gain = calibration.vector(places.gyro_scale()) + Vector3<T>::Ones();
+  shown = gain.cwiseProduct(sensed);
+  transform<T>(gain.asDiagonal() * m.R.transpose(), columns.count(), slopes);
+  add_selected<T>(columns, calibration, places.gyro(),
+                  Matrix3<T>(gain.asDiagonal() * cross_matrix(sensed) * m.by_m), slopes);
+  add_selected<T>(columns, calibration, places.gyro_scale(), Matrix3<T>(sensed.asDiagonal()), slopes);
+}
+
+template <class T>
+void calibrate_attitude(const IntervalColumns& columns, const Calibration<T>& calibration,
+                        Quaternion<T>& shown, T* slopes) {
+  const int place = calibration.places.attitude();
+  const Misalignment<T> m(calibration.vector(place));
+  shown = composed(shown, m.x);
+  transform<T>(m.R.transpose(), columns.count(), slopes);
+  add_selected(columns, calibration, place, m.by_m, slopes);
+}
+
+template <class T>
+void calibrate_position(const IntervalColumns& columns, const Calibration<T>& calibration,
+                        const BaseNode<T>& base, Vector3<T>& shown, T* slopes) {
+  const CalibrationPlaces& places = calibration.places;
+  const Vector3<T> d = calibration.vector(places.feature_point());
+  const T gain = T(1) + calibration.values[places.position()];
+  const Vector3<T> tracked = shown + base.R_WB * d;
+  shown = gain * tracked;
+  TableRows<T, 3> table(slopes, 3, columns.count());
+  const TableRows<T, 3> phi(base.phi, 3, columns.count());
+  table = gain * (table - Matrix3<T>(base.R_WB * cross_matrix(d)).lazyProduct(phi));
+  add_selected<T>(columns, calibration, places.feature_point(), Matrix3<T>(gain * base.R_WB), slopes);
+  add_selected(columns, calibration, places.position(), tracked, slopes);
+}
+
+template <class T>
+void calibrate_velocity(const IntervalColumns& columns, const Calibration<T>& calibration,
+                        const BaseNode<T>& base, Vector3<T>& shown, T* slopes) {
+  const int place = calibration.places.feature_point(), n = columns.count();
+  const Vector3<T> d = calibration.vector(place), u = base.w.cross(d);
+  const Matrix3<T>& R = base.R_WB;
+  shown += R * u;
+  const TableRows<T, 3> phi(base.phi, 3, n), dw(base.dw, 3, n);
+  TableRows<T, 3>(slopes, 3, n) -= Matrix3<T>(R * cross_matrix(u)).lazyProduct(phi) +
+                                   Matrix3<T>(R * cross_matrix(d)).lazyProduct(dw);
+  add_selected<T>(columns, calibration, place, Matrix3<T>(R * cross_matrix(base.w)), slopes);
+}
+
+}  // namespace orbident

@@ -1,0 +1,26 @@
+"""How well a robot's instruments are calibrated."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+
+@dataclass(frozen=True)
+class Tolerances:
+    """Standard deviations of calibration errors; zero where there are none."""
+
+    joint_zero: Mapping[str, float] = field(default_factory=dict)
+    """By joint: of the angle or position where the encoder shows zero, rad or m."""
+    joint_scale: Mapping[str, float] = field(default_factory=dict)
+    """By joint: relative."""
+    wheel_inertia: float = 0.0
+    """Of each wheel's polar moment of inertia, relative."""
+    feature_point: float = 0.0
+    """Of the tracked point from `S`, along each base axis, m."""
+    attitude_misalignment: float = 0.0
+    """Of the attitude sensor's axes from the base's, about each axis, rad."""
+    gyro_misalignment: float = 0.0
+    """Of the gyro's axes from the base's, about each axis, rad."""
+    gyro_scale: float = 0.0
+    """Of each axis, relative."""
+    position_scale: float = 0.0
+    """Of the position, relative."""

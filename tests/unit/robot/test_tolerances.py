@@ -1,0 +1,79 @@
+import math
+
+import pytest
+from urdf_texts import ARM
+
+from orbident.errors import InputError
+from orbident.robot.tolerances import Tolerances
+
+SLIDING = ARM.replace('type="continuous"', 'type="prismatic"').replace(
+    'type="revolute"', 'type="prismatic"'
+)
+
+
+def test_without_tolerances_every_instrument_is_exact(load_yaml):
+    robot = load_yaml()
+    exact = dict.fromkeys(robot.joint_names, 0.0)
+    assert robot.tolerances == Tolerances(joint_zero=exact, joint_scale=exact)
+
+
+def test_every_tolerance_in_its_unit(load_yaml):
+    found = load_yaml(
+        """
+tolerances:
+  joints: {zero: 5 mrad, scale: 0.5 %}
+  feature_point: 2 mm
+  wheels: {inertia: 1 %}
+  attitude: {misalignment: 0.5 deg}
+  gyro: {misalignment: 0.25 deg, scale: 300 ppm}
+  position: {scale: 0.01}
+"""
+    ).tolerances
+    assert set(found.joint_zero.values()) == {5e-3}
+    assert set(found.joint_scale.values()) == {5e-3}
+    assert found.feature_point == 2e-3
+    assert found.wheel_inertia == 1e-2
+    assert found.attitude_misalignment == pytest.approx(math.radians(0.5))
+    assert found.gyro_misalignment == pytest.approx(math.radians(0.25))
+    assert found.gyro_scale == pytest.approx(3e-4)
+    assert found.position_scale == 0.01
+
+
+def test_joints_by_name(load_yaml):
+    robot = load_yaml()
+    first, *others = robot.joint_names
+    found = load_yaml(f"tolerances: {{joints: {{{first}: {{zero: 1 mrad}}}}}}")
+    zeros = found.tolerances.joint_zero
+    assert zeros[first] == 1e-3
+    assert not any(zeros[name] for name in others)
+
+
+def test_the_zero_of_a_joint_that_slides_is_a_length(load_yaml):
+    lines = "tolerances: {joints: {zero: 2 mm}}"
+    assert set(load_yaml(lines, SLIDING).tolerances.joint_zero.values()) == {2e-3}
+    with pytest.raises(InputError, match=r"found '2 mm'; unknown unit 'mm' of an ang"):
+        load_yaml(lines)
+
+
+@pytest.mark.parametrize(
+    ("section", "message"),
+    [
+        ("joints: {elbw: {zero: 1 mrad}}", r"tolerances\.joints: no joint 'elbw'"),
+        ("joints: {zero: 5 kg}", "unknown unit 'kg' of an angle or length"),
+        ("joints: {offset: 1 mrad}", "unknown key 'offset'"),
+        ("joints: 5 mrad", "found '5 mrad'"),
+        ("feature_point: [1, 2, 3]", r"tolerances\.feature_point: found"),
+        ("feature_point: 2 mrad", "unknown unit 'mrad' of a length"),
+        ("wheels: {inertia: -1 %}", "found '-1 %'; give zero or more"),
+        (
+            "wheels: {inertia: 1 mm}",
+            "unknown unit 'mm' of a share; accepted: 1, %, ppm",
+        ),
+        ("position: {misalignment: 1 deg}", "unknown key 'misalignment'"),
+        ("camera: {scale: 1 %}", "unknown key 'camera'"),
+    ],
+)
+def test_what_is_no_tolerance_is_refused_in_one_line(load_yaml, section, message):
+    with pytest.raises(InputError, match=message) as error:
+        load_yaml(f"tolerances: {{{section}}}")
+    assert "\n" not in str(error.value)
