@@ -203,7 +203,7 @@ def test_edited_result(orbident: Orbident, run: Path, case: str):
 
 
 def test_result_of_another_version(orbident: Orbident, run: Path):
-    edited(run, "schema", value="orbident/result/2")
+    edited(run, "schema", value="orbident/result/1")
     orbident("validate", run, "r.csv").refused("run/result.json: ", "orbident/result/2")
 
 

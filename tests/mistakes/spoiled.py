@@ -1,13 +1,15 @@
 """What becomes of a clean recording by one mistake."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
 
 from recordings import Clean, designed
 
 from orbident.estimation.linear_fits import InitialMomentum
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
+from orbident.robot.tolerance_schema import TolerancesEntry
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,3 +39,11 @@ def spoiled(
 
 def nothing(clean: Clean) -> Spoiled:
     return spoiled(clean)
+
+
+def tolerating(spoiled: Spoiled, tolerance: Mapping[str, Any]) -> Spoiled:
+    """The same recording, with a robot file that declares this tolerance."""
+    robot = spoiled.robot
+    entry = TolerancesEntry.model_validate(tolerance)
+    known = replace(robot, tolerances=entry.in_si(robot.joints, robot.name))
+    return replace(spoiled, robot=known)

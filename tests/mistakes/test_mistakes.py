@@ -8,7 +8,7 @@ from campaign_of_mistakes import all_rows
 from mistakes import MISTAKES, QUICK, by_name
 from recordings import ROBOTS, clean
 from scoring import Row, row, scored
-from spoiled import nothing
+from spoiled import nothing, tolerating
 from table import Count, markdown
 from visibility import visibility
 
@@ -32,8 +32,19 @@ def quick(robot: str, name: str) -> Row:
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize(("robot", "name"), CASES)
 def test_nothing_wrong_is_accepted(robot: str, name: str, method: Method):
-    score = quick(robot, name).scores[method]
-    assert score.outcome in {"refused", "right"}, score
+    """Maximum likelihood tests what sensors show; the others say that they do not.
+
+    What hides in the noise is right where the robot file declares a tolerance for it.
+    """
+    score, mistake = quick(robot, name).scores[method], by_name(name)
+    if score.outcome in {"refused", "right"}:
+        return
+    if method != "maximum-likelihood":
+        assert score.reasons, score
+        return
+    assert mistake.tolerance, score
+    covered = tolerating(mistake.spoil(clean(robot)), mistake.tolerance)
+    assert scored(covered, method).outcome == "right"
 
 
 @pytest.mark.parametrize("method", METHODS)

@@ -136,6 +136,7 @@ def _summary(result: Any, out: Path | None) -> list[str]:
             numbers = f"{_number(value, '.6g'):>12} {_number(std, '.2g'):>8}"
             lines.append(f"  {name:8} {numbers}   {formula}")
     lines += _sensors(result)
+    lines += _calibration(result)
     condition = ", ".join(
         f"{name} {value:.4g}" for name, value in result.condition_number.items()
     )
@@ -182,6 +183,26 @@ def _sensors(result: Any) -> list[str]:
             f"  {name:14} {fit['noise']:9.2g} {declared:>9} {fit['whiteness']:9.2f} "
             f"{fit['samples']:8.0f}"
         )
+    return lines
+
+
+def _calibration(result: Any) -> list[str]:
+    """Errors of instruments: those estimated, and what the others may do."""
+    lines = [
+        f"  {name:24} {fit.value:10.2g} +- {fit.std:.2g}   "
+        f"tolerance {fit.tolerance:.2g}"
+        for name, fit in result.calibration.items()
+    ]
+    lines = ["", "calibration errors, SI or relative", *lines] if lines else []
+    table = result.sensitivity()
+    if table is not None:
+        name, unit, parameter, shift = table.worst()
+        lines += [
+            "",
+            f"{len(table.errors)} errors of instruments are taken for zero; worst, 1 "
+            f"{unit} of {name} would shift {parameter} by {shift:.2g} of its "
+            "deviations (all: 'sensitivity' in the JSON; declare 'tolerances')",
+        ]
     return lines
 
 

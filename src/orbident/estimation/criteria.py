@@ -8,7 +8,7 @@ from jaxtyping import Bool
 
 from orbident.estimation.check import Check, Level
 from orbident.estimation.estimate import Estimate
-from orbident.estimation.obstacles import surprise
+from orbident.estimation.obstacles import surprise, unexplained_velocity
 from orbident.estimation.predicted import Signal
 from orbident.estimation.problem import MomentumProblem
 from orbident.estimation.quantities import Quantity
@@ -33,6 +33,9 @@ NOISY = 1.5
 ROUNDING = 1e-7
 # Condition number, columns scaled: three digits of the measurements are lost.
 ILL = 1e3
+
+# Chi-square of one degree of freedom that is no chance: five deviations, squared.
+CLEAR = 25.0
 
 BURN = "Eq. 40"
 """The mass by a thruster burn, among others."""
@@ -88,13 +91,19 @@ def judge(
             *_convergence(problem, estimate),
             *(
                 _exact(problem, estimate)
-                or [*_noise(estimate), *_sensors(estimate), *_whiteness(estimate)]
+                or [
+                    *_noise(estimate),
+                    *_sensors(estimate),
+                    *_whiteness(estimate),
+                    *(_condition(problem) if estimate.goodness is None else ()),
+                ]
             ),
+            # A method that predicts the sensors is judged by their residuals.
+            *(() if estimate.signals else unexplained_velocity(problem)),
             *_mass(problem, estimate),
             *_changes(estimate),
             *_disturbances(estimate),
             *_routes(masses),
-            *(_condition(problem) if estimate.goodness is None else ()),
         ]
     return Judgement(tuple(checks), pi, phi, base)
 
@@ -198,6 +207,7 @@ def _whiteness(estimate: Estimate) -> Iterator[Check]:
             "not modelled may pass unseen",
             "identify by maximum-likelihood too, which tests it",
         )
+    suspect = ""
     for signal in estimate.signals:
         found = low_frequencies(signal.measured - signal.predicted, signal.std)
         if found is None:
@@ -207,16 +217,32 @@ def _whiteness(estimate: Estimate) -> Iterator[Check]:
             reason = f"residuals of {signal.name} are white"
             yield Check(name, "trust", reason, "", *found)
             continue
+        suspect = suspect or _suspect(estimate)
         yield Check(
             name,
             "do not trust",
             f"residuals of {signal.name} are not noise: at low frequencies they have "
             f"{found.ratio:.2g} times the power of white noise, and more than "
             f"{found.limit:.2g} is no chance, so something acts that is not modelled",
-            f"{CAUSES}; see whether a clock is late or runs fast, and whether anything "
-            "pushes the robot or is loose on it",
+            f"{suspect}{CAUSES}; see whether a clock is late or runs fast, and whether "
+            "anything pushes the robot or is loose on it",
             *found,
         )
+
+
+def _suspect(estimate: Estimate) -> str:
+    """The instrument whose error alone would lower chi-square most (score test)."""
+    if estimate.sensitivity is None or not estimate.converged:
+        return ""
+    freed = sorted(estimate.sensitivity().freed, key=lambda each: -each.chi2_drop)
+    if not freed or freed[0].chi2_drop < CLEAR:
+        return ""
+    first = freed[0]
+    return (
+        f"first look at {first.name.replace('.', ' ')}: an error of "
+        f"{first.value:.2g} +- {first.std:.1g} would lower chi-square by "
+        f"{first.chi2_drop:.3g}, more than that of any other instrument; "
+    )
 
 
 def _mass(problem: MomentumProblem, estimate: Estimate) -> Iterator[Check]:

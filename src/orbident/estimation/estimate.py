@@ -9,6 +9,7 @@ from jaxtyping import Float
 
 from orbident.estimation.found import BetaEstimate, Found, found_beta
 from orbident.estimation.output_error.disturbances import Push
+from orbident.estimation.output_error.sensitivity import CalibrationFit, Sensitivity
 from orbident.estimation.predicted import Signals
 from orbident.estimation.problem import MomentumProblem
 from orbident.estimation.quantities import Quantity
@@ -67,6 +68,10 @@ class Estimate:
     """Of sensors, with their standard deviations; SI."""
     disturbances: Mapping[str, Push] = field(default_factory=dict)
     """What acted from outside, where that was an unknown."""
+    calibration: Mapping[str, CalibrationFit] = field(default_factory=dict)
+    """The errors of instruments that have a tolerance."""
+    sensitivity: Callable[[], Sensitivity] | None = None
+    """What errors of the other instruments would do, where that is known."""
     converged: bool = True
     history: History | None = None
     """Of a recursion."""

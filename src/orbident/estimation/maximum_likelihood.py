@@ -28,7 +28,11 @@ from orbident.estimation.output_error.problem import (
     problem_of,
     start_of,
 )
-from orbident.estimation.output_error.sensitivity import Sensitivity, sensitivity
+from orbident.estimation.output_error.sensitivity import (
+    CalibrationFit,
+    Sensitivity,
+    sensitivity,
+)
 from orbident.estimation.output_error.sensors import Sensors, sensors_of
 from orbident.estimation.output_error.solver import Prior, Solution
 from orbident.estimation.predicted import Signals, sensor_signals
@@ -44,16 +48,6 @@ UNKNOWN = 1e3
 
 KNOWN = 1e-9
 """Std of a known momentum, over the same."""
-
-
-@dataclass(frozen=True)
-class CalibrationFit:
-    """A calibration error; SI or relative."""
-
-    value: float
-    std: float
-    tolerance: float
-    """The standard deviation beforehand, as the robot file declares it."""
 
 
 @dataclass(frozen=True)

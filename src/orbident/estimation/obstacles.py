@@ -25,25 +25,30 @@ def obstacles(problem: MomentumProblem) -> list[Check]:
 
 
 def _no_velocity(problem: MomentumProblem) -> list[Check]:
-    """Why `phi` is not determined, or wrong."""
-    phi = problem.fits.phi
+    """Why `phi` is not determined."""
     if not problem.samples.v_S:
         reason = (
             "phi and the mass are not determined: the recording has no velocity.x .y "
             ".z of the feature point (nor position.x .y .z)"
         )
         return [_refused("velocity of S", reason, "record one of them")]
-    if phi.explained**2 <= EXPLAINED * (phi.explained**2 + phi.unexplained**2):
-        reason = (
-            "phi and the mass are not determined: the velocity of the feature point "
-            "does not follow from joints, gyro and attitude"
-        )
-        remedy = (
-            "check its units and frame (inertial axes), and the attitude (scalar "
-            "last, base to inertial axes)"
-        )
-        return [_refused("velocity of S", reason, remedy)]
     return []
+
+
+def unexplained_velocity(problem: MomentumProblem) -> list[Check]:
+    """Whether the linear fit explains the velocity of S."""
+    phi = problem.fits.phi
+    if phi.explained**2 > EXPLAINED * (phi.explained**2 + phi.unexplained**2):
+        return []
+    reason = (
+        "phi and the mass are not determined: the velocity of the feature point does "
+        "not follow from joints, gyro and attitude"
+    )
+    remedy = (
+        "check its units and frame (inertial axes), and the attitude (scalar last, "
+        "base to inertial axes)"
+    )
+    return [_refused("velocity of S", reason, remedy)]
 
 
 def _no_scale(problem: MomentumProblem) -> list[Check]:

@@ -10,9 +10,11 @@ from jaxtyping import Float
 from orbident.errors import InputError
 from orbident.estimation.check import LEVELS, Check, Level, worst
 from orbident.estimation.linear_fits import Fits
+from orbident.estimation.output_error.sensitivity import CalibrationFit
 from orbident.estimation.predicted import Signals
 from orbident.estimation.quantities import Parameters, Quantity, nulled
 from orbident.estimation.recursive.history import History
+from orbident.estimation.sensitivity_table import SensitivityTable
 from orbident.model.reconstruction import Dynamics, reconstructed
 from orbident.preprocessing.delays import Delay
 from orbident.robot.description import Robot
@@ -78,6 +80,12 @@ class Result(Identified):
     residual: dict[str, Any]
     biases: Mapping[str, Mapping[str, float]]
     """Of sensors, with their standard deviations; SI."""
+    calibration: Mapping[str, CalibrationFit] = field(default_factory=dict)
+    """The errors of instruments that have a tolerance."""
+    sensitivity: Callable[[], SensitivityTable | None] = field(
+        default=lambda: None, compare=False, repr=False
+    )
+    """What errors of the other instruments would shift; None where it is not known."""
     clocks: Mapping[str, Delay]
     """By sensor, by how much its clock is behind that of the base rate."""
     rejected: Mapping[str, Mapping[str, int]]
@@ -148,6 +156,7 @@ class Result(Identified):
 
     def to_json(self) -> dict[str, Any]:
         """The content of `result.json`."""
+        table = self.sensitivity()
         return {
             "schema": SCHEMA,
             "robot": self.robot.name,
@@ -169,6 +178,10 @@ class Result(Identified):
             },
             "residual": self.residual,
             "biases": {name: dict(bias) for name, bias in self.biases.items()},
+            "calibration": {
+                name: fit._asdict() for name, fit in self.calibration.items()
+            },
+            "sensitivity": None if table is None else table.to_json(),
             "clocks": {
                 sensor: {
                     "late": nulled(delay.late),

@@ -19,6 +19,7 @@ from orbident.estimation.predicted import Signals, equation_signals
 from orbident.estimation.problem import MomentumProblem
 from orbident.estimation.quantities import Parameters, Quantity, nulled
 from orbident.estimation.result import Identified, Result
+from orbident.estimation.sensitivity_table import SensitivityTable
 from orbident.estimation.triangular import condition_numbers
 from orbident.estimation.weigh import Weighing
 from orbident.model.formulas import Formulas, SetFormulas, formulas_of, mass_forms
@@ -56,6 +57,8 @@ def result_of(
         condition_number=_condition(problem.fits),
         residual=_residual(estimate),
         biases=estimate.biases,
+        calibration=estimate.calibration,
+        sensitivity=partial(_sensitivity, estimate, identified, refused),
         clocks=problem.clocks,
         rejected=problem.rejected,
         origins=problem.samples.origins,
@@ -134,6 +137,25 @@ def _residual(estimate: Estimate) -> dict[str, Any]:
             for name, fit in estimate.sensors.items()
         }
     return document
+
+
+def _sensitivity(
+    estimate: Estimate, identified: Identified, refused: bool
+) -> SensitivityTable | None:
+    """Of exact data deviations are rounding, and shifts over them say nothing."""
+    if estimate.sensitivity is None or refused:
+        return None
+    found = estimate.sensitivity()
+    if not found.names:
+        return None
+    shifts = found.in_deviations(np.eye(len(found.shift)))
+    lost = ~np.isfinite(identified.base.values)
+    return SensitivityTable(
+        identified.base.names,
+        found.names,
+        found.units,
+        np.where(lost[:, None], NAN, shifts),
+    )
 
 
 def _signals(problem: MomentumProblem, estimate: Estimate) -> Callable[[], Signals]:

@@ -114,6 +114,27 @@ class _Residual(_Part):
     sensors: dict[_Equation, _SensorFit] = Field(default_factory=dict)
 
 
+class _Calibration(_Part):
+    value: Number
+    std: Number
+    tolerance: Number
+
+
+class _Sensitivity(_Part):
+    parameters: list[str]
+    errors: list[str]
+    units: list[str]
+    in_deviations: list[list[Known]]
+
+    @model_validator(mode="after")
+    def _rectangular(self) -> "_Sensitivity":
+        rows, columns = len(self.parameters), len(self.errors)
+        shape = [len(row) for row in self.in_deviations]
+        if shape != rows * [columns] or len(self.units) != columns:
+            raise InputError(f"the table is not {rows} by {columns}")
+        return self
+
+
 class _Clock(_Part):
     late: Known
     std: Std
@@ -174,6 +195,8 @@ class _Result(_Identified):
     condition_number: dict[str, Known]
     residual: _Residual
     biases: dict[str, _Quantity]
+    calibration: dict[str, _Calibration]
+    sensitivity: _Sensitivity | None
     clocks: dict[str, _Clock]
     rejected: dict[str, dict[str, Count]]
     origins: dict[str, str]

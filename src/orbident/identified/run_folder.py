@@ -12,9 +12,11 @@ import numpy as np
 
 from orbident.errors import InputError
 from orbident.estimation.check import Check
+from orbident.estimation.output_error.sensitivity import CalibrationFit
 from orbident.estimation.predicted import Signals
 from orbident.estimation.quantities import Parameters, Quantity
 from orbident.estimation.result import SCHEMA, Identified, Result
+from orbident.estimation.sensitivity_table import SensitivityTable
 from orbident.files.folder_replacing import (
     finish,
     is_committed,
@@ -201,6 +203,10 @@ def _read(text: str, folder: Path) -> Result:
         },
         residual=document["residual"],
         biases=document["biases"],
+        calibration={
+            name: CalibrationFit(**fit) for name, fit in document["calibration"].items()
+        },
+        sensitivity=partial(_sensitivity, document["sensitivity"]),
         clocks={
             sensor: Delay(_number(d["late"]), _number(d["std"]), d["corrected"])
             for sensor, d in document["clocks"].items()
@@ -229,6 +235,17 @@ def _number(value: float | None) -> float:
 def _table(rows: list[list[float | None]]) -> np.ndarray:
     table = np.array([[_number(value) for value in row] for row in rows])
     return table.reshape(len(rows), -1)
+
+
+def _sensitivity(document: dict[str, Any] | None) -> SensitivityTable | None:
+    if document is None:
+        return None
+    return SensitivityTable(
+        parameters=tuple(document["parameters"]),
+        errors=tuple(document["errors"]),
+        units=tuple(document["units"]),
+        shifts=_table(document["in_deviations"]),
+    )
 
 
 def _check(document: dict[str, Any]) -> Check:

@@ -48,6 +48,8 @@ class OutputError:
             sensors=sensors,
             biases=likelihood.biases,
             disturbances=likelihood.pushes,
+            calibration=likelihood.calibration,
+            sensitivity=likelihood.sensitivity,
             converged=likelihood.converged,
             signals=likelihood.signals,
         )

@@ -24,6 +24,15 @@ SMALL_ERROR = {"rad": ("mrad", 1e-3), "m": ("mm", 1e-3), "1": ("%", 1e-2)}
 """By SI unit: what a table counts errors in."""
 
 
+class CalibrationFit(NamedTuple):
+    """A calibration error; SI or relative."""
+
+    value: float
+    std: float
+    tolerance: float
+    """The standard deviation beforehand, as the robot file declares it."""
+
+
 class Freed(NamedTuple):
     """A calibration error as it would be if it alone were an unknown."""
 

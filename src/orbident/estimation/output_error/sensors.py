@@ -129,7 +129,7 @@ def _sensed(
     values[np.searchsorted(t, at, side="right") - 1] = samples
     section = robot.sensors.get(name) or {}
     std, drift = _declared(name, section, at)
-    declared = std > 0
+    declared = bool(std > 0)
     if not declared:
         std = scatter(samples)
     if name == "attitude":
