@@ -1,5 +1,7 @@
 """Misalignments, scales, offsets, clocks, noise, and what a marker is on."""
 
+import math
+
 import numpy as np
 from mistake import IN_SPACE, ON_TABLE, Groups, Mistake
 from recordings import ROBOTS
@@ -26,7 +28,7 @@ TURNED = (
             f"attitude sensor turned {angle:g} deg",
             body_turned("z", angle),
             "misalign*|turned|rotat*|axes|axis attitude",
-            tolerance={"attitude": {"misalignment": np.radians(angle)}},
+            tolerance={"attitude": {"misalignment": math.radians(angle)}},
         )
         for angle in (0.5, 5.0, 90.0)
     ),
@@ -36,7 +38,7 @@ TURNED = (
             vector("gyro", turned("x", angle)),
             "misalign*|turned|rotat* gyro",
             IN_SPACE,
-            tolerance={"gyro": {"misalignment": np.radians(angle)}},
+            tolerance={"gyro": {"misalignment": math.radians(angle)}},
         )
         for angle in (0.2, 1.0, 5.0)
     ),
@@ -165,7 +167,7 @@ NOISE = (
     Mistake("encoder noise 2 mrad", sensed("joints", position=2e-3), "noise joint"),
     Mistake(
         "gyro noise 10 times",
-        sensed("gyro", angle_random_walk=np.radians(0.1) / 60),
+        sensed("gyro", angle_random_walk=math.radians(0.1) / 60),
         "noise gyro",
         IN_SPACE,
     ),

@@ -1,5 +1,6 @@
 """Random robots with sensors, that float as they should, and a small free-flyer."""
 
+import math
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache
@@ -94,28 +95,28 @@ def _random(number: int) -> Robot:
 
 def _in_space(random: np.random.Generator) -> dict:
     """A tactical gyro, a star tracker and a camera, better or worse; SI."""
-    worse = random.uniform(1.0, 5.0)
+    worse = float(random.uniform(1.0, 5.0))
     return {
         "rate": 10.0,
         "gyro": {
-            "angle_random_walk": worse * np.radians(0.01) / 60,
-            "bias_instability": worse * np.radians(0.3) / 3600,
+            "angle_random_walk": worse * math.radians(0.01) / 60,
+            "bias_instability": worse * math.radians(0.3) / 3600,
         },
         "joints": {"position": worse * 2.5e-5},
         "wheels": {"position": 2.5e-5},
-        "attitude": {"angle": worse * np.radians(0.01)},
+        "attitude": {"angle": worse * math.radians(0.01)},
         "position": {"std": worse * 1e-4},
     }
 
 
 def _on_table(random: np.random.Generator) -> dict:
     """Motion capture and encoders, better or worse; SI."""
-    worse = random.uniform(0.5, 2.0)
+    worse = float(random.uniform(0.5, 2.0))
     return {
         "rate": 50.0,
         "joints": {"position": worse * 2e-4},
         "wheels": {"position": 2e-4},
-        "attitude": {"angle": worse * np.radians(0.02)},
+        "attitude": {"angle": worse * math.radians(0.02)},
         "position": {"std": worse * 1e-4},
     }
 
@@ -145,12 +146,12 @@ def free_flyer(number: int) -> Robot:
         sensors={
             "rate": 20.0,
             "gyro": {
-                "angle_random_walk": np.radians(0.1) / 60,
-                "bias_instability": np.radians(3.0) / 3600,
+                "angle_random_walk": math.radians(0.1) / 60,
+                "bias_instability": math.radians(3.0) / 3600,
             },
             "joints": {"position": 5e-4},
             "wheels": {"position": 5e-4},
-            "attitude": {"angle": np.radians(0.05)},
+            "attitude": {"angle": math.radians(0.05)},
             "position": {"std": 5e-4 * (1 + number / (FLYERS - 1))},
         },
     )

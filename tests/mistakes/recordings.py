@@ -1,5 +1,6 @@
 """Two robots with declared sensors, and what these record where nothing is wrong."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cache
@@ -27,12 +28,12 @@ SENSORS: Mapping[str, Mapping[str, Any]] = {
     SPACE: {
         "rate": 10.0,
         "gyro": {
-            "angle_random_walk": np.radians(0.01) / 60,
-            "bias_instability": np.radians(0.3) / 3600,
+            "angle_random_walk": math.radians(0.01) / 60,
+            "bias_instability": math.radians(0.3) / 3600,
         },
         "joints": {"position": 2.5e-5},
         "wheels": {"position": 2.5e-5},
-        "attitude": {"angle": np.radians(0.01)},
+        "attitude": {"angle": math.radians(0.01)},
         "position": {"std": 1e-4},
     },
     # Motion capture.
@@ -40,7 +41,7 @@ SENSORS: Mapping[str, Mapping[str, Any]] = {
         "rate": 50.0,
         "joints": {"position": 2e-4},
         "wheels": {"position": 2e-4},
-        "attitude": {"angle": np.radians(0.02)},
+        "attitude": {"angle": math.radians(0.02)},
         "position": {"std": 1e-4},
     },
 }

@@ -21,6 +21,7 @@ CASES = [
     pytest.param(robot, name, id=f"{robot}, {name}")
     for name in QUICK
     for robot in by_name(name).robots
+    if robot not in by_name(name).unobservable
 ]
 
 

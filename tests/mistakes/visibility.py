@@ -106,6 +106,7 @@ class Fit:
         x = np.zeros(self.betas + states + biases)
         x[: self.betas] = self.sets.beta(self.true.robot.theta)
         first, scale = x.copy(), self._scale(x)
+        x[: self.betas] *= self._gain()
         r = self.residual(x)
         J = np.zeros((r.size, x.size))
         for _ in range(ROUNDS):
@@ -124,6 +125,12 @@ class Fit:
             if done:
                 break
         return Visibility(float(np.linalg.norm(r)), self._harm(J, (x - first) / scale))
+
+    def _gain(self) -> float:
+        """Of the wheels' momentum: all base parameters are in proportion to it."""
+        said = wheels_of(self.robot).A_rw @ self.speed
+        h_rw = wheels_of(self.true.robot).A_rw @ self.start.wheel_speed
+        return float(np.linalg.norm(said) / np.linalg.norm(h_rw))
 
     def _harm(self, J: np.ndarray, moved: np.ndarray) -> float:
         C = np.linalg.pinv(J.T @ J, rcond=1e-14)
