@@ -13,7 +13,6 @@ from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Bool, Float
-from scipy.integrate import cumulative_trapezoid
 from scipy.interpolate import CubicSpline
 
 from orbident.estimation.linear_fits import (
@@ -98,9 +97,10 @@ class DelayEquations(NamedTuple):
         if self.integrated:
             # From an unknown start.
             start = np.broadcast_to(np.eye(axes), (seen.sum(), axes, axes))
-            table = cumulative_trapezoid(
-                table[seen], samples.t[seen], axis=0, initial=0
-            )
+            # By the trapezoidal rule.
+            dt = np.diff(samples.t[seen])[:, None, None]
+            steps = dt * (table[seen][1:] + table[seen][:-1]) / 2
+            table = np.cumsum(np.insert(steps, 0, 0.0, axis=0), axis=0)
             table = np.concatenate([start, table], axis=2)
             layout = layout._replace(nuisances=layout.nuisances + axes)
         rows = table.reshape(-1, layout.columns)
