@@ -11,11 +11,17 @@ oi.validate(result, oi.read_recording("other.csv"))
 """
 
 import importlib
+import importlib.metadata
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from orbident.errors import InputError as InputError
     from orbident.estimation.identify import identify as identify
+    from orbident.estimation.least_squares import LeastSquares as LeastSquares
+    from orbident.estimation.output_error.estimator import OutputError as OutputError
+    from orbident.estimation.recursive.estimator import Recursive as Recursive
+    from orbident.estimation.result import Result as Result
+    from orbident.estimation.structured import Structured as Structured
     from orbident.estimation.weigh import weigh as weigh
     from orbident.excitation.design import design_excitation as design_excitation
     from orbident.identified.comparison import compare as compare
@@ -40,8 +46,13 @@ if TYPE_CHECKING:
 _PUBLIC = {
     "InitialState": "orbident.trajectories.trajectory",
     "InputError": "orbident.errors",
+    "LeastSquares": "orbident.estimation.least_squares",
+    "OutputError": "orbident.estimation.output_error.estimator",
     "Recording": "orbident.recordings.recording",
+    "Recursive": "orbident.estimation.recursive.estimator",
+    "Result": "orbident.estimation.result",
     "Robot": "orbident.robot.description",
+    "Structured": "orbident.estimation.structured",
     "Trajectory": "orbident.trajectories.trajectory",
     "bundled_robots": "orbident.robot.robot_file",
     "compare": "orbident.identified.comparison",
@@ -65,6 +76,8 @@ _PUBLIC = {
 
 def __getattr__(name: str) -> Any:
     # Late, so that importing orbident costs nothing.
+    if name == "__version__":
+        return importlib.metadata.version("orbident")
     if name not in _PUBLIC:
         raise AttributeError(f"module 'orbident' has no attribute '{name}'")
     return getattr(importlib.import_module(_PUBLIC[name]), name)

@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable
+from pathlib import Path
 from typing import get_args
 
 from orbident.errors import InputError
@@ -17,14 +18,16 @@ from orbident.estimation.result import Result
 from orbident.estimation.results import result_of
 from orbident.estimation.weigh import Weighing, weigh
 from orbident.recordings.recording import Recording
+from orbident.recordings.tables import read_recording
 from orbident.robot.description import Robot
+from orbident.robot.robot_file import load_robot
 from orbident.threads import one_blas_thread
 
 
 @one_blas_thread
 def identify(
-    robot: Robot,
-    recording: Recording,
+    robot: Robot | str | Path,
+    recording: Recording | str | Path,
     method: Method | Estimator = "maximum-likelihood",
     initial_momentum: InitialMomentum = "unknown",
     burn: Recording | None = None,
@@ -33,9 +36,9 @@ def identify(
     """Identify `pi` (Eq. 24), `phi` (Eq. 31) and the total mass (Eq. 32).
 
     Args:
-        robot: geometry, wheels and structure; its nominal inertia is at most where a
-            search starts.
-        recording: of the free-floating robot.
+        robot: geometry, wheels and structure, or the name of its file; its nominal
+            inertia is at most where a search starts.
+        recording: of the free-floating robot, or the name of its file.
         method: an estimator, or the name of one with its usual options:
             `"maximum-likelihood"` fits all sensors at once; `"structured"` the
             equations 24 and 31, for what `pi` and `phi` are made of; `"least-squares"`
@@ -52,11 +55,14 @@ def identify(
         progress: is called with the fraction of the samples that is done.
 
     Raises:
-        InputError: a column is missing, there are too few samples, the nominal mass
-            matrix is singular, the burn cannot be weighed, or an argument is not one
-            of those named.
+        InputError: a file cannot be read, a column is missing, there are too few
+            samples, the nominal mass matrix is singular, the burn cannot be weighed,
+            or an argument is not one of those named.
     """
     started = time.perf_counter()
+    robot = robot if isinstance(robot, Robot) else load_robot(robot)
+    if not isinstance(recording, Recording):
+        recording = read_recording(Path(recording))
     estimator = estimator_of(method)
     _check_momentum(initial_momentum)
     weighing = None if burn is None else weigh(robot, burn)
