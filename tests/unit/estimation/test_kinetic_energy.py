@@ -1,0 +1,66 @@
+"""No robot has negative energy; but for noise an estimate may."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from random_motions import random_motion
+
+import orbident as oi
+from orbident.estimation.check import Check
+from orbident.estimation.found import Known
+from orbident.estimation.kinetic_energy import positive_energy
+from orbident.estimation.problem import MomentumProblem, momentum_problem
+
+
+@pytest.fixture(scope="module", params=["paper-spatial", "cepheus-like"])
+def problem(request: pytest.FixtureRequest) -> MomentumProblem:
+    robot = oi.load_robot(request.param)
+    planar = robot.motion == "planar"
+    start = "spun up" if planar else "turning"
+    recording = oi.simulate(robot, random_motion(robot, duration=10.0, start=start))
+    known = "at-rest" if planar else "unknown"
+    return momentum_problem(robot, recording, known, lambda _: None)
+
+
+def check(problem: MomentumProblem, factor: float, std: float) -> Check:
+    """With the last inertia so many times as large."""
+    beta = problem.sets.beta(problem.robot.theta)
+    off = np.where(np.arange(beta.size) == beta.size - 1, factor, 1.0) * beta
+    C = np.diag((std * np.abs(beta) + 1e-12) ** 2)
+    known = Known(off, C, np.ones(beta.size, dtype=bool))
+    (found,) = positive_energy(problem, known)
+    return found
+
+
+def test_a_robot_has_positive_energy(problem: MomentumProblem):
+    assert check(problem, 1.0, 1e-3).passed
+
+
+def test_negative_inertia_is_refused(problem: MomentumProblem):
+    found = check(problem, -10.0, 1e-3)
+    assert found.level == "do not trust"
+    assert found.statistic < found.limit < 0
+
+
+def test_within_its_deviation_it_is_doubtful(problem: MomentumProblem):
+    assert check(problem, -10.0, 100.0).level == "with care"
+
+
+def test_what_is_not_determined_is_not_judged(problem: MomentumProblem):
+    beta = problem.sets.beta(problem.robot.theta)
+    unknown = np.arange(beta.size) > 0
+    C = np.eye(beta.size)
+    assert not [*positive_energy(problem, Known(-beta, C, unknown))]
+
+
+def test_links_without_mass(problem: MomentumProblem):
+    """Their energy is zero, not negative."""
+    light = problem.robot.theta.copy()
+    light[1:] = 0.0
+    robot = replace(problem.robot, theta=light)
+    beta = problem.sets.beta(light)
+    C = np.diag(np.full(beta.size, 1e-12))
+    known = Known(beta, C, np.ones(beta.size, dtype=bool))
+    (found,) = positive_energy(replace(problem, robot=robot), known)
+    assert found.passed
