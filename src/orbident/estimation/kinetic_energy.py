@@ -31,7 +31,7 @@ def positive_energy(problem: MomentumProblem, base: Known) -> Iterator[Check]:
         problem: the configurations that were recorded.
         base: the identified base parameters.
     """
-    if not base.determined.all():
+    if not (base.determined.all() and np.isfinite(base.values).all()):
         return
     whole = problem.samples.complete()[1]
     rows = np.linspace(0, len(whole.q) - 1, CONFIGURATIONS).round().astype(int)
@@ -75,9 +75,7 @@ def _energy(
     """In the axes in which momentum is conserved."""
     robot, sets = problem.robot, problem.sets
     theta = (sets.base.theta_of @ beta).reshape(robot.theta.shape)
-    at, axes = (
-        inertia(replace(robot, theta=theta), q),
-        list(sets.regressors.momentum_axes),
-    )
+    axes = list(sets.regressors.momentum_axes)
+    at = inertia(replace(robot, theta=theta), q)
     D, D_q = at.D[:, axes][:, :, axes], at.D_q[:, axes]
     return np.block([[D, D_q], [np.swapaxes(D_q, 1, 2), at.D_qq]])
