@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float
 from scipy.linalg import solve_triangular
 
+from orbident.errors import InputError
 from orbident.estimation.output_error.problem import (
     BySensor,
     Linear,
@@ -79,9 +80,19 @@ def solved(
     state: State,
     progress: Callable[[], object] = lambda: None,
 ) -> Solution:
-    """From a state to the least cost."""
+    """From a state to the least cost.
+
+    Raises:
+        InputError: at the first state the equations overflow.
+    """
     here = linear(problem, weights, state)
     cost = here.cost + prior.cost(state)
+    if not (np.isfinite(cost) and np.isfinite(here.factor).all()):
+        raise InputError(
+            "what the sensors should show overflows, so nothing can be fitted to it; "
+            "check the units of the recording (s, rad, rad/s, m) and of the robot's "
+            "masses and inertias (kg, kg m^2)"
+        )
     damping = 0.0
     for step in range(STEPS):
         progress()

@@ -7,6 +7,7 @@ import pytest
 from small_problems import Small, noisy, small_problem, small_recording, small_robot
 
 from orbident import _core
+from orbident.errors import InputError
 from orbident.estimation.output_error.disturbances import FREE, freed, place_of
 from orbident.estimation.output_error.problem import (
     NO_ROWS,
@@ -175,3 +176,15 @@ def test_without_noise_the_parameters_are_exact(recording):
     found = solved(problem, problem.weights, prior, state).state.beta
     # Splines and RK4 at 20 Hz.
     np.testing.assert_allclose(found, beta, rtol=0, atol=1e-7 * np.abs(beta).max())
+
+
+def test_equations_that_overflow_are_refused(small):
+    """As those of a recording in wrong units, by the fuzzer."""
+    common = small.state.common.copy()
+    common[-small.beta.size :] = 1e300
+    state = small.state._replace(common=common)
+    with (
+        np.errstate(all="ignore"),
+        pytest.raises(InputError, match="overflows, so nothing can be fitted"),
+    ):
+        solved(small.problem, small.problem.weights, small.prior, state)
