@@ -13,6 +13,7 @@ from scipy.optimize import least_squares
 
 from orbident.estimation.found import BetaEstimate, hidden_of
 from orbident.estimation.linear_fits import Fits
+from orbident.estimation.overflow import check_finite
 from orbident.estimation.prior import prior_std
 from orbident.estimation.triangular import LinearFit
 from orbident.model.derivatives import derivatives_of_beta, sets_of_beta
@@ -42,7 +43,12 @@ def nonlinear_fit(
     R: Float[np.ndarray, "y y"],
     z: Float[np.ndarray, " y"],
 ) -> BetaEstimate:
-    """`beta` of `R y(beta) = z`; what this does not tell stays nominal."""
+    """`beta` of `R y(beta) = z`; what this does not tell stays nominal.
+
+    Raises:
+        InputError: the equations overflow.
+    """
+    check_finite(R, z)
 
     # x: beta's distance from the nominal values, over the robot's scale.
     def residual(x: Float[np.ndarray, " beta"]) -> Float[np.ndarray, " rows"]:

@@ -6,15 +6,20 @@ from pathlib import Path
 from orbident.errors import InputError
 from orbident.files.replacing import replacing
 
+MOST = 2**28
+"""Bytes of a text file: a device without an end would fill the memory."""
+
 
 def read_text(path: Path) -> str:
     """The text of a file, without a byte order mark.
 
     Raises:
-        InputError: the file is missing, a folder, unreadable or not UTF-8.
+        InputError: the file is missing, a folder, unreadable, too long or not UTF-8.
     """
     try:
-        return path.read_bytes().decode("utf-8-sig")
+        with path.open("rb") as file:
+            content = file.read(MOST + 1)
+        text = content.decode("utf-8-sig")
     except FileNotFoundError:
         raise InputError(f"{path}: no such file; check the path") from None
     except UnicodeDecodeError as error:
@@ -29,6 +34,12 @@ def read_text(path: Path) -> str:
     except ValueError as error:
         # A path with a null byte.
         raise InputError(f"{str(path)!r}: cannot be read ({error})") from None
+    if len(content) > MOST:
+        raise InputError(
+            f"{path}: has more than {MOST // 2**20} MiB of text; give a file of the "
+            "kind that is asked for"
+        )
+    return text
 
 
 def name_of(path: Path) -> str:

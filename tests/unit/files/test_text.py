@@ -41,9 +41,15 @@ def test_places_that_are_no_file(tmp_path, name, message):
 
 
 def test_a_file_that_must_not_be_read(tmp_path, monkeypatch):
-    def refuse(_):
+    def refuse(*_):
         raise PermissionError(13, "Permission denied")
 
-    monkeypatch.setattr(Path, "read_bytes", refuse)
+    monkeypatch.setattr(Path, "open", refuse)
     with pytest.raises(InputError, match=r"cannot be read \(Permission denied\)"):
         read_text(tmp_path / "a.txt")
+
+
+def test_a_file_without_end_is_refused():
+    """Not read until the memory is full: found by the fuzzer."""
+    with pytest.raises(InputError, match="/dev/zero: has more than 256 MiB of text"):
+        read_text(Path("/dev/zero"))

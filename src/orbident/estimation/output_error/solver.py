@@ -7,7 +7,6 @@ import numpy as np
 from jaxtyping import Float
 from scipy.linalg import solve_triangular
 
-from orbident.errors import InputError
 from orbident.estimation.output_error.problem import (
     BySensor,
     Linear,
@@ -15,6 +14,7 @@ from orbident.estimation.output_error.problem import (
     State,
     linear,
 )
+from orbident.estimation.overflow import check_finite
 from orbident.estimation.triangular import fold
 
 STEPS = 40
@@ -87,12 +87,7 @@ def solved(
     """
     here = linear(problem, weights, state)
     cost = here.cost + prior.cost(state)
-    if not (np.isfinite(cost) and np.isfinite(here.factor).all()):
-        raise InputError(
-            "what the sensors should show overflows, so nothing can be fitted to it; "
-            "check the units of the recording (s, rad, rad/s, m) and of the robot's "
-            "masses and inertias (kg, kg m^2)"
-        )
+    check_finite(cost, here.factor)
     damping = 0.0
     for step in range(STEPS):
         progress()

@@ -13,6 +13,7 @@ from jaxtyping import Float, Int, Shaped
 from scipy.linalg import solve_triangular
 
 from orbident import _core
+from orbident.estimation.overflow import check_finite
 from orbident.estimation.recursive.noise import Noise
 from orbident.estimation.recursive.prior import Prior, prior_from
 from orbident.model.core_robot import core_robot
@@ -224,8 +225,12 @@ class Extended:
 
         Returns:
             By name, as `gyro.x`: `value` and `std`.
+
+        Raises:
+            InputError: the equations overflow.
         """
         n, top = len(state.top), state.top
+        check_finite(top, covariance)
         N, Y, z = top[:, :n], top[:, n:-1], top[:, -1]
         x = solve_triangular(N, z - Y @ np.concatenate(sets_of_beta(self.sets, beta)))
         J = Y @ np.vstack(derivatives_of_beta(self.sets, beta))
