@@ -24,7 +24,7 @@ class Check:
     """What to do; empty where it is passed."""
     statistic: float = float("nan")
     limit: float = float("nan")
-    """Of the statistic; NaN where the rule has none."""
+    """The value of `statistic` beyond which the rule is broken; NaN without one."""
 
     @property
     def passed(self) -> bool:

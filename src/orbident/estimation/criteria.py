@@ -18,7 +18,7 @@ from orbident.files.names import joined, listed
 
 # Forms of Eq. 32 that differ by more than this do not measure one mass.
 SPREAD = 0.5
-# A mass is told where it is more than this part of itself from zero.
+# A mass counts as determined if its deviation is below this part of it.
 VAGUE = 0.3
 # So many neighbours are named; more are given by the first and the last.
 LISTED = 20
@@ -120,7 +120,7 @@ def _convergence(problem: MomentumProblem, estimate: Estimate) -> Iterator[Check
 
 
 def _mass(problem: MomentumProblem, estimate: Estimate) -> Iterator[Check]:
-    """Whether the mass is told, and by forms that agree."""
+    """Whether the mass is determined, and its forms of Eq. 32 agree."""
     M, std = estimate.mass.value, estimate.mass.std
     yield from _forms(problem, estimate)
     history = estimate.history

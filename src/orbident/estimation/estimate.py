@@ -24,7 +24,7 @@ class SensorFit(NamedTuple):
     """How well one sensor, or one equation, was predicted; SI."""
 
     rms: float
-    """Of the residuals."""
+    """The root mean square of the residuals."""
     noise: float
     """Std of its white noise, as the residuals show it."""
     declared: float
@@ -58,14 +58,14 @@ class Estimate:
     mass: Quantity
     """kg."""
     masses: Mapping[str, Quantity]
-    """By every route that was taken, the method's own last."""
+    """The mass by every route that was taken, the method's own last; kg."""
     rms: Mapping[str, float | None]
-    """Of the residuals of sensors or equations; SI."""
+    """The root mean square residual of each sensor or equation; SI."""
     goodness: Goodness | None = None
-    """Of all residuals; None for a method that takes the noise from them."""
+    """How large all residuals are; None where the noise is estimated from them."""
     sensors: Mapping[str, SensorFit] = field(default_factory=dict)
     biases: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
-    """Of sensors, with their standard deviations; SI."""
+    """The biases of sensors, with their standard deviations; SI."""
     disturbances: Mapping[str, Push] = field(default_factory=dict)
     """What acted from outside, where that was an unknown."""
     calibration: Mapping[str, CalibrationFit] = field(default_factory=dict)
