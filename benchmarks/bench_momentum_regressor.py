@@ -80,7 +80,19 @@ def bench_orbident(benchmark, record, states, difference, threads):
     benchmark(lambda: _core.momentum(tree, *states, threads))
     median = record(f"orbident, {threads} threads", difference=difference)
     benchmark.extra_info["us_per_sample"] = 1e6 * median / SAMPLES
+    np.testing.assert_array_equal(ours(states, threads), ours(states))
     assert difference < 1e-12
+
+
+@pytest.mark.benchmark(group="momentum regressor, batches")
+@pytest.mark.parametrize("samples", [32, 256, 1000])
+@pytest.mark.parametrize("threads", [1, 2])
+def bench_batches(benchmark, record, states, samples, threads):
+    tree, batch = core_tree(dual_arm()), States(*(x[:samples] for x in states))
+    benchmark(lambda: _core.momentum(tree, *batch, threads))
+    median = record(f"orbident, {samples} samples, {threads} threads")
+    benchmark.extra_info["us_per_sample"] = 1e6 * median / samples
+    np.testing.assert_array_equal(ours(batch, threads), ours(batch))
 
 
 @pytest.mark.benchmark(group="momentum regressor, 3000 samples")

@@ -3,10 +3,12 @@
 from dataclasses import dataclass, fields
 
 import numpy as np
+from scipy.interpolate import make_interp_spline
 from scipy.spatial.transform import Rotation
 
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
+from orbident.simulation.free_floating import JointMotion, JointState
 
 
 @dataclass(frozen=True)
@@ -21,40 +23,64 @@ class Errors:
     gyro: np.ndarray
     gyro_scale: np.ndarray
     position: np.ndarray
+    clock: np.ndarray
+    """How late joints and wheels, the attitude and the position are shown."""
 
     @property
     def vector(self) -> np.ndarray:
         return np.concatenate([getattr(self, each.name) for each in fields(self)])
 
-    def encoders(self, q: np.ndarray) -> np.ndarray:
-        return (q - self.zero) / (1 + self.scale)
+    def joints(self, q: np.ndarray, qd: np.ndarray, qdd: np.ndarray) -> JointState:
+        """The true ones, but for what the third derivative adds to accelerations."""
+        gain, late = 1 + self.scale, self.clock[0]
+        return gain * q + self.zero + late * qd, gain * qd + late * qdd, gain * qdd
 
-    def joint_rates(self, qd: np.ndarray) -> np.ndarray:
-        return qd / (1 + self.scale)
+    def wheels(
+        self, qd: np.ndarray, qdd: np.ndarray, rate: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Rates and accelerations of wheels with less inertia, the same momentum.
 
-    def wheel_rates(self, qd_rw: np.ndarray) -> np.ndarray:
-        """Of wheels with so much less inertia and the same momentum."""
-        return qd_rw / (1 + self.wheel)
+        Args:
+            qd: the true rates, samples x wheels.
+            qdd: the true accelerations.
+            rate: takes accelerations at all samples to their rates.
+        """
+        gain, late = 1 + self.wheel, self.clock[0]
+        systems = gain[:, None, None] * np.eye(len(qdd)) + late * rate
+        a = np.linalg.solve(systems, qdd.T[..., None])[..., 0].T
+        return (qd - late * a) / gain, a
 
     def rates(self, w: np.ndarray) -> np.ndarray:
         return (1 + self.gyro_scale) * rotation(self.gyro).inv().apply(w)
 
-    def attitudes(self, x_WB: np.ndarray) -> np.ndarray:
-        return (Rotation.from_quat(x_WB) * rotation(self.attitude)).as_quat()
+    def attitudes(self, x_WB: np.ndarray, w: np.ndarray) -> np.ndarray:
+        old = Rotation.from_quat(x_WB) * rotation(-self.clock[1] * w)
+        return (old * rotation(self.attitude)).as_quat()
 
-    def positions(self, r: np.ndarray, x_WB: np.ndarray) -> np.ndarray:
+    def positions(self, r: np.ndarray, v: np.ndarray, x_WB: np.ndarray) -> np.ndarray:
         offset = Rotation.from_quat(x_WB).apply(self.feature_point)
-        return (1 + self.position) * (r + offset)
+        return (1 + self.position) * (r + offset - self.clock[2] * v)
 
     def velocities(self, v: np.ndarray, w: np.ndarray, x_WB: np.ndarray) -> np.ndarray:
         return v + Rotation.from_quat(x_WB).apply(np.cross(w, self.feature_point))
+
+
+@dataclass(frozen=True)
+class TrueMotion:
+    """Of joints that are shown to move in this way."""
+
+    errors: Errors
+    shown: JointMotion
+
+    def at(self, t: np.ndarray) -> JointState:
+        return self.errors.joints(*self.shown.at(t))
 
 
 def random_errors(robot: Robot, seed: int, size: float) -> Errors:
     """All of them."""
     random = np.random.default_rng(seed)
     joints, wheels = len(robot.joints), len(robot.wheels)
-    sizes = (joints, joints, wheels, 3, 3, 3, 3, 1)
+    sizes = (joints, joints, wheels, 3, 3, 3, 3, 1, 3)
     return Errors(*(size * random.standard_normal(n) for n in sizes))
 
 
@@ -63,13 +89,20 @@ def no_errors(robot: Robot) -> Errors:
 
 
 def rotation(m: np.ndarray) -> Rotation:
-    """About a vector of length 2 sin(angle / 2)."""
-    return Rotation.from_quat([*(m / 2), np.sqrt(1 - m @ m / 4)])
+    """About a vector of length 2 sin(angle / 2), or about each of an array."""
+    half = m / 2
+    w = np.sqrt(1 - np.sum(half**2, axis=-1, keepdims=True))
+    return Rotation.from_quat(np.concatenate([half, w], axis=-1))
+
+
+def _delayed(t: np.ndarray, x: np.ndarray, late: float) -> np.ndarray:
+    """By the quintic through all samples."""
+    return make_interp_spline(t, x, k=5)(t - late)
 
 
 def shown_with(errors: Errors, robot: Robot, recording: Recording) -> Recording:
-    """What was recorded without noise, by these instruments; velocity needs a gyro."""
-    columns = dict(recording.columns)
+    """What was recorded of all sensors without noise, by these instruments."""
+    t, columns = recording.t, dict(recording.columns)
     shown: dict[str, np.ndarray] = {}
 
     def put(name: str, values: np.ndarray, components: str = "xyz") -> None:
@@ -79,26 +112,26 @@ def shown_with(errors: Errors, robot: Robot, recording: Recording) -> Recording:
         )
 
     x_WB = recording.vector("attitude", "xyzw")
-    put("attitude", errors.attitudes(x_WB), "xyzw")
-    if "position.x" in columns:
-        put("position", errors.positions(recording.vector("position"), x_WB))
-    if "gyro.x" in columns:
-        w = recording.vector("gyro")
-        put("gyro", errors.rates(w))
-        if "velocity.x" in columns:
-            put("velocity", errors.velocities(recording.vector("velocity"), w, x_WB))
-    for k, name in enumerate(robot.joint_names):
-        key = f"joint.{name}.position"
-        shown[key] = (columns[key] - errors.zero[k]) / (1 + errors.scale[k])
+    w, v = recording.vector("gyro"), recording.vector("velocity")
+    put("attitude", errors.attitudes(x_WB, w), "xyzw")
+    put("position", errors.positions(recording.vector("position"), v, x_WB))
+    put("gyro", errors.rates(w))
+    put("velocity", errors.velocities(v, w, x_WB))
+    offsets = {
+        f"joint.{n}.position": errors.zero[k] for k, n in enumerate(robot.joint_names)
+    }
     gains = {
-        f"joint.{n}.velocity": errors.scale[k] for k, n in enumerate(robot.joint_names)
+        f"joint.{name}.{key}": errors.scale[k]
+        for k, name in enumerate(robot.joint_names)
+        for key in ("position", "velocity")
     }
     gains |= {
         f"wheel.{name}.{key}": errors.wheel[k]
         for k, name in enumerate(robot.wheel_names)
         for key in ("speed", "position")
     }
-    shown |= {
-        key: columns[key] / (1 + gain) for key, gain in gains.items() if key in columns
-    }
-    return Recording(recording.t, columns | shown)
+    for key, gain in gains.items():
+        if key in columns:
+            seen = _delayed(t, columns[key], errors.clock[0])
+            shown[key] = (seen - offsets.get(key, 0.0)) / (1 + gain)
+    return Recording(t, columns | shown)

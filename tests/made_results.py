@@ -40,6 +40,7 @@ def made_result(robot: Robot, beta: np.ndarray, covariance: np.ndarray) -> Resul
         elapsed_s=1.0,
         versions={},
         base_covariance=covariance,
+        covariance=np.zeros((0, 0)),
     )
 
 

@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 import numpy as np
-from instruments import Errors, no_errors
+from instruments import Errors, TrueMotion, no_errors
 from random_robots import random_start, random_swing
 
 from orbident import _core
@@ -83,16 +83,23 @@ def segment_of(
     by = errors or no_errors(robot)
     t = np.arange(2 * rows - 1) * dt / 2
     swing = random_swing(seed, len(robot.joints))
-    motion = free_floating(robot, swing, t, random_start(seed, robot), 1e-12)
+    truth = TrueMotion(by, swing)
+    motion = free_floating(robot, truth, t, random_start(seed, robot), 1e-12)
     q, qd, qdd = swing.at(t)
-    felt = accelerations(robot, motion, qdd)
+    rate = rate_at_rows(t)
+    felt = accelerations(
+        robot, motion, by.joints(q, qd, qdd)[2] + by.clock[0] * rate @ qdd
+    )
     row = slice(None, None, 2)
+    qd_rw, qdd_rw = by.wheels(motion.qd_rw, felt.qdd_rw, rate)
     samples = {
         "gyro": by.rates(motion.w[row]) + GYRO,
         "accelerometer": felt.f_S[row] + ACCELEROMETER,
-        "attitude": by.attitudes(motion.attitude[row]),
-        "joints": by.encoders(motion.q[row]),
-        "position": by.positions(motion.r_S[row], motion.attitude[row]),
+        "attitude": by.attitudes(motion.attitude[row], motion.w[row]),
+        "joints": q[row],
+        "position": by.positions(
+            motion.r_S[row], motion.v_S[row], motion.attitude[row]
+        ),
         "velocity": by.velocities(motion.v_S[row], motion.w[row], motion.attitude[row]),
     }
     every = np.ones(3)
@@ -122,12 +129,12 @@ def segment_of(
         np.arange(joints, dtype=float),
         t[::2],
         edges.astype(float),
-        by.encoders(q),
-        by.joint_rates(qd),
-        by.joint_rates(qdd),
+        q,
+        qd,
+        qdd,
         np.ascontiguousarray(wheels_of(robot).A_rw.T),
-        by.wheel_rates(motion.qd_rw),
-        by.wheel_rates(felt.qdd_rw),
+        np.ascontiguousarray(qd_rw),
+        np.ascontiguousarray(qdd_rw),
         [np.ascontiguousarray(samples[name]) for name in SENSORS],
         np.ones(9 + 2 * joints),
         np.ones(2 * joints),
@@ -141,3 +148,11 @@ def segment_of(
         state = state.selecting(np.arange(by.vector.size, dtype=float))
         state = state._replace(common=np.append(common, by.vector))
     return Segment(recorded, weights, state)
+
+
+def rate_at_rows(t: np.ndarray) -> np.ndarray:
+    """By the parabola through a row, half-way and the next row; zero half-way."""
+    rate = np.zeros((t.size, t.size))
+    for node in range(0, t.size - 2, 2):
+        rate[node, node : node + 3] = np.array([-3, 4, -1]) / (t[node + 2] - t[node])
+    return rate

@@ -229,9 +229,10 @@ def test_validate_predicts_another_motion(
 
     words = orbident("validate", "run", "other.csv").done().out
     assert "rad/s RMS" in words
-    assert "within 1.96 of it" in words
+    assert "expected: " in words
     scores = orbident("validate", "run", "other.csv", "--json", "-").done().json
-    assert set(scores) == {"nrmse", "rms", "samples", "inside_95", "predicted_std"}
+    assert {"nrmse", "rms", "samples", "inside_95", "predicted_std"} < set(scores)
+    assert scores["verdict"] != "not explained"
     assert set(scores["nrmse"]) == set(scores["rms"]) == {"gyro", "velocity"}
     # As the issue asks; what is left is the spline between samples.
     assert max(scores["nrmse"].values()) < 1e-6

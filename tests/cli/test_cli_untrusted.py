@@ -164,7 +164,9 @@ def test_a_joint_in_degrees_is_beyond_its_stops(orbident: Orbident, flight: Reco
     degrees = {name: np.degrees(flight.columns[name])}
     written(flight, "r.csv", replace=degrees)
     orbident("identify", "paper-spatial", "r.csv").refused(
-        f"r.csv: column '{name}'", "beyond the joint's range -4 to 4", "unit (rad)"
+        f"r.csv: column '{name}'",
+        "beyond the joint's range -4 to 4",
+        "degrees: give rad",
     )
 
 

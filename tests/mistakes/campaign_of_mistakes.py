@@ -37,4 +37,4 @@ def all_rows(
 def _scores(asked: tuple[str, str]) -> dict:
     """Without the mistake: its functions cannot be sent to another process."""
     robot, name = asked
-    return row(robot, by_name(name)).scores
+    return row(robot, by_name(name), causes=True).scores

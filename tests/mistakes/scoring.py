@@ -1,7 +1,7 @@
 """What a method made of a recording, beside what is true."""
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -51,8 +51,14 @@ class Score:
         return next(iter(self.reasons), "")
 
 
-def scored(spoiled: Spoiled, method: Method) -> Score:
-    """Identify, and compare."""
+def scored(spoiled: Spoiled, method: Method, causes: bool = False) -> Score:
+    """Identify, and compare.
+
+    Args:
+        spoiled: a recording and what is true.
+        method: of identification.
+        causes: whether to look for the cause of a refusal.
+    """
     started = time.perf_counter()
 
     def score(outcome: Outcome, misses: Misses, *reasons: str) -> Score:
@@ -70,7 +76,8 @@ def scored(spoiled: Spoiled, method: Method) -> Score:
     except Exception as error:
         return score("crashed", UNKNOWN, f"{type(error).__name__}: {error}")
     if result.status == "rejected":
-        return score("refused", UNKNOWN, *result.warnings)
+        reasons = (result.with_causes() if causes else result).warnings
+        return score("refused", UNKNOWN, *reasons)
     misses = min(
         (misses_of(result, robot) for robot in spoiled.true), key=lambda m: m.base
     )
@@ -124,7 +131,23 @@ class Row(NamedTuple):
         return self.unobservable and self.scores[method].outcome == "wrong"
 
 
-def row(robot: str, mistake: Mistake, methods: tuple[Method, ...] = METHODS) -> Row:
-    """Make the mistake once, and let every method judge it."""
+def row(
+    robot: str,
+    mistake: Mistake,
+    methods: tuple[Method, ...] = METHODS,
+    causes: bool = False,
+) -> Row:
+    """Make the mistake once, and let every method judge it.
+
+    The cause is looked for by what the sensors show, so it is that of the first method
+    for all of them.
+    """
     spoiled = mistake.spoil(clean(robot))
-    return Row(robot, mistake, {m: scored(spoiled, m) for m in methods})
+    first, *others = methods
+    scores: dict[Method, Score] = {first: scored(spoiled, first, causes)}
+    for method in others:
+        score = scored(spoiled, method)
+        if causes and score.outcome == scores[first].outcome == "refused":
+            score = replace(score, reasons=(scores[first].reason, *score.reasons))
+        scores[method] = score
+    return Row(robot, mistake, scores)

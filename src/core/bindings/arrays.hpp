@@ -99,9 +99,9 @@ class Out {
     for (std::size_t axis = 1; axis < N; ++axis) numbers *= shape_[axis];
     const auto each = static_cast<std::ptrdiff_t>(numbers);
     if (shape_[0] * numbers > PAST_CACHES)
-      group.store(x, each, data(), write_past_caches);
+      group.store(x, each, data(), WritePastCaches());
     else
-      group.store(x, each, data(), [](double* to, double value) { *to = value; });
+      group.store(x, each, data(), Write());
   }
 
   // Hands the memory over.

@@ -37,8 +37,18 @@ auto beta_of(const OwnedState& s) { return vector(s.at.beta, s.size.betas()); }
 auto nuisances_of(const OwnedState& s) { return vector(s.at.x, s.size.nuisances); }
 auto R_WB_of(const OwnedState& s) { return table(s.at.R_WB, 3, 3, 3); }
 auto top_of(const OwnedState& s) {
-  return table(s.at.top, s.size.nuisances, s.size.nuisances + s.size.parameters + 1,
-               s.size.top_stride());
+  const int n = s.size.nuisances, iotas = s.size.iotas, shown = s.size.shown;
+  const bool reduced = held_in_beta(s.at);
+  const int columns = n + (reduced ? s.size.betas() : s.size.parameters) + 1;
+  Out<2> out(n, columns);
+  for (int i = 0; i < n; ++i) {
+    const double* const from = s.at.top + i * s.size.top_stride();
+    double* const row = out.data() + i * columns;
+    std::copy(from, from + columns, row);
+    // [iota, M, sigma] in the order of beta.
+    if (reduced) std::rotate(row + n, row + n + iotas, row + n + iotas + shown);
+  }
+  return out.give();
 }
 auto R_z_of(const OwnedState& s) {
   return table(s.at.R, s.size.parameters, s.size.parameters + 1, s.size.R_stride());
@@ -51,6 +61,7 @@ auto prior_of(const OwnedState& s) { return information(s.size, s.at.prior, true
 void bind_filter_state(nb::module_& m) {
   nb::class_<OwnedState>(m, "FilterState", "What the recursive filter carries; a constant.")
       .def_prop_ro("t", [](const OwnedState& s) { return *s.at.t; })
+      .def_prop_ro("held_in_beta", [](const OwnedState& s) { return held_in_beta(s.at); })
       .def_prop_ro("beta", &beta_of, nb::rv_policy::move)
       .def_prop_ro("nuisances", &nuisances_of, nb::rv_policy::move)
       .def_prop_ro("R_WB", &R_WB_of, nb::rv_policy::move)

@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <cstring>
 #include <vector>
+
+#include "orbident/lanes.hpp"
 #if defined(__x86_64__) || defined(_M_X64)
 #include <emmintrin.h>
 #endif
@@ -55,15 +57,35 @@ class ArrayMemory {
 // at once, where the processor can do so: through the caches, every line would be read first.
 constexpr std::size_t PAST_CACHES = 1'000'000;
 
-inline void write_past_caches(double* to, double value) {
+struct WritePastCaches {
+  void operator()(double* to, double value) const {
 #if defined(__x86_64__) || defined(_M_X64)
-  long long bits;
-  std::memcpy(&bits, &value, sizeof bits);
-  _mm_stream_si64(reinterpret_cast<long long*>(to), bits);
+    long long bits;
+    std::memcpy(&bits, &value, sizeof bits);
+    _mm_stream_si64(reinterpret_cast<long long*>(to), bits);
 #else
-  *to = value;
+    *to = value;
 #endif
-}
+  }
+  // Begins at a multiple of its own size.
+  void operator()(double* to, const Lanes::Numbers& values) const {
+#if defined(__x86_64__) || defined(_M_X64)
+    static_assert(Lanes::COUNT == 2);
+    _mm_stream_pd(to, _mm_set_pd(values[1], values[0]));
+#else
+    Eigen::Map<Lanes::Numbers> place(to);
+    place = values;
+#endif
+  }
+};
+
+struct Write {
+  void operator()(double* to, double value) const { *to = value; }
+  void operator()(double* to, const Lanes::Numbers& values) const {
+    Eigen::Map<Lanes::Numbers> place(to);
+    place = values;
+  }
+};
 
 // After this, other threads see what was written so.
 inline void end_writes_past_caches() {

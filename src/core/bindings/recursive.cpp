@@ -77,6 +77,10 @@ auto gathered(const OwnedFilter& filter, const OwnedState& before, const Array& 
   return std::make_tuple(state, squares, rows);
 }
 
+bool scaled_of(const OwnedFilter& filter, const OwnedState& state, double mass) {
+  return scaled(filter.view(), state.at, mass);
+}
+
 struct OwnedWatch {
   int rows, window;
   std::vector<double> sums, times;
@@ -131,7 +135,7 @@ auto run(const OwnedFilter& filter, const OwnedState& before, const OwnedWatch& 
       const Likelihood most = watch_one(watch, now, innovation.white, innovation.stride);
       if (most.g > threshold) onset = most.onset;
       std::copy(state->at.beta, state->at.beta + betas, beta.data() + done * betas);
-      deviations(model, state->at, room.at.beta, std.data() + done * betas);
+      deviations(model, state->at, room.at, std.data() + done * betas);
       double* const test = tests.data() + 3 * done;
       test[0] = innovation.nis;
       test[1] = innovation.dof;
@@ -164,6 +168,7 @@ void bind_recursive(nb::module_& m) {
       .def("opened", &opened, nb::arg("state"), nb::arg("beta"), nb::arg("root"))
       .def("step", &step_of, nb::arg("state"), nb::arg("t"), nb::arg("sample"))
       .def("gathered", &gathered, nb::arg("state"), nb::arg("t"), nb::arg("samples"))
+      .def("scaled", &scaled_of, nb::arg("state"), nb::arg("mass"))
       .def("run", &run, nb::arg("state"), nb::arg("watch"), nb::arg("threshold"), nb::arg("t"),
            nb::arg("samples"));
   nb::class_<OwnedWatch>(m, "Watch", "What a change detector remembers; a constant.")

@@ -84,11 +84,11 @@ class BodiesMemory {
   std::vector<Momentum<T>> momentum_;
 };
 
-// Three rows and their memory.
+// Three rows and their memory, zero at first.
 template <class T>
 struct OwnedRows {
   explicit OwnedRows(std::ptrdiff_t columns)
-      : numbers(room<T>(3 * columns)), view(numbers.data(), 3, columns) {}
+      : numbers(static_cast<std::size_t>(3 * columns), T(0.0)), view(numbers.data(), 3, columns) {}
   OwnedRows(const OwnedRows&) = delete;
   std::vector<T> numbers;
   Rows3<T> view;

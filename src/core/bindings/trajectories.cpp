@@ -33,7 +33,7 @@ auto fourier_quintic_at(const Array& coefficients_, const Array& s_, int threads
             for (const Lanes& each : function) sum += Lanes(*coefficient++) * each;
           }
           group.store(sums.data(), K, values.data() + order * n * K,
-                      [](double* to, double value) { *to = value; });
+                      Write());
         }
       });
     });

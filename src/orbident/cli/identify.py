@@ -88,6 +88,9 @@ def identify(
             pushed,
             progress=done,
         )
+    if result.status == "rejected":
+        with progress("looking for the cause"):
+            result = result.with_causes()
     file = {"file": name_of(recording), "sha256": sha256(recording)}
     result = replace(result, input=file)
     unmade = [] if out is None else _keep(result, described, table, out, force)

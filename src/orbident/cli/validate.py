@@ -9,7 +9,12 @@ def validate(
     json: Json = None,
     quiet: Quiet = False,
 ) -> None:
-    """Predict a recording that was not used, and score the prediction."""
+    """Predict a recording that was not used, score the errors, and judge them.
+
+    Exit status 1 where the parameters' deviations and the sensors do not explain them.
+    """
+    import typer
+
     from orbident.cli.output import Output, progress
     from orbident.identified.run_folder import load_result
     from orbident.identified.validate import validate as validated
@@ -27,11 +32,25 @@ def validate(
             percent = f"{100 * nrmse:.3g} % of the signal"
             output.say(f"{name:9} error {rms:.3g} {unit} RMS, {percent}")
             if (std := scores.std[name]) == std:
-                inside = f"{100 * scores.inside[name]:.3g} % of the errors"
+                left = scores.noise.get(name, float("nan"))
+                sensors = f"{left:.3g} {unit}" if left == left else "unknown"
                 output.say(
-                    f"{'':9} +- {std:.3g} {unit} RMS is what the parameters' deviations"
-                    f" explain; within 1.96 of it {inside} (95 % without sensor noise)"
+                    f"{'':9} expected: {std:.3g} {unit} by the parameters' deviations, "
+                    f"{sensors} by the sensors (what a fit of this recording leaves)"
                 )
         else:
             output.say(f"{name:9} was not measured")
+    if scores.dof:
+        output.say(
+            f"chi-square {scores.chi2:.3g} with {scores.dof} degrees of freedom, "
+            f"p = {scores.p_value:.2g}"
+        )
+    words = f"{scores.verdict}: {scores.reason}"
+    refused = scores.verdict == "not explained"
+    if refused:
+        output.warn([words])
+    else:
+        output.say(words)
     output.write_json(scores.to_json())
+    if refused:
+        raise typer.Exit(1)

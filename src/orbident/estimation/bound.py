@@ -97,6 +97,7 @@ def _without_noise(sensors: Mapping[str, Any]) -> dict[str, Any]:
             continue
         ideal[name] = {key: section[key] for key in TIMING if key in section}
         if name in ("joints", "wheels"):
+            # Exact histories need no rates.
             ideal[name]["position"] = 0.0
         elif name in SIZES:
             ideal[name][SIZES[name]] = 0.0

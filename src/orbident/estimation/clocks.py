@@ -87,11 +87,14 @@ def joint_clocks(
     return {"joints": joint_delay(robot, sets, samples, initial_momentum)}
 
 
+NAMES = {"joints": "joints and wheels", "attitude": "attitude and position"}
+"""What shares a clock."""
+
+
 def in_words(clocks: Mapping[str, Delay]) -> tuple[str, ...]:
     """What was corrected."""
-    names = {"joints": "joints and wheels", "attitude": "attitude and position"}
     return tuple(
-        f"the clock of {names[sensor]} is {1e3 * delay.late:.2f} +- "
+        f"the clock of {NAMES[sensor]} is {1e3 * delay.late:.2f} +- "
         f"{1e3 * delay.std:.2g} ms behind that of the base rate: corrected"
         for sensor, delay in clocks.items()
         if delay.believed

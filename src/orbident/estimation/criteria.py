@@ -6,16 +6,20 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool
 
-from orbident.estimation.check import Check
+from orbident.estimation.check import Check, Level
 from orbident.estimation.estimate import Estimate
 from orbident.estimation.kinetic_energy import positive_energy
-from orbident.estimation.obstacles import surprise, unexplained_velocity
+from orbident.estimation.obstacles import surprise
 from orbident.estimation.problem import MomentumProblem
 from orbident.estimation.quantities import Quantity
 from orbident.estimation.recursive.changes import in_words
 from orbident.estimation.residual_checks import CAUSES, residual_checks
+from orbident.estimation.reweighting import unsettled_weights
+from orbident.estimation.solve import Solved
 from orbident.files.names import joined, listed
 
+# Deviations between two estimates of the same recording that are no chance.
+FAR = 3.0
 # Forms of Eq. 32 that differ by more than this do not measure one mass.
 SPREAD = 0.5
 # A mass counts as determined if its deviation is below this part of it.
@@ -44,20 +48,14 @@ class Judgement(NamedTuple):
     base: Bool[np.ndarray, " beta"]
 
 
-def judge(
-    problem: MomentumProblem,
-    hindered: list[Check],
-    estimate: Estimate,
-    masses: dict[str, Quantity],
-) -> Judgement:
+def judge(solved: Solved, masses: dict[str, Quantity]) -> Judgement:
     """Apply every rule.
 
     Args:
-        problem: of a recording.
-        hindered: what about the recording itself forbids a result.
-        estimate: by the method.
+        solved: an estimate, and what the sensors show.
         masses: by every route.
     """
+    problem, hindered, estimate, shown, _ = solved
     names = {check.name for check in hindered}
     found, none = estimate.found, not hindered
     pi = found.pi.determined & (not names & {"scale", "at rest"})
@@ -71,11 +69,11 @@ def judge(
         checks += _determined(problem, "phi", phi)
     if none:
         checks += [
-            *_convergence(problem, estimate),
-            *residual_checks(problem, estimate),
-            # A method that predicts the sensors is judged by their residuals.
-            *(() if estimate.signals else unexplained_velocity(problem)),
-            *_mass(problem, estimate),
+            *_convergence(estimate, shown),
+            *unsettled_weights(shown or estimate),
+            *residual_checks(problem, shown or estimate),
+            *_agreement(solved),
+            *_mass(problem, estimate, shown or estimate),
             *positive_energy(problem, found.base),
             *_changes(estimate),
             *_disturbances(estimate),
@@ -108,8 +106,8 @@ def _determined(
     yield Check(f"{name} determined", "with care", words, remedy)
 
 
-def _convergence(problem: MomentumProblem, estimate: Estimate) -> Iterator[Check]:
-    if estimate.converged:
+def _convergence(estimate: Estimate, shown: Estimate | None) -> Iterator[Check]:
+    if estimate.converged and (shown is None or shown.converged):
         return
     yield Check(
         "convergence",
@@ -119,10 +117,30 @@ def _convergence(problem: MomentumProblem, estimate: Estimate) -> Iterator[Check
     )
 
 
-def _mass(problem: MomentumProblem, estimate: Estimate) -> Iterator[Check]:
+def _agreement(solved: Solved) -> Iterator[Check]:
+    """Whether a method's own deviations hold what the sensors show."""
+    shown, off = solved.shown, solved.off
+    if shown is None or shown is solved.estimate:
+        return
+    far = off > FAR
+    level: Level = "with care" if far else "trust"
+    reason = (
+        f"the parameters are up to {off:.2g} of this method's own deviations from "
+        "those that all sensors show together"
+    )
+    remedy = (
+        "its deviations were widened by the differences: identify by "
+        "maximum-likelihood for narrower ones"
+    )
+    yield Check("agreement", level, reason, remedy if far else "", off, FAR)
+
+
+def _mass(
+    problem: MomentumProblem, estimate: Estimate, shown: Estimate
+) -> Iterator[Check]:
     """Whether the mass is determined, and its forms of Eq. 32 agree."""
     M, std = estimate.mass.value, estimate.mass.std
-    yield from _forms(problem, estimate)
+    yield from _forms(problem, shown)
     history = estimate.history
     if history is not None and not history.determined[0]:
         yield Check(
@@ -133,11 +151,15 @@ def _mass(problem: MomentumProblem, estimate: Estimate) -> Iterator[Check]:
             "record a richer or longer motion, with more momentum in the wheels",
         )
     elif not std < VAGUE * M:
+        # Another method's deviations hold how far it is from what the sensors show.
+        level: Level = "do not trust" if estimate is shown else "with care"
         yield Check(
             "mass",
-            "do not trust",
+            level,
             f"mass: found {M:.4g} kg with a standard deviation of {std:.2g} kg",
-            "record a richer or longer motion, with more momentum in the wheels",
+            "record a richer or longer motion, with more momentum in the wheels"
+            if estimate is shown
+            else "identify by maximum-likelihood",
             std / M,
             VAGUE,
         )

@@ -73,6 +73,8 @@ class Estimate:
     sensitivity: Callable[[], Sensitivity] | None = None
     """What errors of the other instruments would do, where that is known."""
     converged: bool = True
+    settled: bool = True
+    """Whether the weights of the residuals no longer changed from round to round."""
     history: History | None = None
     """Of a recursion."""
     signals: Signals = ()

@@ -2,20 +2,20 @@
 
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import get_args
 
 from orbident.errors import InputError
+from orbident.estimation.causes.causes import causes
 from orbident.estimation.criteria import BURN, judge
 from orbident.estimation.estimate import Estimate, Estimator
 from orbident.estimation.estimators import Method, estimator_of
-from orbident.estimation.least_squares import LeastSquares
 from orbident.estimation.linear_fits import INITIAL_MOMENTA, InitialMomentum
-from orbident.estimation.obstacles import obstacles
-from orbident.estimation.problem import momentum_problem
 from orbident.estimation.quantities import Quantity
 from orbident.estimation.result import Result
 from orbident.estimation.results import result_of
+from orbident.estimation.solve import solve
 from orbident.estimation.weigh import Weighing, weigh
 from orbident.recordings.recording import Recording
 from orbident.recordings.tables import read_recording
@@ -66,19 +66,22 @@ def identify(
     estimator = estimator_of(method)
     _check_momentum(initial_momentum)
     weighing = None if burn is None else weigh(robot, burn)
-    problem = momentum_problem(
-        robot, recording, initial_momentum, lambda done: progress(done / 2)
-    )
-    hindered = obstacles(problem)
-    # Nothing can be estimated then: what linear fits show is kept for a look.
-    used = LeastSquares() if hindered else estimator
-    estimate = used.estimate(problem, lambda done: progress((1 + done) / 2))
-    masses = _masses(weighing, estimate)
-    judgement = judge(problem, hindered, estimate, masses)
+    solved = solve(robot, recording, initial_momentum, estimator, progress)
+    masses = _masses(weighing, solved.estimate)
+    judgement = judge(solved, masses)
     elapsed = time.perf_counter() - started
-    return result_of(
-        problem, estimator.name, estimate, judgement, masses, weighing, elapsed
+    result = result_of(
+        solved.problem,
+        estimator.name,
+        solved.estimate,
+        judgement,
+        masses,
+        weighing,
+        elapsed,
     )
+    if result.status == "ok":
+        return result
+    return replace(result, causes=lambda: tuple(causes(solved)))
 
 
 def _masses(weighing: Weighing | None, estimate: Estimate) -> dict[str, Quantity]:

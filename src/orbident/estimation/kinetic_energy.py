@@ -12,16 +12,16 @@ from orbident.estimation.problem import MomentumProblem
 from orbident.model.inertia import inertia
 
 CONFIGURATIONS = 32
-"""Of the recording, evenly spaced: there the parameters were identified."""
+"""The energy is tested at so many evenly spaced samples of the recording."""
 
 CERTAIN = 3.0
 """Standard deviations below zero that are no chance."""
 
 ROUNDING = 1e-9
-"""Of the largest moment: below zero by less is zero."""
+"""A moment of inertia below zero by less than this part of the largest one is zero."""
 
 STEP = 1e-6
-"""Of a parameter, over its deviation, for a derivative by difference."""
+"""The step of a parameter, in its deviations, for a derivative by difference."""
 
 
 def positive_energy(problem: MomentumProblem, base: Known) -> Iterator[Check]:
@@ -33,9 +33,7 @@ def positive_energy(problem: MomentumProblem, base: Known) -> Iterator[Check]:
     """
     if not (base.determined.all() and np.isfinite(base.values).all()):
         return
-    whole = problem.samples.complete()[1]
-    rows = np.linspace(0, len(whole.q) - 1, CONFIGURATIONS).round().astype(int)
-    q = whole.q[np.unique(rows)]
+    q = problem.samples.configurations(CONFIGURATIONS)
     moments, axes = np.linalg.eigh(_energy(problem, base.values, q))
     worst = int(moments[:, 0].argmin())
     least, v, at = moments[worst, 0], axes[worst, :, 0], q[worst : worst + 1]

@@ -25,6 +25,8 @@ from orbident.estimation.output_error.problem import (
     OUTSIDE,
     Outside,
     Problem,
+    State,
+    linear,
     problem_of,
     start_of,
 )
@@ -34,7 +36,7 @@ from orbident.estimation.output_error.sensitivity import (
     sensitivity,
 )
 from orbident.estimation.output_error.sensors import Sensors, sensors_of
-from orbident.estimation.output_error.solver import Prior, Solution
+from orbident.estimation.output_error.solver import STEPS, Prior, Solution
 from orbident.estimation.predicted import Signals, sensor_signals
 from orbident.estimation.prior import prior_std
 from orbident.model.minimal_sets import MinimalSets, conserved_axes
@@ -62,6 +64,8 @@ class Likelihood:
     goodness: Goodness
     """Of all residuals over the declared noise, or that found where none is."""
     converged: bool
+    settled: bool
+    """Whether noise and weights of outliers no longer changed from round to round."""
     signals: Signals
     calibration: dict[str, CalibrationFit]
     """The errors of instruments that have a tolerance."""
@@ -79,6 +83,7 @@ def maximum_likelihood(
     late: Mapping[str, float],
     initial_momentum: InitialMomentum,
     progress: Callable[[], object] = lambda: None,
+    steps: int = STEPS,
 ) -> Likelihood:
     """Fit all sensors at once.
 
@@ -92,14 +97,26 @@ def maximum_likelihood(
         late: by sensor, by how much its clock is behind, s, beside declared latencies.
         initial_momentum: `"at-rest"` is used; the first sample is like any other.
         progress: is called at every step.
+        steps: at most, for the weights of each round.
     """
     sensors = sensors_of(robot, recording, delays(robot, recording, late))
     problem = problem_of(robot, sets.base.theta_of, samples, sensors)
     outside = _first_momentum(robot, sets, samples, fits, initial_momentum)
     prior = prior_of(robot, sets, problem.declared, outside, initial_momentum)
-    state = start_of(problem, samples, outside, beta)
+    # Linear fits are poor where a velocity is noisier than the motion.
+    starts = [
+        start_of(problem, samples, outside, at) for at in (beta, sets.beta(robot.theta))
+    ]
+    starts.sort(key=lambda start: linear(problem, problem.weights, start).cost)
     least = {name: each.least / each.std for name, each in sensors.by_name.items()}
-    found = fitted(problem, prior, state, least, progress)
+    declared = {name for name, each in sensors.by_name.items() if each.declared}
+
+    def search(prior: Prior, state: State) -> Fitted:
+        return fitted(problem, prior, state, least, declared, progress, steps)
+
+    found = search(prior, starts[0])
+    if not found.solution.converged:
+        found = search(prior, starts[1])
     turning, moving = conserved_axes(robot)
     axes = {"torque": turning, "pull": moving}
     pushes = {name: push_of(found.solution, name, axes[name]) for name in axes}
@@ -107,7 +124,7 @@ def maximum_likelihood(
     if believed:
         for name in believed:
             prior = freed(prior, name)
-        found = fitted(problem, prior, found.solution.state, least, progress)
+        found = search(prior, found.solution.state)
         pushes = {
             name: push_of(found.solution, name, axes[name])._replace(
                 believed=push.believed
@@ -121,6 +138,7 @@ def maximum_likelihood(
         sensors={name: _sensor_fit(sensors, found, name) for name in found.parts},
         goodness=_goodness(sensors, found),
         converged=found.solution.converged,
+        settled=found.settled,
         signals=sensor_signals(robot, problem, sensors, found),
         calibration=_calibration(problem, found.solution),
         sensitivity=partial(sensitivity, problem, found.solution),

@@ -15,13 +15,9 @@ from orbident.estimation.found import BetaEstimate, hidden_of
 from orbident.estimation.linear_fits import Fits
 from orbident.estimation.overflow import check_finite
 from orbident.estimation.prior import prior_std
-from orbident.estimation.triangular import LinearFit
 from orbident.model.derivatives import derivatives_of_beta, sets_of_beta
 from orbident.model.minimal_sets import MinimalSets
 from orbident.robot.description import Robot
-
-ROUNDING = 1e-13
-"""Of the right-hand side: without noise the scatter is no smaller."""
 
 PRECISION = 1e-15
 """Relative, at which MINPACK stops."""
@@ -29,7 +25,7 @@ PRECISION = 1e-15
 
 def beta_of_fits(robot: Robot, sets: MinimalSets, fits: Fits) -> BetaEstimate:
     """Nonlinear least squares from the nominal values, as if all noise were white."""
-    std = [_scatter(fit) for fit in (fits.pi, fits.phi)]
+    std = [fit.scatter for fit in (fits.pi, fits.phi)]
     R = block_diag(fits.pi.factor / std[0], fits.phi.factor / std[1])
     z = np.concatenate([fits.pi.target / std[0], fits.phi.target / std[1]])
     nominal, wide = sets.beta(robot.theta), prior_std(robot, sets)
@@ -72,7 +68,3 @@ def nonlinear_fit(
     root = np.linalg.inv(np.linalg.qr(J, mode="r")) * wide[:, None]
     hidden = hidden_of(J[: -wide.size] / wide, wide)
     return BetaEstimate(nominal + wide * found.x, root @ root.T, hidden)
-
-
-def _scatter(fit: LinearFit) -> float:
-    return max(fit.rms, ROUNDING * float(np.linalg.norm(fit.target)))

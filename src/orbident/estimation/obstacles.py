@@ -3,7 +3,9 @@
 import numpy as np
 
 from orbident.estimation.check import Check
+from orbident.estimation.clocks import NAMES
 from orbident.estimation.problem import MomentumProblem
+from orbident.preprocessing.delays import LONGEST
 
 # The known term of the momentum equation, nuisance apart, beside the whole of it:
 # zero but for rounding.
@@ -21,7 +23,26 @@ SURPRISING = 0.3
 
 def obstacles(problem: MomentumProblem) -> list[Check]:
     """What the linear fits show: each forbids a result."""
-    return [*_no_scale(problem), *_no_velocity(problem)]
+    return [*_clocks_apart(problem), *_no_scale(problem), *_no_velocity(problem)]
+
+
+def _clocks_apart(problem: MomentumProblem) -> list[Check]:
+    """Clocks so far apart that no constant delay is to be corrected."""
+    return [
+        Check(
+            "clocks",
+            "do not trust",
+            f"the clock of {NAMES[sensor]} is about {delay.late:.2g} s behind "
+            f"that of the base rate; no sensor is {LONGEST:g} s late, so these "
+            "clocks were never set together, and may drift apart as well",
+            "record all sensors with one clock; if it is a constant offset, subtract "
+            "it from the times, or give it as 'latency' in the robot file",
+            abs(delay.late),
+            LONGEST,
+        )
+        for sensor, delay in problem.clocks.items()
+        if delay.apart
+    ]
 
 
 def _no_velocity(problem: MomentumProblem) -> list[Check]:
@@ -33,22 +54,6 @@ def _no_velocity(problem: MomentumProblem) -> list[Check]:
         )
         return [_refused("velocity of S", reason, "record one of them")]
     return []
-
-
-def unexplained_velocity(problem: MomentumProblem) -> list[Check]:
-    """Whether the linear fit explains the velocity of S."""
-    phi = problem.fits.phi
-    if phi.explained**2 > EXPLAINED * (phi.explained**2 + phi.unexplained**2):
-        return []
-    reason = (
-        "phi and the mass are not determined: the velocity of the feature point does "
-        "not follow from joints, gyro and attitude"
-    )
-    remedy = (
-        "check its units and frame (inertial axes), and the attitude (scalar last, "
-        "base to inertial axes)"
-    )
-    return [_refused("velocity of S", reason, remedy)]
 
 
 def _no_scale(problem: MomentumProblem) -> list[Check]:

@@ -1,7 +1,7 @@
 """What every estimator is given: a recording, made ready, and what is known of it."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -23,6 +23,9 @@ from orbident.preprocessing.screening import screened
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 
+ROUNDING = 1e-7
+"""Residuals over the signal: what integration and float32 leave."""
+
 
 @dataclass(frozen=True)
 class MomentumProblem:
@@ -34,6 +37,8 @@ class MomentumProblem:
     """Without samples that cannot be true."""
     rejected: Mapping[str, Mapping[str, int]]
     """By column and reason, how many samples were left out."""
+    notes: tuple[str, ...]
+    """What is odd about it, and was left as it is."""
     clocks: Mapping[str, Delay]
     """By sensor, by how much its clock is behind that of the base rate."""
     samples: Samples
@@ -59,13 +64,38 @@ class MomentumProblem:
         known = known_momentum(self.robot, self.sets, self.samples, "at-rest")
         return None if known is None else np.asarray(known.h)
 
+    @property
+    def exact(self) -> bool:
+        """Whether the linear fits leave no more than integration and float32 do."""
+        fits = self.fits.pi, self.fits.phi
+        return all(fit.unexplained <= ROUNDING * fit.explained for fit in fits)
 
-def momentum_problem(
+    def beginning(self, samples: int) -> "MomentumProblem":
+        """Of so many samples at most."""
+        recording = self.recording
+        if recording.t.size <= samples:
+            return self
+        columns = {name: x[:samples] for name, x in recording.columns.items()}
+        return self.amended(
+            recording=replace(recording, t=recording.t[:samples], columns=columns)
+        )
+
+    def amended(
+        self, robot: Robot | None = None, recording: Recording | None = None
+    ) -> "MomentumProblem":
+        """With other instruments, or another recording; on the same clocks."""
+        changed = replace(
+            self, robot=robot or self.robot, recording=recording or self.recording
+        )
+        return _on_clocks(changed, self.clocks)
+
+
+def momentum_problems(
     robot: Robot,
     recording: Recording,
     initial_momentum: InitialMomentum,
     progress: Callable[[float], object],
-) -> MomentumProblem:
+) -> list[MomentumProblem]:
     """Screen a recording, settle its clocks, and derive what it lacks.
 
     Args:
@@ -73,6 +103,10 @@ def momentum_problem(
         recording: of the free-floating robot.
         initial_momentum: what is known of the momentum.
         progress: is called with the fraction of the samples that is done.
+
+    Returns:
+        The problem and, where the clock of joints and wheels seems to be late, another
+        in which that is corrected: a push from outside seems to be so too.
 
     Raises:
         InputError: a column is missing, there are too few samples, or the nominal mass
@@ -85,17 +119,29 @@ def momentum_problem(
     clocks = base_clocks(robot, clean.recording)
     samples = samples_of(robot, clean.recording, corrections(clocks))
     fits = fit(robot, sets, samples, initial_momentum, progress)
-    clocks |= joint_clocks(robot, sets, samples, initial_momentum)
-    if "joints" in clocks and clocks["joints"].believed:
-        samples = samples_of(robot, clean.recording, corrections(clocks))
-        fits = fit(robot, sets, samples, initial_momentum, progress)
-    return MomentumProblem(
+    late = joint_clocks(robot, sets, samples, initial_momentum)
+    punctual = {name: delay._replace(believed=False) for name, delay in late.items()}
+    problem = MomentumProblem(
         robot,
         sets,
         clean.recording,
         clean.rejected,
-        clocks,
+        clean.notes,
+        clocks | punctual,
         samples,
         initial_momentum,
         fits,
     )
+    if late == punctual:
+        return [problem]
+    return [problem, _on_clocks(problem, clocks | late)]
+
+
+def _on_clocks(
+    problem: MomentumProblem, clocks: Mapping[str, Delay]
+) -> MomentumProblem:
+    """The same recording on other clocks."""
+    robot, given = problem.robot, problem.initial_momentum
+    samples = samples_of(robot, problem.recording, corrections(clocks))
+    fits = fit(robot, problem.sets, samples, given, lambda _: None)
+    return replace(problem, clocks=clocks, samples=samples, fits=fits)

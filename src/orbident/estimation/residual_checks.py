@@ -3,22 +3,18 @@
 from collections.abc import Iterator
 
 import numpy as np
+from scipy.special import chdtri
 
 from orbident.estimation.check import Check, Level
 from orbident.estimation.estimate import Estimate
 from orbident.estimation.predicted import Signal
-from orbident.estimation.problem import MomentumProblem
-from orbident.estimation.triangular import condition_numbers
+from orbident.estimation.problem import ROUNDING, MomentumProblem
 from orbident.estimation.whiteness import low_frequencies
 
 # Std of residuals over the declared noise: chi-square of its square is worth a word.
 NOISY = 1.5
-# Residuals over the signal: what integration and float32 leave.
-ROUNDING = 1e-7
-# Condition number, columns scaled: three digits of the measurements are lost.
-ILL = 1e3
-# Chi-square of one degree of freedom that is no chance: five deviations, squared.
-CLEAR = 25.0
+# Probability that noise makes any instrument of a recording look wrong.
+CHANCE = 1e-3
 
 FIT = "goodness of fit"
 
@@ -39,35 +35,25 @@ def residual_checks(problem: MomentumProblem, estimate: Estimate) -> Iterator[Ch
     yield from _noise(estimate)
     yield from _sensors(estimate)
     yield from _whiteness(estimate)
-    if estimate.goodness is None:
-        yield from _condition(problem)
+    yield from _instruments(estimate)
 
 
 def _noise(estimate: Estimate) -> Iterator[Check]:
     """The residuals of all equations together, over their noise."""
-    name, goodness = FIT, estimate.goodness
+    goodness = estimate.goodness
     if goodness is None:
-        yield Check(
-            name,
-            "with care",
-            "least squares takes the noise for white and the regressors for exact, so "
-            "its intervals are too narrow",
-            "identify by maximum-likelihood, which says by how much",
-        )
         return
     size = float(np.sqrt(goodness.per_dof))
     level: Level = "with care" if size > NOISY else "trust"
     reason = f"residuals are {size:.2g} times as large as the noise"
     remedy = "" if level == "trust" else REMEDY
-    yield Check(name, level, reason, remedy, goodness.per_dof, NOISY**2)
+    yield Check(FIT, level, reason, remedy, goodness.per_dof, NOISY**2)
 
 
 def _exact(problem: MomentumProblem, estimate: Estimate) -> list[Check]:
     """Where residuals are no more than integration, splines and float32 leave."""
-    fits = problem.fits.pi, problem.fits.phi
-    rounded = all(fit.unexplained <= ROUNDING * fit.explained for fit in fits)
     shown = estimate.signals and all(_is_rounding(s) for s in estimate.signals)
-    if not (rounded or shown):
+    if not (problem.exact or shown):
         return []
     return [Check(FIT, "trust", "the residuals are rounding: there is no noise")]
 
@@ -99,60 +85,50 @@ def _whiteness(estimate: Estimate) -> Iterator[Check]:
     Parameters take up what they can of an effect that is left out: what remains may be
     far below the noise, and they are off by many deviations all the same.
     """
-    if not estimate.signals and estimate.goodness is not None:
-        yield Check(
-            "whiteness",
-            "with care",
-            "this method does not test what each sensor shows, so an effect that is "
-            "not modelled may pass unseen",
-            "identify by maximum-likelihood too, which tests it",
-        )
-    suspect = ""
     for signal in estimate.signals:
         found = low_frequencies(signal.measured - signal.predicted, signal.std)
-        if found is None:
+        # What integration and splines leave is slow, and says nothing of the model.
+        if found is None or _is_rounding(signal):
             continue
         name = f"whiteness of {signal.name}"
         if found.ratio <= found.limit:
             reason = f"residuals of {signal.name} are white"
             yield Check(name, "trust", reason, "", *found)
             continue
-        suspect = suspect or _suspect(estimate)
         yield Check(
             name,
             "do not trust",
             f"residuals of {signal.name} are not noise: at low frequencies they have "
             f"{found.ratio:.2g} times the power of white noise, and more than "
             f"{found.limit:.2g} is no chance, so something acts that is not modelled",
-            f"{suspect}{CAUSES}; see whether a clock is late or runs fast, and whether "
+            f"{CAUSES}; see whether a clock is late or runs fast, and whether "
             "anything pushes the robot or is loose on it",
             *found,
         )
 
 
-def _suspect(estimate: Estimate) -> str:
-    """The instrument whose error alone would lower chi-square most (score test)."""
+def _instruments(estimate: Estimate) -> Iterator[Check]:
+    """Whether one instrument's error alone would explain more than chance does."""
     if estimate.sensitivity is None or not estimate.converged:
-        return ""
-    freed = sorted(estimate.sensitivity().freed, key=lambda each: -each.chi2_drop)
-    if not freed or freed[0].chi2_drop < CLEAR:
-        return ""
-    first = freed[0]
-    return (
-        f"first look at {first.name.replace('.', ' ')}: an error of "
-        f"{first.value:.2g} +- {first.std:.1g} would lower chi-square by "
-        f"{first.chi2_drop:.3g}, more than that of any other instrument; "
+        return
+    freed = estimate.sensitivity().freed
+    if not freed:
+        return
+    limit = float(chdtri(1, CHANCE / len(freed)))
+    first = max(freed, key=lambda each: each.chi2_drop)
+    drop = first.chi2_drop
+    name = first.name.replace(".", " ")
+    if not drop > limit:
+        reason = "no instrument's error would explain more than chance does"
+        yield Check("instruments", "trust", reason, "", drop, limit)
+        return
+    yield Check(
+        "instruments",
+        "do not trust",
+        f"an error of {name} by {first.value:.2g} +- {first.std:.1g} (SI) would lower "
+        f"chi-square by {drop:.3g}, and more than {limit:.2g} is no chance: it, or "
+        "something that looks like it, is not as declared",
+        f"check {name}, or declare its tolerance in the robot file",
+        drop,
+        limit,
     )
-
-
-def _condition(problem: MomentumProblem) -> Iterator[Check]:
-    """Noise in the regressors counts by the square of it, where it is neglected."""
-    worst = max(
-        condition_numbers(fit.factor)[1] for fit in (problem.fits.pi, problem.fits.phi)
-    )
-    level: Level = "trust" if worst < ILL else "with care"
-    reason, remedy = "the motion excites all that it should tell", ""
-    if worst >= ILL:
-        reason, remedy = "some parameters are hardly excited", "record a richer motion"
-    reason += f" (condition number {worst:.2g})"
-    yield Check("excitation", level, reason, remedy, worst, ILL)

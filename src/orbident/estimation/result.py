@@ -1,15 +1,15 @@
 """What identification found: the object that all later stages are given."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 import numpy as np
 from jaxtyping import Float
 
 from orbident.errors import InputError
-from orbident.estimation.check import LEVELS, Check, Level, worst
-from orbident.estimation.linear_fits import Fits
+from orbident.estimation.check import Check, Level, worst
+from orbident.estimation.linear_fits import Fits, InitialMomentum
 from orbident.estimation.output_error.sensitivity import CalibrationFit
 from orbident.estimation.predicted import Signals
 from orbident.estimation.quantities import Parameters, Quantity, nulled
@@ -36,6 +36,8 @@ class Identified:
     """The free-flying base parameters `M, sigma, iota`."""
     base_covariance: Float[np.ndarray, "beta beta"] = field(repr=False)
     """Of `M, sigma, iota`; NaN where one is not determined."""
+    covariance: Float[np.ndarray, "n n"] = field(compare=False, repr=False)
+    """Of `[pi, phi]`; NaN where one is not determined."""
 
     def nothing(self) -> "Identified":
         """The same parameters, none of them determined."""
@@ -46,6 +48,7 @@ class Identified:
             phi=self.phi.undetermined(),
             base=self.base.undetermined(),
             base_covariance=np.full_like(self.base_covariance, np.nan),
+            covariance=np.full_like(self.covariance, np.nan),
         )
 
     def parameters_to_json(self) -> dict[str, Any]:
@@ -60,6 +63,10 @@ class Identified:
             "pi": self.pi.to_json(),
             "phi": self.phi.to_json(),
             "base": {**self.base.to_json(), "covariance": covariance},
+            # Symmetric: each row ends with its variance.
+            "covariance": [
+                nulled(row[: k + 1]) for k, row in enumerate(self.covariance)
+            ],
         }
 
 
@@ -69,7 +76,7 @@ class Result(Identified):
 
     robot: Robot
     method: str
-    initial_momentum: str
+    initial_momentum: InitialMomentum
     checks: tuple[Check, ...]
     """Every rule of acceptance, and how the result fares under it."""
     notes: tuple[str, ...] = ()
@@ -86,6 +93,10 @@ class Result(Identified):
         default=lambda: None, compare=False, repr=False
     )
     """What errors of the other instruments would shift; None where it is not known."""
+    causes: Callable[[], tuple[Check, ...]] = field(
+        default=tuple, compare=False, repr=False
+    )
+    """What explains a refusal once it is put right; it takes some seconds."""
     clocks: Mapping[str, Delay]
     """By sensor, by how much its clock is behind that of the base rate."""
     rejected: Mapping[str, Mapping[str, int]]
@@ -97,10 +108,6 @@ class Result(Identified):
     versions: dict[str, str]
     fits: Fits | None = field(default=None, compare=False, repr=False)
     """The linear fits; not kept in `result.json`."""
-    covariance: Float[np.ndarray, "n n"] | None = field(
-        default=None, compare=False, repr=False
-    )
-    """Of `[pi, phi]`; None for a result that was read from a file."""
     history: History | None = field(default=None, compare=False, repr=False)
     """How a recursive estimate came about; in a RUN it is `history.csv`."""
     motion: Mapping[str, Any] = field(default_factory=dict, repr=False)
@@ -122,15 +129,24 @@ class Result(Identified):
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """The notes, and what every check that is not passed says."""
-        failed = (check for check in self.checks if not check.passed)
-        worst_first = sorted(failed, key=lambda check: -LEVELS.index(check.level))
-        return (*self.notes, *(check.words for check in worst_first))
+        """What refuses the result, the notes, and what calls for care."""
+        failed = [check for check in self.checks if not check.passed]
+        refused = [c.words for c in failed if c.level == "do not trust"]
+        careful = [c.words for c in failed if c.level != "do not trust"]
+        return (*refused, *self.notes, *careful)
 
     def refusal(self) -> str:
         """Why the result is refused; empty where it is not."""
         refused = (c.words for c in self.checks if c.level == "do not trust")
         return next(refused, "")
+
+    def with_causes(self) -> "Result":
+        """The result with the likely cause of a refusal as the first of its checks.
+
+        Causes are put right one at a time and the recording is fitted again, which
+        takes some seconds.
+        """
+        return replace(self, checks=(*self.causes(), *self.checks), causes=tuple)
 
     def check_accepted(self) -> None:
         """Refuse to go on with what must not be trusted.

@@ -48,6 +48,7 @@ def result_of(
         checks=judgement.checks,
         notes=(
             *problem.robot.warnings,
+            *problem.notes,
             *spikes_in_words(problem.rejected),
             *clocks_in_words(problem.clocks),
             *(() if weighing is None else (f"burn: {w}" for w in weighing.warnings)),
@@ -66,7 +67,6 @@ def result_of(
         elapsed_s=elapsed_s,
         versions=_versions(),
         fits=problem.fits,
-        covariance=estimate.found.covariance,
         history=estimate.history,
         motion=motion_of(problem.robot, problem.samples),
         signals=_signals(problem, estimate),
@@ -81,6 +81,7 @@ def _identified(
 ) -> Identified:
     words, found = formulas_of(problem.robot, problem.sets), estimate.found
     determined = np.outer(judgement.base, judgement.base)
+    both = np.concatenate([judgement.pi, judgement.phi])
     return Identified(
         mass=estimate.mass,
         mass_forms=_mass_forms(problem, words, masses),
@@ -88,6 +89,7 @@ def _identified(
         phi=_parameters(words.phi, found.phi, judgement.phi),
         base=_parameters(words.base, found.base, judgement.base),
         base_covariance=np.where(determined, found.base.covariance, NAN),
+        covariance=np.where(np.outer(both, both), found.covariance, NAN),
     )
 
 

@@ -15,6 +15,8 @@ from scipy.linalg import get_lapack_funcs
 RANK = 1e-12
 # A parameter with this much of the unseen directions in it is not determined.
 UNSEEN = 1e-6
+# Of the right-hand side: what rounding of some thousand rows adds to a solution.
+ROUNDING = 1e-13
 # Columns that LAPACK factors at once: 16 to 32 are equally fast up to 500 columns.
 BLOCK = 16
 
@@ -60,6 +62,15 @@ class LinearFit(NamedTuple):
     explained_freed: float
     """Norm of what the parameters would explain then, beside those columns."""
 
+    @property
+    def scatter(self) -> float:
+        """Std of a row: that of the residual, or what rounding makes of exact data."""
+        return _scatter(self.rms, self.target)
+
+
+def _scatter(rms: float, target: Float[np.ndarray, " n"]) -> float:
+    return max(rms, ROUNDING * float(np.linalg.norm(target)))
+
 
 class Layout(NamedTuple):
     """What the columns are, from the left; the right-hand side is the last."""
@@ -97,7 +108,7 @@ def solve(R: Float[np.ndarray, "all all"], layout: Layout, rows: int) -> LinearF
     other, own = np.s_[: layout.nuisances], np.s_[layout.nuisances :]
     hidden = Vt[~seen][:, own].T
     rms = unexplained / np.sqrt(max(rows - int(seen.sum()), 1))
-    covariance = rms**2 * root @ root.T
+    covariance = _scatter(rms, z[own]) ** 2 * root @ root.T
     return LinearFit(
         values=solution[own],
         covariance=covariance[own, own],

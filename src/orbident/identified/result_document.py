@@ -179,6 +179,14 @@ class _Identified(_Part):
     pi: _Parameters
     phi: _Parameters
     base: _Base
+    covariance: list[list[Known]]
+
+    @model_validator(mode="after")
+    def _triangular(self) -> "_Identified":
+        size = len(self.pi.names) + len(self.phi.names)
+        if [len(row) for row in self.covariance] != [k + 1 for k in range(size)]:
+            raise InputError(f"the covariance is no lower triangle of {size} rows")
+        return self
 
 
 class _Result(_Identified):

@@ -262,7 +262,16 @@ def _identified(document: dict[str, Any]) -> Identified:
         phi=_parameters(document["phi"]),
         base=_parameters(document["base"]),
         base_covariance=_table(document["base"]["covariance"]),
+        covariance=_symmetric(document["covariance"]),
     )
+
+
+def _symmetric(lower: list[list[float | None]]) -> np.ndarray:
+    """A symmetric matrix, from rows that end at its diagonal."""
+    matrix = np.zeros((len(lower), len(lower)))
+    for k, row in enumerate(lower):
+        matrix[k, : k + 1] = matrix[: k + 1, k] = [_number(value) for value in row]
+    return matrix
 
 
 def _parameters(document: dict[str, Any]) -> Parameters:

@@ -1,17 +1,42 @@
-"""How well a result predicts a recording that was not used (Section 5.6)."""
+"""How well a result predicts a recording that was not used (Section 5.6).
 
-from dataclasses import dataclass
-from typing import Any
+The errors are judged by the likelihood ratio of two fits of all sensors of that
+recording: with the result's parameters and deviations, and with parameters of its own.
+To second order it is `d^T (C + C_own)^-1 d`, `d` the difference of the two sets of base
+parameters, and chi-square distributed where the result is right. Momentum, biases and
+the noise of every sensor, filtered or raw, are accounted for in both.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Any, Literal
 
 import numpy as np
 from jaxtyping import Float
+from scipy.special import chdtrc
 
+from orbident.estimation.identify import identify
+from orbident.estimation.prior import WIDE, prior_std
 from orbident.estimation.quantities import nulled
 from orbident.estimation.result import Result
 from orbident.identified.intervals import deviations
 from orbident.identified.prediction import predict
-from orbident.model.minimal_sets import conserved_axes
+from orbident.model.minimal_sets import conserved_axes, minimal_sets
 from orbident.recordings.recording import Recording
+
+Verdict = Literal["explained", "not explained", "not judged"]
+
+CHANCE = 0.005
+"""Probability that a right result is called wrong."""
+
+MISSED = 0.1
+"""Of the squared signal: of a recording that tells too little to judge by, an error
+that large is still no noise."""
+
+EXACT = 1e-6
+"""Of the robot's own scale: smaller differences are interpolation's."""
+
+ROUNDING = 1e-12
+"""Directions of the combined covariance with less of the largest are rounding."""
 
 WITHIN = 1.96
 """Deviations: 95 % of what is normally distributed."""
@@ -31,6 +56,18 @@ class Validation:
     inside: dict[str, float]
     """Fraction of samples within 1.96 of these: 0.95 where the parameters alone are
     off, and less with noisy sensors, whose noise is not in it."""
+    noise: dict[str, float]
+    """RMS of the error that parameters fitted to this very recording leave: the
+    sensors' share."""
+    verdict: Verdict
+    """Whether deviations and sensors explain the errors."""
+    reason: str
+    chi2: float = np.nan
+    """Squared difference from the recording's own parameters, over its covariance."""
+    dof: int = 0
+    """How many parameters are compared: what `chi2` is on average."""
+    p_value: float = np.nan
+    """Probability of a larger `chi2` where the result is right."""
 
     def to_json(self) -> dict[str, Any]:
         """As `validate --json` gives it."""
@@ -40,11 +77,74 @@ class Validation:
             "samples": self.samples,
             "predicted_std": {name: nulled(value) for name, value in self.std.items()},
             "inside_95": {name: nulled(value) for name, value in self.inside.items()},
+            "noise": {name: nulled(value) for name, value in self.noise.items()},
+            "verdict": self.verdict,
+            "reason": self.reason,
+            "chi2": nulled(self.chi2),
+            "degrees_of_freedom": self.dof,
+            "p_value": nulled(self.p_value),
         }
 
 
 def validate(result: Result, recording: Recording) -> Validation:
-    """Predict a recording's base rates and velocities and score them.
+    """Predict a recording's base rates and velocities, score and judge the errors.
+
+    Raises:
+        InputError: the result is rejected or has undetermined parameters, or the
+            recording lacks what prediction needs.
+    """
+    scores = scored(result, recording)
+    own = identify(result.robot, recording, initial_momentum=result.initial_momentum)
+    if own.status == "rejected" and result.initial_momentum != "unknown":
+        # What was known of one recording's momentum need not hold for another.
+        own = identify(result.robot, recording)
+    if own.status == "rejected":
+        missed = max((x for x in scores.nrmse.values() if x == x), default=0.0)
+        verdict = "not explained" if missed**2 > MISSED else "not judged"
+        reason = f"of itself the recording is refused: {own.refusal()}"
+        return replace(scores, verdict=verdict, reason=reason)
+    return replace(_compared(result, own, scores), noise=_noise(own, recording))
+
+
+def _noise(own: Result, recording: Recording) -> dict[str, float]:
+    complete = np.isfinite([*own.pi.values, *own.phi.values]).all()
+    return scored(own, recording).rms if complete else {}
+
+
+def _compared(result: Result, own: Result, scores: Validation) -> Validation:
+    """Compare the base parameters that both determine."""
+    sets = minimal_sets(result.robot)
+    both = np.isfinite(result.base.values) & np.isfinite(own.base.values)
+    exact = EXACT / WIDE * prior_std(result.robot, sets)[both]
+    C = (result.base_covariance + own.base_covariance)[np.ix_(both, both)]
+    d = (own.base.values - result.base.values)[both]
+    # Parameters have units: unit variances while decomposing.
+    std = np.sqrt(np.diag(C) + exact**2)
+    values, vectors = np.linalg.eigh((C + np.diag(exact**2)) / np.outer(std, std))
+    known = values > ROUNDING * values.max(initial=0.0)
+    z = vectors.T[known] @ (d / std) / np.sqrt(values[known])
+    chi2, dof = float(z @ z), int(known.sum())
+    p = float(chdtrc(dof, chi2))
+    if p >= CHANCE:
+        reason = "the deviations of the parameters and the sensors explain the errors"
+        verdict = "explained"
+    else:
+        worst = int(np.argmax(np.abs(d / std)))
+        name = np.array(result.base.names)[both][worst]
+        reason = (
+            "the errors are larger than the deviations of the parameters and the "
+            f"sensors explain: with this recording {name} alone differs by "
+            f"{abs(d[worst] / std[worst]):.2g} combined deviations; has the robot "
+            "changed, or is one of both recordings or its deviations wrong?"
+        )
+        verdict = "not explained"
+    return replace(
+        scores, verdict=verdict, reason=reason, chi2=chi2, dof=dof, p_value=p
+    )
+
+
+def scored(result: Result, recording: Recording) -> Validation:
+    """Predict a recording's base rates and velocities, and score the errors only.
 
     Raises:
         InputError: the result has undetermined parameters, or the recording lacks what
@@ -76,6 +176,9 @@ def validate(result: Result, recording: Recording) -> Validation:
             name: _inside(predicted - true, stds[name])
             for name, (predicted, true) in pairs.items()
         },
+        noise={},
+        verdict="not judged",
+        reason="",
     )
 
 

@@ -20,15 +20,13 @@ from scipy.spatial.transform import Rotation
 from orbident import _core
 from orbident.errors import InputError
 from orbident.preprocessing.velocity import bias_response
+from orbident.robot.sensor_bias import UNKNOWN_BIAS
 
 ROUNDS = 3
 """The first leaves errors of second order in `phi`; the third is for large ones."""
 
 UNKNOWN_ATTITUDE = np.pi
 """Std of `phi` beforehand, rad."""
-
-UNKNOWN_BIAS = 0.1
-"""Std of the bias beforehand, rad/s: more than any gyro's."""
 
 GAUSS = np.sqrt(3) / 6
 """Of a step, from its middle to each of the two Gauss points."""
@@ -154,7 +152,7 @@ def _fused(
         y[fixed] = turned.as_rotvec()
         B = np.diff(bias_response(t, x), axis=0)
         noise = np.array([gyro.N, gyro.drift, std])
-        before = np.array([UNKNOWN_ATTITUDE, UNKNOWN_BIAS])
+        before = np.array([UNKNOWN_ATTITUDE, UNKNOWN_BIAS["gyro"]])
         mean, variance = _core.smooth_gyro_error(B, np.diff(t), y, noise, before)
         fused = Rotation.from_rotvec(mean[:, :3]) * Rotation.from_quat(x)
         return _Round(fused.as_quat(), variance, bias + mean[:, 3:])

@@ -16,6 +16,7 @@ from orbident.preprocessing.attitude_fusion import (
 from orbident.preprocessing.attitude_rates import attitude_rates
 from orbident.preprocessing.histories import MEASURED, Columns
 from orbident.recordings.recording import Recording
+from orbident.robot.sensor_bias import bias_walk
 
 INTEGRATED = "derived: integrated gyro, from an attitude of zero"
 FUSED = "derived: gyro and attitude fused"
@@ -28,9 +29,6 @@ UNTURNED = np.array([0.0, 0.0, 0.0, 1.0])
 
 SIGMA = 1.4826
 """Std over median absolute value, of Gaussian noise."""
-
-BIAS_CORRELATION = 3600.0
-"""s, of a gyro's bias: its data sheet gives none."""
 
 LEAST_N = 1e-9
 """rad/sqrt(s)."""
@@ -146,8 +144,7 @@ def _gyro_noise(
         # Of white noise these have 6 times its variance.
         bend = np.median(np.abs(np.diff(w[seen], n=2, axis=0)))
         N = SIGMA * bend / np.sqrt(6) * np.sqrt(np.median(np.diff(t[seen])))
-    drift = section.get("bias_instability", 0.0) * np.sqrt(2 / BIAS_CORRELATION)
-    return GyroNoise(max(float(N), LEAST_N), float(drift))
+    return GyroNoise(max(float(N), LEAST_N), bias_walk(section))
 
 
 def _scatter(

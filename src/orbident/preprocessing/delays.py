@@ -15,6 +15,14 @@ SURE = 5.0
 WORTH = 0.9
 """A delay is believed where it makes the squared residual smaller than this times."""
 
+LONGEST = 1.0
+"""s: sensors, buses and cameras are late by tenths of a second. Clocks that are further
+apart were never set together; such clocks drift too, and no constant corrects that."""
+
+EXPLAINED = 0.1
+"""A delay that is refused must be what is wrong: it leaves so little of the squared
+residual. The last round of its search changed it by so little of itself."""
+
 SETTLED = 1e-6
 """s: changes of the last round below this are none."""
 
@@ -26,7 +34,9 @@ class Delay(NamedTuple):
     """s."""
     std: float
     believed: bool
-    """Whether it is more than chance, and matters."""
+    """Whether it is more than chance, matters, and is short enough to be corrected."""
+    apart: bool = False
+    """Whether it is certain, but longer than any sensor is late."""
 
 
 def delay_of(
@@ -44,6 +54,11 @@ def delay_of(
     settled = abs(change) < max(SETTLED, std)
     matters = abs(late) > max(LEAST, SURE * std)
     better = after**2 < WORTH * before**2
+    if abs(late) > LONGEST:
+        # Near enough to be named.
+        near = abs(change) < EXPLAINED * abs(late)
+        apart = near and matters and after**2 < EXPLAINED * before**2
+        return Delay(float(late), float(std), False, bool(apart))
     return Delay(float(late), float(std), bool(settled and matters and better))
 
 

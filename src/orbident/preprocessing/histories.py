@@ -9,14 +9,18 @@ from jaxtyping import Float
 
 from orbident.preprocessing.angles import unwrapped
 from orbident.preprocessing.rates import at_times, fill
-from orbident.preprocessing.smoothing import smooth
+from orbident.preprocessing.smoothing import Smoothed, smooth
 from orbident.recordings.recording import Recording
 
 Columns = tuple[Float[np.ndarray, " samples"], ...]
 
 MEASURED = "measured"
 DERIVED = "derived: smoothed positions"
+BOTH = f"{DERIVED} and rates"
 
+
+LEAST = 1e-60
+"""rad/s or m/s: its square and its inverse are still float64s."""
 
 FULL_TURN = 2 * np.pi + 1e-6
 """rad, and what a printed pi may be too large."""
@@ -46,7 +50,8 @@ def histories(
     """Positions and rates at every row, gaps filled.
 
     Rates that were measured are used as they are. Others are those of the positions,
-    as smooth as the encoders' noise says.
+    as smooth as the encoders' noise says. Where the file declares the noise of a
+    tachometer beside an encoder, the rate is the mean of what both say when smoothed.
 
     Args:
         recording: with a position or a rate of each of `names`.
@@ -59,27 +64,48 @@ def histories(
     Raises:
         InputError: a column has too few samples.
     """
-    t, at = recording.t, recording.t + late
+    tachometer = sensor.get("tachometer")
     positions, rates, shares, origins = [], [], [], set()
     for name in names:
         position, measured = f"{what}.{name}.position", f"{what}.{name}.{rate}"
-        if recording.has(measured):
+        noisy = tachometer and recording.has(position)
+        if recording.has(measured) and not noisy:
             columns = [c for c in (position, measured) if recording.has(c)]
             *q, qd = (_at(recording, column, late) for column in columns)
             shares.append(np.nan)
             origins.add(MEASURED)
         else:
-            label = f"{recording.source}: column '{position}'"
-            column = _over_turns(t, recording.column(position))[:, None]
-            smoothed = smooth(t, column, encoder_noise(sensor), at, label)
+            smoothed = _smoothed(recording, position, encoder_noise(sensor), late)
             q, qd = [smoothed.x[:, 0]], smoothed.rate[:, 0]
             std = np.nanmedian(smoothed.std_x[:, 0]) / smoothed.noise_std[0]
             shares.append(float(std**2))
-            origins.add(DERIVED)
+            if noisy and recording.has(measured):
+                read = _smoothed(recording, measured, tachometer, late)
+                qd = _combined(smoothed, read)
+            origins.add(BOTH if recording.has(measured) else DERIVED)
         positions += q
         rates.append(qd)
     origin = "; ".join(sorted(origins)) or "none"
     return Histories(tuple(positions), tuple(rates), origin, tuple(shares))
+
+
+def _combined(angle: Smoothed, rate: Smoothed) -> Float[np.ndarray, " samples"]:
+    """The rate by the angle and by the tachometer, weighted by their variances."""
+    by_angle, by_rate = (
+        np.maximum(std[:, 0], LEAST) ** -2.0 for std in (angle.std_rate, rate.std_x)
+    )
+    total = by_angle * angle.rate[:, 0] + by_rate * rate.x[:, 0]
+    return total / (by_angle + by_rate)
+
+
+def _smoothed(
+    recording: Recording, name: str, noise: float | None, late: float
+) -> Smoothed:
+    label = f"{recording.source}: column '{name}'"
+    column, t = recording.column(name), recording.t
+    if name.endswith(".position"):
+        column = _over_turns(t, column)
+    return smooth(t, column[:, None], noise, t + late, label)
 
 
 def _over_turns(

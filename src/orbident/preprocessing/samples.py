@@ -78,6 +78,16 @@ class Samples:
         valid = everything.turning
         return self.t[valid], Batch(*(part[valid] for part in everything))
 
+    def configurations(self, count: int) -> Float[np.ndarray, "n joints"]:
+        """Joint positions at `count` valid samples, evenly spaced; all if fewer."""
+        valid = np.ones(self.t.size, dtype=bool)
+        for column in (*self.q, *self.qd, *self.w, *self.x_WB, *self.qd_rw):
+            valid &= np.isfinite(column)
+        rows = np.flatnonzero(valid)
+        which = np.linspace(0, rows.size - 1, count).round().astype(int)
+        rows = rows[np.unique(which)]
+        return np.reshape([column[rows] for column in self.q], (-1, rows.size)).T
+
     def batch(self, start: int, size: int) -> Batch:
         """At most `size` samples from `start` on."""
         rows = slice(start, min(start + size, self.t.size))

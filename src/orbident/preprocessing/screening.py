@@ -1,6 +1,6 @@
 """What of a recording cannot be true: dead sensors, impossible angles, spikes."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -22,6 +22,14 @@ MARGIN = 0.05
 """Of a joint's range: beyond its stops by so much it cannot have been."""
 
 
+FARTHER = 2.0
+"""Times its range: no wrong zero, and no stop that was measured badly, lets a joint
+move so far."""
+
+UNITS = {"revolute": ("rad", "degrees", 2 * np.pi), "prismatic": ("m", "mm", 1.0)}
+"""By kind of joint: its unit, what it is mistaken for, and a motion in that which is
+nothing much, but farther than joints with stops go in the right one."""
+
 TILTED = 0.2
 """Sine of a tilt: no table is so steep, nor motion capture mounted so badly."""
 
@@ -36,6 +44,8 @@ class Screened:
     recording: Recording
     rejected: Mapping[str, Mapping[str, int]]
     """By column and reason, how many samples."""
+    notes: tuple[str, ...] = ()
+    """What cannot quite be true, and was left as it is."""
 
 
 def screened(robot: Robot, recording: Recording) -> Screened:
@@ -46,10 +56,11 @@ def screened(robot: Robot, recording: Recording) -> Screened:
         recording: of any sensors.
 
     Raises:
-        InputError: a sensor shows one value throughout while joints move, a joint was
-            beyond its stops, or the attitude of a planar robot leaves the plane.
+        InputError: a sensor shows one value throughout while joints move, a joint's
+            positions are in another unit, or the attitude of a planar robot leaves the
+            plane.
     """
-    _check_ranges(robot, recording)
+    notes = tuple(_beyond_ranges(robot, recording))
     _check_alive(robot, recording)
     _check_in_plane(robot, recording)
     columns, rejected = dict(recording.columns), {}
@@ -63,8 +74,8 @@ def screened(robot: Robot, recording: Recording) -> Screened:
             for name in names:
                 columns[name] = np.where(anywhere, np.nan, columns[name])
     if not rejected:
-        return Screened(recording, {})
-    return Screened(replace(recording, columns=columns), rejected)
+        return Screened(recording, {}, notes)
+    return Screened(replace(recording, columns=columns), rejected, notes)
 
 
 def in_words(rejected: Mapping[str, Mapping[str, int]]) -> tuple[str, ...]:
@@ -93,7 +104,12 @@ def _spikes(recording: Recording, name: str) -> np.ndarray:
     return find_spikes(recording.t, column, f"{recording.source}: '{name}'").mask
 
 
-def _check_ranges(robot: Robot, recording: Recording) -> None:
+def _beyond_ranges(robot: Robot, recording: Recording) -> Iterator[str]:
+    """Where joints were beyond their stops, in words.
+
+    Raises:
+        InputError: one moved as far as only another unit makes it.
+    """
     for joint in robot.joints:
         name = f"joint.{joint.name}.position"
         if joint.position is None or not recording.has(name):
@@ -102,13 +118,19 @@ def _check_ranges(robot: Robot, recording: Recording) -> None:
         lower, upper = joint.position
         slack = MARGIN * (upper - lower)
         beyond = np.flatnonzero((q < lower - slack) | (q > upper + slack))
-        if beyond.size:
+        if not beyond.size:
+            continue
+        found = (
+            f"column '{name}': {beyond.size} of {q.size} samples beyond the joint's "
+            f"range {lower:g} to {upper:g}, the first {q[beyond[0]]:.6g} at "
+            f"t = {recording.t[beyond[0]]:g} s"
+        )
+        right, wrong, least = UNITS[joint.kind]
+        if np.nanmax(q) - np.nanmin(q) > max(least, FARTHER * (upper - lower)):
             raise InputError(
-                f"{recording.source}: column '{name}': {beyond.size} of {q.size} "
-                f"samples beyond the joint's range {lower:g} to {upper:g}, the first "
-                f"{q[beyond[0]]:.6g} at t = {recording.t[beyond[0]]:g} s; check the "
-                "encoder and its unit (rad), or the limits in the robot file"
+                f"{recording.source}: {found}; it seems to be in {wrong}: give {right}"
             )
+        yield f"{found}; check the encoder's zero, or the limits in the robot file"
 
 
 def _check_alive(robot: Robot, recording: Recording) -> None:

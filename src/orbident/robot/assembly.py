@@ -77,7 +77,7 @@ def _wheels(
             raise InputError(
                 f"{where}: joint '{entry.joint}' is a wheel twice; keep one"
             )
-        found = rotor(tree, entry.joint, f"{where}.joint")
+        found = rotor(tree, entry.joint, where, entry.inertia)
         wheels.append(Wheel(entry.label, found.axis, found.inertia, entry.mode))
         warnings += found.warnings
     return tuple(wheels), warnings

@@ -54,11 +54,10 @@ class WheelEntry(Section):
     def _one_kind(self) -> "WheelEntry":
         given = {"axis": self.axis, "inertia": self.inertia}
         if self.joint is not None:
-            extra = [key for key, value in given.items() if value is not None]
-            if extra:
+            if self.axis is not None:
                 raise InputError(
-                    f"'joint' and {' and '.join(map(repr, extra))} exclude each other: "
-                    "a wheel on a URDF joint takes both from there; keep one"
+                    "'joint' and 'axis' exclude each other: a wheel on a URDF joint "
+                    "takes its axis from there; keep one"
                 )
             return self
         missing = [

@@ -3,7 +3,7 @@
 import math
 from typing import Annotated, Any
 
-from pydantic import BeforeValidator, field_validator
+from pydantic import BeforeValidator, field_validator, model_validator
 
 from orbident.files.bounds import SMALLEST
 from orbident.files.schema_parts import (
@@ -118,10 +118,17 @@ class Accelerometer(Inertial):
 
 
 class Encoder(Sampled):
-    """Standard deviation of an angle that is read, and one count of it."""
+    """Standard deviations of an angle and of a rate that are read, and one count."""
 
-    position: Angle
+    position: Angle | None = None
     resolution: Angle | None = None
+    tachometer: Annotated[float, _measure("angular rate")] | None = None
+
+    @model_validator(mode="after")
+    def _something(self) -> "Encoder":
+        if self.position is None and self.tachometer is None:
+            raise WrongValueError("give position, tachometer or both")
+        return self
 
 
 class Attitude(Sampled):

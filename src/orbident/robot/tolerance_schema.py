@@ -9,7 +9,7 @@ from orbident.errors import InputError
 from orbident.files.names import quoted, suggestion
 from orbident.files.schema_parts import Section, WrongValueError
 from orbident.robot.description import Joint
-from orbident.robot.sensor_schema import Angle, Length, Share, at_least_zero
+from orbident.robot.sensor_schema import Angle, Length, Share, Time, at_least_zero
 from orbident.robot.tolerances import Tolerances
 
 EVERY = "*"
@@ -62,6 +62,14 @@ class PositionTolerances(Section):
     scale: Share = 0.0
 
 
+class ClockTolerances(Section):
+    """How late instruments may be shown."""
+
+    joints: Time = 0.0
+    attitude: Time = 0.0
+    position: Time = 0.0
+
+
 class TolerancesEntry(Section):
     """Standard deviations of calibration errors; what is absent is exact."""
 
@@ -73,6 +81,7 @@ class TolerancesEntry(Section):
     attitude: AttitudeTolerances = AttitudeTolerances()
     gyro: GyroTolerances = GyroTolerances()
     position: PositionTolerances = PositionTolerances()
+    clocks: ClockTolerances = ClockTolerances()
 
     def in_si(self, joints: Sequence[Joint], place: str) -> Tolerances:
         """The tolerances of a robot with these joints.
@@ -102,6 +111,9 @@ class TolerancesEntry(Section):
             gyro_misalignment=self.gyro.misalignment,
             gyro_scale=self.gyro.scale,
             position_scale=self.position.scale,
+            joint_clock=self.clocks.joints,
+            attitude_clock=self.clocks.attitude,
+            position_clock=self.clocks.position,
         )
 
 

@@ -24,3 +24,9 @@ class Tolerances:
     """Of each axis, relative."""
     position_scale: float = 0.0
     """Of the position, relative."""
+    joint_clock: float = 0.0
+    """By how much joints and wheels are shown late, s."""
+    attitude_clock: float = 0.0
+    """By how much the attitude is shown late, s."""
+    position_clock: float = 0.0
+    """By how much the position is shown late, s."""

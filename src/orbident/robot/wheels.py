@@ -32,7 +32,9 @@ class Rotor:
     warnings: tuple[str, ...]
 
 
-def rotor(tree: LinkTree, joint_name: str, where: str) -> Rotor:
+def rotor(
+    tree: LinkTree, joint_name: str, where: str, declared: float | None = None
+) -> Rotor:
     """The rotor on a URDF joint.
 
     Args:
@@ -40,41 +42,53 @@ def rotor(tree: LinkTree, joint_name: str, where: str) -> Rotor:
         joint_name: a revolute or continuous joint on the base, whose subtree is
             rigid.
         where: file and key, for messages.
+        declared: inertia about the axis, kg m^2, of a rotor that the URDF gives none.
+            It is already part of the base, as that of a wheel without a joint.
 
     Raises:
         InputError: no such joint, one that cannot be a wheel, or a rotor without
-            inertia about its axis.
+            inertia about its axis, or with two.
     """
+    key = f"{where}.joint"
     joints = {j.name: j for below in tree.children.values() for j in below}
     joint = joints.get(joint_name)
     if joint is None:
         raise InputError(
-            f"{where}: no joint {joint_name!r}; "
+            f"{key}: no joint {joint_name!r}; "
             + suggestion(joint_name, joints, "joints")
         )
     if joint.kind not in {"revolute", "continuous"}:
         raise InputError(
-            f"{where}: joint '{joint_name}' is {joint.kind}; a wheel needs a revolute "
+            f"{key}: joint '{joint_name}' is {joint.kind}; a wheel needs a revolute "
             "or continuous joint"
         )
     on_base = fused(tree).placements.get(joint.parent)
     if on_base is None or on_base.body != 0:
         raise InputError(
-            f"{where}: joint '{joint_name}' is on link '{joint.parent}', which moves; "
+            f"{key}: joint '{joint_name}' is on link '{joint.parent}', which moves; "
             "a wheel must be on the base"
         )
     turning = fused(tree, root=joint.child)
     if turning.joints:
         raise InputError(
-            f"{where}: joint '{turning.joints[0].name}' moves below the wheel's joint "
+            f"{key}: joint '{turning.joints[0].name}' moves below the wheel's joint "
             f"'{joint_name}'; a rotor must be rigid"
         )
     theta = turning.theta[0]
     inertia = float(joint.axis @ inertia_matrix(theta) @ joint.axis)
+    if declared is not None:
+        if inertia > 0:
+            raise InputError(
+                f"{where}.inertia: found {declared:g} kg m^2, but the URDF gives the "
+                f"rotor on joint '{joint_name}' {inertia:g} kg m^2 about its axis; "
+                "keep one"
+            )
+        inertia = declared
     if inertia <= 0:
         raise InputError(
-            f"{where}: the rotor on joint '{joint_name}' has inertia {inertia:g} "
-            "kg m^2 about its axis; give its link an <inertial>"
+            f"{key}: the rotor on joint '{joint_name}' has inertia {inertia:g} "
+            "kg m^2 about its axis; give its link an <inertial>, or the wheel an "
+            "'inertia' in the robot file"
         )
     axis = on_base.R @ joint.R @ joint.axis
     return Rotor(axis, inertia, _imbalance(joint, theta, inertia))

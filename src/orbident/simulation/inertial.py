@@ -9,13 +9,9 @@ from scipy.spatial.transform import Rotation
 
 from orbident.errors import InputError
 from orbident.model.rotations import quaternion_matrix, rotate_back
+from orbident.robot.sensor_bias import CORRELATION_TIME
 from orbident.simulation.noise import bias_drift, gaussian, random_walk_rate
 from orbident.simulation.sensor import Sensor, require
-
-CORRELATION_TIME = 3600.0
-"""s. Data sheets give none; an hour is usual for tactical-grade units, and makes the
-bias of a record of minutes all but constant, as the paper's own error analysis has it.
-"""
 
 Vector = tuple[float, float, float]
 NONE: Vector = (0.0, 0.0, 0.0)

@@ -27,9 +27,9 @@ def measure(
     """Record a free-floating motion with the sensors of the robot's file.
 
     A sensor that the file does not declare has no columns, but joint positions are
-    always there, exact where there are no encoders. Encoders of wheels show angles;
-    speeds of joints and wheels are not measured. Every sensor draws from a stream of
-    its own, so that none changes another's noise.
+    always there, exact where there are no encoders. Rates of joints and speeds of
+    wheels are there where the file declares a tachometer. Every sensor draws from a
+    stream of its own, so that none changes another's noise.
 
     Args:
         robot: with its nominal inertia and its sensors.
@@ -92,7 +92,7 @@ class Channel(NamedTuple):
     key: str
     """Of the sensor section."""
     name: str
-    """Of the columns, before the dot; and of the stream of random numbers."""
+    """Of the columns, before the dot."""
     components: Sequence[str]
     """Of the columns, after the dot."""
     true: Float[np.ndarray, "rows true"]
@@ -100,12 +100,28 @@ class Channel(NamedTuple):
     read: Reading | None = None
     """Instead of the sensor's own."""
 
+    @property
+    def stream(self) -> str:
+        """The name of the stream of random numbers: a tachometer has one of its own."""
+        rate = self.components[0] in {"velocity", "speed"}
+        return f"{self.name}.{self.components[0]}" if rate else self.name
+
 
 def _channels(robot: Robot, sensors: Sensors, true: Truth) -> Iterator[Channel]:
+    joints, wheels = sensors.joints, sensors.wheels
     for k, name in enumerate(robot.joint_names):
-        yield Channel("joints", f"joint.{name}", ("position",), true.q[:, [k]])
+        joint = f"joint.{name}"
+        yield Channel("joints", joint, ("position",), true.q[:, [k]])
+        if joints is not None and joints.tachometer is not None:
+            rate = true.qd[:, [k]]
+            yield Channel("joints", joint, ("velocity",), rate, joints.read_rates)
     for k, name in enumerate(robot.wheel_names):
-        yield Channel("wheels", f"wheel.{name}", ("position",), true.q_rw[:, [k]])
+        wheel = f"wheel.{name}"
+        if wheels is not None and wheels.position is not None:
+            yield Channel("wheels", wheel, ("position",), true.q_rw[:, [k]])
+        if wheels is not None and wheels.tachometer is not None:
+            speed = true.qd_rw[:, [k]]
+            yield Channel("wheels", wheel, ("speed",), speed, wheels.read_rates)
     yield Channel("gyro", "gyro", "xyz", true.gyro)
     if sensors.accelerometer is not None and sensors.accelerometer.increments:
         pose = np.hstack([true.attitude, true.velocity])
@@ -121,7 +137,7 @@ def _measured(
     channel: Channel, sensor: Sensor, t: Float[np.ndarray, " rows"], seed: int
 ) -> Float[np.ndarray, "rows axes"]:
     """A sensor's samples; what is wrong with it is said with its place in the file."""
-    random = stream(seed, channel.name)
+    random = stream(seed, channel.stream)
     try:
         return sensor.sample(t, channel.true, random, channel.read)
     except InputError as error:

@@ -10,11 +10,7 @@ instability `B` is read.
 import numpy as np
 from jaxtyping import Float
 
-FLICKER_FLOOR = float(np.sqrt(2 * np.log(2) / np.pi))
-"""Allan deviation of flicker noise over its coefficient B: 0.664."""
-
-MARKOV_PEAK = 0.617364
-"""Largest Allan deviation of a first-order Gauss-Markov process over its std."""
+from orbident.robot.sensor_bias import markov_std
 
 MARKOV_PEAK_AT = 1.8926
 """The averaging time of that peak, over the correlation time."""
@@ -57,9 +53,9 @@ def bias_drift(
     """How a bias wanders from its value at turn-on: a first-order Gauss-Markov process.
 
     `b_k = exp(-dt/T) b_{k-1} + s sqrt(1 - exp(-2 dt/T)) n_k`, `b_0 = 0` (IEEE 952,
-    C.1.5). Flicker noise has no finite-dimensional model; this one has an Allan
-    deviation that peaks at `0.664 B`, flicker's floor, at the averaging time 1.89 T:
-    `s = 0.664 B / 0.617 = 1.076 B`. For shorter times it rises as `sqrt(tau)`.
+    C.1.5), with `s` as `orbident.robot.sensor_bias` has it: the Allan deviation peaks
+    at flicker's floor, `0.664 B`, at the averaging time 1.89 T. For shorter times it
+    rises as `sqrt(tau)`.
 
     Args:
         random: the sensor's stream.
@@ -79,16 +75,6 @@ def bias_drift(
     from scipy.signal import lfilter
 
     return np.asarray(lfilter([1.0], [1.0, -np.exp(-dt / correlation_time)], kicks, 0))
-
-
-def markov_std(B: float) -> float:
-    """Of the Gauss-Markov process with flicker's floor."""
-    return FLICKER_FLOOR / MARKOV_PEAK * B
-
-
-def bias_walk(B: float, correlation_time: float) -> float:
-    """The random walk that the drift is at first, per square root of a second."""
-    return markov_std(B) * float(np.sqrt(2 / correlation_time))
 
 
 def quantised(x: Float[np.ndarray, "*n"], step: float) -> Float[np.ndarray, "*n"]:

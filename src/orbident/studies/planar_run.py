@@ -8,7 +8,7 @@ from jaxtyping import Float
 from orbident.estimation.identify import Method, identify
 from orbident.estimation.result import Result
 from orbident.estimation.weigh import Weighing, weigh
-from orbident.identified.validate import Validation, validate
+from orbident.identified.validate import Validation, scored
 from orbident.model.minimal_sets import minimal_sets
 from orbident.model.paper_bases import PaperBasis, paper_basis, planar_columns
 from orbident.recordings.recording import Recording
@@ -17,6 +17,7 @@ from orbident.studies import tables
 from orbident.studies.filters import Filters
 from orbident.studies.flight_record import ideal_record, measured_record
 from orbident.studies.mocap_method import from_mocap
+from orbident.studies.paper_method import paper_method
 from orbident.studies.planar_flights import Flights
 from orbident.studies.slopes import mass_by_slopes
 
@@ -103,7 +104,8 @@ class PaperFilters(NamedTuple):
 def run_ideal(robot: Robot, flights: Flights, method: Method) -> Run:
     """With ideal sensors of everything: there is nothing to be filtered."""
     records = Records(*(ideal_record(robot, flight) for flight in flights))
-    reading = _read(robot, method, records.identification, records.validation)
+    result = identify(robot, records.identification, method, "at-rest")
+    reading = _read(result, records.identification, records.validation)
     return _run(robot, records, {method: reading})
 
 
@@ -127,13 +129,13 @@ def run_noisy(
         )
     )
     raw = records.identification, records.validation
-    filtered = (
+    filtered = [
         from_mocap(robot, recording, own)
         for recording, own in zip(raw, filters, strict=True)
-    )
+    ]
     readings = {
-        "paper": _read(robot, "least-squares", *filtered),
-        method: _read(robot, method, *raw),
+        "paper": _read(paper_method(robot, filtered[0], "at-rest"), *filtered),
+        method: _read(identify(robot, raw[0], method, "at-rest"), *raw),
     }
     return _run(robot, records, readings)
 
@@ -143,10 +145,7 @@ def _run(robot: Robot, records: Records, readings: dict[str, Reading]) -> Run:
     return Run(records, readings, weigh(robot, burn), mass_by_slopes(burn))
 
 
-def _read(
-    robot: Robot, method: Method, identification: Recording, validation: Recording
-) -> Reading:
-    result = identify(robot, identification, method, "at-rest")
+def _read(result: Result, identification: Recording, validation: Recording) -> Reading:
     complete = np.isfinite([*result.pi.values, *result.phi.values]).all()
-    scores = validate(result, validation) if complete else None
+    scores = scored(result, validation) if complete else None
     return Reading(result, identification, validation, scores)

@@ -28,6 +28,7 @@ from orbident.studies.comparison import Row
 from orbident.studies.filters import Filters
 from orbident.studies.imu_method import from_imu
 from orbident.studies.noise import sensors_alone
+from orbident.studies.paper_method import paper_method
 from orbident.studies.spatial import spatial_robot, spatial_trajectory
 from orbident.trajectories.trajectory import Trajectory
 
@@ -243,7 +244,7 @@ class _Noisy(NamedTuple):
 
     def identified(self, recording: Recording) -> Result:
         if self.method == "paper":
-            return identify(self.robot, recording, "least-squares", "first-sample")
+            return paper_method(self.robot, recording, "first-sample")
         return identify(self.robot, recording, self.method)
 
     def errors(self, seed: int) -> Float[np.ndarray, " parameters"]:

@@ -2,9 +2,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from clean_recordings import RATE, clean_space
 from edited_recordings import changed
 from random_motions import random_motion
 
+import orbident as oi
 from orbident.estimation.clocks import in_words, joint_clocks, joint_delay
 from orbident.model.minimal_sets import minimal_sets
 from orbident.preprocessing.base_motion import AXES as GYRO
@@ -119,3 +121,39 @@ def test_too_few_complete_samples_show_no_delay(rows):
         column[:rows] = flight.columns[name][:rows]
     samples = samples_of(SPATIAL, changed(flight, few))
     assert joint_clocks(SPATIAL, minimal_sets(SPATIAL), samples, "unknown") == {}
+
+
+@pytest.mark.parametrize("who", [("joint.", "wheel."), ("attitude.", "position.")])
+@pytest.mark.parametrize("seconds", [1.5, 6.0])
+def test_clocks_that_were_never_set_together_are_refused(who, seconds):
+    """Not corrected: the message names which, by how much, and what to do."""
+    flown = clean_space(seed=2)
+    rows = round(seconds * RATE)
+    columns = {
+        name: column[:-rows] if name.startswith(who) else column[rows:]
+        for name, column in flown.recording.columns.items()
+    }
+    late = oi.Recording(flown.recording.t[:-rows], columns)
+    result = oi.identify(flown.robot, late)
+    assert result.level == "do not trust"
+    assert not any("corrected" in note for note in result.notes)
+    assert np.isnan(result.mass.value)
+    # Joints move so much in 6 s that the search for their delay loses its way.
+    if who == ("joint.", "wheel.") and seconds > 5:
+        return
+    assert f"is about {seconds:.2g} s behind" in result.refusal()
+    assert "one clock" in result.refusal()
+
+
+def test_a_camera_that_is_late_is_corrected_as_before():
+    flown = clean_space(seed=2)
+    rows = 4
+    columns = {
+        name: column[:-rows] if name.startswith(("attitude.", "pos")) else column[rows:]
+        for name, column in flown.recording.columns.items()
+    }
+    late = oi.Recording(flown.recording.t[:-rows], columns)
+    result = oi.identify(flown.robot, late)
+    assert result.level == "trust", result.warnings
+    assert result.clocks["attitude"].late == pytest.approx(0.4, abs=2e-3)
+    assert np.abs(flown.z(result)).max() < 4

@@ -10,9 +10,11 @@ from scipy.spatial.transform import Rotation
 
 import orbident as oi
 from orbident.estimation.found import found_beta
+from orbident.estimation.least_squares import LeastSquares
 from orbident.estimation.linear_fits import Fits, fit
 from orbident.estimation.nonlinear_fit import beta_of_fits
 from orbident.estimation.prior import WIDE, prior_std
+from orbident.estimation.problem import momentum_problems
 from orbident.model import minimal_sets as model
 from orbident.model.derivatives import sets_of_beta
 from orbident.model.minimal_sets import minimal_sets
@@ -114,15 +116,17 @@ def test_keeping_the_structure_makes_nothing_less_sure(robot):
     The mass by all forms of Eq. 32, weighed by their covariance, does already.
     """
     recording = oi.simulate(robot, random_motion(robot), noise="sensors", seed=2)
-    apart = oi.identify(robot, recording, "least-squares")
-    sets, fits = minimal_sets(robot), apart.fits
-    assert fits is not None
-    estimate = beta_of_fits(robot, sets, fits)
-    pi = np.sqrt(np.diag(found_beta(robot, sets, estimate).pi.covariance))
+    problem, *_ = momentum_problems(robot, recording, "unknown", lambda _: None)
+    apart = LeastSquares().estimate(problem, lambda _: None)
+    estimate = beta_of_fits(robot, problem.sets, problem.fits)
+    found = found_beta(robot, problem.sets, estimate)
+    together, alone = (
+        np.sqrt(np.diag(each.pi.covariance)) for each in (found, apart.found)
+    )
     # The covariances are taken at slightly different estimates.
     assert estimate.mass[1] == pytest.approx(apart.mass.std, rel=1e-3)
-    assert (pi <= 1.001 * apart.pi.std).all()
-    assert (pi < 0.9 * apart.pi.std).any()
+    assert (together <= 1.001 * alone).all()
+    assert (together < 0.9 * alone).any()
 
 
 def test_what_no_motion_shows_is_as_unsure_as_the_prior(robot):

@@ -76,13 +76,20 @@ def test_in_the_plane_two_axes_rest():
     assert not screened(robot, flight).rejected
 
 
-def test_an_angle_beyond_the_stops_is_refused_with_place_and_count():
+def test_an_angle_beyond_the_stops_is_warned_of_with_place_and_count():
     q = FLIGHT.columns["joint.joint2.position"].copy()
     q[300:310] = 5.0
+    (note,) = screened(ROBOT, changed(joint__joint2__position=q)).notes
+    assert note.startswith(
+        "column 'joint.joint2.position': 10 of 801 samples beyond the joint's range "
+        "-4 to 4, the first 5 at t = 15 s; check the encoder's zero"
+    )
+
+
+def test_degrees_are_refused():
+    q = np.degrees(FLIGHT.columns["joint.joint2.position"])
     with pytest.raises(
-        InputError,
-        match=r"'joint.joint2.position': 10 of 801 samples beyond the joint's range "
-        r"-4 to 4, the first 5 at t = 15 s",
+        InputError, match=r"beyond the joint's range -4 to 4.*in degrees: give rad"
     ):
         screened(ROBOT, changed(joint__joint2__position=q))
 

@@ -15,9 +15,11 @@ def test_refused():
     assert any("record one of them" in check.words for check in said.checks)
 
 
-def test_linear_deviations_are_for_white_noise():
+def test_a_linear_fit_is_judged_by_what_the_sensors_show():
     said = verdict_of(report_runs.result())
-    assert said.level == "with care"
-    assert said.style == "with-care"
+    assert said.level == "trust"
     assert said.mass.endswith(" kg)")
-    assert any("takes the noise for white" in check.words for check in said.checks)
+    (agreement,) = (check for check in said.checks if check.name == "agreement")
+    assert agreement.passed
+    assert agreement.statistic < agreement.limit
+    assert {"whiteness of gyro", "instruments"} <= {check.name for check in said.checks}

@@ -27,6 +27,7 @@ tolerances:
   attitude: {misalignment: 0.5 deg}
   gyro: {misalignment: 0.25 deg, scale: 300 ppm}
   position: {scale: 0.01}
+  clocks: {joints: 5 ms, attitude: 0.002, position: 1000 us}
 """
     ).tolerances
     assert set(found.joint_zero.values()) == {5e-3}
@@ -37,6 +38,9 @@ tolerances:
     assert found.gyro_misalignment == pytest.approx(math.radians(0.25))
     assert found.gyro_scale == pytest.approx(3e-4)
     assert found.position_scale == 0.01
+    assert found.joint_clock == 5e-3
+    assert found.attitude_clock == 2e-3
+    assert found.position_clock == pytest.approx(1e-3)
 
 
 def test_joints_by_name(load_yaml):
@@ -71,6 +75,10 @@ def test_the_zero_of_a_joint_that_slides_is_a_length(load_yaml):
         ),
         ("position: {misalignment: 1 deg}", "unknown key 'misalignment'"),
         ("camera: {scale: 1 %}", "unknown key 'camera'"),
+        ("clocks: {joints: 5 mm}", "unknown unit 'mm' of a time"),
+        ("clocks: {attitude: -2 ms}", "found '-2 ms'; give zero or more"),
+        ("clocks: {gyro: 2 ms}", "unknown key 'gyro'"),
+        ("clocks: 2 ms", r"tolerances\.clocks: found '2 ms'"),
     ],
 )
 def test_what_is_no_tolerance_is_refused_in_one_line(load_yaml, section, message):

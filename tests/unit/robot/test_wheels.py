@@ -80,10 +80,29 @@ def test_a_rotor_that_is_not_axisymmetric_is_warned_of(load_yaml):
         ),
         ("{joint: rw}", spacecraft(link("rotor", None)), "has inertia 0 kg m"),
         ("{joint: rw, axis: [1, 0, 0]}", spacecraft(BALANCED), "'joint' and 'axis'"),
-        ("{joint: rw, inertia: 1}", spacecraft(BALANCED), "'joint' and 'inertia'"),
+        (
+            "{joint: rw, inertia: 1}",
+            spacecraft(BALANCED),
+            "URDF gives the rotor on joint 'rw' 0.05",
+        ),
         ("{joint: rw}, {name: b, joint: rw}", spacecraft(BALANCED), "wheel twice"),
     ],
 )
 def test_what_cannot_be_a_wheel_is_refused(load_yaml, wheel, text, message):
     with pytest.raises(InputError, match=message):
         load_yaml(f"wheels: [{wheel}]", text)
+
+
+def test_a_rotor_without_inertial_is_given_its_inertia_in_the_file(load_yaml):
+    bare = '<link name="rotor"/>'
+    robot = load_yaml("wheels: [{joint: rw, inertia: 0.05}]", spacecraft(bare))
+    (wheel,) = robot.wheels
+    assert wheel.inertia == 0.05
+    np.testing.assert_allclose(wheel.axis, [np.sin(0.5), 0, np.cos(0.5)], atol=1e-15)
+    without = load_yaml("", spacecraft(bare, kind="fixed"))
+    np.testing.assert_array_equal(robot.theta, without.theta)
+
+
+def test_a_rotor_is_not_given_two_inertias(load_yaml):
+    with pytest.raises(InputError, match=r"wheels\[0\].inertia: found 0.07.*0.05"):
+        load_yaml("wheels: [{joint: rw, inertia: 0.07}]", spacecraft(BALANCED))

@@ -2,9 +2,8 @@ import numpy as np
 import pytest
 from allan import allan_deviation
 
+from orbident.robot.sensor_bias import FLICKER_FLOOR, MARKOV_PEAK
 from orbident.simulation.noise import (
-    FLICKER_FLOOR,
-    MARKOV_PEAK,
     MARKOV_PEAK_AT,
     bias_drift,
     gaussian,

@@ -6,11 +6,14 @@
 //   attitude        shown R_WB R(m)
 //   gyro            shown (1 + diag(s)) R(m)^T w + bias
 //   position        shown (1 + p) times the position
+//   clocks          what joints and wheels, the attitude sensor or the tracker show is l old: to first
+//                   order in l, q = q_shown + l qd_shown, and what is shown is x - l x'
 //
 // m turns the base's axes into the instrument's: a vector along the axis, of length 2 sin(angle / 2).
 // A motion has columns of the calibrations that are selected, by their places among all:
 //
-//   [z, each joint | s, each joint | g, each wheel | d 3 | attitude m 3 | gyro m 3 | gyro s 3 | p]
+//   [z, each joint | s, each joint | g, each wheel | d 3 | attitude m 3 | gyro m 3 | gyro s 3 | p |
+//    l of joints, of attitude, of position]
 #pragma once
 
 #include "orbident/sensors.hpp"
@@ -27,7 +30,10 @@ struct CalibrationPlaces {
   int gyro() const { return attitude() + 3; }
   int gyro_scale() const { return gyro() + 3; }
   int position() const { return gyro_scale() + 3; }
-  int count() const { return position() + 1; }
+  int joint_clock() const { return position() + 1; }
+  int attitude_clock() const { return joint_clock() + 1; }
+  int position_clock() const { return attitude_clock() + 1; }
+  int count() const { return position_clock() + 1; }
 };
 
 // Which calibrations have columns, and the values of all.
@@ -75,30 +81,49 @@ void add_selected(const IntervalColumns& columns, const Calibration<T>& calibrat
   }
 }
 
-// Changes of the terms at a node with zeros and scales of joints, and with the wheels' inertia.
-//
-//   q, qd        as the encoders show
-//   A_rw, qd_rw  a_i I_i, three numbers each, and the wheels' rates
+// Adds what a joint's change by x, and of its rate by v, does to the terms.
 template <class T>
-void write_calibrations(const IntervalColumns& columns, const Calibration<T>& calibration, const T* q,
-                        const T* qd, const T* A_rw, const T* qd_rw, const TermsMemory<T>& memory,
-                        T* by) {
+void add_joint(const TermsMemory<T>& memory, int k, const T& x, const T& v, T* column,
+               std::ptrdiff_t stride) {
+  const MomentumTerms<T>&by_q = memory.by_q[k], &by_qd = memory.by_qd[k];
+  T change[BY_ROWS];
+  write_change<T>({x * by_q.D, x * by_q.h_q + v * by_qd.h_q, x * by_q.r_cm,
+                   x * by_q.v_q + v * by_qd.v_q},
+                  change, 1);
+  for (int r = 0; r < BY_ROWS; ++r) column[r * stride] += change[r];
+}
+
+// What encoders and wheels show at a node.
+template <class T>
+struct Shown {
+  const T *q, *qd, *qdd;
+  const T *qd_rw, *qdd_rw;
+};
+
+// Changes of the terms at a node with zeros, scales and clock of joints, and with the wheels' inertia;
+// A_rw: a_i I_i, three numbers each.
+template <class T>
+void write_calibrations(const IntervalColumns& columns, const Calibration<T>& calibration,
+                        const Shown<T>& shown, const T* A_rw, const TermsMemory<T>& memory, T* by) {
   const CalibrationPlaces& places = calibration.places;
   const int n = columns.count();
+  const auto add_wheel = [&](int i, const T& rate, T* column) {
+    for (int axis = 0; axis < 3; ++axis) column[(BY_H + axis) * n] += A_rw[3 * i + axis] * rate;
+  };
   for (int c = 0; c < columns.calibrations; ++c) {
     T* column = by + columns.calibration() + c;
     const int place = calibration.selected[c];
-    if (place < places.wheel()) {
+    for (int r = 0; r < BY_ROWS; ++r) column[r * n] = T(0);
+    if (place == places.joint_clock()) {
+      for (int k = 0; k < places.joints; ++k) add_joint(memory, k, shown.qd[k], shown.qdd[k], column, n);
+      for (int i = 0; i < places.wheels; ++i) add_wheel(i, shown.qdd_rw[i], column);
+    } else if (place < places.wheel()) {
       const bool zero = place < places.scale();
       const int k = place - (zero ? places.zero() : places.scale());
-      const T x = zero ? T(1) : q[k], v = zero ? T(0) : qd[k];
-      const MomentumTerms<T>&by_q = memory.by_q[k], &by_qd = memory.by_qd[k];
-      write_change<T>({x * by_q.D, x * by_q.h_q + v * by_qd.h_q, x * by_q.r_cm,
-                       x * by_q.v_q + v * by_qd.v_q},
-                      column, n);
+      add_joint(memory, k, zero ? T(1) : shown.q[k], zero ? T(0) : shown.qd[k], column, n);
     } else if (place < places.feature_point()) {
       const int i = place - places.wheel();
-      for (int axis = 0; axis < 3; ++axis) column[(BY_H + axis) * n] = A_rw[3 * i + axis] * qd_rw[i];
+      add_wheel(i, shown.qd_rw[i], column);
     }
   }
 }
@@ -122,27 +147,46 @@ void calibrate_gyro(const IntervalColumns& columns, const Calibration<T>& calibr
 
 template <class T>
 void calibrate_attitude(const IntervalColumns& columns, const Calibration<T>& calibration,
-                        Quaternion<T>& shown, T* slopes) {
-  const int place = calibration.places.attitude();
+                        const BaseNode<T>& base, Quaternion<T>& shown, T* slopes) {
+  const CalibrationPlaces& places = calibration.places;
+  const int place = places.attitude(), clock = places.attitude_clock();
+  const T l = calibration.values[clock];
+  const Misalignment<T> old(Vector3<T>(-l * base.w));
   const Misalignment<T> m(calibration.vector(place));
-  shown = composed(shown, m.x);
-  transform<T>(m.R.transpose(), columns.count(), slopes);
+  shown = composed(Quaternion<T>(composed(shown, old.x)), m.x);
+  const Matrix3<T> by_w = m.R.transpose() * old.by_m;
+  const int n = columns.count();
+  transform<T>((old.R * m.R).transpose(), n, slopes);
+  if (l != T(0)) TableRows<T, 3>(slopes, 3, n) -= (l * by_w).lazyProduct(TableRows<T, 3>(base.dw, 3, n));
   add_selected(columns, calibration, place, m.by_m, slopes);
+  add_selected<T>(columns, calibration, clock, Vector3<T>(-(by_w * base.w)), slopes);
 }
 
+// by_v: slopes of the velocity relative to the CM.
 template <class T>
 void calibrate_position(const IntervalColumns& columns, const Calibration<T>& calibration,
-                        const BaseNode<T>& base, Vector3<T>& shown, T* slopes) {
+                        const JointNode<T>& joints, const BaseNode<T>& base, const T* outside,
+                        const T* by_v, Vector3<T>& shown, T* slopes) {
   const CalibrationPlaces& places = calibration.places;
   const Vector3<T> d = calibration.vector(places.feature_point());
   const T gain = T(1) + calibration.values[places.position()];
-  const Vector3<T> tracked = shown + base.R_WB * d;
+  const int clock = places.position_clock(), n = columns.count();
+  const T l = calibration.values[clock];
+  const Vector3<T> v = velocity(joints, base, outside);
+  const Vector3<T> tracked = shown + base.R_WB * d - l * v;
   shown = gain * tracked;
-  TableRows<T, 3> table(slopes, 3, columns.count());
-  const TableRows<T, 3> phi(base.phi, 3, columns.count());
+  TableRows<T, 3> table(slopes, 3, n);
+  const TableRows<T, 3> phi(base.phi, 3, n);
+  if (l != T(0)) {
+    Contributions<T> parts = contributions(joints.t);
+    for (T& part : parts.v_cm) part *= -l;
+    add_outside(columns, parts.v_cm, table);
+    table -= l * ConstTableRows<T, 3>(by_v, 3, n);
+  }
   table = gain * (table - Matrix3<T>(base.R_WB * cross_matrix(d)).lazyProduct(phi));
   add_selected<T>(columns, calibration, places.feature_point(), Matrix3<T>(gain * base.R_WB), slopes);
   add_selected(columns, calibration, places.position(), tracked, slopes);
+  add_selected<T>(columns, calibration, clock, Vector3<T>(-gain * v), slopes);
 }
 
 template <class T>

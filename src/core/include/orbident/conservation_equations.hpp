@@ -84,7 +84,7 @@ inline Measurement measurement_at(const Robot& robot, const double* packed) {
 struct EquationMemory {
   Bodies<double> bodies;
   double* theta;    // bodies x 10
-  double* columns;  // S, P and A: 3 x 3 x theta
+  double* columns;  // S, P and A: 3 x 3 x theta; zero before the first sample
   double* sigma;    // 3 x phi
   double* Y;        // 3 x pi
   double* W;        // 3 x phi

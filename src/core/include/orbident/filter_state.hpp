@@ -52,6 +52,7 @@ struct FilterState {
   double* t;      // of the last sample, s; NaN before the first
   double* w;      // the gyro's last sample, rad/s
   double* R_WB;   // 3 x 3, row-major
+  double* linear;  // points in a row at which y(beta) was linear (hand_over.hpp)
   double* top;    // [N | Y | z], N x + Y y = z, N upper triangular
   double* R;      // [R | z], R y = z, upper triangular
   double* beta;   // the estimate [M, sigma, iota]
@@ -65,6 +66,7 @@ inline FilterState state_in(const FilterSizes& size, Memory& memory) {
   state.t = memory.take(1);
   state.w = memory.take(3);
   state.R_WB = memory.take(9);
+  state.linear = memory.take(1);
   state.top = memory.take(size.nuisances, size.top_stride());
   state.R = memory.take(size.parameters, size.R_stride());
   state.beta = memory.take(size.betas());
@@ -121,6 +123,7 @@ inline void begin(const FilterModel& model, double t, const Matrix& R_WB, const 
   const int n = size.nuisances, y = size.parameters, k = size.betas(), stride = size.beta_stride();
   const ConservationModel& laws = model.laws;
   *state.t = t;
+  *state.linear = 0.0;
   for (int i = 0; i < 3; ++i) state.w[i] = std::nan("");
   for (int i = 0; i < 9; ++i) state.R_WB[i] = R_WB(i / 3, i % 3);
   for (long i = 0; i < static_cast<long>(n) * size.top_stride(); ++i) state.top[i] = 0.0;

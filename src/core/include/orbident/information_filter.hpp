@@ -7,16 +7,13 @@
 //   beta = argmin |R y(beta) - z|^2 + |root (beta - beta_0)|^2
 //
 // A filter whose state is beta alone would linearise every sample about another beta and take the
-// differences for information: from CAD values it gets lost.
-//
-// No smaller vector will do: pi and phi are linear in none. For two arms of seven joints y has 527
-// entries and beta 108, and y(beta) spans all 527. Linearised once, about the estimate after 10 s of
-// motion (CAD values 20 % off), the end is wrong by chi-square 3e5; about that after 20 s, by 1e-3.
+// differences for information: from CAD values it gets lost. No smaller vector than y will do, which
+// y(beta) spans. Once the estimate is good enough, [x | beta] takes over (hand_over.hpp).
 //
 // No function here allocates memory, throws, or keeps anything: state and room are the caller's.
 #pragma once
 
-#include "orbident/filter_state.hpp"
+#include "orbident/hand_over.hpp"
 
 namespace orbident {
 
@@ -31,24 +28,6 @@ struct Innovation {
 // In the plane momentum has its last component alone.
 inline Vector momentum_in(const FilterModel& model, const double* x) {
   return model.laws.axes.momenta == 1 ? Vector(0.0, 0.0, x[0]) : Vector(x[0], x[1], x[2]);
-}
-
-// x . y in four sums of every fourth entry: a fixed order that vectors of any width keep.
-inline double dot(const double* x, const double* y, int n) {
-  double sums[4] = {0.0, 0.0, 0.0, 0.0};
-  int k = 0;
-  for (; k + 4 <= n; k += 4)
-    for (int l = 0; l < 4; ++l) sums[l] += x[k + l] * y[k + l];
-  for (; k < n; ++k) sums[0] += x[k] * y[k];
-  return (sums[0] + sums[1]) + (sums[2] + sums[3]);
-}
-
-// x of R x = z, from n rows [R | z] at a stride.
-inline void solve_triangle(const double* R_z, int stride, int n, double* x) {
-  for (int i = n - 1; i >= 0; --i) {
-    const double* const row = R_z + static_cast<long>(i) * stride;
-    x[i] = (row[n] - dot(row + i + 1, x + i + 1, n - i - 1)) / row[i];
-  }
 }
 
 // Whether a sample is complete but for the velocity, later than the last one, and of a live gyro: one
@@ -71,7 +50,9 @@ inline Innovation take_in(const FilterModel& model, FilterState& state, double t
                           const double* packed, FilterRoom& room) {
   const Measurement at = measurement_at(model.laws.robot, packed);
   const FilterSizes size = model.sizes();
-  const int n = size.nuisances, y = size.parameters, stride = size.row_stride();
+  const bool reduced = held_in_beta(state);
+  const int n = size.nuisances, y = reduced ? size.betas() : size.parameters;
+  const int stride = size.row_stride();
   if (!counts(model, state, t, at)) {
     for (int i = 0; i < size.rows; ++i) room.rows[i * stride + n + y] = 0.0;
     return {room.rows + n + y, stride, 0.0, 0};
@@ -82,11 +63,13 @@ inline Innovation take_in(const FilterModel& model, FilterState& state, double t
   const Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> R_before(state.R_WB);
   const Matrix integral = dt / 2 * (R_before + R_WB);
   conservation_equations(model.laws, state.beta, h_cm, at, R_WB, room.equations, room.rows, stride);
-  predict_nuisances(model.laws, state.top, size.top_stride(), n + y + 1, integral, h_cm, dt,
-                    room.kick, room.covariance);
-  const int top_stride = size.top_stride(), R_stride = size.R_stride();
-  fold(state.top, top_stride, room.rows, stride, size.rows, top_stride, n);
-  fold(state.R, R_stride, room.rows + n, stride, size.rows, R_stride, y);
+  const int top_stride = size.top_stride();
+  predict_nuisances(model.laws, state.top, top_stride, n + y + 1, integral, h_cm, dt, room.kick,
+                    room.covariance);
+  const int R_stride = reduced ? size.beta_stride() : size.R_stride();
+  if (reduced) rows_of_beta(model, state, room.rows + n, stride, size.rows, R_stride, room);
+  fold(state.top, top_stride, room.rows, stride, size.rows, padded(n + y + 1), n);
+  fold(reduced ? state.root : state.R, R_stride, room.rows + n, stride, size.rows, R_stride, y);
   *state.t = t;
   for (int i = 0; i < 3; ++i) state.w[i] = at.w[i];
   for (int i = 0; i < 9; ++i) state.R_WB[i] = R_WB(i / 3, i % 3);
@@ -101,7 +84,7 @@ inline Innovation take_in(const FilterModel& model, FilterState& state, double t
 }
 
 // One Gauss-Newton step from the last beta: [R J | z + R (J beta - y)] and the prior, triangular.
-inline void estimate(const FilterModel& model, FilterState& state, FilterRoom& room) {
+inline void relinearise(const FilterModel& model, FilterState& state, FilterRoom& room) {
   const ParametersOfBeta& sets = model.sets;
   const FilterSizes size = model.sizes();
   const int k = size.betas(), iotas = size.iotas, shown = size.shown, y = size.parameters;
@@ -117,9 +100,10 @@ inline void estimate(const FilterModel& model, FilterState& state, FilterRoom& r
     waiting = 0;
   };
   for (int first = 0; first < y; first += TILE) {
-    shown_columns(sets, state.R, R_stride, first, room.phi, state.beta[0], room.transposed,
-                  room.shown);
-    for (int r = 0; r < TILE && first + r < y; ++r) {
+    const int rows = y - first < TILE ? y - first : TILE;
+    shown_columns(sets, state.R + static_cast<long>(first) * R_stride, R_stride, rows, first,
+                  room.phi, state.beta[0], room.transposed, room.shown);
+    for (int r = 0; r < rows; ++r) {
       const int row = first + r;
       double* into = state.root + row * stride + iotas;
       if (row < iotas) {
@@ -139,38 +123,29 @@ inline void estimate(const FilterModel& model, FilterState& state, FilterRoom& r
     fold(state.root + first * stride + first, stride, room.block + first, stride, count,
          stride - first, left);
   }
-  double *const ordered = room.beta, *const beta = room.beta + k;
-  solve_triangle(state.root, stride, k, ordered);
-  for (int i = 0; i < k; ++i) beta[i] = ordered[i < shown ? iotas + i : i - shown];
-  linearised(sets, state.beta, beta, room.y);
-  for (int i = 0; i < k; ++i) state.beta[i] = beta[i];
-
-  // x of N x + Y y = z.
-  const int n = size.nuisances, top = size.top_stride();
-  for (int i = n - 1; i >= 0; --i) {
-    const double* const row = state.top + i * top;
-    const double known = row[n + y] - dot(row + n, room.y, y);
-    state.x[i] = (known - dot(row + i + 1, state.x + i + 1, n - i - 1)) / row[i];
-  }
 }
 
-// Standard deviations of beta, from the rows of root^-1.
-ORBIDENT_WIDEST inline void deviations(const FilterModel& model, const FilterState& state,
-                                       double* inverse, double* std) {
+// The new estimate of beta and of the nuisances.
+inline void estimate(const FilterModel& model, FilterState& state, FilterRoom& room) {
   const FilterSizes size = model.sizes();
-  const int k = size.betas(), stride = size.beta_stride();
-  for (int i = 0; i < k; ++i) {
-    // w root = e_i, from the left.
-    double square = 0.0;
-    for (int j = i; j < k; ++j) inverse[j] = i == j ? 1.0 : 0.0;
-    for (int j = i; j < k; ++j) {
-      const double* const row = state.root + j * stride;
-      const double w = inverse[j] / row[j];
-      for (int c = j + 1; c < k; ++c) inverse[c] -= w * row[c];
-      square += w * w;
-    }
-    std[i < size.iotas ? size.shown + i : i - size.iotas] = std::sqrt(square);
+  const bool reduced = held_in_beta(state);
+  if (!reduced) relinearise(model, state, room);
+  const int k = size.betas(), iotas = size.iotas, shown = size.shown;
+  double *const ordered = room.beta, *const beta = room.beta + k;
+  solve_triangle(state.root, size.beta_stride(), k, ordered);
+  for (int i = 0; i < k; ++i) beta[i] = ordered[i < shown ? iotas + i : i - shown];
+  if (!reduced) linearised(model.sets, state.beta, beta, room.y);
+  const double* const known = reduced ? ordered : room.y;
+
+  // x of N x + Y y = z.
+  const int n = size.nuisances, y = reduced ? k : size.parameters, top = size.top_stride();
+  for (int i = n - 1; i >= 0; --i) {
+    const double* const row = state.top + i * top;
+    const double left = row[n + y] - dot(row + n, known, y);
+    state.x[i] = (left - dot(row + i + 1, state.x + i + 1, n - i - 1)) / row[i];
   }
+  for (int i = 0; i < k; ++i) state.beta[i] = beta[i];
+  if (!reduced) hand_over_if_linear(model, state, room);
 }
 
 // One sample: prediction of the nuisances, its equations, the new estimate.

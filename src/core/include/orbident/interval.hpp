@@ -9,103 +9,9 @@
 // [z near | z far | g | right-hand side]: near is the boundary that is eliminated, the start or the end.
 #pragma once
 
-#include "orbident/householder.hpp"
-#include "orbident/calibration.hpp"
+#include "orbident/interval_tables.hpp"
 
 namespace orbident {
-
-constexpr int BIASES = 9;  // turn and biases: what goes on from interval to interval
-
-// A sensor's samples, rows x axes; no values where there is no such sensor.
-template <class T>
-struct Sensed {
-  const T* values;
-  const T* weights;  // 1 over the noise's std; zero where there was no sample
-  T* residuals;      // whitened
-};
-
-template <class T>
-struct Recorded {
-  Tree tree;
-  Sparse theta_of;  // theta = theta_of beta
-  bool planar;
-  int substeps;            // of the attitude, from row to row
-  const int* corrected;    // joints that have corrections
-  int wheels;
-  IntervalColumns columns;
-  int rows;
-  const T* t;       // rows, s
-  const int* edge;  // intervals + 1: the first row of each, and `rows`
-  int intervals;
-  // At 2 rows - 1 nodes: every row, and half-way between.
-  const T *q, *qd, *qdd;       // nodes x joints
-  const T* A_rw;               // wheels x 3: a_i I_i, base axes
-  const T *qd_rw, *qdd_rw;     // nodes x wheels
-  Sensed<T> gyro, accelerometer, attitude, joints, position, velocity;
-  // How freely the unknowns of boundaries vary: standard deviations.
-  const T* first;  // of z at the first row
-  const T* prior;  // of corrections anywhere
-  const T* walk;   // of turn and biases, per square root of a second
-
-  int local() const { return BIASES + 2 * columns.corrected; }
-  int common() const { return columns.common(); }
-  CalibrationPlaces places() const { return {tree.joints, wheels}; }
-  int width() const { return 2 * local() + common() + 1; }
-  int stride() const { return padded(width()); }
-};
-
-// Where the equations are linearised.
-template <class T>
-struct LinearisedAt {
-  const T* x_WB;   // boundaries x 4
-  const T* local;  // boundaries x local; turns are zero
-  const T* common;
-  const T* theta;  // of its beta
-  Calibration<T> calibration;
-};
-
-template <class T>
-struct IntervalMemory {
-  TermsMemory<T> terms;
-  T *q, *qd, *qdd;      // joints each
-  JointNode<T> node[3];
-  BaseNode<T> base[3];
-  T* velocity[3];       // 3 x unknowns each
-  T* slopes;            // 3 x unknowns
-  T* felt;              // 3 x unknowns
-};
-
-// A table of equations that grows row by row.
-template <class T>
-struct EquationTable {
-  T* table;
-  int stride, width;
-  int start, end;  // columns of z at the interval's start and end
-  int local;
-  int rows;
-  T cost;
-
-  T* add(const T& right_hand_side) {
-    T* row = table + std::ptrdiff_t(rows++) * stride;
-    std::fill_n(row, stride, T(0));
-    row[width - 1] = right_hand_side;
-    cost += right_hand_side * right_hand_side;
-    return row;
-  }
-
-  // From slopes by the interval's unknowns.
-  T* add(const IntervalColumns& c, const T* slopes, const T& weight, const T& error) {
-    T* row = add(weight * error);
-    const auto scaled = [&](int from, int count, T* to) {
-      for (int k = 0; k < count; ++k) to[k] = weight * slopes[from + k];
-    };
-    scaled(c.turn(), 3, row + start);
-    scaled(c.corrections(), 2 * c.corrected, row + start + BIASES);
-    scaled(c.corrections() + 2 * c.corrected, 2 * c.corrected, row + end + BIASES);
-    scaled(c.outside(), c.common(), row + 2 * local);
-    return row;
-  }
-};
 
 // The rows of a sensor with three axes; `bias` is where its bias is in z, or -1.
 template <class T>
@@ -133,10 +39,17 @@ void place_joints(const Recorded<T>& recorded, const LinearisedAt<T>& at, int in
   const CalibrationPlaces& places = at.calibration.places;
   const T* zero = at.calibration.values + places.zero();
   const T* scale = at.calibration.values + places.scale();
+  const T late = at.calibration.values[places.joint_clock()];
+  // By the parabola through a row, half-way and the next row: accelerations count at rows alone.
+  const bool goes_on = node % 2 == 0 && row + 1 < recorded.rows;
+  const T dt = goes_on ? recorded.t[row + 1] - recorded.t[row] : T(1);
+  const auto rate_at = [=](const T* x, int stride) {
+    return goes_on ? (4 * x[stride] - 3 * x[0] - x[2 * stride]) / dt : T(0);
+  };
   for (int k = 0; k < K; ++k) {
-    memory.q[k] = (1 + scale[k]) * q[k] + zero[k];
-    memory.qd[k] = (1 + scale[k]) * qd[k];
-    memory.qdd[k] = (1 + scale[k]) * qdd[k];
+    memory.q[k] = (1 + scale[k]) * q[k] + zero[k] + late * qd[k];
+    memory.qd[k] = (1 + scale[k]) * qd[k] + late * qdd[k];
+    memory.qdd[k] = (1 + scale[k]) * qdd[k] + late * rate_at(qdd + k, K);
   }
   for (int c = 0; c < C; ++c) {
     const int k = recorded.corrected[c];
@@ -155,13 +68,13 @@ void place_joints(const Recorded<T>& recorded, const LinearisedAt<T>& at, int in
   joints.h_rw_rate.setZero();
   for (int i = 0; i < W; ++i) {
     const Eigen::Map<const Vector3<T>> a_I(recorded.A_rw + 3 * i);
-    joints.h_rw += (1 + gain[i]) * qd_rw[i] * a_I;
-    joints.h_rw_rate += (1 + gain[i]) * qdd_rw[i] * a_I;
+    joints.h_rw += ((1 + gain[i]) * qd_rw[i] + late * qdd_rw[i]) * a_I;
+    joints.h_rw_rate += ((1 + gain[i]) * qdd_rw[i] + late * rate_at(qdd_rw + i, W)) * a_I;
   }
   expand(recorded.tree, recorded.theta_of, at.theta, recorded.corrected, recorded.columns, functions,
          memory.q, memory.qd, memory.qdd, memory.terms, joints);
-  write_calibrations(recorded.columns, at.calibration, q, qd, recorded.A_rw, qd_rw, memory.terms,
-                     joints.by);
+  write_calibrations<T>(recorded.columns, at.calibration, {q, qd, qdd, qd_rw, qdd_rw}, recorded.A_rw,
+                        memory.terms, joints.by);
 }
 
 // The law of the base rate at the fraction s of a row's step, by the parabola through its nodes: a
@@ -228,14 +141,16 @@ void add_samples(const Recorded<T>& recorded, const LinearisedAt<T>& at, int int
   if (recorded.attitude.values) {
     const Quaternion<T> x = Eigen::Map<const Quaternion<T>>(recorded.attitude.values + 4 * row);
     Quaternion<T> x_WB = base.x_WB;
-    if (c.calibrations) calibrate_attitude(c, calibration, x_WB, slopes_of(base.phi));
+    if (c.calibrations) calibrate_attitude(c, calibration, base, x_WB, slopes_of(base.phi));
     add_sample<T>(c, recorded.attitude, row, small_rotation(x_WB, x),
                   c.calibrations ? memory.slopes : base.phi, -1, equations);
   }
   if (recorded.position.values) {
     Vector3<T> r = position(joints, base, at.common);
     position_slopes(c, joints, base, memory.slopes);
-    if (c.calibrations) calibrate_position(c, calibration, base, r, memory.slopes);
+    if (c.calibrations)
+      calibrate_position(c, calibration, joints, base, at.common, memory.velocity[0], r,
+                         memory.slopes);
     add_sample<T>(c, recorded.position, row, shown(recorded.position) - r, memory.slopes, -1,
                   equations);
   }
@@ -281,7 +196,8 @@ void linearise(const Recorded<T>& recorded, const LinearisedAt<T>& at, int inter
   const int first = recorded.edge[interval], last = recorded.edge[interval + 1];
   const int end = std::min(last, recorded.rows - 1);
   const T duration = recorded.t[end] - recorded.t[first];
-  const bool moving = recorded.accelerometer.values || recorded.velocity.values;
+  const bool late = at.calibration.values[at.calibration.places.position_clock()] != T(0);
+  const bool moving = recorded.accelerometer.values || recorded.velocity.values || late;
   const auto joints_at = [&](int node, JointNode<T>& joints) {
     place_joints(recorded, at, interval, node, recorded.t[first], duration, memory, joints);
   };

@@ -57,12 +57,18 @@ struct Group {
       for (std::ptrdiff_t j = 0; j < numbers; ++j) x[j].v[lane] = row[j];
     }
   }
-  // Into such a table, by write(place, value).
+  // Into such a table, by write(place, value): as many numbers of a sample at once as there are lanes.
   template <class Write>
   void store(const Lanes* x, std::ptrdiff_t numbers, double* table, Write&& write) const {
+    const std::ptrdiff_t vectors = numbers % Lanes::COUNT ? 0 : numbers;
     for (int lane = 0; lane < Lanes::COUNT; ++lane) {
       double* row = table + numbers * sample(lane);
-      for (std::ptrdiff_t j = 0; j < numbers; ++j) write(row + j, x[j].v[lane]);
+      for (std::ptrdiff_t j = 0; j < vectors; j += Lanes::COUNT) {
+        Lanes::Numbers next;
+        for (int k = 0; k < Lanes::COUNT; ++k) next[k] = x[j + k].v[lane];
+        write(row + j, next);
+      }
+      for (std::ptrdiff_t j = vectors; j < numbers; ++j) write(row + j, x[j].v[lane]);
     }
   }
 };

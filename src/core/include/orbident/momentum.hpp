@@ -8,6 +8,9 @@
 // with v_i = u_i + w_i x d_i. The angular momentum about the system CM is
 // h_rs = A theta - (S theta) x (P theta) / M. Base axes; theta_i = [m, m c, Jxx, Jxy, Jyy, Jxz,
 // Jyz, Jzz] about the body's origin, body axes.
+//
+// The columns of S and P for second moments are zero in every sample and not written: the caller's
+// memory is zero before the first one.
 #pragma once
 
 #include "orbident/tree.hpp"
@@ -21,7 +24,6 @@ using Rows3 = Eigen::Map<Eigen::Matrix<T, 3, Eigen::Dynamic, Eigen::RowMajor>>;
 
 template <class T>
 void first_moment_columns(const Tree& tree, const Pose<T>* pose, Rows3<T> S) {
-  S.setZero();
   for (int i = 0; i < tree.bodies(); ++i) {
     S.col(PER_BODY * i) = pose[i].d;
     S.template middleCols<3>(PER_BODY * i + 1) = pose[i].R;
@@ -46,7 +48,6 @@ void momentum_columns(const Tree& tree, const Pose<T>* pose, const Motion<T>* mo
       P_i.col(1 + j) = wr;
       A_i.col(1 + j) = d.cross(wr) + r.cross(v);
     }
-    P_i.template rightCols<6>().setZero();
     // R L(R^T w), with J w = L(w) [Jxx, Jxy, Jyy, Jxz, Jyz, Jzz].
     const Vector3<T> y = R.transpose() * w;
     A_i.col(4) = R.col(0) * y[0];

@@ -52,27 +52,31 @@ inline void linearised(const ParametersOfBeta& sets, const double* beta_0, const
 // So many rows of R go with one pass over the tables.
 constexpr int TILE = 16;
 
-// Rows first .. first + TILE of R J over [M, sigma], and of z + R (J beta - y), which is what
-// R (y(beta_0) + J (beta - beta_0)) = z says of beta.
+// y + a x of one column. Not unrolled, the loop becomes vectors; unrolled, GCC 12 makes single numbers of it.
+ORBIDENT_INLINE void add(double a, const double* __restrict x, double* __restrict y) {
+#pragma GCC unroll 1
+  for (int r = 0; r < TILE; ++r) y[r] += a * x[r];
+}
+
+// X J over [M, sigma] and z + X (J beta - y) of some rows [X | z] of X y = z, which is what
+// X (y(beta_0) + J (beta - beta_0)) = z says of beta.
 //
-//   R, z       [R | z], upper triangular, `stride` entries from row to row; y rows
+//   X, z       `stride` entries from row to row; zero before column `first`
+//   count      at most TILE
 //   phi        at beta_0, with M_0
 //   transposed room for TILE x size entries
 //   out        (1 + shown) x TILE: a column of the result after the other, the last is the right side
-ORBIDENT_WIDEST inline void shown_columns(const ParametersOfBeta& sets, const double* R, int stride,
-                                        int first, const double* phi, double M_0,
+ORBIDENT_WIDEST inline void shown_columns(const ParametersOfBeta& sets, const double* X, int stride,
+                                        int count, int first, const double* phi, double M_0,
                                         double* transposed, double* out) {
-  const int size = sets.size(), rows = size - first < TILE ? size - first : TILE;
+  const int size = sets.size();
   // Rows behind the last one repeat it, and are not used.
   const double* row_of[TILE];
-  for (int r = 0; r < TILE; ++r) row_of[r] = R + (first + (r < rows ? r : rows - 1)) * stride;
+  for (int r = 0; r < TILE; ++r) row_of[r] = X + (r < count ? r : count - 1) * stride;
   for (int k = first; k < size; ++k) {
     double* __restrict const column = transposed + k * TILE;
     for (int r = 0; r < TILE; ++r) column[r] = row_of[r][k];
   }
-  const auto axpy = [](double a, const double* __restrict x, double* __restrict y) {
-    for (int r = 0; r < TILE; ++r) y[r] += a * x[r];
-  };
   for (int k = 0; k < (1 + sets.shown()) * TILE; ++k) out[k] = 0.0;
   // Products first: those of M are minus half the sum of phi times those of sigma.
   const Sparse& products = sets.pi_of_products;
@@ -81,25 +85,25 @@ ORBIDENT_WIDEST inline void shown_columns(const ParametersOfBeta& sets, const do
     int k = products.first[p + 1] - 1;
     if (k < products.first[p] || products.row[k] < first) break;
     for (; k >= products.first[p] && products.row[k] >= first; --k)
-      axpy(products.value[k], transposed + products.row[k] * TILE, product);
+      add(products.value[k], transposed + products.row[k] * TILE, product);
     const int a = sets.pair[2 * p], b = sets.pair[2 * p + 1];
-    axpy(phi[b], product, out + (1 + a) * TILE);
-    axpy(phi[a], product, out + (1 + b) * TILE);
+    add(phi[b], product, out + (1 + a) * TILE);
+    add(phi[a], product, out + (1 + b) * TILE);
   }
-  for (int k = 0; k < sets.sigmas; ++k) axpy(-0.5 * phi[k], out + (1 + k) * TILE, out);
+  for (int k = 0; k < sets.sigmas; ++k) add(-0.5 * phi[k], out + (1 + k) * TILE, out);
   for (int c = 0; c < sets.shown(); ++c)
     for (int k = sets.pi_of_shown.first[c]; k < sets.pi_of_shown.first[c + 1]; ++k)
       if (sets.pi_of_shown.row[k] >= first)
-        axpy(sets.pi_of_shown.value[k], transposed + sets.pi_of_shown.row[k] * TILE,
+        add(sets.pi_of_shown.value[k], transposed + sets.pi_of_shown.row[k] * TILE,
              out + c * TILE);
   double* const rhs = out + sets.shown() * TILE;
   for (int r = 0; r < TILE; ++r) rhs[r] = row_of[r][size];
   for (int k = 0; k < sets.sigmas; ++k) {
     const int row = sets.pis + k;
     if (row < first) continue;
-    axpy(1.0 / M_0, transposed + row * TILE, out + (1 + k) * TILE);
-    axpy(-phi[k] / M_0, transposed + row * TILE, out);
-    axpy(-phi[k], transposed + row * TILE, rhs);
+    add(1.0 / M_0, transposed + row * TILE, out + (1 + k) * TILE);
+    add(-phi[k] / M_0, transposed + row * TILE, out);
+    add(-phi[k], transposed + row * TILE, rhs);
   }
 }
 

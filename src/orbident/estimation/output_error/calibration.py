@@ -10,7 +10,7 @@ from typing import Literal, NamedTuple
 from orbident.model.minimal_sets import conserved_axes
 from orbident.robot.description import Robot
 
-Unit = Literal["rad", "m", "1"]
+Unit = Literal["rad", "m", "1", "s"]
 
 UNIT_OF_ZERO: dict[str, Unit] = {"revolute": "rad", "prismatic": "m"}
 
@@ -60,7 +60,10 @@ def _of_wheels(robot: Robot) -> Iterator[Calibration]:
 
 
 def _of_the_base(robot: Robot, recorded: Collection[str]) -> Iterator[Calibration]:
-    """In the plane, a misaligned gyro's z axis still shows all of the rate."""
+    """In the plane, a misaligned gyro's z axis still shows all of the rate.
+
+    Clocks are behind that of the gyro, or of the attitude where there is no gyro.
+    """
     known = robot.tolerances
     turning, moving = conserved_axes(robot)
     tracked = moving if {"position", "velocity"} & set(recorded) else ()
@@ -78,4 +81,10 @@ def _of_the_base(robot: Robot, recorded: Collection[str]) -> Iterator[Calibratio
             yield Calibration(f"{name}.{axis}", unit, k in axes, std)
     yield Calibration(
         "position.scale", "1", "position" in recorded, known.position_scale
+    )
+    both = bool(attitude and gyro)
+    yield Calibration("joints.clock", "s", bool(robot.joints), known.joint_clock)
+    yield Calibration("attitude.clock", "s", both, known.attitude_clock)
+    yield Calibration(
+        "position.clock", "s", "position" in recorded, known.position_clock
     )

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from orbident.estimation.estimate import Estimate, Progress, estimate_of_beta
 from orbident.estimation.maximum_likelihood import maximum_likelihood
 from orbident.estimation.nonlinear_fit import beta_of_fits
+from orbident.estimation.output_error.solver import STEPS
 from orbident.estimation.problem import MomentumProblem
 
 
@@ -13,6 +14,8 @@ class OutputError:
     """Maximum likelihood of all that the sensors showed, by output error."""
 
     name: str = "maximum-likelihood"
+    steps: int = STEPS
+    """The most steps that the search takes with one set of the sensors' weights."""
 
     def estimate(self, problem: MomentumProblem, progress: Progress) -> Estimate:
         """Fit all sensors at once."""
@@ -34,6 +37,7 @@ class OutputError:
             problem.late,
             problem.initial_momentum,
             step,
+            self.steps,
         )
         sensors = likelihood.sensors
         rms = {name: fit.rms for name, fit in sensors.items()}
@@ -51,5 +55,6 @@ class OutputError:
             calibration=likelihood.calibration,
             sensitivity=likelihood.sensitivity,
             converged=likelihood.converged,
+            settled=likelihood.settled,
             signals=likelihood.signals,
         )

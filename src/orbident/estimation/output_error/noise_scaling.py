@@ -1,6 +1,6 @@
 """Solve with the noise, and the weights of outliers, that the residuals show."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -20,6 +20,12 @@ LEAST = 1e-3
 """Noise is not found to be smaller by more than this at once."""
 
 ROUNDS = 6
+
+TAKEN = 0.5
+"""Of a sensor's noise that unknowns take up, at most: what is less was not there."""
+
+LOST = 2
+"""Rounds without a solution, one after another: other weights bring none."""
 
 SETTLED = 0.05
 """Weights that change less, relative, change no estimate."""
@@ -103,6 +109,13 @@ class Fitted(NamedTuple):
     """The noise found, over what was assumed at first."""
     residuals: BySensor
     """Residuals at all rows over the estimated noise; zero without a sample."""
+    change: float
+    """The largest relative change of a weight in the last round."""
+
+    @property
+    def settled(self) -> bool:
+        """Whether another round would have changed no estimate."""
+        return self.change < SETTLED
 
 
 def fitted(
@@ -110,30 +123,50 @@ def fitted(
     prior: Prior,
     state: State,
     least: Mapping[str, float],
+    declared: Collection[str],
     progress: Callable[[], object],
+    steps: int,
 ) -> Fitted:
-    """From a state to the most likely one; `least` levels of noise by sensor."""
+    """From a state to the most likely one.
+
+    Args:
+        problem: a recording's equations.
+        prior: what is known of its unknowns.
+        state: where the search starts.
+        least: levels of noise by sensor, over what is assumed at first.
+        declared: sensors whose noise is.
+        progress: is called at every step.
+        steps: at most, for the weights of each round.
+    """
     unknowns = _unknowns(problem, state)
     plain = used = problem.weights
     levels = dict.fromkeys(plain, 1.0)
-    rounds = 0
+    rounds = lost = 0
     while True:
         rounds += 1
-        solution = solved(problem, used, prior, state, progress)
+        solution = solved(problem, used, prior, state, progress, steps)
+        lost = 0 if solution.converged else lost + 1
         state = solution.state
         residuals = reweighted(solution.linear.residuals, used, plain)
         parts = whitened(plain, residuals, unknowns)
         scales = {
-            name: max(part.scale, least[name] / levels[name])
+            name: _level(levels[name] * part.scale, least[name], name in declared)
+            / levels[name]
             for name, part in parts.items()
         }
         levels = {name: level * scales[name] for name, level in levels.items()}
         before, plain = plain, rescaled(plain, scales)
         residuals = reweighted(residuals, before, plain)
         before, used = used, robust(plain, residuals)
-        if rounds == ROUNDS or change(before, used) < SETTLED:
+        changed = change(before, used)
+        if rounds == ROUNDS or lost == LOST or changed < SETTLED:
             parts = whitened(plain, residuals, unknowns)
-            return Fitted(solution, parts, levels, residuals)
+            return Fitted(solution, parts, levels, residuals, changed)
+
+
+def _level(found: float, least: float, declared: bool) -> float:
+    """Of noise, over what is assumed: declared noise that is there is no less."""
+    return 1.0 if declared and TAKEN < found < 1 else max(found, least)
 
 
 def _unknowns(problem: Problem, state: State) -> Mapping[str, float]:

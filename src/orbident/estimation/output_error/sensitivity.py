@@ -20,7 +20,12 @@ from scipy.linalg import solve_triangular
 from orbident.estimation.output_error.problem import OUTSIDE, Problem, linear
 from orbident.estimation.output_error.solver import Prior, Solution
 
-SMALL_ERROR = {"rad": ("mrad", 1e-3), "m": ("mm", 1e-3), "1": ("%", 1e-2)}
+SMALL_ERROR = {
+    "rad": ("mrad", 1e-3),
+    "m": ("mm", 1e-3),
+    "1": ("%", 1e-2),
+    "s": ("ms", 1e-3),
+}
 """By SI unit: what a table counts errors in."""
 
 
@@ -49,7 +54,7 @@ class Sensitivity(NamedTuple):
 
     names: tuple[str, ...]
     units: tuple[str, ...]
-    """Of the errors: mrad, mm or %."""
+    """Of the errors: mrad, mm, % or ms."""
     shift: Float[np.ndarray, "beta errors"]
     """Of the estimated `[M, sigma, iota]` by an error of one unit, SI."""
     covariance: Float[np.ndarray, "beta beta"]

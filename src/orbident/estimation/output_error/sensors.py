@@ -1,17 +1,18 @@
 """What every sensor showed, at its own times, and how far it is to be trusted."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from jaxtyping import Float
+from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
+from orbident.estimation.tachometers import rate_noise
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
-from orbident.simulation.inertial import CORRELATION_TIME
-from orbident.simulation.noise import bias_walk
+from orbident.robot.sensor_bias import bias_walk
 
 COMPONENTS = {
     "gyro": "xyz",
@@ -33,8 +34,10 @@ POINTS = {"attitude": "angle", "position": "std"}
 TOGETHER = 1e-6
 """s: samples this close are of one time; clocks and their latencies are rounded."""
 
-LEAST = 1e-9
-"""Of a signal's size, or rad: the least noise of a sensor."""
+LEAST = 3e-8
+"""Of a signal's size, or rad: the least noise of a sensor. Splines and integration err
+by some 1e-9, alike from sample to sample: some thousand samples of so much noise are
+as far off together."""
 
 NORMAL = 1.4826
 """Std over median absolute value, of Gaussian noise."""
@@ -46,7 +49,7 @@ class Sensed:
 
     values: Float[np.ndarray, "rows axes"]
     std: float
-    """Of the white noise of a sample, SI."""
+    """Of the white noise of a sample, and of what tachometers add to it, SI."""
     least: float
     """Smaller noise is the integration's and the splines'."""
     declared: bool
@@ -79,7 +82,10 @@ def sensors_of(
         if recording.has(*(f"{sensor}.{k}" for k in components))
     }
     joints = robot.joint_names
-    if joints and not any(recording.has(f"joint.{name}.velocity") for name in joints):
+    exact = any(recording.has(f"joint.{name}.velocity") for name in joints) and not (
+        robot.sensors.get("joints", {}).get("tachometer")
+    )
+    if joints and not exact:
         encoders = [recording.column(f"joint.{name}.position") for name in joints]
         tables["joints"] = np.column_stack(encoders)
     times, samples = {}, {}
@@ -93,8 +99,21 @@ def sensors_of(
         times["accelerometer"], samples["accelerometer"] = felt
     t = np.unique(np.concatenate(list(times.values())))
     t = t[np.diff(t, prepend=-np.inf) > TOGETHER]
-    return Sensors(
-        t, {name: _sensed(robot, name, t, times[name], samples[name]) for name in times}
+    shown = {
+        name: _sensed(robot, name, t, times[name], samples[name]) for name in times
+    }
+    if "gyro" in shown and shown["gyro"].declared and _speeds_only(robot, recording):
+        std = float(np.hypot(shown["gyro"].std, rate_noise(robot)))
+        shown["gyro"] = replace(shown["gyro"], std=std)
+    return Sensors(t, shown)
+
+
+def _speeds_only(robot: Robot, recording: Recording) -> bool:
+    """Whether wheel speeds are used as they are measured."""
+    return any(
+        recording.has(f"wheel.{name}.speed")
+        and not recording.has(f"wheel.{name}.position")
+        for name in robot.wheel_names
     )
 
 
@@ -132,11 +151,8 @@ def _sensed(
     declared = bool(std > 0)
     if not declared:
         std = scatter(samples)
-    if name == "attitude":
-        least = LEAST
-    else:
-        least = LEAST * float(np.sqrt(np.mean(samples**2)))
-    least = max(least, 1e-15)
+    size = 1.0 if name == "attitude" else float(np.sqrt(np.mean(samples**2)))
+    least = max(LEAST * size, between(at, samples), 1e-15)
     return Sensed(values, max(std, least), least, declared, drift)
 
 
@@ -146,15 +162,28 @@ def _declared(
     """Std of a sample and random walk of the bias; zero where not declared."""
     if name in INERTIAL:
         dt = float(np.median(np.diff(at))) if at.size > 1 else 1.0
-        tau = section.get("correlation_time", CORRELATION_TIME)
-        drift = bias_walk(section.get("bias_instability", 0.0), tau)
-        return float(section.get(INERTIAL[name], 0.0) / np.sqrt(dt)), drift
+        return section.get(INERTIAL[name], 0.0) / dt**0.5, bias_walk(section)
     if name in POINTS:
         return section.get(POINTS[name], 0.0), 0.0
     if name == "joints":
         count = section.get("resolution", 0.0) / np.sqrt(12)
         return float(np.hypot(section.get("position", 0.0), count)), 0.0
     return 0.0, 0.0
+
+
+def between(
+    t: Float[np.ndarray, " samples"], x: Float[np.ndarray, "samples axes"]
+) -> float:
+    """How far off a cubic spline through samples is between them, root mean square.
+
+    That of a spline through every other sample is known at those left out; it falls
+    with the fourth power of the step.
+    """
+    if len(t) < 8 or not x.size:
+        return 0.0
+    left_out = slice(1, len(t) - 1, 2)
+    off = CubicSpline(t[::2], x[::2])(t[left_out]) - x[left_out]
+    return float(np.sqrt(np.mean(off**2)) / 2**4)
 
 
 def scatter(samples: Float[np.ndarray, "samples axes"]) -> float:

@@ -6,13 +6,15 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 from scipy.interpolate import CubicSpline
 
-from orbident.estimation.output_error.sensors import Sensors, scatter
+from orbident.estimation.output_error.sensors import Sensors, between, scatter
+from orbident.estimation.tachometers import momentum_noise
 from orbident.model.inertia import inertia_at
 from orbident.model.minimal_sets import conserved_axes
 from orbident.model.wheels import wheels_of
 from orbident.preprocessing.histories import MEASURED
 from orbident.preprocessing.samples import Samples
 from orbident.robot.description import Robot
+from orbident.robot.sensor_bias import UNKNOWN_BIAS
 
 SHORT, LONG = 4, 128
 """Rows of an interval."""
@@ -36,8 +38,8 @@ SLIGHT = 1e-11
 FIXED = 1e-9
 """rad: without an attitude sensor, inertial axes are those of the first attitude."""
 
-BIAS = np.repeat([0.1, 1.0], 3)
-"""Std of biases beforehand, rad/s and m/s^2: more than any sensor's."""
+BIAS = np.repeat([UNKNOWN_BIAS["gyro"], UNKNOWN_BIAS["accelerometer"]], 3)
+"""Std of biases beforehand, rad/s and m/s^2."""
 
 ENCODERS = 1e-2
 """Std of the error of smoothed encoders beforehand, rad or m, and per second."""
@@ -173,14 +175,19 @@ def looseness(robot: Robot, samples: Samples, sensors: Sensors) -> Looseness:
 
 
 def _turn_walk(robot: Robot, samples: Samples) -> float:
-    """What noise of measured wheel speeds adds to the attitude, rad/sqrt(s)."""
+    """What joints and wheels between samples, and noise of speeds, add, rad/sqrt(s)."""
+    rates = np.column_stack([samples.t, *samples.qd])
+    rates = rates[np.isfinite(rates).all(axis=1)]
+    dt = float(np.median(np.diff(rates[:, 0])))
+    least = max(CONTINUOUS, between(rates[:, 0], rates[:, 1:]) * np.sqrt(dt))
     if samples.origins["wheel_speeds"] != MEASURED or not robot.wheels:
-        return CONTINUOUS
+        return least
     h_rw = _wheels_momentum(robot, samples)
     known = np.isfinite(h_rw).all(axis=1)
-    dt = float(np.median(np.diff(samples.t[known])))
-    rate = scatter(h_rw[known]) / float(_principal_inertias(robot)[0])
-    return max(rate * np.sqrt(dt), CONTINUOUS)
+    h_std = float(np.linalg.norm(momentum_noise(robot), 2))
+    h_std = h_std or scatter(h_rw[known])
+    rate = h_std / float(_principal_inertias(robot)[0])
+    return max(rate * np.sqrt(dt), least)
 
 
 def substeps_of(robot: Robot, samples: Samples) -> int:

@@ -1,4 +1,7 @@
-"""Levenberg and Marquardt's method on the eliminated equations."""
+"""Levenberg and Marquardt's method on the eliminated equations.
+
+The damping follows the ratio of the fall in cost to that expected (Nielsen 1999).
+"""
 
 from collections.abc import Callable
 from typing import NamedTuple
@@ -22,7 +25,10 @@ SMALL = 1e-2
 """A step this small beside the estimate's own deviation is the last."""
 DAMPING = 1e-3
 """Where a step without damping did not help; relative to the information."""
+LEAST_DAMPING = 1e-6
 MOST_DAMPING = 1e9
+RAISED = 2.0
+"""Times, where a step did not help; twice as much at the next."""
 
 
 class Prior(NamedTuple):
@@ -79,8 +85,9 @@ def solved(
     prior: Prior,
     state: State,
     progress: Callable[[], object] = lambda: None,
+    steps: int = STEPS,
 ) -> Solution:
-    """From a state to the least cost.
+    """From a state to the least cost, in so many steps at most.
 
     Raises:
         InputError: at the first state the equations overflow.
@@ -88,28 +95,31 @@ def solved(
     here = linear(problem, weights, state)
     cost = here.cost + prior.cost(state)
     check_finite(cost, here.factor)
-    damping = 0.0
-    for step in range(STEPS):
+    damping, raised = 0.0, RAISED
+    for step in range(steps):
         progress()
         factor = prior.added(here.common, state)
         g = _damped(factor, damping)
         moved = state.moved(here.step(g), g)
-        last = np.linalg.norm(factor[:-1, :-1] @ g) < SMALL
+        change = factor[:-1, :-1] @ g
         # What nothing shows would take an undamped step too far, again and again.
-        if last and damping <= DAMPING:
+        if np.linalg.norm(change) < SMALL and damping <= DAMPING:
             return Solution(moved, here, prior, weights, True, step + 1)
         # A step too far may overflow; its cost is not less.
         with np.errstate(over="ignore", invalid="ignore"):
             there = linear(problem, weights, moved)
         new_cost = there.cost + prior.cost(moved)
         if new_cost < cost:
-            state, here, cost = moved, there, new_cost
-            damping = damping / 10 if damping > DAMPING else 0.0
+            expected = change @ (2 * factor[:-1, -1] - change)
+            gain = float((cost - new_cost) / expected)
+            state, here, cost, raised = moved, there, new_cost, RAISED
+            damping *= max(1 / 3, 1 - (2 * gain - 1) ** 3)
+            damping = damping if damping > LEAST_DAMPING else 0.0
         elif damping > MOST_DAMPING:
             break
         else:
-            damping = max(10 * damping, DAMPING)
-    return Solution(state, here, prior, weights, False, STEPS)
+            damping, raised = max(raised * damping, DAMPING), 2 * raised
+    return Solution(state, here, prior, weights, False, steps)
 
 
 def _damped(

@@ -7,15 +7,15 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from orbident.estimation.recursive.changes import Change, Detector
-from orbident.estimation.recursive.filter import Extended, State
+from orbident.estimation.recursive.filter import Extended
 from orbident.estimation.recursive.given import given_of
 from orbident.estimation.recursive.prior import (
     UNCERTAINTY,
     cad_covariance,
     cad_prior,
 )
+from orbident.estimation.recursive.state import State
 from orbident.model.derivatives import sets_of_beta
-from orbident.model.minimal_sets import minimal_sets
 from orbident.preprocessing.samples import Samples
 from orbident.robot.description import Robot
 
@@ -24,9 +24,6 @@ PART = 1024
 
 LEARNT = 0.5
 """Below this part of what it was beforehand, an uncertainty comes from the samples."""
-
-KNOWN = 100.0
-"""What the known term of the momentum equation is at least, squared, over its noise."""
 
 
 class History(NamedTuple):
@@ -95,11 +92,11 @@ def recursive_history(
             changes.append(
                 detector.change(float(t[done - 1]), onset, float(tests[count - 1, 2]))
             )
-            scale |= _scaled(robot, state)
+            scale |= kalman.core.scaled(state.core, robot.mass)
             state, watch = kalman.opened(state, opening), detector.start()
             std[count - 1] = np.sqrt(np.diag(state.covariance))
     beta, std, tests = map(np.concatenate, zip(*parts, strict=True))
-    scale |= _scaled(robot, state)
+    scale |= kalman.core.scaled(state.core, robot.mass)
     unknown = 0.0 if scale else np.nan
     nis, dof, statistic = tests.T
     pi, phi = zip(*(sets_of_beta(kalman.sets, row) for row in beta), strict=True)
@@ -121,14 +118,3 @@ def recursive_history(
         declared=noise.declared,
         biases=kalman.biases(state, state.beta, state.covariance),
     )
-
-
-def _scaled(robot: Robot, state: State) -> bool:
-    """Whether the momentum equation has a known term that is more than noise.
-
-    Noise counts as that of the nominal robot: without a scale the estimate shrinks to
-    nothing, and beside so small a robot's noise anything would be known.
-    """
-    pis = len(minimal_sets(robot).pi_of_beta)
-    known = np.linalg.norm(state.R_z[:pis, -1]) * state.beta[0] / robot.mass
-    return bool(robot.wheels and known**2 > KNOWN * pis)

@@ -1,22 +1,19 @@
 """What the sensors' noise is, sample by sample."""
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from orbident.errors import InputError
 from orbident.estimation.linear_fits import fit
+from orbident.estimation.tachometers import rate_noise
 from orbident.model.minimal_sets import minimal_sets
 from orbident.preprocessing.base_motion import INTEGRATED, SMOOTHED
-from orbident.preprocessing.histories import DERIVED
+from orbident.preprocessing.histories import DERIVED, MEASURED
 from orbident.preprocessing.point_velocity import SMOOTHED as DIFFERENTIATED
 from orbident.preprocessing.samples import Samples
 from orbident.robot.description import Robot
-from orbident.simulation.inertial import CORRELATION_TIME
-from orbident.simulation.noise import FLICKER_FLOOR, MARKOV_PEAK
-
-UNKNOWN_BIAS = 1e-2
-"""rad/s: more than any gyro's that is used for this."""
+from orbident.robot.sensor_bias import bias_std, bias_walk
 
 MEMORY = 1.0
 """s: a smoothed rate is as wrong as its positions are over such a time."""
@@ -90,6 +87,8 @@ def noise_of(robot: Robot, samples: Samples, seen: float = 0.0) -> Noise:
         )
     if measured:
         rate = gyro.get("angle_random_walk", 0.0) / np.sqrt(dt) or seen
+        if samples.origins["wheel_speeds"] == MEASURED and robot.wheels:
+            rate = np.hypot(rate, rate_noise(robot))
     else:
         rate = COLOURED * angle / MEMORY
     smoothed = samples.origins["velocity"] == DIFFERENTIATED and std
@@ -97,13 +96,13 @@ def noise_of(robot: Robot, samples: Samples, seen: float = 0.0) -> Noise:
     return Noise(
         gyro=max(float(rate), LEAST),
         velocity=float(velocity or _left_over(robot, samples)),
-        gyro_bias=_turn_on(gyro, UNKNOWN_BIAS) if measured else LEAST,
-        gyro_walk=_walk(gyro) if measured else 0.0,
+        gyro_bias=max(bias_std("gyro", gyro), LEAST) if measured else LEAST,
+        gyro_walk=bias_walk(gyro) if measured else 0.0,
         integrated=float(integrated),
         attitude=0.0 if integrated or not measured else angle,
         velocity_walk=walk,
-        accelerometer_bias=_turn_on(force, UNKNOWN_BIAS),
-        accelerometer_walk=_walk(force),
+        accelerometer_bias=max(bias_std("accelerometer", force), LEAST),
+        accelerometer_walk=bias_walk(force),
         joint_rates=joints.get("position", 0.0) / MEMORY if derived else 0.0,
         accelerometer=bool(samples.drift),
         declared=bool(velocity),
@@ -114,16 +113,3 @@ def _left_over(robot: Robot, samples: Samples) -> float:
     """What least squares leaves of a velocity that no sensor is declared for, m/s."""
     fits = fit(robot, minimal_sets(robot), samples, "unknown", lambda _: None)
     return max(fits.phi.rms, LEAST)
-
-
-def _turn_on(sensor: dict[str, Any], unknown: float) -> float:
-    std = sensor.get("turn_on_bias")
-    std = sensor.get("bias_instability") if std is None else std
-    return max(float(unknown if std is None else std), LEAST)
-
-
-def _walk(sensor: dict[str, Any]) -> float:
-    """A first-order Gauss-Markov process, for times short beside its own."""
-    B = sensor.get("bias_instability", 0.0)
-    T = sensor.get("correlation_time", CORRELATION_TIME)
-    return float(FLICKER_FLOOR / MARKOV_PEAK * B * np.sqrt(2 / T))

@@ -64,6 +64,18 @@ PLANAR: dict[str, tuple[Tolerances, dict[str, np.ndarray]]] = {
         Tolerances(position_scale=1e-2),
         {"position": np.array([1e-2])},
     ),
+    "clock of joints": (
+        Tolerances(joint_clock=5e-3),
+        {"clock": np.array([5e-3, 0.0, 0.0])},
+    ),
+    "clock of the attitude": (
+        Tolerances(attitude_clock=2e-2),
+        {"clock": np.array([0.0, 2e-2, 0.0])},
+    ),
+    "clock of the position": (
+        Tolerances(position_clock=2e-2),
+        {"clock": np.array([0.0, 0.0, 2e-2])},
+    ),
 }
 """What the robot file declares, and the standard deviation of each error."""
 
@@ -80,6 +92,9 @@ SPATIAL: dict[str, tuple[Tolerances, dict[str, np.ndarray]]] = {
             attitude_misalignment=HALF_A_DEGREE,
             gyro_misalignment=HALF_A_DEGREE,
             position_scale=1e-2,
+            joint_clock=5e-3,
+            attitude_clock=5e-3,
+            position_clock=5e-3,
         ),
         {
             "zero": np.array([5e-3]),
@@ -88,6 +103,7 @@ SPATIAL: dict[str, tuple[Tolerances, dict[str, np.ndarray]]] = {
             "attitude": HALF_A_DEGREE * np.ones(3),
             "gyro": HALF_A_DEGREE * np.ones(3),
             "position": np.array([1e-2]),
+            "clock": 5e-3 * np.ones(3),
         },
     ),
 }
@@ -233,13 +249,19 @@ def test_which_errors_act():
         "feature_point.y",
         "attitude.misalignment.z",
         "position.scale",
+        "joints.clock",
+        "position.clock",
     ]
     places = [each.place for each in found.values()]
-    assert places == [0, 1, 2, 3, 4, 5, 6, 10, 17]
+    assert places == [0, 1, 2, 3, 4, 5, 6, 10, 17, 18, 20]
     assert found["joint.joint1.zero"].unit == "rad"
     assert found["feature_point.x"].unit == "m"
     gyro = {c.name for c in calibrations_of(robot, {"gyro"})} - set(found)
     assert gyro == {"gyro.scale.z"}
+    # Behind that of the gyro: alone, an attitude is the measure itself.
+    both = {c.name for c in calibrations_of(robot, {"attitude", "gyro"})}
+    assert "attitude.clock" in both
+    assert found["joints.clock"].unit == "s"
     spatial = calibrations_of(load_robot("paper-spatial"), {"gyro", "velocity"})
     assert sum(c.name.startswith("gyro.misalignment") for c in spatial) == 3
     assert sum(c.name.startswith("feature_point") for c in spatial) == 3

@@ -15,7 +15,6 @@ from small_problems import (
 )
 
 from orbident.estimation import maximum_likelihood
-from orbident.estimation.identify import identify
 from orbident.estimation.output_error import estimator
 from orbident.estimation.output_error.disturbances import (
     Push,
@@ -23,7 +22,9 @@ from orbident.estimation.output_error.disturbances import (
     place_of,
     push_of,
 )
+from orbident.estimation.output_error.estimator import OutputError
 from orbident.estimation.output_error.solver import Solution, solved
+from orbident.estimation.problem import momentum_problems
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot, Thruster
 from orbident.simulation.control_laws import JointPD
@@ -133,8 +134,10 @@ def test_a_torque_is_reported_as_it_was_estimated(monkeypatch):
     keep(maximum_likelihood, "fitted", fits)
     keep(estimator, "maximum_likelihood", likelihoods)
     recording = noisy(under_a_couple(1e-4), 0)
-    identify(with_sensors(), recording, initial_momentum="at-rest")
-    _, last = (fit.solution for fit in fits)
+    robot = with_sensors()
+    problem, *_ = momentum_problems(robot, recording, "at-rest", lambda _: None)
+    OutputError().estimate(problem, lambda _: None)
+    *_, last = (fit.solution for fit in fits)
     place = last.linear.local + place_of("torque").start + 2
     torque = likelihoods[0].pushes["torque"]
     std = np.sqrt(last.covariance[place, place])

@@ -9,10 +9,13 @@ from random_robots import random_robot, random_wheels
 from recorded_samples import stream
 
 from orbident.errors import InputError
-from orbident.estimation.recursive.filter import Extended, Sample, State
+from orbident.estimation.recursive.filter import Extended
+from orbident.estimation.recursive.given import given_of
 from orbident.estimation.recursive.history import recursive_history
 from orbident.estimation.recursive.noise import Noise, noise_of
 from orbident.estimation.recursive.prior import cad_prior, prior_from
+from orbident.estimation.recursive.state import Sample, State
+from orbident.model.derivatives import derivatives_of_beta, sets_of_beta
 from orbident.model.minimal_sets import MinimalSets, minimal_sets
 from orbident.preprocessing.samples import samples_of
 from orbident.robot.description import Robot
@@ -66,6 +69,41 @@ def test_without_noise_it_finds_the_truth(
     # Exact samples, and a prior of 30 % that 600 rows of 1e-6 outweigh.
     assert np.abs(error / state.beta).max() < 1e-3
     assert np.linalg.norm(state.root @ error) < 3.0
+
+
+def test_handing_over_costs_a_tenth_of_a_deviation(robot: Robot, sets: MinimalSets):
+    """Against Gauss and Newton on all that the samples say of `[pi, phi]`."""
+    recording = simulate(robot, random_motion(robot, duration=60.0), noise="sensors")
+    t, every, noise = given_of(robot, samples_of(robot, recording))
+    kalman = Extended.of(off(robot), noise)
+    state = before = kalman.begun(cad_prior(off(robot)), every[0], None)
+    for k in range(t.size):
+        before = state if not state.held_in_beta else before
+        state = State(kalman.core.step(state.core, t[k], every[k])[0])
+    assert state.held_in_beta
+    assert before.t < t[-1] / 2
+    exact, _, _ = kalman.gathered(before, t, every)
+    R, z = exact.R_z[:, :-1], exact.R_z[:, -1]
+    beta, A = state.beta, state.prior
+    for _ in range(5):
+        y, J = (f(sets, beta) for f in (sets_of_beta, derivatives_of_beta))
+        A = np.vstack([R @ np.vstack(J), state.prior[:, :-1]])
+        b = z - R @ (np.concatenate(y) - np.vstack(J) @ beta)
+        beta = np.linalg.lstsq(A, np.append(b, state.prior[:, -1]), rcond=None)[0]
+    assert np.linalg.norm(state.root @ (state.beta - beta)) < 0.1
+    # Deviations in all directions, beside those of the exact factor.
+    ratios = np.linalg.svd(A @ np.linalg.inv(state.root), compute_uv=False)
+    np.testing.assert_allclose(ratios, 1.0, atol=0.02)
+
+
+def test_a_robot_at_rest_is_not_handed_over(robot: Robot, every: list[Sample]):
+    """It shows its inertia in one configuration, and hardly anything of its CM."""
+    kalman = Extended.of(robot, FINE)
+    state = kalman.start(cad_prior(robot), every[0])
+    for k in range(100):
+        still = every[k]._replace(q=every[0].q, qd=np.zeros(3), v_S=every[0].v_S)
+        state, _ = kalman.step(state, still)
+    assert not state.held_in_beta
 
 
 def test_a_tree_with_a_slide():

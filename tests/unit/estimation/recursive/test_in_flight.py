@@ -37,7 +37,7 @@ def eigen() -> Path | None:
 def test_a_flight_computer_gets_the_same_bits(tmp_path: Path, name: str):
     robot = load_robot(name)
     start = "spun up" if robot.motion == "planar" else "turning"
-    motion = random_motion(robot, duration=6.0, start=start)
+    motion = random_motion(robot, duration=12.0, start=start)
     samples = samples_of(robot, simulate(robot, motion, rate=10.0, noise="sensors"))
     t, every, noise = given_of(robot, samples)
     # One sample without the velocity.
@@ -56,5 +56,6 @@ def test_a_flight_computer_gets_the_same_bits(tmp_path: Path, name: str):
     state = kalman.begun(prior, every[0], None)
     watch = Detector(kalman.rows, window=WINDOW).start()
     result = kalman.core.run(state.core, watch, np.inf, t, every)
+    assert result[0].held_in_beta == (name == "paper-spatial")
     beta, tests = result[4], result[6]
     np.testing.assert_array_equal(found, np.column_stack([beta, tests[:, 2]]))

@@ -24,10 +24,11 @@ from recorded_samples import stream
 from scipy.linalg import block_diag
 from scipy.spatial.transform import Rotation
 
-from orbident.estimation.recursive.filter import Extended, Info, Sample, State, packed
+from orbident.estimation.recursive.filter import Extended
 from orbident.estimation.recursive.given import smoothed_rate
 from orbident.estimation.recursive.noise import Noise, noise_of
 from orbident.estimation.recursive.prior import Prior, cad_prior
+from orbident.estimation.recursive.state import Info, Sample, State, packed
 from orbident.model.derivatives import derivatives_of_beta, sets_of_beta
 from orbident.model.minimal_sets import MinimalSets, minimal_sets
 from orbident.preprocessing.samples import samples_of
@@ -56,25 +57,44 @@ class Case(NamedTuple):
     info: Info
 
 
+EARLY = 30
+"""Samples: fewer than the filter takes to hand over."""
+
+
 @pytest.fixture(scope="module", params=ROBOTS)
 def case(request) -> Case:
-    """After a hundred samples, one more."""
-    robot = ROBOTS[request.param]
+    """A step over `[pi, phi]`."""
+    early = one_step(request.param, EARLY)
+    assert not early.after.held_in_beta
+    return early
+
+
+@pytest.fixture(scope="module", params=["sensors", "tree"])
+def late(request) -> Case:
+    """A step over `beta`."""
+    held = one_step(request.param, 100)
+    assert held.state.held_in_beta
+    return held
+
+
+def one_step(name: str, before: int) -> Case:
+    """The step after so many others."""
+    robot = ROBOTS[name]
     start = "spun up" if robot.motion == "planar" else "turning"
     motion = random_motion(robot, duration=12.0, start=start)
-    noise = "none" if request.param == "tree" else "sensors"
+    noise = "none" if name == "tree" else "sensors"
     samples = samples_of(robot, simulate(robot, motion, rate=10.0, noise=noise))
     rate, scatter = smoothed_rate(samples)
     stds = noise_of(robot, samples, scatter)
-    if request.param == "tree":
+    if name == "tree":
         stds = Noise(1e-4, 1e-4, joint_rates=1e-4, attitude=1e-4, gyro_walk=1e-5)
     kalman = Extended.of(robot, stds)
     every = [s for s in stream(samples, rate) if np.isfinite([*s.w, *s.w_smooth]).all()]
     state = kalman.start(cad_prior(robot), every[0])
-    for sample in every[:100]:
+    for sample in every[:before]:
         state, _ = kalman.step(state, sample)
-    after, info = kalman.step(state, every[100])
-    return Case(robot, kalman, state, every[100], after, info)
+    after, info = kalman.step(state, every[before])
+    return Case(robot, kalman, state, every[before], after, info)
 
 
 class Axes(NamedTuple):
@@ -256,6 +276,43 @@ def test_the_estimate(case: Case):
     told = after.top[:, -1] - after.top[:, n:-1] @ (y + J @ (after.beta - state.beta))
     x = np.linalg.solve(after.top[:, :n], told)
     np.testing.assert_allclose(after.nuisances, x, atol=1e-9 * np.abs(x).max())
+
+
+def test_a_step_over_beta(late: Case):
+    """The same equations, linearised about the estimate before them."""
+    state, after, sets = late.state, late.after, late.kalman.sets
+    axes = axes_of(sets)
+    back, kick = transition(late, axes)
+    n, w, k = len(back), kick.shape[1], state.beta.size
+    y = np.concatenate(sets_of_beta(sets, state.beta))
+    J = np.vstack(derivatives_of_beta(sets, state.beta))
+    own = laws(late, axes)
+    X, Y, z = own[:, :n], own[:, n:-1], own[:, -1]
+    own = np.column_stack([X, Y @ J, z - Y @ (y - J @ state.beta)])
+    N, rest = state.top[:, :n], state.top[:, n:]
+    root_z = np.column_stack([state.root, state.root @ state.beta])
+    stacked = np.vstack(
+        [
+            np.eye(w, w + n + k + 1),
+            np.hstack([-N @ kick, N @ back, rest]),
+            np.hstack([np.zeros((len(own), w)), own]),
+            np.hstack([np.zeros((k, w + n)), root_z]),
+        ]
+    )
+    root_z = np.column_stack([after.root, after.root @ after.beta])
+    both = np.vstack([after.top, np.hstack([np.zeros((k, n)), root_z])])
+    expected = information(stacked, w)
+    check_close((both.T @ both)[:-1, :-1], expected[:-1, :-1])
+    solution = np.linalg.solve(both[:, :-1], both[:, -1])
+    x, beta = solution[:n], solution[n:]
+    np.testing.assert_allclose(after.beta, beta, atol=1e-9 * np.abs(beta).max())
+    np.testing.assert_allclose(after.nuisances, x, atol=1e-9 * np.abs(x).max())
+    L = np.linalg.cholesky(expected[:-1, :-1])
+    whitened = L.T @ solution - np.linalg.solve(L, expected[:-1, -1])
+    # Deviations: squares of entries of 1e6 lose half the digits.
+    assert np.linalg.norm(whitened) < 1e-4
+    total = np.square(both[:, -1]).sum() + late.info.nis
+    np.testing.assert_allclose(total, expected[-1, -1], rtol=1e-9)
 
 
 def tree(seed: int, slides: list[bool], planar: bool, massless: bool) -> Robot:

@@ -1,0 +1,103 @@
+// What one shooting interval's equations are made of: what was recorded over it, where they are
+// linearised, and the table they grow in.
+#pragma once
+
+#include "orbident/householder.hpp"
+#include "orbident/calibration.hpp"
+
+namespace orbident {
+
+constexpr int BIASES = 9;  // turn and biases: what goes on from interval to interval
+
+// A sensor's samples, rows x axes; no values where there is no such sensor.
+template <class T>
+struct Sensed {
+  const T* values;
+  const T* weights;  // 1 over the noise's std; zero where there was no sample
+  T* residuals;      // whitened
+};
+
+template <class T>
+struct Recorded {
+  Tree tree;
+  Sparse theta_of;  // theta = theta_of beta
+  bool planar;
+  int substeps;            // of the attitude, from row to row
+  const int* corrected;    // joints that have corrections
+  int wheels;
+  IntervalColumns columns;
+  int rows;
+  const T* t;       // rows, s
+  const int* edge;  // intervals + 1: the first row of each, and `rows`
+  int intervals;
+  // At 2 rows - 1 nodes: every row, and half-way between.
+  const T *q, *qd, *qdd;       // nodes x joints
+  const T* A_rw;               // wheels x 3: a_i I_i, base axes
+  const T *qd_rw, *qdd_rw;     // nodes x wheels
+  Sensed<T> gyro, accelerometer, attitude, joints, position, velocity;
+  // How freely the unknowns of boundaries vary: standard deviations.
+  const T* first;  // of z at the first row
+  const T* prior;  // of corrections anywhere
+  const T* walk;   // of turn and biases, per square root of a second
+
+  int local() const { return BIASES + 2 * columns.corrected; }
+  int common() const { return columns.common(); }
+  CalibrationPlaces places() const { return {tree.joints, wheels}; }
+  int width() const { return 2 * local() + common() + 1; }
+  int stride() const { return padded(width()); }
+};
+
+// Where the equations are linearised.
+template <class T>
+struct LinearisedAt {
+  const T* x_WB;   // boundaries x 4
+  const T* local;  // boundaries x local; turns are zero
+  const T* common;
+  const T* theta;  // of its beta
+  Calibration<T> calibration;
+};
+
+template <class T>
+struct IntervalMemory {
+  TermsMemory<T> terms;
+  T *q, *qd, *qdd;      // joints each
+  JointNode<T> node[3];
+  BaseNode<T> base[3];
+  T* velocity[3];       // 3 x unknowns each
+  T* slopes;            // 3 x unknowns
+  T* felt;              // 3 x unknowns
+};
+
+// A table of equations that grows row by row.
+template <class T>
+struct EquationTable {
+  T* table;
+  int stride, width;
+  int start, end;  // columns of z at the interval's start and end
+  int local;
+  int rows;
+  T cost;
+
+  T* add(const T& right_hand_side) {
+    T* row = table + std::ptrdiff_t(rows++) * stride;
+    std::fill_n(row, stride, T(0));
+    row[width - 1] = right_hand_side;
+    cost += right_hand_side * right_hand_side;
+    return row;
+  }
+
+  // From slopes by the interval's unknowns.
+  T* add(const IntervalColumns& c, const T* slopes, const T& weight, const T& error) {
+    T* row = add(weight * error);
+    const auto scaled = [&](int from, int count, T* to) {
+      for (int k = 0; k < count; ++k) to[k] = weight * slopes[from + k];
+    };
+    scaled(c.turn(), 3, row + start);
+    scaled(c.corrections(), 2 * c.corrected, row + start + BIASES);
+    scaled(c.corrections() + 2 * c.corrected, 2 * c.corrected, row + end + BIASES);
+    scaled(c.outside(), c.common(), row + 2 * local);
+    return row;
+  }
+};
+
+}  // namespace orbident

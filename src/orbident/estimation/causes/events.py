@@ -1,0 +1,124 @@
+"""Whether a recording is good until something happens, and what that may have been."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from orbident.errors import InputError
+from orbident.estimation.causes.trial import Trial, trial
+from orbident.estimation.linear_fits import InitialMomentum
+from orbident.estimation.problem import MomentumProblem
+from orbident.recordings.recording import Recording
+
+HALVINGS = 4
+"""How often the stretch of time in which the event may lie is halved."""
+
+FEWEST = 20
+"""Samples of a part that may be identified for itself."""
+
+CLEAR = 5.0
+"""Deviations by which parameters of two bodies differ."""
+
+MASKED = ("position", "attitude")
+"""Sensors that may jump or drift for themselves."""
+
+
+def event(problem: MomentumProblem) -> str:
+    """What happened, in words.
+
+    Only what is said to fit was tried: what stands in brackets after "perhaps" are
+    usual reasons, which nothing here tests.
+    """
+    t = problem.recording.t
+    good, bad, before = _until(problem)
+    if before is None:
+        return (
+            "no part of the recording fits, and no cause that was tried explains it "
+            "(perhaps something moves in the robot: a loose mass, sloshing, flexible "
+            "joints)"
+        )
+    at = f"between t = {t[good - 1]:.3g} and {t[bad - 1]:.3g} s"
+    for sensor in MASKED:
+        if _without(problem, sensor, good).accepted:
+            return (
+                f"the {sensor} drifts, or has a jump (a step) {at}: without its "
+                "samples from then on the recording is accepted"
+            )
+    after = _part(problem, slice(bad, None), "unknown")
+    if not after.accepted and problem.initial_momentum == "at-rest":
+        return (
+            f"the recording fits up to an event {at} (perhaps a push, such as a "
+            "thruster's burst, or the robot changed by a capture)"
+        )
+    if not after.accepted:
+        return (
+            f"the recording stops to fit {at}, and what follows does not fit either "
+            "(perhaps an external torque acts, by drag or friction, or a wheel's speed "
+            "is not as recorded)"
+        )
+    if _differ(before, after):
+        return (
+            f"the robot changed {at} (a capture or a release): before and after the "
+            "recording fits, with different parameters"
+        )
+    return (
+        f"an event {at}: before and after the recording fits, with the same parameters "
+        "(perhaps a push, such as a thruster's burst)"
+    )
+
+
+def _until(problem: MomentumProblem) -> tuple[int, int, Trial | None]:
+    """Rows of the longest beginning that fits, and of the shortest that does not."""
+    rows = problem.recording.t.size
+    good, bad, found = 0, rows, None
+    for _ in range(HALVINGS):
+        middle = (good + bad) // 2
+        tried = _part(problem, slice(middle), problem.initial_momentum)
+        if tried.accepted:
+            good, found = middle, tried
+        else:
+            bad = middle
+    return good, bad, found
+
+
+def _part(
+    problem: MomentumProblem, rows: slice, initial_momentum: InitialMomentum
+) -> Trial:
+    recording = problem.recording
+    if recording.t[rows].size < FEWEST:
+        return Trial("", False, np.inf)
+    columns = {name: column[rows] for name, column in recording.columns.items()}
+    part = replace(recording, t=recording.t[rows], columns=columns)
+    known = replace(problem, initial_momentum=initial_momentum)
+    return _tried(known, part)
+
+
+def _without(problem: MomentumProblem, sensor: str, start: int) -> Trial:
+    """Without the sensor's samples from a row on."""
+    recording = problem.recording
+    columns = {
+        name: np.where(np.arange(column.size) < start, column, np.nan)
+        if name.startswith(f"{sensor}.")
+        else column
+        for name, column in recording.columns.items()
+    }
+    return _tried(problem, replace(recording, columns=columns))
+
+
+def _tried(problem: MomentumProblem, recording: Recording) -> Trial:
+    try:
+        amended = problem.amended(recording=recording)
+    except InputError:
+        return Trial("", False, np.inf)
+    return trial("", amended)
+
+
+def _differ(one: Trial, other: Trial) -> bool:
+    """Whether base parameters of two parts are those of different robots."""
+    assert one.estimate is not None
+    assert other.estimate is not None
+    a, b = one.estimate.found.base, other.estimate.found.base
+    off = np.abs(a.values - b.values)
+    std = np.sqrt(np.diag(a.covariance) + np.diag(b.covariance))
+    both = a.determined & b.determined
+    return bool(np.any(off[both] > CLEAR * std[both]))

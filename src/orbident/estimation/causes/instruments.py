@@ -1,0 +1,76 @@
+"""Which instrument's error, were it unknown, would explain what the sensors show."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from orbident.estimation.causes.trial import Trial, trial
+from orbident.estimation.estimate import Estimate
+from orbident.estimation.output_error.sensitivity import CalibrationFit
+from orbident.estimation.problem import MomentumProblem
+from orbident.robot.description import Robot
+
+ANGLE, LENGTH, PART = 0.2, 0.2, 0.1
+"""Errors that instruments may have, rad, m and relative: far beyond good ones."""
+
+
+class Kind(NamedTuple):
+    """Errors of one kind, as unknowns."""
+
+    words: str
+    instrument: str
+    error: str
+    """Names of calibration errors begin with the instrument and go on with this."""
+    tolerance: Mapping[str, Any]
+    """As `Tolerances` has it."""
+
+
+def instruments(problem: MomentumProblem) -> Iterator[Trial]:
+    """Identify again, with one kind of error as an unknown."""
+    robot = problem.robot
+    for kind in _kinds(robot):
+        freed = replace(robot, tolerances=replace(robot.tolerances, **kind.tolerance))
+        found = trial(kind.words, problem.amended(robot=freed))
+        errors = found.estimate and _of(kind, found.estimate)
+        if errors:
+            # As many unknowns explain so much by chance (Schwarz 1978).
+            price = len(errors) * np.log(problem.samples.t.size)
+            words = _in_words(kind, errors)
+            yield found._replace(cause=words, misfit=found.misfit + price)
+
+
+def _kinds(robot: Robot) -> Iterator[Kind]:
+    zeros = {joint.name: ANGLE for joint in robot.joints}
+    scales = dict.fromkeys(robot.joint_names, PART)
+    yield Kind("the zero of joint", "joint", "zero", {"joint_zero": zeros})
+    yield Kind("the scale of joint", "joint", "scale", {"joint_scale": scales})
+    yield Kind("the inertia of wheel", "wheel", "inertia", {"wheel_inertia": PART})
+    for words, name, tolerance in (
+        ("the offset of the tracked marker from S", "feature_point", LENGTH),
+        ("the misalignment of the attitude sensor", "attitude.misalignment", ANGLE),
+        ("the misalignment of the gyro", "gyro.misalignment", ANGLE),
+        ("the scale of the gyro, or the rate of the clock,", "gyro.scale", PART),
+        ("the scale of the position", "position.scale", PART),
+    ):
+        instrument, _, error = name.partition(".")
+        yield Kind(words, instrument, error, {name.replace(".", "_"): tolerance})
+
+
+def _of(kind: Kind, estimate: Estimate) -> Mapping[str, CalibrationFit]:
+    return {
+        name: each
+        for name, each in estimate.calibration.items()
+        if name.startswith(kind.instrument) and kind.error in name
+    }
+
+
+def _in_words(kind: Kind, errors: Mapping[str, CalibrationFit]) -> str:
+    """With the error that stands out most."""
+    name = max(errors, key=lambda name: abs(errors[name].value) / errors[name].std)
+    named = name.split(".")
+    which = f" {named[1]}" if kind.instrument in ("joint", "wheel") else ""
+    axis = f" along {named[-1]}" if named[-1] in "xyz" else ""
+    value, std = errors[name].value, errors[name].std
+    return f"{kind.words}{which} is off by {value:.3g} +- {std:.1g} (SI){axis}"

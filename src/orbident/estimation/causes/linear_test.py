@@ -1,0 +1,90 @@
+"""Which convention makes the linear equations 24 and 31 fit best."""
+
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+
+from orbident.errors import InputError
+from orbident.estimation.causes.conventions import Convention, conventions
+from orbident.estimation.linear_fits import fit
+from orbident.estimation.problem import MomentumProblem
+from orbident.preprocessing.samples import Samples
+
+ROWS = 1000
+"""So many samples from the beginning of a recording show a wrong convention as well as
+all of them do."""
+
+FALLS = 2.0
+"""Times that the residuals of both equations together must be smaller."""
+
+PLAINLY = 1.1
+"""Times better than a simpler suspicion, which comes before."""
+
+UNLIKELY = 1e3
+"""Times that residuals count where `pi` or `phi` is far from the nominal one: a gain
+leaves the residuals as they are."""
+
+TINY = 1e-300
+
+FARTHEST = 5.0
+"""Times: bodies are known better than that before they are built."""
+
+
+class Tried(NamedTuple):
+    """A convention, put right."""
+
+    cause: str
+    falls: float
+    """The residuals as recorded, over those with the convention put right."""
+
+
+def best_convention(problem: MomentumProblem) -> Tried | None:
+    """The one that makes the residuals of both equations smallest, if any does."""
+    part = problem.beginning(ROWS)
+    before = linear_misfit(part, part.samples)
+    best = None
+    for convention in conventions(part):
+        left = _misfit(part, convention)
+        falls = before / left if left > 0 else 0.0
+        if falls > (PLAINLY * best.falls if best else FALLS):
+            best = Tried(convention.cause, falls)
+    return best
+
+
+def _misfit(problem: MomentumProblem, convention: Convention) -> float:
+    try:
+        return linear_misfit(problem, convention.amended(problem))
+    except InputError:
+        return np.inf
+
+
+def linear_misfit(problem: MomentumProblem, samples: Samples) -> float:
+    """Residuals over all that there is to explain, of both equations.
+
+    Args:
+        problem: whose minimal sets count.
+        samples: of its recording, as they would be.
+
+    Raises:
+        InputError: there are fewer equations than unknowns.
+    """
+    robot, sets = problem.robot, problem.sets
+    fits = fit(robot, sets, samples, problem.initial_momentum, lambda _: None)
+    left = [
+        each.unexplained / np.hypot(each.explained, each.unexplained)
+        for each in (fits.pi, fits.phi)
+        if each.explained > 0
+    ]
+    if not np.isfinite(left).all():
+        return np.inf
+    far = _far(fits.pi.values, sets.pi(robot.theta)) + _far(
+        fits.phi.values, sets.phi(robot.theta)
+    )
+    return float(np.prod(left)) * UNLIKELY**far
+
+
+def _far(values: Float[np.ndarray, " n"], nominal: Float[np.ndarray, " n"]) -> bool:
+    """Opposite, or of another size."""
+    gain = float(values @ nominal) / max(float(nominal @ nominal), TINY)
+    return not 1 / FARTHEST < gain < FARTHEST

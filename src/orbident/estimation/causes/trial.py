@@ -1,0 +1,46 @@
+"""A recording with one thing put right: is it accepted then?"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from orbident.errors import InputError
+from orbident.estimation.check import worst
+from orbident.estimation.criteria import judge
+from orbident.estimation.estimate import Estimate
+from orbident.estimation.evidence import misfit
+from orbident.estimation.obstacles import obstacles
+from orbident.estimation.output_error.estimator import OutputError
+from orbident.estimation.problem import MomentumProblem
+from orbident.estimation.solve import Solved
+
+STEPS = 12
+"""From where what is put right is right, the search needs fewer."""
+
+
+class Trial(NamedTuple):
+    """What came of it."""
+
+    cause: str
+    accepted: bool
+    misfit: float
+    """Minus twice the logarithm of the likelihood, but for a constant."""
+    estimate: Estimate | None = None
+
+
+def trial(cause: str, problem: MomentumProblem) -> Trial:
+    """Identify by output error, and judge.
+
+    Args:
+        cause: what is put right in it.
+        problem: as it would be.
+    """
+    if obstacles(problem):
+        return Trial(cause, False, np.inf)
+    try:
+        shown = OutputError(steps=STEPS).estimate(problem, lambda _: None)
+    except InputError:  # Equations that overflow.
+        return Trial(cause, False, np.inf)
+    judgement = judge(Solved(problem, [], shown, shown), dict(shown.masses))
+    accepted = worst(judgement.checks) != "do not trust"
+    return Trial(cause, accepted, misfit(shown), shown)

@@ -1,0 +1,125 @@
+"""What the sensors show, whatever the method: by this its result is judged.
+
+Residuals of Eqs. 24 and 31 hide what sensors are made of, so no method is judged by
+them alone. Output error predicts every sensor; a result of another method is as far
+from the truth as it is from that fit, and its deviations say so.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from orbident.estimation.estimate import Estimate, Estimator, Progress
+from orbident.estimation.found import Found, Known
+from orbident.estimation.output_error.estimator import OutputError
+from orbident.estimation.problem import MomentumProblem
+from orbident.estimation.quantities import Quantity
+
+MOST = 2**13
+"""Samples of a recording that other methods are judged by: its beginning. A longer one
+is what they are for."""
+
+WORTH = 25.0
+"""Fall in chi-square, five deviations squared, that a clock's correction must bring."""
+
+
+class Evidence(NamedTuple):
+    """A problem on the clocks that explain its sensors best."""
+
+    problem: MomentumProblem
+    shown: Estimate | None
+    """The estimate by output error; None for exact recordings, which need none."""
+
+
+def evidence(
+    problems: Sequence[MomentumProblem], estimator: Estimator, progress: Progress
+) -> Evidence:
+    """Fit the sensors.
+
+    Args:
+        problems: a recording as it is, then with clocks corrected that seem late.
+        estimator: all samples count where it is output error itself.
+        progress: is called with the fraction of the work that is done.
+    """
+    whole = isinstance(estimator, OutputError)
+
+    def fitted(problem: MomentumProblem) -> Evidence:
+        if whole:
+            return Evidence(problem, estimator.estimate(problem, progress))
+        if problem.exact:
+            return Evidence(problem, None)
+        part = problem.beginning(MOST)
+        return Evidence(problem, OutputError().estimate(part, progress))
+
+    found = [fitted(problem) for problem in problems]
+    first, *others = found
+    return min([first, *(each for each in others if _better(each, first))], key=_misfit)
+
+
+def _better(one: Evidence, other: Evidence) -> bool:
+    return bool(_misfit(one) < _misfit(other) - WORTH)
+
+
+def _misfit(found: Evidence) -> float:
+    return -np.inf if found.shown is None else misfit(found.shown)
+
+
+def misfit(shown: Estimate) -> float:
+    """Minus twice the logarithm of the likelihood, each sensor's noise at its best."""
+    left = (each.measured - each.predicted for each in shown.signals)
+    return sum(r.size * np.log(np.mean(r**2)) for r in left if r.any())
+
+
+def difference(one: Known, other: Known) -> float:
+    """The largest one, in deviations of the first."""
+    off, std = _off(one, other), np.sqrt(np.maximum(np.diag(one.covariance), 0.0))
+    sure = std > 0
+    return float(np.max(np.abs(off[sure]) / std[sure], initial=0.0))
+
+
+def widened(estimate: Estimate, shown: Estimate, whole: bool) -> Estimate:
+    """With deviations that include how far it is from what the sensors show.
+
+    Maximum likelihood has the least variance, so that a difference from it has no part
+    in common with its error (Hausman 1978): the mean square error of another estimate
+    is that variance and the square of the difference.
+
+    Args:
+        estimate: by any method.
+        shown: by output error.
+        whole: whether of the same samples; where of a part of them, the method's own
+            variance counts.
+    """
+    mine, theirs = estimate.found, shown.found
+    both = np.concatenate([_off(mine.pi, theirs.pi), _off(mine.phi, theirs.phi)])
+    least = shown if whole else estimate
+
+    def known(one: Known, other: Known, variance: Known) -> Known:
+        off = _off(one, other)
+        return Known(
+            one.values,
+            variance.covariance + np.outer(off, off),
+            one.determined & other.determined,
+        )
+
+    M = estimate.mass.value
+    std = float(np.hypot(least.mass.std, M - shown.mass.value))
+    mass, routes = Quantity(M, std), list(estimate.masses)
+    return replace(
+        estimate,
+        found=Found(
+            known(mine.pi, theirs.pi, least.found.pi),
+            known(mine.phi, theirs.phi, least.found.phi),
+            known(mine.base, theirs.base, least.found.base),
+            least.found.covariance + np.outer(both, both),
+        ),
+        mass=mass,
+        masses={**estimate.masses, routes[-1]: mass},
+        sensitivity=shown.sensitivity,
+    )
+
+
+def _off(one: Known, other: Known) -> np.ndarray:
+    return np.where(one.determined & other.determined, one.values - other.values, 0.0)

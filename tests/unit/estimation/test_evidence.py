@@ -1,0 +1,167 @@
+"""By what sensors show: deviations of other methods, and how much is looked at."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from small_problems import noisy, small_recording, small_robot
+
+from orbident.estimation import evidence as module
+from orbident.estimation.estimate import Estimate
+from orbident.estimation.evidence import difference, evidence, widened
+from orbident.estimation.found import Known
+from orbident.estimation.least_squares import LeastSquares
+from orbident.estimation.output_error.estimator import OutputError
+from orbident.estimation.problem import MomentumProblem, momentum_problems
+from orbident.estimation.quantities import Quantity
+from orbident.model.derivatives import sets_of_beta
+from orbident.recordings.recording import Recording
+
+ROBOT = small_robot()
+
+
+def problem_of(recording: Recording) -> MomentumProblem:
+    problem, *_ = momentum_problems(ROBOT, recording, "at-rest", lambda _: None)
+    return problem
+
+
+@pytest.fixture(scope="module")
+def problem() -> MomentumProblem:
+    return problem_of(noisy(small_recording(ROBOT), 0))
+
+
+@pytest.fixture(scope="module")
+def shown(problem: MomentumProblem) -> Estimate:
+    return OutputError().estimate(problem, lambda _: None)
+
+
+def sets_of(estimate: Estimate) -> tuple[Known, Known, Known]:
+    return estimate.found.pi, estimate.found.phi, estimate.found.base
+
+
+def off_by(estimate: Estimate, problem: MomentumProblem, deviations: float) -> Estimate:
+    """Every base parameter is off by so many deviations, and so is all that follows."""
+    found = estimate.found
+    std = np.sqrt(np.diag(found.base.covariance))
+    beta = found.base.values + deviations * std
+    pi, phi = sets_of_beta(problem.sets, beta)
+    moved = found._replace(
+        pi=found.pi._replace(values=pi),
+        phi=found.phi._replace(values=phi),
+        base=found.base._replace(values=beta),
+    )
+    mass = Quantity(float(beta[0]), estimate.mass.std)
+    return replace(estimate, found=moved, mass=mass)
+
+
+def test_an_estimate_that_agrees_keeps_its_variance(shown):
+    same = widened(shown, shown, True)
+    for one, other in zip(sets_of(same), sets_of(shown), strict=True):
+        np.testing.assert_array_equal(one.values, other.values)
+        np.testing.assert_array_equal(one.covariance, other.covariance)
+    assert same.mass == shown.mass
+    assert difference(shown.found.base, shown.found.base) == 0
+
+
+@pytest.mark.parametrize("whole", [True, False])
+def test_an_estimate_that_is_off_has_its_distance_in_its_deviations(
+    problem, shown, whole
+):
+    """Beside the sensors' variance, or its own where the sensors' is of a part."""
+    sure = shown.found._replace(
+        **{
+            name: known._replace(covariance=known.covariance / 4)
+            for name, known in zip(("pi", "phi", "base"), sets_of(shown), strict=True)
+        },
+        covariance=shown.found.covariance / 4,
+    )
+    mass = Quantity(shown.mass.value, shown.mass.std / 2)
+    mine = off_by(replace(shown, found=sure, mass=mass), problem, 3.0)
+    least = shown if whole else mine
+    wide = widened(mine, shown, whole)
+    for now, before, there, variance in zip(
+        sets_of(wide), sets_of(mine), sets_of(shown), sets_of(least), strict=True
+    ):
+        np.testing.assert_array_equal(now.values, before.values)
+        d = before.values - there.values
+        np.testing.assert_allclose(
+            np.sqrt(np.diag(now.covariance)),
+            np.sqrt(np.diag(variance.covariance) + d**2),
+            rtol=1e-12,
+        )
+        check_semidefinite(now.covariance)
+    assert difference(mine.found.base, shown.found.base) == pytest.approx(3.0)
+    assert wide.mass.std == pytest.approx(
+        np.hypot(least.mass.std, mine.mass.value - shown.mass.value)
+    )
+
+
+def test_all_descriptions_are_as_sure(problem, shown):
+    """`M` as the first of the base parameters; `pi` and `phi` as both together."""
+    wide = widened(off_by(shown, problem, 3.0), shown, True)
+    pi, phi, base = sets_of(wide)
+    assert wide.mass.std == pytest.approx(np.sqrt(base.covariance[0, 0]))
+    *_, last = wide.masses.values()
+    assert last == wide.mass
+    n, both = pi.values.size, wide.found.covariance
+    # The blocks were products of the same matrices.
+    np.testing.assert_allclose(both[:n, :n], pi.covariance, rtol=1e-9)
+    np.testing.assert_allclose(both[n:, n:], phi.covariance, rtol=1e-9)
+    check_semidefinite(both)
+
+
+def check_semidefinite(C: np.ndarray) -> None:
+    std = np.sqrt(np.diag(C))
+    correlations = C / np.outer(std, std)
+    np.testing.assert_allclose(correlations, correlations.T, atol=1e-12)
+    # Rounding of as many numbers as a row has.
+    assert np.linalg.eigvalsh(correlations).min() > -1e-12
+
+
+def test_what_is_not_determined_widens_nothing(problem, shown):
+    mine = off_by(shown, problem, 3.0)
+    base = mine.found.base._replace(
+        determined=np.arange(mine.found.base.values.size) > 0
+    )
+    mine = replace(mine, found=mine.found._replace(base=base))
+    wide = widened(mine, shown, True).found.base
+    before = shown.found.base.covariance
+    assert wide.covariance[0, 0] == before[0, 0]
+    assert (np.diag(wide.covariance)[1:] > 5 * np.diag(before)[1:]).all()
+    assert not wide.determined[0]
+
+
+def test_exact_data_need_no_other_witness():
+    exact = problem_of(small_recording(ROBOT))
+    assert evidence([exact], LeastSquares(), lambda _: None).shown is None
+    whole = evidence([exact], OutputError(), lambda _: None)
+    assert whole.shown is not None
+
+
+def test_the_beginning_of_a_problem(problem):
+    """That of its samples, on its clocks, with equations of its own."""
+    part = problem.beginning(200)
+    np.testing.assert_array_equal(part.samples.t, problem.samples.t[:200])
+    assert part.clocks == problem.clocks
+    columns = problem.recording.columns
+    first = Recording(
+        problem.recording.t[:200], {name: x[:200] for name, x in columns.items()}
+    )
+    alone = problem_of(first)
+    np.testing.assert_allclose(
+        part.fits.pi.values, alone.fits.pi.values, rtol=1e-12, atol=1e-12
+    )
+    assert problem.beginning(problem.recording.t.size) is problem
+
+
+def test_other_methods_are_judged_by_the_beginning(problem, monkeypatch):
+    monkeypatch.setattr(module, "MOST", 200)
+    for estimator, rows in (
+        (LeastSquares(), 200),
+        (OutputError(), problem.recording.t.size),
+    ):
+        found = evidence([problem], estimator, lambda _: None)
+        assert found.problem is problem
+        assert found.shown is not None
+        sizes = {len(signal.measured) for signal in found.shown.signals}
+        assert sizes == {rows}
