@@ -114,6 +114,25 @@ def test_it_serves_until_it_is_interrupted():
     assert (process.returncode, out, words) == (130, "", "orbident: interrupted\n")
 
 
+def test_what_is_written_when_it_is_interrupted_is_written_once():
+    """An interrupt that comes after the write, and before Python knows of it."""
+    interrupted = (
+        "import signal, sys\n"
+        "from orbident.cli import app, streams\n"
+        "write = streams._Pipe.write\n"
+        "def written(self, data):\n"
+        "    count = write(self, data)\n"
+        "    signal.raise_signal(signal.SIGINT)\n"
+        "    return count\n"
+        "streams._Pipe.write = written\n"
+        f"sys.argv = {['orbident', *VIEW]}\n"
+        "app.main()\n"
+    )
+    ran = finished(ORBIDENT[0], "-c", interrupted)
+    assert (ran.returncode, ran.stderr) == (130, "orbident: interrupted\n")
+    assert json.loads(ran.stdout)["shown"] == "cepheus-like"
+
+
 def test_in_the_background_it_serves_until_it_is_terminated():
     with started(*VIEW, ignoring_interrupts=True) as process:
         address_of(process)

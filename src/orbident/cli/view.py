@@ -41,6 +41,7 @@ def view(
 ) -> None:
     """Look at a robot, or at a recorded motion, in the browser; Ctrl-C ends it."""
     from orbident.cli.output import Output, progress
+    from orbident.cli.streams import drop_output
     from orbident.viewer.pages import prepared
     from orbident.viewer.server import close, open_server, run
 
@@ -57,6 +58,10 @@ def view(
         output.write_json({"shown": shown, "url": served.url})
         sys.stdout.flush()
         run(page)
+    except KeyboardInterrupt:
+        # An interrupted write may have left in the buffer what was written already.
+        drop_output()
+        raise
     finally:
         close(served.server)
 

@@ -3,7 +3,7 @@
 import json
 import os
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -147,14 +147,23 @@ def load_result(folder: Path) -> Result:
     """
     finish(folder, OURS)
     path = folder / RESULT
+    version = _version(path)
     text = _text(path)
     try:
         return _read(text, folder)
     except InputError:
-        if not is_committed(folder) and _text(path) == text:
+        if not is_committed(folder) and _version(path) == version:
             raise
     # It was replaced meanwhile.
     return load_result(folder)
+
+
+def _version(path: Path) -> tuple[int, int] | None:
+    """Which file this is: the same result, written twice, is two files."""
+    with suppress(OSError):
+        found = path.stat()
+        return found.st_ino, found.st_mtime_ns
+    return None
 
 
 def _text(path: Path) -> str:
