@@ -1,12 +1,13 @@
 """Badly calibrated instruments: what they show of a truth."""
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from scipy.interpolate import make_interp_spline
 from scipy.spatial.transform import Rotation
 
 from orbident.recordings.recording import Recording
+from orbident.robot.description import Robot
 from orbident.robot.description import Robot
 from orbident.simulation.free_floating import JointMotion, JointState
 
@@ -25,10 +26,27 @@ class Errors:
     position: np.ndarray
     clock: np.ndarray
     """How late joints and wheels, the attitude and the position are shown."""
+    place: np.ndarray
+    """Of each joint, three numbers."""
+    direction: np.ndarray
 
     @property
     def vector(self) -> np.ndarray:
         return np.concatenate([getattr(self, each.name) for each in fields(self)])
+
+    def robot(self, robot: Robot) -> Robot:
+        """The true one, whose joints are elsewhere."""
+        moved = zip(
+            robot.joints,
+            self.place.reshape(-1, 3),
+            rotation(self.direction.reshape(-1, 3)).as_matrix(),
+            strict=True,
+        )
+        joints = (
+            replace(joint, p_PJ=joint.p_PJ + place, R_PJ=R @ joint.R_PJ)
+            for joint, place, R in moved
+        )
+        return replace(robot, joints=tuple(joints))
 
     def joints(self, q: np.ndarray, qd: np.ndarray, qdd: np.ndarray) -> JointState:
         """The true ones, but for what the third derivative adds to accelerations."""
@@ -77,11 +95,15 @@ class TrueMotion:
 
 
 def random_errors(robot: Robot, seed: int, size: float) -> Errors:
-    """All of them."""
+    """All of them; a planar robot stays planar."""
     random = np.random.default_rng(seed)
     joints, wheels = len(robot.joints), len(robot.wheels)
-    sizes = (joints, joints, wheels, 3, 3, 3, 3, 1, 3)
-    return Errors(*(size * random.standard_normal(n) for n in sizes))
+    sizes = (joints, joints, wheels, 3, 3, 3, 3, 1, 3, 3 * joints, 3 * joints)
+    errors = Errors(*(size * random.standard_normal(n) for n in sizes))
+    if robot.motion == "planar":
+        errors.place[2::3] = 0.0
+        errors.direction[np.arange(3 * joints) % 3 < 2] = 0.0
+    return errors
 
 
 def no_errors(robot: Robot) -> Errors:

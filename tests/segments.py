@@ -81,6 +81,7 @@ def segment_of(
     With errors of the instruments, these are shown, and all are unknowns.
     """
     by = errors or no_errors(robot)
+    believed, robot = robot, by.robot(robot)
     t = np.arange(2 * rows - 1) * dt / 2
     swing = random_swing(seed, len(robot.joints))
     truth = TrueMotion(by, swing)
@@ -114,7 +115,7 @@ def segment_of(
     }
     weights = {name: np.tile(axes[name], (rows, 1)) for name in SENSORS}
     weights["accelerometer"][-1] = 0.0
-    sets, joints = minimal_sets(robot), len(robot.joints)
+    sets, joints = minimal_sets(believed), len(robot.joints)
     r_cm = inertia_at(robot, motion.q[0]).r_cm
     r_cm = quaternion_matrix(motion.attitude[0]) @ r_cm
     outside = NOTHING._replace(h_cm=motion.h_cm, v_cm=motion.v_cm, r_cm=r_cm)
@@ -122,7 +123,8 @@ def segment_of(
     local = np.zeros((intervals + 1, 9 + 2 * joints))
     local[:, 3:9] = np.append(GYRO, ACCELEROMETER)
     recorded = _core.Recorded(
-        core_tree(robot),
+        core_tree(believed),
+        robot.theta.ravel() - sets.base.theta_of @ sets.beta(robot.theta),
         sets.base.theta_of,
         robot.motion == "planar",
         substeps,

@@ -63,6 +63,12 @@ def small_recording(robot: Robot, duration: float = 20.0) -> Recording:
     return simulate(robot, motion)
 
 
+def small_flight(robot: Robot) -> Recording:
+    """On a table or in space."""
+    planar = robot.motion == "planar"
+    return (small_recording if planar else small_recording_in_space)(robot)
+
+
 def noisy(recording: Recording, seed: int) -> Recording:
     """With white noise on the sensors of the base, about z and in x and y."""
     random = np.random.default_rng(seed)
@@ -96,7 +102,7 @@ def small_problem(robot: Robot, recording: Recording, off: float = 0.0) -> Small
     sets = minimal_sets(robot)
     sensors = sensors_of(robot, recording, dict.fromkeys(SENSORS, 0.0))
     samples = samples_of(robot, recording)
-    problem = problem_of(robot, sets.base.theta_of, samples, sensors)
+    problem = problem_of(robot, sets, samples, sensors)
     beta = sets.beta(robot.theta)
     signs = np.where(np.arange(beta.size) % 2, 1.0, -1.0)
     start = (1 + off * signs) * beta

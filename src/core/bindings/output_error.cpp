@@ -23,6 +23,7 @@ std::vector<int> indices(const In<1>& given) {
 
 struct OwnedRecorded {
   OwnedTree tree;
+  In<1> nominal;
   OwnedSparse theta_of;
   bool planar;
   int substeps;
@@ -68,7 +69,7 @@ Sensed<double>* sensors_of(Recorded<double>& all, std::size_t sensor) {
   return each[sensor];
 }
 
-OwnedRecorded make_recorded(const OwnedTree& tree, const Array& theta_of, bool planar, int substeps,
+OwnedRecorded make_recorded(const OwnedTree& tree, const Array& nominal, const Array& theta_of, bool planar, int substeps,
                             const Array& corrected, const Array& t_, const Array& edge_,
                             const Array& q, const Array& qd, const Array& qdd, const Array& A_rw_,
                             const Array& qd_rw, const Array& qdd_rw,
@@ -94,6 +95,7 @@ OwnedRecorded make_recorded(const OwnedTree& tree, const Array& theta_of, bool p
     throw nb::value_error("substeps: give 1 or an even number");
   const std::int64_t C = static_cast<std::int64_t>(with_corrections.size());
   OwnedRecorded all{tree,
+                    input<1>("nominal", nominal, {PER_BODY * (K + 1)}),
                     sparse(input<2>("theta_of", theta_of, {PER_BODY * (K + 1), ANY})),
                     planar,
                     substeps,
@@ -120,6 +122,14 @@ OwnedRecorded make_recorded(const OwnedTree& tree, const Array& theta_of, bool p
   return all;
 }
 
+void use(const Bodies<double>& bodies, std::vector<Momentum<double>>& carried,
+         std::vector<MomentumTerms<double>>& by, TermsMemory<double>& memory) {
+  memory.at = bodies;
+  memory.carried_momentum = carried.data();
+  memory.by_q = by.data();
+  memory.by_qd = by.data() + by.size() / 2;
+}
+
 // Memory for one end of the elimination.
 class OwnedSweep {
  public:
@@ -131,7 +141,7 @@ class OwnedSweep {
     carried_.resize(static_cast<std::size_t>(K + 1));
     by_.resize(2 * static_cast<std::size_t>(K));
     IntervalMemory<double>& interval = at.interval;
-    interval.terms = {bodies_.at, carried_.data(), by_.data(), by_.data() + K};
+    use(bodies_.at, carried_, by_, interval.terms);
     interval.q = take(K);
     interval.qd = take(K);
     interval.qdd = take(K);
@@ -167,6 +177,7 @@ class OwnedSweep {
 // The arguments of a linearisation, checked, and where its residuals go.
 struct Call {
   std::vector<int> selected;
+  OwnedTree tree;
   Recorded<double> recorded;
   In<2> x_WB, local;
   In<1> common;
@@ -177,11 +188,12 @@ struct Call {
   Call(const OwnedRecorded& owned, const std::vector<Array>& given, const Array& x_WB_,
        const Array& local_, const Array& common_, const Array& selected_)
       : selected(indices(input<1>("selected", selected_, {ANY}))),
+        tree(owned.tree),
         recorded(owned.view(static_cast<int>(selected.size()))),
         x_WB(input<2>("x_WB", x_WB_, {recorded.intervals + 1, 4})),
         local(input<2>("local", local_, {recorded.intervals + 1, recorded.local()})),
         common(input<1>("common", common_, {recorded.common()})),
-        theta(static_cast<std::size_t>(PER_BODY * recorded.tree.bodies()), 0.0),
+        theta(owned.nominal.data(), owned.nominal.data() + owned.nominal.size(0)),
         calibration(static_cast<std::size_t>(recorded.places().count()), 0.0) {
     if (given.size() != SENSORS) throw nb::value_error("weights: give one array a sensor");
     for (std::size_t k = 0; k < SENSORS; ++k) {
@@ -199,6 +211,13 @@ struct Call {
         throw nb::value_error("selected: there is no calibration at this place");
       calibration[static_cast<std::size_t>(place)] = *value++;
     }
+    for (std::size_t k = 0; k < tree.joints.size(); ++k) {
+      const auto three = [&](int first) {
+        return Vector3<double>(calibration.data() + first + 3 * static_cast<int>(k));
+      };
+      shift(tree.joints[k], three(recorded.places().place()), three(recorded.places().direction()));
+    }
+    recorded.tree = tree.view();
     const Sparse& theta_of = recorded.theta_of;
     for (int b = 0; b < theta_of.columns; ++b)
       for (int e = theta_of.first[b]; e < theta_of.first[b + 1]; ++e)
@@ -270,9 +289,10 @@ auto momentum_terms(const OwnedTree& owned, const Array& theta_of_, const Array&
   BodiesMemory<double> bodies(tree);
   std::vector<Momentum<double>> carried(static_cast<std::size_t>(B));
   std::vector<MomentumTerms<double>> by(2 * static_cast<std::size_t>(K));
-  TermsMemory<double> memory{bodies.at, carried.data(), by.data(), by.data() + K};
+  TermsMemory<double> memory;
+  use(bodies.at, carried, by, memory);
   const auto all = joint_moments(tree, theta.data(), q.data(), qd.data(), memory);
-  differentiate_by_joints(tree, all, memory);
+  differentiate_by_joints(tree, memory);
   // Columns: terms, rates, by q, by qd, by beta.
   const std::int64_t columns = 2 + 2 * K + beta.size(0);
   Out<2> table(BY_ROWS, columns);
@@ -304,16 +324,16 @@ auto boundaries_of(const Array& links_, const Array& z_, const Array& g_) {
 
 void bind_output_error(nb::module_& m) {
   nb::class_<OwnedRecorded>(m, "Recorded", "A recording cut into shooting intervals.")
-      .def("__init__", [](OwnedRecorded* self, const OwnedTree& tree, const Array& theta_of,
-                          bool planar, int substeps, const Array& corrected, const Array& t,
+      .def("__init__", [](OwnedRecorded* self, const OwnedTree& tree, const Array& nominal,
+                          const Array& theta_of, bool planar, int substeps, const Array& corrected, const Array& t,
                           const Array& edge, const Array& q, const Array& qd, const Array& qdd,
                           const Array& A_rw, const Array& qd_rw, const Array& qdd_rw,
                           const std::vector<Array>& samples, const Array& first,
                           const Array& prior, const Array& walk) {
-        new (self) OwnedRecorded(make_recorded(tree, theta_of, planar, substeps, corrected, t, edge,
+        new (self) OwnedRecorded(make_recorded(tree, nominal, theta_of, planar, substeps, corrected, t, edge,
                                                q, qd, qdd, A_rw, qd_rw, qdd_rw, samples, first,
                                                prior, walk));
-      }, nb::arg("tree"), nb::arg("theta_of"), nb::arg("planar"), nb::arg("substeps"),
+      }, nb::arg("tree"), nb::arg("nominal"), nb::arg("theta_of"), nb::arg("planar"), nb::arg("substeps"),
            nb::arg("corrected"), nb::arg("t"), nb::arg("edge"), nb::arg("q"), nb::arg("qd"),
            nb::arg("qdd"), nb::arg("A_rw"), nb::arg("qd_rw"), nb::arg("qdd_rw"),
            nb::arg("samples"), nb::arg("first"), nb::arg("prior"), nb::arg("walk"))

@@ -71,7 +71,7 @@ def cramer_rao(
     recording = measure(ideal, motion, trajectory)
     sensors = sensors_of(robot, recording, dict.fromkeys(SENSORS, 0.0))
     samples = _true_samples(motion, _shares(motion, sensors))
-    problem = problem_of(robot, sets.base.theta_of, samples, sensors)
+    problem = problem_of(robot, sets, samples, sensors)
     outside = NOTHING._replace(h_cm=motion.h_cm, v_cm=motion.v_cm)
     state = start_of(problem, samples, outside, sets.beta(robot.theta))
     prior = prior_of(robot, sets, problem.declared, outside, initial_momentum)

@@ -100,7 +100,7 @@ def maximum_likelihood(
         steps: at most, for the weights of each round.
     """
     sensors = sensors_of(robot, recording, delays(robot, recording, late))
-    problem = problem_of(robot, sets.base.theta_of, samples, sensors)
+    problem = problem_of(robot, sets, samples, sensors)
     outside = _first_momentum(robot, sets, samples, fits, initial_momentum)
     prior = prior_of(robot, sets, problem.declared, outside, initial_momentum)
     # Linear fits are poor where a velocity is noisier than the motion.

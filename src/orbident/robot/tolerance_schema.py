@@ -31,10 +31,12 @@ def _by_joint(value: object) -> object:
 
 
 class JointTolerances(Section):
-    """How well an encoder is calibrated."""
+    """How well an encoder is calibrated, and where the joint is."""
 
     zero: Annotated[Any, BeforeValidator(_zero)] = 0.0
     scale: Share = 0.0
+    place: Length = 0.0
+    direction: Angle = 0.0
 
 
 class WheelTolerances(Section):
@@ -105,6 +107,8 @@ class TolerancesEntry(Section):
                 for joint in joints
             },
             joint_scale={name: entry.scale for name, entry in own.items()},
+            joint_place={name: entry.place for name, entry in own.items()},
+            joint_direction={name: entry.direction for name, entry in own.items()},
             wheel_inertia=self.wheels.inertia,
             feature_point=self.feature_point,
             attitude_misalignment=self.attitude.misalignment,

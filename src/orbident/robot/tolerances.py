@@ -12,6 +12,10 @@ class Tolerances:
     """By joint: of the angle or position where the encoder shows zero, rad or m."""
     joint_scale: Mapping[str, float] = field(default_factory=dict)
     """By joint: relative."""
+    joint_place: Mapping[str, float] = field(default_factory=dict)
+    """By joint: of where it is, along each of its parent's axes, m."""
+    joint_direction: Mapping[str, float] = field(default_factory=dict)
+    """By joint: of its axis, about each of its parent's axes, rad."""
     wheel_inertia: float = 0.0
     """Of each wheel's polar moment of inertia, relative."""
     feature_point: float = 0.0

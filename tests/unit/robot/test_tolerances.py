@@ -14,14 +14,15 @@ SLIDING = ARM.replace('type="continuous"', 'type="prismatic"').replace(
 def test_without_tolerances_every_instrument_is_exact(load_yaml):
     robot = load_yaml()
     exact = dict.fromkeys(robot.joint_names, 0.0)
-    assert robot.tolerances == Tolerances(joint_zero=exact, joint_scale=exact)
+    every = Tolerances(exact, exact, joint_place=exact, joint_direction=exact)
+    assert robot.tolerances == every
 
 
 def test_every_tolerance_in_its_unit(load_yaml):
     found = load_yaml(
         """
 tolerances:
-  joints: {zero: 5 mrad, scale: 0.5 %}
+  joints: {zero: 5 mrad, scale: 0.5 %, place: 1 mm, direction: 1 mrad}
   feature_point: 2 mm
   wheels: {inertia: 1 %}
   attitude: {misalignment: 0.5 deg}
@@ -32,6 +33,8 @@ tolerances:
     ).tolerances
     assert set(found.joint_zero.values()) == {5e-3}
     assert set(found.joint_scale.values()) == {5e-3}
+    assert set(found.joint_place.values()) == {1e-3}
+    assert set(found.joint_direction.values()) == {1e-3}
     assert found.feature_point == 2e-3
     assert found.wheel_inertia == 1e-2
     assert found.attitude_misalignment == pytest.approx(math.radians(0.5))

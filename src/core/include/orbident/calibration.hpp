@@ -1,6 +1,7 @@
 // Calibration errors of the instruments, common to a whole recording; zero where they are perfect:
 //
 //   joints          q = (1 + s_k) q_shown + z_k,   rates and accelerations (1 + s_k) times those shown
+//   geometry        joint k is at p_PJ + d_k, parent's axes, its axes turned there by R(r_k)
 //   wheels          h_rw = sum_i (1 + g_i) a_i I_i qd_i
 //   feature point   the tracked point is S + d, base axes
 //   attitude        shown R_WB R(m)
@@ -9,11 +10,12 @@
 //   clocks          what joints and wheels, the attitude sensor or the tracker show is l old: to first
 //                   order in l, q = q_shown + l qd_shown, and what is shown is x - l x'
 //
-// m turns the base's axes into the instrument's: a vector along the axis, of length 2 sin(angle / 2).
+// m turns the base's axes into the instrument's: a vector along the axis, of length 2 sin(angle / 2),
+// as r is.
 // A motion has columns of the calibrations that are selected, by their places among all:
 //
 //   [z, each joint | s, each joint | g, each wheel | d 3 | attitude m 3 | gyro m 3 | gyro s 3 | p |
-//    l of joints, of attitude, of position]
+//    l of joints, of attitude, of position | d 3, each joint | r 3, each joint]
 #pragma once
 
 #include "orbident/sensors.hpp"
@@ -33,7 +35,9 @@ struct CalibrationPlaces {
   int joint_clock() const { return position() + 1; }
   int attitude_clock() const { return joint_clock() + 1; }
   int position_clock() const { return attitude_clock() + 1; }
-  int count() const { return position_clock() + 1; }
+  int place() const { return position_clock() + 1; }
+  int direction() const { return place() + 3 * joints; }
+  int count() const { return direction() + 3 * joints; }
 };
 
 // Which calibrations have columns, and the values of all.
@@ -61,6 +65,31 @@ struct Misalignment {
     by_m = s * Matrix3<T>::Identity() + v * v.transpose() / s - cross_matrix(v);
   }
 };
+
+// A joint elsewhere, by d and r, parent's axes.
+inline void shift(Joint& joint, const Vector3<double>& d, const Vector3<double>& r) {
+  const Matrix3<double> R = Misalignment<double>(r).R;
+  joint.p_PJ += d;
+  joint.axis = R * joint.axis;
+  for (Matrix3<double>* part : {&joint.fixed, &joint.cosine, &joint.sine}) *part = R * *part;
+}
+
+// The field along which joint k and what it carries is displaced by one of its d and r.
+template <class T>
+Motion<T> displacement(const Tree& tree, const Calibration<T>& calibration, const Pose<T>* pose,
+                       int place) {
+  const CalibrationPlaces& places = calibration.places;
+  const bool turns = place >= places.direction();
+  const int first = turns ? places.direction() : places.place();
+  const int k = (place - first) / 3, axis = (place - first) % 3;
+  const Joint& joint = tree.joint[k];
+  const Pose<T>& parent = pose[joint.parent];
+  if (!turns) return {Vector3<T>::Zero(), parent.R.col(axis)};
+  const Misalignment<T> r(calibration.vector(first + 3 * k));
+  const Vector3<T> w = parent.R * (r.R * r.by_m.col(axis));
+  const Vector3<T> at = parent.d + parent.R * joint.p_PJ.template cast<T>();
+  return {w, at.cross(w)};
+}
 
 // Every column of a table times a matrix, in place.
 template <class T>
@@ -100,10 +129,10 @@ struct Shown {
   const T *qd_rw, *qdd_rw;
 };
 
-// Changes of the terms at a node with zeros, scales and clock of joints, and with the wheels' inertia;
-// A_rw: a_i I_i, three numbers each.
+// Changes of the terms at a node with zeros, scales, clock and geometry of joints, and with the
+// wheels' inertia; A_rw: a_i I_i, three numbers each.
 template <class T>
-void write_calibrations(const IntervalColumns& columns, const Calibration<T>& calibration,
+void write_calibrations(const Tree& tree, const IntervalColumns& columns, const Calibration<T>& calibration,
                         const Shown<T>& shown, const T* A_rw, const TermsMemory<T>& memory, T* by) {
   const CalibrationPlaces& places = calibration.places;
   const int n = columns.count();
@@ -114,7 +143,11 @@ void write_calibrations(const IntervalColumns& columns, const Calibration<T>& ca
     T* column = by + columns.calibration() + c;
     const int place = calibration.selected[c];
     for (int r = 0; r < BY_ROWS; ++r) column[r * n] = T(0);
-    if (place == places.joint_clock()) {
+    if (place >= places.place()) {
+      const int k = (place - places.place()) / 3 % places.joints;
+      write_change(displaced(tree, memory, k, displacement(tree, calibration, memory.at.pose, place)),
+                   column, n);
+    } else if (place == places.joint_clock()) {
       for (int k = 0; k < places.joints; ++k) add_joint(memory, k, shown.qd[k], shown.qdd[k], column, n);
       for (int i = 0; i < places.wheels; ++i) add_wheel(i, shown.qdd_rw[i], column);
     } else if (place < places.wheel()) {

@@ -73,7 +73,7 @@ void place_joints(const Recorded<T>& recorded, const LinearisedAt<T>& at, int in
   }
   expand(recorded.tree, recorded.theta_of, at.theta, recorded.corrected, recorded.columns, functions,
          memory.q, memory.qd, memory.qdd, memory.terms, joints);
-  write_calibrations<T>(recorded.columns, at.calibration, {q, qd, qdd, qd_rw, qdd_rw}, recorded.A_rw,
+  write_calibrations<T>(recorded.tree, recorded.columns, at.calibration, {q, qd, qdd, qd_rw, qdd_rw}, recorded.A_rw,
                         memory.terms, joints.by);
 }
 

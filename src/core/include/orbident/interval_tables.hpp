@@ -20,7 +20,7 @@ struct Sensed {
 template <class T>
 struct Recorded {
   Tree tree;
-  Sparse theta_of;  // theta = theta_of beta
+  Sparse theta_of;  // theta = nominal + theta_of beta, where `nominal` has no beta
   bool planar;
   int substeps;            // of the attitude, from row to row
   const int* corrected;    // joints that have corrections

@@ -11,7 +11,7 @@
 //   D = J + [s]x [s]x / m,   D_q qd = h - s x p / m,   r_cm = s / m,   J_cm qd = p / m.
 //
 // By q_k: all that joint k carries (composite m_c, s_c, J_c, momentum p_c, h_c) is displaced rigidly
-// by the joint's field (w, u), but the motion V_k of the body itself does not turn with it:
+// by the joint's field (w, u), but the motion V_k of the body that carries it does not turn with it:
 //
 //   dm = 0,  ds = m_c u + w x s_c,  dJ = [w]x J_c - J_c [w]x - [u]x [s_c]x - [s_c]x [u]x
 //   dp = w x p_c - p(V'),  dh = w x h_c + u x p_c - h(V'),  V' = (w x w_k, w x u_k + u x w_k)
@@ -73,6 +73,7 @@ struct TermsMemory {
   Momentum<T>* carried_momentum;  // bodies: of the joints' motion
   MomentumTerms<T>* by_q;         // joints
   MomentumTerms<T>* by_qd;        // joints
+  MomentsAboutS<T> all;
 };
 
 // The moments that the entry `parameter` of theta_i gives at unit size.
@@ -109,25 +110,32 @@ MomentsAboutS<T> joint_moments(const Tree& tree, const T* theta, const T* q, con
     parent.h += memory.carried_momentum[k + 1].h;
   }
   const Mass<T>& all = at.carried[0];
-  return {all.m, all.s, all.J, memory.carried_momentum[0].p, memory.carried_momentum[0].h};
+  memory.all = {all.m, all.s, all.J, memory.carried_momentum[0].p, memory.carried_momentum[0].h};
+  return memory.all;
+}
+
+// The derivative by a rigid displacement of joint k and all that it carries, along a field.
+template <class T>
+MomentumTerms<T> displaced(const Tree& tree, const TermsMemory<T>& memory, int k,
+                           const Motion<T>& field) {
+  const Motion<T>& V = memory.at.motion[tree.joint[k].parent];
+  const Mass<T>& load = memory.at.carried[k + 1];
+  const Momentum<T>& moving = memory.carried_momentum[k + 1];
+  const Vector3<T>&w = field.w, &u = field.u;
+  const Momentum<T> held = momentum_of(load, Motion<T>{w.cross(V.w), w.cross(V.u) + u.cross(V.w)});
+  const Matrix3<T> turned = cross_matrix(w) * load.J;
+  return change_about_cm<T>(
+      memory.all, {T(0), momentum_of(load, field).p, turned + turned.transpose() - crossed(u, load.s),
+                   w.cross(moving.p) - held.p, w.cross(moving.h) + u.cross(moving.p) - held.h});
 }
 
 // The derivatives by every q and qd, from what `joint_moments` left.
 template <class T>
-void differentiate_by_joints(const Tree& tree, const MomentsAboutS<T>& all, TermsMemory<T>& memory) {
-  const Bodies<T>& at = memory.at;
+void differentiate_by_joints(const Tree& tree, TermsMemory<T>& memory) {
+  const MomentsAboutS<T>& all = memory.all;
   for (int k = 0; k < tree.joints; ++k) {
-    const Motion<T>&field = at.field[k], &V = at.motion[k + 1];
-    const Mass<T>& load = at.carried[k + 1];
-    const Momentum<T>& moving = memory.carried_momentum[k + 1];
-    const Vector3<T>&w = field.w, &u = field.u;
-    const Momentum<T> unit = momentum_of(load, field);
-    const Momentum<T> held =
-        momentum_of(load, Motion<T>{w.cross(V.w), w.cross(V.u) + u.cross(V.w)});
-    const Matrix3<T> turned = cross_matrix(w) * load.J;
-    memory.by_q[k] = change_about_cm<T>(
-        all, {T(0), unit.p, turned + turned.transpose() - crossed(u, load.s),
-              w.cross(moving.p) - held.p, w.cross(moving.h) + u.cross(moving.p) - held.h});
+    const Momentum<T> unit = momentum_of(memory.at.carried[k + 1], memory.at.field[k]);
+    memory.by_q[k] = displaced(tree, memory, k, memory.at.field[k]);
     memory.by_qd[k] = {Matrix3<T>::Zero(), unit.h - all.s.cross(unit.p) / all.m,
                        Vector3<T>::Zero(), unit.p / all.m};
   }

@@ -87,7 +87,7 @@ void expand(const Tree& tree, const Sparse& theta_of, const T* theta, const int*
             const IntervalColumns& columns, const Cubics<T>& functions, const T* q, const T* qd,
             const T* qdd, TermsMemory<T>& memory, JointNode<T>& node) {
   const MomentsAboutS<T> all = joint_moments(tree, theta, q, qd, memory);
-  differentiate_by_joints(tree, all, memory);
+  differentiate_by_joints(tree, memory);
   node.terms = about_cm(all);
   node.rates = rates_of(tree, qd, qdd, memory);
   const int n = columns.count();

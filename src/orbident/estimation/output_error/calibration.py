@@ -7,6 +7,8 @@ tolerance it is zero.
 from collections.abc import Collection, Iterator
 from typing import Literal, NamedTuple
 
+import numpy as np
+
 from orbident.model.minimal_sets import conserved_axes
 from orbident.robot.description import Robot
 
@@ -36,7 +38,12 @@ def calibrations_of(robot: Robot, recorded: Collection[str]) -> tuple[Calibratio
         robot: with its tolerances.
         recorded: names of the sensors that were recorded.
     """
-    every = [*_of_joints(robot), *_of_wheels(robot), *_of_the_base(robot, recorded)]
+    every = [
+        *_of_joints(robot),
+        *_of_wheels(robot),
+        *_of_the_base(robot, recorded),
+        *_of_geometry(robot),
+    ]
     placed = (each._replace(place=k) for k, each in enumerate(every))
     return tuple(each for each in placed if each.acts)
 
@@ -88,3 +95,24 @@ def _of_the_base(robot: Robot, recorded: Collection[str]) -> Iterator[Calibratio
     yield Calibration(
         "position.clock", "s", "position" in recorded, known.position_clock
     )
+
+
+def _of_geometry(robot: Robot) -> Iterator[Calibration]:
+    """Where each joint is, and how its axis points; in the axes of its parent.
+
+    A sliding joint displaced along its axis, and a turning one turned about its axis,
+    have another zero and nothing else: the axis nearest to it is left out.
+    """
+    known = robot.tolerances
+    turning, moving = conserved_axes(robot)
+    blocks = (
+        ("place", "m", moving, "prismatic", known.joint_place),
+        ("direction", "rad", turning, "revolute", known.joint_direction),
+    )
+    for what, unit, axes, doubles, std in blocks:
+        for joint in robot.joints:
+            along = int(np.argmax(np.abs(joint.R_PJ @ joint.axis)))
+            own = std.get(joint.name, 0.0)
+            for k, axis in enumerate("xyz"):
+                acts = k in axes and not (joint.kind == doubles and k == along)
+                yield Calibration(f"joint.{joint.name}.{what}.{axis}", unit, acts, own)

@@ -24,6 +24,7 @@ from orbident.estimation.output_error.shooting import (
     substeps_of,
 )
 from orbident.model.core_robot import core_tree
+from orbident.model.minimal_sets import MinimalSets
 from orbident.model.wheels import wheels_of
 from orbident.preprocessing.samples import Samples
 from orbident.robot.description import Robot
@@ -188,19 +189,17 @@ def linear(problem: Problem, weights: BySensor, state: State) -> Linear:
 
 
 def problem_of(
-    robot: Robot,
-    theta_of: Float[np.ndarray, "theta beta"],
-    samples: Samples,
-    sensors: Sensors,
+    robot: Robot, sets: MinimalSets, samples: Samples, sensors: Sensors
 ) -> Problem:
     """The equations of a recording.
 
     Args:
         robot: geometry and wheels, and a nominal inertia for the sizes of steps.
-        theta_of: columns that give a `theta` with the momentum of any `beta`.
+        sets: its minimal sets.
         samples: histories of joints and wheels.
         sensors: what is predicted.
     """
+    theta_of = np.ascontiguousarray(sets.base.theta_of)
     intervals = intervals_of(robot, samples, sensors)
     loose = looseness(robot, samples, sensors)
     history = intervals.history
@@ -216,7 +215,8 @@ def problem_of(
         weights[name] = np.outer(valid / sensed.std, _axes(robot, name, table.shape[1]))
     recorded = _core.Recorded(
         core_tree(robot),
-        np.ascontiguousarray(theta_of),
+        robot.theta.ravel() - theta_of @ sets.beta(robot.theta),
+        theta_of,
         robot.motion == "planar",
         substeps_of(robot, samples),
         loose.corrected,
