@@ -8,7 +8,6 @@ from scipy.spatial.transform import Rotation
 
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
-from orbident.robot.description import Robot
 from orbident.simulation.free_floating import JointMotion, JointState
 
 

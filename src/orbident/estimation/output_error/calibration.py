@@ -4,7 +4,7 @@ An error whose tolerance the robot file declares is an unknown with a prior; wit
 tolerance it is zero.
 """
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -105,7 +105,7 @@ def _of_geometry(robot: Robot) -> Iterator[Calibration]:
     """
     known = robot.tolerances
     turning, moving = conserved_axes(robot)
-    blocks = (
+    blocks: tuple[tuple[str, Unit, tuple[int, ...], str, Mapping[str, float]], ...] = (
         ("place", "m", moving, "prismatic", known.joint_place),
         ("direction", "rad", turning, "revolute", known.joint_direction),
     )

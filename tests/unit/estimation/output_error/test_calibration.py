@@ -11,9 +11,9 @@ from small_problems import (
     Small,
     noisy,
     noisy_in_space,
+    small_flight,
     small_problem,
     small_recording,
-    small_flight,
     small_robot,
     small_robot_in_space,
 )

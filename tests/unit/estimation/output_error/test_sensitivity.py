@@ -7,8 +7,8 @@ import pytest
 from instruments import Errors, no_errors, shown_with
 from small_problems import (
     Small,
-    small_problem,
     small_flight,
+    small_problem,
     small_robot,
     small_robot_in_space,
 )
