@@ -44,7 +44,9 @@ def steady_torque(clean: Clean, random: Random) -> Mistake:
 def slow_torque(clean: Clean, random: Random) -> Mistake:
     size = between(random, *((3e-3, 5e-2) if clean.space else (1e-4, 1e-3)))
     period = between(random, 8.0, 25.0)
-    return Mistake(f"torque {size:g} N m over {period:g} s", torque(size, period), TURNED)
+    return Mistake(
+        f"torque {size:g} N m over {period:g} s", torque(size, period), TURNED
+    )
 
 
 def captured(clean: Clean, random: Random) -> Mistake:

@@ -1,19 +1,31 @@
 """Why a recording is refused: causes are tried, and what explains it is named."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
+from functools import partial
 
-from orbident.estimation.causes.clocks import clocks
+import numpy as np
+
+from orbident.estimation.causes.clocks import already_corrected, clocks
 from orbident.estimation.causes.events import event
-from orbident.estimation.causes.instruments import instruments
+from orbident.estimation.causes.frames import beside
+from orbident.estimation.causes.geometry import geometry
+from orbident.estimation.causes.instruments import freed, kinds
+from orbident.estimation.causes.jumps import jumps
 from orbident.estimation.causes.linear_test import best_convention
+from orbident.estimation.causes.noise import noise, wandering
 from orbident.estimation.causes.stale import stale
+from orbident.estimation.causes.suspects import score, tried
 from orbident.estimation.causes.trial import Trial
 from orbident.estimation.check import Check
 from orbident.estimation.evidence import misfit
+from orbident.estimation.residual_checks import NOISY
 from orbident.estimation.solve import Solved
 
 EXPLAINS = 100.0
 """Fall in chi-square from which on a cause is worth a word though others are left."""
+
+LIKELIEST = 3
+"""So many are tried, of all that have a score."""
 
 
 def causes(solved: Solved) -> Iterator[Check]:
@@ -34,18 +46,89 @@ def causes(solved: Solved) -> Iterator[Check]:
         return
     if solved.shown is None:
         return
-    before = misfit(solved.shown)
-    tried = [*instruments(problem), *clocks(problem)]
-    best = min(tried, key=_rank, default=None)
-    if best is None or not best.accepted:
-        yield _found(event(problem), "identify the part that fits, or remove what acts")
-    elif best.misfit < before - EXPLAINS:
+    corrected = already_corrected(problem, misfit(solved.shown))
+    before = corrected.before if corrected else misfit(solved.shown)
+    trials = _tried(solved)
+    best = min(
+        [*trials, *(corrected.trials if corrected else ())], key=_rank, default=None
+    )
+    falls = -np.inf if best is None else before - best.misfit
+    if best is not None and best.accepted and falls > EXPLAINS:
         yield _found(
             f"{best.cause}: with that as an unknown the recording is accepted "
-            f"(chi-square falls by {before - best.misfit:.2g})",
+            f"(chi-square falls by {falls:.2g})",
             "correct it, or declare its tolerance in the robot file",
-            before - best.misfit,
+            falls,
         )
+        return
+    if best is not None and best.accepted:
+        return
+    happened = None if best and _as_small_as_noise(best) else event(problem)
+    if happened is not None:
+        yield _found(happened, "identify the part that fits, or remove what acts")
+    elif best is not None and falls > EXPLAINS:
+        yield _found(
+            f"perhaps {best.cause}: with that as an unknown chi-square falls by "
+            f"{falls:.2g}, more than by any other cause that was tried, though the "
+            "recording is still refused",
+            "see whether more than one thing is wrong",
+            falls,
+        )
+    else:
+        yield _found(
+            "no part of the recording fits, and no cause that was tried explains it "
+            "(perhaps something moves in the robot: a loose mass, sloshing, flexible "
+            "joints)",
+            "remove what acts",
+        )
+
+
+def _tried(solved: Solved) -> list[Trial]:
+    """The plainest first: where one of these explains all, the rest need not be.
+
+    All others are tried in the order of what they would explain to first order.
+    """
+    problem, trials = solved.problem, list[Trial]()
+    for some in (jumps, noise, lambda _: _likeliest(solved), wandering):
+        for one in some(problem):
+            trials.append(one)
+            if one.accepted:
+                return trials
+    return trials
+
+
+def _likeliest(solved: Solved) -> Iterator[Trial]:
+    """Suspects and kinds of instruments' errors with the best scores, tried."""
+    problem, shown = solved.problem, solved.shown
+    if shown is None or shown.solution is None or shown.sensitivity is None:
+        return
+    price = np.log(problem.samples.t.size)
+    worth: list[tuple[float, Callable[[], Iterable[Trial]]]] = []
+    table = shown.sensitivity()
+    names = [each.name for each in table.freed]
+    for kind in kinds(problem.robot):
+        errors = kind.errors(names)
+        if errors:
+            gain = table.falls(errors) - price * len(errors)
+            worth.append((gain, partial(freed, problem, kind)))
+    late = [k for k, name in enumerate(names) if name.endswith(".clock")]
+    if late:
+        gain = table.falls(late) - price * len(late)
+        worth.append((gain, partial(clocks, problem)))
+    for suspect in (*geometry(problem), *beside(problem)):
+        first = score(problem, shown.solution, suspect)
+        gain = first.falls - price * first.numbers.size
+        worth.append((gain, partial(tried, problem, suspect, first)))
+    worth.sort(key=lambda one: -one[0])
+    for gain, trial in worth[:LIKELIEST]:
+        if gain > EXPLAINS:
+            yield from trial()
+
+
+def _as_small_as_noise(trial: Trial) -> bool:
+    """Then no event is left to explain, though the residuals may not be white."""
+    goodness = trial.estimate and trial.estimate.goodness
+    return bool(goodness and goodness.per_dof < NOISY**2)
 
 
 def _rank(trial: Trial) -> tuple[bool, float]:
