@@ -5,24 +5,30 @@ from functools import partial
 
 import numpy as np
 
+from orbident.errors import InputError
 from orbident.estimation.causes.clocks import already_corrected, clocks
 from orbident.estimation.causes.events import event
 from orbident.estimation.causes.frames import beside
 from orbident.estimation.causes.geometry import geometry
 from orbident.estimation.causes.instruments import freed, kinds
 from orbident.estimation.causes.jumps import jumps
-from orbident.estimation.causes.linear_test import best_convention
+from orbident.estimation.causes.linear_test import FALLS, Tried, tried_conventions
 from orbident.estimation.causes.noise import noise, wandering
 from orbident.estimation.causes.stale import stale
-from orbident.estimation.causes.suspects import score, tried
-from orbident.estimation.causes.trial import Trial
+from orbident.estimation.causes.suspects import score
+from orbident.estimation.causes.suspects import tried as put_right
+from orbident.estimation.causes.trial import Trial, trial
 from orbident.estimation.check import Check
 from orbident.estimation.evidence import misfit
+from orbident.estimation.problem import MomentumProblem
 from orbident.estimation.residual_checks import NOISY
 from orbident.estimation.solve import Solved
 
 EXPLAINS = 100.0
 """Fall in chi-square from which on a cause is worth a word though others are left."""
+
+HARDLY = 0.9
+"""Times: a convention that leaves larger residuals than as recorded is none."""
 
 LIKELIEST = 3
 """So many are tried, of all that have a score."""
@@ -34,8 +40,8 @@ def causes(solved: Solved) -> Iterator[Check]:
     for words in stale(problem.robot, problem.recording):
         yield _found(words, "record each sample once, when it is taken")
         return
-    wrong = best_convention(problem)
-    if wrong is not None:
+    wrong, *_ = tried = tried_conventions(problem)
+    if wrong.falls > FALLS:
         times = f"{wrong.falls:.2g}"
         yield _found(
             f"{wrong.cause}: with that put right the residuals of Eqs. 24 "
@@ -48,14 +54,14 @@ def causes(solved: Solved) -> Iterator[Check]:
         return
     corrected = already_corrected(problem, misfit(solved.shown))
     before = corrected.before if corrected else misfit(solved.shown)
-    trials = _tried(solved)
+    trials = _tried(solved, tried)
     best = min(
         [*trials, *(corrected.trials if corrected else ())], key=_rank, default=None
     )
     falls = -np.inf if best is None else before - best.misfit
     if best is not None and best.accepted and falls > EXPLAINS:
         yield _found(
-            f"{best.cause}: with that as an unknown the recording is accepted "
+            f"{best.cause}: with that put right the recording is accepted "
             f"(chi-square falls by {falls:.2g})",
             "correct it, or declare its tolerance in the robot file",
             falls,
@@ -68,7 +74,7 @@ def causes(solved: Solved) -> Iterator[Check]:
         yield _found(happened, "identify the part that fits, or remove what acts")
     elif best is not None and falls > EXPLAINS:
         yield _found(
-            f"perhaps {best.cause}: with that as an unknown chi-square falls by "
+            f"perhaps {best.cause}: with that put right chi-square falls by "
             f"{falls:.2g}, more than by any other cause that was tried, though the "
             "recording is still refused",
             "see whether more than one thing is wrong",
@@ -83,18 +89,35 @@ def causes(solved: Solved) -> Iterator[Check]:
         )
 
 
-def _tried(solved: Solved) -> list[Trial]:
+def _tried(solved: Solved, conventions: list[Tried]) -> list[Trial]:
     """The plainest first: where one of these explains all, the rest need not be.
 
     All others are tried in the order of what they would explain to first order.
     """
     problem, trials = solved.problem, list[Trial]()
-    for some in (jumps, noise, lambda _: _likeliest(solved), wandering):
+    for some in (
+        partial(_written, conventions),
+        jumps,
+        noise,
+        lambda _: _likeliest(solved),
+        wandering,
+    ):
         for one in some(problem):
             trials.append(one)
             if one.accepted:
                 return trials
     return trials
+
+
+def _written(conventions: list[Tried], problem: MomentumProblem) -> Iterator[Trial]:
+    """The best of joints and wheels, which output error sees though Eq. 24 does not."""
+    first = [one.convention for one in conventions if one.falls > HARDLY]
+    for convention in [each for each in first if each.columns][:LIKELIEST]:
+        try:
+            right = problem.amended(recording=convention.recording(problem.recording))
+        except InputError:
+            continue
+        yield trial(convention.cause, right)
 
 
 def _likeliest(solved: Solved) -> Iterator[Trial]:
@@ -118,11 +141,11 @@ def _likeliest(solved: Solved) -> Iterator[Trial]:
     for suspect in (*geometry(problem), *beside(problem)):
         first = score(problem, shown.solution, suspect)
         gain = first.falls - price * first.numbers.size
-        worth.append((gain, partial(tried, problem, suspect, first)))
+        worth.append((gain, partial(put_right, problem, suspect, first)))
     worth.sort(key=lambda one: -one[0])
-    for gain, trial in worth[:LIKELIEST]:
+    for gain, put in worth[:LIKELIEST]:
         if gain > EXPLAINS:
-            yield from trial()
+            yield from put()
 
 
 def _as_small_as_noise(trial: Trial) -> bool:

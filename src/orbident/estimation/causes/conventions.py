@@ -4,8 +4,8 @@ What is put right is the samples that were derived from a recording, but for the
 attitude, which gyro and base rate are fused with.
 """
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from itertools import combinations, permutations, product
 
 import numpy as np
@@ -15,6 +15,7 @@ from scipy.spatial.transform import Rotation
 from orbident.estimation.problem import MomentumProblem
 from orbident.preprocessing.delays import corrections
 from orbident.preprocessing.samples import Samples, samples_of
+from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 
 
@@ -25,6 +26,17 @@ class Convention:
     cause: str
     """What is wrong, if it is this: a clause."""
     amended: Callable[[MomentumProblem], Samples]
+    columns: Mapping[str, tuple[str, float]] = field(default_factory=dict)
+    """Of joints or wheels: from which other column a column is to be, times what."""
+
+    def recording(self, recording: Recording) -> Recording:
+        """With its columns put right."""
+        right = {
+            name: factor * recording.columns[source]
+            for name, (source, factor) in self.columns.items()
+            if recording.has(source)
+        }
+        return replace(recording, columns={**recording.columns, **right})
 
 
 DEGREE = np.pi / 180
@@ -64,8 +76,15 @@ def _joints(robot: Robot) -> Iterator[Convention]:
     joint = "q", "qd"
     for k, name in enumerate(names):
         words = f"the sign of joint {name}, or of its axis, is the opposite"
-        yield _scaled(joint, -1.0, words, [k])
-        yield _scaled(joint, DEGREE, f"joint {name} is in degrees", [k])
+        yield _part_of("joint", names, joint, -1.0, words, [k])
+        words = f"joint {name} is in degrees"
+        yield _part_of("joint", names, joint, DEGREE, words, [k])
+    for one, other in combinations(range(len(names)), 2):
+        words = (
+            f"the signs of joints {names[one]} and {names[other]}, or of their axes, "
+            "are the opposite"
+        )
+        yield _part_of("joint", names, joint, -1.0, words, [one, other])
     if len(names) > 1:
         yield _scaled(joint, -1.0, "the sign of all joints is the opposite")
         yield _scaled(joint, DEGREE, "all joints are in degrees")
@@ -77,10 +96,33 @@ def _wheels(robot: Robot) -> Iterator[Convention]:
     wheel = ("qd_rw",)
     for k, name in enumerate(names):
         words = f"the sign of wheel {name}, or of its axis, is the opposite"
-        yield _scaled(wheel, -1.0, words, [k])
+        yield _part_of("wheel", names, wheel, -1.0, words, [k])
     if len(names) > 1:
         yield _scaled(wheel, -1.0, "the sign of all wheels is the opposite")
+        for k, name in enumerate(names):
+            words = f"wheel {name} is in degrees"
+            yield _part_of("wheel", names, wheel, DEGREE, words, [k])
     yield from _exchanged("wheel", names, wheel)
+
+
+def _part_of(
+    kind: str,
+    names: Sequence[str],
+    columns: Sequence[str],
+    factor: float,
+    cause: str,
+    only: Sequence[int],
+) -> Convention:
+    """Some of the joints or wheels."""
+    recorded = {
+        column: (column, factor) for k in only for column in _columns_of(kind, names[k])
+    }
+    return replace(_scaled(columns, factor, cause, only), columns=recorded)
+
+
+def _columns_of(kind: str, name: str) -> Iterator[str]:
+    rate = "velocity" if kind == "joint" else "speed"
+    return (f"{kind}.{name}.{what}" for what in ("position", rate))
 
 
 def _vector(robot: Robot, name: str, vector: str) -> Iterator[Convention]:
@@ -174,7 +216,14 @@ def _exchanged(
             return replace(samples, **changed)
 
         words = f"{kind} {names[one]} and {kind} {names[other]} are exchanged"
-        yield Convention(words, amended)
+        recorded = {
+            column: (source, 1.0)
+            for a, b in ((one, other), (other, one))
+            for column, source in zip(
+                _columns_of(kind, names[a]), _columns_of(kind, names[b]), strict=True
+            )
+        }
+        yield Convention(words, amended, recorded)
 
 
 def _turned(vector: str, R: Matrix) -> Callable[[MomentumProblem], Samples]:

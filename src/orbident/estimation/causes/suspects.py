@@ -67,19 +67,21 @@ def score(problem: MomentumProblem, solution: Solution, suspect: Suspect) -> Sco
         solution: its best fit.
         suspect: who is at zero there.
     """
-    zero = np.zeros_like(suspect.small)
-    r = _left(suspect.corrected(problem, zero), problem, solution)
-    columns = []
-    for k, small in enumerate(suspect.small):
-        c = zero.copy()
-        c[k] = small
+    zero, columns = np.zeros_like(suspect.small), []
+    # What overflows has no score.
+    with np.errstate(all="ignore"):
         try:
-            moved = _left(suspect.corrected(problem, c), problem, solution)
-        except InputError:
+            r = _left(suspect.corrected(problem, zero), problem, solution)
+            for k, small in enumerate(suspect.small):
+                c = zero.copy()
+                c[k] = small
+                moved = _left(suspect.corrected(problem, c), problem, solution)
+                columns.append((moved - r) / small)
+        except (InputError, np.linalg.LinAlgError):
             return NOTHING
-        columns.append((moved - r) / small)
-    D = np.column_stack(columns)
-    if not np.isfinite(D).all() or not np.linalg.norm(D, axis=0).all():
+        D = np.column_stack(columns)
+        sized = np.linalg.norm(D, axis=0)
+    if not np.isfinite(sized).all() or not sized.all():
         return NOTHING
     numbers = -np.linalg.lstsq(D, r)[0]
     std = np.sqrt(np.diag(np.linalg.pinv(D.T @ D)))
