@@ -25,6 +25,7 @@ from mistakes import names_cause
 from random_flights import flight
 from scoring import Score, scored
 from table import lines
+from visibility import visibility_of
 
 KINDS = {
     kind.name: kind for kind in (*IN_COLUMNS, *IN_SENSORS, *IN_ROBOTS, *IN_MOTIONS)
@@ -54,6 +55,8 @@ class Row(NamedTuple):
     """That name it."""
     score: Score
     named: bool
+    hidden: bool
+    """Accepted and wrong, but nobody can see it: see `visibility.py`."""
 
 
 def cases(draw: int) -> Iterator[Case]:
@@ -94,7 +97,8 @@ def row(case: Case) -> Row:
     mistake = kind.draw(clean, np.random.default_rng(seed))
     score = scored(mistake.spoil(clean), "maximum-likelihood", causes=True)
     named = score.outcome == "refused" and names_cause(mistake, score.reason)
-    return Row(case, mistake.name, mistake.cause, score, named)
+    hidden = score.outcome == "wrong" and not visibility_of(clean, mistake.spoil).seen
+    return Row(case, mistake.name, mistake.cause, score, named, hidden)
 
 
 def all_rows(
@@ -132,7 +136,9 @@ class Count:
 
     def __init__(self, rows: Sequence[Row]):
         self.runs = len(rows)
-        self.wrong = [row for row in rows if row.score.outcome == "wrong"]
+        wrong = [row for row in rows if row.score.outcome == "wrong"]
+        self.wrong = [row for row in wrong if not row.hidden]
+        self.hidden = len(wrong) - len(self.wrong)
         self.crashed = [row for row in rows if row.score.outcome == "crashed"]
         self.right = sum(row.score.outcome == "right" for row in rows)
         refused = [row for row in rows if row.score.outcome == "refused"]
@@ -145,6 +151,7 @@ class Count:
         """A sentence."""
         return (
             f"{self.runs} recordings: {len(self.wrong)} accepted and wrong, "
+            f"{self.hidden} more that nobody can see, "
             f"{self.right} accepted and right, {len(self.crashed)} crashed, "
             f"{self.refused} refused; of these the first reason names the cause of "
             f"{self.named} ({self.named / max(self.refused, 1):.0%}), of "
@@ -159,7 +166,7 @@ def markdown(rows: Sequence[Row]) -> str:
         [
             row.case.robot,
             row.mistake,
-            row.score.outcome + (", named" if row.named else ""),
+            row.score.outcome + ", named" * row.named + ", not visible" * row.hidden,
             f"{row.score.misses.base:.3g}",
             row.words.replace("|", "/"),
             row.score.reason.replace("|", "/"),

@@ -19,7 +19,8 @@ from orbident.estimation.causes.suspects import score
 from orbident.estimation.causes.suspects import tried as put_right
 from orbident.estimation.causes.trial import Trial, trial
 from orbident.estimation.check import Check
-from orbident.estimation.evidence import misfit
+from orbident.estimation.estimate import Estimate
+from orbident.estimation.evidence import WORTH, misfit
 from orbident.estimation.problem import MomentumProblem
 from orbident.estimation.residual_checks import NOISY
 from orbident.estimation.solve import Solved
@@ -36,11 +37,16 @@ LIKELIEST = 3
 
 def causes(solved: Solved) -> Iterator[Check]:
     """What is most likely wrong, first of all checks."""
-    problem = solved.problem
+    problem, shown = solved.problem, solved.shown
     for words in stale(problem.robot, problem.recording):
         yield _found(words, "record each sample once, when it is taken")
         return
-    wrong, *_ = tried = tried_conventions(problem)
+    # A jump spoils the linear equations, where it may look like a wrong sign.
+    jumped = [*jumps(problem)] if shown else []
+    if shown and any(trial.accepted for trial in jumped):
+        yield from _explained(min(jumped, key=_rank), misfit(shown))
+        return
+    wrong, *_ = conventions = tried_conventions(problem)
     if wrong.falls > FALLS:
         times = f"{wrong.falls:.2g}"
         yield _found(
@@ -49,27 +55,25 @@ def causes(solved: Solved) -> Iterator[Check]:
             "correct the recording or the robot file",
             wrong.falls,
         )
-        return
-    if solved.shown is None:
-        return
-    corrected = already_corrected(problem, misfit(solved.shown))
-    before = corrected.before if corrected else misfit(solved.shown)
-    trials = _tried(solved, tried)
-    best = min(
-        [*trials, *(corrected.trials if corrected else ())], key=_rank, default=None
-    )
-    falls = -np.inf if best is None else before - best.misfit
-    if best is not None and best.accepted and falls > EXPLAINS:
-        yield _found(
-            f"{best.cause}: with that put right the recording is accepted "
-            f"(chi-square falls by {falls:.2g})",
-            "correct it, or declare its tolerance in the robot file",
-            falls,
-        )
-        return
+    elif shown:
+        yield from _by_trials(solved, shown, conventions, jumped)
+
+
+def _by_trials(
+    solved: Solved, shown: Estimate, conventions: list[Tried], jumped: list[Trial]
+) -> Iterator[Check]:
+    """What output error finds, or what may have happened."""
+    corrected = already_corrected(solved.problem, misfit(shown))
+    before = corrected.before if corrected else misfit(shown)
+    trials = [*jumped, *_tried(solved, conventions)]
+    trials += corrected.trials if corrected else ()
+    best = min(trials, key=_rank, default=None)
     if best is not None and best.accepted:
+        yield from _explained(best, before)
         return
-    happened = None if best and _as_small_as_noise(best) else event(problem)
+    falls = before - best.misfit if best else -np.inf
+    small = best is not None and _as_small_as_noise(best)
+    happened = None if small else event(solved.problem)
     if happened is not None:
         yield _found(happened, "identify the part that fits, or remove what acts")
     elif best is not None and falls > EXPLAINS:
@@ -89,6 +93,18 @@ def causes(solved: Solved) -> Iterator[Check]:
         )
 
 
+def _explained(best: Trial, before: float) -> Iterator[Check]:
+    """A trial that is accepted, if that is no chance."""
+    falls = before - best.misfit
+    if falls > WORTH:
+        yield _found(
+            f"{best.cause}: with that put right the recording is accepted "
+            f"(chi-square falls by {falls:.2g})",
+            "correct it, or declare its tolerance in the robot file",
+            falls,
+        )
+
+
 def _tried(solved: Solved, conventions: list[Tried]) -> list[Trial]:
     """The plainest first: where one of these explains all, the rest need not be.
 
@@ -97,9 +113,9 @@ def _tried(solved: Solved, conventions: list[Tried]) -> list[Trial]:
     problem, trials = solved.problem, list[Trial]()
     for some in (
         partial(_written, conventions),
-        jumps,
         noise,
         lambda _: _likeliest(solved),
+        clocks,
         wandering,
     ):
         for one in some(problem):
@@ -134,10 +150,6 @@ def _likeliest(solved: Solved) -> Iterator[Trial]:
         if errors:
             gain = table.falls(errors) - price * len(errors)
             worth.append((gain, partial(freed, problem, kind)))
-    late = [k for k, name in enumerate(names) if name.endswith(".clock")]
-    if late:
-        gain = table.falls(late) - price * len(late)
-        worth.append((gain, partial(clocks, problem)))
     for suspect in (*geometry(problem), *beside(problem)):
         first = score(problem, shown.solution, suspect)
         gain = first.falls - price * first.numbers.size

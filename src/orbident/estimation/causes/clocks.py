@@ -29,7 +29,7 @@ CLEAR = 5.0
 """Deviations."""
 
 ALIKE = 0.1
-"""Clocks that are off by the same, but for this part, are right: the gyro's is off."""
+"""Clocks that are off by the same, but for this part, are right: another is off."""
 
 SHARED = {
     "joints": ("joints", "wheels"),
@@ -135,10 +135,11 @@ def _behind(problem: MomentumProblem, late: Late) -> MomentumProblem:
 
 def _in_words(late: Mapping[str, tuple[float, float]]) -> str:
     sure = {name: s for name, (s, std) in late.items() if abs(s) > CLEAR * std}
-    if len(sure) == len(late) == len(SHARED):
+    if len(sure) == len(late) > 1:
         mean = float(np.mean([*sure.values()]))
         if max(abs(s - mean) for s in sure.values()) < ALIKE * abs(mean):
-            return _one("gyro", -mean)
+            # All others are behind the gyro, or the attitude where there is no gyro.
+            return _one("gyro" if "attitude" in late else "attitude", -mean)
     return " and ".join(_one(name, seconds) for name, seconds in sure.items())
 
 

@@ -140,12 +140,8 @@ def _torque(problem: MomentumProblem, axes: Float[np.ndarray, "n 3"]) -> Suspect
 
     def corrected(problem: MomentumProblem, c: Numbers) -> MomentumProblem:
         part = _elapsed(problem)
-        gained = sum(
-            np.outer(part**power, each @ axes)
-            for power, each in zip(
-                POWERS, np.reshape(c, (len(POWERS), -1)), strict=True
-            )
-        )
+        by_power = part[:, None] ** np.array(POWERS)
+        gained = by_power @ np.reshape(c, (len(POWERS), -1)) @ axes
         x = np.column_stack(problem.samples.x_WB)
         seen = np.isfinite(x).all(axis=1)
         lost = np.zeros_like(gained)

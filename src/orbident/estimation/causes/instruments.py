@@ -14,6 +14,9 @@ from orbident.robot.description import Robot
 ANGLE, LENGTH, PART = 0.2, 0.2, 0.1
 """Errors that instruments may have, rad, m and relative: far beyond good ones."""
 
+CLEAR = 5.0
+"""Deviations by which an error is none of chance."""
+
 
 class Kind(NamedTuple):
     """Errors of one kind, as unknowns."""
@@ -44,7 +47,7 @@ def freed(problem: MomentumProblem, kind: Kind) -> Iterator[Trial]:
         for name, each in found.estimate.calibration.items()
         if kind.has(name)
     }
-    if errors:
+    if errors and any(abs(each.value) > CLEAR * each.std for each in errors.values()):
         # As many unknowns explain so much by chance (Schwarz 1978).
         price = len(errors) * np.log(problem.samples.t.size)
         words = _in_words(kind, errors)

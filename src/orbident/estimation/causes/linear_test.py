@@ -6,7 +6,8 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.errors import InputError
-from orbident.estimation.causes.conventions import Convention, conventions
+from orbident.estimation.causes.convention import Convention
+from orbident.estimation.causes.conventions import conventions
 from orbident.estimation.linear_fits import fit
 from orbident.estimation.problem import MomentumProblem
 from orbident.preprocessing.samples import Samples
