@@ -14,6 +14,7 @@ from orbident.simulation.simulate import float_along
 RATE = 10.0
 """Hz."""
 
+# The gyro and the encoders of the paper; a good star tracker and a good camera.
 SENSORS: dict[str, dict[str, Any]] = {
     "gyro": {
         "angle_random_walk": math.radians(0.01) / 60,

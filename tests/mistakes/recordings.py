@@ -7,6 +7,8 @@ from functools import cache
 from typing import Any, Literal
 
 import numpy as np
+from clean_recordings import RATE
+from clean_recordings import SENSORS as IN_SPACE
 from random_motions import random_motion
 
 from orbident.recordings.recording import Recording
@@ -24,18 +26,7 @@ WHEEL_SPEED = 100.0
 """rad/s."""
 
 SENSORS: Mapping[str, Mapping[str, Any]] = {
-    # The gyro and the encoders of the paper; a good star tracker and a good camera.
-    SPACE: {
-        "rate": 10.0,
-        "gyro": {
-            "angle_random_walk": math.radians(0.01) / 60,
-            "bias_instability": math.radians(0.3) / 3600,
-        },
-        "joints": {"position": 2.5e-5},
-        "wheels": {"position": 2.5e-5},
-        "attitude": {"angle": math.radians(0.01)},
-        "position": {"std": 1e-4},
-    },
+    SPACE: {"rate": RATE, **IN_SPACE},
     # Motion capture.
     TABLE: {
         "rate": 50.0,

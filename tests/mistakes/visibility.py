@@ -56,7 +56,11 @@ class Measured(NamedTuple):
 
 def visibility(name: str, spoil: Spoil) -> Visibility:
     """Of a mistake on the robot of this name."""
-    noisy = clean(name)
+    return visibility_of(clean(name), spoil)
+
+
+def visibility_of(noisy: Clean, spoil: Spoil) -> Visibility:
+    """Of a mistake in the recording of any motion."""
     return Fit(noisy, spoil(_without_noise(noisy))).solve()
 
 

@@ -10,6 +10,7 @@ from jaxtyping import Float
 from orbident.estimation.found import BetaEstimate, Found, found_beta
 from orbident.estimation.output_error.disturbances import Push
 from orbident.estimation.output_error.sensitivity import CalibrationFit, Sensitivity
+from orbident.estimation.output_error.solver import Solution
 from orbident.estimation.predicted import Signals
 from orbident.estimation.problem import MomentumProblem
 from orbident.estimation.quantities import Quantity
@@ -79,6 +80,8 @@ class Estimate:
     """Of a recursion."""
     signals: Signals = ()
     """Of the sensors, where these are what is fitted."""
+    solution: Solution | None = None
+    """Where the search ended, where these are what is fitted."""
 
 
 @runtime_checkable

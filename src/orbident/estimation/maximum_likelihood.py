@@ -71,6 +71,8 @@ class Likelihood:
     """The errors of instruments that have a tolerance."""
     sensitivity: Callable[[], Sensitivity]
     """What those without a tolerance would do; it takes one more linearisation."""
+    solution: Solution
+    """Where the search ended."""
 
 
 def maximum_likelihood(
@@ -142,6 +144,7 @@ def maximum_likelihood(
         signals=sensor_signals(robot, problem, sensors, found),
         calibration=_calibration(problem, found.solution),
         sensitivity=partial(sensitivity, problem, found.solution),
+        solution=found.solution,
     )
 
 

@@ -83,9 +83,14 @@ class MomentumProblem:
     def amended(
         self, robot: Robot | None = None, recording: Recording | None = None
     ) -> "MomentumProblem":
-        """With other instruments, or another recording; on the same clocks."""
+        """With another robot file, or another recording; on the same clocks."""
+        robot = robot or self.robot
+        same = robot.joints is self.robot.joints
         changed = replace(
-            self, robot=robot or self.robot, recording=recording or self.recording
+            self,
+            robot=robot,
+            sets=self.sets if same else minimal_sets(robot),
+            recording=recording or self.recording,
         )
         return _on_clocks(changed, self.clocks)
 

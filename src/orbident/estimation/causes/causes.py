@@ -1,29 +1,53 @@
 """Why a recording is refused: causes are tried, and what explains it is named."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
+from functools import partial
 
-from orbident.estimation.causes.clocks import clocks
+import numpy as np
+
+from orbident.errors import InputError
+from orbident.estimation.causes.clocks import already_corrected, clocks
 from orbident.estimation.causes.events import event
-from orbident.estimation.causes.instruments import instruments
-from orbident.estimation.causes.linear_test import best_convention
+from orbident.estimation.causes.frames import beside
+from orbident.estimation.causes.geometry import geometry
+from orbident.estimation.causes.instruments import freed, kinds
+from orbident.estimation.causes.jumps import jumps
+from orbident.estimation.causes.linear_test import FALLS, Tried, tried_conventions
+from orbident.estimation.causes.noise import noise, wandering
 from orbident.estimation.causes.stale import stale
-from orbident.estimation.causes.trial import Trial
+from orbident.estimation.causes.suspects import score
+from orbident.estimation.causes.suspects import tried as put_right
+from orbident.estimation.causes.trial import Trial, trial
 from orbident.estimation.check import Check
-from orbident.estimation.evidence import misfit
+from orbident.estimation.estimate import Estimate
+from orbident.estimation.evidence import WORTH, misfit
+from orbident.estimation.problem import MomentumProblem
+from orbident.estimation.residual_checks import NOISY
 from orbident.estimation.solve import Solved
 
 EXPLAINS = 100.0
 """Fall in chi-square from which on a cause is worth a word though others are left."""
 
+HARDLY = 0.9
+"""Times: a convention that leaves larger residuals than as recorded is none."""
+
+LIKELIEST = 3
+"""So many are tried, of all that have a score."""
+
 
 def causes(solved: Solved) -> Iterator[Check]:
     """What is most likely wrong, first of all checks."""
-    problem = solved.problem
+    problem, shown = solved.problem, solved.shown
     for words in stale(problem.robot, problem.recording):
         yield _found(words, "record each sample once, when it is taken")
         return
-    wrong = best_convention(problem)
-    if wrong is not None:
+    # A jump spoils the linear equations, where it may look like a wrong sign.
+    jumped = [*jumps(problem)] if shown else []
+    if shown and any(trial.accepted for trial in jumped):
+        yield from _explained(min(jumped, key=_rank), misfit(shown))
+        return
+    wrong, *_ = conventions = tried_conventions(problem)
+    if wrong.falls > FALLS:
         times = f"{wrong.falls:.2g}"
         yield _found(
             f"{wrong.cause}: with that put right the residuals of Eqs. 24 "
@@ -31,21 +55,115 @@ def causes(solved: Solved) -> Iterator[Check]:
             "correct the recording or the robot file",
             wrong.falls,
         )
+    elif shown:
+        yield from _by_trials(solved, shown, conventions, jumped)
+
+
+def _by_trials(
+    solved: Solved, shown: Estimate, conventions: list[Tried], jumped: list[Trial]
+) -> Iterator[Check]:
+    """What output error finds, or what may have happened."""
+    corrected = already_corrected(solved.problem, misfit(shown))
+    before = corrected.before if corrected else misfit(shown)
+    trials = [*jumped, *_tried(solved, conventions)]
+    trials += corrected.trials if corrected else ()
+    best = min(trials, key=_rank, default=None)
+    if best is not None and best.accepted:
+        yield from _explained(best, before)
         return
-    if solved.shown is None:
-        return
-    before = misfit(solved.shown)
-    tried = [*instruments(problem), *clocks(problem)]
-    best = min(tried, key=_rank, default=None)
-    if best is None or not best.accepted:
-        yield _found(event(problem), "identify the part that fits, or remove what acts")
-    elif best.misfit < before - EXPLAINS:
+    falls = before - best.misfit if best else -np.inf
+    small = best is not None and _as_small_as_noise(best)
+    happened = None if small else event(solved.problem)
+    if happened is not None:
+        yield _found(happened, "identify the part that fits, or remove what acts")
+    elif best is not None and falls > EXPLAINS:
         yield _found(
-            f"{best.cause}: with that as an unknown the recording is accepted "
-            f"(chi-square falls by {before - best.misfit:.2g})",
-            "correct it, or declare its tolerance in the robot file",
-            before - best.misfit,
+            f"perhaps {best.cause}: with that put right chi-square falls by "
+            f"{falls:.2g}, more than by any other cause that was tried, though the "
+            "recording is still refused",
+            "see whether more than one thing is wrong",
+            falls,
         )
+    else:
+        yield _found(
+            "no part of the recording fits, and no cause that was tried explains it "
+            "(perhaps something moves in the robot: a loose mass, sloshing, flexible "
+            "joints)",
+            "remove what acts",
+        )
+
+
+def _explained(best: Trial, before: float) -> Iterator[Check]:
+    """A trial that is accepted, if that is no chance."""
+    falls = before - best.misfit
+    if falls > WORTH:
+        yield _found(
+            f"{best.cause}: with that put right the recording is accepted "
+            f"(chi-square falls by {falls:.2g})",
+            "correct it, or declare its tolerance in the robot file",
+            falls,
+        )
+
+
+def _tried(solved: Solved, conventions: list[Tried]) -> list[Trial]:
+    """The plainest first: where one of these explains all, the rest need not be.
+
+    All others are tried in the order of what they would explain to first order.
+    """
+    problem, trials = solved.problem, list[Trial]()
+    for some in (
+        partial(_written, conventions),
+        noise,
+        lambda _: _likeliest(solved),
+        clocks,
+        wandering,
+    ):
+        for one in some(problem):
+            trials.append(one)
+            if one.accepted:
+                return trials
+    return trials
+
+
+def _written(conventions: list[Tried], problem: MomentumProblem) -> Iterator[Trial]:
+    """The best of joints and wheels, which output error sees though Eq. 24 does not."""
+    first = [one.convention for one in conventions if one.falls > HARDLY]
+    for convention in [each for each in first if each.columns][:LIKELIEST]:
+        try:
+            right = problem.amended(recording=convention.recording(problem.recording))
+        except InputError:
+            continue
+        yield trial(convention.cause, right)
+
+
+def _likeliest(solved: Solved) -> Iterator[Trial]:
+    """Suspects and kinds of instruments' errors with the best scores, tried."""
+    problem, shown = solved.problem, solved.shown
+    if shown is None or shown.solution is None or shown.sensitivity is None:
+        return
+    price = np.log(problem.samples.t.size)
+    worth: list[tuple[float, Callable[[], Iterable[Trial]]]] = []
+    table = shown.sensitivity()
+    names = [each.name for each in table.freed]
+    for kind in kinds(problem.robot):
+        errors = kind.errors(names)
+        if errors:
+            gain = table.falls(errors) - price * len(errors)
+            worth.append((gain, partial(freed, problem, kind)))
+    for suspect in (*geometry(problem), *beside(problem)):
+        first = score(problem, shown.solution, suspect)
+        gain = first.falls - price * first.numbers.size
+        worth.append((gain, partial(put_right, problem, suspect, first)))
+    worth.sort(key=lambda one: -one[0])
+    for gain, put in worth[:LIKELIEST]:
+        if gain > EXPLAINS:
+            yield from put()
+
+
+def _as_small_as_noise(trial: Trial) -> bool:
+    """Then no event is left to explain, though the residuals may not be white."""
+    goodness = trial.estimate and trial.estimate.goodness
+    return bool(goodness and goodness.per_dof < NOISY**2)
 
 
 def _rank(trial: Trial) -> tuple[bool, float]:

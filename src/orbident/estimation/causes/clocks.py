@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -28,7 +29,7 @@ CLEAR = 5.0
 """Deviations."""
 
 ALIKE = 0.1
-"""Clocks that are off by the same, but for this part, are right: the gyro's is off."""
+"""Clocks that are off by the same, but for this part, are right: another is off."""
 
 SHARED = {
     "joints": ("joints", "wheels"),
@@ -37,6 +38,25 @@ SHARED = {
 }
 
 Late = Mapping[str, float]
+
+
+class Corrected(NamedTuple):
+    """Clocks that were corrected before anything was tried."""
+
+    before: float
+    """The misfit without the correction."""
+    trials: tuple[Trial, ...]
+
+
+def already_corrected(problem: MomentumProblem, after: float) -> Corrected | None:
+    """The clocks that a refused problem is on already; None where as recorded."""
+    late = {name: s for name, s in corrections(problem.clocks).items() if s}
+    if not late:
+        return None
+    clocks = {name: d._replace(believed=False) for name, d in problem.clocks.items()}
+    recorded = trial("", replace(problem, clocks=clocks).amended())
+    words = " and ".join(_one(name, seconds) for name, seconds in late.items())
+    return Corrected(recorded.misfit, (Trial(words, False, after),))
 
 
 def clocks(problem: MomentumProblem) -> Iterator[Trial]:
@@ -62,6 +82,11 @@ def clocks(problem: MomentumProblem) -> Iterator[Trial]:
             for name, error in found.estimate.calibration.items()
             if name.endswith(".clock")
         }
+        # A row apart by less than is known of a clock is none of its own.
+        errors = {
+            name: error._replace(value=_sure(error.value, error.std))
+            for name, error in errors.items()
+        }
         late |= {name: late[name] + error.value for name, error in errors.items()}
         words = _in_words(
             {
@@ -75,6 +100,10 @@ def clocks(problem: MomentumProblem) -> Iterator[Trial]:
             break
     if found is not None and found.cause:
         yield found
+
+
+def _sure(value: float, std: float) -> float:
+    return value if abs(value) > CLEAR * std else 0.0
 
 
 def _roughly(problem: MomentumProblem) -> dict[str, float]:
@@ -106,10 +135,11 @@ def _behind(problem: MomentumProblem, late: Late) -> MomentumProblem:
 
 def _in_words(late: Mapping[str, tuple[float, float]]) -> str:
     sure = {name: s for name, (s, std) in late.items() if abs(s) > CLEAR * std}
-    if len(sure) == len(late) == len(SHARED):
+    if len(sure) == len(late) > 1:
         mean = float(np.mean([*sure.values()]))
         if max(abs(s - mean) for s in sure.values()) < ALIKE * abs(mean):
-            return _one("gyro", -mean)
+            # All others are behind the gyro, or the attitude where there is no gyro.
+            return _one("gyro" if "attitude" in late else "attitude", -mean)
     return " and ".join(_one(name, seconds) for name, seconds in sure.items())
 
 

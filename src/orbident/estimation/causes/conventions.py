@@ -4,30 +4,20 @@ What is put right is the samples that were derived from a recording, but for the
 attitude, which gyro and base rate are fused with.
 """
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
-from itertools import combinations, permutations, product
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from itertools import permutations, product
 
 import numpy as np
 from jaxtyping import Float
 from scipy.spatial.transform import Rotation
 
+from orbident.estimation.causes.convention import DEGREE, Convention, scaled
+from orbident.estimation.causes.conventions_of_joints import of_joints, of_wheels
 from orbident.estimation.problem import MomentumProblem
 from orbident.preprocessing.delays import corrections
 from orbident.preprocessing.samples import Samples, samples_of
 from orbident.robot.description import Robot
-
-
-@dataclass(frozen=True)
-class Convention:
-    """A cause of a misfit, and what undoes it."""
-
-    cause: str
-    """What is wrong, if it is this: a clause."""
-    amended: Callable[[MomentumProblem], Samples]
-
-
-DEGREE = np.pi / 180
 
 UNITS_OF_LENGTH = (("mm", 1e-3), ("cm", 1e-2))
 UNITS_OF_TIME = (("ms (milliseconds)", 1e-3), ("minutes", 60.0))
@@ -41,46 +31,22 @@ Change = Callable[[np.ndarray], np.ndarray]
 def conventions(problem: MomentumProblem) -> Iterator[Convention]:
     """Everything that may have been written differently, one at a time."""
     robot, recording = problem.robot, problem.recording
-    yield from _joints(robot)
-    yield from _wheels(robot)
+    yield from of_joints(robot)
+    yield from of_wheels(robot)
     if recording.has("gyro.x"):
         yield from _vector(robot, "gyro", "w")
-        yield _scaled(("w",), DEGREE, "the gyro is in degrees per second")
+        yield scaled(("w",), DEGREE, "the gyro is in degrees per second")
         yield Convention("the gyro is in inertial axes, not in the base's", _to_base)
     point = "position" if recording.has("position.x") else "velocity"
     if problem.samples.v_S:
         yield from _vector(robot, point, "v_S")
         for unit, size in UNITS_OF_LENGTH:
-            yield _scaled(("v_S",), size, f"the {point} is in {unit}")
+            yield scaled(("v_S",), size, f"the {point} is in {unit}")
     if recording.has("attitude.x"):
         yield from _attitude(robot)
     for unit, size in UNITS_OF_TIME:
         cause = f"the time is in {unit}, not in s"
-        yield _scaled(_rates(problem), 1 / size, cause)
-
-
-def _joints(robot: Robot) -> Iterator[Convention]:
-    names = robot.joint_names
-    joint = "q", "qd"
-    for k, name in enumerate(names):
-        words = f"the sign of joint {name}, or of its axis, is the opposite"
-        yield _scaled(joint, -1.0, words, [k])
-        yield _scaled(joint, DEGREE, f"joint {name} is in degrees", [k])
-    if len(names) > 1:
-        yield _scaled(joint, -1.0, "the sign of all joints is the opposite")
-        yield _scaled(joint, DEGREE, "all joints are in degrees")
-    yield from _exchanged("joint", names, joint)
-
-
-def _wheels(robot: Robot) -> Iterator[Convention]:
-    names = robot.wheel_names
-    wheel = ("qd_rw",)
-    for k, name in enumerate(names):
-        words = f"the sign of wheel {name}, or of its axis, is the opposite"
-        yield _scaled(wheel, -1.0, words, [k])
-    if len(names) > 1:
-        yield _scaled(wheel, -1.0, "the sign of all wheels is the opposite")
-    yield from _exchanged("wheel", names, wheel)
+        yield scaled(_rates(problem), 1 / size, cause)
 
 
 def _vector(robot: Robot, name: str, vector: str) -> Iterator[Convention]:
@@ -139,42 +105,6 @@ def _rates(problem: MomentumProblem) -> tuple[str, ...]:
     gyro = problem.recording.has("gyro.x")
     velocity = problem.recording.has("velocity.x")
     return "qd", "qd_rw", *(() if gyro else ("w",)), *(() if velocity else ("v_S",))
-
-
-def _scaled(
-    names: Sequence[str], factor: float, cause: str, only: Sequence[int] = ()
-) -> Convention:
-    def amended(problem: MomentumProblem) -> Samples:
-        samples = problem.samples
-        columns = {
-            name: tuple(
-                factor * column if not only or k in only else column
-                for k, column in enumerate(getattr(samples, name))
-            )
-            for name in names
-        }
-        return replace(samples, **columns)
-
-    return Convention(cause, amended)
-
-
-def _exchanged(
-    kind: str, names: Sequence[str], columns: Sequence[str]
-) -> Iterator[Convention]:
-    for one, other in combinations(range(len(names)), 2):
-        order = list(range(len(names)))
-        order[one], order[other] = other, one
-
-        def amended(problem: MomentumProblem, order: list[int] = order) -> Samples:
-            samples = problem.samples
-            changed = {
-                name: tuple(getattr(samples, name)[k] for k in order)
-                for name in columns
-            }
-            return replace(samples, **changed)
-
-        words = f"{kind} {names[one]} and {kind} {names[other]} are exchanged"
-        yield Convention(words, amended)
 
 
 def _turned(vector: str, R: Matrix) -> Callable[[MomentumProblem], Samples]:

@@ -23,8 +23,8 @@ MASKED = ("position", "attitude")
 """Sensors that may jump or drift for themselves."""
 
 
-def event(problem: MomentumProblem) -> str:
-    """What happened, in words.
+def event(problem: MomentumProblem) -> str | None:
+    """What happened, in words; None where no part of the recording fits.
 
     Only what is said to fit was tried: what stands in brackets after "perhaps" are
     usual reasons, which nothing here tests.
@@ -32,11 +32,7 @@ def event(problem: MomentumProblem) -> str:
     t = problem.recording.t
     good, bad, before = _until(problem)
     if before is None:
-        return (
-            "no part of the recording fits, and no cause that was tried explains it "
-            "(perhaps something moves in the robot: a loose mass, sloshing, flexible "
-            "joints)"
-        )
+        return None
     at = f"between t = {t[good - 1]:.3g} and {t[bad - 1]:.3g} s"
     for sensor in MASKED:
         if _without(problem, sensor, good).accepted:

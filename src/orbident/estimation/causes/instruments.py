@@ -1,19 +1,21 @@
 """Which instrument's error, were it unknown, would explain what the sensors show."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from orbident.estimation.causes.trial import Trial, trial
-from orbident.estimation.estimate import Estimate
 from orbident.estimation.output_error.sensitivity import CalibrationFit
 from orbident.estimation.problem import MomentumProblem
 from orbident.robot.description import Robot
 
 ANGLE, LENGTH, PART = 0.2, 0.2, 0.1
 """Errors that instruments may have, rad, m and relative: far beyond good ones."""
+
+CLEAR = 5.0
+"""Deviations by which an error is none of chance."""
 
 
 class Kind(NamedTuple):
@@ -26,22 +28,34 @@ class Kind(NamedTuple):
     tolerance: Mapping[str, Any]
     """As `Tolerances` has it."""
 
+    def errors(self, names: Sequence[str]) -> list[int]:
+        """Which of these are errors of this kind."""
+        return [k for k, name in enumerate(names) if self.has(name)]
 
-def instruments(problem: MomentumProblem) -> Iterator[Trial]:
+    def has(self, name: str) -> bool:
+        """Whether it is an error of this kind."""
+        return name.startswith(self.instrument) and self.error in name
+
+
+def freed(problem: MomentumProblem, kind: Kind) -> Iterator[Trial]:
     """Identify again, with one kind of error as an unknown."""
     robot = problem.robot
-    for kind in _kinds(robot):
-        freed = replace(robot, tolerances=replace(robot.tolerances, **kind.tolerance))
-        found = trial(kind.words, problem.amended(robot=freed))
-        errors = found.estimate and _of(kind, found.estimate)
-        if errors:
-            # As many unknowns explain so much by chance (Schwarz 1978).
-            price = len(errors) * np.log(problem.samples.t.size)
-            words = _in_words(kind, errors)
-            yield found._replace(cause=words, misfit=found.misfit + price)
+    loose = replace(robot, tolerances=replace(robot.tolerances, **kind.tolerance))
+    found = trial(kind.words, problem.amended(robot=loose))
+    errors = found.estimate and {
+        name: each
+        for name, each in found.estimate.calibration.items()
+        if kind.has(name)
+    }
+    if errors and any(abs(each.value) > CLEAR * each.std for each in errors.values()):
+        # As many unknowns explain so much by chance (Schwarz 1978).
+        price = len(errors) * np.log(problem.samples.t.size)
+        words = _in_words(kind, errors)
+        yield found._replace(cause=words, misfit=found.misfit + price)
 
 
-def _kinds(robot: Robot) -> Iterator[Kind]:
+def kinds(robot: Robot) -> Iterator[Kind]:
+    """Of a robot's instruments, each with a tolerance that is far too large."""
     zeros = {joint.name: ANGLE for joint in robot.joints}
     scales = dict.fromkeys(robot.joint_names, PART)
     yield Kind("the zero of joint", "joint", "zero", {"joint_zero": zeros})
@@ -56,14 +70,6 @@ def _kinds(robot: Robot) -> Iterator[Kind]:
     ):
         instrument, _, error = name.partition(".")
         yield Kind(words, instrument, error, {name.replace(".", "_"): tolerance})
-
-
-def _of(kind: Kind, estimate: Estimate) -> Mapping[str, CalibrationFit]:
-    return {
-        name: each
-        for name, each in estimate.calibration.items()
-        if name.startswith(kind.instrument) and kind.error in name
-    }
 
 
 def _in_words(kind: Kind, errors: Mapping[str, CalibrationFit]) -> str:

@@ -6,7 +6,8 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.errors import InputError
-from orbident.estimation.causes.conventions import Convention, conventions
+from orbident.estimation.causes.convention import Convention
+from orbident.estimation.causes.conventions import conventions
 from orbident.estimation.linear_fits import fit
 from orbident.estimation.problem import MomentumProblem
 from orbident.preprocessing.samples import Samples
@@ -34,22 +35,35 @@ FARTHEST = 5.0
 class Tried(NamedTuple):
     """A convention, put right."""
 
-    cause: str
+    convention: Convention
     falls: float
     """The residuals as recorded, over those with the convention put right."""
 
+    @property
+    def cause(self) -> str:
+        """In words."""
+        return self.convention.cause
 
-def best_convention(problem: MomentumProblem) -> Tried | None:
-    """The one that makes the residuals of both equations smallest, if any does."""
+
+def tried_conventions(problem: MomentumProblem) -> list[Tried]:
+    """By how much smaller they make the residuals of both equations, best first.
+
+    A later one counts only where it is plainly better than all before.
+    """
     part = problem.beginning(ROWS)
     before = linear_misfit(part, part.samples)
-    best = None
+    found = []
     for convention in conventions(part):
         left = _misfit(part, convention)
-        falls = before / left if left > 0 else 0.0
-        if falls > (PLAINLY * best.falls if best else FALLS):
-            best = Tried(convention.cause, falls)
-    return best
+        found.append(Tried(convention, before / left if left > 0 else 0.0))
+    best, worth = 0.0, {}
+    for k, one in enumerate(found):
+        if one.falls > PLAINLY * best:
+            best = one.falls
+            worth[k] = one
+    others = [one for k, one in enumerate(found) if k not in worth]
+    first = sorted(worth.values(), key=lambda one: -one.falls)
+    return [*first[:1], *sorted([*first[1:], *others], key=lambda one: -one.falls)]
 
 
 def _misfit(problem: MomentumProblem, convention: Convention) -> float:

@@ -57,4 +57,5 @@ class OutputError:
             converged=likelihood.converged,
             settled=likelihood.settled,
             signals=likelihood.signals,
+            solution=likelihood.solution,
         )

@@ -11,6 +11,7 @@ one error alone were an unknown, it would be `r z / |r|^2` with `r` its column o
 and chi-square would fall by `(r z)^2 / |r|^2` (score test).
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -60,6 +61,14 @@ class Sensitivity(NamedTuple):
     covariance: Float[np.ndarray, "beta beta"]
     """Of the estimate."""
     freed: tuple[Freed, ...]
+    left: Float[np.ndarray, "errors errors+1"]
+    """`[R_c, z]`: the equations of the errors after those of all other unknowns."""
+
+    def falls(self, which: Sequence[int]) -> float:
+        """By so much chi-square would fall if all of these were unknowns."""
+        R, z = self.left[:, list(which)], self.left[:, -1]
+        after = z - R @ np.linalg.lstsq(R, z)[0]
+        return float(z @ z - after @ after)
 
     def in_deviations(
         self, derivative: Float[np.ndarray, "parameters beta"]
@@ -104,6 +113,7 @@ def sensitivity(problem: Problem, solution: Solution) -> Sensitivity:
             _freed(each.name, column, z)
             for each, column in zip(errors, R_c.T, strict=True)
         ),
+        left=np.column_stack([R_c, z]),
     )
 
 

@@ -1,0 +1,152 @@
+"""Suspects: what may be wrong by some numbers, and how much that would explain.
+
+At the best fit every other unknown follows a small change `c` of the suspect to first
+order, so the whitened residuals that are left, `r(c) = r + D c`, are known after one
+more linearisation for each number. The sum of their squares would fall by that of the
+part of `r` in the span of `D` (score test).
+"""
+
+from collections.abc import Callable, Iterator
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+
+from orbident.errors import InputError
+from orbident.estimation.causes.trial import Trial, trial
+from orbident.estimation.output_error.problem import (
+    OUTSIDE,
+    Linear,
+    State,
+    linear,
+    problem_of,
+)
+from orbident.estimation.output_error.sensors import sensors_of
+from orbident.estimation.output_error.solver import Solution
+from orbident.estimation.problem import MomentumProblem
+from orbident.preprocessing.delays import delays
+from orbident.robot.parameters import PER_BODY
+
+ROUNDS = 2
+"""Of a trial and a better guess."""
+
+SETTLED = 0.3
+"""Deviations: a change of the guess that is less brings nothing."""
+
+Numbers = Float[np.ndarray, " numbers"]
+
+
+class Suspect(NamedTuple):
+    """What may be wrong by some numbers, SI."""
+
+    words: Callable[[Numbers], str]
+    """What is wrong, with the numbers: a clause."""
+    small: Numbers
+    """Of each number, a change whose effect is in proportion to it."""
+    corrected: Callable[[MomentumProblem, Numbers], MomentumProblem]
+    """Robot and recording with these numbers put right; not yet fitted again."""
+
+
+class Score(NamedTuple):
+    """How a suspect would explain what is left."""
+
+    numbers: Numbers
+    std: Numbers
+    falls: float
+    """By so much the sum of squares would fall."""
+
+
+NOTHING = Score(np.zeros(0), np.zeros(0), 0.0)
+
+
+def score(problem: MomentumProblem, solution: Solution, suspect: Suspect) -> Score:
+    """The numbers that lower the sum of squares most, to first order.
+
+    Args:
+        problem: as it is fitted.
+        solution: its best fit.
+        suspect: who is at zero there.
+    """
+    zero, columns = np.zeros_like(suspect.small), []
+    # What overflows has no score.
+    with np.errstate(all="ignore"):
+        try:
+            r = _left(suspect.corrected(problem, zero), problem, solution)
+            for k, small in enumerate(suspect.small):
+                c = zero.copy()
+                c[k] = small
+                moved = _left(suspect.corrected(problem, c), problem, solution)
+                columns.append((moved - r) / small)
+        except (InputError, np.linalg.LinAlgError):
+            return NOTHING
+        D = np.column_stack(columns)
+        sized = np.linalg.norm(D, axis=0)
+    if not np.isfinite(sized).all() or not sized.all():
+        return NOTHING
+    numbers = -np.linalg.lstsq(D, r)[0]
+    std = np.sqrt(np.diag(np.linalg.pinv(D.T @ D)))
+    after = r + D @ numbers
+    return Score(numbers, std, float(r @ r - after @ after))
+
+
+def tried(problem: MomentumProblem, suspect: Suspect, first: Score) -> Iterator[Trial]:
+    """Identify again with the suspect put right, from a first guess of the numbers."""
+    numbers, best = first.numbers, Trial("", False, np.inf)
+    for _ in range(ROUNDS):
+        right = suspect.corrected(problem, numbers)
+        try:
+            right = right.amended()
+        except InputError:
+            break
+        found = trial(suspect.words(numbers), right)
+        if not found.misfit < best.misfit:
+            break
+        price = numbers.size * np.log(problem.samples.t.size)
+        best = found._replace(misfit=found.misfit + price)
+        if found.accepted or found.estimate is None or found.estimate.solution is None:
+            break
+        more = score(right, found.estimate.solution, suspect)
+        if not more.falls or np.all(abs(more.numbers) < SETTLED * more.std):
+            break
+        numbers = numbers + more.numbers
+    yield best
+
+
+def _left(
+    changed: MomentumProblem, problem: MomentumProblem, solution: Solution
+) -> Float[np.ndarray, " n"]:
+    """The whitened residuals of all sensors where all else follows."""
+    robot = changed.robot
+    sensors = sensors_of(
+        robot, changed.recording, delays(robot, changed.recording, changed.late)
+    )
+    equations = problem_of(robot, changed.sets.base.theta_of, changed.samples, sensors)
+    places = [float(each.place) for each in equations.declared]
+    state = _state(changed, problem, solution.state)
+    if len(places) != state.selected.size:
+        raise InputError("other calibration errors")
+    state = state._replace(selected=np.array(places))
+    here = linear(equations, solution.weights, state)
+    there = linear(equations, solution.weights, _followed(here, state, solution))
+    left = [table.ravel() for table in there.residuals.values()]
+    return np.concatenate(left)
+
+
+def _state(changed: MomentumProblem, problem: MomentumProblem, state: State) -> State:
+    """The same bodies, by the base parameters of the changed robot."""
+    if changed.sets is problem.sets:
+        return state
+    theta = (problem.sets.base.theta_of @ state.beta).reshape(-1, PER_BODY)
+    beta = changed.sets.beta(theta)
+    common = np.concatenate([state.common[:OUTSIDE], beta, state.calibration])
+    return state._replace(common=common)
+
+
+def _followed(here: Linear, state: State, solution: Solution) -> State:
+    """After one step of all other unknowns."""
+    prior = solution.prior
+    if state.common.size != prior.values.size:
+        raise InputError("other base parameters")
+    factor = prior.added(here.common, state)
+    g = np.linalg.solve(factor[:-1, :-1], factor[:-1, -1])
+    return state.moved(here.step(g), g)
