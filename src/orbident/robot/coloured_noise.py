@@ -37,6 +37,10 @@ class Coloured(NamedTuple):
         return not (self.markov_std.any() or self.random_walk.any())
 
 
+WHITE = Coloured(np.zeros(3), np.ones(3), np.zeros(3))
+"""Nothing lasts."""
+
+
 def coloured_noise(section: Mapping[str, Any]) -> Coloured:
     """The parts that the robot file declares.
 

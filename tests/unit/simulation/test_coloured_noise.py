@@ -83,8 +83,8 @@ def test_white_noise_is_as_it_was():
     ("given", "message"),
     [
         ({"markov_std": -1.0}, "markov_std: found -1.0"),
-        ({"markov_std": (1.0, 2.0)}, "one for each of x, y, z"),
-        ({"random_walk": "much"}, "random_walk: found 'much'"),
+        ({"markov_std": (1.0, -2.0, 0.0)}, "one for each of x, y, z"),
+        ({"random_walk": np.inf}, "random_walk: found inf"),
         ({"markov_std": 1.0}, "correlation_time: give a time above zero"),
     ],
 )
