@@ -110,3 +110,22 @@ def test_what_says_nothing_is_refused(orbident: Orbident, rest: Recording, tmp_p
     orbident("noise", file).refused("found no samples that vary", "position.x")
     file = written(rest, tmp_path / "rest.csv")
     orbident("noise", file, "-o", tmp_path / "no" / "s.yaml").refused("does not exist")
+
+
+def test_spikes_are_left_out_and_jumps_are_refused(
+    orbident: Orbident, rest: Recording, tmp_path
+):
+    x = rest.columns["position.x"].copy()
+    x[[100, 700, 701]] += 0.1
+    file = written(rest, tmp_path / "s.csv", ("attitude",), {"position.x": x})
+    ran = orbident("noise", file, "--json", "-")
+    assert "warning: position.x" in ran.err
+    found = ran.json["axes"]["position.x"]
+    # The filter has taken up some of a spike, so that a neighbour may be left out too.
+    assert 3 <= found["left_out"] <= 6
+    assert f"{found['left_out']} samples are spikes and left out" in ran.err
+    assert found["white"]["value"] == pytest.approx(1e-5, rel=0.1)
+    assert found["samples"] + found["left_out"] == x.size
+    x[800:] += 0.1
+    file = written(rest, tmp_path / "s.csv", ("attitude",), {"position.x": x})
+    orbident("noise", file).refused("position.x jumps")

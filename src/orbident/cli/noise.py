@@ -58,6 +58,11 @@ def noise(
 
         write_text(out, written)
     where = written.rstrip() if out is None else f"written: {out}"
+    output.warn(
+        f"{each.name}: {each.left_out} samples are spikes and left out"
+        for each in found
+        if each.left_out
+    )
     output.say(_table(found), "", where)
     output.write_json({"axes": _document(found), "sensors": section})
 
@@ -86,6 +91,7 @@ def _document(found: Any) -> dict[str, Any]:
     return {
         each.name: {
             "samples": each.model.samples,
+            "left_out": each.left_out,
             **{
                 name: {
                     "value": level.value,

@@ -19,7 +19,7 @@ from itertools import product
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 from scipy.optimize import minimize
 
 from orbident import _core
@@ -37,6 +37,20 @@ STARTS = 8
 
 AT_A_LIMIT = 1e-6
 """Of a logarithm."""
+
+MOST = 300.0
+"""Of a logarithm: what the samples say nothing of may be any number."""
+
+SEEN = 1e-6
+"""Least information of a logarithm: with less its deviation is unknown."""
+
+OUTLYING = 6.0
+"""Deviations: noise is beyond them once in half a thousand million samples."""
+
+ROUNDING = 1e-14
+
+ROUNDS = 4
+"""In which outlying samples are left out: after a jump there is always another."""
 
 MARKOV, WALK = ("markov_std", "correlation_time"), ("random_walk",)
 PARTS = ((), MARKOV, WALK, MARKOV + WALK)
@@ -57,7 +71,7 @@ class Level(NamedTuple):
     @property
     def interval(self) -> tuple[float, float]:
         """95 %."""
-        reach = float(np.exp(1.96 * self.log_std))
+        reach = float(np.exp(min(1.96 * self.log_std, MOST)))
         return self.value / reach, self.value * reach
 
 
@@ -81,6 +95,39 @@ class NoiseModel:
     def bic(self) -> float:
         """Bayesian information criterion (Schwarz 1978): less is better."""
         return self.misfit + len(self.levels) * float(np.log(self.samples))
+
+
+class CleanModel(NamedTuple):
+    """The noise of samples, those that are outliers apart."""
+
+    model: NoiseModel
+    kept: Bool[np.ndarray, " n"]
+    settled: bool
+    """Whether no further sample is an outlier."""
+
+
+def clean_model(
+    t: Float[np.ndarray, " n"],
+    y: Float[np.ndarray, " n"],
+    parts: Sequence[tuple[str, ...]],
+) -> CleanModel:
+    """As `best_model`, without the samples that it does not explain."""
+    kept = np.ones(t.size, dtype=bool)
+    model = best_model(t, y, parts)
+    for _ in range(ROUNDS):
+        outlying = np.abs(model.innovations) > OUTLYING
+        if not outlying.any():
+            return CleanModel(model, kept, True)
+        kept[np.flatnonzero(kept)[outlying]] = False
+        if not varies(y[kept]):
+            break
+        model = best_model(t[kept], y[kept], parts)
+    return CleanModel(model, kept, False)
+
+
+def varies(x: Float[np.ndarray, " n"]) -> bool:
+    """Whether samples differ by more than rounding, of rotations too."""
+    return bool(np.ptp(x) > ROUNDING * max(1.0, float(np.abs(x).max())))
 
 
 def best_model(
@@ -117,8 +164,8 @@ def noise_model(
         return None
     logs = likelihood.logs(ratios)
     misfit, innovations = likelihood(logs)
-    C = 2 * np.linalg.pinv(_hessian(lambda x: likelihood(x)[0], logs))
-    std = np.sqrt(np.maximum(np.diag(C), 0.0))
+    information, V = np.linalg.eigh(_hessian(lambda x: likelihood(x)[0], logs) / 2)
+    std = np.sqrt(np.sum(V**2 / np.maximum(information, SEEN), axis=1))
     levels = {
         name: Level(float(np.exp(value)), float(each))
         for name, value, each in zip(names, logs, std, strict=True)
@@ -129,12 +176,16 @@ def noise_model(
 def _most_likely(
     likelihood: "_Likelihood", starts: list[Float[np.ndarray, " parts"]]
 ) -> Float[np.ndarray, " parts"] | None:
-    """The ratios; None where they are at a limit."""
+    """The ratios; None where a part is absent, or its time at a limit.
+
+    Where there is no white noise, the others over it are at their upper limits.
+    """
     limits = likelihood.limits
     start = min(starts, key=likelihood.of_ratios)
     found = minimize(likelihood.of_ratios, start, method="L-BFGS-B", bounds=limits)
     best = found.x
     low, high = np.transpose(limits)
+    high = np.where(likelihood.times, high, np.inf)
     return None if np.minimum(best - low, high - best).min() < AT_A_LIMIT else best
 
 
@@ -153,11 +204,12 @@ class _Likelihood:
         self._rows = np.column_stack([(y - y.mean()) / self._unit, np.ones(y.size)])
         dt, span = float(np.median(np.diff(t))), float(t[-1] - t[0])
         ends = {
-            "markov_std": (1e-3, 1e3),
+            "markov_std": (1e-3, 1e2),
             "correlation_time": (dt / 2, span),
             "random_walk": (1e-5 / np.sqrt(dt), 1e2 / np.sqrt(dt)),
         }
         self.limits = [tuple(np.log(ends[name])) for name in names[1:]]
+        self.times = np.array([name == "correlation_time" for name in names[1:]])
 
     def __call__(
         self, logs: Float[np.ndarray, " names"]
@@ -169,8 +221,8 @@ class _Likelihood:
     @property
     def _in_units(self) -> Float[np.ndarray, " names"]:
         """What the logarithms are less in units of the samples' size."""
-        each = [0.0 if n == "correlation_time" else self._unit for n in self._names]
-        return np.array([np.log(unit) if unit else 0.0 for unit in each])
+        unit = np.log(self._unit)
+        return np.append(unit, np.where(self.times, 0.0, unit))
 
     def of_ratios(self, ratios: Float[np.ndarray, " parts"]) -> float:
         """-2 ln L with the most likely scale, of parameters over the white one."""
@@ -183,8 +235,8 @@ class _Likelihood:
         relative = np.append(0.0, ratios)
         v, S, _ = self._innovations(relative)
         scale = 0.5 * np.log(np.sum(v**2 / S) / (v.size - 1))
-        times = np.array([name == "correlation_time" for name in self._names])
-        return relative + np.where(times, 0.0, scale) + self._in_units
+        scales = np.append(scale, np.where(self.times, 0.0, scale))
+        return relative + scales + self._in_units
 
     def _innovations(
         self, logs: Float[np.ndarray, " names"]

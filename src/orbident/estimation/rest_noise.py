@@ -12,9 +12,11 @@ from orbident.errors import InputError
 from orbident.estimation.noise_model import (
     FEWEST,
     MARKOV,
+    OUTLYING,
     PARTS,
     NoiseModel,
-    best_model,
+    clean_model,
+    varies,
 )
 from orbident.estimation.output_error.sensors import COMPONENTS, INERTIAL, POINTS
 from orbident.estimation.stillness import check_joints, check_still
@@ -40,6 +42,8 @@ class AxisNoise:
     samples: Float[np.ndarray, " n"]
     """About their mean; of an attitude, small rotations about an axis of the base."""
     model: NoiseModel
+    left_out: int
+    """Samples beyond six deviations: spikes."""
 
     @property
     def name(self) -> str:
@@ -91,8 +95,7 @@ def _axes(
         attitudes = Rotation.from_quat(table)
         table = (attitudes.mean().inv() * attitudes).as_rotvec()
     for axis, x in zip("xyz", table.T, strict=True):
-        # A rotation vector of equal quaternions is rounding.
-        if np.ptp(x) <= 1e-14 * max(1.0, float(np.abs(x).max())):
+        if not varies(x):
             continue
         if x.size < FEWEST:
             raise InputError(
@@ -110,9 +113,17 @@ def _axis_noise(
     x: Float[np.ndarray, " n"],
 ) -> AxisNoise:
     """The bias of a gyro or an accelerometer is a Gauss-Markov process alone."""
-    model = best_model(t, x, ((), MARKOV) if sensor in INERTIAL else PARTS)
-    check_still(f"{recording.source}: {sensor}.{axis}", t, x, model)
-    return AxisNoise(sensor, axis, t, x, model)
+    where = f"{recording.source}: {sensor}.{axis}"
+    model, kept, settled = clean_model(
+        t, x, ((), MARKOV) if sensor in INERTIAL else PARTS
+    )
+    if not settled:
+        raise InputError(
+            f"{where} jumps: again and again there are samples beyond {OUTLYING:g} "
+            "deviations of all that is left; give a recording at rest"
+        )
+    check_still(where, t[kept], x[kept], model)
+    return AxisNoise(sensor, axis, t[kept], x[kept], model, int(np.sum(~kept)))
 
 
 def sensor_section(found: tuple[AxisNoise, ...]) -> dict[str, dict[str, Any]]:

@@ -62,7 +62,9 @@ sensors:
     assert found["attitude"]["random_walk"] == (2e-6, 2e-6, 2e-6)
     assert found["position"]["markov_std"] == pytest.approx((19e-6, 11e-6, 0.0))
     assert found["position"]["correlation_time"] == pytest.approx((2.0, 0.1, 1.0))
-    assert sensors_of(found).position.coloured.random_walk == pytest.approx(3e-6)
+    position = sensors_of(found).position
+    assert position is not None
+    assert position.coloured.random_walk == pytest.approx(3e-6)
 
 
 def test_suites_are_there_unless_the_file_says_otherwise(load_yaml):
