@@ -129,3 +129,15 @@ def test_spikes_are_left_out_and_jumps_are_refused(
     x[800:] += 0.1
     file = written(rest, tmp_path / "s.csv", ("attitude",), {"position.x": x})
     orbident("noise", file).refused("position.x jumps")
+
+
+def test_what_the_model_does_not_explain_is_warned_of(orbident: Orbident, tmp_path):
+    """A table that sways."""
+    t = 0.01 * np.arange(6000)
+    x = 1e-5 * np.random.default_rng(2).standard_normal(t.size)
+    x += 4e-5 * np.sin(2 * np.pi * 0.5 * t)
+    columns = {"position.x": x, "position.y": 0 * t, "position.z": 0 * t}
+    ran = orbident("noise", written(Recording(t, columns), tmp_path / "s.csv"))
+    assert ran.status == 0
+    assert "position.x: at low frequencies it has 1.7 times" in ran.err
+    assert ran.err.count("\n") == 1

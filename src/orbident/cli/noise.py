@@ -63,6 +63,8 @@ def noise(
         for each in found
         if each.left_out
     )
+    checks = [each.check for each in found]
+    output.warn(check.words for check in checks if not check.passed)
     output.say(_table(found), "", where)
     output.write_json({"axes": _document(found), "sensors": section})
 

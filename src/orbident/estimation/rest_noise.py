@@ -9,6 +9,7 @@ from jaxtyping import Float
 from scipy.spatial.transform import Rotation
 
 from orbident.errors import InputError
+from orbident.estimation.check import Check
 from orbident.estimation.noise_model import (
     FEWEST,
     MARKOV,
@@ -20,6 +21,7 @@ from orbident.estimation.noise_model import (
 )
 from orbident.estimation.output_error.sensors import COMPONENTS, INERTIAL, POINTS
 from orbident.estimation.stillness import check_joints, check_still
+from orbident.estimation.whiteness import low_frequencies
 from orbident.recordings.recording import Recording
 from orbident.robot.sensor_bias import FLICKER_FLOOR, MARKOV_PEAK
 
@@ -49,6 +51,19 @@ class AxisNoise:
     def name(self) -> str:
         """Such as `position.x`."""
         return f"{self.sensor}.{self.axis}"
+
+    @property
+    def check(self) -> Check:
+        """Whether the model explains the samples: its innovations are white."""
+        found = low_frequencies(self.model.innovations[:, None], 1.0)
+        if found is None or found.ratio <= found.limit:
+            return Check("noise", "trust", f"{self.name}: its model explains it")
+        reason = (
+            f"{self.name}: at low frequencies it has {found.ratio:.2g} times the power "
+            f"of the model's noise, and more than {found.limit:.2g} is no chance"
+        )
+        remedy = "see the Allan deviation: does something vibrate or sway?"
+        return Check("noise", "with care", reason, remedy, *found)
 
     def unit(self, parameter: str) -> str:
         """Of a parameter of the model."""

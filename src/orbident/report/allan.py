@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float
 
-from orbident.estimation.check import Check
+from orbident.estimation.check import worst
 from orbident.estimation.noise_model import NoiseModel
 from orbident.estimation.rest_noise import AxisNoise
 from orbident.files.text import write_text
@@ -51,9 +51,7 @@ def write_allan(found: Sequence[AxisNoise], title: str, path: Path) -> None:
     Raises:
         InputError: it cannot be written.
     """
-    still = tuple(
-        Check(each.name, "trust", f"{each.name} is at rest") for each in found
-    )
+    checks = tuple(each.check for each in found)
     section = Section(
         name="noise",
         title="Noise at rest",
@@ -64,7 +62,7 @@ def write_allan(found: Sequence[AxisNoise], title: str, path: Path) -> None:
             for each in found
         ),
     )
-    verdict = Verdict("trust", "", still, ())
+    verdict = Verdict(worst(checks), "", checks, ())
     write_text(path, page(title, "Noise of sensors at rest", verdict, [section]))
 
 
