@@ -19,7 +19,7 @@ from itertools import product
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Float
 from scipy.optimize import minimize
 
 from orbident import _core
@@ -43,14 +43,6 @@ MOST = 300.0
 
 SEEN = 1e-6
 """Least information of a logarithm: with less its deviation is unknown."""
-
-OUTLYING = 6.0
-"""Deviations: noise is beyond them once in half a thousand million samples."""
-
-ROUNDING = 1e-14
-
-ROUNDS = 4
-"""In which outlying samples are left out: after a jump there is always another."""
 
 MARKOV, WALK = ("markov_std", "correlation_time"), ("random_walk",)
 PARTS = ((), MARKOV, WALK, MARKOV + WALK)
@@ -95,39 +87,6 @@ class NoiseModel:
     def bic(self) -> float:
         """Bayesian information criterion (Schwarz 1978): less is better."""
         return self.misfit + len(self.levels) * float(np.log(self.samples))
-
-
-class CleanModel(NamedTuple):
-    """The noise of samples, those that are outliers apart."""
-
-    model: NoiseModel
-    kept: Bool[np.ndarray, " n"]
-    settled: bool
-    """Whether no further sample is an outlier."""
-
-
-def clean_model(
-    t: Float[np.ndarray, " n"],
-    y: Float[np.ndarray, " n"],
-    parts: Sequence[tuple[str, ...]],
-) -> CleanModel:
-    """As `best_model`, without the samples that it does not explain."""
-    kept = np.ones(t.size, dtype=bool)
-    model = best_model(t, y, parts)
-    for _ in range(ROUNDS):
-        outlying = np.abs(model.innovations) > OUTLYING
-        if not outlying.any():
-            return CleanModel(model, kept, True)
-        kept[np.flatnonzero(kept)[outlying]] = False
-        if not varies(y[kept]):
-            break
-        model = best_model(t[kept], y[kept], parts)
-    return CleanModel(model, kept, False)
-
-
-def varies(x: Float[np.ndarray, " n"]) -> bool:
-    """Whether samples differ by more than rounding, of rotations too."""
-    return bool(np.ptp(x) > ROUNDING * max(1.0, float(np.abs(x).max())))
 
 
 def best_model(

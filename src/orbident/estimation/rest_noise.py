@@ -13,13 +13,11 @@ from orbident.estimation.check import Check
 from orbident.estimation.noise_model import (
     FEWEST,
     MARKOV,
-    OUTLYING,
     PARTS,
     NoiseModel,
-    clean_model,
-    varies,
 )
 from orbident.estimation.output_error.sensors import COMPONENTS, INERTIAL, POINTS
+from orbident.estimation.spikes import OUTLYING, clean_model, varies
 from orbident.estimation.stillness import check_joints, check_still
 from orbident.estimation.whiteness import low_frequencies
 from orbident.recordings.recording import Recording
