@@ -77,9 +77,12 @@ def recordings(random: Random, seeds: Seeds) -> Case:
     recording, content = _recording(random, seeds, name)
     files = {recording: content}
     arguments = ["weigh", name, recording]
-    if random.random() < 0.5:
+    kind = random.random()
+    if kind < 0.4:
         files |= seeds.run
         arguments = ["validate", "run", recording]
+    elif kind < 0.6:
+        arguments = ["noise", recording, "-o", "sensors.yaml"]
     arguments += random.choice(([], ["--json", "-"], ["--quiet"]))
     return Case("recordings", tuple(arguments), files)
 
@@ -221,6 +224,7 @@ OPTIONS: Mapping[str, tuple[tuple[str, ...], ...]] = {
     ),
     "report": (("run",), ("--force",)),
     "weigh": (("cepheus-like",), ("r.csv",)),
+    "noise": (("r.csv",), ("-o", "sensors.yaml"), ("--plot", "allan.html")),
     "validate": (("run",), ("r.csv",)),
     "compare": (("run",), ("run",), ("--body", "link3")),
     "export": (("run",), ("-o", "e.json"), ("--q", "0,0,0")),

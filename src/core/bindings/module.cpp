@@ -13,6 +13,7 @@ void bind_regressors(nanobind::module_& m);
 void bind_recursive(nanobind::module_& m);
 void bind_smoothing(nanobind::module_& m);
 void bind_trajectories(nanobind::module_& m);
+void bind_whitening(nanobind::module_& m);
 }
 
 NB_MODULE(_core, m) {
@@ -30,4 +31,5 @@ NB_MODULE(_core, m) {
   orbident::python::bind_recursive(m);
   orbident::python::bind_smoothing(m);
   orbident::python::bind_trajectories(m);
+  orbident::python::bind_whitening(m);
 }

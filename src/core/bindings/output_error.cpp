@@ -32,6 +32,7 @@ struct OwnedRecorded {
   In<2> q, qd, qdd, A_rw, qd_rw, qdd_rw;
   std::vector<In<2>> samples;
   In<1> first, prior, walk;
+  int lasting;
 
   std::int64_t axes(std::size_t sensor) const {
     return sensor == 3 ? static_cast<std::int64_t>(tree.joints.size()) : 3;
@@ -56,6 +57,7 @@ struct OwnedRecorded {
     all.A_rw = A_rw.data();
     all.qd_rw = qd_rw.data();
     all.qdd_rw = qdd_rw.data();
+    all.lasting = lasting;
     all.first = first.data();
     all.prior = prior.data();
     all.walk = walk.data();
@@ -94,6 +96,9 @@ OwnedRecorded make_recorded(const OwnedTree& tree, const Array& nominal, const A
   if (substeps < 1 || (substeps > 1 && substeps % 2))
     throw nb::value_error("substeps: give 1 or an even number");
   const std::int64_t C = static_cast<std::int64_t>(with_corrections.size());
+  const auto of_first = input<1>("first", first, {ANY});
+  const std::int64_t lasting = of_first.size(0) - BIASES - 2 * C;
+  if (lasting < 0) throw nb::value_error("first: give one number for each unknown of a boundary");
   OwnedRecorded all{tree,
                     input<1>("nominal", nominal, {PER_BODY * (K + 1)}),
                     sparse(input<2>("theta_of", theta_of, {PER_BODY * (K + 1), ANY})),
@@ -109,9 +114,10 @@ OwnedRecorded make_recorded(const OwnedTree& tree, const Array& nominal, const A
                     input<2>("qd_rw", qd_rw, {nodes, W}),
                     input<2>("qdd_rw", qdd_rw, {nodes, W}),
                     {},
-                    input<1>("first", first, {BIASES + 2 * C}),
+                    of_first,
                     input<1>("prior", prior, {2 * C}),
-                    input<1>("walk", walk, {BIASES})};
+                    input<1>("walk", walk, {BIASES}),
+                    static_cast<int>(lasting)};
   if (samples.size() != SENSORS) throw nb::value_error("samples: give one array a sensor");
   for (std::size_t k = 0; k < SENSORS; ++k) {
     const bool absent = samples[k].ndim() > 0 && samples[k].shape(0) == 0;
@@ -154,11 +160,14 @@ class OwnedSweep {
       base.own_by = take(all.substeps > 1 ? BY_R * unknowns : 0);
       interval.velocity[k] = take(3 * unknowns);
     }
+    for (auto& sensor : interval.whitening)
+      for (Whitening<double>& axis : sensor)
+        for (double*& mean : axis.mean) mean = take(all.lasting ? n : 0);
     interval.slopes = take(3 * unknowns);
     interval.felt = take(3 * unknowns);
     at.R = take(std::ptrdiff_t(all.width()) * n);
     at.known = take(std::ptrdiff_t(all.local()) * n);
-    at.rows = take(std::ptrdiff_t(5 * 3 * longest) * n);
+    at.rows = take(std::ptrdiff_t(5 * 3 * longest + all.lasting) * n);
     at.continuity = take(BIASES * n);
   }
   OwnedSweep(const OwnedSweep&) = delete;
@@ -184,9 +193,10 @@ struct Call {
   std::vector<In<2>> weights;
   std::vector<Out<2>> residuals;
   std::vector<double> theta, calibration;
+  Coloured<double> coloured[TRACKERS][3];
 
-  Call(const OwnedRecorded& owned, const std::vector<Array>& given, const Array& x_WB_,
-       const Array& local_, const Array& common_, const Array& selected_)
+  Call(const OwnedRecorded& owned, const std::vector<Array>& given, const Array& coloured_,
+       const Array& x_WB_, const Array& local_, const Array& common_, const Array& selected_)
       : selected(indices(input<1>("selected", selected_, {ANY}))),
         tree(owned.tree),
         recorded(owned.view(static_cast<int>(selected.size()))),
@@ -203,8 +213,9 @@ struct Call {
       std::fill_n(residuals[k].data(), rows * owned.axes(k), 0.0);
       if (rows)
         *sensors_of(recorded, k) = {owned.samples[k].data(), weights[k].data(),
-                                    residuals[k].data()};
+                                    residuals[k].data(), nullptr, 0};
     }
+    colour(coloured_);
     const double* value = common.data() + OUTSIDE + recorded.columns.betas;
     for (const int place : selected) {
       if (place < 0 || place >= recorded.places().count())
@@ -224,15 +235,35 @@ struct Call {
         theta[static_cast<std::size_t>(theta_of.row[e])] +=
             theta_of.value[e] * common.data()[OUTSIDE + b];
   }
+  // By tracker and axis: std, time and walk of what lasts.
+  void colour(const Array& given) {
+    const auto all = input<3>("coloured", given, {TRACKERS, 3, 3});
+    Sensed<double>* const trackers[TRACKERS] = {&recorded.attitude, &recorded.position};
+    int place = BIASES;
+    for (int k = 0; k < TRACKERS; ++k) {
+      int parts = 0;
+      for (int axis = 0; axis < 3; ++axis) {
+        const double* values = all.data() + 9 * k + 3 * axis;
+        coloured[k][axis] = {values[0], values[1], values[2]};
+        parts += coloured[k][axis].parts();
+      }
+      if (parts && !trackers[k]->values) throw nb::value_error("coloured: of an absent sensor");
+      trackers[k]->lasting = place;
+      trackers[k]->coloured = parts ? coloured[k] : nullptr;
+      place += parts;
+    }
+    if (place - BIASES != recorded.lasting)
+      throw nb::value_error("coloured: has another number of parts than `first`");
+  }
   LinearisedAt<double> at() const {
     return {x_WB.data(), local.data(), common.data(), theta.data(),
             {recorded.places(), selected.data(), calibration.data()}};
   }
 };
 
-auto linearised(const OwnedRecorded& owned, const std::vector<Array>& weights, const Array& x_WB,
-                const Array& local, const Array& common, const Array& selected, int threads) {
-  Call call(owned, weights, x_WB, local, common, selected);
+auto linearised(const OwnedRecorded& owned, const std::vector<Array>& weights,
+                const Array& coloured, const Array& x_WB, const Array& local, const Array& common, const Array& selected, int threads) {
+  Call call(owned, weights, coloured, x_WB, local, common, selected);
   const Recorded<double>& all = call.recorded;
   const std::int64_t left = all.width() - all.local();
   Out<2> factor(left, left);
@@ -254,16 +285,16 @@ auto linearised(const OwnedRecorded& owned, const std::vector<Array>& weights, c
 
 // The equations of one interval over [z start | z end | g | right-hand side].
 auto interval_equations(const OwnedRecorded& owned, const std::vector<Array>& weights,
-                        const Array& x_WB, const Array& local, const Array& common,
+                        const Array& coloured, const Array& x_WB, const Array& local, const Array& common,
                         const Array& selected, int interval) {
-  Call call(owned, weights, x_WB, local, common, selected);
+  Call call(owned, weights, coloured, x_WB, local, common, selected);
   const Recorded<double>& all = call.recorded;
   if (interval < 0 || interval >= all.intervals)
     throw nb::value_error("interval: there is none of this number");
   const int L = all.local(), n = all.stride(), width = all.width();
   OwnedSweep memory(all);
-  EquationTable<double> sensed{memory.at.rows, n, width, 0, L, L, 0, 0.0};
-  EquationTable<double> continuity{memory.at.continuity, n, width, 0, L, L, 0, 0.0};
+  EquationTable<double> sensed{memory.at.rows, n, width, 0, L, L, all.corrections(), 0, 0.0};
+  EquationTable<double> continuity{memory.at.continuity, n, width, 0, L, L, all.corrections(), 0, 0.0};
   linearise(all, call.at(), interval, memory.at.interval, sensed, continuity);
   add_encoders(all, call.at(), interval, true, memory.at.R);
   Out<2> table(sensed.rows + BIASES + 2 * L, width);
@@ -339,13 +370,15 @@ void bind_output_error(nb::module_& m) {
            nb::arg("samples"), nb::arg("first"), nb::arg("prior"), nb::arg("walk"))
       .def_prop_ro("local", [](const OwnedRecorded& all) { return all.view().local(); },
                    "How many unknowns a boundary has.");
-  m.def("linearised", &linearised, nb::arg("recorded"), nb::arg("weights"), nb::arg("x_WB"),
-        nb::arg("local"), nb::arg("common"), nb::arg("selected"), nb::arg("threads") = 1,
-        "All equations at a state, eliminated: factor, links, cost and whitened residuals. "
+  m.def("linearised", &linearised, nb::arg("recorded"), nb::arg("weights"), nb::arg("coloured"),
+        nb::arg("x_WB"), nb::arg("local"), nb::arg("common"), nb::arg("selected"),
+        nb::arg("threads") = 1,
+        "All equations at a state, eliminated: factor, links, cost and residuals over the white "
+        "noise. `coloured`: of attitude and position, by axis, what lasts: std, time and walk. "
         "`selected`: the places of the calibrations that are common unknowns.");
   m.def("interval_equations", &interval_equations, nb::arg("recorded"), nb::arg("weights"),
-        nb::arg("x_WB"), nb::arg("local"), nb::arg("common"), nb::arg("selected"),
-        nb::arg("interval"),
+        nb::arg("coloured"), nb::arg("x_WB"), nb::arg("local"), nb::arg("common"),
+        nb::arg("selected"), nb::arg("interval"),
         "The equations of one interval over [z start | z end | g | right-hand side].");
   m.def("momentum_terms", &momentum_terms, nb::arg("tree"), nb::arg("theta_of"), nb::arg("beta"),
         nb::arg("q"), nb::arg("qd"), nb::arg("qdd"),

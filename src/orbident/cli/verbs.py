@@ -10,6 +10,7 @@ from orbident.cli.excite import excite
 from orbident.cli.export import export
 from orbident.cli.identify import identify
 from orbident.cli.inspect import inspect
+from orbident.cli.noise import noise
 from orbident.cli.report import report
 from orbident.cli.robots import robots
 from orbident.cli.sample import sample
@@ -36,6 +37,7 @@ for verb in (
     excite,
     sample,
     simulate,
+    noise,
     identify,
     report,
     weigh,

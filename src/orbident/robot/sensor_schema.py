@@ -46,6 +46,25 @@ def _each(dimension: str) -> BeforeValidator:
     return BeforeValidator(in_si)
 
 
+def _per_axis(dimension: str, *, above_zero: bool = False) -> BeforeValidator:
+    """One quantity for all axes, or one for each, in SI."""
+
+    def one(value: object) -> float:
+        number = at_least_zero(value, dimension)
+        if above_zero and not number:
+            raise WrongValueError(f"give a {dimension} above zero")
+        return number
+
+    def in_si(value: object) -> tuple[float, ...]:
+        if not isinstance(value, list | tuple):
+            return 3 * (one(value),)
+        if len(value) != 3:
+            raise WrongValueError("give one number, or one for each of x, y, z")
+        return tuple(one(each) for each in value)
+
+    return BeforeValidator(in_si)
+
+
 def _rate(value: object) -> float:
     number = quantity(value, "frequency")
     if number < SMALLEST:
@@ -131,16 +150,39 @@ class Encoder(Sampled):
         return self
 
 
-class Attitude(Sampled):
+Axes = tuple[float, float, float]
+LastingAxes = Annotated[Axes, _per_axis("time", above_zero=True)]
+
+
+class Tracker(Sampled):
+    """What attitude and position share: noise that is not white."""
+
+    correlation_time: LastingAxes | None = None
+
+    @model_validator(mode="after")
+    def _complete(self) -> "Tracker":
+        std = getattr(self, "markov_std", None)
+        if std is not None and any(std) and self.correlation_time is None:
+            raise WrongValueError("markov_std needs a correlation_time beside it")
+        if self.correlation_time is not None and std is None:
+            raise WrongValueError("correlation_time needs a markov_std beside it")
+        return self
+
+
+class Attitude(Tracker):
     """Star tracker or motion capture."""
 
     angle: Angle
+    markov_std: Annotated[Axes, _per_axis("angle")] | None = None
+    random_walk: Annotated[Axes, _per_axis("angle random walk")] | None = None
 
 
-class Position(Sampled):
+class Position(Tracker):
     """Motion capture."""
 
     std: Length
+    markov_std: Annotated[Axes, _per_axis("length")] | None = None
+    random_walk: Annotated[Axes, _per_axis("length random walk")] | None = None
 
 
 class Sensors(Section):

@@ -25,6 +25,7 @@ UNITS: dict[str, dict[str, float]] = {
     },
     "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0, "h": _HOUR},
     "length": {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6},
+    "length random walk": {"m/sqrt(s)": 1.0, "mm/sqrt(s)": 1e-3, "um/sqrt(s)": 1e-6},
     "share": {"1": 1.0, "%": 1e-2, "ppm": 1e-6},
     "frequency": {"Hz": 1.0, "kHz": 1e3},
     "angular rate": {
@@ -35,6 +36,7 @@ UNITS: dict[str, dict[str, float]] = {
     },
     "angle random walk": {
         "rad/sqrt(s)": 1.0,
+        "urad/sqrt(s)": 1e-6,
         "deg/sqrt(s)": _DEG,
         "rad/sqrt(h)": 1 / math.sqrt(_HOUR),
         "deg/sqrt(h)": _DEG / math.sqrt(_HOUR),

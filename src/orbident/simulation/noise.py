@@ -9,7 +9,9 @@ instability `B` is read.
 
 import numpy as np
 from jaxtyping import Float
+from scipy.linalg import solve_banded
 
+from orbident.robot.coloured_noise import Coloured
 from orbident.robot.sensor_bias import markov_std
 
 MARKOV_PEAK_AT = 1.8926
@@ -75,6 +77,63 @@ def bias_drift(
     from scipy.signal import lfilter
 
     return np.asarray(lfilter([1.0], [1.0, -np.exp(-dt / correlation_time)], kicks, 0))
+
+
+def markov(
+    random: np.random.Generator,
+    t: Float[np.ndarray, " n"],
+    std: Float[np.ndarray, " axes"],
+    correlation_time: Float[np.ndarray, " axes"],
+) -> Float[np.ndarray, "n axes"]:
+    """A stationary first-order Gauss-Markov process, at any increasing times.
+
+    `x_0 ~ N(0, s^2)`, `x_k = a_k x_{k-1} + s sqrt(1 - a_k^2) n_k` with
+    `a_k = exp(-(t_k - t_{k-1}) / T)`: exact, however far apart the samples are.
+
+    Args:
+        random: the process's stream.
+        t: of the samples, s.
+        std: s, by axis.
+        correlation_time: T, by axis, s.
+
+    Returns:
+        In the unit of `std`.
+    """
+    steps = np.diff(t)[:, None] / correlation_time
+    kicks = gaussian(random, (t.size, std.size), 1.0) * std
+    kicks[1:] *= np.sqrt(-np.expm1(-2 * steps))
+    # The recursion as equations with one diagonal below the main one.
+    bands = np.ones((2, t.size))
+    for axis, step in enumerate(steps.T):
+        bands[1, :-1] = -np.exp(-step)
+        kicks[:, axis] = solve_banded((1, 0), bands, kicks[:, axis])
+    return kicks
+
+
+def random_walk(
+    random: np.random.Generator,
+    t: Float[np.ndarray, " n"],
+    density: Float[np.ndarray, " axes"],
+) -> Float[np.ndarray, "n axes"]:
+    """A random walk, `var(x(t)) = q^2 (t - t_0)`, at any increasing times.
+
+    Args:
+        random: the process's stream.
+        t: of the samples, s.
+        density: q, by axis, in its unit per square root of a second.
+    """
+    steps = np.sqrt(np.diff(t, prepend=t[:1]))[:, None] * density
+    return np.cumsum(steps * gaussian(random, steps.shape, 1.0), axis=0)
+
+
+def coloured(
+    random: np.random.Generator, t: Float[np.ndarray, " n"], noise: Coloured
+) -> Float[np.ndarray, "n 3"]:
+    """The parts of a tracker's noise that are not white, from streams of their own."""
+    lasting, walking = random.spawn(2)
+    return markov(lasting, t, noise.markov_std, noise.correlation_time) + random_walk(
+        walking, t, noise.random_walk
+    )
 
 
 def quantised(x: Float[np.ndarray, "*n"], step: float) -> Float[np.ndarray, "*n"]:

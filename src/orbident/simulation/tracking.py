@@ -1,27 +1,88 @@
 """Pose from outside: star trackers, motion capture, vision."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 from jaxtyping import Float
 
+from orbident.errors import InputError
 from orbident.model.rotations import quaternion_rate
-from orbident.simulation.noise import gaussian
+from orbident.robot.coloured_noise import Coloured, PerAxis, coloured_noise
+from orbident.simulation.noise import coloured, gaussian
 from orbident.simulation.sensor import Sensor, require
 
 
 @dataclass(frozen=True, kw_only=True)
-class AttitudeTracker(Sensor):
+class Tracker(Sensor):
+    """Noise that attitude and position share: white, and on each axis what lasts.
+
+    Raises:
+        InputError: a value is negative or not a number.
+    """
+
+    markov_std: PerAxis = 0.0
+    """Std of a first-order Gauss-Markov process, rad or m."""
+    correlation_time: PerAxis = 0.0
+    """Of that process, s; above zero where there is one."""
+    random_walk: PerAxis = 0.0
+    """Density, rad/sqrt(s) or m/sqrt(s); the walk is zero at the first sample."""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        for name in ("markov_std", "correlation_time", "random_walk"):
+            _require_axes(name, getattr(self, name))
+        std, time = np.broadcast_arrays(self.markov_std, self.correlation_time)
+        if ((std > 0) & (time == 0)).any():
+            raise InputError(
+                "correlation_time: give a time above zero, in s, beside markov_std"
+            )
+
+    @property
+    def coloured(self) -> Coloured:
+        """What is not white, by axis."""
+        return coloured_noise({f.name: getattr(self, f.name) for f in fields(self)})
+
+    def noise(
+        self, n: int, std: float, dt: float, random: np.random.Generator
+    ) -> Float[np.ndarray, "n 3"]:
+        """The errors of samples `dt` apart, white and coloured."""
+        white = gaussian(random, (n, 3), std)
+        declared = self.coloured
+        if declared.absent:
+            return white
+        return white + coloured(random, dt * np.arange(n), declared)
+
+
+def _require_axes(name: str, value: object) -> None:
+    """Refuse what is neither one number of zero or more nor three.
+
+    Raises:
+        InputError: so.
+    """
+    try:
+        found = np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        found = np.full(2, np.nan)
+    if found.shape not in {(), (3,)} or not (np.isfinite(found) & (found >= 0)).all():
+        raise InputError(
+            f"{name}: found {value!r}; give a number of zero or more, or one for each "
+            "of x, y, z, in SI"
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class AttitudeTracker(Tracker):
     """Orientation of the base in the inertial frame.
 
-    `shown = true (x) exp(d / 2)`, `d ~ N(0, angle^2)` about each base axis.
+    `shown = true (x) exp(d / 2)`, with `d` the noise about each base axis: white with
+    `angle` as its std, and what `Tracker` adds.
 
     Raises:
         InputError: a value is negative or not a number.
     """
 
     angle: float
-    """Std of the rotation about each axis, rad."""
+    """Std of the white noise about each axis, rad."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -33,9 +94,9 @@ class AttitudeTracker(Sensor):
         dt: float,
         random: np.random.Generator,
     ) -> Float[np.ndarray, "n axes"]:
-        """Unit quaternions, scalar last; `dt` does not matter."""
+        """Unit quaternions, scalar last, of attitudes `dt` seconds apart."""
         x_WB = true / np.linalg.norm(true, axis=1, keepdims=True)
-        d = gaussian(random, (len(true), 3), self.angle)
+        d = self.noise(len(true), self.angle, dt, random)
         half = np.linalg.norm(d, axis=1, keepdims=True) / 2
         # The product with (v, s) is s x + d/dt x at the rate 2 v; v = sin(half) d/|d|.
         v = np.sinc(half / np.pi) * d / 2
@@ -43,15 +104,15 @@ class AttitudeTracker(Sensor):
 
 
 @dataclass(frozen=True, kw_only=True)
-class PositionTracker(Sensor):
-    """Position of S in the inertial frame, m.
+class PositionTracker(Tracker):
+    """Position of S in the inertial frame, m, with noise on each inertial axis.
 
     Raises:
         InputError: a value is negative or not a number.
     """
 
     std: float
-    """Of the noise on each axis, m."""
+    """Of the white noise on each axis, m."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -63,5 +124,5 @@ class PositionTracker(Sensor):
         dt: float,
         random: np.random.Generator,
     ) -> Float[np.ndarray, "n axes"]:
-        """Positions, m; `dt` does not matter."""
-        return true + gaussian(random, true.shape, self.std)
+        """Positions, m, `dt` seconds apart."""
+        return true + self.noise(len(true), self.std, dt, random)

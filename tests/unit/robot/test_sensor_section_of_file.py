@@ -47,6 +47,26 @@ sensors:
     assert (found.position.latency, found.position.drop_out) == (5e-3, 0.1)
 
 
+def test_coloured_noise_is_of_all_axes_or_of_each(load_yaml):
+    found = load_yaml(
+        """
+sensors:
+  attitude: {angle: 60 urad, random_walk: 2 urad/sqrt(s)}
+  position:
+    std: 8.5 um
+    markov_std: [19 um, 11 um, 0]
+    correlation_time: [2 s, 100 ms, 1]
+    random_walk: 3 um/sqrt(s)
+"""
+    ).sensors
+    assert found["attitude"]["random_walk"] == (2e-6, 2e-6, 2e-6)
+    assert found["position"]["markov_std"] == pytest.approx((19e-6, 11e-6, 0.0))
+    assert found["position"]["correlation_time"] == pytest.approx((2.0, 0.1, 1.0))
+    position = sensors_of(found).position
+    assert position is not None
+    assert position.coloured.random_walk == pytest.approx(3e-6)
+
+
 def test_suites_are_there_unless_the_file_says_otherwise(load_yaml):
     found = load_yaml(
         "sensors: {suites: [paper, phasespace-like], joints: {position: 1 mrad}}"
@@ -69,6 +89,14 @@ def test_suites_are_there_unless_the_file_says_otherwise(load_yaml):
         ("joints: {position: 0, drop_out: 2}", "found 2; give a probability"),
         ("joints: {position: 0, latency: -1 s}", "found '-1 s'; give zero or more"),
         ("position: {std: 0, rate: 0 Hz}", "found '0 Hz'; give a rate above zero"),
+        ("position: {std: 0, markov_std: 1 um}", "needs a correlation_time beside it"),
+        ("attitude: {angle: 0, correlation_time: 1}", "needs a markov_std beside it"),
+        ("position: {std: 0, random_walk: 1 m}", "unknown unit 'm' of a length random"),
+        ("position: {std: 0, markov_std: [1, 2]}", "one for each of x, y, z"),
+        (
+            "position: {std: 0, markov_std: 1, correlation_time: 0}",
+            "give a time above zero",
+        ),
     ],
 )
 def test_what_no_sensor_can_be_is_refused(load_yaml, section, message):

@@ -24,7 +24,7 @@ struct SweepMemory {
   IntervalMemory<T> interval;
   T* R;           // width x n; at last what is known of [z near | z far, empty | g | rhs]
   T* known;       // local x n: rows over [z near | z far, empty | g | rhs]
-  T* rows;        // as many as an interval's samples have axes x n
+  T* rows;        // as many as an interval's samples have axes, and lasting noise x n
   T* continuity;  // BIASES x n
 };
 
@@ -48,8 +48,8 @@ T sweep(const Recorded<T>& recorded, const LinearisedAt<T>& at, bool forward, Sw
   }
   for (int interval = begin; interval != stop; interval += on) {
     const int start = forward ? 0 : L, end = L - start;
-    EquationTable<T> sensed{memory.rows, n, width, start, end, L, 0, T(0)};
-    EquationTable<T> continuity{memory.continuity, n, width, start, end, L, 0, T(0)};
+    EquationTable<T> sensed{memory.rows, n, width, start, end, L, recorded.corrections(), 0, T(0)};
+    EquationTable<T> continuity{memory.continuity, n, width, start, end, L, recorded.corrections(), 0, T(0)};
     linearise(recorded, at, interval, memory.interval, sensed, continuity);
     std::fill_n(memory.R, std::ptrdiff_t(2 * L) * n, T(0));
     fold(memory.R, n, continuity.table, n, BIASES, n, BIASES);

@@ -20,7 +20,7 @@ T add_encoders(const Recorded<T>& recorded, const LinearisedAt<T>& at, int inter
   const int end = std::min(last, recorded.rows - 1);
   const T duration = recorded.t[end] - recorded.t[first];
   const int stride = recorded.stride(), right_hand_side = recorded.width() - 1;
-  const auto corrections = [&](int boundary) { return at.local + boundary * L + BIASES; };
+  const auto corrections = [&](int boundary) { return at.local + boundary * L + recorded.corrections(); };
   T cost = T(0), rows[BLOCK * JOINT_WIDTH];
   for (int k = 0, c = 0; k < K; ++k) {
     const bool corrected = c < C && recorded.corrected[c] == k;
@@ -57,7 +57,7 @@ T add_encoders(const Recorded<T>& recorded, const LinearisedAt<T>& at, int inter
       row[start_near ? 2 + f : f] = weight;
     }
     folded();
-    const auto place = [&](int f) { return f / 2 * L + BIASES + f % 2 * C + c; };
+    const auto place = [&](int f) { return f / 2 * L + recorded.corrections() + f % 2 * C + c; };
     for (int f = 0; f < FUNCTIONS; ++f) {
       T* row = R + std::ptrdiff_t(place(f)) * stride;
       for (int other = f; other < FUNCTIONS; ++other)

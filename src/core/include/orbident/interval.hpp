@@ -2,14 +2,16 @@
 //
 //   what the sensors showed - what is predicted = slopes x change
 //   attitude and biases at the end = those at the next interval's start     (random walk)
+//   lasting noise at the end = that at the next interval's start            (lasting_noise.hpp)
 //   corrections of the joints at the end = 0                                (prior)
 //
-// Unknowns z of a boundary: [turn 3 | gyro bias 3 | accelerometer bias 3 | corrections: values, rates];
+// Unknowns z of a boundary: [turn 3 | gyro bias 3 | accelerometer bias 3 | lasting noise of attitude
+// and position, axis by axis | corrections: values, rates];
 // g, common to all: [outside | beta | calibration]. A table has the columns
 // [z near | z far | g | right-hand side]: near is the boundary that is eliminated, the start or the end.
 #pragma once
 
-#include "orbident/interval_tables.hpp"
+#include "orbident/lasting_noise.hpp"
 
 namespace orbident {
 
@@ -23,6 +25,25 @@ void add_sample(const IntervalColumns& c, const Sensed<T>& sensor, int row, cons
     if (weight == T(0)) continue;
     T* equation = equations.add(c, slopes + axis * c.count(), weight, error[axis]);
     if (bias >= 0) equation[equations.start + bias + axis] = weight;
+  }
+}
+
+// The rows of a tracker at time t; where its noise lasts, those of its innovations.
+template <class T>
+void add_fix(const IntervalColumns& c, const Sensed<T>& sensor, int row, const T& t,
+             const Vector3<T>& error, const T* slopes, Whitening<T>* whitening,
+             EquationTable<T>& equations) {
+  if (!sensor.coloured) return add_sample(c, sensor, row, error, slopes, -1, equations);
+  for (int axis = 0; axis < 3; ++axis) {
+    const T weight = sensor.weights[3 * row + axis];
+    sensor.residuals[3 * row + axis] = weight * error[axis];
+    if (weight == T(0)) continue;
+    T* equation = equations.empty();
+    equations.write(c, slopes + axis * c.count(), T(1), equation);
+    equation[equations.width - 1] = error[axis];
+    whitening[axis].predict(t);
+    const T S = whitening[axis].innovate(equation, 1 / (weight * weight));
+    equations.scale(std::sqrt(S), equation);
   }
 }
 
@@ -54,7 +75,7 @@ void place_joints(const Recorded<T>& recorded, const LinearisedAt<T>& at, int in
   for (int c = 0; c < C; ++c) {
     const int k = recorded.corrected[c];
     for (int f = 0; f < 4; ++f) {
-      const T correction = at.local[(interval + f / 2) * L + BIASES + f % 2 * C + c];
+      const T correction = at.local[(interval + f / 2) * L + recorded.corrections() + f % 2 * C + c];
       memory.q[k] += functions.value[f] * correction;
       memory.qd[k] += functions.rate[f] * correction;
       memory.qdd[k] += functions.acceleration[f] * correction;
@@ -142,8 +163,8 @@ void add_samples(const Recorded<T>& recorded, const LinearisedAt<T>& at, int int
     const Quaternion<T> x = Eigen::Map<const Quaternion<T>>(recorded.attitude.values + 4 * row);
     Quaternion<T> x_WB = base.x_WB;
     if (c.calibrations) calibrate_attitude(c, calibration, base, x_WB, slopes_of(base.phi));
-    add_sample<T>(c, recorded.attitude, row, small_rotation(x_WB, x),
-                  c.calibrations ? memory.slopes : base.phi, -1, equations);
+    add_fix<T>(c, recorded.attitude, row, recorded.t[row], small_rotation(x_WB, x),
+               c.calibrations ? memory.slopes : base.phi, memory.whitening[0], equations);
   }
   if (recorded.position.values) {
     Vector3<T> r = position(joints, base, at.common);
@@ -151,8 +172,8 @@ void add_samples(const Recorded<T>& recorded, const LinearisedAt<T>& at, int int
     if (c.calibrations)
       calibrate_position(c, calibration, joints, base, at.common, memory.velocity[0], r,
                          memory.slopes);
-    add_sample<T>(c, recorded.position, row, shown(recorded.position) - r, memory.slopes, -1,
-                  equations);
+    add_fix<T>(c, recorded.position, row, recorded.t[row], shown(recorded.position) - r,
+               memory.slopes, memory.whitening[1], equations);
   }
   if (recorded.velocity.values) {
     Vector3<T> v = velocity(joints, base, at.common);
@@ -206,6 +227,9 @@ void linearise(const Recorded<T>& recorded, const LinearisedAt<T>& at, int inter
   joints_at(2 * first, *row);
   start_base(recorded, at, interval, *row, *start);
   if (moving) velocity_slopes(c, *row, *start, memory.velocity[0]);
+  const Sensed<T>* const trackers[TRACKERS] = {&recorded.attitude, &recorded.position};
+  for (int k = 0; k < TRACKERS; ++k)
+    start_lasting(recorded, at, interval, *trackers[k], memory.whitening[k], sensed);
   for (int r = first; r < last; ++r) {
     add_samples(recorded, at, interval, r, *row, *start, memory, sensed);
     if (r == end) break;
@@ -238,6 +262,8 @@ void linearise(const Recorded<T>& recorded, const LinearisedAt<T>& at, int inter
     std::swap(row, next);
     std::swap(memory.velocity[0], memory.velocity[2]);
   }
+  for (int k = 0; k < TRACKERS; ++k)
+    end_lasting(recorded, at, interval, end, *trackers[k], memory.whitening[k], sensed);
   add_continuity(recorded, at, interval, duration, *start, continuity);
 }
 

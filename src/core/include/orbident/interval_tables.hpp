@@ -4,6 +4,7 @@
 
 #include "orbident/householder.hpp"
 #include "orbident/calibration.hpp"
+#include "orbident/whitening.hpp"
 
 namespace orbident {
 
@@ -14,8 +15,12 @@ template <class T>
 struct Sensed {
   const T* values;
   const T* weights;  // 1 over the noise's std; zero where there was no sample
-  T* residuals;      // whitened
+  T* residuals;      // over the white noise
+  const Coloured<T>* coloured;  // of each axis; null where the noise is white
+  int lasting;       // where the first of its lasting parts is in z
 };
+
+constexpr int TRACKERS = 2;  // attitude and position: their noise may last
 
 template <class T>
 struct Recorded {
@@ -35,12 +40,14 @@ struct Recorded {
   const T* A_rw;               // wheels x 3: a_i I_i, base axes
   const T *qd_rw, *qdd_rw;     // nodes x wheels
   Sensed<T> gyro, accelerometer, attitude, joints, position, velocity;
+  int lasting;  // parts of the trackers' noise that last
   // How freely the unknowns of boundaries vary: standard deviations.
   const T* first;  // of z at the first row
   const T* prior;  // of corrections anywhere
   const T* walk;   // of turn and biases, per square root of a second
 
-  int local() const { return BIASES + 2 * columns.corrected; }
+  int corrections() const { return BIASES + lasting; }  // where they begin in z
+  int local() const { return corrections() + 2 * columns.corrected; }
   int common() const { return columns.common(); }
   CalibrationPlaces places() const { return {tree.joints, wheels}; }
   int width() const { return 2 * local() + common() + 1; }
@@ -66,6 +73,7 @@ struct IntervalMemory {
   T* velocity[3];       // 3 x unknowns each
   T* slopes;            // 3 x unknowns
   T* felt;              // 3 x unknowns
+  Whitening<T> whitening[TRACKERS][3];
 };
 
 // A table of equations that grows row by row.
@@ -75,12 +83,18 @@ struct EquationTable {
   int stride, width;
   int start, end;  // columns of z at the interval's start and end
   int local;
+  int corrections;  // where they begin in z
   int rows;
   T cost;
 
-  T* add(const T& right_hand_side) {
+  T* empty() {
     T* row = table + std::ptrdiff_t(rows++) * stride;
     std::fill_n(row, stride, T(0));
+    return row;
+  }
+
+  T* add(const T& right_hand_side) {
+    T* row = empty();
     row[width - 1] = right_hand_side;
     cost += right_hand_side * right_hand_side;
     return row;
@@ -89,14 +103,24 @@ struct EquationTable {
   // From slopes by the interval's unknowns.
   T* add(const IntervalColumns& c, const T* slopes, const T& weight, const T& error) {
     T* row = add(weight * error);
+    write(c, slopes, weight, row);
+    return row;
+  }
+
+  void write(const IntervalColumns& c, const T* slopes, const T& weight, T* row) const {
     const auto scaled = [&](int from, int count, T* to) {
       for (int k = 0; k < count; ++k) to[k] = weight * slopes[from + k];
     };
     scaled(c.turn(), 3, row + start);
-    scaled(c.corrections(), 2 * c.corrected, row + start + BIASES);
-    scaled(c.corrections() + 2 * c.corrected, 2 * c.corrected, row + end + BIASES);
+    scaled(c.corrections(), 2 * c.corrected, row + start + corrections);
+    scaled(c.corrections() + 2 * c.corrected, 2 * c.corrected, row + end + corrections);
     scaled(c.outside(), c.common(), row + 2 * local);
-    return row;
+  }
+
+  // The row over the deviation of what it says.
+  void scale(const T& deviation, T* row) {
+    for (int k = 0; k < width; ++k) row[k] /= deviation;
+    cost += row[width - 1] * row[width - 1];
   }
 };
 

@@ -120,7 +120,7 @@ def _left(
     sensors = sensors_of(
         robot, changed.recording, delays(robot, changed.recording, changed.late)
     )
-    equations = problem_of(robot, changed.sets.base.theta_of, changed.samples, sensors)
+    equations = problem_of(robot, changed.sets, changed.samples, sensors)
     places = [float(each.place) for each in equations.declared]
     state = _state(changed, problem, solution.state)
     if len(places) != state.selected.size:

@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
+from orbident.estimation.output_error.lasting import at_level, innovated
 from orbident.estimation.output_error.problem import BySensor, Problem, State
 from orbident.estimation.output_error.shooting import TURN_AND_BIASES
 from orbident.estimation.output_error.solver import Prior, Solution, solved
@@ -147,7 +148,13 @@ def fitted(
         solution = solved(problem, used, prior, state, progress, steps)
         lost = 0 if solution.converged else lost + 1
         state = solution.state
-        residuals = reweighted(solution.linear.residuals, used, plain)
+        residuals = innovated(
+            problem.t,
+            at_level(problem.lasting, problem.weights, used),
+            reweighted(solution.linear.residuals, used, plain),
+            plain,
+            used,
+        )
         parts = whitened(plain, residuals, unknowns)
         scales = {
             name: _level(levels[name] * part.scale, least[name], name in declared)

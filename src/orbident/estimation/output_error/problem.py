@@ -16,6 +16,11 @@ from scipy.spatial.transform import Rotation, Slerp
 
 from orbident import _core
 from orbident.estimation.output_error.calibration import Calibration, calibrations_of
+from orbident.estimation.output_error.lasting import (
+    Lasting,
+    at_level,
+    lasting_noise,
+)
 from orbident.estimation.output_error.sensors import Sensors
 from orbident.estimation.output_error.shooting import (
     Looseness,
@@ -74,6 +79,8 @@ class Problem(NamedTuple):
     weights: BySensor
     """1 over the noise's standard deviation; zero where there was no sample."""
     loose: Looseness
+    lasting: Lasting
+    """What lasts of the noise of attitude and position."""
     calibrations: tuple[Calibration, ...]
     """The calibration errors that act on it."""
 
@@ -89,7 +96,7 @@ class State(NamedTuple):
     x_WB: Float[np.ndarray, "boundaries 4"]
     """The attitude where intervals meet."""
     local: Float[np.ndarray, "boundaries local"]
-    """Turn (always zero), biases, corrections of the joints and of their rates."""
+    """Turn (always zero), biases, lasting noise, corrections of joints and rates."""
     common: Float[np.ndarray, " common"]
     """`h_cm`, `v_cm`, `r_cm`, torque, pull, `beta` and selected calibrations."""
     selected: Float[np.ndarray, " selected"] = NOTHING_SELECTED
@@ -135,7 +142,7 @@ class Linear(NamedTuple):
     cost: float
     """Sum of the squared whitened residuals and defects."""
     residuals: dict[str, Float[np.ndarray, "rows axes"]]
-    """Whitened; zero where there was no sample."""
+    """Over the white noise; zero where there was no sample."""
 
     @property
     def local(self) -> int:
@@ -177,6 +184,7 @@ def linear(problem: Problem, weights: BySensor, state: State) -> Linear:
     factor, links, cost, residuals = _core.linearised(
         problem.recorded,
         [weights.get(name, NO_ROWS) for name in SENSORS],
+        at_level(problem.lasting, problem.weights, weights),
         state.x_WB,
         state.local,
         state.common,
@@ -201,7 +209,8 @@ def problem_of(
     """
     theta_of = np.ascontiguousarray(sets.base.theta_of)
     intervals = intervals_of(robot, samples, sensors)
-    loose = looseness(robot, samples, sensors)
+    lasting = lasting_noise(robot, sensors)
+    loose = looseness(robot, samples, sensors, lasting)
     history = intervals.history
     last = np.arange(intervals.t.size) == intervals.t.size - 1
     seen, weights = {}, {}
@@ -240,6 +249,7 @@ def problem_of(
         seen,
         weights,
         loose,
+        lasting,
         calibrations_of(robot, sensors.by_name),
     )
 

@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from orbident.estimation.tachometers import rate_noise
 from orbident.recordings.recording import Recording
+from orbident.robot.coloured_noise import WHITE, Coloured, coloured_noise
 from orbident.robot.description import Robot
 from orbident.robot.sensor_bias import bias_walk
 
@@ -56,6 +57,8 @@ class Sensed:
     """Whether that is from the robot file."""
     drift: float = 0.0
     """Random walk of the bias, per square root of a second."""
+    coloured: Coloured = WHITE
+    """What lasts of a tracker's noise."""
 
 
 @dataclass(frozen=True)
@@ -153,7 +156,8 @@ def _sensed(
         std = scatter(samples)
     size = 1.0 if name == "attitude" else float(np.sqrt(np.mean(samples**2)))
     least = max(LEAST * size, between(at, samples), 1e-15)
-    return Sensed(values, max(std, least), least, declared, drift)
+    coloured = coloured_noise(section) if name in POINTS else WHITE
+    return Sensed(values, max(std, least), least, declared, drift, coloured)
 
 
 def _declared(

@@ -6,6 +6,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 from scipy.interpolate import CubicSpline
 
+from orbident.estimation.output_error.lasting import Lasting, first_lasting
 from orbident.estimation.output_error.sensors import Sensors, between, scatter
 from orbident.estimation.tachometers import momentum_noise
 from orbident.model.inertia import inertia_at
@@ -149,7 +150,9 @@ class Looseness(NamedTuple):
     """Of attitude and biases, per square root of a second."""
 
 
-def looseness(robot: Robot, samples: Samples, sensors: Sensors) -> Looseness:
+def looseness(
+    robot: Robot, samples: Samples, sensors: Sensors, lasting: Lasting
+) -> Looseness:
     """How freely attitude, biases and joints may vary from segment to segment."""
     turns = np.full(3, FIXED)
     if "attitude" in sensors.by_name:
@@ -166,9 +169,10 @@ def looseness(robot: Robot, samples: Samples, sensors: Sensors) -> Looseness:
         for name in robot.joint_names
     ]
     corrections = np.full(2 * sum(free), ENCODERS)
+    noise = first_lasting(lasting, float(np.median(np.diff(sensors.t))))
     return Looseness(
         corrected=np.flatnonzero(free).astype(float),
-        first=np.concatenate([turns, BIAS, corrections]),
+        first=np.concatenate([turns, BIAS, noise, corrections]),
         corrections=corrections,
         walk=np.array([*3 * [_turn_walk(robot, samples)], *walks]),
     )

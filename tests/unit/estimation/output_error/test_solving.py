@@ -69,7 +69,9 @@ def dense(problem: Problem, state: State) -> Dense:
     beforehand[:, -1] = -state.local[0]
     put(beforehand / first[:, None], np.r_[:local, g])
     for s in range(boundaries - 1):
-        rows = _core.interval_equations(problem.recorded, weights, *state, s)
+        rows = _core.interval_equations(
+            problem.recorded, weights, problem.lasting, *state, s
+        )
         put(rows, np.r_[s * local : (s + 2) * local, g])
     whole = np.vstack(tables)
     return Dense(whole[:, :-1], whole[:, -1], common)

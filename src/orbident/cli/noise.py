@@ -1,0 +1,108 @@
+"""`orbident noise REST`."""
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from orbident.cli.options import Json, Quiet
+
+
+def noise(
+    rest: Annotated[
+        Path,
+        typer.Argument(
+            metavar="REST", help="A recording of a robot at rest: CSV or Parquet."
+        ),
+    ],
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "-o", metavar="FILE", help="Write the robot file's sensors: section there."
+        ),
+    ] = None,
+    plot: Annotated[
+        Path | None,
+        typer.Option(
+            "--plot", metavar="FILE", help="Write Allan deviations there, as HTML."
+        ),
+    ] = None,
+    json: Json = None,
+    quiet: Quiet = False,
+) -> None:
+    """Learn the noise of sensors from a recording at rest.
+
+    Gyro, accelerometer, attitude and position: on each axis white noise and, where the
+    samples ask for it, noise that lasts.
+    """
+    from orbident.cli.output import Output, progress
+    from orbident.estimation.rest_noise import rest_noise, sensor_section
+    from orbident.files.replacing import check_place
+    from orbident.recordings.tables import read_recording
+
+    output = Output(json, quiet)
+    for place in (out, plot):
+        if place is not None:
+            check_place(place)
+    recording = read_recording(rest)
+    with progress("learning the noise"):
+        found = rest_noise(recording)
+    section = sensor_section(found)
+    if plot is not None:
+        from orbident.report.allan import write_allan
+
+        write_allan(found, rest.name, plot)
+    written = _yaml(section)
+    if out is not None:
+        from orbident.files.text import write_text
+
+        write_text(out, written)
+    where = written.rstrip() if out is None else f"written: {out}"
+    output.warn(
+        f"{each.name}: {each.left_out} samples are spikes and left out"
+        for each in found
+        if each.left_out
+    )
+    checks = [each.check for each in found]
+    output.warn(check.words for check in checks if not check.passed)
+    output.say(_table(found), "", where)
+    output.write_json({"axes": _document(found), "sensors": section})
+
+
+def _yaml(section: dict[str, Any]) -> str:
+    import yaml
+
+    return yaml.safe_dump(
+        {"sensors": section}, sort_keys=False, default_flow_style=None
+    )
+
+
+def _table(found: Any) -> Any:
+    from rich.table import Table
+
+    table = Table("", "", "value", "std", "95 % from", "to", "unit", box=None)
+    for each in found:
+        for name, level in each.model.levels.items():
+            numbers = (level.value, level.std, *level.interval)
+            words = [f"{number:.3g}" for number in numbers]
+            table.add_row(each.name, name, *words, each.unit(name))
+    return table
+
+
+def _document(found: Any) -> dict[str, Any]:
+    return {
+        each.name: {
+            "samples": each.model.samples,
+            "left_out": each.left_out,
+            **{
+                name: {
+                    "value": level.value,
+                    "std": level.std,
+                    "interval_95": list(level.interval),
+                    "unit": each.unit(name),
+                }
+                for name, level in each.model.levels.items()
+            },
+        }
+        for each in found
+    }
