@@ -78,7 +78,17 @@ class _Mass(_Quantity):
     forms: _Parameters
 
 
-class _Base(_Parameters):
+class _Set(_Parameters):
+    nominal: list[Known]
+
+    @model_validator(mode="after")
+    def _all_nominal(self) -> "_Set":
+        if len(self.nominal) != len(self.names):
+            raise InputError("names and nominal are not of one length")
+        return self
+
+
+class _Base(_Set):
     covariance: list[list[Known]]
 
     @model_validator(mode="after")
@@ -176,8 +186,8 @@ class _Check(BaseModel):
 
 class _Identified(_Part):
     mass: _Mass
-    pi: _Parameters
-    phi: _Parameters
+    pi: _Set
+    phi: _Set
     base: _Base
     covariance: list[list[Known]]
 

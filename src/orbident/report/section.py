@@ -20,6 +20,8 @@ class Table(NamedTuple):
     rows: tuple[Row, ...]
     in_words: bool = False
     """Whether its cells are words more than numbers."""
+    folded: bool = False
+    """Whether a click opens it."""
 
 
 class Chart(NamedTuple):
