@@ -7,6 +7,8 @@ from typing import Any, TypeVar
 import numpy as np
 from jaxtyping import Float
 
+from orbident.files.frames import frame
+
 
 @dataclass(frozen=True)
 class Parameters:
@@ -68,6 +70,23 @@ class EstimatedSet(Parameters):
     def to_json(self) -> dict[str, Any]:
         """As in `result.json`: null for NaN."""
         return {**super().to_json(), "nominal": nulled(self.nominal)}
+
+    def to_frame(self) -> Any:
+        """A `pandas.DataFrame` with a row for each parameter; NaN: not determined.
+
+        Raises:
+            MissingLibraryError: pandas is not installed.
+        """
+        columns = {
+            "value": self.values,
+            "std": self.std,
+            "nominal": self.nominal,
+            "sigmas": self.sigmas,
+            "percent": self.percent,
+            "unit": self.units,
+            "formula": self.formulas,
+        }
+        return frame(columns, self.names, "parameter")
 
 
 @dataclass(frozen=True)

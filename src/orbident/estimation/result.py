@@ -121,6 +121,16 @@ class Result(Identified):
             more = "more: result.checks, .diagnostics"
         return "\n".join([*self.summary(), more])
 
+    def to_frame(self) -> Any:
+        """The base parameters beside CAD as a `pandas.DataFrame`.
+
+        `pi` and `phi` have a `to_frame()` of their own.
+
+        Raises:
+            MissingLibraryError: pandas is not installed.
+        """
+        return self.base.to_frame()
+
     def with_causes(self) -> "Result":
         """The result with the likely cause of a refusal as the first of its checks.
 
