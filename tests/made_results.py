@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from orbident.estimation.check import Check
-from orbident.estimation.quantities import EstimatedSet, Parameters, Quantity
+from orbident.estimation.quantities import NO_ROUTES, EstimatedSet, Quantity
 from orbident.estimation.result import Result
 from orbident.model.formulas import formulas_of
 from orbident.model.minimal_sets import minimal_sets
@@ -14,7 +14,6 @@ from orbident.robot.description import Robot, Structure
 
 REFUSED = Check("scale", "do not trust", "mass: no scale", "spin a wheel up")
 
-NO_ROUTES = Parameters((), (), np.zeros(0), np.zeros(0))
 NONE = EstimatedSet((), (), np.zeros(0), np.zeros(0), np.zeros(0))
 
 

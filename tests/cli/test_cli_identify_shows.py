@@ -86,7 +86,12 @@ def test_all_is_shown_on_request(orbident: Orbident, flight: Recording):
     # Nothing is cut short, whatever the width of a pipe.
     assert "…" not in words
     assert LONG in words
-    assert "M by maximum likelihood" in words
+    # Routes and how far they are apart; the last one is compared with nothing.
+    *_, eq32, last = [line.split() for line in words.splitlines() if "  M by" in line]
+    assert eq32[:4] == ["M", "by", "Eq.", "32"]
+    assert abs(float(eq32[-1])) < 5
+    assert last[:4] == ["M", "by", "maximum", "likelihood"]
+    assert last[-1] == "-"
 
 
 @pytest.mark.parametrize("more", [(), ("--all",)])

@@ -51,11 +51,26 @@ def _everything(result: Any) -> list[str]:
 
 def _masses(result: Any) -> list[str]:
     """The mass by every route."""
+    routes = result.mass_forms
     lines = [
-        f"  {name:24} {value:12.6g} {std:8.2g}   {formula}".rstrip()
-        for name, formula, value, std in result.mass_forms
+        f"  {name:24} {value:12.6g} {std:9.2g} {number(sigmas, '+.1f'):>8}  {formula}"
+        for (name, formula, value, std), sigmas in zip(
+            routes, routes.sigmas, strict=True
+        )
     ]
-    return ["", "mass by every route, kg", *lines] if lines else []
+    if routes.left_out:
+        lines.append(
+            f"  {routes.left_out} forms of Eq. 32 give no mass: their deviations are "
+            "beyond a tenth of it"
+        )
+    if not lines:
+        return []
+    head = f"  {'':24} {'estimate':>12} {'std':>9} {'sigmas':>8}"
+    title = (
+        "mass by every route, kg; sigmas: forms (M from ..) are compared with Eq. 32,"
+    )
+    more = "which combines them, and the routes with the last of them"
+    return ["", title, more, head, *(line.rstrip() for line in lines)]
 
 
 def _goodness(result: Any) -> list[str]:

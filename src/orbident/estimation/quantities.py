@@ -90,6 +90,25 @@ class EstimatedSet(Parameters):
 
 
 @dataclass(frozen=True)
+class MassRoutes(Parameters):
+    """The total mass by every route that gives one, kg."""
+
+    sigmas: Float[np.ndarray, " n"]
+    """How far a form of Eq. 32 is from what all forms give together, and a route from
+    the method's own mass, over the deviation of that difference; NaN for the last."""
+    left_out: int
+    """So many routes give no mass: their deviation is beyond a tenth of it."""
+
+    def to_json(self) -> dict[str, Any]:
+        """As in `result.json`: null for NaN."""
+        more = {"sigmas": nulled(self.sigmas), "left_out": self.left_out}
+        return {**super().to_json(), **more}
+
+
+NO_ROUTES = MassRoutes((), (), np.zeros(0), np.zeros(0), np.zeros(0), 0)
+
+
+@dataclass(frozen=True)
 class Quantity:
     """One number and its standard deviation; NaN where it is not determined."""
 
@@ -119,7 +138,7 @@ class Identified:
 
     mass: Quantity
     """Total mass, kg."""
-    mass_forms: Parameters
+    mass_forms: MassRoutes
     """Eq. 32: the mass by each product form, and by every route, kg."""
     pi: EstimatedSet
     phi: EstimatedSet
@@ -134,7 +153,7 @@ class Identified:
         """The same parameters, none of them determined."""
         return Identified(
             mass=Quantity(np.nan, np.nan),
-            mass_forms=Parameters((), (), np.zeros(0), np.zeros(0)),
+            mass_forms=NO_ROUTES,
             pi=undetermined(self.pi),
             phi=undetermined(self.phi),
             base=undetermined(self.base),

@@ -14,13 +14,14 @@ from orbident.estimation.criteria import Judgement
 from orbident.estimation.estimate import Estimate
 from orbident.estimation.found import Known
 from orbident.estimation.linear_fits import Fits
+from orbident.estimation.mass_routes import is_a_mass, sigmas_apart
 from orbident.estimation.motion import motion_of
 from orbident.estimation.predicted import Signals, equation_signals
 from orbident.estimation.problem import MomentumProblem
 from orbident.estimation.quantities import (
     EstimatedSet,
     Identified,
-    Parameters,
+    MassRoutes,
     Quantity,
     nulled,
 )
@@ -92,7 +93,7 @@ def _identified(
     both = np.concatenate([judgement.pi, judgement.phi])
     return Identified(
         mass=estimate.mass,
-        mass_forms=_mass_forms(problem, words, masses),
+        mass_forms=_mass_forms(problem, words, masses, estimate.mass),
         pi=_set(words.pi, found.pi, judgement.pi, cad.pi),
         phi=_set(words.phi, found.phi, judgement.phi, cad.phi),
         base=_set(words.base, found.base, judgement.base, cad.base),
@@ -119,20 +120,39 @@ def _set(
 
 
 def _mass_forms(
-    problem: MomentumProblem, words: SetFormulas, routes: dict[str, Quantity]
-) -> Parameters:
-    """Every form of Eq. 32, then every route where there are several."""
+    problem: MomentumProblem,
+    words: SetFormulas,
+    routes: dict[str, Quantity],
+    M: Quantity,
+) -> MassRoutes:
+    """The forms of Eq. 32 that give a mass, then every route where there are several.
+
+    Args:
+        problem: of a recording.
+        words: names of its parameters.
+        routes: the mass by every route, the method's own last.
+        M: the method's own.
+    """
     mass = problem.linear_mass
-    forms = mass_forms(problem.sets, mass.forms, words)
+    kept = [
+        is_a_mass(value, std, M)
+        for value, std in zip(mass.values, mass.stds, strict=True)
+    ]
+    forms = mass_forms(problem.sets, mass.forms[kept], words)
     several = routes if len(routes) > 1 else {}
-    return Parameters(
+    apart = [sigmas_apart(other, M) for other in several.values()]
+    if several:
+        apart[-1] = NAN
+    return MassRoutes(
         names=(
             *(f"M from {name}" for name in forms.names),
             *(f"M by {route}" for route in several),
         ),
         formulas=(*forms.formulas, *("" for _ in several)),
-        values=np.array([*mass.values, *(M.value for M in several.values())]),
-        std=np.array([*mass.stds, *(M.std for M in several.values())]),
+        values=np.array([*mass.values[kept], *(M.value for M in several.values())]),
+        std=np.array([*mass.stds[kept], *(M.std for M in several.values())]),
+        sigmas=np.array([*mass.sigmas[kept], *apart]),
+        left_out=len(kept) - sum(kept),
     )
 
 

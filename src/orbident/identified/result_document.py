@@ -74,8 +74,19 @@ class _Parameters(_Part):
         return self
 
 
+class _Routes(_Parameters):
+    sigmas: list[Known]
+    left_out: Count
+
+    @model_validator(mode="after")
+    def _all_compared(self) -> "_Routes":
+        if len(self.sigmas) != len(self.names):
+            raise InputError("names and sigmas are not of one length")
+        return self
+
+
 class _Mass(_Quantity):
-    forms: _Parameters
+    forms: _Routes
 
 
 class _Set(_Parameters):

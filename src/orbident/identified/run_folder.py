@@ -17,6 +17,7 @@ from orbident.estimation.predicted import Signals
 from orbident.estimation.quantities import (
     EstimatedSet,
     Identified,
+    MassRoutes,
     Parameters,
     Quantity,
 )
@@ -271,7 +272,7 @@ def _identified(document: dict[str, Any]) -> Identified:
     mass = document["mass"]
     return Identified(
         mass=Quantity(_number(mass["value"]), _number(mass["std"])),
-        mass_forms=_parameters(mass["forms"]),
+        mass_forms=_routes(mass["forms"]),
         pi=_set(document["pi"]),
         phi=_set(document["phi"]),
         base=_set(document["base"]),
@@ -291,6 +292,14 @@ def _symmetric(lower: list[list[float | None]]) -> np.ndarray:
 def _set(document: dict[str, Any]) -> EstimatedSet:
     nominal = _numbers(document["nominal"])
     return EstimatedSet(**vars(_parameters(document)), nominal=nominal)
+
+
+def _routes(document: dict[str, Any]) -> MassRoutes:
+    return MassRoutes(
+        **vars(_parameters(document)),
+        sigmas=_numbers(document["sigmas"]),
+        left_out=document["left_out"],
+    )
 
 
 def _parameters(document: dict[str, Any]) -> Parameters:

@@ -28,6 +28,13 @@ WORDS = (
     "a zero. Inertias are about the origins of the bodies' frames.",
 )
 
+ROUTES = (
+    "Every form of Eq. 32, then every method that ran. The last column compares each "
+    "form with what all forms give together, and each method with the last one, in "
+    "standard deviations of the difference. Deviations of Eq. 32 count white noise of "
+    "its equations only: more than 3 sigmas show that encoders or a drift add to it."
+)
+
 MOST = 20
 """Rows of a table: a robot with two arms has hundreds of parameters and routes."""
 
@@ -70,38 +77,45 @@ def parameters(result: Result, known_as: str) -> Section | None:
 
 def masses(result: Result, known_as: str) -> Section | None:
     """The mass by every route; None where there is none."""
-    found = [row for row in result.mass_forms if np.isfinite(row[2])]
-    if not found:
+    routes = result.mass_forms
+    sure = np.sort(routes.std)[:MOST]
+    shown = [
+        k
+        for k, name in enumerate(routes.names)
+        if routes.std[k] <= sure[-1] or name.startswith("M by")
+    ]
+    if not shown:
         return None
-    every = len(found)
-    surest = sorted(row[3] for row in found)[:MOST][-1]
-    found = [row for row in found if row[3] <= surest or row[0].startswith("M by")]
-    names, _, values, stds = (list(column) for column in zip(*found, strict=True))
     M = float(result.base.nominal[0])
-    half = NINETY_FIVE * np.array(stds)
-    figure = listed(names, np.array(values), half, M, ROUNDING * M, "M (kg)")
+    names = [routes.names[k] for k in shown]
+    half = NINETY_FIVE * routes.std[shown]
+    figure = listed(names, routes.values[shown], half, M, ROUNDING * M, "M (kg)")
     rows = tuple(
         Row(
             (
-                shortened(name),
-                with_std(value, std),
-                short(std, 2),
-                interval(value, std),
+                shortened(routes.names[k]),
+                with_std(routes.values[k], routes.std[k]),
+                short(routes.std[k], 2),
+                interval(routes.values[k], routes.std[k]),
+                signed(routes.sigmas[k]),
             ),
-            formula,
+            routes.formulas[k],
         )
-        for name, formula, value, std in found
+        for k in shown
     )
+    words = [ROUTES]
+    if len(shown) < len(routes.names):
+        words.append(f"The surest of {len(routes.names)}.")
+    if routes.left_out:
+        words.append(
+            f"{routes.left_out} forms of Eq. 32 give no mass: their deviations are "
+            "beyond a tenth of it."
+        )
     return Section(
         name="masses",
         title="The mass by every route",
-        words=(
-            "Every form of Eq. 32, then every method that ran. Where they differ by "
-            "more than their intervals, these leave something out: deviations of the "
-            "linear routes know white noise only.",
-            *([f"The surest of {every}."] if len(found) < every else []),
-        ),
-        tables=(Table("Mass", ("route", "kg", "± std", "95 %"), rows),),
+        words=tuple(words),
+        tables=(Table("Mass", ("route", "kg", "± std", "95 %", "sigmas"), rows),),
         charts=(Chart("masses", f"Mass by every route; line: {known_as}", figure),),
     )
 
