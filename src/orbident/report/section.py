@@ -33,6 +33,8 @@ class Chart(NamedTuple):
     figure: dict[str, Any]
     first: bool = False
     """Whether it begins a line of the page."""
+    wide: bool = False
+    """Whether it takes a whole line; on a narrow screen it is scrolled."""
 
 
 class Picture(NamedTuple):

@@ -16,6 +16,7 @@ from orbident.report.provenance import provenance, references
 from orbident.report.recursion import Trail, read_trail, recursion
 from orbident.report.replay_figure import replay_sections
 from orbident.report.section import Section
+from orbident.report.sensitivity_figure import sensitivities
 from orbident.report.verdict import verdict_of
 
 METHODS = {
@@ -89,6 +90,7 @@ def sections_of(
         fits(result, signals),
         recursion(trail),
         conditioning(result),
+        sensitivities(result),
         identifiability(result),
         excitation(result),
         provenance(result),
