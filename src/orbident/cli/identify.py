@@ -47,8 +47,8 @@ def identify(
         Path | None,
         typer.Option(
             metavar="REC",
-            help="A thruster burn with locked joints: what it weighs (Eq. 40) is put "
-            "beside the other masses.",
+            help="A recording of a thruster burn with locked joints: its mass (Eq. 40) "
+            "is compared with the others.",
         ),
     ] = None,
     everything: Annotated[
