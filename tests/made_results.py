@@ -5,20 +5,23 @@ from dataclasses import replace
 import numpy as np
 
 from orbident.estimation.check import Check
-from orbident.estimation.quantities import Parameters, Quantity
+from orbident.estimation.quantities import NO_ROUTES, EstimatedSet, Quantity
 from orbident.estimation.result import Result
 from orbident.model.formulas import formulas_of
 from orbident.model.minimal_sets import minimal_sets
+from orbident.model.nominal import nominal_parameters
 from orbident.robot.description import Robot, Structure
 
 REFUSED = Check("scale", "do not trust", "mass: no scale", "spin a wheel up")
 
-NONE = Parameters((), (), np.zeros(0), np.zeros(0))
+NONE = EstimatedSet((), (), np.zeros(0), np.zeros(0), np.zeros(0))
 
 
 def made_result(robot: Robot, beta: np.ndarray, covariance: np.ndarray) -> Result:
     """A result with these base parameters; `pi` and `phi` are left out."""
-    words = formulas_of(robot, minimal_sets(robot)).base
+    sets = minimal_sets(robot)
+    words = formulas_of(robot, sets).base
+    nominal = nominal_parameters(robot, sets).base
     std = np.sqrt(np.diag(covariance))
     return Result(
         robot=robot,
@@ -26,10 +29,10 @@ def made_result(robot: Robot, beta: np.ndarray, covariance: np.ndarray) -> Resul
         initial_momentum="unknown",
         checks=(),
         mass=Quantity(float(beta[0]), float(std[0])),
-        mass_forms=NONE,
+        mass_forms=NO_ROUTES,
         pi=NONE,
         phi=NONE,
-        base=Parameters(words.names, words.formulas, beta, std),
+        base=EstimatedSet(words.names, words.formulas, beta, std, nominal),
         condition_number={},
         residual={},
         biases={},

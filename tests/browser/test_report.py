@@ -126,12 +126,12 @@ def _of_one_color(browser: Chrome) -> bool:
 
 
 def test_print(page: Chrome):
-    """Two charts side by side on paper, all tables open."""
+    """Two charts side by side on paper, a wide one alone, all tables open."""
     page.execute_script("document.querySelector('details').open = false")
     page.execute_script("dispatchEvent(new Event('beforeprint'))")
     widths, closed = page.execute_script(
         "return [[...document.querySelectorAll('.chart > .plot-container .main-svg')]"
-        ".map((svg) => svg.clientWidth),"
+        ".map((svg) => svg.clientWidth / (svg.closest('.wide') ? 2 : 1)),"
         "document.querySelectorAll('details:not([open])').length]"
     )
     page.execute_script("dispatchEvent(new Event('afterprint'))")

@@ -99,13 +99,7 @@ def test_identify_prints_and_keeps_its_result(orbident: Orbident, flight: Record
     ).done()
     assert "paper-spatial: ok, 801 samples" in ran.out
     assert "mass 1110 +- " in ran.out
-    # Nothing is cut short, whatever the width of a pipe.
-    assert "…" not in ran.out
-    assert "843.1" in ran.out
-    assert (
-        "4 m(link3) + Ixx(link1) - Iyy(link1) + Izz(link2) + Izz(link3) "
-        "- sigma_4^2/M - sigma_5^2/M\n"
-    ) in ran.out
+    assert "843.1" not in ran.out
     kept = json.loads(Path("run/result.json").read_text())
     # Beside the result it has the checksums of all that is read again.
     assert kept.pop("files").keys() == set(READ) - {"history.csv"}
@@ -161,12 +155,10 @@ def test_result_json(orbident: Orbident, flight: Recording):
     assert found["initial_momentum"] == "unknown"
     assert found["samples"] == 801
     assert {"value", "std"} <= set(found["mass"])
+    of_a_set = {"names", "formulas", "values", "std", "nominal"}
     for name in ("pi", "phi"):
-        assert set(found[name]) == {"names", "formulas", "values", "std"}
-    assert set(found["base"]) == {
-        *("names", "formulas", "values", "std"),
-        "covariance",
-    }
+        assert set(found[name]) == of_a_set
+    assert set(found["base"]) == {*of_a_set, "covariance"}
     assert np.shape(found["base"]["covariance"]) == (18, 18)
     assert set(found["condition_number"]) == {"Y", "Y_normalised", "W", "W_normalised"}
     assert {"rms", "chi2_per_dof", "sensors"} <= set(found["residual"])

@@ -33,6 +33,7 @@ def inspect(
     from orbident.model.formulas import formulas_of
     from orbident.model.identifiability import not_identifiable
     from orbident.model.minimal_sets import minimal_sets
+    from orbident.model.nominal import nominal_parameters
     from orbident.model.regularity import check_regular
     from orbident.robot.robot_file import load_robot
 
@@ -46,11 +47,11 @@ def inspect(
         bound = None
         if trajectory is not None:
             bound = _bound(described, trajectory, initial_momentum)
-    theta = described.theta
+    cad = nominal_parameters(described, sets)
     found = {
-        "pi": (words.pi, sets.pi(theta)),
-        "phi": (words.phi, sets.phi(theta)),
-        "base": (words.base, sets.beta(theta)),
+        "pi": (words.pi, cad.pi),
+        "phi": (words.phi, cad.phi),
+        "base": (words.base, cad.base),
     }
     document: dict[str, Any] = {
         "name": described.name,

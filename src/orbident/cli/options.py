@@ -41,7 +41,8 @@ MomentumKnown = Annotated[
     InitialMomentum,
     typer.Option(
         "--initial-momentum",
-        help="unknown: estimated too; at-rest: all was at rest before the wheels spun "
-        "up; first-sample: Eq. 24, the first sample subtracted.",
+        help="How the momentum is known. unknown: it is estimated; at-rest: the robot "
+        "was at rest before its wheels spun up; first-sample: as in the paper, the "
+        "first sample is subtracted (Eq. 24).",
     ),
 ]

@@ -9,6 +9,7 @@ from jaxtyping import Bool
 from orbident.estimation.check import Check, Level
 from orbident.estimation.estimate import Estimate
 from orbident.estimation.kinetic_energy import positive_energy
+from orbident.estimation.mass_routes import agreement_of_routes
 from orbident.estimation.obstacles import surprise
 from orbident.estimation.problem import MomentumProblem
 from orbident.estimation.quantities import Quantity
@@ -26,15 +27,6 @@ SPREAD = 0.5
 VAGUE = 0.3
 # So many neighbours are named; more are given by the first and the last.
 LISTED = 20
-# Combined deviations by which two masses differ that cannot both be right,
-DISAGREE = 5.0
-# and this part of the mass: the linear one's deviation knows white noise only.
-MATTERS = 0.03
-
-
-BURN = "Eq. 40"
-"""The mass by a thruster burn, among others."""
-
 
 UNITS = {"torque": "N m", "pull": "m/s^2"}
 
@@ -77,7 +69,7 @@ def judge(solved: Solved, masses: dict[str, Quantity]) -> Judgement:
             *positive_energy(problem, found.base),
             *_changes(estimate),
             *_disturbances(estimate),
-            *_routes(masses),
+            *agreement_of_routes(masses),
         ]
     return Judgement(tuple(checks), pi, phi, base)
 
@@ -216,27 +208,3 @@ def _disturbances(estimate: Estimate) -> Iterator[Check]:
                 f"{name} from outside: found {value} +- {std} {UNITS[name]}, inertial "
                 "axes; estimated with the rest",
             )
-
-
-def _routes(masses: dict[str, Quantity]) -> Iterator[Check]:
-    """Whether the last route's mass is one of the others'."""
-    *others, (route, M) = masses.items()
-    if not others:
-        return
-    far = [
-        f"{value.value:.5g} +- {value.std:.1g} kg by {name}"
-        for name, value in others
-        if abs(value.value - M.value)
-        > max(DISAGREE * np.hypot(value.std, M.std), MATTERS * M.value)
-    ]
-    if not far:
-        reason = f"{len(masses)} routes to the mass agree"
-        yield Check("routes to the mass", "trust", reason)
-        return
-    remedy = "check the burn's force" if BURN in masses else f"weigh the robot ({BURN})"
-    yield Check(
-        "routes to the mass",
-        "with care",
-        f"mass: {M.value:.5g} +- {M.std:.1g} kg by {route}, but {', '.join(far)}",
-        f"{remedy}, or record a richer motion",
-    )

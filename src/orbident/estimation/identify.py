@@ -8,10 +8,11 @@ from typing import get_args
 
 from orbident.errors import InputError
 from orbident.estimation.causes.causes import causes
-from orbident.estimation.criteria import BURN, judge
+from orbident.estimation.criteria import judge
 from orbident.estimation.estimate import Estimate, Estimator
 from orbident.estimation.estimators import Method, estimator_of
 from orbident.estimation.linear_fits import INITIAL_MOMENTA, InitialMomentum
+from orbident.estimation.mass_routes import BURN, is_a_mass
 from orbident.estimation.quantities import Quantity
 from orbident.estimation.result import Result
 from orbident.estimation.results import result_of
@@ -85,10 +86,14 @@ def identify(
 
 
 def _masses(weighing: Weighing | None, estimate: Estimate) -> dict[str, Quantity]:
-    """By every route, the method's own last."""
-    if weighing is None or weighing.status == "rejected":
-        return dict(estimate.masses)
-    return {BURN: weighing.mass, **estimate.masses}
+    """By every route that gives one, the method's own last."""
+    masses = dict(estimate.masses)
+    if weighing is not None and weighing.status == "ok":
+        masses = {BURN: weighing.mass, **masses}
+    *others, own = masses.items()
+    M = estimate.mass
+    kept = [(name, at) for name, at in others if is_a_mass(at.value, at.std, M)]
+    return dict([*kept, own])
 
 
 def _check_momentum(given: str) -> None:

@@ -43,6 +43,8 @@ class Mass(NamedTuple):
     """Each form is `c pi = M c g(phi)`: the rows are `c`."""
     values: Float[np.ndarray, " forms"]
     stds: Float[np.ndarray, " forms"]
+    sigmas: Float[np.ndarray, " forms"]
+    """Each form less the combined mass, over the deviation of that difference."""
     spread: float
     """Weighted RMS of the forms' values about the combined one, over it."""
     of_pi: Float[np.ndarray, " pi"]
@@ -71,7 +73,8 @@ def mass_of(sets: MinimalSets, pi: LinearFit, phi: LinearFit) -> Mass:
     found = forms @ pi.values
     if not found.any():
         nothing = np.zeros(pi.values.size), np.zeros(phi.values.size)
-        return Mass(np.nan, np.nan, forms[:0], g[:0], g[:0], np.nan, *nothing)
+        none = g[:0]
+        return Mass(np.nan, np.nan, forms[:0], none, none, none, np.nan, *nothing)
     C_pi = forms @ pi.covariance @ forms.T
     C_phi = dg @ phi.covariance @ dg.T
     M = float(np.median(found / g))
@@ -90,10 +93,27 @@ def mass_of(sets: MinimalSets, pi: LinearFit, phi: LinearFit) -> Mass:
         forms=forms,
         values=found / g,
         stds=stds,
+        sigmas=_apart(found / g - M, np.diag(1 / g) - weights / scale, C, stds),
         spread=float(spread),
         of_pi=weights @ forms / scale,
         of_phi=-M * (weights @ dg) / scale,
     )
+
+
+def _apart(
+    differences: Float[np.ndarray, " n"],
+    J: Float[np.ndarray, "n n"],
+    C: Float[np.ndarray, "n n"],
+    stds: Float[np.ndarray, " n"],
+) -> Float[np.ndarray, " n"]:
+    """Differences `J x` over their deviations, `C` being the covariance of `x`.
+
+    NaN where a difference is zero by construction, as that of a single form is: its
+    deviation is rounding beside that of the form.
+    """
+    variance = np.einsum("ij,jk,ik->i", J, C, J)
+    sure = variance > FLOOR * stds**2
+    return differences / np.sqrt(np.where(sure, variance, np.nan))
 
 
 def _forms(

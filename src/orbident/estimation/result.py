@@ -4,15 +4,13 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
-import numpy as np
-from jaxtyping import Float
-
 from orbident.errors import InputError
 from orbident.estimation.check import Check, Level, worst
 from orbident.estimation.linear_fits import Fits, InitialMomentum
 from orbident.estimation.output_error.sensitivity import CalibrationFit
+from orbident.estimation.parameter_table import short_table
 from orbident.estimation.predicted import Signals
-from orbident.estimation.quantities import Parameters, Quantity, nulled
+from orbident.estimation.quantities import Identified, nulled
 from orbident.estimation.recursive.history import History
 from orbident.estimation.sensitivity_table import SensitivityTable
 from orbident.model.reconstruction import Dynamics, reconstructed
@@ -21,56 +19,11 @@ from orbident.robot.description import Robot
 
 SCHEMA = "orbident/result/2"
 
-
-@dataclass(frozen=True, kw_only=True)
-class Identified:
-    """The identified parameters; NaN where the recording does not determine one."""
-
-    mass: Quantity
-    """Total mass, kg."""
-    mass_forms: Parameters
-    """Eq. 32: the mass by each product form, and by every route, kg."""
-    pi: Parameters
-    phi: Parameters
-    base: Parameters
-    """The free-flying base parameters `M, sigma, iota`."""
-    base_covariance: Float[np.ndarray, "beta beta"] = field(repr=False)
-    """Of `M, sigma, iota`; NaN where one is not determined."""
-    covariance: Float[np.ndarray, "n n"] = field(compare=False, repr=False)
-    """Of `[pi, phi]`; NaN where one is not determined."""
-
-    def nothing(self) -> "Identified":
-        """The same parameters, none of them determined."""
-        return Identified(
-            mass=Quantity(np.nan, np.nan),
-            mass_forms=Parameters((), (), np.zeros(0), np.zeros(0)),
-            pi=self.pi.undetermined(),
-            phi=self.phi.undetermined(),
-            base=self.base.undetermined(),
-            base_covariance=np.full_like(self.base_covariance, np.nan),
-            covariance=np.full_like(self.covariance, np.nan),
-        )
-
-    def parameters_to_json(self) -> dict[str, Any]:
-        """As in `result.json`: null for what is not determined."""
-        covariance = [nulled(row) for row in self.base_covariance]
-        return {
-            "mass": {
-                "value": nulled(self.mass.value),
-                "std": nulled(self.mass.std),
-                "forms": self.mass_forms.to_json(),
-            },
-            "pi": self.pi.to_json(),
-            "phi": self.phi.to_json(),
-            "base": {**self.base.to_json(), "covariance": covariance},
-            # Symmetric: each row ends with its variance.
-            "covariance": [
-                nulled(row[: k + 1]) for k, row in enumerate(self.covariance)
-            ],
-        }
+NINETY_FIVE = 1.96
+"""Standard deviations: the 95 % interval."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class Result(Identified):
     """Everything identified from one recording."""
 
@@ -139,6 +92,44 @@ class Result(Identified):
         """Why the result is refused; empty where it is not."""
         refused = (c.words for c in self.checks if c.level == "do not trust")
         return next(refused, "")
+
+    def summary(self) -> list[str]:
+        """What a result says first, as lines of text for one screen.
+
+        The mass with its 95 % interval, and the base parameters beside CAD: all, or
+        those that differ most. A refused result has its reason and no numbers.
+        """
+        careful = " with care" if self.level == "with care" else ""
+        head = (
+            f"{self.robot.name}: {self.status}{careful}, {self.samples} samples, "
+            f"{self.elapsed_s:.2f} s"
+        )
+        if self.status == "rejected":
+            return [head, self.refusal()]
+        M, std = self.mass.value, self.mass.std
+        low, high = M - NINETY_FIVE * std, M + NINETY_FIVE * std
+        mass = (
+            f"mass {M:.6g} +- {std:.2g} kg by {self.method} "
+            f"(95 %: {low:.6g} to {high:.6g})"
+        )
+        return [head, mass, "", *short_table(self.base)]
+
+    def __repr__(self) -> str:
+        """The summary, and where the rest is."""
+        more = "more: result.base, .pi, .phi, .mass_forms, .checks, .to_frame()"
+        if self.status == "rejected":
+            more = "more: result.checks, .diagnostics"
+        return "\n".join([*self.summary(), more])
+
+    def to_frame(self) -> Any:
+        """The base parameters beside CAD as a `pandas.DataFrame`.
+
+        `pi` and `phi` have a `to_frame()` of their own.
+
+        Raises:
+            MissingLibraryError: pandas is not installed.
+        """
+        return self.base.to_frame()
 
     def with_causes(self) -> "Result":
         """The result with the likely cause of a refusal as the first of its checks.

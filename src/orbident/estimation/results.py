@@ -6,7 +6,7 @@ from importlib.metadata import version
 from typing import Any
 
 import numpy as np
-from jaxtyping import Bool
+from jaxtyping import Bool, Float
 
 from orbident.estimation.check import worst
 from orbident.estimation.clocks import in_words as clocks_in_words
@@ -14,15 +14,23 @@ from orbident.estimation.criteria import Judgement
 from orbident.estimation.estimate import Estimate
 from orbident.estimation.found import Known
 from orbident.estimation.linear_fits import Fits
+from orbident.estimation.mass_routes import is_a_mass, sigmas_apart
 from orbident.estimation.motion import motion_of
 from orbident.estimation.predicted import Signals, equation_signals
 from orbident.estimation.problem import MomentumProblem
-from orbident.estimation.quantities import Parameters, Quantity, nulled
-from orbident.estimation.result import Identified, Result
+from orbident.estimation.quantities import (
+    EstimatedSet,
+    Identified,
+    MassRoutes,
+    Quantity,
+    nulled,
+)
+from orbident.estimation.result import Result
 from orbident.estimation.sensitivity_table import SensitivityTable
 from orbident.estimation.triangular import condition_numbers
 from orbident.estimation.weigh import Weighing
 from orbident.model.formulas import Formulas, SetFormulas, formulas_of, mass_forms
+from orbident.model.nominal import nominal_parameters
 from orbident.preprocessing.screening import in_words as spikes_in_words
 
 NAN = float("nan")
@@ -80,47 +88,71 @@ def _identified(
     masses: dict[str, Quantity],
 ) -> Identified:
     words, found = formulas_of(problem.robot, problem.sets), estimate.found
+    cad = nominal_parameters(problem.robot, problem.sets)
     determined = np.outer(judgement.base, judgement.base)
     both = np.concatenate([judgement.pi, judgement.phi])
     return Identified(
         mass=estimate.mass,
-        mass_forms=_mass_forms(problem, words, masses),
-        pi=_parameters(words.pi, found.pi, judgement.pi),
-        phi=_parameters(words.phi, found.phi, judgement.phi),
-        base=_parameters(words.base, found.base, judgement.base),
+        mass_forms=_mass_forms(problem, words, masses, estimate.mass),
+        pi=_set(words.pi, found.pi, judgement.pi, cad.pi),
+        phi=_set(words.phi, found.phi, judgement.phi, cad.phi),
+        base=_set(words.base, found.base, judgement.base, cad.base),
         base_covariance=np.where(determined, found.base.covariance, NAN),
         covariance=np.where(np.outer(both, both), found.covariance, NAN),
     )
 
 
-def _parameters(
-    words: Formulas, known: Known, determined: Bool[np.ndarray, " n"]
-) -> Parameters:
+def _set(
+    words: Formulas,
+    known: Known,
+    determined: Bool[np.ndarray, " n"],
+    nominal: Float[np.ndarray, " n"],
+) -> EstimatedSet:
     # Deviations of what is known but for a cancelling unknown may round to below zero.
     std = np.sqrt(np.maximum(np.diag(known.covariance), 0.0))
-    return Parameters(
+    return EstimatedSet(
         names=words.names,
         formulas=words.formulas,
         values=np.where(determined, known.values, NAN),
         std=np.where(determined, std, NAN),
+        nominal=nominal,
     )
 
 
 def _mass_forms(
-    problem: MomentumProblem, words: SetFormulas, routes: dict[str, Quantity]
-) -> Parameters:
-    """Every form of Eq. 32, then every route where there are several."""
+    problem: MomentumProblem,
+    words: SetFormulas,
+    routes: dict[str, Quantity],
+    M: Quantity,
+) -> MassRoutes:
+    """The forms of Eq. 32 that give a mass, then every route where there are several.
+
+    Args:
+        problem: of a recording.
+        words: names of its parameters.
+        routes: the mass by every route, the method's own last.
+        M: the method's own.
+    """
     mass = problem.linear_mass
-    forms = mass_forms(problem.sets, mass.forms, words)
+    kept = [
+        is_a_mass(value, std, M)
+        for value, std in zip(mass.values, mass.stds, strict=True)
+    ]
+    forms = mass_forms(problem.sets, mass.forms[kept], words)
     several = routes if len(routes) > 1 else {}
-    return Parameters(
+    apart = [sigmas_apart(other, M) for other in several.values()]
+    if several:
+        apart[-1] = NAN
+    return MassRoutes(
         names=(
             *(f"M from {name}" for name in forms.names),
             *(f"M by {route}" for route in several),
         ),
         formulas=(*forms.formulas, *("" for _ in several)),
-        values=np.array([*mass.values, *(M.value for M in several.values())]),
-        std=np.array([*mass.stds, *(M.std for M in several.values())]),
+        values=np.array([*mass.values[kept], *(M.value for M in several.values())]),
+        std=np.array([*mass.stds[kept], *(M.std for M in several.values())]),
+        sigmas=np.array([*mass.sigmas[kept], *apart]),
+        left_out=len(kept) - sum(kept),
     )
 
 

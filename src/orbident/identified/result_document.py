@@ -74,11 +74,32 @@ class _Parameters(_Part):
         return self
 
 
+class _Routes(_Parameters):
+    sigmas: list[Known]
+    left_out: Count
+
+    @model_validator(mode="after")
+    def _all_compared(self) -> "_Routes":
+        if len(self.sigmas) != len(self.names):
+            raise InputError("names and sigmas are not of one length")
+        return self
+
+
 class _Mass(_Quantity):
-    forms: _Parameters
+    forms: _Routes
 
 
-class _Base(_Parameters):
+class _Set(_Parameters):
+    nominal: list[Known]
+
+    @model_validator(mode="after")
+    def _all_nominal(self) -> "_Set":
+        if len(self.nominal) != len(self.names):
+            raise InputError("names and nominal are not of one length")
+        return self
+
+
+class _Base(_Set):
     covariance: list[list[Known]]
 
     @model_validator(mode="after")
@@ -176,8 +197,8 @@ class _Check(BaseModel):
 
 class _Identified(_Part):
     mass: _Mass
-    pi: _Parameters
-    phi: _Parameters
+    pi: _Set
+    phi: _Set
     base: _Base
     covariance: list[list[Known]]
 

@@ -14,8 +14,14 @@ from orbident.errors import InputError
 from orbident.estimation.check import Check
 from orbident.estimation.output_error.sensitivity import CalibrationFit
 from orbident.estimation.predicted import Signals
-from orbident.estimation.quantities import Parameters, Quantity
-from orbident.estimation.result import SCHEMA, Identified, Result
+from orbident.estimation.quantities import (
+    EstimatedSet,
+    Identified,
+    MassRoutes,
+    Parameters,
+    Quantity,
+)
+from orbident.estimation.result import SCHEMA, Result
 from orbident.estimation.sensitivity_table import SensitivityTable
 from orbident.files.folder_replacing import (
     finish,
@@ -266,10 +272,10 @@ def _identified(document: dict[str, Any]) -> Identified:
     mass = document["mass"]
     return Identified(
         mass=Quantity(_number(mass["value"]), _number(mass["std"])),
-        mass_forms=_parameters(mass["forms"]),
-        pi=_parameters(document["pi"]),
-        phi=_parameters(document["phi"]),
-        base=_parameters(document["base"]),
+        mass_forms=_routes(mass["forms"]),
+        pi=_set(document["pi"]),
+        phi=_set(document["phi"]),
+        base=_set(document["base"]),
         base_covariance=_table(document["base"]["covariance"]),
         covariance=_symmetric(document["covariance"]),
     )
@@ -283,10 +289,27 @@ def _symmetric(lower: list[list[float | None]]) -> np.ndarray:
     return matrix
 
 
+def _set(document: dict[str, Any]) -> EstimatedSet:
+    nominal = _numbers(document["nominal"])
+    return EstimatedSet(**vars(_parameters(document)), nominal=nominal)
+
+
+def _routes(document: dict[str, Any]) -> MassRoutes:
+    return MassRoutes(
+        **vars(_parameters(document)),
+        sigmas=_numbers(document["sigmas"]),
+        left_out=document["left_out"],
+    )
+
+
 def _parameters(document: dict[str, Any]) -> Parameters:
     return Parameters(
         names=tuple(document["names"]),
         formulas=tuple(document["formulas"]),
-        values=np.array([_number(value) for value in document["values"]]),
-        std=np.array([_number(value) for value in document["std"]]),
+        values=_numbers(document["values"]),
+        std=_numbers(document["std"]),
     )
+
+
+def _numbers(values: list[float | None]) -> np.ndarray:
+    return np.array([_number(value) for value in values])

@@ -2,7 +2,10 @@
 
 import re
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from jaxtyping import Float
 
 from orbident.errors import InputError
 from orbident.files.names import listed
@@ -95,3 +98,22 @@ def check_names(source: str, names: Sequence[str]) -> None:
             f"{source}: column 't' is missing (time, s); found {listed(names)}; name "
             "the columns in the first line"
         )
+
+
+def counted(columns: Mapping[str, Float[np.ndarray, " samples"]]) -> list[str]:
+    """A line for each sensor: its columns, and how many samples it has.
+
+    Args:
+        columns: by name; NaN where a sensor has no sample.
+    """
+    sensors: dict[str, list[str]] = {}
+    for name in columns:
+        sensor, _, component = name.rpartition(".")
+        sensors.setdefault(sensor, []).append(component)
+    lines = []
+    for sensor, components in sensors.items():
+        names = [f"{sensor}.{each}" if sensor else each for each in components]
+        samples = max(np.count_nonzero(~np.isnan(columns[name])) for name in names)
+        shown = ", ".join([names[0], *(f".{each}" for each in components[1:])])
+        lines.append(f"  {shown}: {samples} samples")
+    return lines

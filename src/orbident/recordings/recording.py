@@ -2,21 +2,23 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float
 
 from orbident.errors import InputError
 from orbident.files.bounds import FAINTEST, LARGEST, SHORTEST
+from orbident.files.frames import frame
 from orbident.files.names import closest, listed
-from orbident.recordings.columns import is_known, joint_of, meaning, wheel_of
+from orbident.recordings.columns import counted, is_known, joint_of, meaning, wheel_of
 from orbident.robot.description import Robot
 
 QUATERNION_TOLERANCE = 0.01
 """Loggers that print few digits stay well inside; another convention does not."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Recording:
     """Measurements over time, one column a signal, SI units.
 
@@ -52,6 +54,20 @@ class Recording:
             _check_attitude(self.source, [columns[f"attitude.{k}"] for k in "xyzw"])
         for name, values in columns.items():
             _check_size(self.source, name, values)
+
+    def __repr__(self) -> str:
+        """Where it is from, how long it is, and what was measured."""
+        t = self.t
+        head = f"{self.source}: {t.size} rows, t = {t[0]:.6g} to {t[-1]:.6g} s"
+        return "\n".join([head, *counted(self.columns)])
+
+    def to_frame(self) -> Any:
+        """The columns over `t` as a `pandas.DataFrame`; NaN: no sample of this sensor.
+
+        Raises:
+            MissingLibraryError: pandas is not installed.
+        """
+        return frame(self.columns, self.t, "t")
 
     def has(self, *names: str) -> bool:
         """Whether every one of these columns is there."""

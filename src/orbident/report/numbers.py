@@ -45,11 +45,11 @@ def short(value: float | None, digits: int = 3) -> str:
     return _to(value, _power(value) - digits + 1)
 
 
-def percent(part: float) -> str:
-    """A signed ratio in percent, two digits."""
-    if not known(part):
+def signed(difference: float) -> str:
+    """A difference with its sign, two digits."""
+    if not known(difference):
         return NONE
-    return ("+" if part > 0 else "") + short(100 * part, 2)
+    return ("+" if difference > 0 else "") + short(difference, 2)
 
 
 def _last(value: float, std: float) -> int:

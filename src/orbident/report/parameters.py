@@ -1,33 +1,42 @@
 """The parameters with their intervals, beside what CAD says of them."""
 
-from collections.abc import Mapping
-
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Int
 
-from orbident.estimation.quantities import Parameters
+from orbident.estimation.parameter_table import most_different
+from orbident.estimation.quantities import EstimatedSet
 from orbident.estimation.result import Result
-from orbident.model.minimal_sets import minimal_sets
 from orbident.report.charts import listed, shortened
 from orbident.report.numbers import (
     NINETY_FIVE,
     interval,
-    percent,
     short,
+    signed,
     with_std,
 )
 from orbident.report.section import Chart, Row, Section, Table
 
-Nominal = Mapping[str, Float[np.ndarray, " n"]]
-
 TITLES = {
-    "base": "Base parameters: M, kg; sigma, kg m; iota, kg m²",
-    "phi": "phi, m: what the velocity of S shows",
-    "pi": "pi, kg m²: what the angular momentum shows",
+    "base": "Base parameters: what free floating can identify",
+    "phi": "phi: what the velocity of S shows",
+    "pi": "pi: what the angular momentum shows",
 }
 
+WORDS = (
+    "Parameters with their 95 % intervals, and how far they are from {known_as}: in "
+    "standard deviations and in percent. A dash: not determined, or the percentage of "
+    "a zero. Inertias are about the origins of the bodies' frames.",
+)
+
+ROUTES = (
+    "Every form of Eq. 32, then every method that ran. The last column compares each "
+    "form with what all forms give together, and each method with the last one, in "
+    "standard deviations of the difference. Deviations of Eq. 32 count white noise of "
+    "its equations only: more than 3 sigmas show that encoders or a drift add to it."
+)
+
 MOST = 20
-"""Routes to the mass: a robot with two arms has hundreds."""
+"""Rows of a table: a robot with two arms has hundreds of parameters and routes."""
 
 ROUNDING = 1e-4
 """Relative: a chart is at least so much to either side."""
@@ -36,114 +45,111 @@ SMALL = 1e-3
 """Of the largest of its kind: beside a CAD value so small, percent say nothing."""
 
 
-def nominal_of(result: Result) -> Nominal:
-    """All sets of the robot's own inertia; NaN where a result has other sets."""
-    robot = result.robot
-    sets = minimal_sets(robot)
-    found = {
-        "base": sets.beta(robot.theta),
-        "phi": sets.phi(robot.theta),
-        "pi": sets.pi(robot.theta),
-    }
-    sizes = {name: getattr(result, name).values.size for name in found}
-    return {
-        name: values if values.size == sizes[name] else np.full(sizes[name], np.nan)
-        for name, values in found.items()
-    }
-
-
-def parameters(result: Result, nominal: Nominal, known_as: str) -> Section:
-    """All sets as tables, and how far the base parameters are from CAD.
+def parameters(result: Result, known_as: str) -> Section | None:
+    """The base parameters beside CAD, then all sets; None of a refused result.
 
     Args:
         result: of an identification.
-        nominal: `nominal_of` it.
         known_as: what the nominal values are: `"CAD"`, or `"truth"` in a simulation.
     """
-    tables = [
-        _table(title, getattr(result, name), nominal[name], known_as)
-        for name, title in TITLES.items()
-    ]
-    charts = _chart(result.base, nominal["base"], known_as)
+    if result.status == "rejected":
+        return None
+    base = result.base
+    shown = most_different(base, MOST)
+    tables = [_table(TITLES["base"], base, known_as, shown, folded=False)]
+    words = tuple(text.format(known_as=known_as) for text in WORDS)
+    if len(shown) < len(base.names):
+        words += (
+            f"The first table has the mass and the {len(shown) - 1} parameters that "
+            f"differ most from {known_as}; all are below it, folded.",
+        )
+        tables += [_table("All base parameters", base, known_as)]
+    for name in ("phi", "pi"):
+        tables += [_table(TITLES[name], getattr(result, name), known_as)]
     return Section(
         name="parameters",
         title="Parameters",
-        words=(
-            "Parameters with their 95 % intervals; a dash is what the recording does "
-            "not tell. Inertias are about the origins of the bodies' frames, products "
-            "of sigma as the formulas have them.",
-        ),
+        words=words,
         tables=tuple(table for table in tables if table.rows),
-        charts=charts,
+        charts=_chart(base, known_as),
     )
 
 
-def masses(result: Result, nominal: Nominal, known_as: str) -> Section | None:
+def masses(result: Result, known_as: str) -> Section | None:
     """The mass by every route; None where there is none."""
-    found = [row for row in result.mass_forms if np.isfinite(row[2])]
-    if not found:
+    routes = result.mass_forms
+    sure = np.sort(routes.std)[:MOST]
+    shown = [
+        k
+        for k, name in enumerate(routes.names)
+        if routes.std[k] <= sure[-1] or name.startswith("M by")
+    ]
+    if not shown:
         return None
-    every = len(found)
-    surest = sorted(row[3] for row in found)[:MOST][-1]
-    found = [row for row in found if row[3] <= surest or row[0].startswith("M by")]
-    names, _, values, stds = (list(column) for column in zip(*found, strict=True))
-    M = float(nominal["base"][0])
-    half = NINETY_FIVE * np.array(stds)
-    figure = listed(names, np.array(values), half, M, ROUNDING * M, "M (kg)")
+    M = float(result.base.nominal[0])
+    names = [routes.names[k] for k in shown]
+    half = NINETY_FIVE * routes.std[shown]
+    figure = listed(names, routes.values[shown], half, M, ROUNDING * M, "M (kg)")
     rows = tuple(
         Row(
             (
-                shortened(name),
-                with_std(value, std),
-                short(std, 2),
-                interval(value, std),
+                shortened(routes.names[k]),
+                with_std(routes.values[k], routes.std[k]),
+                short(routes.std[k], 2),
+                interval(routes.values[k], routes.std[k]),
+                signed(routes.sigmas[k]),
             ),
-            formula,
+            routes.formulas[k],
         )
-        for name, formula, value, std in found
+        for k in shown
     )
+    words = [ROUTES]
+    if len(shown) < len(routes.names):
+        words.append(f"The surest of {len(routes.names)}.")
+    if routes.left_out:
+        words.append(
+            f"{routes.left_out} forms of Eq. 32 give no mass: their deviations are "
+            "beyond a tenth of it."
+        )
     return Section(
         name="masses",
         title="The mass by every route",
-        words=(
-            "Every form of Eq. 32, then every method that ran. Where they differ by "
-            "more than their intervals, these leave something out: deviations of the "
-            "linear routes know white noise only.",
-            *([f"The surest of {every}."] if len(found) < every else []),
-        ),
-        tables=(Table("Mass", ("route", "kg", "± std", "95 %"), rows),),
+        words=tuple(words),
+        tables=(Table("Mass", ("route", "kg", "± std", "95 %", "sigmas"), rows),),
         charts=(Chart("masses", f"Mass by every route; line: {known_as}", figure),),
     )
 
 
 def _table(
-    title: str, found: Parameters, nominal: Float[np.ndarray, " n"], known_as: str
+    title: str,
+    found: EstimatedSet,
+    known_as: str,
+    shown: Int[np.ndarray, " rows"] | None = None,
+    folded: bool = True,
 ) -> Table:
+    sigmas, percent = found.sigmas, found.percent
     rows = tuple(
         Row(
             (
-                name,
-                with_std(value, std),
-                short(std, 2),
-                interval(value, std),
-                with_std(float(cad), std),
-                percent(_off(value, float(cad))),
+                found.names[k],
+                with_std(found.values[k], found.std[k]),
+                short(found.std[k], 2),
+                found.units[k].replace("^2", "²"),
+                interval(found.values[k], found.std[k]),
+                with_std(found.nominal[k], found.std[k]),
+                signed(sigmas[k]),
+                signed(percent[k]),
             ),
-            formula,
+            found.formulas[k],
         )
-        for (name, formula, value, std), cad in zip(found, nominal, strict=True)
+        for k in (range(len(found.names)) if shown is None else shown)
     )
-    head = ("parameter", "estimate", "± std", "95 %", known_as, "difference (%)")
-    return Table(title, head, rows)
+    before, after = ("parameter", "estimate", "± std", "unit", "95 %"), ("sigmas", "%")
+    return Table(title, (*before, known_as, *after), rows, folded=folded)
 
 
-def _off(value: float, cad: float) -> float:
-    return value / cad - 1 if cad else np.nan
-
-
-def _chart(
-    base: Parameters, nominal: Float[np.ndarray, " n"], known_as: str
-) -> tuple[Chart, ...]:
+def _chart(base: EstimatedSet, known_as: str) -> tuple[Chart, ...]:
+    nominal = base.nominal
     kinds = np.array([name.split("_")[0] for name in base.names])
     size = [np.abs(nominal[kinds == kind]).max(initial=0.0) for kind in kinds]
     shown = np.isfinite(base.values) & (np.abs(nominal) > SMALL * np.array(size))

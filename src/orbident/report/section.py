@@ -20,6 +20,8 @@ class Table(NamedTuple):
     rows: tuple[Row, ...]
     in_words: bool = False
     """Whether its cells are words more than numbers."""
+    folded: bool = False
+    """Whether a click opens it."""
 
 
 class Chart(NamedTuple):
@@ -31,6 +33,8 @@ class Chart(NamedTuple):
     figure: dict[str, Any]
     first: bool = False
     """Whether it begins a line of the page."""
+    wide: bool = False
+    """Whether it takes a whole line; on a narrow screen it is scrolled."""
 
 
 class Picture(NamedTuple):

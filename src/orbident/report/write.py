@@ -11,11 +11,12 @@ from orbident.report.conditioning import conditioning
 from orbident.report.fit import fits
 from orbident.report.limits import excitation, identifiability
 from orbident.report.page import page
-from orbident.report.parameters import masses, nominal_of, parameters
+from orbident.report.parameters import masses, parameters
 from orbident.report.provenance import provenance, references
 from orbident.report.recursion import Trail, read_trail, recursion
 from orbident.report.replay_figure import replay_sections
 from orbident.report.section import Section
+from orbident.report.sensitivity_figure import sensitivities
 from orbident.report.verdict import verdict_of
 
 METHODS = {
@@ -83,13 +84,13 @@ def sections_of(
         trail: of a recursive one.
         known_as: what the robot's own inertia is.
     """
-    nominal = nominal_of(result)
     sections = [
-        parameters(result, nominal, known_as),
-        masses(result, nominal, known_as),
+        parameters(result, known_as),
+        masses(result, known_as),
         fits(result, signals),
         recursion(trail),
         conditioning(result),
+        sensitivities(result),
         identifiability(result),
         excitation(result),
         provenance(result),

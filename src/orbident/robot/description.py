@@ -79,7 +79,7 @@ class Structure:
         return frozenset(zero)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Robot:
     """A spacecraft with arms and reaction wheels.
 
@@ -110,6 +110,13 @@ class Robot:
     """The robot file as read, so that a result can keep what it was made from."""
     urdf: str = ""
     """The URDF's text."""
+
+    def __repr__(self) -> str:
+        """What it is, in a line."""
+        return (
+            f"{self.name}: {self.motion}, {len(self.joints)} joints, "
+            f"{len(self.wheels)} wheels, {self.mass:.6g} kg nominal"
+        )
 
     @property
     def joint_names(self) -> tuple[str, ...]:

@@ -5,7 +5,7 @@
 
 import pytest
 
-from orbident.report.numbers import interval, percent, short, with_std
+from orbident.report.numbers import interval, short, signed, with_std
 
 NAN = float("nan")
 
@@ -50,7 +50,7 @@ def test_short(value: float | None, text: str):
     assert short(value) == text
 
 
-def test_percent():
-    assert percent(0.00039) == "+0.039"
-    assert percent(-0.5) == "−50"
-    assert percent(NAN) == "–"
+def test_differences():
+    assert signed(0.039) == "+0.039"
+    assert signed(-50.0) == "−50"
+    assert signed(NAN) == "–"

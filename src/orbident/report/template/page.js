@@ -55,7 +55,9 @@
     });
   }
 
-  const all = (width) => charts.forEach((chart) => draw(chart, width));
+  const all = (width) => charts.forEach((chart) => {
+    draw(chart, width && chart.closest(".wide") ? 2 * width : width);
+  });
   const soon = () => new Promise((resolve) => setTimeout(resolve));
 
   await load();

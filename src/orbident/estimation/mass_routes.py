@@ -1,0 +1,76 @@
+"""The total mass by several routes: which count, and whether they agree."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from orbident.estimation.check import Check, Level
+from orbident.estimation.quantities import Quantity
+
+BURN = "Eq. 40"
+"""The mass by a thruster burn, among others."""
+
+SURE = 0.1
+"""A route whose deviation is beyond this part of the mass gives no mass."""
+
+DISAGREE = 5.0
+"""Combined deviations by which two masses differ that cannot both be right,"""
+
+MATTERS = 0.03
+"""and this part of the mass: Eq. 32's deviation counts white noise only."""
+
+
+def is_a_mass(value: float, std: float, M: Quantity) -> bool:
+    """Whether a route to the mass gives one: its deviation is a tenth of it at most.
+
+    Args:
+        value: of this route, kg.
+        std: its deviation.
+        M: the method's own mass, which says what a tenth is where it is determined.
+    """
+    whole = M.value if np.isfinite(M.value) else value
+    return bool(std <= SURE * abs(whole))
+
+
+def sigmas_apart(one: Quantity, other: Quantity) -> float:
+    """The difference over its deviation, as if the two were independent."""
+    std = float(np.hypot(one.std, other.std))
+    return (one.value - other.value) / std if std > 0 else float("nan")
+
+
+def agreement_of_routes(masses: dict[str, Quantity]) -> Iterator[Check]:
+    """Whether the last route's mass is one of the others'.
+
+    The statistic is how far beyond both limits, of sigmas and of percent, the worst is.
+    """
+    *others, (route, M) = masses.items()
+    if not others:
+        return
+    apart = {name: abs(sigmas_apart(value, M)) for name, value in others}
+    part = {name: abs(value.value / M.value - 1) for name, value in others}
+    # Both are to be broken.
+    over = {name: min(apart[name] / DISAGREE, part[name] / MATTERS) for name in apart}
+    far = [name for name in over if over[name] > 1]
+    words = [
+        f"{value.value:.5g} +- {value.std:.1g} kg by {name} ({apart[name]:.2g} sigmas, "
+        f"{100 * part[name]:.2g} %)"
+        for name, value in others
+        if name in far or not far
+    ]
+    reason = (
+        f"mass: {M.value:.5g} +- {M.std:.1g} kg by {route}, "
+        f"{'but' if far else 'and'} {', '.join(words)}"
+    )
+    level: Level = "with care" if far else "trust"
+    remedy = ""
+    if far:
+        remedy = (
+            "check the burn's force" if BURN in masses else f"weigh the robot ({BURN})"
+        )
+        remedy += ", or record a richer motion"
+    elif max(apart.values()) > DISAGREE:
+        reason += (
+            f"; a difference below {100 * MATTERS:.0f} % is no doubt, since deviations "
+            "of Eq. 32 count white noise only"
+        )
+    yield Check("routes to the mass", level, reason, remedy, max(over.values()), 1.0)

@@ -1,0 +1,109 @@
+"""What `identify` prints first: one screen with the identifiable parameters."""
+
+import json
+from pathlib import Path
+
+import pytest
+from random_motions import random_motion
+from running import LINEAR, Orbident, written
+
+from orbident.recordings.recording import Recording
+from orbident.robot.robot_file import load_robot
+from orbident.simulation.simulate import simulate
+
+LINES, COLUMNS = 24, 80
+"""Of a terminal, as it opens nearly everywhere."""
+
+LONG = (
+    "4 m(link3) + Ixx(link1) - Iyy(link1) + Izz(link2) + Izz(link3) "
+    "- sigma_4^2/M - sigma_5^2/M\n"
+)
+"""The formula of a `pi`."""
+
+
+def rows(words: str) -> dict[str, list[str]]:
+    """The lines of a table, by the parameter's name."""
+    lines = [line.split() for line in words.splitlines() if line.startswith("  ")]
+    return {line[0]: line[1:] for line in lines if "_" in line[0] or line[0] == "M"}
+
+
+@pytest.mark.parametrize("robot", ["paper-spatial", "cepheus-like", "dual-arm"])
+def test_one_screen(
+    orbident: Orbident, robot: str, flight: Recording, table_run: Recording
+):
+    """With CAD, sigmas and percent; 14 joints have 108 parameters."""
+    momentum = "at-rest" if robot == "cepheus-like" else "unknown"
+    if robot == "dual-arm":
+        described = load_robot(robot)
+        recorded = simulate(described, random_motion(described))
+    else:
+        recorded = table_run if robot == "cepheus-like" else flight
+    written(recorded, "r.parquet")
+    ran = orbident(
+        *("identify", robot, "r.parquet", *LINEAR, "--initial-momentum", momentum),
+        *("-o", "run", "--json", "found.json"),
+    )
+    assert ran.status == 0
+    lines = ran.out.splitlines()
+    # One line is the prompt's.
+    assert len(lines) < LINES
+    assert max(map(len, lines)) <= COLUMNS
+    shown = rows(ran.out)
+    base = json.loads(Path("found.json").read_text())["base"]
+    assert next(iter(shown)) == "M"
+    assert len(shown) == min(len(base["names"]), 12)
+    for name, numbers in shown.items():
+        k = base["names"].index(name)
+        value, std, cad = base["values"][k], base["std"][k], base["nominal"][k]
+        assert float(numbers[0]) == pytest.approx(value, rel=1e-5)
+        assert float(numbers[1]) == pytest.approx(std, rel=0.1)
+        assert float(numbers[2]) == pytest.approx(cad, rel=1e-5)
+        assert float(numbers[3]) == pytest.approx(
+            (value - cad) / std, rel=0.06, abs=0.06
+        )
+        percent = 100 * (value / cad - 1) if cad else None
+        if percent is None:
+            assert numbers[4] == "-"
+        else:
+            assert float(numbers[4]) == pytest.approx(percent, rel=0.1)
+
+
+def test_all_is_shown_on_request(orbident: Orbident, flight: Recording):
+    written(flight, "r.csv")
+    run = ("identify", "paper-spatial", "r.csv")
+    words = orbident(*run).done().out
+    assert "--all" in words
+    assert "pi_1 " not in words
+    words = orbident(*run, "--all").done().out
+    assert list(rows(words)) == [
+        "M",
+        *(f"sigma_{k}" for k in range(1, 6)),
+        *(f"iota_{k}" for k in range(1, 13)),
+        *(f"phi_{k}" for k in range(1, 6)),
+        *(f"pi_{k}" for k in range(1, 20)),
+    ]
+    assert "843.1" in words
+    # Nothing is cut short, whatever the width of a pipe.
+    assert "…" not in words
+    assert LONG in words
+    # Routes and how far they are apart; the last one is compared with nothing.
+    *_, eq32, last = [line.split() for line in words.splitlines() if "  M by" in line]
+    assert eq32[:4] == ["M", "by", "Eq.", "32"]
+    assert abs(float(eq32[-1])) < 5
+    assert last[:4] == ["M", "by", "maximum", "likelihood"]
+    assert last[-1] == "-"
+
+
+@pytest.mark.parametrize("more", [(), ("--all",)])
+def test_a_refused_result_has_no_numbers(
+    orbident: Orbident, flight: Recording, more: tuple[str, ...]
+):
+    written(flight, "r.csv", drop=["velocity", "position"])
+    ran = orbident("identify", "paper-spatial", "r.csv", *more, "-o", "run")
+    assert ran.status == 1
+    assert rows(ran.out) == {}
+    assert "kg" not in ran.out
+    assert "velocity" in ran.out
+    report = Path("run/report.html").read_text()
+    assert 'id="parameters"' not in report
+    assert 'id="masses"' not in report

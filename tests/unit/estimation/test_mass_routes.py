@@ -1,0 +1,112 @@
+"""Which routes give a mass, and how far they are apart."""
+
+import numpy as np
+import pytest
+
+from orbident.estimation.mass import mass_of
+from orbident.estimation.mass_routes import (
+    agreement_of_routes,
+    is_a_mass,
+    sigmas_apart,
+)
+from orbident.estimation.quantities import Quantity
+from orbident.estimation.triangular import LinearFit
+from orbident.model.minimal_sets import minimal_sets
+from orbident.robot.robot_file import load_robot
+
+NAN = float("nan")
+SAMPLES = 1000
+
+
+def known(values: np.ndarray, std: np.ndarray) -> LinearFit:
+    """Estimates that are uncorrelated, with these deviations."""
+    n = values.size
+    nothing = np.zeros(0)
+    return LinearFit(
+        values=values,
+        covariance=np.diag(std**2),
+        determined=np.ones(n, dtype=bool),
+        hidden=np.zeros((n, 0)),
+        factor=np.eye(n),
+        target=np.zeros(n),
+        nuisances=nothing,
+        nuisances_std=nothing,
+        rms=0.0,
+        explained=1.0,
+        unexplained=0.0,
+        unexplained_freed=0.0,
+        explained_freed=1.0,
+    )
+
+
+def test_forms_are_a_deviation_apart():
+    """Of many draws with the declared covariance, each form's sigmas scatter by one."""
+    robot = load_robot("paper-spatial")
+    sets = minimal_sets(robot)
+    pi, phi = sets.pi(robot.theta), sets.phi(robot.theta)
+    std_pi, std_phi = 1e-4 * np.abs(pi), 2e-4 * np.abs(phi)
+    random = np.random.default_rng(5)
+    drawn = [
+        mass_of(
+            sets,
+            known(pi + std_pi * random.standard_normal(pi.size), std_pi),
+            known(phi + std_phi * random.standard_normal(phi.size), std_phi),
+        ).sigmas
+        for _ in range(SAMPLES)
+    ]
+    scatter = np.std(drawn, axis=0)
+    assert scatter.size == 7
+    # The deviation of a scatter of so many draws is 1 / sqrt(2 n).
+    assert scatter == pytest.approx(1.0, abs=5 / np.sqrt(2 * SAMPLES))
+
+
+def test_one_form_is_not_compared_with_itself():
+    """Where a single form is determined it makes up the mass."""
+    robot = load_robot("paper-spatial")
+    sets = minimal_sets(robot)
+    pi, phi = sets.pi(robot.theta), sets.phi(robot.theta)
+    last = np.zeros((pi.size, 6))
+    # All forms but the last are hidden.
+    last[-7:-1] = np.eye(6)
+    fit = known(pi, 1e-4 * np.abs(pi))._replace(hidden=last)
+    found = mass_of(sets, fit, known(phi, 1e-4 * np.abs(phi)))
+    assert found.values == pytest.approx([robot.mass])
+    assert np.isnan(found.sigmas).all()
+
+
+@pytest.mark.parametrize(
+    ("value", "std", "M", "counts"),
+    [
+        (10.0, 1.0, 10.0, True),
+        (10.0, 1.01, 10.0, False),
+        # As in the tutorial's first run: -89.8 +- 72 kg of a robot of 10 kg.
+        (-89.8, 72.0, 10.4, False),
+        # Less than a tenth of itself, but more than the robot.
+        (367.0, 20.0, 10.4, False),
+        (10.0, 0.5, NAN, True),
+        (NAN, NAN, 10.0, False),
+    ],
+)
+def test_a_vague_route_is_no_mass(value: float, std: float, M: float, counts: bool):
+    assert is_a_mass(value, std, Quantity(M, 0.1)) is counts
+
+
+def test_routes_in_sigmas():
+    assert sigmas_apart(Quantity(13.0, 3.0), Quantity(23.0, 4.0)) == pytest.approx(-2.0)
+    assert np.isnan(sigmas_apart(Quantity(1.0, 0.0), Quantity(1.0, 0.0)))
+
+
+def test_the_check_says_how_far():
+    ours = Quantity(1110.0, 0.3)
+    near = {"Eq. 32": Quantity(1105.0, 0.4), "maximum likelihood": ours}
+    (check,) = agreement_of_routes(near)
+    assert check.passed
+    assert "1105 +- 0.4 kg by Eq. 32 (10 sigmas, 0.45 %)" in check.reason
+    assert "white noise only" in check.reason
+    assert check.statistic < check.limit
+    far = {**near, "Eq. 32": Quantity(1050.0, 0.4)}
+    far["maximum likelihood"] = far.pop("maximum likelihood")
+    (check,) = agreement_of_routes(far)
+    assert check.level == "with care"
+    assert "weigh the robot" in check.remedy
+    assert check.statistic > check.limit
