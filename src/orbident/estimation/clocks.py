@@ -91,7 +91,7 @@ NAMES = {"joints": "joints and wheels", "attitude": "attitude and position"}
 """What shares a clock."""
 
 
-def in_words(clocks: Mapping[str, Delay]) -> tuple[str, ...]:
+def clocks_in_words(clocks: Mapping[str, Delay]) -> tuple[str, ...]:
     """What was corrected."""
     return tuple(
         f"the clock of {NAMES[sensor]} is {1e3 * delay.late:.2f} +- "

@@ -13,7 +13,7 @@ from orbident.estimation.mass_routes import agreement_of_routes
 from orbident.estimation.obstacles import surprise
 from orbident.estimation.problem import MomentumProblem
 from orbident.estimation.quantities import Quantity
-from orbident.estimation.recursive.changes import in_words
+from orbident.estimation.recursive.changes import changes_in_words
 from orbident.estimation.residual_checks import CAUSES, residual_checks
 from orbident.estimation.reweighting import unsettled_weights
 from orbident.estimation.solve import Solved
@@ -191,7 +191,7 @@ def _forms(problem: MomentumProblem, estimate: Estimate) -> Iterator[Check]:
 
 def _changes(estimate: Estimate) -> Iterator[Check]:
     history = estimate.history
-    for words in in_words(history.changes) if history else ():
+    for words in changes_in_words(history.changes) if history else ():
         yield Check("changes", "with care", words)
 
 

@@ -119,7 +119,7 @@ class Quantity:
 P = TypeVar("P", bound=Parameters)
 
 
-def undetermined(found: P) -> P:
+def without_values(found: P) -> P:
     """The same names, without values."""
     nothing = np.full_like(found.values, np.nan)
     return replace(found, values=nothing, std=nothing)
@@ -154,9 +154,9 @@ class Identified:
         return Identified(
             mass=Quantity(np.nan, np.nan),
             mass_forms=NO_ROUTES,
-            pi=undetermined(self.pi),
-            phi=undetermined(self.phi),
-            base=undetermined(self.base),
+            pi=without_values(self.pi),
+            phi=without_values(self.phi),
+            base=without_values(self.base),
             base_covariance=np.full_like(self.base_covariance, np.nan),
             covariance=np.full_like(self.covariance, np.nan),
         )

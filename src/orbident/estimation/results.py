@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from orbident.estimation.check import worst
-from orbident.estimation.clocks import in_words as clocks_in_words
+from orbident.estimation.clocks import clocks_in_words
 from orbident.estimation.criteria import Judgement
 from orbident.estimation.estimate import Estimate
 from orbident.estimation.found import Known
@@ -31,7 +31,7 @@ from orbident.estimation.triangular import condition_numbers
 from orbident.estimation.weigh import Weighing
 from orbident.model.formulas import Formulas, SetFormulas, formulas_of, mass_forms
 from orbident.model.nominal import nominal_parameters
-from orbident.preprocessing.screening import in_words as spikes_in_words
+from orbident.preprocessing.screening import spikes_in_words
 
 NAN = float("nan")
 

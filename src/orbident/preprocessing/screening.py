@@ -78,7 +78,7 @@ def screened(robot: Robot, recording: Recording) -> Screened:
     return Screened(replace(recording, columns=columns), rejected, notes)
 
 
-def in_words(rejected: Mapping[str, Mapping[str, int]]) -> tuple[str, ...]:
+def spikes_in_words(rejected: Mapping[str, Mapping[str, int]]) -> tuple[str, ...]:
     """What was taken out."""
     return tuple(
         f"{column}: {count} {reason}{'' if count == 1 else 's'} left out"

@@ -160,7 +160,7 @@ def _band(half: float, axis: str) -> Figure:
     }
 
 
-def listed(
+def interval_list(
     names: Sequence[str],
     x: np.ndarray,
     half: np.ndarray,

@@ -6,7 +6,7 @@ from jaxtyping import Int
 from orbident.estimation.parameter_table import most_different
 from orbident.estimation.quantities import EstimatedSet
 from orbident.estimation.result import Result
-from orbident.report.charts import listed, shortened
+from orbident.report.charts import interval_list, shortened
 from orbident.report.numbers import (
     NINETY_FIVE,
     interval,
@@ -89,7 +89,7 @@ def masses(result: Result, known_as: str) -> Section | None:
     M = float(result.base.nominal[0])
     names = [routes.names[k] for k in shown]
     half = NINETY_FIVE * routes.std[shown]
-    figure = listed(names, routes.values[shown], half, M, ROUNDING * M, "M (kg)")
+    figure = interval_list(names, routes.values[shown], half, M, ROUNDING * M, "M (kg)")
     rows = tuple(
         Row(
             (
@@ -158,7 +158,7 @@ def _chart(base: EstimatedSet, known_as: str) -> tuple[Chart, ...]:
     names = [name for name, seen in zip(base.names, shown, strict=True) if seen]
     off = 100 * (base.values[shown] / nominal[shown] - 1)
     half = 100 * NINETY_FIVE * base.std[shown] / np.abs(nominal[shown])
-    figure = listed(
+    figure = interval_list(
         names, off, half, 0.0, 100 * ROUNDING, f"difference from {known_as} (%)"
     )
     return (Chart("base", f"Base parameters beside {known_as}", figure),)

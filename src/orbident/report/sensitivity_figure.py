@@ -49,7 +49,7 @@ def sensitivities(result: Result) -> Section | None:
     return Section("sensitivity", "Errors of instruments", words, charts=(chart,))
 
 
-def in_words(error: str, unit: str) -> str:
+def error_in_words(error: str, unit: str) -> str:
     """A calibration error for people: `1 mrad: zero of elbow`.
 
     Args:
@@ -77,7 +77,7 @@ def _heat_map(
     # Colours go with the logarithm: shifts of 1 and of 100 are to be told apart.
     z = np.sign(shifts) * np.log10(1 + np.abs(shifts))
     full = max(np.log10(1 + STRONG), float(np.nanmax(np.abs(z))))
-    errors = [in_words(table.errors[k], table.units[k]) for k in columns]
+    errors = [error_in_words(table.errors[k], table.units[k]) for k in columns]
     names = [table.parameters[k] for k in rows]
     return {
         "data": [

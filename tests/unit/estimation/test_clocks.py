@@ -7,7 +7,7 @@ from edited_recordings import changed
 from random_motions import random_motion
 
 import orbident as oi
-from orbident.estimation.clocks import in_words, joint_clocks, joint_delay
+from orbident.estimation.clocks import clocks_in_words, joint_clocks, joint_delay
 from orbident.model.minimal_sets import minimal_sets
 from orbident.preprocessing.base_motion import AXES as GYRO
 from orbident.preprocessing.delays import Delay, corrections, delay_of
@@ -95,7 +95,7 @@ def test_a_delay_is_believed_if_it_is_sure_and_worth_it():
 def test_what_shares_a_clock_is_corrected_together():
     clocks = {"joints": Delay(0.037, 1e-4, True), "attitude": Delay(0.01, 1e-2, False)}
     assert corrections(clocks) == {"joints": 0.037, "wheels": 0.037}
-    assert in_words(clocks) == (
+    assert clocks_in_words(clocks) == (
         "the clock of joints and wheels is 37.00 +- 0.1 ms behind that of the base "
         "rate: corrected",
     )

@@ -22,6 +22,7 @@ SECTIONS = (
     "masses",
     "fit",
     "conditioning",
+    "sensitivity",
     "identifiability",
     "excitation",
     "provenance",

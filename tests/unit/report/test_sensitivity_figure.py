@@ -9,7 +9,7 @@ from made_results import exact_result
 
 from orbident.estimation.result import Result
 from orbident.estimation.sensitivity_table import SensitivityTable
-from orbident.report.sensitivity_figure import MOST, in_words, sensitivities
+from orbident.report.sensitivity_figure import MOST, error_in_words, sensitivities
 from orbident.robot.robot_file import load_robot
 
 
@@ -40,7 +40,7 @@ def heat_map(result: Result) -> tuple[dict, list[str], list[str]]:
     ],
 )
 def test_labels_have_units(error: str, unit: str, words: str):
-    assert in_words(error, unit) == words
+    assert error_in_words(error, unit) == words
 
 
 def test_cells():

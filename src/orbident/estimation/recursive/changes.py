@@ -91,7 +91,7 @@ class Detector:
         return Change(t, onset, g / self.threshold, 1.0 - alarm)
 
 
-def in_words(changes: Sequence[Change]) -> tuple[str, ...]:
+def changes_in_words(changes: Sequence[Change]) -> tuple[str, ...]:
     """The first ones, a sentence each, and how many more there are."""
     first = tuple(
         f"the robot changed at t = {change.onset:.4g} s (found at {change.t:.4g} s; by "
