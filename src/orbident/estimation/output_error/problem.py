@@ -21,6 +21,7 @@ from orbident.estimation.output_error.lasting import (
     at_level,
     lasting_noise,
 )
+from orbident.estimation.output_error.nominal_bodies import unseen_part
 from orbident.estimation.output_error.sensors import Sensors
 from orbident.estimation.output_error.shooting import (
     Looseness,
@@ -207,7 +208,6 @@ def problem_of(
         samples: histories of joints and wheels.
         sensors: what is predicted.
     """
-    theta_of = np.ascontiguousarray(sets.base.theta_of)
     intervals = intervals_of(robot, samples, sensors)
     lasting = lasting_noise(robot, sensors)
     loose = looseness(robot, samples, sensors, lasting)
@@ -224,8 +224,8 @@ def problem_of(
         weights[name] = np.outer(valid / sensed.std, _axes(robot, name, table.shape[1]))
     recorded = _core.Recorded(
         core_tree(robot),
-        robot.theta.ravel() - theta_of @ sets.beta(robot.theta),
-        theta_of,
+        unseen_part(robot, sets),
+        np.ascontiguousarray(sets.base.theta_of),
         robot.motion == "planar",
         substeps_of(robot, samples),
         loose.corrected,
