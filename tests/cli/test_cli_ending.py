@@ -128,9 +128,10 @@ def test_what_is_written_when_it_is_interrupted_is_written_once():
         f"sys.argv = {['orbident', *VIEW]}\n"
         "app.main()\n"
     )
-    ran = finished(ORBIDENT[0], "-c", interrupted)
-    assert (ran.returncode, ran.stderr) == (130, "orbident: interrupted\n")
-    assert json.loads(ran.stdout)["shown"] == "cepheus-like"
+    with started(command=(ORBIDENT[0], "-c", interrupted)) as process:
+        out, words = process.communicate()
+    assert (process.returncode, words) == (130, "orbident: interrupted\n")
+    assert json.loads(out)["shown"] == "cepheus-like"
 
 
 def test_in_the_background_it_serves_until_it_is_terminated():

@@ -9,8 +9,10 @@ import orbident
 
 UNPICKLING = frozenset(
     {"pickle", "_pickle", "cPickle", "dill", "cloudpickle", "joblib", "marshal"}
-    | {"shelve", "pandas"}
+    | {"shelve"}
 )
+READS = "read_"
+"""pandas reads pickles, and other files that hold them; a table may be given to it."""
 SOURCES = sorted(Path(orbident.__file__).parent.rglob("*.py"))
 
 
@@ -28,7 +30,9 @@ def unpickles(source: str) -> bool:
     """Whether a module imports what unpickles, or has NumPy do so."""
     tree = ast.parse(source)
     keywords = {node.arg for node in ast.walk(tree) if isinstance(node, ast.keyword)}
-    return bool(imported(tree) & UNPICKLING) or "allow_pickle" in keywords
+    nodes = [node for node in ast.walk(tree) if isinstance(node, ast.Attribute)]
+    reads = "pandas" in imported(tree) and any(READS in node.attr for node in nodes)
+    return bool(imported(tree) & UNPICKLING) or "allow_pickle" in keywords or reads
 
 
 def test_nothing_is_unpickled():
@@ -46,6 +50,7 @@ def test_nothing_is_unpickled():
         "from shelve import open",
         "def f():\n    from joblib.memory import x",
         "np.load(path, allow_pickle=True)",
+        "import pandas\npandas.read_csv(path)",
     ],
 )
 def test_it_would_be_seen(source: str):
