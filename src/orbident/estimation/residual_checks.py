@@ -1,5 +1,6 @@
 """Do the residuals say that the model holds? Checks of them, the strictest of all."""
 
+import re
 from collections.abc import Iterator
 
 import numpy as np
@@ -15,6 +16,9 @@ from orbident.estimation.whiteness import low_frequencies
 NOISY = 1.5
 # Probability that noise makes any instrument of a recording look wrong.
 CHANCE = 1e-3
+
+OF_GEOMETRY = re.compile(r"\.(place|direction)\.[xyz]$")
+"""Names of errors of where a joint is."""
 
 FIT = "goodness of fit"
 
@@ -111,7 +115,9 @@ def _instruments(estimate: Estimate) -> Iterator[Check]:
     """Whether one instrument's error alone would explain more than chance does."""
     if estimate.sensitivity is None or not estimate.converged:
         return
-    freed = estimate.sensitivity().freed
+    every = estimate.sensitivity().freed
+    # Where joints are is no instrument's doing; it is tried where a cause is wanted.
+    freed = [each for each in every if not OF_GEOMETRY.search(each.name)]
     if not freed:
         return
     limit = float(chdtri(1, CHANCE / len(freed)))
