@@ -20,7 +20,7 @@ class Convention:
     """What is wrong, if it is this: a clause."""
     amended: Callable[[MomentumProblem], Samples]
     columns: Mapping[str, tuple[str, float]] = field(default_factory=dict)
-    """Of joints or wheels: from which other column a column is to be, times what."""
+    """By name of a joint or wheel column: the column that replaces it, and a factor."""
 
     def recording(self, recording: Recording) -> Recording:
         """With its columns put right."""

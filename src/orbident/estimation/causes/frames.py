@@ -18,7 +18,7 @@ SMALL = 1e-4
 """rad, or of the wheels' momentum."""
 
 POWERS = (2, 3, 4)
-"""Of time: how the momentum changes by a torque that does."""
+"""Powers of time: the momentum changes so under a torque that changes."""
 
 EXTRA = "unknown"
 """Begins the names of wheels that stand for momentum which the robot file lacks."""
@@ -158,7 +158,7 @@ def _elapsed(problem: MomentumProblem) -> Float[np.ndarray, " n"]:
 
 
 def _size(problem: MomentumProblem) -> float:
-    """Of the wheels' momentum, N m s."""
+    """The size of the momentum of all wheels, N m s."""
     speeds = np.nanmean(np.abs(np.array(problem.samples.qd_rw)), axis=1)
     return float(np.linalg.norm(np.abs(wheels_of(problem.robot).A_rw) @ speeds))
 

@@ -55,7 +55,7 @@ def freed(problem: MomentumProblem, kind: Kind) -> Iterator[Trial]:
 
 
 def kinds(robot: Robot) -> Iterator[Kind]:
-    """Of a robot's instruments, each with a tolerance that is far too large."""
+    """The kinds of errors that a robot's instruments may have, with wide tolerances."""
     zeros = {joint.name: ANGLE for joint in robot.joints}
     scales = dict.fromkeys(robot.joint_names, PART)
     yield Kind("the zero of joint", "joint", "zero", {"joint_zero": zeros})

@@ -33,7 +33,7 @@ MASKED = ("position", "attitude", "gyro", "velocity")
 
 @dataclass(frozen=True)
 class Jump:
-    """Of one column or vector."""
+    """A jump of one column or vector of the recording."""
 
     sensor: str
     """As columns of the recording begin."""
@@ -44,7 +44,7 @@ class Jump:
     size: Float[np.ndarray, " axes"]
     """SI; of an attitude by its quaternion's components."""
     rate: Float[np.ndarray, " axes"]
-    """By which what was shown changed then, per second."""
+    """The change of the shown rate at the jump, SI per second."""
 
 
 def jumps(problem: MomentumProblem) -> Iterator[Trial]:

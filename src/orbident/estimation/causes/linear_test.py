@@ -46,7 +46,7 @@ class Tried(NamedTuple):
 
 
 def tried_conventions(problem: MomentumProblem) -> list[Tried]:
-    """By how much smaller they make the residuals of both equations, best first.
+    """Each convention with the factor by which it lowers the residuals, best first.
 
     A later one counts only where it is plainly better than all before.
     """
