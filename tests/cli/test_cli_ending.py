@@ -129,7 +129,7 @@ def test_what_is_written_when_it_is_interrupted_is_written_once():
         "app.main()\n"
     )
     with started(command=(ORBIDENT[0], "-c", interrupted)) as process:
-        out, words = process.communicate()
+        out, words = process.communicate(timeout=PROMISED + SLOW)
     assert (process.returncode, words) == (130, "orbident: interrupted\n")
     assert json.loads(out)["shown"] == "cepheus-like"
 
