@@ -59,15 +59,21 @@ class Segment(NamedTuple):
     def _at(
         self, state: State | None, *sensors: str
     ) -> tuple[
-        list[np.ndarray], np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray
+        list[np.ndarray],
+        np.ndarray,
+        np.ndarray,
+        np.ndarray,
+        np.ndarray,
+        np.ndarray,
+        np.ndarray,
     ]:
         weights = [
             self.weights[name] * (name in sensors) if name in self.weights else NO_ROWS
             for name in SENSORS
         ]
         at = self.state if state is None else state
-        white = np.zeros((2, 3, 3))
-        return weights, white, at.x_WB, at.local, at.common, at.selected
+        white, nothing = np.zeros((2, 3, 3)), np.zeros((0, 15, 0))
+        return weights, white, nothing, at.x_WB, at.local, at.common, at.selected
 
 
 def segment_of(

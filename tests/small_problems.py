@@ -28,6 +28,9 @@ NOISE = {"gyro": 1e-4, "attitude": 1e-3, "position": 1e-3, "velocity": 1e-3}
 """Std of a sample, SI."""
 
 
+NOTHING_ACTS = np.zeros((0, 15, 0))
+"""The core's table of what acts from outside."""
+
 SPIN = 20.0
 """rad/s: the base then turns at half a radian a second."""
 

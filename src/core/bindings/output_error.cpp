@@ -194,8 +194,11 @@ struct Call {
   std::vector<Out<2>> residuals;
   std::vector<double> theta, calibration;
   Coloured<double> coloured[TRACKERS][3];
+  In<3> acting;
+  std::vector<int> gains;
 
   Call(const OwnedRecorded& owned, const std::vector<Array>& given, const Array& coloured_,
+       const Array& acting_,
        const Array& x_WB_, const Array& local_, const Array& common_, const Array& selected_)
       : selected(indices(input<1>("selected", selected_, {ANY}))),
         tree(owned.tree),
@@ -204,7 +207,8 @@ struct Call {
         local(input<2>("local", local_, {recorded.intervals + 1, recorded.local()})),
         common(input<1>("common", common_, {recorded.common()})),
         theta(owned.nominal.data(), owned.nominal.data() + owned.nominal.size(0)),
-        calibration(static_cast<std::size_t>(recorded.places().count()), 0.0) {
+        calibration(static_cast<std::size_t>(recorded.places().count()), 0.0),
+        acting(input<3>("acting", acting_, {ANY, ACTING_ROWS, ANY})) {
     if (given.size() != SENSORS) throw nb::value_error("weights: give one array a sensor");
     for (std::size_t k = 0; k < SENSORS; ++k) {
       const std::int64_t rows = owned.samples[k].size(0), axes = rows ? owned.axes(k) : ANY;
@@ -217,11 +221,14 @@ struct Call {
     }
     colour(coloured_);
     const double* value = common.data() + OUTSIDE + recorded.columns.betas;
-    for (const int place : selected) {
-      if (place < 0 || place >= recorded.places().count())
-        throw nb::value_error("selected: there is no calibration at this place");
-      calibration[static_cast<std::size_t>(place)] = *value++;
+    for (std::size_t k = 0; k < selected.size(); ++k, ++value) {
+      if (selected[k] < 0) throw nb::value_error("selected: there is no calibration at this place");
+      if (selected[k] < recorded.places().count())
+        calibration[static_cast<std::size_t>(selected[k])] = *value;
+      else
+        gains.push_back(recorded.columns.calibration() + static_cast<int>(k));
     }
+    act();
     for (std::size_t k = 0; k < tree.joints.size(); ++k) {
       const auto three = [&](int first) {
         return Vector3<double>(calibration.data() + first + 3 * static_cast<int>(k));
@@ -234,6 +241,14 @@ struct Call {
       for (int e = theta_of.first[b]; e < theta_of.first[b + 1]; ++e)
         theta[static_cast<std::size_t>(theta_of.row[e])] +=
             theta_of.value[e] * common.data()[OUTSIDE + b];
+  }
+  void act() {
+    const int count = static_cast<int>(gains.size()), betas = recorded.columns.betas;
+    if (acting.size(0) == 0 && count == 0) return;
+    if (acting.size(0) != 2 * recorded.rows - 1 || acting.size(2) != 1 + count + betas)
+      throw nb::value_error(
+          "acting: give a table for each node, with columns for its value, each selected gain and beta");
+    recorded.acting = {acting.data(), gains.data(), count, recorded.columns.beta(), betas};
   }
   // By tracker and axis: std, time and walk of what lasts.
   void colour(const Array& given) {
@@ -262,8 +277,8 @@ struct Call {
 };
 
 auto linearised(const OwnedRecorded& owned, const std::vector<Array>& weights,
-                const Array& coloured, const Array& x_WB, const Array& local, const Array& common, const Array& selected, int threads) {
-  Call call(owned, weights, coloured, x_WB, local, common, selected);
+                const Array& coloured, const Array& acting, const Array& x_WB, const Array& local, const Array& common, const Array& selected, int threads) {
+  Call call(owned, weights, coloured, acting, x_WB, local, common, selected);
   const Recorded<double>& all = call.recorded;
   const std::int64_t left = all.width() - all.local();
   Out<2> factor(left, left);
@@ -285,9 +300,9 @@ auto linearised(const OwnedRecorded& owned, const std::vector<Array>& weights,
 
 // The equations of one interval over [z start | z end | g | right-hand side].
 auto interval_equations(const OwnedRecorded& owned, const std::vector<Array>& weights,
-                        const Array& coloured, const Array& x_WB, const Array& local, const Array& common,
+                        const Array& coloured, const Array& acting, const Array& x_WB, const Array& local, const Array& common,
                         const Array& selected, int interval) {
-  Call call(owned, weights, coloured, x_WB, local, common, selected);
+  Call call(owned, weights, coloured, acting, x_WB, local, common, selected);
   const Recorded<double>& all = call.recorded;
   if (interval < 0 || interval >= all.intervals)
     throw nb::value_error("interval: there is none of this number");
@@ -369,16 +384,19 @@ void bind_output_error(nb::module_& m) {
            nb::arg("qdd"), nb::arg("A_rw"), nb::arg("qd_rw"), nb::arg("qdd_rw"),
            nb::arg("samples"), nb::arg("first"), nb::arg("prior"), nb::arg("walk"))
       .def_prop_ro("local", [](const OwnedRecorded& all) { return all.view().local(); },
-                   "How many unknowns a boundary has.");
+                   "How many unknowns a boundary has.")
+      .def_prop_ro("places", [](const OwnedRecorded& all) { return all.view().places().count(); },
+                   "How many calibrations there are; gains are at the places beyond.");
   m.def("linearised", &linearised, nb::arg("recorded"), nb::arg("weights"), nb::arg("coloured"),
-        nb::arg("x_WB"), nb::arg("local"), nb::arg("common"), nb::arg("selected"),
+        nb::arg("acting"), nb::arg("x_WB"), nb::arg("local"), nb::arg("common"), nb::arg("selected"),
         nb::arg("threads") = 1,
         "All equations at a state, eliminated: factor, links, cost and residuals over the white "
         "noise. `coloured`: of attitude and position, by axis, what lasts: std, time and walk. "
-        "`selected`: the places of the calibrations that are common unknowns.");
+        "`acting`: for each node, what acting.hpp says. `selected`: the places of the calibrations "
+        "and, beyond them, of the gains that are common unknowns.");
   m.def("interval_equations", &interval_equations, nb::arg("recorded"), nb::arg("weights"),
-        nb::arg("coloured"), nb::arg("x_WB"), nb::arg("local"), nb::arg("common"),
-        nb::arg("selected"), nb::arg("interval"),
+        nb::arg("coloured"), nb::arg("acting"), nb::arg("x_WB"), nb::arg("local"),
+        nb::arg("common"), nb::arg("selected"), nb::arg("interval"),
         "The equations of one interval over [z start | z end | g | right-hand side].");
   m.def("momentum_terms", &momentum_terms, nb::arg("tree"), nb::arg("theta_of"), nb::arg("beta"),
         nb::arg("q"), nb::arg("qd"), nb::arg("qdd"),

@@ -11,6 +11,7 @@ from orbident.estimation.estimate import Estimate
 from orbident.estimation.kinetic_energy import positive_energy
 from orbident.estimation.mass_routes import agreement_of_routes
 from orbident.estimation.obstacles import surprise
+from orbident.estimation.output_error.forms import IN_WORDS
 from orbident.estimation.problem import MomentumProblem
 from orbident.estimation.quantities import Quantity
 from orbident.estimation.recursive.changes import changes_in_words
@@ -27,8 +28,6 @@ SPREAD = 0.5
 VAGUE = 0.3
 # So many neighbours are named; more are given by the first and the last.
 LISTED = 20
-
-UNITS = {"torque": "N m", "pull": "m/s^2"}
 
 
 class Judgement(NamedTuple):
@@ -196,15 +195,13 @@ def _changes(estimate: Estimate) -> Iterator[Check]:
 
 
 def _disturbances(estimate: Estimate) -> Iterator[Check]:
-    for name, push in estimate.disturbances.items():
-        if push.believed:
-            value, std = (
-                "[" + ", ".join(f"{number:.2g}" for number in numbers) + "]"
-                for numbers in (push.value, push.std)
-            )
-            yield Check(
-                f"{name} from outside",
-                "with care",
-                f"{name} from outside: found {value} +- {std} {UNITS[name]}, inertial "
-                "axes; estimated with the rest",
-            )
+    for group, push in estimate.disturbances.items():
+        sizes = (
+            f"{name} = {value:.3g} +- {std:.1g} {unit}"
+            for name, unit, value, std in zip(*push, strict=True)
+        )
+        yield Check(
+            f"{group} from outside",
+            "with care",
+            f"{IN_WORDS[group]}: {', '.join(sizes)}; identified with the parameters",
+        )

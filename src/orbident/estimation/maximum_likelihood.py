@@ -18,14 +18,18 @@ from orbident.estimation.estimate import Goodness, SensorFit
 from orbident.estimation.found import BetaEstimate, hidden_of
 from orbident.estimation.linear_fits import Fits, InitialMomentum, known_momentum
 from orbident.estimation.output_error.calibration import Calibration
-from orbident.estimation.output_error.disturbances import NONE, Push, freed, push_of
+from orbident.estimation.output_error.disturbances import (
+    Push,
+    identified,
+    start_with,
+    with_disturbances,
+)
 from orbident.estimation.output_error.noise_scaling import Fitted, fitted
 from orbident.estimation.output_error.problem import (
     NOTHING,
     OUTSIDE,
     Outside,
     Problem,
-    State,
     linear,
     problem_of,
     start_of,
@@ -59,7 +63,7 @@ class Likelihood:
     estimate: BetaEstimate
     biases: dict[str, dict[str, float]]
     pushes: dict[str, Push]
-    """`"torque"` (N m) and `"pull"` (m/s^2) from outside."""
+    """What acts from outside, by its group."""
     sensors: dict[str, SensorFit]
     goodness: Goodness
     """Of all residuals over the declared noise, or that found where none is."""
@@ -113,30 +117,19 @@ def maximum_likelihood(
     least = {name: each.least / each.std for name, each in sensors.by_name.items()}
     declared = {name for name, each in sensors.by_name.items() if each.declared}
 
-    def search(prior: Prior, state: State) -> Fitted:
-        return fitted(problem, prior, state, least, declared, progress, steps)
+    def search(groups: tuple[str, ...]) -> Fitted:
+        for start in starts:
+            free, state = start_with(problem, prior, start, groups)
+            found = fitted(problem, free, state, least, declared, progress, steps)
+            if found.solution.converged:
+                break
+        return found
 
-    found = search(prior, starts[0])
-    if not found.solution.converged:
-        found = search(prior, starts[1])
-    turning, moving = conserved_axes(robot)
-    axes = {"torque": turning, "pull": moving}
-    pushes = {name: push_of(found.solution, name, axes[name]) for name in axes}
-    believed = [name for name, push in pushes.items() if push.believed]
-    if believed:
-        for name in believed:
-            prior = freed(prior, name)
-        found = search(prior, found.solution.state)
-        pushes = {
-            name: push_of(found.solution, name, axes[name])._replace(
-                believed=push.believed
-            )
-            for name, push in pushes.items()
-        }
+    found, groups = with_disturbances(problem, search(()), search)
     return Likelihood(
         estimate=estimate_of(found.solution, prior_std(robot, sets)),
         biases=_biases(robot, sensors, found),
-        pushes=pushes,
+        pushes=identified(problem, found.solution, groups),
         sensors={name: _sensor_fit(sensors, found, name) for name in found.parts},
         goodness=_goodness(sensors, found),
         converged=found.solution.converged,
@@ -206,7 +199,7 @@ def prior_of(
     spin = sum(wheel.inertia for wheel in robot.wheels)
     h_std = max(float(np.linalg.norm(outside.h_cm)), spin)
     h_std *= KNOWN if initial_momentum == "at-rest" else UNKNOWN
-    std = np.repeat([h_std, UNKNOWN, UNKNOWN, NONE, NONE], 3)
+    std = np.repeat([h_std, UNKNOWN, UNKNOWN], 3)
     return Prior(
         values=np.concatenate(
             [*outside, sets.beta(robot.theta), np.zeros(len(calibrations))]
@@ -235,11 +228,12 @@ def _biases(
 
 
 def _calibration(problem: Problem, solution: Solution) -> dict[str, CalibrationFit]:
-    values, n = solution.state.calibration, len(problem.declared)
+    values, n = solution.state.calibration, len(solution.state.selected)
     std = np.sqrt(np.diag(solution.covariance))[-n:] if n else np.zeros(0)
+    # Disturbances come after them.
     return {
         each.name: CalibrationFit(float(value), float(deviation), each.std)
-        for each, value, deviation in zip(problem.declared, values, std, strict=True)
+        for each, value, deviation in zip(problem.declared, values, std, strict=False)
     }
 
 

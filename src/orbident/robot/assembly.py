@@ -1,9 +1,11 @@
 """A robot from its checked file and its URDF."""
 
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from jaxtyping import Float
 
 from orbident.errors import InputError
 from orbident.files.names import suggestion
@@ -40,6 +42,7 @@ def assembled(
     bodies = about_feature_point(fused(tree, held=held), feature_point)
     _require_mass(bodies, urdf.place)
     structure = _structure(file, bodies, place)
+    _require_bodies("pads", file.pads, bodies, place)
     return Robot(
         name=file.name or urdf.name,
         motion=file.motion,
@@ -49,6 +52,7 @@ def assembled(
         feature_point=feature_point,
         wheels=wheels,
         thrusters=tuple(_thruster(entry) for entry in file.thrusters),
+        pads=_pads(file, bodies),
         structure=structure,
         sensors=file.sensors.in_si(),
         tolerances=file.tolerances.in_si(bodies.joints, place),
@@ -116,16 +120,31 @@ def _limited(
 
 
 def _structure(file: RobotFile, bodies: Bodies, place: str) -> dict[str, Structure]:
-    for name in file.structure:
-        if name not in bodies.names:
-            raise InputError(
-                f"{place}: structure: no body {name!r}; "
-                + suggestion(name, bodies.names, "bodies")
-            )
+    _require_bodies("structure", file.structure, bodies, place)
     return {
         name: Structure(entry.com_on_axis, entry.principal_axes)
         for name, entry in file.structure.items()
     }
+
+
+def _pads(file: RobotFile, bodies: Bodies) -> dict[str, Float[np.ndarray, "3"]]:
+    """In body frames: that of the base is at S."""
+    origin = {bodies.names[0]: np.array(file.feature_point)}
+    return {
+        name: np.array(at) - origin.get(name, np.zeros(3))
+        for name, at in file.pads.items()
+    }
+
+
+def _require_bodies(
+    section: str, named: Iterable[str], bodies: Bodies, place: str
+) -> None:
+    for name in named:
+        if name not in bodies.names:
+            raise InputError(
+                f"{place}: {section}: no body {name!r}; "
+                + suggestion(name, bodies.names, "bodies")
+            )
 
 
 def _nonphysical_links(tree: LinkTree, bodies: Bodies) -> list[str]:

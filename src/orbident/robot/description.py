@@ -100,6 +100,8 @@ class Robot:
     thrusters: tuple[Thruster, ...] = ()
     structure: Mapping[str, Structure] = field(default_factory=dict)
     """By body name; a body that is absent is arbitrary."""
+    pads: Mapping[str, Float[np.ndarray, "3"]] = field(default_factory=dict)
+    """By body name: the middle of its air bearings, in its frame, m."""
     sensors: Mapping[str, Any] = field(default_factory=dict)
     """The robot file's sensor section, in SI units."""
     tolerances: Tolerances = field(default_factory=Tolerances)

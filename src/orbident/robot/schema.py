@@ -121,6 +121,7 @@ class RobotFile(Section):
     feature_point: Vector3 = (0.0, 0.0, 0.0)
     wheels: tuple[WheelEntry, ...] = ()
     thrusters: tuple[ThrusterEntry, ...] = ()
+    pads: dict[str, Vector3] = Field(default_factory=dict)
     limits: dict[str, LimitEntry] = Field(default_factory=dict)
     structure: dict[str, StructureEntry] = Field(default_factory=dict)
     sensors: Sensors = Sensors()

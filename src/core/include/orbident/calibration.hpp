@@ -16,6 +16,8 @@
 //
 //   [z, each joint | s, each joint | g, each wheel | d 3 | attitude m 3 | gyro m 3 | gyro s 3 | p |
 //    l of joints, of attitude, of position | d 3, each joint | r 3, each joint]
+//
+// Places beyond these are gains of what acts from outside (acting.hpp).
 #pragma once
 
 #include "orbident/sensors.hpp"
@@ -143,6 +145,7 @@ void write_calibrations(const Tree& tree, const IntervalColumns& columns, const 
     T* column = by + columns.calibration() + c;
     const int place = calibration.selected[c];
     for (int r = 0; r < BY_ROWS; ++r) column[r * n] = T(0);
+    if (place >= places.count()) continue;
     if (place >= places.place()) {
       const int k = (place - places.place()) / 3 % places.joints;
       write_change(displaced(tree, memory, k, displacement(tree, calibration, memory.at.pose, place)),
@@ -214,6 +217,7 @@ void calibrate_position(const IntervalColumns& columns, const Calibration<T>& ca
     Contributions<T> parts = contributions(joints.t);
     for (T& part : parts.v_cm) part *= -l;
     add_outside(columns, parts.v_cm, table);
+    joints.acting.add(ON_V, Matrix3<T>(-l * Matrix3<T>::Identity()), table);
     table -= l * ConstTableRows<T, 3>(by_v, 3, n);
   }
   table = gain * (table - Matrix3<T>(base.R_WB * cross_matrix(d)).lazyProduct(phi));

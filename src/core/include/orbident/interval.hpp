@@ -82,6 +82,7 @@ void place_joints(const Recorded<T>& recorded, const LinearisedAt<T>& at, int in
     }
   }
   joints.t = t - recorded.t[0];
+  joints.acting = recorded.acting.at(node);
   const int W = recorded.wheels;
   const T *qd_rw = recorded.qd_rw + node * W, *qdd_rw = recorded.qdd_rw + node * W;
   const T* gain = at.calibration.values + places.wheel();
@@ -114,6 +115,11 @@ void set_law_between(const Recorded<T>& recorded, const LinearisedAt<T>& at, con
     if (p[k] == T(1)) base.by = nodes[k]->by;
   }
   base.h_cm = contributed(contributions(base.t).h_cm, at.common);
+  for (int k = 0; k < 3; ++k) {
+    base.acting[k] = nodes[k]->acting;
+    base.share[k] = p[k];
+    base.h_cm += p[k] * nodes[k]->acting.value(ON_H);
+  }
   set_law(recorded.planar, D, h_moving, base);
   if (p[0] == T(1) || p[1] == T(1) || p[2] == T(1)) return;
   const int n = BY_R * recorded.columns.count();
@@ -179,6 +185,7 @@ void add_samples(const Recorded<T>& recorded, const LinearisedAt<T>& at, int int
     Vector3<T> v = velocity(joints, base, at.common);
     TableRows<T, 3> slopes(slopes_of(memory.velocity[0]), 3, c.count());
     add_outside(c, contributions(joints.t).v_cm, slopes);
+    joints.acting.add(ON_V, Matrix3<T>::Identity(), slopes);
     if (c.calibrations) calibrate_velocity(c, calibration, base, v, memory.slopes);
     add_sample<T>(c, recorded.velocity, row, shown(recorded.velocity) - v, memory.slopes, -1,
                   equations);
@@ -233,10 +240,10 @@ void linearise(const Recorded<T>& recorded, const LinearisedAt<T>& at, int inter
   for (int r = first; r < last; ++r) {
     add_samples(recorded, at, interval, r, *row, *start, memory, sensed);
     if (r == end) break;
-    const Vector3<T> f_S = specific_force(*row, *start, at.common);
+    const Vector3<T> f_S = specific_force(*row, *start);
     const Matrix3<T> R_WB = start->R_WB;
-    TableRows<T, 3>(memory.felt, 3, c.count()) =
-        cross_matrix(f_S).lazyProduct(TableRows<T, 3>(start->phi, 3, c.count()));
+    TableRows<T, 3> felt(memory.felt, 3, c.count());
+    felt = cross_matrix(f_S).lazyProduct(TableRows<T, 3>(start->phi, 3, c.count()));
 
     joints_at(2 * r + 1, *half_way);
     joints_at(2 * r + 2, *next);
@@ -255,6 +262,7 @@ void linearise(const Recorded<T>& recorded, const LinearisedAt<T>& at, int inter
     if (recorded.accelerometer.values) {
       add_rate_of_velocity(c, R_WB, dt, memory.velocity[0], memory.velocity[1], memory.velocity[2],
                            memory.felt);
+      row->acting.add(ON_FELT, R_WB.transpose(), felt);
       const Eigen::Map<const Vector3<T>> bias(at.local + interval * recorded.local() + 6),
           shown(recorded.accelerometer.values + 3 * r);
       add_sample<T>(c, recorded.accelerometer, r, shown - f_S - bias, memory.felt, 6, sensed);

@@ -39,6 +39,7 @@ struct Recorded {
   const T *q, *qd, *qdd;       // nodes x joints
   const T* A_rw;               // wheels x 3: a_i I_i, base axes
   const T *qd_rw, *qdd_rw;     // nodes x wheels
+  Acting<T> acting;
   Sensed<T> gyro, accelerometer, attitude, joints, position, velocity;
   int lasting;  // parts of the trackers' noise that last
   // How freely the unknowns of boundaries vary: standard deviations.

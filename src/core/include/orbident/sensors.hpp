@@ -4,7 +4,7 @@
 //   attitude        x_WB; its slopes are those of its small rotation, base axes
 //   position        r_S = r_cm(t) - R_0 r_cm
 //   velocity        v_S = v_cm(t) - R_0 u,  u = w x r_cm + J_cm qd    (Eqs. 27 to 30)
-//   accelerometer   f_S = -(u' + w x u) + bias
+//   accelerometer   f_S = R_0^T felt - (u' + w x u) + bias
 //
 // with w' from h_B' = R_0^T torque - w x h_B. What pulls at all parts alike is not felt.
 #pragma once
@@ -21,32 +21,35 @@ Vector3<T> velocity_in_base(const JointNode<T>& joints, const BaseNode<T>& base)
 template <class T>
 Vector3<T> position(const JointNode<T>& joints, const BaseNode<T>& base, const T* outside) {
   const Contributions<T> parts = contributions(joints.t);
-  return contributed(parts.r_cm, outside) - base.R_WB * joints.terms.r_cm;
+  return contributed(parts.r_cm, outside) + joints.acting.value(ON_R) -
+         base.R_WB * joints.terms.r_cm;
 }
 
 template <class T>
 Vector3<T> velocity(const JointNode<T>& joints, const BaseNode<T>& base, const T* outside) {
   const Contributions<T> parts = contributions(joints.t);
-  return contributed(parts.v_cm, outside) - base.R_WB * velocity_in_base(joints, base);
+  return contributed(parts.v_cm, outside) + joints.acting.value(ON_V) -
+         base.R_WB * velocity_in_base(joints, base);
 }
 
 // Without bias, base axes.
 template <class T>
-Vector3<T> specific_force(const JointNode<T>& joints, const BaseNode<T>& base, const T* outside) {
+Vector3<T> specific_force(const JointNode<T>& joints, const BaseNode<T>& base) {
   const Vector3<T>& w = base.w;
-  const Vector3<T> torque = contributed(contributions(joints.t).h_cm_rate, outside);
+  const Vector3<T> torque = joints.acting.value(ON_H_RATE);
   const Vector3<T> h_dot = base.R_WB.transpose() * torque - w.cross(base.h_B);
   const Vector3<T> w_dot =
       base.E * (h_dot - joints.rates.D * w - joints.rates.h_q - joints.h_rw_rate);
   // The rate of r_cm, base axes, is v_q.
   const Vector3<T> u_dot =
       w_dot.cross(joints.terms.r_cm) + w.cross(joints.terms.v_q) + joints.rates.v_q;
-  return -(u_dot + w.cross(velocity_in_base(joints, base)));
+  return base.R_WB.transpose() * joints.acting.value(ON_FELT) -
+         (u_dot + w.cross(velocity_in_base(joints, base)));
 }
 
 template <class T>
 void add_outside(const IntervalColumns& columns, const T* parts, TableRows<T, 3>& slopes) {
-  for (int k = 0; k < DISTURBANCES; ++k)
+  for (int k = 0; k < CONSERVED; ++k)
     slopes.template middleCols<3>(columns.outside() + 3 * k).diagonal().array() += parts[k];
 }
 
@@ -59,6 +62,7 @@ void position_slopes(const IntervalColumns& columns, const JointNode<T>& joints,
   slopes = (R * cross_matrix(joints.terms.r_cm)).eval().lazyProduct(TableRows<T, 3>(base.phi, 3, n)) -
            R.lazyProduct(TableRows<T, 3>(joints.by + BY_R * n, 3, n));
   add_outside(columns, contributions(joints.t).r_cm, slopes);
+  joints.acting.add(ON_R, Matrix3<T>::Identity(), slopes);
 }
 
 // Relative to the CM, inertial axes.

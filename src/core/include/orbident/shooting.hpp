@@ -21,6 +21,7 @@
 // those of calibration.hpp that are selected.
 #pragma once
 
+#include "orbident/acting.hpp"
 #include "orbident/momentum_terms.hpp"
 #include "orbident/outside.hpp"
 
@@ -71,6 +72,7 @@ struct JointNode {
   Vector3<T> h_rw;       // N m s, base axes
   Vector3<T> h_rw_rate;  // N m
   T* by;                 // BY_ROWS x unknowns: changes of the terms
+  Acting<T> acting;
 };
 
 template <class T>
@@ -120,6 +122,8 @@ struct BaseNode {
   T* phi;       // 3 x unknowns
   T* dw;        // 3 x unknowns
   T* own_by;    // memory for BY_R rows
+  Acting<T> acting[3];  // at the nodes of its row, and the share of each
+  T share[3];
 };
 
 template <class T>
@@ -165,8 +169,10 @@ void set_forcing(const IntervalColumns& columns, BaseNode<T>& at) {
   G = of_rows.lazyProduct(ConstTableRows<T, BY_R>(at.by, BY_R, n));
   const Matrix3<T> by_h = at.E * at.R_WB.transpose();
   const Contributions<T> parts = contributions(at.t);
-  for (int k = 0; k < DISTURBANCES; ++k)
+  for (int k = 0; k < CONSERVED; ++k)
     G.template middleCols<3>(columns.outside() + 3 * k) += parts.h_cm[k] * by_h;
+  for (int k = 0; k < 3; ++k)
+    if (at.share[k] != T(0)) at.acting[k].add(ON_H, at.share[k] * by_h, G);
 }
 
 template <class T>

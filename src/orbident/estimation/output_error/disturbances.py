@@ -1,53 +1,190 @@
-"""What acts from outside, and tests for it (Wald, 1943)."""
+"""Tests for what acts from outside, and what was identified of it.
 
+A disturbance that is taken for zero is tested by how far chi-square would fall to first
+order if it were an unknown (score test); one that is among the unknowns by its size in
+its own deviations (Wald, 1943). Both are chi-square where nothing acts.
+"""
+
+from collections.abc import Callable, Collection, Iterator
 from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 from scipy.special import chdtri
 
-from orbident.estimation.output_error.problem import Outside
+from orbident.estimation.output_error.forms import Disturbance
+from orbident.estimation.output_error.noise_scaling import Fitted
+from orbident.estimation.output_error.problem import Problem, State
+from orbident.estimation.output_error.sensitivity import after_all_others, fall
 from orbident.estimation.output_error.solver import Prior, Solution
 
 CHANCE = 1e-4
 """Probability that a disturbance is seen in noise alone."""
 
 FREE = 1e3
-"""N m or m/s^2: standard deviation beforehand of a disturbance that may exist."""
+"""SI: standard deviation beforehand of a disturbance that may exist."""
 
-NONE = 1e-12
-"""N m and m/s^2: standard deviation beforehand where there is no disturbance."""
+IMPOSSIBLE = 3.0
+"""Deviations below zero that something positive is not by chance."""
+
+MOST = 3
+"""Groups that are freed one after another, at most."""
+
+TRIED = 3
+"""Groups, likeliest to first order, of which the one that explains most is freed."""
+
+LONGEST = 2**15
+"""Rows of a recording that is tested: tables of what acts take some 3 kB a row."""
 
 
 class Push(NamedTuple):
-    """A constant torque, or acceleration of the CM, inertial axes."""
+    """One group of disturbances that was identified with the parameters."""
 
-    value: Float[np.ndarray, " axes"]
-    std: Float[np.ndarray, " axes"]
-    believed: bool
-
-
-def place_of(name: str) -> slice:
-    """Where a vector is among the common unknowns."""
-    start = 3 * Outside._fields.index(name)
-    return slice(start, start + 3)
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    value: Float[np.ndarray, " sizes"]
+    std: Float[np.ndarray, " sizes"]
 
 
-def freed(prior: Prior, name: str) -> Prior:
-    """The prior with nothing known about a disturbance."""
-    std = prior.std.copy()
-    std[place_of(name)] = FREE
-    return prior._replace(std=std)
+class Fit(NamedTuple):
+    """A fit in which some of what may act from outside is unknown too."""
+
+    found: Fitted
+    groups: tuple[str, ...]
 
 
-def push_of(solution: Solution, name: str, axes: tuple[int, ...]) -> Push:
-    """What it would be if it were an unknown, and whether that is more than chance."""
-    local = solution.linear.local
-    step, C = solution.with_prior(freed(solution.prior, name))
-    here = local + np.arange(place_of(name).start, place_of(name).stop)[list(axes)]
-    value = solution.state.common[here - local] + step[here]
-    C = C[np.ix_(here, here)]
-    seen = bool(np.diag(C).max() < FREE**2 / 100)
-    size = float(value @ np.linalg.solve(C, value))
-    believed = seen and size > chdtri(len(axes), CHANCE)
-    return Push(value, np.sqrt(np.diag(C)), bool(believed))
+Search = Callable[[tuple[str, ...]], Fitted]
+"""Fits a recording with these groups among the unknowns."""
+
+
+def with_disturbances(problem: Problem, found: Fitted, search: Search) -> Fit:
+    """Free one group after another, as long as chi-square says that it acts.
+
+    Args:
+        problem: a recording's equations.
+        found: the fit without disturbances.
+        search: finds a fit with some.
+    """
+    fit = Fit(found, ())
+    if problem.t.size > LONGEST:
+        return fit
+    likely = _likely(problem, fit)
+    while likely and len(fit.groups) < MOST:
+        more = _best(problem, fit, likely, search)
+        if more is None:
+            break
+        fit, likely = more
+    while fit.groups:
+        weakest = min(fit.groups, key=lambda group: _beyond_chance(problem, fit, group))
+        if _beyond_chance(problem, fit, weakest) > 0:
+            break
+        left = tuple(group for group in fit.groups if group != weakest)
+        fit = Fit(search(left), left)
+    return fit
+
+
+def _best(
+    problem: Problem, fit: Fit, likely: list[str], search: Search
+) -> tuple[Fit, list[str]] | None:
+    """A fit with one group more, and what is likely to act besides.
+
+    The first that leaves nothing to be explained, or else the one that fits best; none
+    where no group is possible.
+    """
+    tried = []
+    for group in likely:
+        groups = (*fit.groups, group)
+        more = Fit(search(groups), groups)
+        if _impossible(problem, more):
+            continue
+        besides = _likely(problem, more)
+        if not besides:
+            return more, besides
+        tried.append((more, besides))
+    return min(tried, key=lambda one: one[0].found.misfit, default=None)
+
+
+def start_with(
+    problem: Problem, prior: Prior, state: State, groups: Collection[str]
+) -> tuple[Prior, State]:
+    """With these groups among the unknowns, none of them acting.
+
+    Args:
+        problem: a recording's equations.
+        prior: of all other unknowns.
+        state: of these.
+        groups: the names of the groups.
+    """
+    places = _places(problem, groups)
+    free = Prior(
+        np.append(prior.values, np.zeros(places.size)),
+        np.append(prior.std, np.full(places.size, FREE)),
+    )
+    return free, state.selecting(places)
+
+
+def identified(
+    problem: Problem, solution: Solution, groups: Collection[str]
+) -> dict[str, Push]:
+    """The sizes of what was freed, with their deviations."""
+    pushes = {}
+    for group in groups:
+        which = list(_members(problem, group))
+        value, C = _sizes(problem, solution, group)
+        pushes[group] = Push(
+            tuple(each.name for each in which),
+            tuple(each.unit for each in which),
+            value,
+            np.sqrt(np.diag(C)),
+        )
+    return pushes
+
+
+def _members(problem: Problem, group: str) -> Iterator[Disturbance]:
+    return (each for each in problem.acting.disturbances if each.group == group)
+
+
+def _places(problem: Problem, groups: Collection[str]) -> Float[np.ndarray, " n"]:
+    known = problem.acting.disturbances
+    chosen = [each.group in groups for each in known]
+    return problem.acting.places[np.array(chosen, dtype=bool)]
+
+
+def _likely(problem: Problem, fit: Fit) -> list[str]:
+    """The groups by which chi-square falls beyond what chance does, most of all."""
+    groups = {each.group for each in problem.acting.disturbances} - set(fit.groups)
+    if not groups:
+        return []
+    places = _places(problem, groups)
+    left = after_all_others(problem, fit.found.solution, places)
+    beyond = {}
+    for group in sorted(groups):
+        which = np.flatnonzero(np.isin(places, _places(problem, [group])))
+        beyond[group] = fall(left, which) - chdtri(which.size, CHANCE / len(groups))
+    likely = sorted(
+        (group for group in beyond if beyond[group] > 0),
+        key=lambda group: -beyond[group],
+    )
+    return likely[:TRIED]
+
+
+def _sizes(
+    problem: Problem, solution: Solution, group: str
+) -> tuple[Float[np.ndarray, " n"], Float[np.ndarray, "n n"]]:
+    selected = solution.state.selected
+    which = np.flatnonzero(np.isin(selected, _places(problem, [group])))
+    here = len(solution.covariance) - selected.size + which
+    return solution.state.calibration[which], solution.covariance[np.ix_(here, here)]
+
+
+def _beyond_chance(problem: Problem, fit: Fit, group: str) -> float:
+    value, C = _sizes(problem, fit.found.solution, group)
+    return float(value @ np.linalg.solve(C, value) - chdtri(value.size, CHANCE))
+
+
+def _impossible(problem: Problem, fit: Fit) -> bool:
+    """Whether the group that was freed last pushes where it can only brake."""
+    group = fit.groups[-1]
+    value, C = _sizes(problem, fit.found.solution, group)
+    positive = np.array([each.positive for each in _members(problem, group)])
+    return bool((positive & (value < -IMPOSSIBLE * np.sqrt(np.diag(C)))).any())

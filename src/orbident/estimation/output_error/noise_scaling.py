@@ -114,6 +114,15 @@ class Fitted(NamedTuple):
     """The largest relative change of a weight in the last round."""
 
     @property
+    def misfit(self) -> float:
+        """Minus twice the logarithm of the likelihood, each noise at its best."""
+        return sum(
+            part.values.size * np.log(self.levels[name] ** 2 * np.mean(part.values**2))
+            for name, part in self.parts.items()
+            if part.values.any()
+        )
+
+    @property
     def settled(self) -> bool:
         """Whether another round would have changed no estimate."""
         return self.change < SETTLED

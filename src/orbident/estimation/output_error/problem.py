@@ -15,7 +15,9 @@ from scipy.linalg import solve_triangular
 from scipy.spatial.transform import Rotation, Slerp
 
 from orbident import _core
+from orbident.estimation.output_error.acting import Acting
 from orbident.estimation.output_error.calibration import Calibration, calibrations_of
+from orbident.estimation.output_error.followed import measured
 from orbident.estimation.output_error.lasting import (
     Lasting,
     at_level,
@@ -57,10 +59,6 @@ class Outside(NamedTuple):
     """Velocity of the system CM at time zero, inertial axes, m/s."""
     r_cm: Float[np.ndarray, "3"]
     """Position of the system CM at time zero, inertial axes, m."""
-    torque: Float[np.ndarray, "3"]
-    """Constant, inertial axes, N m."""
-    pull: Float[np.ndarray, "3"]
-    """Constant acceleration of the system CM, inertial axes, m/s^2."""
 
 
 OUTSIDE = 3 * len(Outside._fields)
@@ -84,6 +82,8 @@ class Problem(NamedTuple):
     """What lasts of the noise of attitude and position."""
     calibrations: tuple[Calibration, ...]
     """The calibration errors that act on it."""
+    acting: Acting
+    """What may act from outside."""
 
     @property
     def declared(self) -> tuple[Calibration, ...]:
@@ -99,9 +99,10 @@ class State(NamedTuple):
     local: Float[np.ndarray, "boundaries local"]
     """Turn (always zero), biases, lasting noise, corrections of joints and rates."""
     common: Float[np.ndarray, " common"]
-    """`h_cm`, `v_cm`, `r_cm`, torque, pull, `beta` and selected calibrations."""
+    """`h_cm`, `v_cm`, `r_cm`, `beta` and what is selected."""
     selected: Float[np.ndarray, " selected"] = NOTHING_SELECTED
-    """Places of the calibrations that are unknowns; all others are exact."""
+    """Places of the calibrations, then of the disturbances, that are unknowns; all
+    others are zero."""
 
     @property
     def beta(self) -> Float[np.ndarray, " beta"]:
@@ -110,11 +111,11 @@ class State(NamedTuple):
 
     @property
     def calibration(self) -> Float[np.ndarray, " selected"]:
-        """Errors of instruments, SI or relative."""
+        """Errors of instruments, SI or relative, and sizes of disturbances."""
         return self.common[self.common.size - self.selected.size :]
 
     def selecting(self, places: Float[np.ndarray, " selected"]) -> "State":
-        """The state with these calibrations as unknowns too, at zero."""
+        """The state with these as unknowns too, at zero."""
         return self._replace(
             common=np.append(self.common, np.zeros(places.size)),
             selected=np.append(self.selected, places),
@@ -186,6 +187,7 @@ def linear(problem: Problem, weights: BySensor, state: State) -> Linear:
         problem.recorded,
         [weights.get(name, NO_ROWS) for name in SENSORS],
         at_level(problem.lasting, problem.weights, weights),
+        problem.acting.table(state.beta, state.calibration, state.selected),
         state.x_WB,
         state.local,
         state.common,
@@ -251,6 +253,7 @@ def problem_of(
         loose,
         lasting,
         calibrations_of(robot, sensors.by_name),
+        Acting(measured(robot, sets, samples, intervals), recorded.places),
     )
 
 

@@ -15,7 +15,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 from scipy.linalg import solve_triangular
 
 from orbident.estimation.output_error.problem import OUTSIDE, Problem, linear
@@ -66,9 +66,7 @@ class Sensitivity(NamedTuple):
 
     def falls(self, which: Sequence[int]) -> float:
         """By so much chi-square would fall if all of these were unknowns."""
-        R, z = self.left[:, list(which)], self.left[:, -1]
-        after = z - R @ np.linalg.lstsq(R, z)[0]
-        return float(z @ z - after @ after)
+        return fall(self.left, np.array(which))
 
     def in_deviations(
         self, derivative: Float[np.ndarray, "parameters beta"]
@@ -76,6 +74,34 @@ class Sensitivity(NamedTuple):
         """The shifts of parameters with this derivative, over their own deviations."""
         C = derivative @ self.covariance @ derivative.T
         return derivative @ self.shift / np.sqrt(np.diag(C))[:, None]
+
+
+def fall(left: Float[np.ndarray, "n n+1"], which: Int[np.ndarray, " some"]) -> float:
+    """By so much chi-square would fall if these were unknowns, of `[R_c, z]`."""
+    R, z = left[:, list(which)], left[:, -1]
+    after = z - R @ np.linalg.lstsq(R, z)[0]
+    return float(z @ z - after @ after)
+
+
+def after_all_others(
+    problem: Problem, solution: Solution, places: Float[np.ndarray, " errors"]
+) -> Float[np.ndarray, "errors errors+1"]:
+    """The equations `[R_c, z]` of what a solution takes for zero, at these places."""
+    factor = _with_errors(problem, solution, places)
+    return factor[-1 - places.size : -1, -1 - places.size :]
+
+
+def _with_errors(
+    problem: Problem, solution: Solution, places: Float[np.ndarray, " errors"]
+) -> Float[np.ndarray, "n n"]:
+    """The factor over changes of all unknowns of a solution, then of these."""
+    state, n = solution.state.selecting(places), places.size
+    here = linear(problem, solution.weights, state)
+    prior = Prior(
+        values=np.append(solution.prior.values, np.zeros(n)),
+        std=np.append(solution.prior.std, np.full(n, np.inf)),
+    )
+    return prior.added(here.common, state)
 
 
 def sensitivity(problem: Problem, solution: Solution) -> Sensitivity:
@@ -90,14 +116,10 @@ def sensitivity(problem: Problem, solution: Solution) -> Sensitivity:
         for each in problem.calibrations
         if each.place not in solution.state.selected
     )
-    state = solution.state.selecting(np.array([float(each.place) for each in errors]))
-    n, size = len(errors), state.common.size
-    here = linear(problem, solution.weights, state)
-    prior = Prior(
-        values=np.append(solution.prior.values, np.zeros(n)),
-        std=np.append(solution.prior.std, np.full(n, np.inf)),
-    )
-    factor = prior.added(here.common, state)
+    places = np.array([float(each.place) for each in errors])
+    n, state = len(errors), solution.state
+    size = state.common.size + n
+    factor = _with_errors(problem, solution, places)
     x = slice(size - n)
     of_beta = slice(OUTSIDE, OUTSIDE + state.beta.size)
     R_c, z = factor[size - n : size, size - n : size], factor[size - n : size, size]

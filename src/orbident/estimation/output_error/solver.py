@@ -20,7 +20,7 @@ from orbident.estimation.output_error.problem import (
 from orbident.estimation.overflow import check_finite
 from orbident.estimation.triangular import fold
 
-STEPS = 40
+STEPS = 20
 SMALL = 1e-2
 """A step this small beside the estimate's own deviation is the last."""
 DAMPING = 1e-3
@@ -60,23 +60,14 @@ class Solution(NamedTuple):
     converged: bool
     steps: int
 
-    def with_prior(
-        self, prior: Prior
-    ) -> tuple[Float[np.ndarray, " n"], Float[np.ndarray, "n n"]]:
-        """Change to the estimate of `[z, g]` with another prior, and its covariance.
-
-        To first order, from the information at this solution.
-        """
-        n = self.linear.local
-        factor = self.linear.factor.copy()
-        factor[n:, n:] = prior.added(self.linear.common, self.state)
-        root = solve_triangular(factor[:-1, :-1], np.eye(len(factor) - 1))
-        return root @ factor[:-1, -1], root @ root.T
-
     @property
     def covariance(self) -> Float[np.ndarray, "n n"]:
-        """Of `[z, g]`, with the `z` of the meeting boundary."""
-        return self.with_prior(self.prior)[1]
+        """Of `[z, g]`, with the `z` of the meeting boundary, to first order."""
+        n = self.linear.local
+        factor = self.linear.factor.copy()
+        factor[n:, n:] = self.prior.added(self.linear.common, self.state)
+        root = solve_triangular(factor[:-1, :-1], np.eye(len(factor) - 1))
+        return np.asarray(root @ root.T)
 
 
 def solved(
@@ -109,6 +100,14 @@ def solved(
         with np.errstate(over="ignore", invalid="ignore"):
             there = linear(problem, weights, moved)
         new_cost = there.cost + prior.cost(moved)
+        if cost <= new_cost < np.inf:
+            # Continuity weighs so much that what a good step leaves of second order
+            # costs more than it gains: the next step takes that away (Fletcher 1982).
+            g = _damped(prior.added(there.common, moved), damping)
+            moved = moved.moved(there.step(g), g)
+            with np.errstate(over="ignore", invalid="ignore"):
+                there = linear(problem, weights, moved)
+            new_cost = there.cost + prior.cost(moved)
         if new_cost < cost:
             expected = change @ (2 * factor[:-1, -1] - change)
             gain = float((cost - new_cost) / expected)

@@ -5,7 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.linalg import solve_triangular
-from small_problems import Small, noisy, small_problem, small_recording, small_robot
+from small_problems import (
+    NOTHING_ACTS,
+    Small,
+    noisy,
+    small_problem,
+    small_recording,
+    small_robot,
+)
 from test_solving import Dense, dense
 
 from orbident import _core
@@ -51,7 +58,7 @@ def tracker_rows(small: Small, name: str) -> np.ndarray:
     tables = []
     for s in range(len(state.local) - 1):
         rows = _core.interval_equations(
-            problem.recorded, weights, problem.lasting, *state, s
+            problem.recorded, weights, problem.lasting, NOTHING_ACTS, *state, s
         )
         # Below them are those of continuity and of encoders.
         rows = rows[: len(rows) - 9 - 2 * local]

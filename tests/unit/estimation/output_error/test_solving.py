@@ -4,11 +4,17 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from small_problems import Small, noisy, small_problem, small_recording, small_robot
+from small_problems import (
+    NOTHING_ACTS,
+    Small,
+    noisy,
+    small_problem,
+    small_recording,
+    small_robot,
+)
 
 from orbident import _core
 from orbident.errors import InputError
-from orbident.estimation.output_error.disturbances import FREE, freed, place_of
 from orbident.estimation.output_error.problem import (
     NO_ROWS,
     SENSORS,
@@ -70,7 +76,7 @@ def dense(problem: Problem, state: State) -> Dense:
     put(beforehand / first[:, None], np.r_[:local, g])
     for s in range(boundaries - 1):
         rows = _core.interval_equations(
-            problem.recorded, weights, problem.lasting, *state, s
+            problem.recorded, weights, problem.lasting, NOTHING_ACTS, *state, s
         )
         put(rows, np.r_[s * local : (s + 2) * local, g])
     whole = np.vstack(tables)
@@ -115,24 +121,6 @@ def test_covariance_of_boundaries_and_of_the_common_unknowns(small):
         np.testing.assert_allclose(
             correlation, expected / np.outer(std, std), atol=1e-2
         )
-
-
-def test_another_prior_needs_no_new_solution(small):
-    """To first order: with the pull free, as if it had been from the start."""
-    problem, prior, state, _ = small
-    solution = solved(problem, problem.weights, prior, state)
-    free = freed(prior, "pull")
-    assert (free.std[place_of("pull")] == FREE).all()
-    assert (free.std != prior.std).sum() == 3
-    step, C = solution.with_prior(free)
-    again = solved(problem, problem.weights, free, solution.state)
-    chain = solution.linear.local
-    found = solution.state.common + step[chain:]
-    std = np.sqrt(np.diag(C))[chain:]
-    assert np.abs((found - again.state.common) / std).max() < 0.02
-    np.testing.assert_allclose(
-        np.sqrt(np.diag(again.covariance))[chain:], std, rtol=0.01
-    )
 
 
 @pytest.mark.parametrize("damping", [1e-3, 1.0, 1e3])

@@ -1,0 +1,159 @@
+"""Where the robot was along a recording, as it was measured, for what acts on it."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+from scipy.interpolate import CubicSpline
+from scipy.spatial.transform import Rotation, Slerp
+
+from orbident.estimation.output_error.shooting import Intervals, JointHistory
+from orbident.model.kinematics import Poses, carrying_joints, poses
+from orbident.model.minimal_sets import MinimalSets
+from orbident.preprocessing.histories import Columns
+from orbident.preprocessing.samples import Samples
+from orbident.robot.description import Robot
+from orbident.robot.parameters import FIRST_MOMENT, MASS, PER_BODY
+
+
+class Motion(NamedTuple):
+    """Of a point, or of the system CM; inertial axes, seen from S's first place."""
+
+    r: Float[np.ndarray, "nodes 3"]
+    """m."""
+    v: Float[np.ndarray, "nodes 3"]
+    """m/s."""
+
+
+@dataclass(frozen=True)
+class Followed:
+    """The motion at every row, and half-way to the next.
+
+    It is that measured. A disturbance adds up over time, and its noise does not: where
+    drag takes a third of the momentum, deviations still hold.
+    """
+
+    robot: Robot
+    sets: MinimalSets
+    t: Float[np.ndarray, " nodes"]
+    """s."""
+    history: JointHistory
+    R_WB: Float[np.ndarray, "nodes 3 3"]
+    w: Float[np.ndarray, "nodes 3"]
+    """Base axes, rad/s."""
+    v_S: Float[np.ndarray, "nodes 3"] | None
+    """Inertial axes, m/s; None where it is not known."""
+
+    @property
+    def tracked(self) -> bool:
+        """Whether the velocity of S is known."""
+        return self.v_S is not None
+
+    @cached_property
+    def S(self) -> Motion:
+        """Of S."""
+        assert self.v_S is not None
+        return Motion(integral(self.t, self.v_S), self.v_S)
+
+    @cached_property
+    def poses(self) -> Poses:
+        """Of all bodies."""
+        return poses(self.robot, self.history.q)
+
+    @cached_property
+    def moments(self) -> Float[np.ndarray, "nodes 3 beta"]:
+        """By `beta`: mass times the place of the CM, from S, inertial axes, kg m."""
+        at = self.poses
+        n, bodies = at.d.shape[:2]
+        by_theta = np.zeros((n, 3, PER_BODY * bodies))
+        for i in range(bodies):
+            own = np.zeros((n, 3, PER_BODY))
+            own[:, :, MASS] = at.d[:, i]
+            own[:, :, FIRST_MOMENT] = at.R[:, i]
+            by_theta[:, :, PER_BODY * i : PER_BODY * (i + 1)] = own
+        return self.R_WB @ (by_theta @ self.sets.base.theta_of)
+
+    @cached_property
+    def nominal_cm(self) -> Motion:
+        """The system CM, by CAD."""
+        beta = self.sets.beta(self.robot.theta)
+        r = self.S.r + self.moments @ beta / beta[0]
+        return Motion(r, np.gradient(r, self.t, axis=0))
+
+    def point(self, body: int, p: Float[np.ndarray, "3"]) -> Motion:
+        """A point of a body, its axes."""
+        at, arm = self.poses, self.arm(body, p)
+        relative = np.cross(self.w, arm)
+        for k in np.flatnonzero(carrying_joints(self.robot, body)):
+            field = at.field_u[:, k] + np.cross(at.field_w[:, k], arm)
+            relative = relative + self.history.qd[:, k : k + 1] * field
+        return Motion(
+            self.S.r + self.in_inertial(arm), self.S.v + self.in_inertial(relative)
+        )
+
+    def rate(self, body: int) -> Float[np.ndarray, "nodes 3"]:
+        """The angular velocity of a body, inertial axes, rad/s."""
+        w = self.w.copy()
+        for k in np.flatnonzero(carrying_joints(self.robot, body)):
+            w += self.history.qd[:, k : k + 1] * self.poses.field_w[:, k]
+        return self.in_inertial(w)
+
+    def arm(self, body: int, p: Float[np.ndarray, "3"]) -> Float[np.ndarray, "nodes 3"]:
+        """From S to a point of a body; base axes, m."""
+        return self.poses.d[:, body] + self.poses.R[:, body] @ p
+
+    def in_inertial(
+        self, x: Float[np.ndarray, "nodes 3"]
+    ) -> Float[np.ndarray, "nodes 3"]:
+        """A vector in base axes, in inertial ones."""
+        return np.einsum("nij,nj->ni", self.R_WB, x)
+
+
+def integral(
+    t: Float[np.ndarray, " nodes"], x: Float[np.ndarray, "nodes ..."]
+) -> Float[np.ndarray, "nodes ..."]:
+    """From the first node on, by the parabola through a row, half-way and the next."""
+    h = np.diff(t[::2]).reshape(-1, *(1,) * (x.ndim - 1))
+    a, b, c = x[:-1:2], x[1::2], x[2::2]
+    whole = np.cumsum(h * (a + 4 * b + c) / 6, axis=0)
+    out = np.zeros_like(x)
+    out[2::2] = whole
+    out[1::2] = out[:-1:2] + h * (5 * a + 8 * b - c) / 24
+    return out
+
+
+def measured(
+    robot: Robot, sets: MinimalSets, samples: Samples, intervals: Intervals
+) -> Followed:
+    """The motion of a recording, between its samples.
+
+    Args:
+        robot: its geometry.
+        sets: its minimal sets.
+        samples: of it.
+        intervals: with the nodes.
+    """
+    rows = intervals.t
+    t = np.empty(2 * rows.size - 1)
+    t[::2], t[1::2] = rows, (rows[:-1] + rows[1:]) / 2
+
+    def between(columns: Columns) -> Float[np.ndarray, "nodes axes"]:
+        x = np.column_stack(columns)
+        known = np.isfinite(x).all(axis=1)
+        return np.asarray(CubicSpline(samples.t[known], x[known])(t))
+
+    x = np.column_stack(samples.x_WB)
+    known = np.isfinite(x).all(axis=1)
+    turns = Slerp(samples.t[known], Rotation.from_quat(x[known]))
+    inside = np.clip(t, samples.t[known][0], samples.t[known][-1])
+    return Followed(
+        robot,
+        sets,
+        t,
+        intervals.history,
+        turns(inside).as_matrix(),
+        between(samples.w),
+        between(samples.v_S) if samples.v_S else None,
+    )

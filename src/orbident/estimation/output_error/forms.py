@@ -1,0 +1,138 @@
+"""What may act on a robot from outside, each disturbance at size one.
+
+    constant torque            tau = e_k                    inertial axes
+    torque fixed to the base   tau = R_WB e_k
+    constant pull              a = e_k                      such as a table's tilt
+    uneven table               a = E_k (r_cm - r_cm(0))     E_k symmetric
+    film drag of a body        F = -v_P,  or  tau = -w
+    known wrench               as recorded
+
+Torques are about S, accelerations `a` those of all parts alike.
+"""
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+
+from orbident.estimation.output_error.followed import Followed
+from orbident.model.minimal_sets import conserved_axes
+
+AXES = "xyz"
+
+IN_WORDS = {
+    "torque": "a constant torque acts, inertial axes",
+    "base_torque": "a torque acts that turns with the base, base axes",
+    "pull": "all parts are pulled alike, as on a table that is not level",
+    "uneven": "the pull changes from place to place, as on an uneven table",
+    "drag": "drag acts, as of an air film",
+}
+"""By group: what acts."""
+
+
+class Effect(NamedTuple):
+    """What acts at every node; inertial axes."""
+
+    force: Float[np.ndarray, "nodes 3"]
+    """N."""
+    torque: Float[np.ndarray, "nodes 3"]
+    """About S, N m."""
+    pull: Float[np.ndarray, "nodes 3"]
+    """m/s^2."""
+
+    def times(self, size: float) -> "Effect":
+        """So many times as large."""
+        return Effect(*(size * part for part in self))
+
+    def plus(self, other: "Effect") -> "Effect":
+        """Both together."""
+        return Effect(*(a + b for a, b in zip(self, other, strict=True)))
+
+
+class Disturbance(NamedTuple):
+    """One number that says how large something from outside is."""
+
+    name: str
+    """Such as `tilt.x`."""
+    group: str
+    """What is there or not there together."""
+    unit: str
+    effect: Effect
+    positive: bool = False
+    """Whether less than zero is impossible."""
+
+
+def disturbances(followed: Followed) -> Iterator[Disturbance]:
+    """All that may act on this robot, and shows in what was recorded.
+
+    Args:
+        followed: the motion that was measured.
+    """
+    yield from _torques(followed)
+    if followed.tracked:
+        yield from _pulls(followed)
+        if followed.robot.motion == "planar":
+            yield from _uneven(followed)
+            yield from _drag(followed)
+
+
+def nothing(nodes: int) -> Effect:
+    """Nothing acts."""
+    zero = np.zeros((nodes, 3))
+    return Effect(zero, zero, zero)
+
+
+def _torques(followed: Followed) -> Iterator[Disturbance]:
+    turning, _ = conserved_axes(followed.robot)
+    none = nothing(followed.t.size)
+    for k in turning:
+        along = np.zeros_like(none.torque)
+        along[:, k] = 1.0
+        effect = none._replace(torque=along)
+        yield Disturbance(f"torque.{AXES[k]}", "torque", "N m", effect)
+    if followed.robot.motion == "spatial":
+        for k in turning:
+            effect = none._replace(torque=followed.R_WB[:, :, k])
+            yield Disturbance(f"base_torque.{AXES[k]}", "base_torque", "N m", effect)
+
+
+def _pulls(followed: Followed) -> Iterator[Disturbance]:
+    _, moving = conserved_axes(followed.robot)
+    none = nothing(followed.t.size)
+    for k in moving:
+        along = np.zeros_like(none.pull)
+        along[:, k] = 1.0
+        effect = none._replace(pull=along)
+        yield Disturbance(f"pull.{AXES[k]}", "pull", "m/s^2", effect)
+
+
+def _uneven(followed: Followed) -> Iterator[Disturbance]:
+    r = followed.nominal_cm.r - followed.nominal_cm.r[0]
+    none = nothing(followed.t.size)
+    for a, b in ((0, 0), (0, 1), (1, 1)):
+        pull = np.zeros_like(r)
+        pull[:, a] = r[:, b]
+        if a != b:
+            pull[:, b] = r[:, a]
+        effect = none._replace(pull=pull)
+        name = f"uneven.{AXES[a]}{AXES[b]}"
+        yield Disturbance(name, "uneven", "1/s^2", effect)
+
+
+def _drag(followed: Followed) -> Iterator[Disturbance]:
+    """Of pads under bodies: without any declared, one below S."""
+    robot = followed.robot
+    none = nothing(followed.t.size)
+    pads = robot.pads or {robot.bodies[0]: np.zeros(3)}
+    for body, p in pads.items():
+        k = robot.bodies.index(body)
+        force = -followed.point(k, p).v * [1.0, 1.0, 0.0]
+        arm = followed.in_inertial(followed.arm(k, p))
+        pushed = none._replace(force=force, torque=np.cross(arm, force))
+        turned = none._replace(torque=-followed.rate(k))
+        for name, unit, effect in (
+            (f"drag.{body}", "N s/m", pushed),
+            (f"drag.{body}.turning", "N m s", turned),
+        ):
+            yield Disturbance(name, "drag", unit, effect, positive=True)

@@ -1,0 +1,167 @@
+"""What acts from outside, of known size: identified, and not where nothing acts."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from random_motions import random_motion
+from small_problems import (
+    NOISE,
+    SPIN,
+    noisy,
+    noisy_in_space,
+    small_problem,
+    small_recording,
+    small_recording_in_space,
+    small_robot,
+    small_robot_in_space,
+)
+
+from orbident import _core
+from orbident.estimation.output_error.disturbances import Push
+from orbident.estimation.output_error.estimator import OutputError
+from orbident.estimation.output_error.lasting import at_level
+from orbident.estimation.output_error.problem import NO_ROWS, SENSORS, Problem, State
+from orbident.estimation.problem import momentum_problems
+from orbident.recordings.recording import Recording
+from orbident.robot.description import Robot, Thruster
+from orbident.simulation.control_laws import JointPD
+from orbident.simulation.flight import standing
+from orbident.simulation.free_floating import BaseState
+from orbident.simulation.free_flying import free_flying
+from orbident.simulation.thrusters import Pulse
+
+ARM, DURATION = 0.4, 20.0
+"""m, and s."""
+
+
+def with_sensors(robot: Robot) -> Robot:
+    sensors = {
+        "gyro": {"angle_random_walk": NOISE["gyro"] / np.sqrt(20)},
+        "attitude": {"angle": NOISE["attitude"]},
+        "position": {"std": NOISE["position"]},
+    }
+    return replace(robot, sensors=sensors)
+
+
+def identified(recording: Recording) -> dict[str, Push]:
+    robot = with_sensors(small_robot())
+    problem, *_ = momentum_problems(robot, recording, "at-rest", lambda _: None)
+    estimate = OutputError().estimate(problem, lambda _: None)
+    assert estimate.converged
+    return dict(estimate.disturbances)
+
+
+def under_a_couple(torque: float) -> Recording:
+    """Two thrusters side by side: simulated by the equations of motion (Eq. 13)."""
+    robot = small_robot()
+    x, y = np.eye(3)[:2]
+    sides = (("left", ARM * y, -x), ("right", -ARM * y, x))
+    robot = replace(robot, thrusters=tuple(Thruster(*side) for side in sides))
+    t = np.arange(round(DURATION * 20) + 1) / 20
+    motion = random_motion(robot, 1, DURATION, SPIN, "spun up")
+    start = BaseState(
+        motion.initial.angular_velocity,
+        motion.initial.attitude,
+        np.zeros(3),
+        np.array([SPIN]),
+    )
+    command = motion.for_robot(robot)
+    law = JointPD(Kp=np.full(1, 50.0), Kd=np.full(1, 50.0))
+    force = torque / (2 * ARM)
+    pulses = [Pulse(name, 0.0, DURATION, force) for name in ("left", "right")]
+    q, _, _ = command.at(t[:1])
+    flown = free_flying(robot, t, standing(start, q[0]), command, law, pulses=pulses)
+    columns = {
+        "joint.joint1.position": flown.q[:, 0],
+        "joint.joint1.velocity": flown.qd[:, 0],
+        "wheel.rw.speed": flown.qd_rw[:, 0],
+    }
+    vectors = {
+        "gyro": flown.w,
+        "attitude": flown.attitude,
+        "position": flown.r_S,
+        "velocity": flown.v_S,
+    }
+    for name, values in vectors.items():
+        for k, axis in enumerate("xyzw"[: values.shape[1]]):
+            columns[f"{name}.{axis}"] = np.ascontiguousarray(values[:, k])
+    return Recording(t, columns)
+
+
+@pytest.mark.parametrize("torque", [1e-4, 2e-3])
+def test_a_torque_is_identified(torque):
+    """Of two thrusters that make a couple, on a robot of some kg m^2; nothing else."""
+    found = identified(noisy(under_a_couple(torque), 0))
+    assert set(found) == {"torque"}
+    ((name,), (unit,), (value,), (std,)) = found["torque"]
+    assert (name, unit) == ("torque.z", "N m")
+    assert abs(value - torque) < 4 * std < 0.4 * torque
+
+
+@pytest.mark.parametrize("size", [1.0, 30.0])
+def test_a_pull_is_identified(size):
+    """A table that is not level: what falls together moves as it does without gravity,
+    and faster by `pull t`. The larger one moves S by a metre."""
+    pull = size * np.array([2e-4, -1e-4])
+    clean = small_recording(small_robot())
+    t, tilted = clean.t, dict(clean.columns)
+    for axis, a in zip("xy", pull, strict=True):
+        tilted[f"velocity.{axis}"] = tilted[f"velocity.{axis}"] + a * t
+        tilted[f"position.{axis}"] = tilted[f"position.{axis}"] + a * t**2 / 2
+    found = identified(noisy(Recording(t, tilted), 0))
+    assert set(found) == {"pull"}
+    assert (np.abs(found["pull"].value - pull) < 4 * found["pull"].std).all()
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_none_is_found_where_there_is_none(seed):
+    """By chance in one run of ten thousand."""
+    assert identified(noisy(small_recording(small_robot()), seed)) == {}
+
+
+@pytest.mark.parametrize("motion", ["planar", "spatial"])
+def test_slopes_are_those_of_the_predictions(motion):
+    """By sizes and by `beta`, with everything acting at once, by differences."""
+    if motion == "planar":
+        robot, recording = small_robot(), noisy(small_recording(small_robot()), 0)
+    else:
+        robot = small_robot_in_space()
+        recording = noisy_in_space(small_recording_in_space(robot), 0)
+    problem, _, state, _ = small_problem(with_sensors(robot), recording)
+    state = state.selecting(problem.acting.places)
+    size = len(problem.acting.places)
+    common = state.common.copy()
+    common[-size:] = 1e-2 * np.linspace(1.0, 2.0, size)
+    state = state._replace(common=common)
+    # Below those of the sensors are rows of continuity and of encoders.
+    sensors = slice(None, -9 - 2 * state.local.shape[1])
+    slopes = equations(problem, state, 3)[sensors, -1 - common.size : -1]
+    for k in range(9, common.size):
+        step = np.zeros(common.size)
+        step[k] = 1e-5
+        ahead, behind = (
+            equations(problem, state._replace(common=common + s * step), 3)
+            for s in (1.0, -1.0)
+        )
+        change = (behind - ahead)[sensors, -1] / 2e-5
+        scale = np.abs(change).max()
+        np.testing.assert_allclose(slopes[:, k], change, atol=1e-6 * scale)
+
+
+def equations(problem: Problem, state: State, interval: int) -> np.ndarray:
+    return _core.interval_equations(
+        problem.recorded,
+        [
+            # An attitude's error is a small rotation, linear for small ones only.
+            problem.weights.get(name, NO_ROWS) * (name != "attitude")
+            for name in SENSORS
+        ],
+        at_level(problem.lasting, problem.weights, problem.weights),
+        problem.acting.table(state.beta, state.calibration, state.selected),
+        state.x_WB,
+        state.local,
+        state.common,
+        state.selected,
+        interval,
+    )
