@@ -7,7 +7,7 @@ shooting), and the errors of the smoothed joint histories. The information at th
 solution gives the covariance.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -30,6 +30,7 @@ from orbident.estimation.output_error.problem import (
     OUTSIDE,
     Outside,
     Problem,
+    State,
     linear,
     problem_of,
     start_of,
@@ -40,7 +41,7 @@ from orbident.estimation.output_error.sensitivity import (
     sensitivity,
 )
 from orbident.estimation.output_error.sensors import Sensors, sensors_of
-from orbident.estimation.output_error.solver import STEPS, Prior, Solution
+from orbident.estimation.output_error.solver import STEPS, Prior, Solution, solved
 from orbident.estimation.predicted import Signals, sensor_signals
 from orbident.estimation.prior import prior_std
 from orbident.model.minimal_sets import MinimalSets, conserved_axes
@@ -117,15 +118,8 @@ def maximum_likelihood(
     least = {name: each.least / each.std for name, each in sensors.by_name.items()}
     declared = {name for name, each in sensors.by_name.items() if each.declared}
 
-    def search(groups: tuple[str, ...]) -> Fitted:
-        for start in starts:
-            free, state = start_with(problem, prior, start, groups)
-            found = fitted(problem, free, state, least, declared, progress, steps)
-            if found.solution.converged:
-                break
-        return found
-
-    found, groups = with_disturbances(problem, search(()), search)
+    search = _Search(problem, prior, starts, least, declared, progress, steps)
+    found, groups = with_disturbances(problem, search)
     return Likelihood(
         estimate=estimate_of(found.solution, prior_std(robot, sets)),
         biases=_biases(robot, sensors, found),
@@ -139,6 +133,42 @@ def maximum_likelihood(
         sensitivity=partial(sensitivity, problem, found.solution),
         solution=found.solution,
     )
+
+
+@dataclass(frozen=True)
+class _Search:
+    """Fits a recording with some of what may act from outside among the unknowns."""
+
+    problem: Problem
+    prior: Prior
+    starts: Sequence[State]
+    least: Mapping[str, float]
+    declared: Collection[str]
+    progress: Callable[[], object]
+    steps: int
+
+    def first(self, groups: tuple[str, ...]) -> Solution:
+        """From the best start, and from the other where that leads nowhere."""
+        weights = self.problem.weights
+        for start in self.starts:
+            prior, state = start_with(self.problem, self.prior, start, groups)
+            solution = solved(
+                self.problem, weights, prior, state, self.progress, self.steps
+            )
+            if solution.converged:
+                break
+        return solution
+
+    def whole(self, solution: Solution) -> Fitted:
+        """With the noise that the residuals show."""
+        return fitted(
+            self.problem,
+            solution,
+            self.least,
+            self.declared,
+            self.progress,
+            self.steps,
+        )
 
 
 def estimate_of(solution: Solution, scale: Float[np.ndarray, " beta"]) -> BetaEstimate:

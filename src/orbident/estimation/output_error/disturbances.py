@@ -5,8 +5,8 @@ order if it were an unknown (score test); one that is among the unknowns by its 
 its own deviations (Wald, 1943). Both are chi-square where nothing acts.
 """
 
-from collections.abc import Callable, Collection, Iterator
-from typing import NamedTuple
+from collections.abc import Collection, Iterator
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from jaxtyping import Float
@@ -53,55 +53,53 @@ class Fit(NamedTuple):
     groups: tuple[str, ...]
 
 
-Search = Callable[[tuple[str, ...]], Fitted]
-"""Fits a recording with these groups among the unknowns."""
+class Search(Protocol):
+    """Fits a recording with some groups among the unknowns."""
+
+    def first(self, groups: tuple[str, ...]) -> Solution:
+        """With the noise that is assumed."""
+        ...
+
+    def whole(self, solution: Solution) -> Fitted:
+        """From there on, with the noise that the residuals show."""
+        ...
 
 
-def with_disturbances(problem: Problem, found: Fitted, search: Search) -> Fit:
+def with_disturbances(problem: Problem, search: Search) -> Fit:
     """Free one group after another, as long as chi-square says that it acts.
 
     Args:
         problem: a recording's equations.
-        found: the fit without disturbances.
-        search: finds a fit with some.
+        search: finds a fit with some groups.
     """
-    fit = Fit(found, ())
-    if problem.t.size > LONGEST:
-        return fit
-    likely = _likely(problem, fit)
-    while likely and len(fit.groups) < MOST:
-        more = _best(problem, fit, likely, search)
+    fit = Fit(search.whole(search.first(())), ())
+    while len(fit.groups) < MOST and problem.t.size <= LONGEST:
+        more = _best(problem, fit, search)
         if more is None:
             break
-        fit, likely = more
+        fit = more
     while fit.groups:
         weakest = min(fit.groups, key=lambda group: _beyond_chance(problem, fit, group))
         if _beyond_chance(problem, fit, weakest) > 0:
             break
         left = tuple(group for group in fit.groups if group != weakest)
-        fit = Fit(search(left), left)
+        fit = Fit(search.whole(search.first(left)), left)
     return fit
 
 
-def _best(
-    problem: Problem, fit: Fit, likely: list[str], search: Search
-) -> tuple[Fit, list[str]] | None:
-    """A fit with one group more, and what is likely to act besides.
-
-    The first that leaves nothing to be explained, or else the one that fits best; none
-    where no group is possible.
-    """
+def _best(problem: Problem, fit: Fit, search: Search) -> Fit | None:
+    """With one group more, the one that explains most; none where none is possible."""
     tried = []
-    for group in likely:
+    for group in _likely(problem, fit):
         groups = (*fit.groups, group)
-        more = Fit(search(groups), groups)
-        if _impossible(problem, more):
-            continue
-        besides = _likely(problem, more)
-        if not besides:
-            return more, besides
-        tried.append((more, besides))
-    return min(tried, key=lambda one: one[0].found.misfit, default=None)
+        solution = search.first(groups)
+        if not _impossible(problem, solution, group):
+            size = _places(problem, [group]).size
+            tried.append((solution.cost + chdtri(size, CHANCE), groups, solution))
+    if not tried:
+        return None
+    _, groups, solution = min(tried, key=lambda each: each[0])
+    return Fit(search.whole(solution), groups)
 
 
 def start_with(
@@ -182,9 +180,8 @@ def _beyond_chance(problem: Problem, fit: Fit, group: str) -> float:
     return float(value @ np.linalg.solve(C, value) - chdtri(value.size, CHANCE))
 
 
-def _impossible(problem: Problem, fit: Fit) -> bool:
-    """Whether the group that was freed last pushes where it can only brake."""
-    group = fit.groups[-1]
-    value, C = _sizes(problem, fit.found.solution, group)
+def _impossible(problem: Problem, solution: Solution, group: str) -> bool:
+    """Whether it pushes where it can only brake."""
+    value, C = _sizes(problem, solution, group)
     positive = np.array([each.positive for each in _members(problem, group)])
     return bool((positive & (value < -IMPOSSIBLE * np.sqrt(np.diag(C)))).any())

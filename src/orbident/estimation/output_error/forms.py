@@ -2,7 +2,9 @@
 
     constant torque            tau = e_k                    inertial axes
     torque fixed to the base   tau = R_WB e_k
+    slow torque                tau = e_k cos(m pi t / T)    m = 1 .. 6
     constant pull              a = e_k                      such as a table's tilt
+    slow pull                  a = e_k cos(m pi t / T)
     uneven table               a = E_k (r_cm - r_cm(0))     E_k symmetric
     film drag of a body        F = -v_P,  or  tau = -w
     known wrench               as recorded
@@ -10,7 +12,7 @@
 Torques are about S, accelerations `a` those of all parts alike.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -21,10 +23,15 @@ from orbident.model.minimal_sets import conserved_axes
 
 AXES = "xyz"
 
+WAVES = 6
+"""Half waves in a recording of what changes slowly, at most."""
+
 IN_WORDS = {
     "torque": "a constant torque acts, inertial axes",
+    "slow_torque": "a torque acts that changes slowly, inertial axes",
     "base_torque": "a torque acts that turns with the base, base axes",
     "pull": "all parts are pulled alike, as on a table that is not level",
+    "slow_pull": "all parts are pulled alike, by what changes slowly",
     "uneven": "the pull changes from place to place, as on an uneven table",
     "drag": "drag acts, as of an air film",
 }
@@ -86,11 +93,12 @@ def nothing(nodes: int) -> Effect:
 def _torques(followed: Followed) -> Iterator[Disturbance]:
     turning, _ = conserved_axes(followed.robot)
     none = nothing(followed.t.size)
-    for k in turning:
-        along = np.zeros_like(none.torque)
-        along[:, k] = 1.0
-        effect = none._replace(torque=along)
-        yield Disturbance(f"torque.{AXES[k]}", "torque", "N m", effect)
+    for name, vector in _steady(followed, turning):
+        effect = none._replace(torque=vector)
+        yield Disturbance(f"torque.{name}", "torque", "N m", effect)
+    for name, vector in _slow(followed, turning):
+        effect = none._replace(torque=vector)
+        yield Disturbance(f"slow_torque.{name}", "slow_torque", "N m", effect)
     if followed.robot.motion == "spatial":
         for k in turning:
             effect = none._replace(torque=followed.R_WB[:, :, k])
@@ -100,11 +108,31 @@ def _torques(followed: Followed) -> Iterator[Disturbance]:
 def _pulls(followed: Followed) -> Iterator[Disturbance]:
     _, moving = conserved_axes(followed.robot)
     none = nothing(followed.t.size)
-    for k in moving:
-        along = np.zeros_like(none.pull)
-        along[:, k] = 1.0
-        effect = none._replace(pull=along)
-        yield Disturbance(f"pull.{AXES[k]}", "pull", "m/s^2", effect)
+    for name, vector in _steady(followed, moving):
+        yield Disturbance(f"pull.{name}", "pull", "m/s^2", none._replace(pull=vector))
+    for name, vector in _slow(followed, moving):
+        effect = none._replace(pull=vector)
+        yield Disturbance(f"slow_pull.{name}", "slow_pull", "m/s^2", effect)
+
+
+def _steady(
+    followed: Followed, axes: Sequence[int]
+) -> Iterator[tuple[str, Float[np.ndarray, "nodes 3"]]]:
+    for k in axes:
+        vector = np.zeros((followed.t.size, 3))
+        vector[:, k] = 1.0
+        yield AXES[k], vector
+
+
+def _slow(
+    followed: Followed, axes: Sequence[int]
+) -> Iterator[tuple[str, Float[np.ndarray, "nodes 3"]]]:
+    """Whatever changes over a sixth of the recording, or more slowly."""
+    t = followed.t - followed.t[0]
+    for m in range(1, WAVES + 1):
+        wave = np.cos(m * np.pi * t / t[-1])
+        for name, vector in _steady(followed, axes):
+            yield f"{name}.{m}", vector * wave[:, None]
 
 
 def _uneven(followed: Followed) -> Iterator[Disturbance]:

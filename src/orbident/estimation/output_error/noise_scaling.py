@@ -9,7 +9,7 @@ from jaxtyping import Float
 from orbident.estimation.output_error.lasting import at_level, innovated
 from orbident.estimation.output_error.problem import BySensor, Problem, State
 from orbident.estimation.output_error.shooting import TURN_AND_BIASES
-from orbident.estimation.output_error.solver import Prior, Solution, solved
+from orbident.estimation.output_error.solver import Solution, solved
 
 NORMAL = 1.4826
 """Std over median absolute value, of Gaussian noise."""
@@ -114,15 +114,6 @@ class Fitted(NamedTuple):
     """The largest relative change of a weight in the last round."""
 
     @property
-    def misfit(self) -> float:
-        """Minus twice the logarithm of the likelihood, each noise at its best."""
-        return sum(
-            part.values.size * np.log(self.levels[name] ** 2 * np.mean(part.values**2))
-            for name, part in self.parts.items()
-            if part.values.any()
-        )
-
-    @property
     def settled(self) -> bool:
         """Whether another round would have changed no estimate."""
         return self.change < SETTLED
@@ -130,33 +121,32 @@ class Fitted(NamedTuple):
 
 def fitted(
     problem: Problem,
-    prior: Prior,
-    state: State,
+    solution: Solution,
     least: Mapping[str, float],
     declared: Collection[str],
     progress: Callable[[], object],
     steps: int,
 ) -> Fitted:
-    """From a state to the most likely one.
+    """From a solution with the noise that was assumed to the most likely one.
 
     Args:
         problem: a recording's equations.
-        prior: what is known of its unknowns.
-        state: where the search starts.
+        solution: of these.
         least: levels of noise by sensor, over what is assumed at first.
         declared: sensors whose noise is.
         progress: is called at every step.
         steps: at most, for the weights of each round.
     """
-    unknowns = _unknowns(problem, state)
+    unknowns = _unknowns(problem, solution.state)
     plain = used = problem.weights
     levels = dict.fromkeys(plain, 1.0)
     rounds = lost = 0
     while True:
         rounds += 1
-        solution = solved(problem, used, prior, state, progress, steps)
+        if rounds > 1:
+            state, prior = solution.state, solution.prior
+            solution = solved(problem, used, prior, state, progress, steps)
         lost = 0 if solution.converged else lost + 1
-        state = solution.state
         residuals = innovated(
             problem.t,
             at_level(problem.lasting, problem.weights, used),

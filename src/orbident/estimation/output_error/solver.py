@@ -61,6 +61,11 @@ class Solution(NamedTuple):
     steps: int
 
     @property
+    def cost(self) -> float:
+        """Squared, whitened."""
+        return self.linear.cost + self.prior.cost(self.state)
+
+    @property
     def covariance(self) -> Float[np.ndarray, "n n"]:
         """Of `[z, g]`, with the `z` of the meeting boundary, to first order."""
         n = self.linear.local
