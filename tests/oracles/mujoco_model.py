@@ -13,9 +13,12 @@ from orbident.robot.parameters import from_mass_com_inertia, inertia_about_com
 
 WHEEL_MASS = 0.5
 
+PLANE = ("x", "y", "turn")
+"""The joints of a base on a table."""
+
 
 def mujoco_model(robot: Robot, wheel_positions: Iterable[np.ndarray]) -> mujoco.MjModel:
-    """A free joint with hinges and slides, and each wheel as a body of its own.
+    """Hinges and slides on a free joint or, in the plane, on three; wheels are bodies.
 
     What the wheels weigh is taken out of the base: the robot counts it there.
 
@@ -27,7 +30,13 @@ def mujoco_model(robot: Robot, wheel_positions: Iterable[np.ndarray]) -> mujoco.
     spec.option.gravity = np.zeros(3)
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_RK4
     base = spec.worldbody.add_body(name=robot.bodies[0])
-    base.add_freejoint()
+    if robot.motion == "planar":
+        for name, axis in zip(PLANE, np.eye(3), strict=True):
+            kind = "HINGE" if name == "turn" else "SLIDE"
+            kind = getattr(mujoco.mjtJoint, f"mjJNT_{kind}")
+            base.add_joint(name=name, type=kind, axis=axis)
+    else:
+        base.add_freejoint()
     theta_0 = robot.theta[0]
     for wheel, p in zip(robot.wheels, wheel_positions, strict=True):
         I = wheel_inertia(wheel)
@@ -41,7 +50,8 @@ def mujoco_model(robot: Robot, wheel_positions: Iterable[np.ndarray]) -> mujoco.
     for joint, theta_i in zip(robot.joints, robot.theta[1:], strict=True):
         quat = np.zeros(4)
         mujoco.mju_mat2Quat(quat, joint.R_PJ.ravel())
-        body = bodies[joint.parent].add_body(pos=joint.p_PJ, quat=quat)
+        name = robot.bodies[len(bodies)]
+        body = bodies[joint.parent].add_body(name=name, pos=joint.p_PJ, quat=quat)
         kind = "HINGE" if joint.kind == "revolute" else "SLIDE"
         body.add_joint(
             name=joint.name,

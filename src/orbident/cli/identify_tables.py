@@ -43,6 +43,7 @@ def _everything(result: Any) -> list[str]:
     lines += _masses(result)
     lines += _sensors(result)
     lines += _calibration(result)
+    lines += _disturbances(result)
     condition = ", ".join(
         f"{name} {value:.4g}" for name, value in result.condition_number.items()
     )
@@ -107,6 +108,15 @@ def _calibration(result: Any) -> list[str]:
         for name, fit in result.calibration.items()
     ]
     return ["", "calibration errors, SI or relative", *lines] if lines else []
+
+
+def _disturbances(result: Any) -> list[str]:
+    """What acted from outside."""
+    lines = [
+        f"  {name:24} {fit.value:10.2g} +- {fit.std:.2g} {fit.unit}"
+        for name, fit in result.disturbances.items()
+    ]
+    return ["", "from outside", *lines] if lines else []
 
 
 def _sensitivity(result: Any) -> list[str]:

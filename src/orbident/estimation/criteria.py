@@ -28,6 +28,8 @@ SPREAD = 0.5
 VAGUE = 0.3
 # So many neighbours are named; more are given by the first and the last.
 LISTED = 20
+# So many sizes of what acts from outside are written out.
+FEW = 4
 
 
 class Judgement(NamedTuple):
@@ -195,13 +197,19 @@ def _changes(estimate: Estimate) -> Iterator[Check]:
 
 
 def _disturbances(estimate: Estimate) -> Iterator[Check]:
-    for group, push in estimate.disturbances.items():
-        sizes = (
-            f"{name} = {value:.3g} +- {std:.1g} {unit}"
-            for name, unit, value, std in zip(*push, strict=True)
-        )
+    fits = estimate.disturbances
+    for group in dict.fromkeys(fit.group for fit in fits.values()):
+        own = {name: fit for name, fit in fits.items() if fit.group == group}
+        largest = max(own.values(), key=lambda fit: abs(fit.value))
+        sizes = f"up to {abs(largest.value):.2g} {largest.unit}"
+        if len(own) <= FEW:
+            sizes = ", ".join(
+                f"{name} = {fit.value:.3g} +- {fit.std:.1g} {fit.unit}"
+                for name, fit in own.items()
+            )
         yield Check(
             f"{group} from outside",
             "with care",
-            f"{IN_WORDS[group]}: {', '.join(sizes)}; identified with the parameters",
+            f"{IN_WORDS[group]}: {sizes}; it was identified with the parameters, one "
+            f"of which would be off by {largest.shift:.2g} sigmas without it",
         )

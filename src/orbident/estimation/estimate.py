@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.estimation.found import BetaEstimate, Found, found_beta
-from orbident.estimation.output_error.disturbances import Push
+from orbident.estimation.output_error.disturbances import DisturbanceFit
 from orbident.estimation.output_error.sensitivity import CalibrationFit, Sensitivity
 from orbident.estimation.output_error.solver import Solution
 from orbident.estimation.predicted import Signals
@@ -67,7 +67,7 @@ class Estimate:
     sensors: Mapping[str, SensorFit] = field(default_factory=dict)
     biases: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     """The biases of sensors, with their standard deviations; SI."""
-    disturbances: Mapping[str, Push] = field(default_factory=dict)
+    disturbances: Mapping[str, DisturbanceFit] = field(default_factory=dict)
     """What acted from outside, where that was an unknown."""
     calibration: Mapping[str, CalibrationFit] = field(default_factory=dict)
     """The errors of instruments that have a tolerance."""

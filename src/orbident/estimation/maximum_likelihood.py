@@ -19,7 +19,7 @@ from orbident.estimation.found import BetaEstimate, hidden_of
 from orbident.estimation.linear_fits import Fits, InitialMomentum, known_momentum
 from orbident.estimation.output_error.calibration import Calibration
 from orbident.estimation.output_error.disturbances import (
-    Push,
+    DisturbanceFit,
     identified,
     start_with,
     with_disturbances,
@@ -63,8 +63,8 @@ class Likelihood:
 
     estimate: BetaEstimate
     biases: dict[str, dict[str, float]]
-    pushes: dict[str, Push]
-    """What acts from outside, by its group."""
+    disturbances: dict[str, DisturbanceFit]
+    """What acted from outside."""
     sensors: dict[str, SensorFit]
     goodness: Goodness
     """Of all residuals over the declared noise, or that found where none is."""
@@ -111,19 +111,22 @@ def maximum_likelihood(
     outside = _first_momentum(robot, sets, samples, fits, initial_momentum)
     prior = prior_of(robot, sets, problem.declared, outside, initial_momentum)
     # Linear fits are poor where a velocity is noisier than the motion.
-    starts = [
-        start_of(problem, samples, outside, at) for at in (beta, sets.beta(robot.theta))
-    ]
-    starts.sort(key=lambda start: linear(problem, problem.weights, start).cost)
+    first, second = sorted(
+        (
+            start_of(problem, samples, outside, at)
+            for at in (beta, sets.beta(robot.theta))
+        ),
+        key=lambda start: linear(problem, problem.weights, start).cost,
+    )
     least = {name: each.least / each.std for name, each in sensors.by_name.items()}
     declared = {name for name, each in sensors.by_name.items() if each.declared}
 
-    search = _Search(problem, prior, starts, least, declared, progress, steps)
+    search = _Search(problem, prior, (first, second), least, declared, progress, steps)
     found, groups = with_disturbances(problem, search)
     return Likelihood(
         estimate=estimate_of(found.solution, prior_std(robot, sets)),
         biases=_biases(robot, sensors, found),
-        pushes=identified(problem, found.solution, groups),
+        disturbances=identified(problem, found.solution, groups),
         sensors={name: _sensor_fit(sensors, found, name) for name in found.parts},
         goodness=_goodness(sensors, found),
         converged=found.solution.converged,
@@ -141,7 +144,7 @@ class _Search:
 
     problem: Problem
     prior: Prior
-    starts: Sequence[State]
+    starts: tuple[State, State]
     least: Mapping[str, float]
     declared: Collection[str]
     progress: Callable[[], object]
@@ -149,15 +152,14 @@ class _Search:
 
     def first(self, groups: tuple[str, ...]) -> Solution:
         """From the best start, and from the other where that leads nowhere."""
+        best, other = self.starts
+        solution = self._from(best, groups)
+        return solution if solution.converged else self._from(other, groups)
+
+    def _from(self, start: State, groups: tuple[str, ...]) -> Solution:
+        prior, state = start_with(self.problem, self.prior, start, groups)
         weights = self.problem.weights
-        for start in self.starts:
-            prior, state = start_with(self.problem, self.prior, start, groups)
-            solution = solved(
-                self.problem, weights, prior, state, self.progress, self.steps
-            )
-            if solution.converged:
-                break
-        return solution
+        return solved(self.problem, weights, prior, state, self.progress, self.steps)
 
     def whole(self, solution: Solution) -> Fitted:
         """With the noise that the residuals show."""

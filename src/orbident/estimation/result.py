@@ -7,6 +7,7 @@ from typing import Any, Literal
 from orbident.errors import InputError
 from orbident.estimation.check import Check, Level, worst
 from orbident.estimation.linear_fits import Fits, InitialMomentum
+from orbident.estimation.output_error.disturbances import DisturbanceFit
 from orbident.estimation.output_error.sensitivity import CalibrationFit
 from orbident.estimation.parameter_table import short_table
 from orbident.estimation.predicted import Signals
@@ -42,6 +43,8 @@ class Result(Identified):
     """Of sensors, with their standard deviations; SI."""
     calibration: Mapping[str, CalibrationFit] = field(default_factory=dict)
     """The errors of instruments that have a tolerance."""
+    disturbances: Mapping[str, DisturbanceFit] = field(default_factory=dict)
+    """What acted from outside, where the recording shows that something did."""
     sensitivity: Callable[[], SensitivityTable | None] = field(
         default=lambda: None, compare=False, repr=False
     )
@@ -187,6 +190,9 @@ class Result(Identified):
             "biases": {name: dict(bias) for name, bias in self.biases.items()},
             "calibration": {
                 name: fit._asdict() for name, fit in self.calibration.items()
+            },
+            "disturbances": {
+                name: fit._asdict() for name, fit in self.disturbances.items()
             },
             "sensitivity": None if table is None else table.to_json(),
             "clocks": {

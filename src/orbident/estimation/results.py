@@ -67,6 +67,7 @@ def result_of(
         residual=_residual(estimate),
         biases=estimate.biases,
         calibration=estimate.calibration,
+        disturbances=estimate.disturbances,
         sensitivity=partial(_sensitivity, estimate, identified, refused),
         clocks=problem.clocks,
         rejected=problem.rejected,

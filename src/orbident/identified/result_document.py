@@ -141,6 +141,14 @@ class _Calibration(_Part):
     tolerance: Number
 
 
+class _Disturbance(_Part):
+    group: str
+    unit: str
+    value: Number
+    std: Number
+    shift: Number
+
+
 class _Sensitivity(_Part):
     parameters: list[str]
     errors: list[str]
@@ -225,6 +233,7 @@ class _Result(_Identified):
     residual: _Residual
     biases: dict[str, _Quantity]
     calibration: dict[str, _Calibration]
+    disturbances: dict[str, _Disturbance] = Field(default_factory=dict)
     sensitivity: _Sensitivity | None
     clocks: dict[str, _Clock]
     rejected: dict[str, dict[str, Count]]

@@ -12,6 +12,7 @@ import numpy as np
 
 from orbident.errors import InputError
 from orbident.estimation.check import Check
+from orbident.estimation.output_error.disturbances import DisturbanceFit
 from orbident.estimation.output_error.sensitivity import CalibrationFit
 from orbident.estimation.predicted import Signals
 from orbident.estimation.quantities import (
@@ -220,6 +221,10 @@ def _read(text: str, folder: Path) -> Result:
         biases=document["biases"],
         calibration={
             name: CalibrationFit(**fit) for name, fit in document["calibration"].items()
+        },
+        disturbances={
+            name: DisturbanceFit(**fit)
+            for name, fit in document.get("disturbances", {}).items()
         },
         sensitivity=partial(_sensitivity, document["sensitivity"]),
         clocks={

@@ -6,15 +6,15 @@ its own deviations (Wald, 1943). Both are chi-square where nothing acts.
 """
 
 from collections.abc import Collection, Iterator
-from typing import NamedTuple, Protocol
+from typing import NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 from scipy.special import chdtri
 
 from orbident.estimation.output_error.forms import Disturbance
 from orbident.estimation.output_error.noise_scaling import Fitted
-from orbident.estimation.output_error.problem import Problem, State
+from orbident.estimation.output_error.problem import OUTSIDE, Problem, State
 from orbident.estimation.output_error.sensitivity import after_all_others, fall
 from orbident.estimation.output_error.solver import Prior, Solution
 
@@ -37,13 +37,16 @@ LONGEST = 2**15
 """Rows of a recording that is tested: tables of what acts take some 3 kB a row."""
 
 
-class Push(NamedTuple):
-    """One group of disturbances that was identified with the parameters."""
+class DisturbanceFit(NamedTuple):
+    """One number of what acted from outside, identified with the parameters; SI."""
 
-    names: tuple[str, ...]
-    units: tuple[str, ...]
-    value: Float[np.ndarray, " sizes"]
-    std: Float[np.ndarray, " sizes"]
+    group: str
+    unit: str
+    value: float
+    std: float
+    shift: float
+    """By so many of its deviations the base parameter that it concerns most would be
+    off, had the group been left out."""
 
 
 class Fit(NamedTuple):
@@ -53,6 +56,7 @@ class Fit(NamedTuple):
     groups: tuple[str, ...]
 
 
+@runtime_checkable
 class Search(Protocol):
     """Fits a recording with some groups among the unknowns."""
 
@@ -123,19 +127,34 @@ def start_with(
 
 def identified(
     problem: Problem, solution: Solution, groups: Collection[str]
-) -> dict[str, Push]:
-    """The sizes of what was freed, with their deviations."""
-    pushes = {}
+) -> dict[str, DisturbanceFit]:
+    """What was freed, by its name.
+
+    Args:
+        problem: a recording's equations.
+        solution: of these.
+        groups: that were freed.
+    """
+    fits = {}
     for group in groups:
-        which = list(_members(problem, group))
         value, C = _sizes(problem, solution, group)
-        pushes[group] = Push(
-            tuple(each.name for each in which),
-            tuple(each.unit for each in which),
-            value,
-            np.sqrt(np.diag(C)),
-        )
-    return pushes
+        std, shift = np.sqrt(np.diag(C)), _shift(problem, solution, group)
+        for k, each in enumerate(_members(problem, group)):
+            fits[each.name] = DisturbanceFit(
+                group, each.unit, float(value[k]), float(std[k]), shift
+            )
+    return fits
+
+
+def _shift(problem: Problem, solution: Solution, group: str) -> float:
+    """If `g` is zero, `beta` changes by `-C_bg C_gg^-1 g`."""
+    value, C_gg = _sizes(problem, solution, group)
+    C, state = solution.covariance, solution.state
+    first = len(C) - state.common.size + OUTSIDE
+    beta = np.arange(first, first + state.beta.size)
+    here = len(C) - state.selected.size + _selected(problem, state, group)
+    change = C[np.ix_(beta, here)] @ np.linalg.solve(C_gg, value)
+    return float(np.max(np.abs(change) / np.sqrt(np.diag(C)[beta])))
 
 
 def _members(problem: Problem, group: str) -> Iterator[Disturbance]:
@@ -166,13 +185,18 @@ def _likely(problem: Problem, fit: Fit) -> list[str]:
     return likely[:TRIED]
 
 
+def _selected(problem: Problem, state: State, group: str) -> Int[np.ndarray, " n"]:
+    """Of a group, the places among those selected."""
+    return np.flatnonzero(np.isin(state.selected, _places(problem, [group])))
+
+
 def _sizes(
     problem: Problem, solution: Solution, group: str
 ) -> tuple[Float[np.ndarray, " n"], Float[np.ndarray, "n n"]]:
-    selected = solution.state.selected
-    which = np.flatnonzero(np.isin(selected, _places(problem, [group])))
-    here = len(solution.covariance) - selected.size + which
-    return solution.state.calibration[which], solution.covariance[np.ix_(here, here)]
+    state = solution.state
+    which = _selected(problem, state, group)
+    here = len(solution.covariance) - state.selected.size + which
+    return state.calibration[which], solution.covariance[np.ix_(here, here)]
 
 
 def _beyond_chance(problem: Problem, fit: Fit, group: str) -> float:

@@ -51,7 +51,7 @@ class OutputError:
             ),
             sensors=sensors,
             biases=likelihood.biases,
-            disturbances=likelihood.pushes,
+            disturbances=likelihood.disturbances,
             calibration=likelihood.calibration,
             sensitivity=likelihood.sensitivity,
             converged=likelihood.converged,
