@@ -82,7 +82,8 @@ def identify(
     )
     if result.status == "ok":
         return result
-    return replace(result, causes=lambda: tuple(causes(solved)))
+    # They are searched for after this verb has returned, and its limit with it.
+    return replace(result, causes=one_blas_thread(lambda: tuple(causes(solved))))
 
 
 def _masses(weighing: Weighing | None, estimate: Estimate) -> dict[str, Quantity]:
