@@ -22,6 +22,9 @@ from orbident.robot.description import Robot
 PRECISION = 1e-15
 """Relative, at which MINPACK stops."""
 
+EVALUATIONS = 200
+"""At most: recordings of twenty random robots needed 5 to 20, hopeless ones thousands."""
+
 
 def beta_of_fits(robot: Robot, sets: MinimalSets, fits: Fits) -> BetaEstimate:
     """Nonlinear least squares from the nominal values, as if all noise were white."""
@@ -63,6 +66,7 @@ def nonlinear_fit(
         xtol=PRECISION,
         ftol=PRECISION,
         gtol=PRECISION,
+        max_nfev=EVALUATIONS,
     )
     J = slopes(found.x)
     root = np.linalg.inv(np.linalg.qr(J, mode="r")) * wide[:, None]
