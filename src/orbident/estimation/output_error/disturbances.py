@@ -33,6 +33,12 @@ MOST = 3
 TRIED = 3
 """Groups, likeliest to first order, of which the one that explains most is freed."""
 
+BAD = 10.0
+"""Chi-square of a sample beyond which it is asked first whether there is any hope."""
+
+HARDLY = 0.25
+"""Of chi-square: what acts from outside leaves less, where it is the cause."""
+
 LONGEST = 2**15
 """Rows of a recording that is tested: tables of what acts take some 3 kB a row."""
 
@@ -76,8 +82,11 @@ def with_disturbances(problem: Problem, search: Search) -> Fit:
         problem: a recording's equations.
         search: finds a fit with some groups.
     """
-    fit = Fit(search.whole(search.first(())), ())
-    while len(fit.groups) < MOST and problem.t.size <= LONGEST:
+    plain = search.first(())
+    fit = Fit(search.whole(plain), ())
+    if problem.t.size > LONGEST or _hopeless(problem, plain, search):
+        return fit
+    while len(fit.groups) < MOST:
         more = _best(problem, fit, search)
         if more is None:
             break
@@ -89,6 +98,15 @@ def with_disturbances(problem: Problem, search: Search) -> Fit:
         left = tuple(group for group in fit.groups if group != weakest)
         fit = Fit(search.whole(search.first(left)), left)
     return fit
+
+
+def _hopeless(problem: Problem, plain: Solution, search: Search) -> bool:
+    """Whether the fit is bad, and all that may act explains hardly any of it."""
+    samples = sum(int((weight > 0).sum()) for weight in problem.weights.values())
+    if plain.cost < BAD * samples:
+        return False
+    groups = tuple(dict.fromkeys(each.group for each in problem.acting.disturbances))
+    return search.first(groups).cost > HARDLY * plain.cost
 
 
 def _best(problem: Problem, fit: Fit, search: Search) -> Fit | None:
