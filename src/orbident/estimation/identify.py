@@ -8,6 +8,7 @@ from typing import get_args
 
 from orbident.errors import InputError
 from orbident.estimation.causes.causes import causes
+from orbident.estimation.check import Check
 from orbident.estimation.criteria import judge
 from orbident.estimation.estimate import Estimate, Estimator
 from orbident.estimation.estimators import Method, estimator_of
@@ -16,7 +17,7 @@ from orbident.estimation.mass_routes import BURN, is_a_mass
 from orbident.estimation.quantities import Quantity
 from orbident.estimation.result import Result
 from orbident.estimation.results import result_of
-from orbident.estimation.solve import solve
+from orbident.estimation.solve import Solved, solve
 from orbident.estimation.weigh import Weighing, weigh
 from orbident.recordings.recording import Recording
 from orbident.recordings.tables import read_recording
@@ -82,7 +83,12 @@ def identify(
     )
     if result.status == "ok":
         return result
-    return replace(result, causes=lambda: tuple(causes(solved)))
+    return replace(result, causes=lambda: _tried_causes(solved))
+
+
+@one_blas_thread
+def _tried_causes(solved: Solved) -> tuple[Check, ...]:
+    return tuple(causes(solved))
 
 
 def _masses(weighing: Weighing | None, estimate: Estimate) -> dict[str, Quantity]:

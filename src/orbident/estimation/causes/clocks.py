@@ -43,20 +43,23 @@ Late = Mapping[str, float]
 class Corrected(NamedTuple):
     """Clocks that were corrected before anything was tried."""
 
-    before: float
-    """The misfit without the correction."""
-    trials: tuple[Trial, ...]
+    recorded: MomentumProblem
+    """On the clocks as they are."""
+    before: Trial
+    """What comes of that."""
+    cause: str
+    """Which were corrected: a clause."""
 
 
-def already_corrected(problem: MomentumProblem, after: float) -> Corrected | None:
+def already_corrected(problem: MomentumProblem) -> Corrected | None:
     """The clocks that a refused problem is on already; None where as recorded."""
     late = {name: s for name, s in corrections(problem.clocks).items() if s}
     if not late:
         return None
     clocks = {name: d._replace(believed=False) for name, d in problem.clocks.items()}
-    recorded = trial("", replace(problem, clocks=clocks).amended())
+    recorded = replace(problem, clocks=clocks).amended()
     words = " and ".join(_one(name, seconds) for name, seconds in late.items())
-    return Corrected(recorded.misfit, (Trial(words, False, after),))
+    return Corrected(recorded, trial("", recorded), words)
 
 
 def clocks(problem: MomentumProblem) -> Iterator[Trial]:

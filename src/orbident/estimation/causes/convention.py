@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from orbident.estimation.causes.shifts import with_columns
 from orbident.estimation.problem import MomentumProblem
 from orbident.preprocessing.samples import Samples
 from orbident.recordings.recording import Recording
@@ -29,7 +30,7 @@ class Convention:
             for name, (source, factor) in self.columns.items()
             if recording.has(source)
         }
-        return replace(recording, columns={**recording.columns, **right})
+        return with_columns(recording, right)
 
 
 def scaled(

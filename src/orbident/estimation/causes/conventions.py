@@ -14,6 +14,7 @@ from scipy.spatial.transform import Rotation
 
 from orbident.estimation.causes.convention import DEGREE, Convention, scaled
 from orbident.estimation.causes.conventions_of_joints import of_joints, of_wheels
+from orbident.estimation.causes.shifts import of_vector, with_columns
 from orbident.estimation.problem import MomentumProblem
 from orbident.preprocessing.delays import corrections
 from orbident.preprocessing.samples import Samples, samples_of
@@ -119,11 +120,7 @@ def _quaternion(change: Change) -> Callable[[MomentumProblem], Samples]:
     def amended(problem: MomentumProblem) -> Samples:
         recording = problem.recording
         x = change(recording.vector("attitude", "xyzw"))
-        columns = {
-            f"attitude.{k}": np.ascontiguousarray(values)
-            for k, values in zip("xyzw", x.T, strict=True)
-        }
-        written = replace(recording, columns={**recording.columns, **columns})
+        written = with_columns(recording, of_vector("attitude", x))
         return samples_of(problem.robot, written, corrections(problem.clocks))
 
     return amended

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from orbident.errors import InputError
+from orbident.estimation.causes.shifts import without
 from orbident.estimation.causes.trial import Trial, trial
 from orbident.estimation.linear_fits import InitialMomentum
 from orbident.estimation.problem import MomentumProblem
@@ -35,7 +36,8 @@ def event(problem: MomentumProblem) -> str | None:
         return None
     at = f"between t = {t[good - 1]:.3g} and {t[bad - 1]:.3g} s"
     for sensor in MASKED:
-        if _without(problem, sensor, good).accepted:
+        later = np.arange(problem.recording.t.size) >= good
+        if _tried(problem, without(problem.recording, sensor, later)).accepted:
             return (
                 f"the {sensor} drifts, or has a jump (a step) {at}: without its "
                 "samples from then on the recording is accepted"
@@ -87,18 +89,6 @@ def _part(
     part = replace(recording, t=recording.t[rows], columns=columns)
     known = replace(problem, initial_momentum=initial_momentum)
     return _tried(known, part)
-
-
-def _without(problem: MomentumProblem, sensor: str, start: int) -> Trial:
-    """Without the sensor's samples from a row on."""
-    recording = problem.recording
-    columns = {
-        name: np.where(np.arange(column.size) < start, column, np.nan)
-        if name.startswith(f"{sensor}.")
-        else column
-        for name, column in recording.columns.items()
-    }
-    return _tried(problem, replace(recording, columns=columns))
 
 
 def _tried(problem: MomentumProblem, recording: Recording) -> Trial:

@@ -7,11 +7,14 @@ import numpy as np
 from jaxtyping import Float
 from scipy.spatial.transform import Rotation
 
-from orbident.estimation.causes.suspects import Numbers, Suspect
+from orbident.estimation.causes.linear_test import FALLS, ROWS
+from orbident.estimation.causes.shifts import of_vector, with_columns
+from orbident.estimation.causes.suspects import Numbers, Score, Suspect, tried
+from orbident.estimation.causes.trial import Trial
+from orbident.estimation.linear_fits import rows_of
 from orbident.estimation.problem import MomentumProblem
 from orbident.model.minimal_sets import conserved_axes
 from orbident.model.wheels import wheels_of
-from orbident.recordings.recording import Recording
 from orbident.robot.description import Wheel
 
 SMALL = 1e-4
@@ -30,11 +33,10 @@ def beside(problem: MomentumProblem) -> Iterator[Suspect]:
     axes = np.eye(3)[list(turning)]
     if problem.recording.has("position.x", "attitude.x"):
         yield _inertial_axes(axes)
-    if problem.recording.has("gyro.x"):
-        yield _gyro_drift(axes)
     yield from _spin_down(problem)
     if problem.robot.motion != "planar":
-        yield _missing_wheel(problem, axes)
+        for k, wheel in enumerate(problem.robot.wheels):
+            yield _wheel_axis(k, wheel)
     yield _torque(problem, axes)
 
 
@@ -47,39 +49,31 @@ def _inertial_axes(axes: Float[np.ndarray, "n 3"]) -> Suspect:
         )
 
     def corrected(problem: MomentumProblem, c: Numbers) -> MomentumProblem:
-        turned = Rotation.from_rotvec(c @ axes).apply(
-            problem.recording.vector("position")
-        )
-        return replace(
-            problem, recording=_with(problem, dict(zip("xyz", turned.T, strict=True)))
-        )
+        R = Rotation.from_rotvec(c @ axes)
+        turned = R.apply(problem.recording.vector("position"))
+        columns = of_vector("position", turned)
+        return replace(problem, recording=with_columns(problem.recording, columns))
 
     return Suspect(words, np.full(len(axes), SMALL), corrected)
 
 
-def _gyro_drift(axes: Float[np.ndarray, "n 3"]) -> Suspect:
+def _wheel_axis(k: int, wheel: Wheel) -> Suspect:
+    across = across_of(wheel.axis)
+
     def words(c: Numbers) -> str:
-        size = np.linalg.norm(c)
-        return f"the bias of the gyro drifts by {size:.2g} rad/s over the recording"
+        angle = np.degrees(np.linalg.norm(c))
+        return (
+            f"the axis of wheel {wheel.name} in the robot file is tilted by "
+            f"{angle:.2g} deg"
+        )
 
     def corrected(problem: MomentumProblem, c: Numbers) -> MomentumProblem:
-        recording, part = problem.recording, _elapsed(problem)
-        columns = {
-            f"gyro.{k}": recording.columns[f"gyro.{k}"] - off * part
-            for k, off in zip("xyz", c @ axes, strict=True)
-        }
-        changed = replace(recording, columns={**recording.columns, **columns})
-        return replace(problem, recording=changed)
+        axis = Rotation.from_rotvec(c @ across).apply(wheel.axis)
+        wheels = list(problem.robot.wheels)
+        wheels[k] = replace(wheels[k], axis=axis)
+        return replace(problem, robot=replace(problem.robot, wheels=tuple(wheels)))
 
-    return Suspect(words, np.full(len(axes), 0.1 * SMALL), corrected)
-
-
-def _with(problem: MomentumProblem, position: dict[str, np.ndarray]) -> Recording:
-    columns = {
-        f"position.{k}": np.ascontiguousarray(column) for k, column in position.items()
-    }
-    recording = problem.recording
-    return replace(recording, columns={**recording.columns, **columns})
+    return Suspect(words, np.full(2, SMALL), corrected)
 
 
 def _spin_down(problem: MomentumProblem) -> Iterator[Suspect]:
@@ -109,21 +103,53 @@ def _spin_down(problem: MomentumProblem) -> Iterator[Suspect]:
         yield Suspect(words, np.array([SMALL]), corrected)
 
 
-def _missing_wheel(problem: MomentumProblem, axes: Float[np.ndarray, "n 3"]) -> Suspect:
-    h = _size(problem)
+def missing_wheel(problem: MomentumProblem) -> Iterator[Trial]:
+    """A constant momentum in base axes, if Eq. 24 has a place for one.
+
+    Along that of wheels whose speeds are constant it would be another scale.
+    """
+    if problem.robot.motion == "planar" or not problem.robot.wheels:
+        return
+    h = wheels_of(problem.robot).A_rw @ np.nanmean(problem.samples.qd_rw, axis=1)
+    across = across_of(h)
+    missing = _missing_momentum(problem, across)
+    if missing is None:
+        return
 
     def words(c: Numbers) -> str:
         return (
             "a wheel is missing in the robot file: a constant momentum of "
-            f"{h * np.linalg.norm(c):.3g} N m s in base axes is not declared"
+            f"{np.linalg.norm(c):.3g} N m s or more in base axes is not declared"
         )
 
     def corrected(problem: MomentumProblem, c: Numbers) -> MomentumProblem:
-        wheels = [Wheel(f"{EXTRA}_{k}", axis, 1.0) for k, axis in enumerate(axes)]
+        wheels = [Wheel(f"{EXTRA}_{k}", axis, 1.0) for k, axis in enumerate(across)]
         steady = np.ones(problem.samples.t.size)
-        return _with_wheels(problem, wheels, [h * each * steady for each in c])
+        return _with_wheels(problem, wheels, [each * steady for each in c])
 
-    return Suspect(words, np.full(len(axes), SMALL), corrected)
+    small = np.full(len(across), SMALL * np.linalg.norm(h))
+    suspect = Suspect(words, small, corrected)
+    yield from tried(problem, suspect, Score(missing, np.ones(2), 0.0), np.inf)
+
+
+def _missing_momentum(
+    problem: MomentumProblem, axes: Float[np.ndarray, "n 3"]
+) -> Float[np.ndarray, " n"] | None:
+    """`h` of `Y pi - R_0^T h_cm + h = -A_rw qd_rw`; None where it explains little."""
+    regressors, wheels = problem.sets.regressors, wheels_of(problem.robot)
+    batch = problem.samples.batch(0, ROWS)
+    rows, _ = rows_of(regressors, wheels, None, batch, bool(problem.samples.drift))
+    rows = rows.reshape(len(batch.turning), 3, -1)[batch.turning]
+    known, b = rows[..., :-1].reshape(3 * len(rows), -1), rows[..., -1].ravel()
+    A = np.hstack([np.tile(axes.T, (len(rows), 1)), known])
+    x, without = np.linalg.lstsq(A, b)[0], np.linalg.lstsq(known, b)[0]
+    before, after = np.linalg.norm(b - known @ without), np.linalg.norm(b - A @ x)
+    return x[: len(axes)] if before > FALLS * after else None
+
+
+def across_of(axis: Float[np.ndarray, "3"]) -> Float[np.ndarray, "2 3"]:
+    """Two directions across an axis."""
+    return np.linalg.svd(axis[None])[2][1:]
 
 
 def _torque(problem: MomentumProblem, axes: Float[np.ndarray, "n 3"]) -> Suspect:
@@ -175,5 +201,5 @@ def _with_wheels(
         problem,
         robot=replace(robot, wheels=(*robot.wheels, *wheels)),
         samples=replace(samples, qd_rw=(*samples.qd_rw, *speeds)),
-        recording=replace(recording, columns={**recording.columns, **columns}),
+        recording=with_columns(recording, columns),
     )

@@ -28,7 +28,7 @@ def noise(problem: MomentumProblem) -> Iterator[Trial]:
             f"the noise of the {name} is {shown:.2g} (SI), {shown / declared:.2g} "
             "times what the robot file declares"
         )
-        yield trial(words, amended)
+        yield trial(words, amended)._replace(seen=True)
 
 
 def wandering(problem: MomentumProblem) -> Iterator[Trial]:

@@ -14,6 +14,7 @@ from jaxtyping import Float
 
 from orbident.errors import InputError
 from orbident.estimation.causes.trial import Trial, trial
+from orbident.estimation.evidence import WORTH
 from orbident.estimation.output_error.problem import (
     OUTSIDE,
     Linear,
@@ -27,8 +28,8 @@ from orbident.estimation.problem import MomentumProblem
 from orbident.preprocessing.delays import delays
 from orbident.robot.parameters import PER_BODY
 
-ROUNDS = 2
-"""Of a trial and a better guess."""
+ROUNDS = 4
+"""Of a trial and a better guess, as long as it explains more."""
 
 SETTLED = 0.3
 """Deviations: a change of the guess that is less brings nothing."""
@@ -89,8 +90,17 @@ def score(problem: MomentumProblem, solution: Solution, suspect: Suspect) -> Sco
     return Score(numbers, std, float(r @ r - after @ after))
 
 
-def tried(problem: MomentumProblem, suspect: Suspect, first: Score) -> Iterator[Trial]:
-    """Identify again with the suspect put right, from a first guess of the numbers."""
+def tried(
+    problem: MomentumProblem, suspect: Suspect, first: Score, before: float
+) -> Iterator[Trial]:
+    """Identify again with the suspect put right, from a first guess of the numbers.
+
+    Args:
+        problem: as it is fitted.
+        suspect: what is put right.
+        first: the guess.
+        before: the misfit now: what makes it worse is not tried again.
+    """
     numbers, best = first.numbers, Trial("", False, np.inf)
     for _ in range(ROUNDS):
         right = suspect.corrected(problem, numbers)
@@ -99,11 +109,14 @@ def tried(problem: MomentumProblem, suspect: Suspect, first: Score) -> Iterator[
         except InputError:
             break
         found = trial(suspect.words(numbers), right)
-        if not found.misfit < best.misfit:
-            break
         price = numbers.size * np.log(problem.samples.t.size)
-        best = found._replace(misfit=found.misfit + price)
-        if found.accepted or found.estimate is None or found.estimate.solution is None:
+        found = found._replace(misfit=found.misfit + price)
+        if not (found.accepted or found.misfit < best.misfit - WORTH):
+            break
+        best = found
+        if found.accepted or found.misfit > before:
+            break
+        if found.estimate is None or found.estimate.solution is None:
             break
         more = score(right, found.estimate.solution, suspect)
         if not more.falls or np.all(abs(more.numbers) < SETTLED * more.std):

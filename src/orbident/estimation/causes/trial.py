@@ -26,6 +26,8 @@ class Trial(NamedTuple):
     misfit: float
     """Minus twice the logarithm of the likelihood, but for a constant."""
     estimate: Estimate | None = None
+    seen: bool = False
+    """Whether samples show it by themselves: then no fall in the misfit is wanted."""
 
 
 def trial(cause: str, problem: MomentumProblem) -> Trial:

@@ -1,0 +1,150 @@
+"""What one sensor shows, changed; and suspects whose error has a course in time."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+
+import numpy as np
+from jaxtyping import Bool, Float
+from scipy.interpolate import CubicSpline
+from scipy.spatial.transform import Rotation
+
+from orbident.estimation.causes.suspects import Numbers, Suspect
+from orbident.estimation.problem import MomentumProblem
+from orbident.model.minimal_sets import conserved_axes
+from orbident.recordings.recording import Recording
+
+SMALL = 1e-5
+"""rad, rad/s or m: far below what would be seen."""
+
+SMALL_DELAY = 1e-4
+"""s^2: of a joint that gives way at 16 Hz."""
+
+
+def with_columns(
+    recording: Recording, columns: Mapping[str, Float[np.ndarray, " n"]]
+) -> Recording:
+    """With these columns in the place of its own, or beside them."""
+    return replace(recording, columns={**recording.columns, **columns})
+
+
+def of_vector(
+    sensor: str, x: Float[np.ndarray, "n axes"]
+) -> dict[str, Float[np.ndarray, " n"]]:
+    """The columns of a vector or quaternion."""
+    names = "xyzw"[: x.shape[1]]
+    parts = zip(names, np.ascontiguousarray(x.T), strict=True)
+    return {f"{sensor}.{k}": part for k, part in parts}
+
+
+def without(
+    recording: Recording, sensor: str, rows: Bool[np.ndarray, " n"]
+) -> Recording:
+    """Without these samples of a sensor, or of a joint."""
+    left_out = {
+        name: np.where(rows, np.nan, column)
+        for name, column in recording.columns.items()
+        if name.startswith(f"{sensor}.")
+    }
+    return with_columns(recording, left_out)
+
+
+def less(
+    recording: Recording, sensor: str, error: Float[np.ndarray, "n axes"]
+) -> Recording:
+    """What a sensor would show without an error.
+
+    Args:
+        recording: with the sensor.
+        sensor: `joint.<name>`, a vector, or the attitude.
+        error: of an attitude the turn of the sensor in its own axes, rad.
+    """
+    if sensor.startswith("joint."):
+        name = f"{sensor}.position"
+        return with_columns(recording, {name: recording.columns[name] - error[:, 0]})
+    if sensor != "attitude":
+        right = recording.vector(sensor) - error
+        return with_columns(recording, of_vector(sensor, right))
+    x = recording.vector(sensor, "xyzw").copy()
+    seen = np.isfinite(x).all(axis=1)
+    right = Rotation.from_quat(x[seen]) * Rotation.from_rotvec(-error[seen])
+    x[seen] = right.as_quat()
+    return with_columns(recording, of_vector(sensor, x))
+
+
+def step(problem: MomentumProblem, sensor: str, row: int) -> Suspect:
+    """From a row on, the sensor is off by so much."""
+    t, axes = problem.recording.t, _axes(problem, sensor)
+    joint = sensor.partition(".")[2]
+
+    def words(c: Numbers) -> str:
+        size = f"a jump (a step) of {np.linalg.norm(c):.2g} (SI) at t = {t[row]:.4g} s"
+        return (
+            f"joint {joint} slips: its position has {size}"
+            if joint
+            else (f"the {sensor} has {size}")
+        )
+
+    return _shifted(sensor, 1.0 * (np.arange(t.size) >= row), axes, words)
+
+
+def drifts(problem: MomentumProblem) -> Iterator[Suspect]:
+    """Sensors whose error grows with time; a position's would be a velocity."""
+    t = problem.recording.t
+    for sensor, what in (
+        ("gyro", "the bias of the gyro"),
+        ("attitude", "the attitude"),
+    ):
+        if not problem.recording.has(f"{sensor}.x"):
+            continue
+
+        def words(c: Numbers, what: str = what) -> str:
+            size = np.linalg.norm(c)
+            return f"{what} drifts by {size:.2g} (SI) over the recording"
+
+        elapsed = (t - t[0]) / (t[-1] - t[0])
+        yield _shifted(sensor, elapsed, _axes(problem, sensor), words)
+
+
+def soft_joints(problem: MomentumProblem) -> Iterator[Suspect]:
+    """Encoders on the motors of joints that give way: `q_m = q + c qdd`."""
+    names, t = problem.robot.joint_names, problem.samples.t
+    if not names:
+        return
+    moved = np.column_stack(problem.samples.qd)
+    seen = np.isfinite(moved).all(axis=1)
+    qdd = CubicSpline(t[seen], moved[seen])(problem.recording.t, 1)
+
+    def words(c: Numbers) -> str:
+        k = int(np.argmax(c))
+        hertz = 1 / (2 * np.pi * np.sqrt(c[k])) if c[k] > 0 else np.inf
+        return (
+            "joints are flexible, between an encoder on the motor and the link: joint "
+            f"{names[k]} gives way, as if it swung at {hertz:.2g} Hz"
+        )
+
+    def corrected(problem: MomentumProblem, c: Numbers) -> MomentumProblem:
+        recording = problem.recording
+        for name, error in zip(names, (c * qdd).T, strict=True):
+            recording = less(recording, f"joint.{name}", error[:, None])
+        return problem.amended(recording=recording)
+
+    yield Suspect(words, np.full(len(names), SMALL_DELAY), corrected)
+
+
+def _shifted(sensor: str, course, axes, words) -> Suspect:
+    def corrected(problem: MomentumProblem, c: Numbers) -> MomentumProblem:
+        changed = less(problem.recording, sensor, np.outer(course, c @ axes))
+        # Samples hold the motion of joints, and only a first guess of the base's.
+        if sensor.startswith("joint."):
+            return problem.amended(recording=changed)
+        return replace(problem, recording=changed)
+
+    return Suspect(words, np.full(len(axes), SMALL), corrected)
+
+
+def _axes(problem: MomentumProblem, sensor: str) -> Float[np.ndarray, "axes all"]:
+    """Those of a sensor in which it says something."""
+    if sensor.startswith("joint."):
+        return np.eye(1)
+    turning, moving = conserved_axes(problem.robot)
+    return np.eye(3)[list(turning if sensor in ("gyro", "attitude") else moving)]
