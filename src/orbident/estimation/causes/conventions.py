@@ -12,8 +12,7 @@ import numpy as np
 from jaxtyping import Float
 from scipy.spatial.transform import Rotation
 
-from orbident.estimation.causes.convention import DEGREE, Convention, scaled
-from orbident.estimation.causes.conventions_of_joints import of_joints, of_wheels
+from orbident.estimation.causes.convention import DEGREE, Convention, of_all, scaled
 from orbident.estimation.causes.shifts import of_vector, with_columns
 from orbident.estimation.problem import MomentumProblem
 from orbident.preprocessing.delays import corrections
@@ -32,8 +31,8 @@ Change = Callable[[np.ndarray], np.ndarray]
 def conventions(problem: MomentumProblem) -> Iterator[Convention]:
     """Everything that may have been written differently, one at a time."""
     robot, recording = problem.robot, problem.recording
-    yield from of_joints(robot)
-    yield from of_wheels(robot)
+    yield from of_all("joint", robot.joint_names)
+    yield from of_all("wheel", robot.wheel_names)
     if recording.has("gyro.x"):
         yield from _vector(robot, "gyro", "w")
         yield scaled(("w",), DEGREE, "the gyro is in degrees per second")

@@ -5,20 +5,19 @@ step is a fixed filter of them, and where it stands far out of all that it gives
 the recording, the sensor jumped. If all sensors jump at once, time did.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float
 from scipy.special import chdtri
 
-from orbident.estimation.causes.shifts import step
+from orbident.estimation.causes.shifts import shown_by, step
 from orbident.estimation.causes.suspects import Numbers, Score, Suspect, score, tried
 from orbident.estimation.causes.trial import Trial
 from orbident.estimation.estimate import Estimate
 from orbident.estimation.evidence import misfit
 from orbident.estimation.problem import MomentumProblem
-from orbident.recordings.recording import Recording
 
 HALF, DEGREE = 10, 4
 """Samples before and after, and of the polynomial through them."""
@@ -53,7 +52,9 @@ def jumps(problem: MomentumProblem, shown: Estimate) -> Iterator[Trial]:
     """Tried: the sensor, or the time, put right from then on."""
     found = sorted(_of_samples(problem), key=lambda jump: -jump.times)
     at_once = [jump for jump in found if abs(jump.row - found[0].row) <= 1]
-    if len(at_once) > max(1.0, TOGETHER * len(_vectors(problem))):
+    if len(at_once) > max(
+        1.0, TOGETHER * len(shown_by(problem.robot, problem.recording))
+    ):
         yield from _lost_rows(problem, at_once)
         return
     # A rate may leap because the motion does.
@@ -105,33 +106,8 @@ def _norm(jump: Jump) -> float:
     return float(np.linalg.norm(jump.size))
 
 
-def _vectors(problem: MomentumProblem) -> Mapping[str, Float[np.ndarray, "n axes"]]:
-    """What each sensor shows, smooth where the motion is."""
-    recording, robot = problem.recording, problem.robot
-    vectors = {
-        f"joint.{name}": recording.column(f"joint.{name}.position")[:, None]
-        for name in robot.joint_names
-        if recording.has(f"joint.{name}.position")
-    }
-    for name in OF_THE_BASE:
-        if recording.has(f"{name}.x"):
-            vectors[name] = recording.vector(name)
-    if recording.has("attitude.w"):
-        vectors["attitude"] = _continuous(recording)
-    return vectors
-
-
-def _continuous(recording: Recording) -> Float[np.ndarray, "n 4"]:
-    """`x` and `-x` are one attitude: that nearer to the one before."""
-    x = recording.vector("attitude", "xyzw").copy()
-    seen = np.flatnonzero(np.isfinite(x).all(axis=1))
-    along = np.sum(x[seen[1:]] * x[seen[:-1]], axis=1)
-    x[seen[1:]] *= np.cumprod(np.where(along < 0, -1.0, 1.0))[:, None]
-    return x
-
-
 def _of_samples(problem: MomentumProblem) -> Iterator[Jump]:
-    for sensor, x in _vectors(problem).items():
+    for sensor, x in shown_by(problem.robot, problem.recording).items():
         jump = jump_of(sensor, problem.recording.t, x)
         if jump is not None and jump.times > FAR:
             yield jump

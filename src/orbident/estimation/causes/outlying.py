@@ -11,12 +11,11 @@ from jaxtyping import Bool, Float
 from scipy.ndimage import maximum_filter1d, median_filter
 
 from orbident.errors import InputError
-from orbident.estimation.causes.shifts import without
+from orbident.estimation.causes.shifts import shown_by, without
 from orbident.estimation.causes.trial import Trial, trial
-from orbident.estimation.output_error.sensors import COMPONENTS, NORMAL
+from orbident.estimation.output_error.sensors import NORMAL
 from orbident.estimation.problem import MomentumProblem
 from orbident.preprocessing.outliers import cubic
-from orbident.recordings.recording import Recording
 
 OFF = 8.0
 """Times the scatter of what neighbours predict."""
@@ -34,9 +33,8 @@ MOST = 0.1
 def spikes(problem: MomentumProblem) -> Iterator[Trial]:
     """Identify again without such samples."""
     left, found = problem.recording, dict[str, int]()
-    for sensor, columns in _sensors(problem).items():
-        tables = (problem.recording.column(name) for name in columns)
-        off = np.logical_or.reduce([outlying(left.t, x) for x in tables])
+    for sensor, shown in shown_by(problem.robot, problem.recording).items():
+        off = np.logical_or.reduce([outlying(left.t, x) for x in shown.T])
         if 0 < off.sum() < MOST * off.size:
             left, found[sensor] = without(left, sensor, off), int(off.sum())
     if not found:
@@ -72,13 +70,3 @@ def outlying(
         off[inner[worst]] = True
         kept = kept[~off[kept]]
     return off
-
-
-def _sensors(problem: MomentumProblem) -> dict[str, list[str]]:
-    recording: Recording = problem.recording
-    joints = {f"joint.{name}": ["position"] for name in problem.robot.joint_names}
-    return {
-        sensor: names
-        for sensor, parts in {**joints, **COMPONENTS}.items()
-        if recording.has(*(names := [f"{sensor}.{part}" for part in parts]))
-    }

@@ -9,15 +9,42 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
 from orbident.estimation.causes.suspects import Numbers, Suspect
+from orbident.estimation.output_error.sensors import COMPONENTS
 from orbident.estimation.problem import MomentumProblem
 from orbident.model.minimal_sets import conserved_axes
 from orbident.recordings.recording import Recording
+from orbident.robot.description import Robot
 
 SMALL = 1e-5
 """rad, rad/s or m: far below what would be seen."""
 
 SMALL_DELAY = 1e-4
 """s^2: of a joint that gives way at 16 Hz."""
+
+
+def shown_by(
+    robot: Robot, recording: Recording
+) -> dict[str, Float[np.ndarray, "n axes"]]:
+    """What each joint and each sensor of the base shows, smooth where the motion is."""
+    tables = {
+        f"joint.{name}": recording.column(f"joint.{name}.position")[:, None]
+        for name in robot.joint_names
+        if recording.has(f"joint.{name}.position")
+    }
+    for sensor, parts in COMPONENTS.items():
+        if recording.has(*(f"{sensor}.{part}" for part in parts)):
+            tables[sensor] = recording.vector(sensor, parts)
+    if "attitude" in tables:
+        tables["attitude"] = _continuous(tables["attitude"])
+    return tables
+
+
+def _continuous(x: Float[np.ndarray, "n 4"]) -> Float[np.ndarray, "n 4"]:
+    """`x` and `-x` are one attitude: that nearer to the one before."""
+    seen = np.flatnonzero(np.isfinite(x).all(axis=1))
+    along = np.sum(x[seen[1:]] * x[seen[:-1]], axis=1)
+    x[seen[1:]] *= np.cumprod(np.where(along < 0, -1.0, 1.0))[:, None]
+    return x
 
 
 def with_columns(

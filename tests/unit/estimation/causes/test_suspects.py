@@ -1,10 +1,9 @@
 """Numbers that may be wrong, found to first order, and tried."""
 
 import numpy as np
-from cause_problems import clean, fitted, problem_with, with_joint
+from cause_problems import clean, fitted, problem_with
 
 from orbident.estimation.causes.frames import beside
-from orbident.estimation.causes.geometry import geometry
 from orbident.estimation.causes.suspects import Score, Suspect, score
 from orbident.estimation.problem import MomentumProblem
 
@@ -14,15 +13,6 @@ def best(problem: MomentumProblem, suspects) -> tuple[Suspect, Score]:
     assert solution is not None
     scores = [(each, score(problem, solution, each)) for each in suspects]
     return max(scores, key=lambda one: one[1].falls)
-
-
-def test_the_place_of_a_joint():
-    """The robot file has joint 2 at 1 mm from where it is."""
-    off = np.array([1e-3, 0.0, 0.0])
-    p_PJ = clean().robot.joints[1].p_PJ
-    problem = problem_with(robot=with_joint(1, p_PJ=p_PJ + off))
-    suspect, first = best(problem, geometry(problem))
-    assert "the place of joint joint2" in suspect.words(first.numbers)
 
 
 def test_inertial_axes():
