@@ -5,7 +5,6 @@ from functools import partial
 
 import numpy as np
 
-from orbident.errors import InputError
 from orbident.estimation.causes.clocks import already_corrected, clocks
 from orbident.estimation.causes.events import event
 from orbident.estimation.causes.frames import beside, missing_wheel
@@ -18,7 +17,7 @@ from orbident.estimation.causes.shifts import drifts, soft_joints
 from orbident.estimation.causes.stale import stale
 from orbident.estimation.causes.suspects import score
 from orbident.estimation.causes.suspects import tried as put_right
-from orbident.estimation.causes.trial import Trial, trial
+from orbident.estimation.causes.trial import Trial, amended_trial
 from orbident.estimation.check import Check
 from orbident.estimation.estimate import Estimate
 from orbident.estimation.evidence import WORTH, misfit
@@ -143,11 +142,8 @@ def _written(conventions: list[Tried], problem: MomentumProblem) -> Iterator[Tri
     """The best of joints and wheels, which output error sees though Eq. 24 does not."""
     first = [one.convention for one in conventions if one.falls > HARDLY]
     for convention in [each for each in first if each.columns][:LIKELIEST]:
-        try:
-            right = problem.amended(recording=convention.recording(problem.recording))
-        except InputError:
-            continue
-        yield trial(convention.cause, right)
+        right = convention.recording(problem.recording)
+        yield amended_trial(convention.cause, problem, recording=right)
 
 
 def _likeliest(solved: Solved) -> Iterator[Trial]:

@@ -80,15 +80,13 @@ def clocks(problem: MomentumProblem) -> Iterator[Trial]:
             return
         if found.estimate is None:
             return
-        errors = {
-            name.removesuffix(".clock"): error
-            for name, error in found.estimate.calibration.items()
-            if name.endswith(".clock")
-        }
         # A row apart by less than is known of a clock is none of its own.
         errors = {
-            name: error._replace(value=_sure(error.value, error.std))
-            for name, error in errors.items()
+            name.removesuffix(".clock"): error._replace(
+                value=error.value * (abs(error.value) > CLEAR * error.std)
+            )
+            for name, error in found.estimate.calibration.items()
+            if name.endswith(".clock")
         }
         late |= {name: late[name] + error.value for name, error in errors.items()}
         words = _in_words(
@@ -103,10 +101,6 @@ def clocks(problem: MomentumProblem) -> Iterator[Trial]:
             break
     if found is not None and found.cause:
         yield found
-
-
-def _sure(value: float, std: float) -> float:
-    return value if abs(value) > CLEAR * std else 0.0
 
 
 def _roughly(problem: MomentumProblem) -> dict[str, float]:

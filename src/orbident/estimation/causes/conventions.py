@@ -73,10 +73,10 @@ def _attitude(robot: Robot) -> Iterator[Convention]:
     for words, R in _other_axes(robot):
         if np.linalg.det(R) < 0:
             continue
-        turn = Rotation.from_matrix(R)
+        R_BS = Rotation.from_matrix(R)
         yield Convention(
             f"the attitude sensor is turned in the base: {words}",
-            _quaternion(lambda x, turn=turn: _known(x, lambda q: q * turn)),
+            _quaternion(lambda x, R_BS=R_BS: (Rotation.from_quat(x) * R_BS).as_quat()),
         )
 
 
@@ -118,18 +118,13 @@ def _turned(vector: str, R: Matrix) -> Callable[[MomentumProblem], Samples]:
 def _quaternion(change: Change) -> Callable[[MomentumProblem], Samples]:
     def amended(problem: MomentumProblem) -> Samples:
         recording = problem.recording
-        x = change(recording.vector("attitude", "xyzw"))
+        x = recording.vector("attitude", "xyzw")
+        seen = np.isfinite(x).all(axis=1)
+        x[seen] = change(x[seen])
         written = with_columns(recording, of_vector("attitude", x))
         return samples_of(problem.robot, written, corrections(problem.clocks))
 
     return amended
-
-
-def _known(x: np.ndarray, change: Callable[[Rotation], Rotation]) -> np.ndarray:
-    """Where there is a sample."""
-    seen, changed = np.isfinite(x).all(axis=1), x.copy()
-    changed[seen] = change(Rotation.from_quat(x[seen])).as_quat()
-    return changed
 
 
 def _to_base(problem: MomentumProblem) -> Samples:

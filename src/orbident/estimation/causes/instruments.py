@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from orbident.estimation.causes.trial import Trial, trial
+from orbident.estimation.causes.trial import Trial, amended_trial
 from orbident.estimation.output_error.sensitivity import CalibrationFit
 from orbident.estimation.problem import MomentumProblem
 from orbident.robot.description import Robot
@@ -46,7 +46,7 @@ def freed(problem: MomentumProblem, kind: Kind) -> Iterator[Trial]:
     """Identify again, with one kind of error as an unknown."""
     robot = problem.robot
     loose = replace(robot, tolerances=replace(robot.tolerances, **kind.tolerance))
-    found = trial(kind.words, problem.amended(robot=loose))
+    found = amended_trial(kind.words, problem, loose)
     errors = found.estimate and {
         name: each
         for name, each in found.estimate.calibration.items()

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from orbident.estimation.causes.shifts import shown_by
-from orbident.estimation.causes.trial import Trial, trial
+from orbident.estimation.causes.trial import Trial, amended_trial
 from orbident.estimation.output_error.sensors import INERTIAL, POINTS, scatter
 from orbident.estimation.problem import MomentumProblem
 
@@ -35,12 +35,12 @@ def noise(problem: MomentumProblem) -> Iterator[Trial]:
         if name in INERTIAL:
             declared = declared / np.sqrt(np.median(np.diff(problem.recording.t)))
         if shown > NOISIER * declared:
-            amended = _with(problem, name, {key: shown * section[key] / declared})
             words = (
                 f"the noise of the {name} is {shown:.2g} (SI), {shown / declared:.2g} "
                 "times what the robot file declares"
             )
-            yield trial(words, amended)._replace(seen=True)
+            more = {key: shown * section[key] / declared}
+            yield _trial(problem, name, words, more)._replace(seen=True)
 
 
 def wandering(problem: MomentumProblem) -> Iterator[Trial]:
@@ -53,13 +53,16 @@ def wandering(problem: MomentumProblem) -> Iterator[Trial]:
         "the bias of the gyro drifts far more than the robot file declares: with one "
         "that may walk 100 times as far"
     )
-    found = trial(words, _with(problem, "gyro", walk))
+    found = _trial(problem, "gyro", words, walk)
     # So free a bias explains much that is none.
     if found.accepted:
         yield found
 
 
-def _with(problem: MomentumProblem, name: str, changes: dict[str, Any]):
+def _trial(
+    problem: MomentumProblem, name: str, words: str, changes: dict[str, Any]
+) -> Trial:
+    """With other noise of a sensor."""
     robot = problem.robot
     sensors = {**robot.sensors, name: {**robot.sensors[name], **changes}}
-    return problem.amended(robot=replace(robot, sensors=sensors))
+    return amended_trial(words, problem, replace(robot, sensors=sensors))

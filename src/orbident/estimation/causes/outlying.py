@@ -10,9 +10,8 @@ import numpy as np
 from jaxtyping import Bool, Float
 from scipy.ndimage import maximum_filter1d, median_filter
 
-from orbident.errors import InputError
 from orbident.estimation.causes.shifts import shown_by, without
-from orbident.estimation.causes.trial import Trial, trial
+from orbident.estimation.causes.trial import Trial, amended_trial
 from orbident.estimation.output_error.sensors import NORMAL
 from orbident.estimation.problem import MomentumProblem
 from orbident.preprocessing.outliers import cubic
@@ -44,11 +43,7 @@ def spikes(problem: MomentumProblem) -> Iterator[Trial]:
         f"spikes (outliers): {found[which]} samples of {which.replace('.', ' ')} are "
         "far from what their neighbours show"
     )
-    try:
-        right = problem.amended(recording=left)
-    except InputError:
-        return
-    yield trial(words, right)._replace(seen=True)
+    yield amended_trial(words, problem, recording=left)
 
 
 def outlying(

@@ -1,6 +1,6 @@
 """What one sensor shows, changed; and suspects whose error has a course in time."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -18,7 +18,7 @@ from orbident.robot.description import Robot
 SMALL = 1e-5
 """rad, rad/s or m: far below what would be seen."""
 
-SMALL_DELAY = 1e-4
+SMALL_BEND = 1e-4
 """s^2: of a joint that gives way at 16 Hz."""
 
 
@@ -105,11 +105,9 @@ def step(problem: MomentumProblem, sensor: str, row: int) -> Suspect:
 
     def words(c: Numbers) -> str:
         size = f"a jump (a step) of {np.linalg.norm(c):.2g} (SI) at t = {t[row]:.4g} s"
-        return (
-            f"joint {joint} slips: its position has {size}"
-            if joint
-            else (f"the {sensor} has {size}")
-        )
+        if joint:
+            return f"joint {joint} slips: its position has {size}"
+        return f"the {sensor} has {size}"
 
     return _shifted(sensor, 1.0 * (np.arange(t.size) >= row), axes, words)
 
@@ -117,19 +115,16 @@ def step(problem: MomentumProblem, sensor: str, row: int) -> Suspect:
 def drifts(problem: MomentumProblem) -> Iterator[Suspect]:
     """Sensors whose error grows with time; a position's would be a velocity."""
     t = problem.recording.t
-    for sensor, what in (
-        ("gyro", "the bias of the gyro"),
-        ("attitude", "the attitude"),
-    ):
-        if not problem.recording.has(f"{sensor}.x"):
-            continue
+    elapsed = (t - t[0]) / (t[-1] - t[0])
+    named = {"gyro": "the bias of the gyro", "attitude": "the attitude"}
+    for sensor, what in named.items():
 
         def words(c: Numbers, what: str = what) -> str:
             size = np.linalg.norm(c)
             return f"{what} drifts by {size:.2g} (SI) over the recording"
 
-        elapsed = (t - t[0]) / (t[-1] - t[0])
-        yield _shifted(sensor, elapsed, _axes(problem, sensor), words)
+        if problem.recording.has(f"{sensor}.x"):
+            yield _shifted(sensor, elapsed, _axes(problem, sensor), words)
 
 
 def soft_joints(problem: MomentumProblem) -> Iterator[Suspect]:
@@ -139,11 +134,12 @@ def soft_joints(problem: MomentumProblem) -> Iterator[Suspect]:
         return
     moved = np.column_stack(problem.samples.qd)
     seen = np.isfinite(moved).all(axis=1)
-    qdd = CubicSpline(t[seen], moved[seen])(problem.recording.t, 1)
+    inside = np.clip(problem.recording.t, *t[seen][[0, -1]])
+    qdd = CubicSpline(t[seen], moved[seen])(inside, 1)
 
     def words(c: Numbers) -> str:
         k = int(np.argmax(c))
-        hertz = 1 / (2 * np.pi * np.sqrt(c[k])) if c[k] > 0 else np.inf
+        hertz = 1 / (2 * np.pi * np.sqrt(max(c[k], SMALL**2)))
         return (
             "joints are flexible, between an encoder on the motor and the link: joint "
             f"{names[k]} gives way, as if it swung at {hertz:.2g} Hz"
@@ -151,14 +147,22 @@ def soft_joints(problem: MomentumProblem) -> Iterator[Suspect]:
 
     def corrected(problem: MomentumProblem, c: Numbers) -> MomentumProblem:
         recording = problem.recording
-        for name, error in zip(names, (c * qdd).T, strict=True):
+        # No spring pushes the other way.
+        for name, error in zip(names, (np.maximum(c, 0.0) * qdd).T, strict=True):
             recording = less(recording, f"joint.{name}", error[:, None])
         return problem.amended(recording=recording)
 
-    yield Suspect(words, np.full(len(names), SMALL_DELAY), corrected)
+    yield Suspect(words, np.full(len(names), SMALL_BEND), corrected)
 
 
-def _shifted(sensor: str, course, axes, words) -> Suspect:
+def _shifted(
+    sensor: str,
+    course: Float[np.ndarray, " n"],
+    axes: Float[np.ndarray, "numbers axes"],
+    words: Callable[[Numbers], str],
+) -> Suspect:
+    """An error of so much along each axis, times its course."""
+
     def corrected(problem: MomentumProblem, c: Numbers) -> MomentumProblem:
         changed = less(problem.recording, sensor, np.outer(course, c @ axes))
         # Samples hold the motion of joints, and only a first guess of the base's.
