@@ -31,6 +31,9 @@ EXPLAINS = 100.0
 HARDLY = 0.9
 """Times: a convention that leaves larger residuals than as recorded is none."""
 
+MOST = 0.5
+"""Part of what a trial explains that clocks did which had been corrected before it."""
+
 LIKELIEST = 3
 """So many are tried, of all that have a score."""
 
@@ -75,6 +78,8 @@ def _by_trials(
         trials.append(Trial(corrected.cause, False, now))
     best = min(trials, key=_rank, default=None)
     if best is not None and best.accepted:
+        if corrected and before - now > MOST * (before - best.misfit):
+            best = best._replace(cause=f"{corrected.cause}, and {best.cause}")
         yield _explained(best, before)
         return
     falls = before - best.misfit if best else -np.inf

@@ -53,12 +53,12 @@ class Corrected(NamedTuple):
 
 def already_corrected(problem: MomentumProblem) -> Corrected | None:
     """The clocks that a refused problem is on already; None where as recorded."""
-    late = {name: s for name, s in corrections(problem.clocks).items() if s}
-    if not late:
+    late = corrections(problem.clocks)
+    if not any(late.values()):
         return None
     clocks = {name: d._replace(believed=False) for name, d in problem.clocks.items()}
     recorded = replace(problem, clocks=clocks).amended()
-    words = " and ".join(_one(name, seconds) for name, seconds in late.items())
+    words = _in_words({name: (late.get(name, 0.0), 0.0) for name in SHARED})
     return Corrected(recorded, trial("", recorded), words)
 
 
