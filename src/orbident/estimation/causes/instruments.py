@@ -23,6 +23,10 @@ CLEAR = 5.0
 """Deviations by which an error is none of chance."""
 
 
+EACH = "(.+)"
+"""In a pattern: any joint or wheel."""
+
+
 class Kind(NamedTuple):
     """Errors of one kind, as unknowns."""
 
@@ -52,7 +56,9 @@ def freed(problem: MomentumProblem, kind: Kind) -> Iterator[Trial]:
         for name, each in found.estimate.calibration.items()
         if kind.has(name)
     }
-    if errors and any(abs(each.value) > CLEAR * each.std for each in errors.values()):
+    # Of one instrument, what tells its axes apart need not be clear.
+    one = EACH not in kind.names
+    if errors and (one or any(abs(x.value) > CLEAR * x.std for x in errors.values())):
         # As many unknowns explain so much by chance (Schwarz 1978).
         price = len(errors) * np.log(problem.samples.t.size)
         words = _in_words(kind, errors)
@@ -67,8 +73,10 @@ def kinds(robot: Robot) -> Iterator[Kind]:
         "the place of joint {} on its link in the robot file, so the geometry or "
         "length of that link,"
     )
-    yield Kind("the zero of joint {}", r"joint\.(.+)\.zero", {"joint_zero": zeros})
-    yield Kind("the scale of joint {}", r"joint\.(.+)\.scale", {"joint_scale": scales})
+    yield Kind("the zero of joint {}", rf"joint\.{EACH}\.zero", {"joint_zero": zeros})
+    yield Kind(
+        "the scale of joint {}", rf"joint\.{EACH}\.scale", {"joint_scale": scales}
+    )
     for name in robot.joint_names:
         own = re.escape(name)
         for words, error, size in (
@@ -78,7 +86,7 @@ def kinds(robot: Robot) -> Iterator[Kind]:
             tolerance = {f"joint_{error}": {name: size}}
             yield Kind(words, rf"joint\.({own})\.{error}\.[xyz]", tolerance)
     wheels = {"wheel_inertia": PART}
-    yield Kind("the inertia of wheel {}", r"wheel\.(.+)\.inertia", wheels)
+    yield Kind("the inertia of wheel {}", rf"wheel\.{EACH}\.inertia", wheels)
     for words, name, tolerance in (
         ("the offset of the tracked marker from S", "feature_point", LENGTH),
         ("the misalignment of the attitude sensor", "attitude.misalignment", ANGLE),
