@@ -54,7 +54,7 @@ def causes(solved: Solved) -> Iterator[Check]:
     if wrong.falls > FALLS:
         times = f"{wrong.falls:.2g}"
         yield _found(
-            f"{wrong.cause}: with that put right the residuals of Eqs. 24 "
+            f"{wrong.convention.cause}: with that put right the residuals of Eqs. 24 "
             f"and 31 are {times} times smaller",
             "correct the recording or the robot file",
             wrong.falls,

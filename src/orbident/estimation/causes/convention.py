@@ -6,7 +6,7 @@ from itertools import combinations
 
 import numpy as np
 
-from orbident.estimation.causes.shifts import with_columns
+from orbident.estimation.causes.shown import with_columns
 from orbident.estimation.problem import MomentumProblem
 from orbident.preprocessing.samples import Samples
 from orbident.recordings.recording import Recording

@@ -13,7 +13,7 @@ from jaxtyping import Float
 from scipy.spatial.transform import Rotation
 
 from orbident.estimation.causes.convention import DEGREE, Convention, of_all, scaled
-from orbident.estimation.causes.shifts import of_vector, with_columns
+from orbident.estimation.causes.shown import of_vector, with_columns
 from orbident.estimation.problem import MomentumProblem
 from orbident.preprocessing.delays import corrections
 from orbident.preprocessing.samples import Samples, samples_of

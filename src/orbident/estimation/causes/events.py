@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from orbident.estimation.causes.shifts import without
+from orbident.estimation.causes.shown import without
 from orbident.estimation.causes.trial import Trial, amended_trial
 from orbident.estimation.linear_fits import InitialMomentum
 from orbident.estimation.problem import MomentumProblem

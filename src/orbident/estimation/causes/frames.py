@@ -8,7 +8,7 @@ from jaxtyping import Float
 from scipy.spatial.transform import Rotation
 
 from orbident.estimation.causes.linear_test import FALLS, ROWS
-from orbident.estimation.causes.shifts import of_vector, with_columns
+from orbident.estimation.causes.shown import of_vector, with_columns
 from orbident.estimation.causes.suspects import Numbers, Score, Suspect, tried
 from orbident.estimation.causes.trial import Trial
 from orbident.estimation.linear_fits import rows_of

@@ -22,7 +22,6 @@ ANGLE, LENGTH, PART = 0.2, 0.2, 0.1
 CLEAR = 5.0
 """Deviations by which an error is none of chance."""
 
-
 EACH = "(.+)"
 """In a pattern: any joint or wheel."""
 

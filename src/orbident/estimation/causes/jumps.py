@@ -12,7 +12,8 @@ import numpy as np
 from jaxtyping import Float
 from scipy.special import chdtri
 
-from orbident.estimation.causes.shifts import shown_by, step
+from orbident.estimation.causes.shifts import step
+from orbident.estimation.causes.shown import shown_by
 from orbident.estimation.causes.suspects import Numbers, Score, Suspect, score, tried
 from orbident.estimation.causes.trial import Trial
 from orbident.estimation.estimate import Estimate

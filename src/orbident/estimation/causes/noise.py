@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from orbident.estimation.causes.shifts import shown_by
+from orbident.estimation.causes.shown import shown_by
 from orbident.estimation.causes.trial import Trial, amended_trial
 from orbident.estimation.output_error.sensors import INERTIAL, POINTS, scatter
 from orbident.estimation.problem import MomentumProblem

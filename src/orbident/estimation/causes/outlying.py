@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 from scipy.ndimage import maximum_filter1d, median_filter
 
-from orbident.estimation.causes.shifts import shown_by, without
+from orbident.estimation.causes.shown import shown_by, without
 from orbident.estimation.causes.trial import Trial, amended_trial
 from orbident.estimation.output_error.sensors import NORMAL
 from orbident.estimation.problem import MomentumProblem

@@ -3,7 +3,8 @@
 import numpy as np
 from cause_problems import clean, fitted, problem_with
 
-from orbident.estimation.causes.shifts import drifts, less, soft_joints, step
+from orbident.estimation.causes.shifts import drifts, soft_joints, step
+from orbident.estimation.causes.shown import less
 from orbident.estimation.causes.suspects import Suspect, score
 from orbident.estimation.problem import MomentumProblem
 from orbident.recordings.recording import Recording

@@ -1,11 +1,14 @@
 """Numbers that may be wrong, found to first order, and tried."""
 
+from dataclasses import replace
+
 import numpy as np
 from cause_problems import clean, fitted, problem_with
+from edited_recordings import changed
 
-from orbident.estimation.causes.frames import beside
+from orbident.estimation.causes.frames import beside, missing_wheel
 from orbident.estimation.causes.suspects import Score, Suspect, score
-from orbident.estimation.problem import MomentumProblem
+from orbident.estimation.problem import MomentumProblem, momentum_problems
 
 
 def best(problem: MomentumProblem, suspects) -> tuple[Suspect, Score]:
@@ -31,3 +34,21 @@ def test_inertial_axes():
     np.testing.assert_allclose(
         first.numbers, [0.0, 0.0, -0.02], atol=5 * first.std.max()
     )
+
+
+def test_a_wheel_that_the_robot_file_lacks():
+    """Of three; what it has along the other two together is another scale."""
+    robot, gone = clean().robot, clean().robot.wheels[0]
+    recording = changed(
+        clean().recording,
+        keep=lambda name: not name.startswith(f"wheel.{gone.name}."),
+    )
+    fewer = replace(robot, wheels=robot.wheels[1:])
+    (problem, *_) = momentum_problems(fewer, recording, "unknown", lambda _: None)
+    (found,) = missing_wheel(problem)
+    assert found.accepted
+    assert "a wheel is missing" in found.cause
+
+
+def test_no_wheel_is_missing():
+    assert [*missing_wheel(problem_with())] == []
