@@ -2,7 +2,8 @@
 
 A polynomial and a step at its middle are fitted to the samples around every one. The
 step is a fixed filter of them, and where it stands far out of all that it gives over
-the recording, the sensor jumped. If all sensors jump at once, time did.
+the recording, the sensor jumped. If all sensors jump at once, time did. Rates leap with
+the motion, so a gyro's jumps are looked for in what is left of it after the fit.
 """
 
 from collections.abc import Iterator
@@ -30,7 +31,7 @@ TOGETHER = 0.5
 """Part of the joints and sensors that jump at once where time does."""
 
 RATES = ("gyro", "velocity")
-OF_THE_BASE = ("position", "attitude", "gyro", "velocity")
+OF_THE_BASE = ("position", "attitude", *RATES)
 
 
 @dataclass(frozen=True)
