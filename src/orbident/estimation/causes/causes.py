@@ -125,8 +125,9 @@ def _tried(solved: Solved, conventions: list[Tried], before: float) -> list[Tria
         noise,
         spikes,
         partial(_written, conventions),
-        missing_wheel,
         lambda _: _likeliest(solved),
+        # Wrong inertias of known wheels may look like another one.
+        missing_wheel,
         clocks,
         wandering,
     ):
