@@ -106,12 +106,12 @@ def _expected(t: np.ndarray, x: np.ndarray) -> Float[np.ndarray, " n"]:
         low, high = around[:, 0] < 0, around[:, 3] >= x.size
         around[low] = rows[low, None] + reach * np.arange(1, 5)
         around[high] = rows[high, None] - reach * np.arange(1, 5)
-        predictions.append(_cubic(t, t[around], x[around]))
+        predictions.append(cubic(t, t[around], x[around]))
     return np.median(predictions, axis=0) if predictions else x
 
 
-def _cubic(t: np.ndarray, knots: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Lagrange's polynomial through four points of each row."""
+def cubic(t: np.ndarray, knots: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Lagrange's polynomial through four points of each row, at its time."""
     result = np.zeros(t.size)
     for i in range(4):
         weight = np.ones(t.size)

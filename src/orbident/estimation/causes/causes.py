@@ -5,19 +5,19 @@ from functools import partial
 
 import numpy as np
 
-from orbident.errors import InputError
 from orbident.estimation.causes.clocks import already_corrected, clocks
 from orbident.estimation.causes.events import event
-from orbident.estimation.causes.frames import beside
-from orbident.estimation.causes.geometry import geometry
+from orbident.estimation.causes.frames import beside, missing_wheel
 from orbident.estimation.causes.instruments import freed, kinds
-from orbident.estimation.causes.jumps import jumps
+from orbident.estimation.causes.jumps import jumps, steps
 from orbident.estimation.causes.linear_test import FALLS, Tried, tried_conventions
 from orbident.estimation.causes.noise import noise, wandering
+from orbident.estimation.causes.outlying import spikes
+from orbident.estimation.causes.shifts import drifts, soft_joints
 from orbident.estimation.causes.stale import stale
 from orbident.estimation.causes.suspects import score
 from orbident.estimation.causes.suspects import tried as put_right
-from orbident.estimation.causes.trial import Trial, trial
+from orbident.estimation.causes.trial import Trial, amended_trial
 from orbident.estimation.check import Check
 from orbident.estimation.estimate import Estimate
 from orbident.estimation.evidence import WORTH, misfit
@@ -31,6 +31,9 @@ EXPLAINS = 100.0
 HARDLY = 0.9
 """Times: a convention that leaves larger residuals than as recorded is none."""
 
+MOST = 0.5
+"""Part of what a trial explains that clocks did which had been corrected before it."""
+
 LIKELIEST = 3
 """So many are tried, of all that have a score."""
 
@@ -42,15 +45,16 @@ def causes(solved: Solved) -> Iterator[Check]:
         yield _found(words, "record each sample once, when it is taken")
         return
     # A jump spoils the linear equations, where it may look like a wrong sign.
-    jumped = [*jumps(problem)] if shown else []
-    if shown and any(trial.accepted for trial in jumped):
-        yield from _explained(min(jumped, key=_rank), misfit(shown))
+    now = misfit(shown) if shown else np.inf
+    jumped = [_sure(one, now) for one in jumps(problem, shown)] if shown else []
+    if any(one.accepted for one in jumped):
+        yield _explained(min(jumped, key=_rank), now)
         return
     wrong, *_ = conventions = tried_conventions(problem)
     if wrong.falls > FALLS:
         times = f"{wrong.falls:.2g}"
         yield _found(
-            f"{wrong.cause}: with that put right the residuals of Eqs. 24 "
+            f"{wrong.convention.cause}: with that put right the residuals of Eqs. 24 "
             f"and 31 are {times} times smaller",
             "correct the recording or the robot file",
             wrong.falls,
@@ -63,13 +67,20 @@ def _by_trials(
     solved: Solved, shown: Estimate, conventions: list[Tried], jumped: list[Trial]
 ) -> Iterator[Check]:
     """What output error finds, or what may have happened."""
-    corrected = already_corrected(solved.problem, misfit(shown))
-    before = corrected.before if corrected else misfit(shown)
-    trials = [*jumped, *_tried(solved, conventions)]
-    trials += corrected.trials if corrected else ()
+    now, corrected = misfit(shown), already_corrected(solved.problem)
+    before = corrected.before.misfit if corrected else now
+    if corrected and before < now and corrected.before.estimate:
+        # Clocks seemed late because of what is looked for.
+        shown, now = corrected.before.estimate, before
+        solved = solved._replace(problem=corrected.recorded, shown=shown)
+    trials = [*jumped, *_tried(solved, conventions, before)]
+    if corrected and now < before:
+        trials.append(Trial(corrected.cause, False, now))
     best = min(trials, key=_rank, default=None)
     if best is not None and best.accepted:
-        yield from _explained(best, before)
+        if corrected and before - now > MOST * (before - best.misfit):
+            best = best._replace(cause=f"{corrected.cause}, and {best.cause}")
+        yield _explained(best, before)
         return
     falls = before - best.misfit if best else -np.inf
     small = best is not None and _as_small_as_noise(best)
@@ -93,47 +104,52 @@ def _by_trials(
         )
 
 
-def _explained(best: Trial, before: float) -> Iterator[Check]:
-    """A trial that is accepted, if that is no chance."""
+def _explained(best: Trial, before: float) -> Check:
+    """A trial that is accepted."""
     falls = before - best.misfit
-    if falls > WORTH:
-        yield _found(
-            f"{best.cause}: with that put right the recording is accepted "
-            f"(chi-square falls by {falls:.2g})",
-            "correct it, or declare its tolerance in the robot file",
-            falls,
-        )
+    return _found(
+        f"{best.cause}: with that put right the recording is accepted "
+        f"(chi-square falls by {falls:.2g})",
+        "correct it, or declare its tolerance in the robot file",
+        falls,
+    )
 
 
-def _tried(solved: Solved, conventions: list[Tried]) -> list[Trial]:
+def _tried(solved: Solved, conventions: list[Tried], before: float) -> list[Trial]:
     """The plainest first: where one of these explains all, the rest need not be.
 
     All others are tried in the order of what they would explain to first order.
     """
     problem, trials = solved.problem, list[Trial]()
     for some in (
-        partial(_written, conventions),
         noise,
+        spikes,
+        partial(_written, conventions),
         lambda _: _likeliest(solved),
+        # Wrong inertias of known wheels may look like another one.
+        missing_wheel,
         clocks,
         wandering,
     ):
         for one in some(problem):
-            trials.append(one)
-            if one.accepted:
+            trials.append(_sure(one, before))
+            if trials[-1].accepted:
                 return trials
     return trials
+
+
+def _sure(one: Trial, before: float) -> Trial:
+    """Accepted by no chance: it explains more, or samples show it by themselves."""
+    explains = one.seen or before - one.misfit > WORTH
+    return one._replace(accepted=one.accepted and explains)
 
 
 def _written(conventions: list[Tried], problem: MomentumProblem) -> Iterator[Trial]:
     """The best of joints and wheels, which output error sees though Eq. 24 does not."""
     first = [one.convention for one in conventions if one.falls > HARDLY]
     for convention in [each for each in first if each.columns][:LIKELIEST]:
-        try:
-            right = problem.amended(recording=convention.recording(problem.recording))
-        except InputError:
-            continue
-        yield trial(convention.cause, right)
+        right = convention.recording(problem.recording)
+        yield amended_trial(convention.cause, problem, recording=right)
 
 
 def _likeliest(solved: Solved) -> Iterator[Trial]:
@@ -150,13 +166,18 @@ def _likeliest(solved: Solved) -> Iterator[Trial]:
         if errors:
             gain = table.falls(errors) - price * len(errors)
             worth.append((gain, partial(freed, problem, kind)))
-    for suspect in (*geometry(problem), *beside(problem)):
+    for suspect in (
+        *beside(problem),
+        *steps(problem, shown),
+        *drifts(problem),
+        *soft_joints(problem),
+    ):
         first = score(problem, shown.solution, suspect)
         gain = first.falls - price * first.numbers.size
-        worth.append((gain, partial(put_right, problem, suspect, first)))
+        worth.append((gain, partial(put_right, problem, suspect, first, misfit(shown))))
     worth.sort(key=lambda one: -one[0])
     for gain, put in worth[:LIKELIEST]:
-        if gain > EXPLAINS:
+        if gain > WORTH:
             yield from put()
 
 

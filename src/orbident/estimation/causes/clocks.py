@@ -43,20 +43,23 @@ Late = Mapping[str, float]
 class Corrected(NamedTuple):
     """Clocks that were corrected before anything was tried."""
 
-    before: float
-    """The misfit without the correction."""
-    trials: tuple[Trial, ...]
+    recorded: MomentumProblem
+    """On the clocks as they are."""
+    before: Trial
+    """What comes of that."""
+    cause: str
+    """Which were corrected: a clause."""
 
 
-def already_corrected(problem: MomentumProblem, after: float) -> Corrected | None:
+def already_corrected(problem: MomentumProblem) -> Corrected | None:
     """The clocks that a refused problem is on already; None where as recorded."""
-    late = {name: s for name, s in corrections(problem.clocks).items() if s}
-    if not late:
+    late = corrections(problem.clocks)
+    if not any(late.values()):
         return None
     clocks = {name: d._replace(believed=False) for name, d in problem.clocks.items()}
-    recorded = trial("", replace(problem, clocks=clocks).amended())
-    words = " and ".join(_one(name, seconds) for name, seconds in late.items())
-    return Corrected(recorded.misfit, (Trial(words, False, after),))
+    recorded = replace(problem, clocks=clocks).amended()
+    words = _in_words({name: (late.get(name, 0.0), 0.0) for name in SHARED})
+    return Corrected(recorded, trial("", recorded), words)
 
 
 def clocks(problem: MomentumProblem) -> Iterator[Trial]:
@@ -77,15 +80,13 @@ def clocks(problem: MomentumProblem) -> Iterator[Trial]:
             return
         if found.estimate is None:
             return
-        errors = {
-            name.removesuffix(".clock"): error
-            for name, error in found.estimate.calibration.items()
-            if name.endswith(".clock")
-        }
         # A row apart by less than is known of a clock is none of its own.
         errors = {
-            name: error._replace(value=_sure(error.value, error.std))
-            for name, error in errors.items()
+            name.removesuffix(".clock"): error._replace(
+                value=error.value * (abs(error.value) > CLEAR * error.std)
+            )
+            for name, error in found.estimate.calibration.items()
+            if name.endswith(".clock")
         }
         late |= {name: late[name] + error.value for name, error in errors.items()}
         words = _in_words(
@@ -100,10 +101,6 @@ def clocks(problem: MomentumProblem) -> Iterator[Trial]:
             break
     if found is not None and found.cause:
         yield found
-
-
-def _sure(value: float, std: float) -> float:
-    return value if abs(value) > CLEAR * std else 0.0
 
 
 def _roughly(problem: MomentumProblem) -> dict[str, float]:

@@ -12,8 +12,8 @@ import numpy as np
 from jaxtyping import Float
 from scipy.spatial.transform import Rotation
 
-from orbident.estimation.causes.convention import DEGREE, Convention, scaled
-from orbident.estimation.causes.conventions_of_joints import of_joints, of_wheels
+from orbident.estimation.causes.convention import DEGREE, Convention, of_all, scaled
+from orbident.estimation.causes.shown import of_vector, with_columns
 from orbident.estimation.problem import MomentumProblem
 from orbident.preprocessing.delays import corrections
 from orbident.preprocessing.samples import Samples, samples_of
@@ -31,8 +31,8 @@ Change = Callable[[np.ndarray], np.ndarray]
 def conventions(problem: MomentumProblem) -> Iterator[Convention]:
     """Everything that may have been written differently, one at a time."""
     robot, recording = problem.robot, problem.recording
-    yield from of_joints(robot)
-    yield from of_wheels(robot)
+    yield from of_all("joint", robot.joint_names)
+    yield from of_all("wheel", robot.wheel_names)
     if recording.has("gyro.x"):
         yield from _vector(robot, "gyro", "w")
         yield scaled(("w",), DEGREE, "the gyro is in degrees per second")
@@ -73,10 +73,10 @@ def _attitude(robot: Robot) -> Iterator[Convention]:
     for words, R in _other_axes(robot):
         if np.linalg.det(R) < 0:
             continue
-        turn = Rotation.from_matrix(R)
+        R_BS = Rotation.from_matrix(R)
         yield Convention(
             f"the attitude sensor is turned in the base: {words}",
-            _quaternion(lambda x, turn=turn: _known(x, lambda q: q * turn)),
+            _quaternion(lambda x, R_BS=R_BS: (Rotation.from_quat(x) * R_BS).as_quat()),
         )
 
 
@@ -118,22 +118,13 @@ def _turned(vector: str, R: Matrix) -> Callable[[MomentumProblem], Samples]:
 def _quaternion(change: Change) -> Callable[[MomentumProblem], Samples]:
     def amended(problem: MomentumProblem) -> Samples:
         recording = problem.recording
-        x = change(recording.vector("attitude", "xyzw"))
-        columns = {
-            f"attitude.{k}": np.ascontiguousarray(values)
-            for k, values in zip("xyzw", x.T, strict=True)
-        }
-        written = replace(recording, columns={**recording.columns, **columns})
+        x = recording.vector("attitude", "xyzw")
+        seen = np.isfinite(x).all(axis=1)
+        x[seen] = change(x[seen])
+        written = with_columns(recording, of_vector("attitude", x))
         return samples_of(problem.robot, written, corrections(problem.clocks))
 
     return amended
-
-
-def _known(x: np.ndarray, change: Callable[[Rotation], Rotation]) -> np.ndarray:
-    """Where there is a sample."""
-    seen, changed = np.isfinite(x).all(axis=1), x.copy()
-    changed[seen] = change(Rotation.from_quat(x[seen])).as_quat()
-    return changed
 
 
 def _to_base(problem: MomentumProblem) -> Samples:

@@ -4,11 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from orbident.errors import InputError
-from orbident.estimation.causes.trial import Trial, trial
+from orbident.estimation.causes.shown import without
+from orbident.estimation.causes.trial import Trial, amended_trial
 from orbident.estimation.linear_fits import InitialMomentum
 from orbident.estimation.problem import MomentumProblem
-from orbident.recordings.recording import Recording
 
 HALVINGS = 4
 """How often the stretch of time in which the event may lie is halved."""
@@ -35,7 +34,9 @@ def event(problem: MomentumProblem) -> str | None:
         return None
     at = f"between t = {t[good - 1]:.3g} and {t[bad - 1]:.3g} s"
     for sensor in MASKED:
-        if _without(problem, sensor, good).accepted:
+        later = np.arange(problem.recording.t.size) >= good
+        rest = without(problem.recording, sensor, later)
+        if amended_trial("", problem, recording=rest).accepted:
             return (
                 f"the {sensor} drifts, or has a jump (a step) {at}: without its "
                 "samples from then on the recording is accepted"
@@ -86,27 +87,7 @@ def _part(
     columns = {name: column[rows] for name, column in recording.columns.items()}
     part = replace(recording, t=recording.t[rows], columns=columns)
     known = replace(problem, initial_momentum=initial_momentum)
-    return _tried(known, part)
-
-
-def _without(problem: MomentumProblem, sensor: str, start: int) -> Trial:
-    """Without the sensor's samples from a row on."""
-    recording = problem.recording
-    columns = {
-        name: np.where(np.arange(column.size) < start, column, np.nan)
-        if name.startswith(f"{sensor}.")
-        else column
-        for name, column in recording.columns.items()
-    }
-    return _tried(problem, replace(recording, columns=columns))
-
-
-def _tried(problem: MomentumProblem, recording: Recording) -> Trial:
-    try:
-        amended = problem.amended(recording=recording)
-    except InputError:
-        return Trial("", False, np.inf)
-    return trial("", amended)
+    return amended_trial("", known, recording=part)
 
 
 def _differ(one: Trial, other: Trial) -> bool:

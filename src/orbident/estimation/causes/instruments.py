@@ -1,12 +1,17 @@
-"""Which instrument's error, were it unknown, would explain what the sensors show."""
+"""Which instrument's error, were it unknown, would explain what the sensors show.
 
+Where a joint is, and how its axis points, are errors of the robot file: the core has
+them beside those of instruments.
+"""
+
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from orbident.estimation.causes.trial import Trial, trial
+from orbident.estimation.causes.trial import Trial, amended_trial
 from orbident.estimation.output_error.sensitivity import CalibrationFit
 from orbident.estimation.problem import MomentumProblem
 from orbident.robot.description import Robot
@@ -17,14 +22,17 @@ ANGLE, LENGTH, PART = 0.2, 0.2, 0.1
 CLEAR = 5.0
 """Deviations by which an error is none of chance."""
 
+EACH = "(.+)"
+"""In a pattern: any joint or wheel."""
+
 
 class Kind(NamedTuple):
     """Errors of one kind, as unknowns."""
 
     words: str
-    instrument: str
-    error: str
-    """Names of calibration errors begin with the instrument and go on with this."""
+    """With the joint or wheel in the place of `{}`."""
+    names: str
+    """A pattern that the names of its errors match; its group is a joint or wheel."""
     tolerance: Mapping[str, Any]
     """As `Tolerances` has it."""
 
@@ -34,20 +42,22 @@ class Kind(NamedTuple):
 
     def has(self, name: str) -> bool:
         """Whether it is an error of this kind."""
-        return name.startswith(self.instrument) and self.error in name
+        return re.fullmatch(self.names, name) is not None
 
 
 def freed(problem: MomentumProblem, kind: Kind) -> Iterator[Trial]:
     """Identify again, with one kind of error as an unknown."""
     robot = problem.robot
     loose = replace(robot, tolerances=replace(robot.tolerances, **kind.tolerance))
-    found = trial(kind.words, problem.amended(robot=loose))
+    found = amended_trial(kind.words, problem, loose)
     errors = found.estimate and {
         name: each
         for name, each in found.estimate.calibration.items()
         if kind.has(name)
     }
-    if errors and any(abs(each.value) > CLEAR * each.std for each in errors.values()):
+    # Of one instrument, what tells its axes apart need not be clear.
+    one = EACH not in kind.names
+    if errors and (one or any(abs(x.value) > CLEAR * x.std for x in errors.values())):
         # As many unknowns explain so much by chance (Schwarz 1978).
         price = len(errors) * np.log(problem.samples.t.size)
         words = _in_words(kind, errors)
@@ -58,9 +68,24 @@ def kinds(robot: Robot) -> Iterator[Kind]:
     """The kinds of errors that a robot's instruments may have, with wide tolerances."""
     zeros = {joint.name: ANGLE for joint in robot.joints}
     scales = dict.fromkeys(robot.joint_names, PART)
-    yield Kind("the zero of joint", "joint", "zero", {"joint_zero": zeros})
-    yield Kind("the scale of joint", "joint", "scale", {"joint_scale": scales})
-    yield Kind("the inertia of wheel", "wheel", "inertia", {"wheel_inertia": PART})
+    place = (
+        "the place of joint {} on its link in the robot file, so the geometry or "
+        "length of that link,"
+    )
+    yield Kind("the zero of joint {}", rf"joint\.{EACH}\.zero", {"joint_zero": zeros})
+    yield Kind(
+        "the scale of joint {}", rf"joint\.{EACH}\.scale", {"joint_scale": scales}
+    )
+    for name in robot.joint_names:
+        own = re.escape(name)
+        for words, error, size in (
+            (place, "place", LENGTH),
+            ("the tilt of the axis of joint {} in the robot file", "direction", ANGLE),
+        ):
+            tolerance = {f"joint_{error}": {name: size}}
+            yield Kind(words, rf"joint\.({own})\.{error}\.[xyz]", tolerance)
+    wheels = {"wheel_inertia": PART}
+    yield Kind("the inertia of wheel {}", rf"wheel\.{EACH}\.inertia", wheels)
     for words, name, tolerance in (
         ("the offset of the tracked marker from S", "feature_point", LENGTH),
         ("the misalignment of the attitude sensor", "attitude.misalignment", ANGLE),
@@ -68,15 +93,15 @@ def kinds(robot: Robot) -> Iterator[Kind]:
         ("the scale of the gyro, or the rate of the clock,", "gyro.scale", PART),
         ("the scale of the position", "position.scale", PART),
     ):
-        instrument, _, error = name.partition(".")
-        yield Kind(words, instrument, error, {name.replace(".", "_"): tolerance})
+        own = rf"{re.escape(name)}(\.[xyz])?"
+        yield Kind(words, own, {name.replace(".", "_"): tolerance})
 
 
 def _in_words(kind: Kind, errors: Mapping[str, CalibrationFit]) -> str:
     """With the error that stands out most."""
     name = max(errors, key=lambda name: abs(errors[name].value) / errors[name].std)
     named = name.split(".")
-    which = f" {named[1]}" if kind.instrument in ("joint", "wheel") else ""
     axis = f" along {named[-1]}" if named[-1] in "xyz" else ""
     value, std = errors[name].value, errors[name].std
-    return f"{kind.words}{which} is off by {value:.3g} +- {std:.1g} (SI){axis}"
+    which = kind.words.format(named[1] if len(named) > 1 else "")
+    return f"{which} is off by {value:.3g} +- {std:.1g} (SI){axis}"

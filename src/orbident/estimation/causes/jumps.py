@@ -2,21 +2,24 @@
 
 A polynomial and a step at its middle are fitted to the samples around every one. The
 step is a fixed filter of them, and where it stands far out of all that it gives over
-the recording, the sensor jumped. If all sensors jump at once, time did.
+the recording, the sensor jumped. If all sensors jump at once, time did. Rates leap with
+the motion, so a gyro's jumps are looked for in what is left of it after the fit.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float
+from scipy.special import chdtri
 
-from orbident.errors import InputError
-from orbident.estimation.causes.suspects import Numbers, Score, Suspect, tried
-from orbident.estimation.causes.trial import Trial, trial
-from orbident.estimation.output_error.sensors import NORMAL
+from orbident.estimation.causes.shifts import step
+from orbident.estimation.causes.shown import shown_by
+from orbident.estimation.causes.suspects import Numbers, Score, Suspect, score, tried
+from orbident.estimation.causes.trial import Trial
+from orbident.estimation.estimate import Estimate
+from orbident.estimation.evidence import misfit
 from orbident.estimation.problem import MomentumProblem
-from orbident.recordings.recording import Recording
 
 HALF, DEGREE = 10, 4
 """Samples before and after, and of the polynomial through them."""
@@ -27,8 +30,8 @@ FAR = 8.0
 TOGETHER = 0.5
 """Part of the joints and sensors that jump at once where time does."""
 
-MASKED = ("position", "attitude", "gyro", "velocity")
-"""Sensors without which, from then on, the rest may still be identified."""
+RATES = ("gyro", "velocity")
+OF_THE_BASE = ("position", "attitude", *RATES)
 
 
 @dataclass(frozen=True)
@@ -47,46 +50,35 @@ class Jump:
     """The change of the shown rate at the jump, SI per second."""
 
 
-def jumps(problem: MomentumProblem) -> Iterator[Trial]:
-    """Tried: the sensor put right, or left out from then on."""
-    found = sorted(_all(problem), key=lambda jump: -jump.times)
-    if not found:
-        return
-    first = found[0]
-    at_once = [jump for jump in found if abs(jump.row - first.row) <= 1]
-    if len(at_once) > max(1.0, TOGETHER * len(_vectors(problem))):
+def jumps(problem: MomentumProblem, shown: Estimate) -> Iterator[Trial]:
+    """Tried: the sensor, or the time, put right from then on."""
+    found = sorted(_of_samples(problem), key=lambda jump: -jump.times)
+    at_once = [jump for jump in found if abs(jump.row - found[0].row) <= 1]
+    if len(at_once) > max(
+        1.0, TOGETHER * len(shown_by(problem.robot, problem.recording))
+    ):
         yield from _lost_rows(problem, at_once)
         return
-    sensor = first.sensor
-    at = f"at t = {problem.recording.t[first.row]:.4g} s"
-    if sensor in MASKED:
-        words = (
-            f"the {sensor} has a jump (a step) of {np.linalg.norm(first.size):.2g} "
-            f"(SI) {at}: without its samples from then on the recording is accepted"
-        )
-        yield _without(problem, words, sensor, first.row)
-    else:
-        yield from _slipped(problem, first)
+    # A rate may leap because the motion does.
+    slow = [jump for jump in found if jump.sensor not in RATES]
+    if slow and shown.solution is not None:
+        suspect = step(problem, slow[0].sensor, slow[0].row)
+        first = score(problem, shown.solution, suspect)
+        if first.numbers.size:
+            trials = tried(problem, suspect, first, misfit(shown))
+            yield from (one._replace(seen=True) for one in trials)
 
 
-def _slipped(problem: MomentumProblem, jump: Jump) -> Iterator[Trial]:
-    """A joint, put right from then on."""
-    name = f"{jump.sensor}.position"
-    at = f"at t = {problem.recording.t[jump.row]:.4g} s"
-
-    def words(c: Numbers) -> str:
-        joint = jump.sensor.partition(".")[2]
-        return f"joint {joint} slips: its position has a jump of {c[0]:.3g} (SI) {at}"
-
-    def corrected(problem: MomentumProblem, c: Numbers) -> MomentumProblem:
-        recording = problem.recording
-        later = np.arange(recording.t.size) >= jump.row
-        column = recording.columns[name] - c[0] * later
-        changed = replace(recording, columns={**recording.columns, name: column})
-        return problem.amended(recording=changed)
-
-    suspect = Suspect(words, np.array([1e-5]), corrected)
-    return tried(problem, suspect, Score(jump.size, np.ones(1), 0.0))
+def steps(problem: MomentumProblem, shown: Estimate) -> Iterator[Suspect]:
+    """Smaller ones of the base's sensors, in what is left of its motion."""
+    for signal in shown.signals:
+        if signal.name in OF_THE_BASE:
+            left = signal.measured - signal.predicted
+            jump = jump_of(signal.name, signal.t, left)
+            if jump is not None and jump.times > FAR:
+                at = signal.t[jump.row]
+                row = int(np.argmin(np.abs(problem.recording.t - at)))
+                yield step(problem, signal.name, row)
 
 
 def _lost_rows(problem: MomentumProblem, at_once: list[Jump]) -> Iterator[Trial]:
@@ -109,55 +101,15 @@ def _lost_rows(problem: MomentumProblem, at_once: list[Jump]) -> Iterator[Trial]
         return problem.amended(recording=replace(recording, t=recording.t + c * later))
 
     suspect = Suspect(words, np.array([1e-4]), corrected)
-    return tried(problem, suspect, Score(np.array([lost]), np.ones(1), 0.0))
+    return tried(problem, suspect, Score(np.array([lost]), np.ones(1), 0.0), np.inf)
 
 
 def _norm(jump: Jump) -> float:
     return float(np.linalg.norm(jump.size))
 
 
-def _without(problem: MomentumProblem, words: str, sensor: str, row: int) -> Trial:
-    recording = problem.recording
-    columns = {
-        name: np.where(np.arange(column.size) < row, column, np.nan)
-        if name.startswith(f"{sensor}.")
-        else column
-        for name, column in recording.columns.items()
-    }
-    try:
-        amended = problem.amended(recording=replace(recording, columns=columns))
-    except InputError:
-        return Trial("", False, np.inf)
-    return trial(words, amended)
-
-
-def _vectors(problem: MomentumProblem) -> Mapping[str, Float[np.ndarray, "n axes"]]:
-    """What each sensor shows, smooth where the motion is."""
-    recording, robot = problem.recording, problem.robot
-    vectors = {
-        f"joint.{name}": recording.column(f"joint.{name}.position")[:, None]
-        for name in robot.joint_names
-        if recording.has(f"joint.{name}.position")
-    }
-    for name in MASKED:
-        if recording.has(f"{name}.x"):
-            vectors[name] = recording.vector(name)
-    if recording.has("attitude.w"):
-        vectors["attitude"] = _continuous(recording)
-    return vectors
-
-
-def _continuous(recording: Recording) -> Float[np.ndarray, "n 4"]:
-    """`x` and `-x` are one attitude: that nearer to the one before."""
-    x = recording.vector("attitude", "xyzw").copy()
-    seen = np.flatnonzero(np.isfinite(x).all(axis=1))
-    along = np.sum(x[seen[1:]] * x[seen[:-1]], axis=1)
-    x[seen[1:]] *= np.cumprod(np.where(along < 0, -1.0, 1.0))[:, None]
-    return x
-
-
-def _all(problem: MomentumProblem) -> Iterator[Jump]:
-    for sensor, x in _vectors(problem).items():
+def _of_samples(problem: MomentumProblem) -> Iterator[Jump]:
+    for sensor, x in shown_by(problem.robot, problem.recording).items():
         jump = jump_of(sensor, problem.recording.t, x)
         if jump is not None and jump.times > FAR:
             yield jump
@@ -175,7 +127,7 @@ def jump_of(
     found = np.array([np.correlate(axis, step, "valid") for axis in shown.T]).T
     slopes = np.array([np.correlate(axis, slope, "valid") for axis in shown.T]).T / dt
     size = np.linalg.norm(found, axis=1)
-    scatter = NORMAL * float(np.median(size))
+    scatter = float(np.median(size) / np.sqrt(chdtri(x.shape[1], 0.5)))
     k = int(np.argmax(size))
     if not scatter > 0:
         return None

@@ -39,11 +39,6 @@ class Tried(NamedTuple):
     falls: float
     """The residuals as recorded, over those with the convention put right."""
 
-    @property
-    def cause(self) -> str:
-        """In words."""
-        return self.convention.cause
-
 
 def tried_conventions(problem: MomentumProblem) -> list[Tried]:
     """Each convention with the factor by which it lowers the residuals, best first.

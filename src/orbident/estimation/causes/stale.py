@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from orbident.estimation.causes.shown import shown_by
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 
@@ -16,12 +17,13 @@ LONG = 10
 
 def stale(robot: Robot, recording: Recording) -> Iterator[str]:
     """What repeats, in words; first what does so throughout."""
-    sensors = _sensors(robot, recording)
     same = {}
-    for name, column in sensors.items():
-        x, t = recording.column(column), recording.t
-        seen = np.isfinite(x)
-        same[name] = t[seen][1:], np.diff(x[seen]) == 0
+    for sensor, x in shown_by(robot, recording).items():
+        most = x[:, np.argmax(np.nanstd(x, axis=0))]
+        seen = np.isfinite(most)
+        if np.ptp(most[seen]) > 0:
+            again = np.diff(most[seen]) == 0
+            same[sensor.replace(".", " ")] = recording.t[seen][1:], again
     often = {name: np.mean(again) for name, (_, again) in same.items() if again.size}
     held = [name for name, part in often.items() if part > OFTEN]
     if len(held) == len(often) > 0:
@@ -35,20 +37,6 @@ def stale(robot: Robot, recording: Recording) -> Iterator[str]:
             start, end = run
             words = f"{name} is stuck: the same value from t = {t[start]:.4g} to "
             yield f"{words}{t[end]:.4g} s"
-
-
-def _sensors(robot: Robot, recording: Recording) -> dict[str, str]:
-    """A column of each sensor that moves, by the sensor's name."""
-    columns = {
-        **{f"joint {name}": f"joint.{name}.position" for name in robot.joint_names},
-        **{name: f"{name}.x" for name in ("gyro", "position", "velocity")},
-        "attitude": "attitude.z",
-    }
-    return {
-        name: column
-        for name, column in columns.items()
-        if recording.has(column) and np.nanstd(recording.column(column)) > 0
-    }
 
 
 def _longest(again: np.ndarray) -> tuple[int, int] | None:

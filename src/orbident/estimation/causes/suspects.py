@@ -14,21 +14,15 @@ from jaxtyping import Float
 
 from orbident.errors import InputError
 from orbident.estimation.causes.trial import Trial, trial
-from orbident.estimation.output_error.problem import (
-    OUTSIDE,
-    Linear,
-    State,
-    linear,
-    problem_of,
-)
+from orbident.estimation.evidence import WORTH
+from orbident.estimation.output_error.problem import linear, problem_of
 from orbident.estimation.output_error.sensors import sensors_of
 from orbident.estimation.output_error.solver import Solution
 from orbident.estimation.problem import MomentumProblem
 from orbident.preprocessing.delays import delays
-from orbident.robot.parameters import PER_BODY
 
-ROUNDS = 2
-"""Of a trial and a better guess."""
+ROUNDS = 4
+"""Of a trial and a better guess, as long as it explains more."""
 
 SETTLED = 0.3
 """Deviations: a change of the guess that is less brings nothing."""
@@ -71,11 +65,11 @@ def score(problem: MomentumProblem, solution: Solution, suspect: Suspect) -> Sco
     # What overflows has no score.
     with np.errstate(all="ignore"):
         try:
-            r = _left(suspect.corrected(problem, zero), problem, solution)
+            r = _left(suspect.corrected(problem, zero), solution)
             for k, small in enumerate(suspect.small):
                 c = zero.copy()
                 c[k] = small
-                moved = _left(suspect.corrected(problem, c), problem, solution)
+                moved = _left(suspect.corrected(problem, c), solution)
                 columns.append((moved - r) / small)
         except (InputError, np.linalg.LinAlgError):
             return NOTHING
@@ -89,21 +83,32 @@ def score(problem: MomentumProblem, solution: Solution, suspect: Suspect) -> Sco
     return Score(numbers, std, float(r @ r - after @ after))
 
 
-def tried(problem: MomentumProblem, suspect: Suspect, first: Score) -> Iterator[Trial]:
-    """Identify again with the suspect put right, from a first guess of the numbers."""
+def tried(
+    problem: MomentumProblem, suspect: Suspect, first: Score, before: float
+) -> Iterator[Trial]:
+    """Identify again with the suspect put right, from a first guess of the numbers.
+
+    Args:
+        problem: as it is fitted.
+        suspect: what is put right.
+        first: the guess.
+        before: the misfit now: what makes it worse is not tried again.
+    """
     numbers, best = first.numbers, Trial("", False, np.inf)
     for _ in range(ROUNDS):
-        right = suspect.corrected(problem, numbers)
         try:
-            right = right.amended()
+            right = suspect.corrected(problem, numbers).amended()
         except InputError:
             break
         found = trial(suspect.words(numbers), right)
-        if not found.misfit < best.misfit:
-            break
         price = numbers.size * np.log(problem.samples.t.size)
-        best = found._replace(misfit=found.misfit + price)
-        if found.accepted or found.estimate is None or found.estimate.solution is None:
+        found = found._replace(misfit=found.misfit + price)
+        if not (found.accepted or found.misfit < best.misfit - WORTH):
+            break
+        best = found
+        if found.accepted or found.misfit > before:
+            break
+        if found.estimate is None or found.estimate.solution is None:
             break
         more = score(right, found.estimate.solution, suspect)
         if not more.falls or np.all(abs(more.numbers) < SETTLED * more.std):
@@ -112,41 +117,23 @@ def tried(problem: MomentumProblem, suspect: Suspect, first: Score) -> Iterator[
     yield best
 
 
-def _left(
-    changed: MomentumProblem, problem: MomentumProblem, solution: Solution
-) -> Float[np.ndarray, " n"]:
+def _left(changed: MomentumProblem, solution: Solution) -> Float[np.ndarray, " n"]:
     """The whitened residuals of all sensors where all else follows."""
     robot = changed.robot
     sensors = sensors_of(
         robot, changed.recording, delays(robot, changed.recording, changed.late)
     )
     equations = problem_of(robot, changed.sets, changed.samples, sensors)
-    places = [float(each.place) for each in equations.declared]
-    state = _state(changed, problem, solution.state)
-    if len(places) != state.selected.size:
-        raise InputError("other calibration errors")
-    state = state._replace(selected=np.array(places))
+    # The places of calibrations are others where there are other wheels.
+    places = np.array([float(each.place) for each in equations.declared])
+    same = equations.boundaries.size == len(solution.state.x_WB)
+    if not same or places.size != solution.state.selected.size:
+        raise InputError("other intervals or calibration errors: not comparable")
+    state = solution.state._replace(selected=places)
     here = linear(equations, solution.weights, state)
-    there = linear(equations, solution.weights, _followed(here, state, solution))
+    # After one step of all other unknowns.
+    factor = solution.prior.added(here.common, state)
+    g = np.linalg.solve(factor[:-1, :-1], factor[:-1, -1])
+    there = linear(equations, solution.weights, state.moved(here.step(g), g))
     left = [table.ravel() for table in there.residuals.values()]
     return np.concatenate(left)
-
-
-def _state(changed: MomentumProblem, problem: MomentumProblem, state: State) -> State:
-    """The same bodies, by the base parameters of the changed robot."""
-    if changed.sets is problem.sets:
-        return state
-    theta = (problem.sets.base.theta_of @ state.beta).reshape(-1, PER_BODY)
-    beta = changed.sets.beta(theta)
-    common = np.concatenate([state.common[:OUTSIDE], beta, state.calibration])
-    return state._replace(common=common)
-
-
-def _followed(here: Linear, state: State, solution: Solution) -> State:
-    """After one step of all other unknowns."""
-    prior = solution.prior
-    if state.common.size != prior.values.size:
-        raise InputError("other base parameters")
-    factor = prior.added(here.common, state)
-    g = np.linalg.solve(factor[:-1, :-1], factor[:-1, -1])
-    return state.moved(here.step(g), g)

@@ -13,6 +13,8 @@ from orbident.estimation.obstacles import obstacles
 from orbident.estimation.output_error.estimator import OutputError
 from orbident.estimation.problem import MomentumProblem
 from orbident.estimation.solve import Solved
+from orbident.recordings.recording import Recording
+from orbident.robot.description import Robot
 
 STEPS = 12
 """From where what is put right is right, the search needs fewer."""
@@ -26,6 +28,8 @@ class Trial(NamedTuple):
     misfit: float
     """Minus twice the logarithm of the likelihood, but for a constant."""
     estimate: Estimate | None = None
+    seen: bool = False
+    """Whether samples show it by themselves: then no fall in the misfit is wanted."""
 
 
 def trial(cause: str, problem: MomentumProblem) -> Trial:
@@ -44,3 +48,16 @@ def trial(cause: str, problem: MomentumProblem) -> Trial:
     judgement = judge(Solved(problem, [], shown, shown), dict(shown.masses))
     accepted = worst(judgement.checks) != "do not trust"
     return Trial(cause, accepted, misfit(shown), shown)
+
+
+def amended_trial(
+    cause: str,
+    problem: MomentumProblem,
+    robot: Robot | None = None,
+    recording: Recording | None = None,
+) -> Trial:
+    """With another robot file or recording; what is impossible fits nothing."""
+    try:
+        return trial(cause, problem.amended(robot, recording))
+    except InputError:
+        return Trial(cause, False, np.inf)

@@ -32,5 +32,5 @@ def test_nothing_is_found_where_nothing_is_wrong():
 
 def test_the_signs_of_two_joints():
     problem = problem_with({f"joint.joint{k}.position": lambda q: -q for k in (1, 3)})
-    assert "joints joint1 and joint3" in tried_conventions(problem)[0].cause
+    assert "joints joint1 and joint3" in tried_conventions(problem)[0].convention.cause
     assert clean().robot.joint_names == ("joint1", "joint2", "joint3")

@@ -2,10 +2,12 @@
 
 import numpy as np
 import pytest
-from cause_problems import problem_with
+from cause_problems import fitted, problem_with
 
-from orbident.estimation.causes.jumps import FAR, jump_of, jumps
+from orbident.estimation.causes.jumps import FAR, jump_of, jumps, steps
+from orbident.estimation.causes.suspects import score
 
+ONES = np.ones(3)
 T = np.arange(300) * 0.1
 NOISE = 1e-4 * np.random.default_rng(0).standard_normal((T.size, 1))
 SMOOTH = np.sin(0.7 * T)[:, None] + NOISE
@@ -34,9 +36,24 @@ def test_too_few_samples_show_nothing():
 
 def test_a_joint_that_slips_is_put_right():
     later = np.arange(301) >= 150
-    (found,) = jumps(
-        problem_with({"joint.joint2.position": lambda q: q + 0.02 * later[: q.size]})
+    problem = problem_with(
+        {"joint.joint2.position": lambda q: q + 0.02 * later[: q.size]}
     )
+    (found,) = jumps(problem, fitted(problem))
     assert found.accepted
     assert "joint joint2 slips" in found.cause
     assert "t = 15 s" in found.cause
+
+
+def test_a_gyro_that_jumps_by_less_than_it_shows():
+    """In what is left of it the step stands out, and its row and size are found."""
+    later = np.arange(301) >= 150
+    problem = problem_with({"gyro.y": lambda w: w + 5e-4 * later[: w.size]})
+    shown = fitted(problem)
+    assert [*jumps(problem, shown)] == []
+    suspect = next(each for each in steps(problem, shown) if "gyro" in each.words(ONES))
+    assert shown.solution is not None
+    first = score(problem, shown.solution, suspect)
+    assert "t = 15 s" in suspect.words(first.numbers)
+    far = 5 * first.std.max()
+    np.testing.assert_allclose(first.numbers, [0.0, 5e-4, 0.0], atol=far)

@@ -1,12 +1,14 @@
 """Numbers that may be wrong, found to first order, and tried."""
 
-import numpy as np
-from cause_problems import clean, fitted, problem_with, with_joint
+from dataclasses import replace
 
-from orbident.estimation.causes.frames import beside
-from orbident.estimation.causes.geometry import geometry
+import numpy as np
+from cause_problems import clean, fitted, problem_with
+from edited_recordings import changed
+
+from orbident.estimation.causes.frames import beside, missing_wheel
 from orbident.estimation.causes.suspects import Score, Suspect, score
-from orbident.estimation.problem import MomentumProblem
+from orbident.estimation.problem import MomentumProblem, momentum_problems
 
 
 def best(problem: MomentumProblem, suspects) -> tuple[Suspect, Score]:
@@ -14,15 +16,6 @@ def best(problem: MomentumProblem, suspects) -> tuple[Suspect, Score]:
     assert solution is not None
     scores = [(each, score(problem, solution, each)) for each in suspects]
     return max(scores, key=lambda one: one[1].falls)
-
-
-def test_the_place_of_a_joint():
-    """The robot file has joint 2 at 1 mm from where it is."""
-    off = np.array([1e-3, 0.0, 0.0])
-    p_PJ = clean().robot.joints[1].p_PJ
-    problem = problem_with(robot=with_joint(1, p_PJ=p_PJ + off))
-    suspect, first = best(problem, geometry(problem))
-    assert "the place of joint joint2" in suspect.words(first.numbers)
 
 
 def test_inertial_axes():
@@ -41,3 +34,21 @@ def test_inertial_axes():
     np.testing.assert_allclose(
         first.numbers, [0.0, 0.0, -0.02], atol=5 * first.std.max()
     )
+
+
+def test_a_wheel_that_the_robot_file_lacks():
+    """Of three; what it has along the other two together is another scale."""
+    robot, gone = clean().robot, clean().robot.wheels[0]
+    recording = changed(
+        clean().recording,
+        keep=lambda name: not name.startswith(f"wheel.{gone.name}."),
+    )
+    fewer = replace(robot, wheels=robot.wheels[1:])
+    (problem, *_) = momentum_problems(fewer, recording, "unknown", lambda _: None)
+    (found,) = missing_wheel(problem)
+    assert found.accepted
+    assert "a wheel is missing" in found.cause
+
+
+def test_no_wheel_is_missing():
+    assert [*missing_wheel(problem_with())] == []
