@@ -75,8 +75,8 @@ def run(
     executors = local(workers or at_hand())
     with progress("campaign") as show:
         done = conduct(begun, out, executors, _Rate(show))
-    if done.failed:
-        output.warn([_failures(out, done)])
+    unmade = _report(begun, out)
+    output.warn([*unmade, *([_failures(out, done)] if done.failed else [])])
     output.say(*_lines(begun, out, done))
     output.write_json(_document(begun, out, done))
     if done.failed == done.of:
@@ -154,6 +154,22 @@ class _Rate:
         if done.failed:
             words += f", {done.failed} failed"
         self.show(done.runs / done.of, words)
+
+
+def _report(begun: Any, folder: Path) -> list[str]:
+    """Write the report.
+
+    Returns:
+        A warning where it could not be made.
+    """
+    from orbident.extras import MissingLibraryError
+    from orbident.report.campaign import write_campaign_report
+
+    try:
+        write_campaign_report(begun, folder)
+    except MissingLibraryError as refusal:
+        return [f"{refusal}; {folder} is complete without it"]
+    return []
 
 
 def _lines(begun: Any, folder: Path, done: "Done") -> Sequence[Any]:
