@@ -22,7 +22,7 @@ from typing import NamedTuple
 import pyarrow as pa
 
 from orbident.campaigns.executors import Executors
-from orbident.campaigns.folder import FAILED, Campaign, working
+from orbident.campaigns.folder import FAILED, Campaign, check_versions, working
 from orbident.campaigns.run import Chunk, packed, run_chunk
 from orbident.campaigns.table import path_of, schema_of, write_rows
 from orbident.errors import InputError
@@ -73,6 +73,7 @@ def conduct(
             try:
                 with executors() as executor:
                     for runs, chunk in _computed(executor, payload, missing):
+                        check_versions(folder, chunk.versions, "a worker's")
                         _keep(folder, runs, chunk, schema)
                         deaths = 0
                         more = len(runs), 0, len(chunk.failures)
@@ -129,7 +130,21 @@ def _computed(
             return
         done, _ = wait(running, return_when=FIRST_COMPLETED)
         for future in done:
-            yield running.pop(future), future.result()
+            yield running.pop(future), _result(future)
+
+
+def _result(future: Future[Chunk]) -> Chunk:
+    try:
+        return future.result()
+    except (BrokenExecutor, CancelledError, InputError):
+        raise
+    # A run that raises is in its chunk; this is the worker itself.
+    except Exception as error:
+        raise InputError(
+            f"a worker cannot work ({type(error).__name__}: {error}); what is done is "
+            "kept: see that every worker has this Orbident and memory for it, and run "
+            "the same command again"
+        ) from error
 
 
 def _keep(folder: Path, runs: range, chunk: Chunk, schema: pa.Schema) -> None:

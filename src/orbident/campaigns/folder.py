@@ -9,7 +9,7 @@
 
 import json
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
@@ -87,7 +87,7 @@ def begin(file: SpecFile, folder: Path, paper_motion: PaperMotion) -> Campaign:
             for name in names:
                 (staged / name).parent.mkdir(exist_ok=True)
                 (staged / name).write_bytes((new / name).read_bytes())
-            manifest = {"schema": _SCHEMA, "versions": _versions(), "sha256": sums}
+            manifest = {"schema": _SCHEMA, "versions": versions(), "sha256": sums}
             write_text(staged / MANIFEST, json.dumps(manifest, indent=1))
     return opened(folder)
 
@@ -128,25 +128,31 @@ def working(folder: Path) -> Iterator[None]:
             yield
 
 
-def check_versions(folder: Path) -> None:
+def check_versions(folder: Path, found: Mapping[str, str], who: str = "this") -> None:
     """Refuse to go on with other versions: numbers would differ in their last digits.
+
+    Args:
+        folder: of the campaign.
+        found: `versions` there.
+        who: has them.
 
     Raises:
         InputError: the campaign was begun with others.
     """
     for name, begun in _manifest(folder)["versions"].items():
-        now = _versions().get(name)
-        if now != begun:
+        if found.get(name) != begun:
             raise InputError(
-                f"{folder}: was begun with {name} {begun}, and this is {now}, whose "
-                "numbers may differ; install that version, or name another folder"
+                f"{folder}: was begun with {name} {begun}, and {who} is "
+                f"{found.get(name)}, whose numbers may differ; install that version, "
+                "or name another folder"
             )
 
 
 _SCHEMA = "orbident/campaign-folder/1"
 
 
-def _versions() -> dict[str, str]:
+def versions() -> dict[str, str]:
+    """Of what computes here."""
     return {name: version(name) for name in ("orbident", "numpy", "scipy")}
 
 
@@ -178,7 +184,7 @@ def _check_same(folder: Path, sums: dict[str, str]) -> None:
         raise InputError(
             f"{folder}: holds another campaign ({other[0]} differs); name another DIR"
         )
-    check_versions(folder)
+    check_versions(folder, versions())
 
 
 def _is_free(folder: Path) -> bool:

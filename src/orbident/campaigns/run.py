@@ -11,7 +11,7 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.campaigns.case import Case
-from orbident.campaigns.folder import Campaign
+from orbident.campaigns.folder import Campaign, versions
 from orbident.campaigns.table import Row
 from orbident.estimation.identify import identify
 from orbident.estimation.result import Result
@@ -34,6 +34,8 @@ class Chunk(NamedTuple):
 
     rows: tuple[Row, ...]
     failures: tuple[Failure, ...]
+    versions: dict[str, str]
+    """Of what computed it."""
 
 
 def packed(campaign: Campaign) -> bytes:
@@ -59,7 +61,7 @@ def run_chunk(campaign: bytes, runs: range) -> Chunk:
         # Whatever it is: thousands of other runs are not to be lost for it.
         except Exception as error:
             failures.append(_failure(case, error))
-    return Chunk(tuple(rows), tuple(failures))
+    return Chunk(tuple(rows), tuple(failures), versions())
 
 
 def identified(

@@ -57,6 +57,14 @@ def run(
             min=1, help="Processes on this machine; by default the processors at hand."
         ),
     ] = None,
+    cluster: Annotated[
+        str | None,
+        typer.Option(
+            metavar="ADDRESS|FILE|slurm",
+            help="Run on a Dask cluster: a scheduler's address (tcp://host:8786, or "
+            "tls://), its scheduler file, or as many Slurm jobs as --workers says.",
+        ),
+    ] = None,
     json: Json = None,
     quiet: Quiet = False,
 ) -> None:
@@ -70,9 +78,14 @@ def run(
     from orbident.threads import at_hand
 
     output = Output(json, quiet)
+    if cluster is None:
+        executors = local(workers or at_hand())
+    else:
+        from orbident.campaigns.cluster import cluster as on_cluster
+
+        executors = on_cluster(cluster, workers or 1)
     file = load_spec(spec)
     begun = begin(file, out, lambda robot: paper_case(robot).trajectory)
-    executors = local(workers or at_hand())
     with progress("campaign") as show:
         done = conduct(begun, out, executors, _Rate(show))
     unmade = _report(begun, out)
@@ -105,7 +118,7 @@ def rerun(
     quiet: Quiet = False,
 ) -> None:
     """Make one run again, exactly; keep its recording, and a RUN for each method."""
-    from orbident.campaigns.folder import check_versions, opened
+    from orbident.campaigns.folder import check_versions, opened, versions
     from orbident.campaigns.rerun import rerun as made_again
     from orbident.cli.identify import keep
     from orbident.cli.identify_tables import summary
@@ -113,7 +126,7 @@ def rerun(
 
     output = Output(json, quiet)
     begun = opened(folder)
-    check_versions(folder)
+    check_versions(folder, versions())
     with progress(f"run {number}"):
         again = made_again(begun, folder, number)
     output.say(f"written: {again.path}")
