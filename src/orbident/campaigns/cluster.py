@@ -7,9 +7,10 @@ job of Slurm asks for (`jobqueue.slurm`): both belong to the cluster, not to a c
 import asyncio
 import importlib
 import json
+import logging
 from collections.abc import Iterator
 from concurrent.futures import Executor
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -43,11 +44,19 @@ def cluster(where: str, jobs: int) -> Executors:
     """
     with extra("cluster", "--cluster"):
         importlib.import_module("distributed")
+    _silence("distributed")
     if where == SLURM:
         return lambda: _on_slurm(jobs)
     address = where if "://" in where else _address_in(Path(where))
     _check_answers(where, address)
     return lambda: _connected(where, address)
+
+
+def _silence(library: str) -> None:
+    """What it would tell in tracebacks, the command says in a line."""
+    for name in list(logging.root.manager.loggerDict):
+        if name.partition(".")[0] == library:
+            logging.getLogger(name).setLevel(logging.CRITICAL + 1)
 
 
 def _address_in(file: Path) -> str:
@@ -97,6 +106,9 @@ def _check_answers(where: str, address: str) -> None:
 def _connected(where: str, address: Any) -> Iterator[Executor]:
     from distributed import Client, Security
 
+    # Again, as it may be the second time: the first scheduler may have died.
+    if isinstance(address, str):
+        _check_answers(where, address)
     client = Client(
         address, timeout=PATIENCE, security=Security(), set_as_default=False
     )
@@ -104,7 +116,8 @@ def _connected(where: str, address: Any) -> Iterator[Executor]:
         # Not pure: the same run twice is two runs. A worker may be lost twice.
         yield client.get_executor(pure=False, retries=2)
     finally:
-        client.close(timeout=PATIENCE)
+        with suppress(OSError, RuntimeError):
+            client.close(timeout=PATIENCE)
 
 
 @contextmanager
@@ -149,4 +162,4 @@ def _seconds(walltime: str) -> float:
     """
     days, _, rest = walltime.rpartition("-")
     hours, minutes, seconds = (int(part) for part in rest.split(":"))
-    return 60 * (60 * (24 * int(days or 0) + hours) + minutes) + seconds
+    return 60.0 * (60 * (24 * int(days or 0) + hours) + minutes) + seconds

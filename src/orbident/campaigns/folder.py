@@ -124,8 +124,8 @@ def working(folder: Path) -> Iterator[None]:
     with writing(folder):
         for each in (rows, folder / FAILED):
             each.mkdir(exist_ok=True)
-        with locked(rows):
-            yield
+    with locked(rows):
+        yield
 
 
 def check_versions(folder: Path, found: Mapping[str, str], who: str = "this") -> None:
