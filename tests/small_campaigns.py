@@ -44,9 +44,9 @@ def write_campaign(folder: Path, **changes: Any) -> Path:
         "schema": "orbident/campaign/1",
         "robots": [{"robot": "robot.yaml", "trajectory": "motion.yaml"}],
         "methods": ["least-squares"],
-        "runs": 5,
+        "runs": 3,
         "entropy": 1,
-        "chunk": 2,
+        "chunk": 1,
         "disperse": {"inertia": {"normal": "10 %"}},
     }
     path = folder / "campaign.yaml"
