@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from small_campaigns import begun, rows, write_campaign
+from small_campaigns import begun, no_paper_motion, rows, write_campaign
 
 from orbident.campaigns import conduct as conducting
 from orbident.campaigns.conduct import Done, conduct, failed_runs, status
@@ -199,5 +199,5 @@ def test_a_file_that_a_campaign_names_is_missing(tmp_path: Path):
     begun(tmp_path)
     path.write_text(path.read_text().replace("robot.yaml", "other.yaml"))
     with pytest.raises(InputError, match=r"robots\[0\]: .*other.yaml"):
-        begin(load_spec(path), tmp_path / "new", lambda _: None)
+        begin(load_spec(path), tmp_path / "new", no_paper_motion)
     assert not (tmp_path / "new").exists()

@@ -23,7 +23,7 @@ def made_up(campaign: Campaign, scale: float) -> pa.Table:
         "robot": np.full(N, "paper-spatial"),
         "method": np.full(N, "least-squares"),
         "level": np.where(refused, "do not trust", "trust"),
-        "refused_by": np.where(refused, "kinetic energy", None),
+        "refused_by": ["kinetic energy" if each else None for each in refused],
     }
     for name in schema.names:
         if name.endswith(".value"):
