@@ -3,6 +3,7 @@
 import functools
 import os
 from collections.abc import Callable
+from contextvars import ContextVar
 from typing import ParamSpec, TypeVar
 
 from threadpoolctl import threadpool_limits
@@ -11,8 +12,16 @@ Arguments = ParamSpec("Arguments")
 Returned = TypeVar("Returned")
 
 
+_alone = ContextVar("_alone", default=False)
+
+
 def processors() -> int:
-    """The processors that this process may run on: threads of the core's loops."""
+    """Threads of the core's loops: the processors that this process may run on."""
+    return 1 if _alone.get() else at_hand()
+
+
+def at_hand() -> int:
+    """The processors that this process may run on."""
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
@@ -31,5 +40,22 @@ def one_blas_thread(
     def wrapped(*args: Arguments.args, **kwargs: Arguments.kwargs) -> Returned:
         with threadpool_limits(limits=1, user_api="blas"):
             return verb(*args, **kwargs)
+
+    return wrapped
+
+
+def one_thread(
+    work: Callable[Arguments, Returned],
+) -> Callable[Arguments, Returned]:
+    """Run what has other processes beside it with one thread, of BLAS and the core."""
+
+    @functools.wraps(work)
+    @one_blas_thread
+    def wrapped(*args: Arguments.args, **kwargs: Arguments.kwargs) -> Returned:
+        token = _alone.set(True)
+        try:
+            return work(*args, **kwargs)
+        finally:
+            _alone.reset(token)
 
     return wrapped

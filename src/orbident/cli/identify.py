@@ -99,7 +99,7 @@ def identify(
             result = result.with_causes()
     file = {"file": name_of(recording), "sha256": sha256(recording)}
     result = replace(result, input=file)
-    unmade = [] if out is None else _keep(result, described, table, out, force)
+    unmade = [] if out is None else keep(result, described, table, out, force)
     output.warn([*unmade, *result.warnings])
     output.say(*summary(result, out, everything))
     output.write_json(result.to_json())
@@ -107,8 +107,8 @@ def identify(
         raise typer.Exit(1)
 
 
-def _keep(result: Any, robot: Any, table: Any, out: Path, force: bool) -> list[str]:
-    """Write the RUN.
+def keep(result: Any, robot: Any, table: Any, out: Path, force: bool) -> list[str]:
+    """Write a RUN with its report.
 
     Returns:
         A warning where its report could not be made.

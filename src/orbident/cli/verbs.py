@@ -4,6 +4,7 @@ from typing import Annotated
 
 import typer
 
+from orbident.cli.campaign import campaign
 from orbident.cli.compare import compare
 from orbident.cli.convert import convert
 from orbident.cli.excite import excite
@@ -48,6 +49,7 @@ for verb in (
     study,
 ):
     app.command()(verb)
+app.add_typer(campaign, name="campaign")
 
 
 def _print_version(wanted: bool) -> bool:

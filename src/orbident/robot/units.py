@@ -28,6 +28,7 @@ UNITS: dict[str, dict[str, float]] = {
     "length random walk": {"m/sqrt(s)": 1.0, "mm/sqrt(s)": 1e-3, "um/sqrt(s)": 1e-6},
     "share": {"1": 1.0, "%": 1e-2, "ppm": 1e-6},
     "frequency": {"Hz": 1.0, "kHz": 1e3},
+    "speed": {"m/s": 1.0, "cm/s": 1e-2, "mm/s": 1e-3},
     "angular rate": {
         "rad/s": 1.0,
         "deg/s": _DEG,

@@ -1,0 +1,155 @@
+"""Making all runs of a campaign that are not made yet.
+
+Workers compute; only this process writes. A chunk is done when its file is there, and
+the failures in it were written before: whatever is killed at whatever moment, what is
+missing is computed again, to the same numbers.
+"""
+
+import json
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import (
+    FIRST_COMPLETED,
+    BrokenExecutor,
+    CancelledError,
+    Executor,
+    Future,
+    wait,
+)
+from itertools import islice
+from pathlib import Path
+from typing import NamedTuple
+
+import pyarrow as pa
+
+from orbident.campaigns.executors import Executors
+from orbident.campaigns.folder import FAILED, Campaign, check_versions, working
+from orbident.campaigns.run import Chunk, packed, run_chunk
+from orbident.campaigns.table import path_of, schema_of, write_rows
+from orbident.errors import InputError
+from orbident.files.text import write_text
+
+WAITING = 64
+"""Chunks that executors are given ahead: enough for many workers, little memory."""
+
+PATIENCE = 3
+"""Times that workers may die in a row without a chunk done."""
+
+
+class Done(NamedTuple):
+    """How far a campaign is."""
+
+    runs: int
+    """Made so far, failed ones too."""
+    of: int
+    failed: int
+
+
+Progress = Callable[[Done], object]
+
+
+def conduct(
+    campaign: Campaign,
+    folder: Path,
+    executors: Executors,
+    progress: Progress = lambda _: None,
+) -> Done:
+    """Make what is missing.
+
+    Args:
+        campaign: of the folder.
+        folder: that `begin` made.
+        executors: where runs are made.
+        progress: is called after every chunk, and before the first.
+
+    Raises:
+        InputError: another command is at it, the folder cannot be written, or workers
+            die again and again.
+    """
+    with working(folder):
+        schema, payload = schema_of(campaign), packed(campaign)
+        deaths, done = 0, status(campaign, folder)
+        progress(done)
+        while missing := tuple(_missing(campaign, folder)):
+            try:
+                with executors() as executor:
+                    for runs, chunk in _computed(executor, payload, missing):
+                        check_versions(folder, chunk.versions, "a worker's")
+                        _keep(folder, runs, chunk, schema)
+                        deaths = 0
+                        more = len(runs), 0, len(chunk.failures)
+                        done = Done(*map(sum, zip(done, more, strict=True)))
+                        progress(done)
+            except (BrokenExecutor, CancelledError) as error:
+                deaths += 1
+                if deaths == PATIENCE:
+                    raise InputError(
+                        f"{folder}: workers ended {PATIENCE} times in a row before "
+                        "any was done, perhaps for want of memory; what is done is "
+                        "kept: run the same command with fewer --workers"
+                    ) from error
+    return status(campaign, folder)
+
+
+def status(campaign: Campaign, folder: Path) -> Done:
+    """How far a campaign is, whoever runs it."""
+    done = [chunk for chunk in campaign.chunks if path_of(folder, chunk).exists()]
+    failed = sum(1 for _ in failed_runs(folder))
+    return Done(sum(map(len, done)), campaign.spec.runs, failed)
+
+
+def failed_runs(folder: Path) -> Iterator[Path]:
+    """The files of runs that could not be made, in their order."""
+    found = (path for path in (folder / FAILED).glob("*.json") if path.stem.isdigit())
+    return iter(sorted(found, key=lambda path: int(path.stem)))
+
+
+def failure_of(folder: Path, k: int) -> Path:
+    """Where it is said why run `k` could not be made."""
+    return folder / FAILED / f"{k}.json"
+
+
+def _missing(campaign: Campaign, folder: Path) -> Iterator[range]:
+    for chunk in campaign.chunks:
+        if not path_of(folder, chunk).exists():
+            yield chunk
+
+
+def _computed(
+    executor: Executor, payload: bytes, chunks: Sequence[range]
+) -> Iterator[tuple[range, Chunk]]:
+    """Chunks as they are done, in any order."""
+    left = iter(chunks)
+    running: dict[Future[Chunk], range] = {}
+    while True:
+        for runs in islice(left, WAITING - len(running)):
+            future = executor.submit(run_chunk, payload, runs)
+            running[future] = runs
+            if future.done():
+                break
+        if not running:
+            return
+        done, _ = wait(running, return_when=FIRST_COMPLETED)
+        for future in done:
+            yield running.pop(future), _result(future)
+
+
+def _result(future: Future[Chunk]) -> Chunk:
+    try:
+        return future.result()
+    except (BrokenExecutor, CancelledError, InputError):
+        raise
+    # A run that raises is in its chunk; this is the worker itself.
+    except Exception as error:
+        raise InputError(
+            f"a worker cannot work ({type(error).__name__}: {error}); what is done is "
+            "kept: see that every worker has this Orbident and memory for it, and run "
+            "the same command again"
+        ) from error
+
+
+def _keep(folder: Path, runs: range, chunk: Chunk, schema: pa.Schema) -> None:
+    # The rows last: their file says that the chunk is done.
+    for failure in chunk.failures:
+        text = json.dumps(failure.document, indent=1)
+        write_text(failure_of(folder, failure.k), text)
+    write_rows(path_of(folder, runs), chunk.rows, schema)

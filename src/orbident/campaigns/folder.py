@@ -1,0 +1,221 @@
+"""The folder of a campaign: all of its state is files.
+
+- `campaign.json`: checksums of the frozen files, and the versions of what computes;
+- `spec.yaml`, `robot0/` ...: the campaign file, its robots and their trajectories;
+- `rows/<first run>.parquet`: a chunk that is done;
+- `failed/<run>.json`: a run that could not be made, and why;
+- `rerun/<run>/`: one run repeated, with its recording and a RUN for each method.
+"""
+
+import json
+import tempfile
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import cached_property
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from orbident.campaigns.case import Case, Subject
+from orbident.campaigns.spec import PAPER, RobotEntry, Spec, SpecFile, load_spec
+from orbident.errors import InputError
+from orbident.files.checksum import sha256
+from orbident.files.folder_replacing import finish, replacing_files
+from orbident.files.locking import locked
+from orbident.files.text import read_text, write_text
+from orbident.files.writing import writing
+from orbident.robot.description import Robot
+from orbident.robot.robot_file import bundled_robots, load_robot, write_robot
+from orbident.trajectories.trajectory import Trajectory
+from orbident.trajectories.trajectory_file import load_trajectory, save_trajectory
+
+SPEC, MANIFEST = "spec.yaml", "campaign.json"
+ROBOT_FILES = ("robot.urdf", "robot.yaml", "trajectory.yaml")
+ROWS, FAILED, RERUN, REPORT = "rows", "failed", "rerun", "report.html"
+
+PaperMotion = Callable[[Robot], Trajectory]
+"""The paper's exciting motion for a robot."""
+
+
+@dataclass(frozen=True)
+class Campaign:
+    """What is run, as the folder has it; it goes to the workers whole."""
+
+    spec: Spec
+    subjects: tuple[Subject, ...]
+
+    def case(self, k: int) -> Case:
+        """Run `k`."""
+        return Case.of(self.spec, self.subjects, k)
+
+    @cached_property
+    def chunks(self) -> tuple[range, ...]:
+        """The runs of each file."""
+        runs, size = self.spec.runs, self.spec.chunk
+        return tuple(range(k, min(k + size, runs)) for k in range(0, runs, size))
+
+
+def begin(file: SpecFile, folder: Path, paper_motion: PaperMotion) -> Campaign:
+    """Freeze a campaign into a folder, or find it there.
+
+    Args:
+        file: the campaign file.
+        folder: made if it is missing; one of the same campaign is gone on with.
+        paper_motion: for robots without a trajectory file of their own.
+
+    Raises:
+        InputError: a file that the campaign names cannot be used, or the folder has
+            another campaign, or was begun with other versions.
+    """
+    with tempfile.TemporaryDirectory() as scratch:
+        new = Path(scratch)
+        names = _freeze(file, new, paper_motion)
+        sums = {name: sha256(new / name) for name in names}
+        ours = (*names, MANIFEST)
+        finish(folder, ours)
+        if (folder / MANIFEST).exists():
+            _check_same(folder, sums)
+            return opened(folder)
+        if folder.exists() and not (folder.is_dir() and _is_free(folder)):
+            raise InputError(
+                f"{folder}: is not a campaign's folder; name one that is new or empty"
+            )
+        with replacing_files(folder, ours) as staged:
+            for name in names:
+                (staged / name).parent.mkdir(exist_ok=True)
+                (staged / name).write_bytes((new / name).read_bytes())
+            manifest = {"schema": _SCHEMA, "versions": versions(), "sha256": sums}
+            write_text(staged / MANIFEST, json.dumps(manifest, indent=1))
+    return opened(folder)
+
+
+def opened(folder: Path) -> Campaign:
+    """The campaign of a folder.
+
+    Raises:
+        InputError: there is none, or its files were changed.
+    """
+    sums = _manifest(folder)["sha256"]
+    for name, wanted in sums.items():
+        if sha256(folder / name) != wanted:
+            raise InputError(
+                f"{folder / name}: was changed since the campaign began; put it back, "
+                "or begin another campaign in another folder"
+            )
+    spec = load_spec(folder / SPEC).spec
+    subjects = tuple(
+        Subject(load_robot(at / "robot.yaml"), load_trajectory(at / "trajectory.yaml"))
+        for at in (folder / f"robot{k}" for k in range(len(spec.robots)))
+    )
+    return Campaign(spec, subjects)
+
+
+@contextmanager
+def working(folder: Path) -> Iterator[None]:
+    """No other command runs the campaign of this folder during the block.
+
+    Raises:
+        InputError: another one does, or the folder cannot be written.
+    """
+    rows = folder / ROWS
+    with writing(folder):
+        for each in (rows, folder / FAILED):
+            each.mkdir(exist_ok=True)
+    with locked(rows):
+        yield
+
+
+def check_versions(folder: Path, found: Mapping[str, str], who: str = "this") -> None:
+    """Refuse to go on with other versions: numbers would differ in their last digits.
+
+    Args:
+        folder: of the campaign.
+        found: `versions` there.
+        who: has them.
+
+    Raises:
+        InputError: the campaign was begun with others.
+    """
+    for name, begun in _manifest(folder)["versions"].items():
+        if found.get(name) != begun:
+            raise InputError(
+                f"{folder}: was begun with {name} {begun}, and {who} is "
+                f"{found.get(name)}, whose numbers may differ; install that version, "
+                "or name another folder"
+            )
+
+
+_SCHEMA = "orbident/campaign-folder/1"
+
+
+def versions() -> dict[str, str]:
+    """Of what computes here."""
+    return {name: version(name) for name in ("orbident", "numpy", "scipy")}
+
+
+def _manifest(folder: Path) -> dict[str, Any]:
+    path = folder / MANIFEST
+    if not path.is_file():
+        raise InputError(
+            f"{folder}: is not a campaign's folder; give one that 'orbident campaign "
+            "SPEC -o DIR' wrote"
+        )
+    try:
+        document = json.loads(read_text(path))
+        if document["schema"] == _SCHEMA and all(
+            isinstance(document[key], dict) for key in ("versions", "sha256")
+        ):
+            return document
+    except (ValueError, KeyError, TypeError) as error:
+        if isinstance(error, InputError):
+            raise
+    raise InputError(f"{path}: is damaged; begin the campaign in another folder")
+
+
+def _check_same(folder: Path, sums: dict[str, str]) -> None:
+    found = _manifest(folder)["sha256"]
+    other = sorted(
+        name for name in {*found, *sums} if found.get(name) != sums.get(name)
+    )
+    if other:
+        raise InputError(
+            f"{folder}: holds another campaign ({other[0]} differs); name another DIR"
+        )
+    check_versions(folder, versions())
+
+
+def _is_free(folder: Path) -> bool:
+    return not any(not path.name.startswith(".") for path in folder.iterdir())
+
+
+def _freeze(file: SpecFile, into: Path, paper_motion: PaperMotion) -> tuple[str, ...]:
+    """Write all that the campaign depends on; the names."""
+    names = [SPEC]
+    text = yaml.safe_dump(file.document, sort_keys=False, allow_unicode=True)
+    write_text(into / SPEC, text)
+    for k, entry in enumerate(file.spec.robots):
+        where = f"{file.path}: robots[{k}]"
+        subject = _subject(entry, file.path.parent, paper_motion, where)
+        at = into / f"robot{k}"
+        write_robot(subject.robot, at)
+        save_trajectory(subject.trajectory, at / "trajectory.yaml")
+        names += [f"robot{k}/{name}" for name in ROBOT_FILES]
+    return tuple(names)
+
+
+def _subject(
+    entry: RobotEntry, beside: Path, paper_motion: PaperMotion, where: str
+) -> Subject:
+    try:
+        known = entry.robot in bundled_robots()
+        robot = load_robot(entry.robot if known else beside / entry.robot)
+        if entry.trajectory == PAPER:
+            return Subject(robot, paper_motion(robot))
+        trajectory = load_trajectory(beside / entry.trajectory)
+        trajectory.for_robot(robot)
+    except InputError as error:
+        raise InputError(f"{where}: {error}") from None
+    return Subject(robot, trajectory)

@@ -1,0 +1,74 @@
+"""One run of a campaign once more, to look at."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import NamedTuple
+
+import pyarrow.compute as pc
+
+from orbident.campaigns.case import Case
+from orbident.campaigns.folder import RERUN, Campaign
+from orbident.campaigns.run import identified, rows_of
+from orbident.campaigns.table import Row, path_of, read_chunk, schema_of, table_of
+from orbident.errors import InputError
+from orbident.estimation.result import Result
+from orbident.files.checksum import sha256
+from orbident.files.writing import writing
+from orbident.recordings.recording import Recording
+from orbident.recordings.tables import write_recording
+
+RECORDING = "recording.parquet"
+
+
+class Rerun(NamedTuple):
+    """What one run made."""
+
+    case: Case
+    recording: Recording
+    path: Path
+    """Where the recording is."""
+    results: Mapping[str, Result]
+    """By method; the cause of a refusal was looked for."""
+    same: bool | None
+    """Whether its rows are those of the campaign; None where it has none yet."""
+
+
+def rerun(campaign: Campaign, folder: Path, k: int) -> Rerun:
+    """Make run `k` again, and keep its recording in `rerun/<k>` of the folder.
+
+    Raises:
+        InputError: there is no such run, the folder cannot be written, or the run
+            fails, as it did in the campaign; the recording is kept if there is one.
+    """
+    if not 0 <= k < campaign.spec.runs:
+        raise InputError(
+            f"run {k}: the campaign has runs 0 to {campaign.spec.runs - 1}; give one"
+        )
+    case = campaign.case(k)
+    recording = case.recording()
+    place = folder / RERUN / str(k)
+    with writing(place):
+        place.mkdir(parents=True, exist_ok=True)
+    path = place / RECORDING
+    write_recording(recording, path)
+    results = identified(campaign, case, recording)
+    same = _same(campaign, folder, k, rows_of(case, results))
+    known = {"file": path.name, "sha256": sha256(path), "seed": case.seed}
+    explained = {
+        method: replace(
+            result.with_causes() if result.status == "rejected" else result, input=known
+        )
+        for method, result in results.items()
+    }
+    return Rerun(case, recording, path, explained, same)
+
+
+def _same(campaign: Campaign, folder: Path, k: int, rows: list[Row]) -> bool | None:
+    chunk = next(chunk for chunk in campaign.chunks if k in chunk)
+    path = path_of(folder, chunk)
+    if not path.exists():
+        return None
+    schema = schema_of(campaign)
+    kept = read_chunk(path, schema)
+    return kept.filter(pc.field("run") == k).equals(table_of(rows, schema))

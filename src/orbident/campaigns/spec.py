@@ -1,0 +1,103 @@
+"""Campaign files: which robots fly which motions, how often, and what varies."""
+
+import os
+from pathlib import Path
+from typing import Annotated, Any, Literal, NamedTuple
+
+from pydantic import Field, model_validator
+
+from orbident.campaigns.distributions import Distribution, drawn_from
+from orbident.errors import InputError
+from orbident.estimation.estimators import Method
+from orbident.files.names import first_duplicate
+from orbident.files.schema_errors import validated
+from orbident.files.schema_parts import Section
+from orbident.files.text import read_text
+from orbident.files.yaml_mapping import read_yaml_mapping
+
+SCHEMA = "orbident/campaign/1"
+
+PAPER = "paper"
+"""Instead of a trajectory file: the exciting motion of the paper for that robot."""
+
+Text = Annotated[str, Field(min_length=1)]
+
+
+DrawnShare = Annotated[Distribution | None, drawn_from("share")]
+DrawnAngle = Annotated[Distribution | None, drawn_from("angle")]
+DrawnAngularRate = Annotated[Distribution | None, drawn_from("angular rate")]
+DrawnSpeed = Annotated[Distribution | None, drawn_from("speed")]
+
+
+class RobotEntry(Section):
+    """A robot, and the motion from which it is identified."""
+
+    robot: Text
+    """A bundled name, a URDF or a robot file; files are relative to the campaign's."""
+    trajectory: Text = PAPER
+
+
+class InitialEntry(Section):
+    """How the state at the start differs from the trajectory's, in each axis."""
+
+    angular_velocity: DrawnAngularRate = None
+    velocity: DrawnSpeed = None
+    attitude: DrawnAngle = None
+    wheel_speed: DrawnAngularRate = None
+
+
+class Disperse(Section):
+    """What varies from run to run; what is absent is as the files say."""
+
+    inertia: DrawnShare = None
+    """Of each body's mass, CM and inertia about the CM, relative to CAD."""
+    instruments: DrawnShare = None
+    """Errors of instruments and of geometry, in the robot file's tolerances."""
+    noise: DrawnShare = None
+    """Of the sizes of each sensor's noise, relative to the declared ones."""
+    initial: InitialEntry = InitialEntry()
+
+
+class Spec(Section):
+    """A campaign file, `schema: orbident/campaign/1`."""
+
+    schema_: Literal["orbident/campaign/1"] = Field(alias="schema")
+    robots: tuple[RobotEntry, ...]
+    """Taken in turn: run `k` flies robot `k` modulo their number."""
+    methods: tuple[Method, ...] = ("maximum-likelihood",)
+    runs: Annotated[int, Field(ge=1, le=10_000_000, strict=True)]
+    entropy: Annotated[int, Field(ge=0, lt=2**64, strict=True)] = 0
+    """Run `k` draws from `SeedSequence(entropy, spawn_key=(k,))`."""
+    chunk: Annotated[int, Field(ge=1, le=10_000, strict=True)] = 20
+    """Runs in one file: what is computed again at most after a fault."""
+    disperse: Disperse = Disperse()
+
+    @model_validator(mode="after")
+    def _complete(self) -> "Spec":
+        for name, given in (("robots", self.robots), ("methods", self.methods)):
+            if not given:
+                raise InputError(f"{name}: found none; give one or more")
+        twice = first_duplicate(self.methods)
+        if twice is not None:
+            raise InputError(f"methods: '{twice}' is given twice; keep one")
+        return self
+
+
+class SpecFile(NamedTuple):
+    """A campaign file as it was read."""
+
+    spec: Spec
+    document: dict[str, Any]
+    path: Path
+
+
+def load_spec(path: str | os.PathLike[str]) -> SpecFile:
+    """Read a campaign file; the files that it names are not opened.
+
+    Raises:
+        InputError: the file is missing, not YAML, has a key twice, an unknown key, an
+            unknown distribution or method, or a value that a campaign cannot have.
+    """
+    path = Path(path)
+    document = read_yaml_mapping(read_text(path), str(path), SCHEMA)
+    return SpecFile(validated(Spec, document, str(path)), document, path)

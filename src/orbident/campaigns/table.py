@@ -1,0 +1,115 @@
+"""The table of a campaign: a row for each run and method, a Parquet file a chunk."""
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as parquet
+
+from orbident.campaigns.folder import ROWS, Campaign
+from orbident.errors import InputError
+from orbident.files.replacing import replacing
+from orbident.model.formulas import formulas_of
+from orbident.model.minimal_sets import minimal_sets
+
+Row = dict[str, Any]
+
+WORDS = ("robot", "method", "level", "refused_by")
+
+
+def path_of(folder: Path, chunk: range) -> Path:
+    """Where a chunk's rows go."""
+    return folder / ROWS / f"{chunk.start:08}.parquet"
+
+
+def schema_of(campaign: Campaign) -> pa.Schema:
+    """The columns, the same in every chunk.
+
+    `run`, `robot`, `method`, `level` as `identify` gives it, the check that refuses;
+    `draw.*` as they were drawn; and of every base parameter `.value`, `.std` and
+    `.true`. What there is not is null.
+    """
+    firsts = range(len(campaign.subjects))
+    draws = dict.fromkeys(name for k in firsts for name in campaign.case(k).draws)
+    parameters = dict.fromkeys(
+        name
+        for subject in campaign.subjects
+        for name in formulas_of(subject.robot, minimal_sets(subject.robot)).base.names
+    )
+    return pa.schema(
+        [
+            ("run", pa.int64()),
+            *((name, pa.string()) for name in WORDS),
+            *((f"draw.{name}", pa.float64()) for name in draws),
+            *(
+                (f"{name}.{what}", pa.float64())
+                for name in parameters
+                for what in ("value", "std", "true")
+            ),
+        ]
+    )
+
+
+def table_of(rows: Sequence[Row], schema: pa.Schema) -> pa.Table:
+    """Rows with these columns; NaN is null."""
+    columns = [
+        pa.array([row.get(field.name) for row in rows], field.type, from_pandas=True)
+        for field in schema
+    ]
+    return pa.Table.from_arrays(columns, schema=schema)
+
+
+def write_rows(path: Path, rows: Sequence[Row], schema: pa.Schema) -> None:
+    """Write a chunk whole or not at all.
+
+    Raises:
+        InputError: the place cannot be written.
+    """
+    table = table_of(rows, schema)
+    with replacing(path) as temporary, pa.OSFile(os.fsencode(temporary), "wb") as sink:
+        parquet.write_table(table, sink, compression="zstd", use_dictionary=False)
+
+
+def read_rows(campaign: Campaign, folder: Path) -> pa.Table:
+    """The rows of all chunks that are done, in the order of runs.
+
+    Raises:
+        InputError: a file is damaged.
+    """
+    schema = schema_of(campaign)
+    done = [
+        path for chunk in campaign.chunks if (path := path_of(folder, chunk)).exists()
+    ]
+    tables = [read_chunk(path, schema) for path in done]
+    return pa.concat_tables([schema.empty_table(), *tables])
+
+
+def read_chunk(path: Path, schema: pa.Schema) -> pa.Table:
+    """The rows of one chunk.
+
+    Raises:
+        InputError: the file is damaged.
+    """
+    try:
+        with pa.OSFile(os.fsencode(path)) as source:
+            table = parquet.read_table(source)
+    except (pa.ArrowException, OSError) as error:
+        reason = " ".join(str(error).split())[:80]
+        raise InputError(
+            f"{path}: cannot be read ({reason}); remove it and run the campaign again, "
+            "which computes it anew"
+        ) from error
+    if table.schema.names != schema.names:
+        raise InputError(
+            f"{path}: has other columns than this campaign; remove it and run the "
+            "campaign again, which computes it anew"
+        )
+    return table
+
+
+def column(table: pa.Table, name: str) -> np.ndarray:
+    """A column of numbers; null is NaN."""
+    return table[name].to_numpy().astype(float)

@@ -1,0 +1,220 @@
+"""`orbident campaign SPEC -o DIR`, `campaign status DIR`, `campaign rerun DIR RUN`."""
+
+import time
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+from typer.core import TyperGroup
+
+from orbident.cli.options import Json, Quiet
+
+if TYPE_CHECKING:
+    from orbident.campaigns.conduct import Done
+
+RUN = "run"
+
+
+class _RunsByDefault(TyperGroup):
+    """`campaign SPEC` is `campaign run SPEC`."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        if args and args[0] not in {*self.commands, "--help"}:
+            args = [RUN, *args]
+        return super().parse_args(ctx, args)
+
+
+campaign = typer.Typer(
+    cls=_RunsByDefault,
+    rich_markup_mode=None,
+    no_args_is_help=True,
+    help="Make many runs with other robots, states and noise, on all processors.",
+)
+
+Folder = Annotated[
+    Path, typer.Argument(metavar="DIR", help="A folder that 'campaign -o' wrote.")
+]
+
+
+@campaign.command(RUN)
+def run(
+    spec: Annotated[
+        Path, typer.Argument(metavar="SPEC", help="A campaign file (YAML).")
+    ],
+    out: Annotated[
+        Path,
+        typer.Option(
+            "-o",
+            metavar="DIR",
+            help="Where all is kept. With a campaign of the same SPEC it is gone on "
+            "with where it ended.",
+        ),
+    ],
+    workers: Annotated[
+        int | None,
+        typer.Option(
+            min=1, help="Processes on this machine; by default the processors at hand."
+        ),
+    ] = None,
+    cluster: Annotated[
+        str | None,
+        typer.Option(
+            metavar="ADDRESS|FILE|slurm",
+            help="Run on a Dask cluster: a scheduler's address (tcp://host:8786, or "
+            "tls://), its scheduler file, or as many Slurm jobs as --workers says.",
+        ),
+    ] = None,
+    json: Json = None,
+    quiet: Quiet = False,
+) -> None:
+    """Make the runs of a campaign that are not made yet; 'run' may be left out."""
+    from orbident.campaigns.conduct import conduct
+    from orbident.campaigns.executors import local
+    from orbident.campaigns.folder import begin
+    from orbident.campaigns.spec import load_spec
+    from orbident.cli.output import Output, progress
+    from orbident.studies.exciting import paper_case
+    from orbident.threads import at_hand
+
+    output = Output(json, quiet)
+    if cluster is None:
+        executors = local(workers or at_hand())
+    else:
+        from orbident.campaigns.cluster import cluster as on_cluster
+
+        executors = on_cluster(cluster, workers or 1)
+    file = load_spec(spec)
+    begun = begin(file, out, lambda robot: paper_case(robot).trajectory)
+    with progress("campaign") as show:
+        done = conduct(begun, out, executors, _Rate(show))
+    unmade = _report(begun, out)
+    output.warn([*unmade, *([_failures(out, done)] if done.failed else [])])
+    output.say(*_lines(begun, out, done))
+    output.write_json(_document(begun, out, done))
+    if done.failed == done.of:
+        raise typer.Exit(1)
+
+
+@campaign.command()
+def status(folder: Folder, json: Json = None, quiet: Quiet = False) -> None:
+    """Say how far a campaign is, from any machine that sees its folder."""
+    from orbident.campaigns.conduct import status as status_of
+    from orbident.campaigns.folder import opened
+    from orbident.cli.output import Output
+
+    output = Output(json, quiet)
+    begun = opened(folder)
+    done = status_of(begun, folder)
+    output.say(*_lines(begun, folder, done))
+    output.write_json(_document(begun, folder, done))
+
+
+@campaign.command()
+def rerun(
+    folder: Folder,
+    number: Annotated[int, typer.Argument(metavar="RUN", help="Of the run, from 0.")],
+    json: Json = None,
+    quiet: Quiet = False,
+) -> None:
+    """Make one run again, exactly; keep its recording, and a RUN for each method."""
+    from orbident.campaigns.folder import check_versions, opened, versions
+    from orbident.campaigns.rerun import rerun as made_again
+    from orbident.cli.identify import keep
+    from orbident.cli.identify_tables import summary
+    from orbident.cli.output import Output, progress
+
+    output = Output(json, quiet)
+    begun = opened(folder)
+    check_versions(folder, versions())
+    with progress(f"run {number}"):
+        again = made_again(begun, folder, number)
+    output.say(f"written: {again.path}")
+    for method, result in again.results.items():
+        run = again.path.parent / method
+        robot = again.case.subject.robot
+        unmade = keep(result, robot, again.recording, run, force=True)
+        output.warn([*unmade, *result.warnings])
+        output.say("", *summary(result, run, False))
+    if again.same is False:
+        output.warn([f"run {number} is not what the campaign has of it"])
+    output.write_json(
+        {
+            "run": number,
+            "recording": str(again.path),
+            "draws": again.case.draws,
+            "same": again.same,
+            "results": {m: result.to_json() for m, result in again.results.items()},
+        }
+    )
+    if again.same is False:
+        raise typer.Exit(1)
+
+
+class _Rate:
+    """Runs so far, and how many a second since this command began."""
+
+    def __init__(self, show: Any) -> None:
+        self.show = show
+        self.first: tuple[float, int] | None = None
+
+    def __call__(self, done: "Done") -> None:
+        now = time.monotonic()
+        began, before = self.first = self.first or (now, done.runs)
+        words = f"{done.runs} of {done.of} runs"
+        if done.runs > before:
+            words += f", {(done.runs - before) / (now - began):.3g} a second"
+        if done.failed:
+            words += f", {done.failed} failed"
+        self.show(done.runs / done.of, words)
+
+
+def _report(begun: Any, folder: Path) -> list[str]:
+    """Write the report.
+
+    Returns:
+        A warning where it could not be made.
+    """
+    from orbident.extras import MissingLibraryError
+    from orbident.report.campaign import write_campaign_report
+
+    try:
+        write_campaign_report(begun, folder)
+    except MissingLibraryError as refusal:
+        return [f"{refusal}; {folder} is complete without it"]
+    return []
+
+
+def _lines(begun: Any, folder: Path, done: "Done") -> Sequence[Any]:
+    from orbident.cli.campaign_tables import levels
+
+    return [
+        f"{folder}: {done.runs} of {done.of} runs made, {done.failed} of them failed",
+        *([""] if done.runs else []),
+        *([levels(begun, folder)] if done.runs else []),
+    ]
+
+
+def _failures(folder: Path, done: "Done") -> str:
+    import json
+
+    from orbident.campaigns.conduct import failed_runs
+
+    first = next(failed_runs(folder))
+    reason = json.loads(first.read_text())["reason"]
+    return (
+        f"{done.failed} of {done.of} runs failed; the first is run {first.stem}: "
+        f"{reason}; see {first}, or 'orbident campaign rerun {folder} {first.stem}'"
+    )
+
+
+def _document(begun: Any, folder: Path, done: "Done") -> dict[str, Any]:
+    from orbident.campaigns.conduct import failed_runs
+
+    return {
+        "folder": str(folder),
+        "runs": done.of,
+        "made": done.runs,
+        "failed": [int(path.stem) for path in failed_runs(folder)],
+        "entropy": begun.spec.entropy,
+    }

@@ -1,0 +1,246 @@
+"""The report of a campaign: how good each method's estimates and intervals are."""
+
+import json
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+
+from orbident.campaigns.conduct import failed_runs
+from orbident.campaigns.folder import REPORT, Campaign
+from orbident.campaigns.statistics import Group, Parameter, groups
+from orbident.campaigns.table import read_rows
+from orbident.errors import InputError
+from orbident.estimation.bound import cramer_rao
+from orbident.estimation.check import Check, Level, worst
+from orbident.files.text import write_text
+from orbident.model.formulas import formulas_of
+from orbident.model.minimal_sets import minimal_sets
+from orbident.report.campaign_charts import dependence, histogram, normal_plot
+from orbident.report.numbers import NONE, short, signed
+from orbident.report.page import page
+from orbident.report.section import Chart, Row, Section, Table
+from orbident.report.verdict import Verdict
+
+WORST = 10
+STRONGEST = 20
+DRAWN = 4
+"""Worst cases and rank correlations in a table; scatter plots."""
+
+Bounds = dict[str, float]
+"""By parameter, the least deviation that an unbiased estimate can have."""
+
+
+def write_campaign_report(campaign: Campaign, folder: Path) -> Path:
+    """Write `report.html` into a campaign's folder, of what is made so far.
+
+    Raises:
+        InputError: a file of the folder is damaged, or it cannot be written.
+        MissingLibraryError: plotly is not installed.
+    """
+    rows = read_rows(campaign, folder)
+    path = folder / REPORT
+    write_text(path, campaign_report(campaign, folder, rows))
+    return path
+
+
+def campaign_report(campaign: Campaign, folder: Path, rows: pa.Table) -> str:
+    """The report as HTML.
+
+    Args:
+        campaign: of the folder.
+        folder: for what failed, and for the lines that repeat a run.
+        rows: of the runs.
+    """
+    found = groups(rows)
+    bounds = {s.robot.name: _bounds(campaign, s.robot.name) for s in campaign.subjects}
+    checks = tuple(_check(group) for group in found)
+    runs = campaign.spec.runs
+    made = len(set(rows["run"].to_pylist()))
+    failures = list(failed_runs(folder))
+    return page(
+        title=f"Campaign: {folder.resolve().name}",
+        subtitle=f"{made} of {runs} runs made, {len(failures)} failed, "
+        f"entropy {campaign.spec.entropy}",
+        verdict=Verdict(worst(checks), "", checks, ()),
+        sections=[
+            *(
+                section
+                for k, group in enumerate(found)
+                for section in _sections(group, bounds[group.robot], folder, k)
+            ),
+            *_refusals(found),
+            *_failed(failures),
+        ],
+    )
+
+
+def _bounds(campaign: Campaign, robot: str) -> Bounds:
+    subject = next(s for s in campaign.subjects if s.robot.name == robot)
+    try:
+        found = cramer_rao(subject.robot, subject.trajectory)
+    except InputError:
+        return {}
+    sets = minimal_sets(subject.robot)
+    names = formulas_of(subject.robot, sets).base.names
+    variances = np.where(found.base.determined, np.diag(found.base.covariance), np.nan)
+    return dict(zip(names, map(float, np.sqrt(variances)), strict=True))
+
+
+def _check(group: Group) -> Check:
+    """Whether 95 % intervals hold the truth as often as they say."""
+    known = group.parameters
+    name = f"coverage of {group.robot} by {group.method}"
+    if not known:
+        return Check(name, "do not trust", f"{name}: no result was accepted")
+    # So that all of them together are outside by chance once in twenty.
+    confidence = 1 - 0.05 / len(known)
+    off = [p.name for p in known if not _within(p.coverage(confidence))]
+    level: Level = "with care" if off else "trust"
+    said = f"not that of {', '.join(off)}" if off else "as 95 % intervals say"
+    return Check(name, level, f"{name}: {said}")
+
+
+def _within(interval: tuple[float, float]) -> bool:
+    return interval[0] <= 0.95 <= interval[1]
+
+
+def _sections(group: Group, bounds: Bounds, folder: Path, k: int) -> Iterator[Section]:
+    known = group.parameters
+    title = f"{group.robot}, {group.method.replace('-', ' ')}"
+    refused = group.rows.num_rows - group.accepted.num_rows
+    yield Section(
+        name=f"errors{k}",
+        title=title,
+        words=(
+            f"{group.rows.num_rows} results, {refused} of them refused and not counted "
+            "below. Errors are estimate less truth; the bound (Cramér-Rao) is that of "
+            "the robot as its file describes it.",
+        ),
+        tables=(
+            Table("Errors and 95 % intervals", HEAD, tuple(_rows(known, bounds))),
+            *_worst(group, folder),
+        ),
+        charts=tuple(_charts(known, k)),
+    )
+    strongest = group.dependences(STRONGEST)
+    if strongest:
+        yield Section(
+            name=f"dependences{k}",
+            title=f"{title}: what errors depend on",
+            words=(
+                "Rank correlation (Spearman) of errors over their deviations, or of "
+                "their sizes, with what was drawn; chance is that of any pair being "
+                "so strongly correlated where nothing is.",
+            ),
+            tables=(
+                Table(
+                    "The strongest",
+                    ("drawn", "parameter", "rank correlation", "chance"),
+                    tuple(
+                        Row(
+                            (
+                                each.draw,
+                                f"size of {each.parameter}"
+                                if each.of_size
+                                else each.parameter,
+                                signed(each.rho),
+                                short(each.chance, 2),
+                            )
+                        )
+                        for each in strongest
+                    ),
+                ),
+            ),
+            charts=tuple(
+                Chart(f"scatter{k}-{i}", f"{each.parameter} over {each.draw}", figure)
+                for i, each in enumerate(strongest[:DRAWN])
+                for figure in (dependence(each),)
+            ),
+        )
+
+
+HEAD = (
+    "parameter",
+    "mean error",
+    "± std",
+    "RMS error",
+    "bound",
+    "RMS / bound",
+    "RMS of z",
+    "truth in 95 %",
+    "interval of that",
+)
+
+
+def _rows(known: Sequence[Parameter], bounds: Bounds) -> Iterator[Row]:
+    for each in known:
+        mean, std = each.bias
+        bound = bounds.get(each.name, float("nan"))
+        low, high = each.coverage()
+        yield Row(
+            (
+                each.name,
+                signed(mean),
+                short(std, 2),
+                short(each.rms, 3),
+                short(bound, 3),
+                short(each.rms / bound, 3) if bound > 0 else NONE,
+                short(float(np.sqrt(np.mean(each.z**2))), 3),
+                f"{short(100 * each.covered / each.z.size, 3)} %",
+                f"{short(100 * low, 3)} to {short(100 * high, 3)} %",
+            )
+        )
+
+
+def _worst(group: Group, folder: Path) -> Iterator[Table]:
+    found = group.worst(WORST)
+    if found:
+        yield Table(
+            "Farthest off, in their deviations",
+            ("run", "parameter", "error", "to make it again"),
+            tuple(
+                Row((str(k), name, signed(z), f"orbident campaign rerun {folder} {k}"))
+                for k, name, z in found
+            ),
+            in_words=True,
+        )
+
+
+def _charts(known: Sequence[Parameter], k: int) -> Iterator[Chart]:
+    for i, each in enumerate(known):
+        name = f"{k}-{i}"
+        title = f"{each.name}: error over deviation"
+        yield Chart(f"histogram{name}", title, histogram(each.z), first=True)
+        yield Chart(f"normal{name}", f"{each.name}: normal plot", normal_plot(each.z))
+
+
+def _refusals(found: Sequence[Group]) -> Iterator[Section]:
+    rows = []
+    for group in found:
+        count = Counter(group.rows["refused_by"].drop_null().to_pylist())
+        for check, times in count.most_common():
+            share = f"{short(100 * times / group.rows.num_rows, 3)} %"
+            rows.append(Row((group.robot, group.method, check, str(times), share)))
+    if rows:
+        head = ("robot", "method", "check", "refused", "of its results")
+        table = Table("By the first check that refuses", head, tuple(rows))
+        words = "'orbident campaign rerun' looks for the likely cause of one refusal."
+        yield Section("refusals", "Refusals", (words,), (table,))
+
+
+def _failed(failures: Sequence[Path]) -> Iterator[Section]:
+    if not failures:
+        return
+    reasons: dict[str, list[int]] = {}
+    for path in failures:
+        document = json.loads(path.read_text())
+        reasons.setdefault(document["reason"], []).append(document["run"])
+    rows = (
+        Row((reason, str(len(runs)), f"failed/{runs[0]}.json"))
+        for reason, runs in reasons.items()
+    )
+    table = Table("Why", ("reason", "runs", "the first"), tuple(rows), in_words=True)
+    yield Section("failed", "Runs that failed", tables=(table,))

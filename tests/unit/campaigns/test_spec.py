@@ -1,0 +1,66 @@
+from pathlib import Path
+
+import numpy as np
+import pytest
+from small_campaigns import write_campaign
+
+from orbident.campaigns.distributions import Distribution
+from orbident.campaigns.spec import load_spec
+from orbident.errors import InputError
+
+
+def test_distributions_have_units(tmp_path: Path):
+    path = write_campaign(
+        tmp_path,
+        disperse={
+            "inertia": {"normal": "10 %"},
+            "initial": {"angular_velocity": {"uniform": ["-180 deg/s", 1]}},
+        },
+    )
+    disperse = load_spec(path).spec.disperse
+    assert disperse.inertia == Distribution("normal", (0.1,))
+    assert disperse.noise is None
+    given = disperse.initial.angular_velocity
+    assert given == Distribution("uniform", (-np.pi, 1.0))
+
+
+def test_what_is_drawn():
+    random = np.random.default_rng(0)
+    normal = Distribution("normal", (2.0,)).draw(random, 10_000)
+    # Four deviations of the mean and of the deviation.
+    assert abs(normal.mean()) < 4 * 2 / 100
+    assert abs(normal.std() - 2) < 4 * 2 / np.sqrt(2 * 10_000)
+    uniform = Distribution("uniform", (1.0, 3.0)).draw(random, 10_000)
+    assert 1 <= uniform.min() < 1.01 < 2.99 < uniform.max() <= 3
+    signs = Distribution("signs", (0.2,)).draw(random, 10_000)
+    assert set(signs) == {0.2, -0.2}
+    assert abs(signs.mean()) < 4 * 0.2 / 100
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"disperse": {"inertia": {"gaussian": 1}}}, "unknown distribution 'gaussian'"),
+        ({"disperse": {"inertia": {"normal": "1 deg"}}}, "unknown unit 'deg'"),
+        ({"disperse": {"inertia": {"normal": -1}}}, "a size of zero or more"),
+        ({"disperse": {"noise": 0.1}}, "give one distribution with its numbers"),
+        ({"disperse": {"noise": {"uniform": [1, 0]}}}, "with lower below upper"),
+        ({"disperse": {"noise": {"uniform": 1}}}, "give uniform: [lower, upper]"),
+        ({"disperse": {"mass": {"normal": 1}}}, "unknown key 'mass'"),
+        ({"methods": ["lsq"]}, "found 'lsq'; give 'maximum-likelihood'"),
+        ({"methods": []}, "methods: found none; give one or more"),
+        ({"methods": 2 * ["recursive"]}, "'recursive' is given twice"),
+        ({"robots": []}, "robots: found none; give one or more"),
+        ({"runs": 0}, "runs: found 0"),
+        ({"runs": True}, "runs: found True"),
+        ({"entropy": -1}, "entropy: found -1"),
+        ({"schema": "orbident/robot/1"}, "schema: found 'orbident/robot/1'"),
+    ],
+)
+def test_one_line_says_what_is_wrong(tmp_path: Path, changes, words: str):
+    path = write_campaign(tmp_path, **changes)
+    with pytest.raises(InputError) as refused:
+        load_spec(path)
+    assert str(refused.value).startswith(f"{path}: ")
+    assert words in str(refused.value)
+    assert "\n" not in str(refused.value)
