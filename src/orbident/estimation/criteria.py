@@ -164,9 +164,10 @@ def _forms(problem: MomentumProblem, estimate: Estimate) -> Iterator[Check]:
     They may differ because linear fits with white noise are poor; where residuals over
     declared noise say that the equations hold, they do not count.
     """
-    mass, goodness = problem.linear_mass, estimate.goodness
-    if goodness is not None and goodness.declared:
+    goodness = estimate.goodness
+    if problem.samples.thrust or (goodness is not None and goodness.declared):
         return
+    mass = problem.linear_mass
     if mass.value > 0 and mass.spread < SPREAD:
         return
     if len(mass.forms) == 0:

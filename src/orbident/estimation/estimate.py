@@ -111,11 +111,14 @@ def estimate_of_beta(
     goodness: Goodness | None,
 ) -> Estimate:
     """The estimate of a method whose unknowns are the base parameters."""
-    mass, linear = Quantity(*beta.mass), problem.linear_mass
+    mass, masses = Quantity(*beta.mass), dict[str, Quantity]()
+    if not problem.samples.thrust:
+        linear = problem.linear_mass
+        masses["Eq. 32"] = Quantity(linear.value, linear.std)
     return Estimate(
         found=found_beta(problem.robot, problem.sets, beta),
         mass=mass,
-        masses={"Eq. 32": Quantity(linear.value, linear.std), route: mass},
+        masses={**masses, route: mass},
         rms=rms,
         goodness=goodness,
     )

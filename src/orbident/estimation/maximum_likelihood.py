@@ -229,7 +229,8 @@ def prior_of(
         initial_momentum: `"at-rest"` where that is known.
     """
     spin = sum(wheel.inertia for wheel in robot.wheels)
-    h_std = max(float(np.linalg.norm(outside.h_cm)), spin)
+    # Without wheels: what turns once a second and is a metre large.
+    h_std = max(float(np.linalg.norm(outside.h_cm)), spin) or robot.mass
     h_std *= KNOWN if initial_momentum == "at-rest" else UNKNOWN
     std = np.repeat([h_std, UNKNOWN, UNKNOWN], 3)
     return Prior(

@@ -22,8 +22,12 @@ SURPRISING = 0.3
 
 
 def obstacles(problem: MomentumProblem) -> list[Check]:
-    """What the linear fits show: each forbids a result."""
-    return [*_clocks_apart(problem), *_no_scale(problem), *_no_velocity(problem)]
+    """What the linear fits show: each forbids a result.
+
+    They know nothing of thrust, and a recording with some is not judged by them.
+    """
+    scale = [] if problem.samples.thrust else _no_scale(problem)
+    return [*_clocks_apart(problem), *scale, *_no_velocity(problem)]
 
 
 def _clocks_apart(problem: MomentumProblem) -> list[Check]:

@@ -19,6 +19,7 @@ from orbident.estimation.motion import motion_of
 from orbident.estimation.predicted import Signals, equation_signals
 from orbident.estimation.problem import MomentumProblem
 from orbident.estimation.quantities import (
+    NO_ROUTES,
     EstimatedSet,
     Identified,
     MassRoutes,
@@ -134,6 +135,8 @@ def _mass_forms(
         routes: the mass by every route, the method's own last.
         M: the method's own.
     """
+    if problem.samples.thrust:
+        return NO_ROUTES
     mass = problem.linear_mass
     kept = [
         is_a_mass(value, std, M)

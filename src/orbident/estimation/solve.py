@@ -2,6 +2,7 @@
 
 from typing import NamedTuple
 
+from orbident.errors import InputError
 from orbident.estimation.check import Check
 from orbident.estimation.estimate import Estimate, Estimator, Progress
 from orbident.estimation.evidence import MOST, difference, evidence, widened
@@ -48,6 +49,12 @@ def solve(
     problems = momentum_problems(
         robot, recording, initial_momentum, lambda done: progress(done / 2)
     )
+    if problems[0].samples.thrust and not isinstance(estimator, OutputError):
+        raise InputError(
+            f"{recording.source}: thrusters fired, and {estimator.name} does not know "
+            "of thrust: its result would be wrong; use --method maximum-likelihood, or "
+            "remove the columns 'thruster.*' if none fired"
+        )
     clear = [problem for problem in problems if not obstacles(problem)]
     if not clear:
         problem = problems[0]

@@ -49,6 +49,8 @@ class Samples:
     """Of S, inertial axes, m/s; empty where it cannot be had."""
     drift: Columns
     """What an accelerometer's bias adds to that, row-major; empty without one."""
+    thrust: Columns
+    """Of each thruster until the next sample, N; empty where none was recorded."""
     locked: tuple[str, ...]
     """Joints that did not move: held at their mean, with zero rate."""
     shares: tuple[float, ...]
@@ -128,6 +130,7 @@ def samples_of(
     """
     recording.check_joints(robot)
     recording.check_wheels(robot)
+    recording.check_thrusters(robot)
     behind = delays(robot, recording, late or {})
     sensors = robot.sensors
     joints = histories(
@@ -158,6 +161,7 @@ def samples_of(
         qd_rw=wheels.rates,
         v_S=point.v_S,
         drift=point.drift,
+        thrust=_thrust(robot, recording),
         locked=moving.locked,
         shares=joints.shares,
         origins={
@@ -168,6 +172,21 @@ def samples_of(
         },
         source=recording.source,
     )
+
+
+def _thrust(robot: Robot, recording: Recording) -> Columns:
+    """Zero for a thruster that was not recorded beside others; gaps hold the last."""
+    columns = []
+    for thruster in robot.thrusters:
+        name, force = f"thruster.{thruster.name}.force", np.zeros(recording.t.size)
+        if recording.has(name):
+            shown = recording.column(name)
+            since = np.maximum.accumulate(
+                np.where(np.isfinite(shown), np.arange(shown.size), 0)
+            )
+            force = np.nan_to_num(shown[since])
+        columns.append(force)
+    return tuple(columns) if any(force.any() for force in columns) else ()
 
 
 class _Joints(NamedTuple):

@@ -32,10 +32,13 @@ PER_WHEEL = {
     "position": "unwrapped wheel angle relative to the base, rad",
 }
 
+PER_THRUSTER = {"force": "thruster force until the next row, N"}
+
 _ALTERNATIVES = [
     *(f"{name}\\.[{axes}]" for name, (axes, _) in VECTORS.items()),
     rf"joint\.(?P<joint>.+)\.(?:{'|'.join(PER_JOINT)})",
     rf"wheel\.(?P<wheel>.+)\.(?:{'|'.join(PER_WHEEL)})",
+    rf"thruster\.(?P<thruster>.+)\.(?:{'|'.join(PER_THRUSTER)})",
 ]
 _PATTERN = re.compile("|".join(_ALTERNATIVES))
 
@@ -57,6 +60,12 @@ def wheel_of(column: str) -> str | None:
     return match["wheel"] if match else None
 
 
+def thruster_of(column: str) -> str | None:
+    """The thruster that the column belongs to, or None."""
+    match = _PATTERN.fullmatch(column)
+    return match["thruster"] if match else None
+
+
 def meaning(column: str) -> str:
     """What the column is for, in words with unit and frame; empty if unknown."""
     if column == "t":
@@ -68,6 +77,8 @@ def meaning(column: str) -> str:
         return PER_JOINT[last]
     if head == "wheel":
         return PER_WHEEL[last]
+    if head == "thruster":
+        return PER_THRUSTER[last]
     return VECTORS[head][1]
 
 

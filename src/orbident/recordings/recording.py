@@ -11,7 +11,14 @@ from orbident.errors import InputError
 from orbident.files.bounds import FAINTEST, LARGEST, SHORTEST
 from orbident.files.frames import frame
 from orbident.files.names import closest, listed
-from orbident.recordings.columns import counted, is_known, joint_of, meaning, wheel_of
+from orbident.recordings.columns import (
+    counted,
+    is_known,
+    joint_of,
+    meaning,
+    thruster_of,
+    wheel_of,
+)
 from orbident.robot.description import Robot
 
 QUATERNION_TOLERANCE = 0.01
@@ -131,6 +138,16 @@ class Recording:
         for name in robot.wheel_names:
             if not self.has(f"wheel.{name}.position"):
                 self.column(f"wheel.{name}.speed")
+
+    def check_thrusters(self, robot: Robot) -> None:
+        """Refuses thrusters that the robot lacks.
+
+        Raises:
+            InputError: A column belongs to no thruster of the robot.
+        """
+        recorded = {name: thruster_of(name) for name in self.columns}
+        names = [thruster.name for thruster in robot.thrusters]
+        self._refuse_strangers("thruster", recorded, robot.name, names)
 
     def _refuse_strangers(
         self,

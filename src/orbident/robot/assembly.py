@@ -97,7 +97,10 @@ def _declared(entry: WheelEntry) -> Wheel:
 def _thruster(entry: ThrusterEntry) -> Thruster:
     direction = np.array(entry.direction)
     return Thruster(
-        entry.name, np.array(entry.position), direction / np.linalg.norm(direction)
+        entry.name,
+        np.array(entry.position),
+        direction / np.linalg.norm(direction),
+        entry.gain,
     )
 
 

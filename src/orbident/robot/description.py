@@ -58,6 +58,8 @@ class Thruster:
     """In the base link's frame, m."""
     direction: Float[np.ndarray, "3"]
     """Unit vector of the force on the base, base axes."""
+    gain: float = 0.1
+    """Standard deviation of its force, over that which a recording says."""
 
 
 @dataclass(frozen=True)

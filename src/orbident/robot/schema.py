@@ -16,7 +16,7 @@ from orbident.files.schema_parts import (
     finite_vector,
 )
 from orbident.robot.description import Axis
-from orbident.robot.sensor_schema import Sensors
+from orbident.robot.sensor_schema import Sensors, Share
 from orbident.robot.tolerance_schema import TolerancesEntry
 
 
@@ -82,6 +82,7 @@ class ThrusterEntry(Section):
     name: Name
     position: Vector3
     direction: Direction
+    gain: Share = 0.1
 
 
 class LimitEntry(Section):

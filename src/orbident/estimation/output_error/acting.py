@@ -12,12 +12,18 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Float
 
-from orbident.estimation.output_error.followed import Followed, integral
+from orbident.estimation.output_error.followed import (
+    Followed,
+    at_nodes,
+    by_step,
+    integral,
+)
 from orbident.estimation.output_error.forms import (
     Disturbance,
     Effect,
     disturbances,
     nothing,
+    recorded,
 )
 
 ROWS = 15
@@ -37,14 +43,20 @@ class Acting:
         self.followed, self.first = followed, first
 
     @cached_property
+    def recorded(self) -> tuple[Disturbance, ...]:
+        """What is known to act, but for a gain each; its places are the first."""
+        return tuple(recorded(self.followed))
+
+    @cached_property
     def disturbances(self) -> tuple[Disturbance, ...]:
-        """All that may act."""
+        """All that may act besides."""
         return tuple(disturbances(self.followed))
 
     @property
     def places(self) -> Float[np.ndarray, " disturbances"]:
-        """Of all disturbances."""
-        return self.first + np.arange(float(len(self.disturbances)))
+        """Of all that may act besides."""
+        first = self.first + len(self.recorded)
+        return first + np.arange(float(len(self.disturbances)))
 
     def table(
         self,
@@ -59,45 +71,48 @@ class Acting:
             gains: of the selected calibrations and disturbances.
             selected: their places; those before the first are not disturbances.
         """
-        chosen = [
-            (self.disturbances[int(place) - self.first], float(gain))
+        sizes = {
+            int(place) - self.first: float(gain)
             for place, gain in zip(selected, gains, strict=True)
             if place >= self.first
-        ]
-        if not chosen:
+        }
+        if not sizes and not self.recorded:
             return np.zeros((0, ROWS, 1 + beta.size))
-        r = self.followed.moments @ beta / beta[0]
-        total = nothing(self.followed.t.size)
-        for each, gain in chosen:
-            total = total.plus(each.effect.times(gain))
-        table = np.zeros((self.followed.t.size, ROWS, 1 + len(chosen) + beta.size))
+        every = (*self.recorded, *(self.disturbances if sizes else ()))
+        r = by_step(self.followed.moments @ beta / beta[0])
+        total = nothing(self.followed)
+        for k in {*range(len(self.recorded)), *sizes}:
+            size = every[k].acts + sizes.get(k, 0.0)
+            total = total.plus(every[k].effect.times(size))
+        table = np.zeros((self.followed.t.size, ROWS, 1 + len(sizes) + beta.size))
         table[:, :, 0] = self._moved(total, r, beta[0])
-        for k, (each, _) in enumerate(chosen):
-            table[:, :, 1 + k] = self._moved(each.effect, r, beta[0])
+        for column, k in enumerate(sizes, start=1):
+            table[:, :, column] = self._moved(every[k].effect, r, beta[0])
         if total.force.any():
-            table[:, :, 1 + len(chosen) :] = self._by_beta(total, r, beta[0])
+            table[:, :, 1 + len(sizes) :] = self._by_beta(total, r, beta[0])
         return table
 
     def _moved(
-        self, effect: Effect, r: Float[np.ndarray, "nodes 3"], M: float
+        self, effect: Effect, r: Float[np.ndarray, "steps 3 3"], M: float
     ) -> Float[np.ndarray, "nodes 15"]:
+        t, felt = self.followed.t, effect.force / M
         rate = effect.torque - np.cross(r, effect.force)
-        felt = effect.force / M
-        v = integral(self.followed.t, felt + effect.pull)
-        h = integral(self.followed.t, rate)
-        return np.hstack([h, rate, integral(self.followed.t, v), v, felt])
+        v = integral(t, felt + effect.pull)
+        r_cm = integral(t, by_step(v))
+        return np.hstack([integral(t, rate), at_nodes(rate), r_cm, v, at_nodes(felt)])
 
     def _by_beta(
-        self, effect: Effect, r: Float[np.ndarray, "nodes 3"], M: float
+        self, effect: Effect, r: Float[np.ndarray, "steps 3 3"], M: float
     ) -> Float[np.ndarray, "nodes 15 beta"]:
         """Of the lever arm, and of what a force does to the mass."""
-        by_r = self.followed.moments / M
-        by_r[:, :, 0] -= r / M
-        rate = -np.cross(by_r, effect.force[:, :, None], axis=1)
-        slopes = np.zeros((self.followed.t.size, ROWS, by_r.shape[2]))
-        slopes[:, 0:3], slopes[:, 3:6] = integral(self.followed.t, rate), rate
+        t = self.followed.t
+        by_r = by_step(self.followed.moments) / M
+        by_r[..., 0] -= r / M
+        rate = -np.cross(by_r, effect.force[..., None], axis=2)
+        slopes = np.zeros((t.size, ROWS, by_r.shape[-1]))
+        slopes[:, 0:3], slopes[:, 3:6] = integral(t, rate), at_nodes(rate)
         felt = -effect.force / M**2
-        v = integral(self.followed.t, felt)
-        slopes[:, 6:9, 0], slopes[:, 9:12, 0] = integral(self.followed.t, v), v
-        slopes[:, 12:15, 0] = felt
+        v = integral(t, felt)
+        slopes[:, 6:9, 0], slopes[:, 9:12, 0] = integral(t, by_step(v)), v
+        slopes[:, 12:15, 0] = at_nodes(felt)
         return slopes

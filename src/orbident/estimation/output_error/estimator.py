@@ -2,6 +2,9 @@
 
 from dataclasses import dataclass, replace
 
+import numpy as np
+from jaxtyping import Float
+
 from orbident.estimation.estimate import Estimate, Progress, estimate_of_beta
 from orbident.estimation.maximum_likelihood import maximum_likelihood
 from orbident.estimation.nonlinear_fit import beta_of_fits
@@ -33,7 +36,7 @@ class OutputError:
             problem.recording,
             problem.samples,
             problem.fits,
-            beta_of_fits(problem.robot, problem.sets, problem.fits).values,
+            _first(problem),
             problem.late,
             problem.initial_momentum,
             step,
@@ -59,3 +62,10 @@ class OutputError:
             signals=likelihood.signals,
             solution=likelihood.solution,
         )
+
+
+def _first(problem: MomentumProblem) -> Float[np.ndarray, " beta"]:
+    """By the linear fits; these know nothing of thrust, and CAD is nearer then."""
+    if problem.samples.thrust:
+        return problem.sets.beta(problem.robot.theta)
+    return beta_of_fits(problem.robot, problem.sets, problem.fits).values

@@ -9,6 +9,7 @@ from jaxtyping import Float
 from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation, Slerp
 
+from orbident.estimation.output_error.sensors import TOGETHER
 from orbident.estimation.output_error.shooting import Intervals, JointHistory
 from orbident.model.kinematics import Poses, carrying_joints, poses
 from orbident.model.minimal_sets import MinimalSets
@@ -45,6 +46,8 @@ class Followed:
     """Base axes, rad/s."""
     v_S: Float[np.ndarray, "nodes 3"] | None
     """Inertial axes, m/s; None where it is not known."""
+    thrust: Float[np.ndarray, "rows thrusters"]
+    """From each row until the next, N."""
 
     @property
     def tracked(self) -> bool:
@@ -55,7 +58,7 @@ class Followed:
     def S(self) -> Motion:
         """Of S."""
         assert self.v_S is not None
-        return Motion(integral(self.t, self.v_S), self.v_S)
+        return Motion(integral(self.t, by_step(self.v_S)), self.v_S)
 
     @cached_property
     def poses(self) -> Poses:
@@ -111,15 +114,26 @@ class Followed:
         return np.einsum("nij,nj->ni", self.R_WB, x)
 
 
+def by_step(x: Float[np.ndarray, "nodes ..."]) -> Float[np.ndarray, "steps 3 ..."]:
+    """Of each row, half-way, and the next row."""
+    return np.stack([x[:-1:2], x[1::2], x[2::2]], axis=1)
+
+
+def at_nodes(x: Float[np.ndarray, "steps 3 ..."]) -> Float[np.ndarray, "nodes ..."]:
+    """What holds from each node on."""
+    out = np.empty((2 * len(x) + 1, *x.shape[2:]))
+    out[:-1:2], out[1::2], out[-1] = x[:, 0], x[:, 1], x[-1, 2]
+    return out
+
+
 def integral(
-    t: Float[np.ndarray, " nodes"], x: Float[np.ndarray, "nodes ..."]
+    t: Float[np.ndarray, " nodes"], x: Float[np.ndarray, "steps 3 ..."]
 ) -> Float[np.ndarray, "nodes ..."]:
     """From the first node on, by the parabola through a row, half-way and the next."""
-    h = np.diff(t[::2]).reshape(-1, *(1,) * (x.ndim - 1))
-    a, b, c = x[:-1:2], x[1::2], x[2::2]
-    whole = np.cumsum(h * (a + 4 * b + c) / 6, axis=0)
-    out = np.zeros_like(x)
-    out[2::2] = whole
+    h = np.diff(t[::2]).reshape(-1, *(1,) * (x.ndim - 2))
+    a, b, c = x[:, 0], x[:, 1], x[:, 2]
+    out = np.zeros((t.size, *x.shape[2:]))
+    out[2::2] = np.cumsum(h * (a + 4 * b + c) / 6, axis=0)
     out[1::2] = out[:-1:2] + h * (5 * a + 8 * b - c) / 24
     return out
 
@@ -156,4 +170,14 @@ def measured(
         turns(inside).as_matrix(),
         between(samples.w),
         between(samples.v_S) if samples.v_S else None,
+        _held(samples, rows),
     )
+
+
+def _held(
+    samples: Samples, t: Float[np.ndarray, " rows"]
+) -> Float[np.ndarray, "rows thrusters"]:
+    """Thrust at these times: that of the last sample before."""
+    before = np.searchsorted(samples.t, t + TOGETHER, side="right") - 1
+    force = np.reshape(samples.thrust, (len(samples.thrust), samples.t.size)).T
+    return force[np.maximum(before, 0)]

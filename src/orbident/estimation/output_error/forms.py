@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from orbident.estimation.output_error.followed import Followed
+from orbident.estimation.output_error.followed import Followed, by_step
 from orbident.model.minimal_sets import conserved_axes
 
 AXES = "xyz"
@@ -39,13 +39,13 @@ IN_WORDS = {
 
 
 class Effect(NamedTuple):
-    """What acts at every node; inertial axes."""
+    """What acts at a row, half-way and, until then, at the next; inertial axes."""
 
-    force: Float[np.ndarray, "nodes 3"]
+    force: Float[np.ndarray, "steps 3 3"]
     """N."""
-    torque: Float[np.ndarray, "nodes 3"]
+    torque: Float[np.ndarray, "steps 3 3"]
     """About S, N m."""
-    pull: Float[np.ndarray, "nodes 3"]
+    pull: Float[np.ndarray, "steps 3 3"]
     """m/s^2."""
 
     def times(self, size: float) -> "Effect":
@@ -68,6 +68,10 @@ class Disturbance(NamedTuple):
     effect: Effect
     positive: bool = False
     """Whether less than zero is impossible."""
+    acts: float = 0.0
+    """Its size where the number is zero: 1 for what was recorded."""
+    std: float = 0.0
+    """Of the number, beforehand; zero where that is nothing, or not to be asked."""
 
 
 def disturbances(followed: Followed) -> Iterator[Disturbance]:
@@ -84,34 +88,56 @@ def disturbances(followed: Followed) -> Iterator[Disturbance]:
             yield from _drag(followed)
 
 
-def nothing(nodes: int) -> Effect:
+def recorded(followed: Followed) -> Iterator[Disturbance]:
+    """The thrusters whose force was recorded, known up to a gain each.
+
+    Args:
+        followed: the motion that was measured.
+    """
+    none = nothing(followed)
+    for k, thruster in enumerate(followed.robot.thrusters[: followed.thrust.shape[1]]):
+        newton = followed.thrust[:-1, k]
+        if not newton.any():
+            continue
+        arm = thruster.position - followed.robot.feature_point
+        along = by_step(followed.R_WB @ thruster.direction)
+        about = by_step(followed.R_WB @ np.cross(arm, thruster.direction))
+        held = newton[:, None, None]
+        name = f"thruster.{thruster.name}.gain"
+        effect = none._replace(force=held * along, torque=held * about)
+        yield Disturbance(name, name, "1", effect, acts=1.0, std=thruster.gain)
+
+
+def nothing(followed: Followed) -> Effect:
     """Nothing acts."""
-    zero = np.zeros((nodes, 3))
+    zero = np.zeros((followed.t.size // 2, 3, 3))
     return Effect(zero, zero, zero)
 
 
 def _torques(followed: Followed) -> Iterator[Disturbance]:
     turning, _ = conserved_axes(followed.robot)
-    none = nothing(followed.t.size)
+    none = nothing(followed)
     for name, vector in _steady(followed, turning):
-        effect = none._replace(torque=vector)
+        effect = none._replace(torque=by_step(vector))
         yield Disturbance(f"torque.{name}", "torque", "N m", effect)
     for name, vector in _slow(followed, turning):
-        effect = none._replace(torque=vector)
+        effect = none._replace(torque=by_step(vector))
         yield Disturbance(f"slow_torque.{name}", "slow_torque", "N m", effect)
     if followed.robot.motion == "spatial":
         for k in turning:
-            effect = none._replace(torque=followed.R_WB[:, :, k])
+            effect = none._replace(torque=by_step(followed.R_WB[:, :, k]))
             yield Disturbance(f"base_torque.{AXES[k]}", "base_torque", "N m", effect)
 
 
 def _pulls(followed: Followed) -> Iterator[Disturbance]:
     _, moving = conserved_axes(followed.robot)
-    none = nothing(followed.t.size)
+    none = nothing(followed)
     for name, vector in _steady(followed, moving):
-        yield Disturbance(f"pull.{name}", "pull", "m/s^2", none._replace(pull=vector))
+        yield Disturbance(
+            f"pull.{name}", "pull", "m/s^2", none._replace(pull=by_step(vector))
+        )
     for name, vector in _slow(followed, moving):
-        effect = none._replace(pull=vector)
+        effect = none._replace(pull=by_step(vector))
         yield Disturbance(f"slow_pull.{name}", "slow_pull", "m/s^2", effect)
 
 
@@ -137,13 +163,13 @@ def _slow(
 
 def _uneven(followed: Followed) -> Iterator[Disturbance]:
     r = followed.nominal_cm.r - followed.nominal_cm.r[0]
-    none = nothing(followed.t.size)
+    none = nothing(followed)
     for a, b in ((0, 0), (0, 1), (1, 1)):
         pull = np.zeros_like(r)
         pull[:, a] = r[:, b]
         if a != b:
             pull[:, b] = r[:, a]
-        effect = none._replace(pull=pull)
+        effect = none._replace(pull=by_step(pull))
         name = f"uneven.{AXES[a]}{AXES[b]}"
         yield Disturbance(name, "uneven", "1/s^2", effect)
 
@@ -151,14 +177,16 @@ def _uneven(followed: Followed) -> Iterator[Disturbance]:
 def _drag(followed: Followed) -> Iterator[Disturbance]:
     """Of pads under bodies: without any declared, one below S."""
     robot = followed.robot
-    none = nothing(followed.t.size)
+    none = nothing(followed)
     pads = robot.pads or {robot.bodies[0]: np.zeros(3)}
     for body, p in pads.items():
         k = robot.bodies.index(body)
         force = -followed.point(k, p).v * [1.0, 1.0, 0.0]
         arm = followed.in_inertial(followed.arm(k, p))
-        pushed = none._replace(force=force, torque=np.cross(arm, force))
-        turned = none._replace(torque=-followed.rate(k))
+        pushed = none._replace(
+            force=by_step(force), torque=by_step(np.cross(arm, force))
+        )
+        turned = none._replace(torque=by_step(-followed.rate(k)))
         for name, unit, effect in (
             (f"drag.{body}", "N s/m", pushed),
             (f"drag.{body}.turning", "N m s", turned),

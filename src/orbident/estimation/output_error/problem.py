@@ -244,6 +244,11 @@ def problem_of(
         loose.corrections,
         loose.walk,
     )
+    acting = Acting(measured(robot, sets, samples, intervals), recorded.places)
+    gains = (
+        Calibration(each.name, "1", True, each.std, recorded.places + k)
+        for k, each in enumerate(acting.recorded)
+    )
     return Problem(
         recorded,
         intervals.t,
@@ -252,8 +257,8 @@ def problem_of(
         weights,
         loose,
         lasting,
-        calibrations_of(robot, sensors.by_name),
-        Acting(measured(robot, sets, samples, intervals), recorded.places),
+        (*calibrations_of(robot, sensors.by_name), *gains),
+        acting,
     )
 
 

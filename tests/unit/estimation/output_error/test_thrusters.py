@@ -1,0 +1,115 @@
+"""Recorded thrust: it gives the scale and the mass without any wheel."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from random_robots import random_robot
+
+from orbident.errors import InputError
+from orbident.estimation.identify import identify
+from orbident.model.minimal_sets import minimal_sets
+from orbident.recordings.recording import Recording
+from orbident.robot.description import Robot, Thruster
+from orbident.simulation.control_laws import JointPD
+from orbident.simulation.flight import FreeFlying, standing
+from orbident.simulation.free_floating import BaseState
+from orbident.simulation.free_flying import free_flying
+from orbident.simulation.measure import measure_truth
+from orbident.simulation.thrusters import Pulse
+from orbident.simulation.truth import truth_of_flight
+
+RATE, DURATION = 20.0, 60.0
+"""Hz and s."""
+
+TRUE = {"left": 1.0, "right": 1.08}
+"""The force of each thruster, over that which is recorded."""
+
+FORCE = 0.5
+"""N, as recorded."""
+
+PULSES = (
+    ("left", 4.0, 9.0),
+    ("right", 12.0, 17.0),
+    ("right", 25.0, 28.0),
+    ("left", 31.0, 36.0),
+    ("right", 44.0, 47.0),
+)
+
+
+class Waving:
+    """Two joints that swing."""
+
+    def at(self, t):
+        rate, phase = np.array([0.5, 0.8]), np.array([0.3, 1.1])
+        angle = np.multiply.outer(t, rate) + phase
+        wave = 0.9 * np.sin(angle), 0.9 * rate * np.cos(angle)
+        return *wave, -(rate**2) * wave[0]
+
+
+@pytest.fixture(scope="module")
+def robot() -> Robot:
+    """No wheel; one thruster is calibrated, the other to a tenth."""
+    x, y = np.eye(3)[:2]
+    sides = (
+        Thruster("left", 0.4 * y + 0.1 * x, np.array([0.6, 0.0, 0.8]), 0.0),
+        Thruster("right", -0.4 * y, np.array([0.8, 0.6, 0.0]), 0.1),
+    )
+    sensors = {
+        "gyro": {"angle_random_walk": 2e-6},
+        "joints": {"position": 2e-5},
+        "attitude": {"angle": 2e-4},
+        "position": {"std": 2e-4},
+    }
+    made = random_robot(11, (0, 1), base=10.0)
+    return replace(made, thrusters=sides, sensors={"rate": RATE, **sensors})
+
+
+@pytest.fixture(scope="module")
+def flight(robot) -> FreeFlying:
+    t = np.arange(round(DURATION * RATE) + 1) / RATE
+    start = BaseState(np.zeros(3), np.array([0.0, 0, 0, 1]), np.zeros(3), np.zeros(0))
+    law = JointPD(Kp=np.full(2, 50.0), Kd=np.full(2, 50.0))
+    pulses = [Pulse(name, on, off, FORCE * TRUE[name]) for name, on, off in PULSES]
+    q, _, _ = Waving().at(t[:1])
+    return free_flying(robot, t, standing(start, q[0]), Waving(), law, pulses=pulses)
+
+
+def recorded(robot: Robot, flight: FreeFlying, seed: int) -> Recording:
+    """With what the thrusters were asked for."""
+    seen = measure_truth(robot, flight.t, truth_of_flight(flight), seed)
+    columns = dict(seen.columns)
+    for thruster in robot.thrusters:
+        on = np.zeros(seen.t.size)
+        for name, begin, end in PULSES:
+            if name == thruster.name:
+                on[(seen.t >= begin - 1e-9) & (seen.t < end - 1e-9)] = FORCE
+        columns[f"thruster.{thruster.name}.force"] = on
+    return replace(seen, columns=columns)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_without_wheels(robot, flight, seed):
+    """All parameters, the mass, and the force of the thruster that is not known."""
+    result = identify(robot, recorded(robot, flight, seed))
+    assert result.status == "ok", result.warnings
+    z = (result.base.values - minimal_sets(robot).beta(robot.theta)) / result.base.std
+    assert np.isfinite(z).all()
+    assert np.abs(z).max() < 4
+    assert result.mass.std < 0.02 * robot.mass
+    assert list(result.calibration) == ["thruster.right.gain"]
+    gain = result.calibration["thruster.right.gain"]
+    assert abs(gain.value - 0.08) < 4 * gain.std < 0.08
+    assert not result.disturbances
+
+
+def test_only_maximum_likelihood_knows_of_it(robot, flight):
+    with pytest.raises(InputError, match="use --method maximum-likelihood"):
+        identify(robot, recorded(robot, flight, 0), "structured")
+
+
+def test_there_is_no_such_thruster(robot, flight):
+    seen = recorded(robot, flight, 0)
+    columns = {**seen.columns, "thruster.rear.force": np.ones(seen.t.size)}
+    with pytest.raises(InputError, match="no thruster 'rear', only 'left', 'right'"):
+        identify(robot, replace(seen, columns=columns))
