@@ -42,7 +42,7 @@ def derivative(f, x: np.ndarray) -> np.ndarray:
     return np.array(columns).T
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=10, deadline=None)
 @given(
     seed=st.integers(0, 2**20),
     joints=st.integers(1, 5),
