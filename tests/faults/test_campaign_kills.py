@@ -75,7 +75,7 @@ def disturbed(given: Path, out: Path, numbers: random.Random) -> str:
             assert status == 0, said
             return "worker"
         process.kill()
-        process.wait()
+        process.wait(timeout=30.0)
     _check_ended(workers)
     return "command"
 
@@ -110,7 +110,7 @@ def test_one(given: Path, undisturbed: pa.Table, tmp_path: Path):
             time.sleep(0.005)
         workers = workers_of(process.pid)
         process.kill()
-        process.wait()
+        process.wait(timeout=30.0)
     assert len(workers) == 2
     _check_ended(workers)
     assert len(list(out.glob("rows/*.parquet"))) < RUNS

@@ -51,11 +51,10 @@ def tls(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         "-subj",
         "/CN=localhost",
     )
-    subprocess.run(
-        ["openssl", *request, "-keyout", str(key), "-out", str(certificate)],
-        check=True,
-        capture_output=True,
+    made = finished(
+        "openssl", *request, "-keyout", key, "-out", certificate, limit=60.0
     )
+    assert made.returncode == 0, made.stderr
     start = "DASK_DISTRIBUTED__COMM__"
     monkeypatch.setenv(f"{start}REQUIRE_ENCRYPTION", "True")
     monkeypatch.setenv(f"{start}TLS__CA_FILE", str(certificate))

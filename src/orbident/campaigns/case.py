@@ -63,7 +63,7 @@ class Case:
 
     k: int
     subject: Subject
-    """As declared: what an estimator is told."""
+    """As declared: what an estimator is given."""
     disperse: Disperse
     seed: int
     """Of all random numbers of this run."""

@@ -23,7 +23,7 @@ import pyarrow as pa
 
 from orbident.campaigns.executors import Executors
 from orbident.campaigns.folder import FAILED, Campaign, check_versions, working
-from orbident.campaigns.run import Chunk, packed, run_chunk
+from orbident.campaigns.run import Chunk, run_chunk
 from orbident.campaigns.table import path_of, schema_of, write_rows
 from orbident.errors import InputError
 from orbident.files.text import write_text
@@ -66,13 +66,13 @@ def conduct(
             die again and again.
     """
     with working(folder):
-        schema, payload = schema_of(campaign), packed(campaign)
+        schema = schema_of(campaign)
         deaths, done = 0, status(campaign, folder)
         progress(done)
         while missing := tuple(_missing(campaign, folder)):
             try:
                 with executors() as executor:
-                    for runs, chunk in _computed(executor, payload, missing):
+                    for runs, chunk in _computed(executor, campaign, missing):
                         check_versions(folder, chunk.versions, "a worker's")
                         _keep(folder, runs, chunk, schema)
                         deaths = 0
@@ -115,14 +115,14 @@ def _missing(campaign: Campaign, folder: Path) -> Iterator[range]:
 
 
 def _computed(
-    executor: Executor, payload: bytes, chunks: Sequence[range]
+    executor: Executor, campaign: Campaign, chunks: Sequence[range]
 ) -> Iterator[tuple[range, Chunk]]:
     """Chunks as they are done, in any order."""
     left = iter(chunks)
     running: dict[Future[Chunk], range] = {}
     while True:
         for runs in islice(left, WAITING - len(running)):
-            future = executor.submit(run_chunk, payload, runs)
+            future = executor.submit(run_chunk, campaign, runs)
             running[future] = runs
             if future.done():
                 break

@@ -1,10 +1,8 @@
 """Runs of a campaign, one after the other: what a worker does."""
 
-import pickle
 import traceback
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -38,25 +36,20 @@ class Chunk(NamedTuple):
     """Of what computed it."""
 
 
-def packed(campaign: Campaign) -> bytes:
-    """A campaign as it goes to the workers."""
-    return pickle.dumps(campaign)
-
-
 @one_thread
-def run_chunk(campaign: bytes, runs: range) -> Chunk:
+def run_chunk(campaign: Campaign, runs: range) -> Chunk:
     """Make these runs; one that raises is a failure, and the rest go on.
 
     Args:
-        campaign: `packed`.
+        campaign: its spec, robots and trajectories.
         runs: their numbers.
     """
     rows: list[Row] = []
     failures: list[Failure] = []
     for k in runs:
-        case = _unpacked(campaign).case(k)
+        case = campaign.case(k)
         try:
-            results = identified(_unpacked(campaign), case, case.recording())
+            results = identified(campaign, case, case.recording())
             rows += rows_of(case, results)
         # Whatever it is: thousands of other runs are not to be lost for it.
         except Exception as error:
@@ -81,15 +74,9 @@ def identified(
 def rows_of(case: Case, results: Mapping[str, Result]) -> list[Row]:
     """A row for each method: its numbers, and the true ones."""
     sets = minimal_sets(case.subject.robot)
-    # Of the formulas that an estimator is told, evaluated for the true bodies.
+    # Of the formulas that an estimator is given, evaluated for the true bodies.
     true = sets.beta(case.robot.theta)
     return [_row(case, method, result, true) for method, result in results.items()]
-
-
-@lru_cache(maxsize=1)
-def _unpacked(campaign: bytes) -> Campaign:
-    # Once a worker: what follows from a robot is kept as long as the robot is.
-    return pickle.loads(campaign)
 
 
 def _row(

@@ -77,7 +77,7 @@ class Likelihood:
     sensitivity: Callable[[], Sensitivity]
     """What those without a tolerance would do; it takes one more linearisation."""
     solution: Solution
-    """Where the search ended."""
+    """Where the search ended with nothing acting from outside."""
 
 
 def maximum_likelihood(
@@ -122,7 +122,7 @@ def maximum_likelihood(
     declared = {name for name, each in sensors.by_name.items() if each.declared}
 
     search = _Search(problem, prior, (first, second), least, declared, progress, steps)
-    found, groups = with_disturbances(problem, search)
+    found, groups, plain = with_disturbances(problem, search)
     return Likelihood(
         estimate=estimate_of(found.solution, prior_std(robot, sets)),
         biases=_biases(robot, sensors, found),
@@ -134,7 +134,7 @@ def maximum_likelihood(
         signals=sensor_signals(robot, problem, sensors, found),
         calibration=_calibration(problem, found.solution),
         sensitivity=partial(sensitivity, problem, found.solution),
-        solution=found.solution,
+        solution=plain.solution,
     )
 
 

@@ -13,7 +13,7 @@ from small_campaigns import begun, no_paper_motion, rows, write_campaign
 from orbident.campaigns import conduct as conducting
 from orbident.campaigns.conduct import Done, conduct, failed_runs, status
 from orbident.campaigns.executors import InThisProcess
-from orbident.campaigns.folder import begin, opened
+from orbident.campaigns.folder import Campaign, begin, opened
 from orbident.campaigns.rerun import rerun
 from orbident.campaigns.run import run_chunk
 from orbident.campaigns.spec import load_spec
@@ -46,9 +46,9 @@ def test_what_is_done_is_not_done_again(tmp_path: Path, monkeypatch):
     path_of(out, range(1, 2)).unlink()
     assert status(campaign, out) == (2, 3, 0)
 
-    def watched(payload: bytes, runs: range):
+    def watched(campaign: Campaign, runs: range):
         made.append(runs)
-        return run_chunk(payload, runs)
+        return run_chunk(campaign, runs)
 
     monkeypatch.setattr(conducting, "run_chunk", watched)
     assert conduct(opened(out), out, InThisProcess) == (3, 3, 0)

@@ -34,10 +34,10 @@ TRIED = 3
 """Groups, likeliest to first order, of which the one that explains most is freed."""
 
 BAD = 10.0
-"""Chi-square of a sample beyond which it is asked first whether there is any hope."""
+"""Chi-square of a sample beyond which it is asked whether there is any hope."""
 
-HARDLY = 0.25
-"""Of chi-square: what acts from outside leaves less, where it is the cause."""
+LEFT = 0.7
+"""Of chi-square: a group that acts leaves less, beside one or two others too."""
 
 LONGEST = 2**15
 """Rows of a recording that is tested: tables of what acts take some 3 kB a row."""
@@ -60,6 +60,8 @@ class Fit(NamedTuple):
 
     found: Fitted
     groups: tuple[str, ...]
+    plain: Fitted
+    """The fit in which nothing acts."""
 
 
 @runtime_checkable
@@ -82,46 +84,44 @@ def with_disturbances(problem: Problem, search: Search) -> Fit:
         problem: a recording's equations.
         search: finds a fit with some groups.
     """
-    plain = search.first(())
-    fit = Fit(search.whole(plain), ())
-    if problem.t.size > LONGEST or _hopeless(problem, plain, search):
-        return fit
-    while len(fit.groups) < MOST:
-        more = _best(problem, fit, search)
-        if more is None:
+    start = search.first(())
+    plain = search.whole(start)
+    # In all first fits noise is that assumed, so that their costs can be compared.
+    solution, groups, cost = plain.solution, (), start.cost
+    while len(groups) < MOST and problem.t.size <= LONGEST:
+        more = _best(problem, solution, groups, search)
+        if more is None or _hopeless(problem, more[0].cost, cost):
             break
-        fit = more
+        solution, groups = more
+        cost = solution.cost
+    fit = Fit(search.whole(solution) if groups else plain, groups, plain)
     while fit.groups:
         weakest = min(fit.groups, key=lambda group: _beyond_chance(problem, fit, group))
         if _beyond_chance(problem, fit, weakest) > 0:
             break
         left = tuple(group for group in fit.groups if group != weakest)
-        fit = Fit(search.whole(search.first(left)), left)
+        found = search.whole(search.first(left)) if left else plain
+        fit = fit._replace(found=found, groups=left)
     return fit
 
 
-def _hopeless(problem: Problem, plain: Solution, search: Search) -> bool:
-    """Whether the fit is bad, and all that may act explains hardly any of it."""
-    samples = sum(int((weight > 0).sum()) for weight in problem.weights.values())
-    if plain.cost < BAD * samples:
-        return False
-    groups = tuple(dict.fromkeys(each.group for each in problem.acting.disturbances))
-    return search.first(groups).cost > HARDLY * plain.cost
-
-
-def _best(problem: Problem, fit: Fit, search: Search) -> Fit | None:
+def _best(
+    problem: Problem, solution: Solution, groups: tuple[str, ...], search: Search
+) -> tuple[Solution, tuple[str, ...]] | None:
     """With one group more, the one that explains most; none where none is possible."""
     tried = []
-    for group in _likely(problem, fit):
-        groups = (*fit.groups, group)
-        solution = search.first(groups)
-        if not _impossible(problem, solution, group):
+    for group in _likely(problem, solution, groups):
+        more = search.first((*groups, group))
+        if not _impossible(problem, more, group):
             size = _places(problem, [group]).size
-            tried.append((solution.cost + chdtri(size, CHANCE), groups, solution))
-    if not tried:
-        return None
-    _, groups, solution = min(tried, key=lambda each: each[0])
-    return Fit(search.whole(solution), groups)
+            tried.append((more.cost + chdtri(size, CHANCE), more, (*groups, group)))
+    return min(tried, key=lambda each: each[0])[1:] if tried else None
+
+
+def _hopeless(problem: Problem, cost: float, before: float) -> bool:
+    """Whether the fit is bad, and a group more explains hardly any of it."""
+    samples = sum(int((weight > 0).sum()) for weight in problem.weights.values())
+    return cost > max(BAD * samples, LEFT * before)
 
 
 def start_with(
@@ -185,13 +185,13 @@ def _places(problem: Problem, groups: Collection[str]) -> Float[np.ndarray, " n"
     return problem.acting.places[np.array(chosen, dtype=bool)]
 
 
-def _likely(problem: Problem, fit: Fit) -> list[str]:
+def _likely(problem: Problem, solution: Solution, freed: tuple[str, ...]) -> list[str]:
     """The groups by which chi-square falls beyond what chance does, most of all."""
-    groups = {each.group for each in problem.acting.disturbances} - set(fit.groups)
+    groups = {each.group for each in problem.acting.disturbances} - set(freed)
     if not groups:
         return []
     places = _places(problem, groups)
-    left = after_all_others(problem, fit.found.solution, places)
+    left = after_all_others(problem, solution, places)
     beyond = {}
     for group in sorted(groups):
         which = np.flatnonzero(np.isin(places, _places(problem, [group])))
