@@ -24,6 +24,7 @@ from orbident.estimation.output_error.disturbances import (
     start_with,
     with_disturbances,
 )
+from orbident.estimation.output_error.forms import SLOW
 from orbident.estimation.output_error.noise_scaling import Fitted, fitted
 from orbident.estimation.output_error.problem import (
     NOTHING,
@@ -122,7 +123,9 @@ def maximum_likelihood(
     declared = {name for name, each in sensors.by_name.items() if each.declared}
 
     search = _Search(problem, prior, (first, second), least, declared, progress, steps)
-    found, groups, plain = with_disturbances(problem, search)
+    # Without declared noise, what splines leave between samples may look slow too.
+    excluded = () if declared == set(sensors.by_name) else SLOW
+    found, groups, plain = with_disturbances(problem, search, excluded)
     return Likelihood(
         estimate=estimate_of(found.solution, prior_std(robot, sets)),
         biases=_biases(robot, sensors, found),

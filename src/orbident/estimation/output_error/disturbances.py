@@ -77,19 +77,22 @@ class Search(Protocol):
         ...
 
 
-def with_disturbances(problem: Problem, search: Search) -> Fit:
+def with_disturbances(
+    problem: Problem, search: Search, excluded: Collection[str] = ()
+) -> Fit:
     """Free one group after another, as long as chi-square says that it acts.
 
     Args:
         problem: a recording's equations.
         search: finds a fit with some groups.
+        excluded: groups that are not tested.
     """
     start = search.first(())
     plain = search.whole(start)
     # In all first fits noise is that assumed, so that their costs can be compared.
     solution, groups, cost = plain.solution, (), start.cost
     while len(groups) < MOST and problem.t.size <= LONGEST:
-        more = _best(problem, solution, groups, search)
+        more = _best(problem, solution, groups, search, excluded)
         if more is None or _hopeless(problem, more[0].cost, cost):
             break
         solution, groups = more
@@ -106,11 +109,15 @@ def with_disturbances(problem: Problem, search: Search) -> Fit:
 
 
 def _best(
-    problem: Problem, solution: Solution, groups: tuple[str, ...], search: Search
+    problem: Problem,
+    solution: Solution,
+    groups: tuple[str, ...],
+    search: Search,
+    excluded: Collection[str],
 ) -> tuple[Solution, tuple[str, ...]] | None:
     """With one group more, the one that explains most; none where none is possible."""
     tried = []
-    for group in _likely(problem, solution, groups):
+    for group in _likely(problem, solution, {*groups, *excluded}):
         more = search.first((*groups, group))
         if not _impossible(problem, more, group):
             size = _places(problem, [group]).size
@@ -185,9 +192,11 @@ def _places(problem: Problem, groups: Collection[str]) -> Float[np.ndarray, " n"
     return problem.acting.places[np.array(chosen, dtype=bool)]
 
 
-def _likely(problem: Problem, solution: Solution, freed: tuple[str, ...]) -> list[str]:
+def _likely(
+    problem: Problem, solution: Solution, excluded: Collection[str]
+) -> list[str]:
     """The groups by which chi-square falls beyond what chance does, most of all."""
-    groups = {each.group for each in problem.acting.disturbances} - set(freed)
+    groups = {each.group for each in problem.acting.disturbances} - set(excluded)
     if not groups:
         return []
     places = _places(problem, groups)

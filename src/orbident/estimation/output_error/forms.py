@@ -23,6 +23,9 @@ from orbident.model.minimal_sets import conserved_axes
 
 AXES = "xyz"
 
+SLOW = ("slow_torque", "slow_pull")
+"""Groups of what changes slowly."""
+
 WAVES = 6
 """Half waves in a recording of what changes slowly, at most."""
 
