@@ -37,6 +37,12 @@ DRAG = {"base": (8e-3, 2e-4), "link2": (5e-3, 5e-5)}
 SPIN = 150.0
 """rad/s."""
 
+MANY = 20
+"""Runs with other noise."""
+
+FAR = 4.0
+"""Deviations."""
+
 
 class Flown(NamedTuple):
     """What MuJoCo arrived at."""
@@ -157,7 +163,7 @@ def off(result: Result, robot: Robot) -> np.ndarray:
 
 
 @pytest.mark.parametrize(
-    "runs", [2, pytest.param(20, marks=pytest.mark.long)], ids=["few", "many"]
+    "runs", [1, pytest.param(MANY, marks=pytest.mark.long)], ids=["one", "many"]
 )
 def test_tilt_and_drag_are_identified_with_the_parameters(flown, runs):
     """95 % intervals hold what they say, of the robot and of what acts on it."""
@@ -180,5 +186,7 @@ def test_tilt_and_drag_are_identified_with_the_parameters(flown, runs):
             z.append((fit.value - true) / fit.std)
     inside = np.mean(np.abs(z) < 1.96)
     print(f"{inside:.3f} of {len(z)} inside, rms {np.sqrt(np.mean(np.square(z))):.2f}")
-    # Errors of a run go together: some ten of its numbers are independent.
-    assert inside > (0.93 if runs > 2 else 0.85)
+    assert np.abs(z).max() < FAR
+    # Errors of a run go together: some ten of its numbers are independent, and of 200
+    # fewer than 90 % are inside once in a thousand times.
+    assert runs < MANY or inside > 0.9
