@@ -18,7 +18,7 @@ test: .venv/installed
 	$(BIN)/lint-imports
 	$(BIN)/pytest -n 2
 
-# The tests of the numerical core under AddressSanitizer and UBSan, on one processor.
+# The tests of the numerical core under AddressSanitizer and UBSan.
 SANITIZED := build/sanitized/bin/python
 sanitize: .venv/installed
 	$(PYTHON) -m venv --without-pip build/sanitized
@@ -28,7 +28,7 @@ sanitize: .venv/installed
 		--config-settings=cmake.define.ORBIDENT_SANITIZE=ON \
 		--config-settings=build-dir=build/sanitized-core
 	LD_PRELOAD="$$(c++ -print-file-name=libasan.so) $$(c++ -print-file-name=libstdc++.so)" ASAN_OPTIONS=detect_leaks=0 \
-		taskset -c 0 $(SANITIZED) -m pytest -n 0 -m core \
+		$(SANITIZED) -m pytest -n 2 -m core \
 		tests/properties tests/oracles tests/unit/core tests/unit/estimation
 
 # The source distribution and wheels, tried in bare environments of Python 3.11 to 3.13.
