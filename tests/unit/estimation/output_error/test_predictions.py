@@ -18,8 +18,6 @@ from segments import Segment, segment_of
 from orbident.estimation.output_error.problem import SENSORS, State
 from orbident.robot.description import Robot
 
-pytestmark = pytest.mark.core
-
 ROBOTS = {
     "spatial": random_robot(
         1, (0, 1, 0), prismatic=(1,), wheels=random_wheels(1, ["held", "free", "held"])
@@ -82,12 +80,14 @@ def check_slopes(segment: Segment) -> None:
             assert error[group].max(initial=0.0) < part * size + least, (sensor, group)
 
 
+@pytest.mark.core
 def test_values_are_the_simulators(segment: Segment):
     for sensor, residual in segment.residuals().items():
         # RK4 with 50 steps a second at some rad/s, and the simulator's own 1e-12.
         np.testing.assert_allclose(residual, 0.0, atol=1e-9, err_msg=sensor)
 
 
+@pytest.mark.core
 def test_a_fast_nutation_needs_smaller_steps():
     """A base that answers its wheels at 5 rad/s, sampled at 20 Hz."""
     robot = ROBOTS["spatial"]
@@ -118,6 +118,7 @@ def test_badly_calibrated_instruments(robot):
     check_slopes(segment)
 
 
+@pytest.mark.core
 def test_a_selected_calibration_has_the_column_that_it_has_among_all():
     """In any order; what is not selected is exact."""
     robot = ROBOTS["spatial"]
@@ -171,6 +172,7 @@ def test_slopes_with_smaller_steps(substeps):
     check_slopes(segment_of(ROBOTS["spatial"], 3, 33, substeps=substeps))
 
 
+@pytest.mark.core
 def test_continuity_and_corrections(segment: Segment):
     """The interval's end is the next one's start; corrections have a prior."""
     state, rows = segment.state, 0
