@@ -66,7 +66,7 @@ class Case:
     """As declared: what an estimator is given."""
     disperse: Disperse
     seed: int
-    """Of all random numbers of this run."""
+    """The seed of all random numbers that this run draws."""
 
     @classmethod
     def of(cls, spec: Spec, subjects: tuple[Subject, ...], k: int) -> "Case":

@@ -26,8 +26,8 @@ PATIENCE = 10
 SLURM = "slurm"
 
 LIFETIME = 0.9
-"""Of a job's time its worker lives so long, not all equally; then it gives what it has
-begun to others, which the end of its job would not let it do."""
+"""The part of a job's time after which its worker ends, some earlier than others: it can
+then hand what it has begun to others, which it could not when the job's time is over."""
 
 
 def cluster(where: str, jobs: int) -> Executors:

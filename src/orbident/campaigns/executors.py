@@ -47,7 +47,7 @@ def _pool(workers: int) -> Iterator[Executor]:
 
 
 def _start() -> None:
-    """Of a worker: Ctrl-C is for the command, with which the worker ends."""
+    """Let a worker ignore Ctrl-C, and end when the command that started it ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_end_with_parent, daemon=True).start()
 

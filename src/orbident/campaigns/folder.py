@@ -152,7 +152,7 @@ _SCHEMA = "orbident/campaign-folder/1"
 
 
 def versions() -> dict[str, str]:
-    """Of what computes here."""
+    """The versions of the libraries that compute in this process."""
     return {name: version(name) for name in ("orbident", "numpy", "scipy")}
 
 

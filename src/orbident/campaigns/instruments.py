@@ -16,7 +16,7 @@ from orbident.robot.description import Robot
 from orbident.simulation.truth import Truth
 
 Errors = Mapping[str, float]
-"""By name, SI; an error that is absent is zero."""
+"""The errors of instruments by their names, SI; one that is absent is zero."""
 
 
 def moved_joints(robot: Robot, errors: Errors) -> Robot:

@@ -29,7 +29,7 @@ class Rerun(NamedTuple):
     path: Path
     """Where the recording is."""
     results: Mapping[str, Result]
-    """By method; the cause of a refusal was looked for."""
+    """The result of each method; a refused one names its likely cause."""
     same: bool | None
     """Whether its rows are those of the campaign; None where it has none yet."""
 

@@ -33,7 +33,7 @@ class Chunk(NamedTuple):
     rows: tuple[Row, ...]
     failures: tuple[Failure, ...]
     versions: dict[str, str]
-    """Of what computed it."""
+    """The versions of the libraries that computed the chunk."""
 
 
 @one_thread

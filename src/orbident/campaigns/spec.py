@@ -50,11 +50,11 @@ class Disperse(Section):
     """What varies from run to run; what is absent is as the files say."""
 
     inertia: DrawnShare = None
-    """Of each body's mass, CM and inertia about the CM, relative to CAD."""
+    """How mass, CM and inertia about the CM of each body vary, relative to CAD."""
     instruments: DrawnShare = None
     """Errors of instruments and of geometry, in the robot file's tolerances."""
     noise: DrawnShare = None
-    """Of the sizes of each sensor's noise, relative to the declared ones."""
+    """How the sizes of each sensor's noise vary, relative to the declared ones."""
     initial: InitialEntry = InitialEntry()
 
 

@@ -34,7 +34,7 @@ class Parameter(NamedTuple):
 
     @property
     def rms(self) -> float:
-        """Of the error."""
+        """The root mean square of the errors."""
         return float(np.sqrt(np.mean(self.error**2)))
 
     @property

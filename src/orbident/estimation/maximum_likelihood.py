@@ -154,7 +154,7 @@ class _Search:
     steps: int
 
     def first(self, groups: tuple[str, ...]) -> Solution:
-        """From the best start, and from the other where that leads nowhere."""
+        """Search from the better start, and from the other where that leads nowhere."""
         best, other = self.starts
         solution = self._from(best, groups)
         return solution if solution.converged else self._from(other, groups)
@@ -165,7 +165,7 @@ class _Search:
         return solved(self.problem, weights, prior, state, self.progress, self.steps)
 
     def whole(self, solution: Solution) -> Fitted:
-        """With the noise that the residuals show."""
+        """Go on with the noise that the residuals show."""
         return fitted(
             self.problem,
             solution,

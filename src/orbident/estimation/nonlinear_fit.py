@@ -23,7 +23,7 @@ PRECISION = 1e-15
 """Relative, at which MINPACK stops."""
 
 EVALUATIONS = 200
-"""At most: recordings of 20 random robots needed 5 to 20, hopeless ones thousands."""
+"""The most that a fit may take: those of 20 random robots took 5 to 20."""
 
 
 def beta_of_fits(robot: Robot, sets: MinimalSets, fits: Fits) -> BetaEstimate:

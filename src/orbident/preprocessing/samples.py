@@ -50,7 +50,7 @@ class Samples:
     drift: Columns
     """What an accelerometer's bias adds to that, row-major; empty without one."""
     thrust: Columns
-    """Of each thruster until the next sample, N; empty where none was recorded."""
+    """The force of each thruster until the next sample, N; empty without any."""
     locked: tuple[str, ...]
     """Joints that did not move: held at their mean, with zero rate."""
     shares: tuple[float, ...]

@@ -30,7 +30,7 @@ DRAWN = 4
 """Worst cases and rank correlations in a table; scatter plots."""
 
 Bounds = dict[str, float]
-"""By parameter, the least deviation that an unbiased estimate can have."""
+"""The least deviation that an unbiased estimate can have, by parameter."""
 
 
 def write_campaign_report(campaign: Campaign, folder: Path) -> Path:

@@ -131,7 +131,7 @@ def _structure(file: RobotFile, bodies: Bodies, place: str) -> dict[str, Structu
 
 
 def _pads(file: RobotFile, bodies: Bodies) -> dict[str, Float[np.ndarray, "3"]]:
-    """In body frames: that of the base is at S."""
+    """The middles of pads in body frames; that of the base is at S."""
     origin = {bodies.names[0]: np.array(file.feature_point)}
     return {
         name: np.array(at) - origin.get(name, np.zeros(3))

@@ -103,7 +103,7 @@ class Robot:
     structure: Mapping[str, Structure] = field(default_factory=dict)
     """By body name; a body that is absent is arbitrary."""
     pads: Mapping[str, Float[np.ndarray, "3"]] = field(default_factory=dict)
-    """By body name: the middle of its air bearings, in its frame, m."""
+    """The middle of each body's air bearings, in the body's frame, m, by its name."""
     sensors: Mapping[str, Any] = field(default_factory=dict)
     """The robot file's sensor section, in SI units."""
     tolerances: Tolerances = field(default_factory=Tolerances)

@@ -198,6 +198,6 @@ def _elapsed(problem: MomentumProblem) -> Float[np.ndarray, " n"]:
 
 
 def _momenta(problem: MomentumProblem) -> Float[np.ndarray, "wheels n 3"]:
-    """Of each wheel, base axes, N m s."""
+    """The momentum of each wheel, base axes, N m s."""
     speeds = np.reshape(problem.samples.qd_rw, (-1, problem.samples.t.size))
     return np.einsum("kw,wn->wnk", wheels_of(problem.robot).A_rw, speeds)

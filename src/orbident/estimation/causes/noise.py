@@ -62,7 +62,7 @@ def wandering(problem: MomentumProblem) -> Iterator[Trial]:
 def _trial(
     problem: MomentumProblem, name: str, words: str, changes: dict[str, Any]
 ) -> Trial:
-    """With other noise of a sensor."""
+    """The same problem with other noise of a sensor."""
     robot = problem.robot
     sensors = {**robot.sensors, name: {**robot.sensors[name], **changes}}
     return amended_trial(words, problem, replace(robot, sensors=sensors))

@@ -40,7 +40,7 @@ def _continuous(x: Float[np.ndarray, "n 4"]) -> Float[np.ndarray, "n 4"]:
 def with_columns(
     recording: Recording, columns: Mapping[str, Float[np.ndarray, " n"]]
 ) -> Recording:
-    """With these columns in the place of its own, or beside them."""
+    """A recording with these columns in the place of its own, or beside them."""
     return replace(recording, columns={**recording.columns, **columns})
 
 

@@ -27,14 +27,14 @@ from orbident.estimation.output_error.forms import (
 )
 
 ROWS = 15
-"""Of a node: h_cm, its rate, r_cm, v_cm and what is felt, three axes each."""
+"""A node has so many: h_cm, its rate, r_cm, v_cm and what is felt, three axes each."""
 
 
 class Acting:
     """What may act along a recording; it is worked out when it is first asked for."""
 
     def __init__(self, followed: Followed, first: int) -> None:
-        """Of a recording.
+        """Keep what tables are made of.
 
         Args:
             followed: the motion that was measured.
@@ -54,7 +54,7 @@ class Acting:
 
     @property
     def places(self) -> Float[np.ndarray, " disturbances"]:
-        """Of all that may act besides."""
+        """The places of all disturbances that may act beside recorded thrust."""
         first = self.first + len(self.recorded)
         return first + np.arange(float(len(self.disturbances)))
 
@@ -64,7 +64,7 @@ class Acting:
         gains: Float[np.ndarray, " selected"],
         selected: Float[np.ndarray, " selected"],
     ) -> Float[np.ndarray, "nodes rows columns"]:
-        """At these parameters: value, by each selected gain, by `beta`.
+        """What acts at these parameters: its value, and its slopes by gains and `beta`.
 
         Args:
             beta: base parameters.
@@ -104,7 +104,7 @@ class Acting:
     def _by_beta(
         self, effect: Effect, r: Float[np.ndarray, "steps 3 3"], M: float
     ) -> Float[np.ndarray, "nodes 15 beta"]:
-        """Of the lever arm, and of what a force does to the mass."""
+        """The slopes by `beta`: of the lever arm, and of what a force does to the mass."""
         t = self.followed.t
         by_r = by_step(self.followed.moments) / M
         by_r[..., 0] -= r / M

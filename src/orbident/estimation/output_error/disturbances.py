@@ -37,7 +37,7 @@ BAD = 10.0
 """Chi-square of a sample beyond which it is asked whether there is any hope."""
 
 LEFT = 0.7
-"""Of chi-square: a group that acts leaves less, beside one or two others too."""
+"""The part of chi-square that a group leaves, at most, if it acts."""
 
 LONGEST = 2**15
 """Rows of a recording that is tested: tables of what acts take some 3 kB a row."""
@@ -51,8 +51,8 @@ class DisturbanceFit(NamedTuple):
     value: float
     std: float
     shift: float
-    """By so many of its deviations the base parameter that it concerns most would be
-    off, had the group been left out."""
+    """How far off the base parameter that it concerns most would be, in its deviations,
+    had the group been left out."""
 
 
 class Fit(NamedTuple):
@@ -69,11 +69,11 @@ class Search(Protocol):
     """Fits a recording with some groups among the unknowns."""
 
     def first(self, groups: tuple[str, ...]) -> Solution:
-        """With the noise that is assumed."""
+        """Search with the noise that is assumed."""
         ...
 
     def whole(self, solution: Solution) -> Fitted:
-        """From there on, with the noise that the residuals show."""
+        """Go on from a solution, with the noise that the residuals show."""
         ...
 
 
@@ -115,7 +115,7 @@ def _best(
     search: Search,
     excluded: Collection[str],
 ) -> tuple[Solution, tuple[str, ...]] | None:
-    """With one group more, the one that explains most; none where none is possible."""
+    """The solution with one group more that explains most; None where none is likely."""
     tried = []
     for group in _likely(problem, solution, {*groups, *excluded}):
         more = search.first((*groups, group))
@@ -134,7 +134,7 @@ def _hopeless(problem: Problem, cost: float, before: float) -> bool:
 def start_with(
     problem: Problem, prior: Prior, state: State, groups: Collection[str]
 ) -> tuple[Prior, State]:
-    """With these groups among the unknowns, none of them acting.
+    """Where a search starts with these groups among the unknowns, none of them acting.
 
     Args:
         problem: a recording's equations.
@@ -213,7 +213,7 @@ def _likely(
 
 
 def _selected(problem: Problem, state: State, group: str) -> Int[np.ndarray, " n"]:
-    """Of a group, the places among those selected."""
+    """Where the numbers of a group are among those selected."""
     return np.flatnonzero(np.isin(state.selected, _places(problem, [group])))
 
 

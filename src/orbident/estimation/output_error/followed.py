@@ -20,7 +20,7 @@ from orbident.robot.parameters import FIRST_MOMENT, MASS, PER_BODY
 
 
 class Motion(NamedTuple):
-    """Of a point, or of the system CM; inertial axes, seen from S's first place."""
+    """How a point, or the system CM, moves; inertial axes, from the first place of S."""
 
     r: Float[np.ndarray, "nodes 3"]
     """m."""
@@ -47,7 +47,7 @@ class Followed:
     v_S: Float[np.ndarray, "nodes 3"] | None
     """Inertial axes, m/s; None where it is not known."""
     thrust: Float[np.ndarray, "rows thrusters"]
-    """From each row until the next, N."""
+    """The force of each thruster from a row until the next, N."""
 
     @property
     def tracked(self) -> bool:
@@ -56,18 +56,18 @@ class Followed:
 
     @cached_property
     def S(self) -> Motion:
-        """Of S."""
+        """The motion of S."""
         assert self.v_S is not None
         return Motion(integral(self.t, by_step(self.v_S)), self.v_S)
 
     @cached_property
     def poses(self) -> Poses:
-        """Of all bodies."""
+        """Where all bodies are."""
         return poses(self.robot, self.history.q)
 
     @cached_property
     def moments(self) -> Float[np.ndarray, "nodes 3 beta"]:
-        """By `beta`: mass times the place of the CM, from S, inertial axes, kg m."""
+        """The first moment about S by each `beta`, inertial axes, kg m over its unit."""
         at = self.poses
         n, bodies = at.d.shape[:2]
         by_theta = np.zeros((n, 3, PER_BODY * bodies))
@@ -104,7 +104,7 @@ class Followed:
         return self.in_inertial(w)
 
     def arm(self, body: int, p: Float[np.ndarray, "3"]) -> Float[np.ndarray, "nodes 3"]:
-        """From S to a point of a body; base axes, m."""
+        """The vector from S to a point of a body; base axes, m."""
         return self.poses.d[:, body] + self.poses.R[:, body] @ p
 
     def in_inertial(
@@ -115,7 +115,7 @@ class Followed:
 
 
 def by_step(x: Float[np.ndarray, "nodes ..."]) -> Float[np.ndarray, "steps 3 ..."]:
-    """Of each row, half-way, and the next row."""
+    """The values at each row, half-way, and at the next row, side by side."""
     return np.stack([x[:-1:2], x[1::2], x[2::2]], axis=1)
 
 
@@ -129,7 +129,7 @@ def at_nodes(x: Float[np.ndarray, "steps 3 ..."]) -> Float[np.ndarray, "nodes ..
 def integral(
     t: Float[np.ndarray, " nodes"], x: Float[np.ndarray, "steps 3 ..."]
 ) -> Float[np.ndarray, "nodes ..."]:
-    """From the first node on, by the parabola through a row, half-way and the next."""
+    """The integral from the first node on, by parabolas through a row, half-way, the next."""
     h = np.diff(t[::2]).reshape(-1, *(1,) * (x.ndim - 2))
     a, b, c = x[:, 0], x[:, 1], x[:, 2]
     out = np.zeros((t.size, *x.shape[2:]))

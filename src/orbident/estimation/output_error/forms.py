@@ -38,7 +38,7 @@ IN_WORDS = {
     "uneven": "the pull changes from place to place, as on an uneven table",
     "drag": "drag acts, as of an air film",
 }
-"""By group: what acts."""
+"""What acts, by the name of its group."""
 
 
 class Effect(NamedTuple):
@@ -74,7 +74,7 @@ class Disturbance(NamedTuple):
     acts: float = 0.0
     """Its size where the number is zero: 1 for what was recorded."""
     std: float = 0.0
-    """Of the number, beforehand; zero where that is nothing, or not to be asked."""
+    """How uncertain the number of recorded thrust is beforehand; zero is exact."""
 
 
 def disturbances(followed: Followed) -> Iterator[Disturbance]:
@@ -178,7 +178,7 @@ def _uneven(followed: Followed) -> Iterator[Disturbance]:
 
 
 def _drag(followed: Followed) -> Iterator[Disturbance]:
-    """Of pads under bodies: without any declared, one below S."""
+    """Drag of the pads under bodies: without any declared, of one below S."""
     robot = followed.robot
     none = nothing(followed)
     pads = robot.pads or {robot.bodies[0]: np.zeros(3)}

@@ -127,7 +127,7 @@ def fitted(
     progress: Callable[[], object],
     steps: int,
 ) -> Fitted:
-    """From a solution with the noise that was assumed to the most likely one.
+    """Go on from a solution with assumed noise to the most likely one.
 
     Args:
         problem: a recording's equations.

@@ -77,7 +77,7 @@ class Sensitivity(NamedTuple):
 
 
 def fall(left: Float[np.ndarray, "n n+1"], which: Int[np.ndarray, " some"]) -> float:
-    """By so much chi-square would fall if these were unknowns, of `[R_c, z]`."""
+    """How far chi-square would fall if these columns of `[R_c, z]` were unknowns."""
     R, z = left[:, list(which)], left[:, -1]
     after = z - R @ np.linalg.lstsq(R, z)[0]
     return float(z @ z - after @ after)

@@ -62,12 +62,12 @@ class Solution(NamedTuple):
 
     @property
     def cost(self) -> float:
-        """Squared, whitened."""
+        """The sum of the squares of all whitened residuals and priors."""
         return self.linear.cost + self.prior.cost(self.state)
 
     @property
     def covariance(self) -> Float[np.ndarray, "n n"]:
-        """Of `[z, g]`, with the `z` of the meeting boundary, to first order."""
+        """The covariance of `[z, g]`, `z` of the meeting boundary, to first order."""
         n = self.linear.local
         factor = self.linear.factor.copy()
         factor[n:, n:] = self.prior.added(self.linear.common, self.state)

@@ -1,0 +1,156 @@
+// The arguments and the memory of one linearisation of a recording's equations.
+#pragma once
+
+#include "recorded.hpp"
+
+namespace orbident::python {
+
+inline void use(const Bodies<double>& bodies, std::vector<Momentum<double>>& carried,
+         std::vector<MomentumTerms<double>>& by, TermsMemory<double>& memory) {
+  memory.at = bodies;
+  memory.carried_momentum = carried.data();
+  memory.by_q = by.data();
+  memory.by_qd = by.data() + by.size() / 2;
+}
+
+// Memory for one end of the elimination.
+class OwnedSweep {
+ public:
+  explicit OwnedSweep(const Recorded<double>& all) : bodies_(all.tree) {
+    const int K = all.tree.joints, n = all.stride(), unknowns = all.columns.count();
+    int longest = 0;
+    for (int k = 0; k < all.intervals; ++k)
+      longest = std::max(longest, all.edge[k + 1] - all.edge[k]);
+    carried_.resize(static_cast<std::size_t>(K + 1));
+    by_.resize(2 * static_cast<std::size_t>(K));
+    IntervalMemory<double>& interval = at.interval;
+    use(bodies_.at, carried_, by_, interval.terms);
+    interval.q = take(K);
+    interval.qd = take(K);
+    interval.qdd = take(K);
+    for (int k = 0; k < 3; ++k) {
+      interval.node[k].by = take(BY_ROWS * unknowns);
+      BaseNode<double>& base = interval.base[k];
+      base.G = take(3 * unknowns);
+      base.phi = take(3 * unknowns);
+      base.dw = take(3 * unknowns);
+      base.own_by = take(all.substeps > 1 ? BY_R * unknowns : 0);
+      interval.velocity[k] = take(3 * unknowns);
+    }
+    for (auto& sensor : interval.whitening)
+      for (Whitening<double>& axis : sensor)
+        for (double*& mean : axis.mean) mean = take(all.lasting ? n : 0);
+    interval.slopes = take(3 * unknowns);
+    interval.felt = take(3 * unknowns);
+    at.R = take(std::ptrdiff_t(all.width()) * n);
+    at.known = take(std::ptrdiff_t(all.local()) * n);
+    at.rows = take(std::ptrdiff_t(5 * 3 * longest + all.lasting) * n);
+    at.continuity = take(BIASES * n);
+  }
+  OwnedSweep(const OwnedSweep&) = delete;
+  SweepMemory<double> at;
+
+ private:
+  double* take(std::ptrdiff_t count) {
+    return room_.emplace_back(static_cast<std::size_t>(count), 0.0).data();
+  }
+  BodiesMemory<double> bodies_;
+  std::vector<Momentum<double>> carried_;
+  std::vector<MomentumTerms<double>> by_;
+  std::vector<std::vector<double>> room_;
+};
+
+// The arguments of a linearisation, checked, and where its residuals go.
+struct Call {
+  std::vector<int> selected;
+  OwnedTree tree;
+  Recorded<double> recorded;
+  In<2> x_WB, local;
+  In<1> common;
+  std::vector<In<2>> weights;
+  std::vector<Out<2>> residuals;
+  std::vector<double> theta, calibration;
+  Coloured<double> coloured[TRACKERS][3];
+  In<3> acting;
+  std::vector<int> gains;
+
+  Call(const OwnedRecorded& owned, const std::vector<Array>& given, const Array& coloured_,
+       const Array& acting_,
+       const Array& x_WB_, const Array& local_, const Array& common_, const Array& selected_)
+      : selected(indices(input<1>("selected", selected_, {ANY}))),
+        tree(owned.tree),
+        recorded(owned.view(static_cast<int>(selected.size()))),
+        x_WB(input<2>("x_WB", x_WB_, {recorded.intervals + 1, 4})),
+        local(input<2>("local", local_, {recorded.intervals + 1, recorded.local()})),
+        common(input<1>("common", common_, {recorded.common()})),
+        theta(owned.nominal.data(), owned.nominal.data() + owned.nominal.size(0)),
+        calibration(static_cast<std::size_t>(recorded.places().count()), 0.0),
+        acting(input<3>("acting", acting_, {ANY, ACTING_ROWS, ANY})) {
+    if (given.size() != SENSORS) throw nb::value_error("weights: give one array a sensor");
+    for (std::size_t k = 0; k < SENSORS; ++k) {
+      const std::int64_t rows = owned.samples[k].size(0), axes = rows ? owned.axes(k) : ANY;
+      weights.push_back(input<2>("weights", given[k], {rows, axes}));
+      residuals.emplace_back(rows, owned.axes(k));
+      std::fill_n(residuals[k].data(), rows * owned.axes(k), 0.0);
+      if (rows)
+        *sensors_of(recorded, k) = {owned.samples[k].data(), weights[k].data(),
+                                    residuals[k].data(), nullptr, 0};
+    }
+    colour(coloured_);
+    const double* value = common.data() + OUTSIDE + recorded.columns.betas;
+    for (std::size_t k = 0; k < selected.size(); ++k, ++value) {
+      if (selected[k] < 0) throw nb::value_error("selected: there is no calibration at this place");
+      if (selected[k] < recorded.places().count())
+        calibration[static_cast<std::size_t>(selected[k])] = *value;
+      else
+        gains.push_back(recorded.columns.calibration() + static_cast<int>(k));
+    }
+    act();
+    for (std::size_t k = 0; k < tree.joints.size(); ++k) {
+      const auto three = [&](int first) {
+        return Vector3<double>(calibration.data() + first + 3 * static_cast<int>(k));
+      };
+      shift(tree.joints[k], three(recorded.places().place()), three(recorded.places().direction()));
+    }
+    recorded.tree = tree.view();
+    const Sparse& theta_of = recorded.theta_of;
+    for (int b = 0; b < theta_of.columns; ++b)
+      for (int e = theta_of.first[b]; e < theta_of.first[b + 1]; ++e)
+        theta[static_cast<std::size_t>(theta_of.row[e])] +=
+            theta_of.value[e] * common.data()[OUTSIDE + b];
+  }
+  void act() {
+    const int count = static_cast<int>(gains.size()), betas = recorded.columns.betas;
+    if (acting.size(0) == 0 && count == 0) return;
+    if (acting.size(0) != 2 * recorded.rows - 1 || acting.size(2) != 1 + count + betas)
+      throw nb::value_error(
+          "acting: give a table for each node, with columns for its value, each selected gain and beta");
+    recorded.acting = {acting.data(), gains.data(), count, recorded.columns.beta(), betas};
+  }
+  // By tracker and axis: std, time and walk of what lasts.
+  void colour(const Array& given) {
+    const auto all = input<3>("coloured", given, {TRACKERS, 3, 3});
+    Sensed<double>* const trackers[TRACKERS] = {&recorded.attitude, &recorded.position};
+    int place = BIASES;
+    for (int k = 0; k < TRACKERS; ++k) {
+      int parts = 0;
+      for (int axis = 0; axis < 3; ++axis) {
+        const double* values = all.data() + 9 * k + 3 * axis;
+        coloured[k][axis] = {values[0], values[1], values[2]};
+        parts += coloured[k][axis].parts();
+      }
+      if (parts && !trackers[k]->values) throw nb::value_error("coloured: of an absent sensor");
+      trackers[k]->lasting = place;
+      trackers[k]->coloured = parts ? coloured[k] : nullptr;
+      place += parts;
+    }
+    if (place - BIASES != recorded.lasting)
+      throw nb::value_error("coloured: has another number of parts than `first`");
+  }
+  LinearisedAt<double> at() const {
+    return {x_WB.data(), local.data(), common.data(), theta.data(),
+            {recorded.places(), selected.data(), calibration.data()}};
+  }
+};
+
+}  // namespace orbident::python

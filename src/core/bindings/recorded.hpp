@@ -1,0 +1,129 @@
+// A recording cut into shooting intervals, checked and owned.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "arrays.hpp"
+#include "orbident/elimination.hpp"
+#include "robot.hpp"
+
+namespace orbident::python {
+
+constexpr std::size_t SENSORS = 6;
+constexpr const char* SENSOR[SENSORS] = {"gyro",   "accelerometer", "attitude",
+                                         "joints", "position",      "velocity"};
+
+// Indices that Python gives as float64.
+inline std::vector<int> indices(const In<1>& given) {
+  return {given.data(), given.data() + given.size(0)};
+}
+
+struct OwnedRecorded {
+  OwnedTree tree;
+  In<1> nominal;
+  OwnedSparse theta_of;
+  bool planar;
+  int substeps;
+  std::vector<int> corrected, edge;
+  In<1> t;
+  In<2> q, qd, qdd, A_rw, qd_rw, qdd_rw;
+  std::vector<In<2>> samples;
+  In<1> first, prior, walk;
+  int lasting;
+
+  std::int64_t axes(std::size_t sensor) const {
+    return sensor == 3 ? static_cast<std::int64_t>(tree.joints.size()) : 3;
+  }
+
+  Recorded<double> view(int calibrations = 0) const {
+    Recorded<double> all{};
+    all.tree = tree.view();
+    all.theta_of = theta_of.view();
+    all.planar = planar;
+    all.substeps = substeps;
+    all.corrected = corrected.data();
+    all.columns = {static_cast<int>(corrected.size()), all.theta_of.columns, calibrations};
+    all.rows = static_cast<int>(t.size(0));
+    all.t = t.data();
+    all.edge = edge.data();
+    all.intervals = static_cast<int>(edge.size()) - 1;
+    all.q = q.data();
+    all.qd = qd.data();
+    all.qdd = qdd.data();
+    all.wheels = static_cast<int>(A_rw.size(0));
+    all.A_rw = A_rw.data();
+    all.qd_rw = qd_rw.data();
+    all.qdd_rw = qdd_rw.data();
+    all.lasting = lasting;
+    all.first = first.data();
+    all.prior = prior.data();
+    all.walk = walk.data();
+    return all;
+  }
+};
+
+inline Sensed<double>* sensors_of(Recorded<double>& all, std::size_t sensor) {
+  Sensed<double>* const each[SENSORS] = {&all.gyro,   &all.accelerometer, &all.attitude,
+                                         &all.joints, &all.position,      &all.velocity};
+  return each[sensor];
+}
+
+inline OwnedRecorded make_recorded(const OwnedTree& tree, const Array& nominal, const Array& theta_of, bool planar, int substeps,
+                            const Array& corrected, const Array& t_, const Array& edge_,
+                            const Array& q, const Array& qd, const Array& qdd, const Array& A_rw_,
+                            const Array& qd_rw, const Array& qdd_rw,
+                            const std::vector<Array>& samples, const Array& first,
+                            const Array& prior, const Array& walk) {
+  const std::int64_t K = tree.view().joints;
+  const auto A_rw = input<2>("A_rw", A_rw_, {ANY, 3});
+  const std::int64_t W = A_rw.size(0);
+  const auto t = input<1>("t", t_, {ANY});
+  const std::int64_t rows = t.size(0), nodes = 2 * rows - 1;
+  if (rows < 2) throw nb::value_error("t: give two rows at least");
+  const auto edge = indices(input<1>("edge", edge_, {ANY}));
+  if (edge.size() < 2 || edge.front() != 0 || edge.back() != rows)
+    throw nb::value_error("edge: the first must be 0 and the last the number of rows");
+  for (std::size_t k = 1; k < edge.size(); ++k)
+    if (edge[k] <= edge[k - 1]) throw nb::value_error("edge: an interval has no rows");
+  const auto with_corrections = indices(input<1>("corrected", corrected, {ANY}));
+  for (std::size_t k = 0; k < with_corrections.size(); ++k)
+    if (with_corrections[k] >= K || with_corrections[k] < 0 ||
+        (k > 0 && with_corrections[k] <= with_corrections[k - 1]))
+      throw nb::value_error("corrected: give indices of joints, in increasing order");
+  if (substeps < 1 || (substeps > 1 && substeps % 2))
+    throw nb::value_error("substeps: give 1 or an even number");
+  const std::int64_t C = static_cast<std::int64_t>(with_corrections.size());
+  const auto of_first = input<1>("first", first, {ANY});
+  const std::int64_t lasting = of_first.size(0) - BIASES - 2 * C;
+  if (lasting < 0) throw nb::value_error("first: give one number for each unknown of a boundary");
+  OwnedRecorded all{tree,
+                    input<1>("nominal", nominal, {PER_BODY * (K + 1)}),
+                    sparse(input<2>("theta_of", theta_of, {PER_BODY * (K + 1), ANY})),
+                    planar,
+                    substeps,
+                    with_corrections,
+                    edge,
+                    t,
+                    input<2>("q", q, {nodes, K}),
+                    input<2>("qd", qd, {nodes, K}),
+                    input<2>("qdd", qdd, {nodes, K}),
+                    A_rw,
+                    input<2>("qd_rw", qd_rw, {nodes, W}),
+                    input<2>("qdd_rw", qdd_rw, {nodes, W}),
+                    {},
+                    of_first,
+                    input<1>("prior", prior, {2 * C}),
+                    input<1>("walk", walk, {BIASES}),
+                    static_cast<int>(lasting)};
+  if (samples.size() != SENSORS) throw nb::value_error("samples: give one array a sensor");
+  for (std::size_t k = 0; k < SENSORS; ++k) {
+    const bool absent = samples[k].ndim() > 0 && samples[k].shape(0) == 0;
+    const std::int64_t axes = std::string(SENSOR[k]) == "attitude" ? 4 : all.axes(k);
+    all.samples.push_back(
+        input<2>(SENSOR[k], samples[k], {absent ? 0 : rows, absent ? ANY : axes}));
+  }
+  return all;
+}
+
+}  // namespace orbident::python
