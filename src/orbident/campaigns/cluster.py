@@ -26,8 +26,8 @@ PATIENCE = 10
 SLURM = "slurm"
 
 LIFETIME = 0.9
-"""The part of a job's time after which its worker ends, some earlier than others: it can
-then hand what it has begun to others, which it could not when the job's time is over."""
+"""The part of a job's time after which its worker ends, some earlier than others. It
+then hands what it has begun to others; at the end of its job it could not."""
 
 
 def cluster(where: str, jobs: int) -> Executors:

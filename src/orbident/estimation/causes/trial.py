@@ -56,7 +56,7 @@ def amended_trial(
     robot: Robot | None = None,
     recording: Recording | None = None,
 ) -> Trial:
-    """Identify with another robot file or recording; what is impossible fits nothing."""
+    """Identify with another robot file or recording; what is impossible fits badly."""
     try:
         return trial(cause, problem.amended(robot, recording))
     except InputError:

@@ -104,7 +104,7 @@ class Acting:
     def _by_beta(
         self, effect: Effect, r: Float[np.ndarray, "steps 3 3"], M: float
     ) -> Float[np.ndarray, "nodes 15 beta"]:
-        """The slopes by `beta`: of the lever arm, and of what a force does to the mass."""
+        """The slopes by `beta`: of lever arms, and of how a force moves the mass."""
         t = self.followed.t
         by_r = by_step(self.followed.moments) / M
         by_r[..., 0] -= r / M

@@ -115,7 +115,7 @@ def _best(
     search: Search,
     excluded: Collection[str],
 ) -> tuple[Solution, tuple[str, ...]] | None:
-    """The solution with one group more that explains most; None where none is likely."""
+    """The solution with the group that explains most; None where none is likely."""
     tried = []
     for group in _likely(problem, solution, {*groups, *excluded}):
         more = search.first((*groups, group))

@@ -20,7 +20,7 @@ from orbident.robot.parameters import FIRST_MOMENT, MASS, PER_BODY
 
 
 class Motion(NamedTuple):
-    """How a point, or the system CM, moves; inertial axes, from the first place of S."""
+    """How a point or the system CM moves; inertial axes, from the first place of S."""
 
     r: Float[np.ndarray, "nodes 3"]
     """m."""
@@ -67,7 +67,7 @@ class Followed:
 
     @cached_property
     def moments(self) -> Float[np.ndarray, "nodes 3 beta"]:
-        """The first moment about S by each `beta`, inertial axes, kg m over its unit."""
+        """The first moment about S by each `beta`; inertial axes, kg m over its unit."""
         at = self.poses
         n, bodies = at.d.shape[:2]
         by_theta = np.zeros((n, 3, PER_BODY * bodies))
@@ -129,7 +129,7 @@ def at_nodes(x: Float[np.ndarray, "steps 3 ..."]) -> Float[np.ndarray, "nodes ..
 def integral(
     t: Float[np.ndarray, " nodes"], x: Float[np.ndarray, "steps 3 ..."]
 ) -> Float[np.ndarray, "nodes ..."]:
-    """The integral from the first node on, by parabolas through a row, half-way, the next."""
+    """The integral from the first node on, by parabolas through each step's nodes."""
     h = np.diff(t[::2]).reshape(-1, *(1,) * (x.ndim - 2))
     a, b, c = x[:, 0], x[:, 1], x[:, 2]
     out = np.zeros((t.size, *x.shape[2:]))
