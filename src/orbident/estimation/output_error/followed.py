@@ -67,7 +67,7 @@ class Followed:
 
     @cached_property
     def moments(self) -> Float[np.ndarray, "nodes 3 beta"]:
-        """The first moment about S by each `beta`; inertial axes, kg m over its unit."""
+        """The first moment about S by each `beta`; inertial axes, kg m by its unit."""
         at = self.poses
         n, bodies = at.d.shape[:2]
         by_theta = np.zeros((n, 3, PER_BODY * bodies))
