@@ -7,7 +7,7 @@ from random_motions import random_motion
 from random_robots import random_planar_robot, random_robot, random_wheels
 from scipy.spatial.transform import Rotation
 
-from orbident.estimation.maximum_likelihood import prior_of
+from orbident.estimation.output_error.beforehand import prior_of
 from orbident.estimation.output_error.problem import (
     NOTHING,
     Problem,

@@ -1,4 +1,4 @@
-"""`orbident identify ROBOT REC -o RUN`."""
+"""`orbident identify ROBOT REC... -o RUN`."""
 
 from enum import StrEnum
 from pathlib import Path
@@ -11,7 +11,6 @@ from orbident.cli.options import (
     Json,
     MomentumKnown,
     Quiet,
-    RecordingFile,
     RobotName,
 )
 
@@ -27,7 +26,14 @@ class Method(StrEnum):
 
 def identify(
     robot: RobotName,
-    recording: RecordingFile,
+    recordings: Annotated[
+        list[Path],
+        typer.Argument(
+            metavar="REC...",
+            help="A recording: CSV or Parquet. Several of one robot are identified as "
+            "one; each has its own momentum, biases and clocks.",
+        ),
+    ],
     out: Annotated[
         Path | None,
         typer.Option(
@@ -65,7 +71,7 @@ def identify(
     json: Json = None,
     quiet: Quiet = False,
 ) -> None:
-    """Identify all that free floating shows, beside CAD, from a recording."""
+    """Identify all that free floating shows, beside CAD, from recordings."""
     from dataclasses import replace
 
     from orbident.cli.identify_tables import summary
@@ -83,12 +89,12 @@ def identify(
         check_absent(out, force)
     described = load_robot(robot)
     with progress("reading"):
-        table = read_recording(recording)
+        tables = [read_recording(recording) for recording in recordings]
         pushed = None if burn is None else read_recording(burn)
     with progress("identifying") as done:
         result = identified(
             described,
-            table,
+            tables,
             method.value,
             initial_momentum.value,
             pushed,
@@ -97,9 +103,13 @@ def identify(
     if result.status == "rejected":
         with progress("looking for the cause"):
             result = result.with_causes()
-    file = {"file": name_of(recording), "sha256": sha256(recording)}
-    result = replace(result, input=file)
-    unmade = [] if out is None else keep(result, described, table, out, force)
+    files = [
+        {"file": name_of(recording), "sha256": sha256(recording)}
+        for recording in recordings
+    ]
+    origin = files[0] if len(files) == 1 else {"recordings": files}
+    result = replace(result, input=origin)
+    unmade = [] if out is None else keep(result, described, tables[0], out, force)
     output.warn([*unmade, *result.warnings])
     output.say(*summary(result, out, everything))
     output.write_json(result.to_json())

@@ -86,16 +86,14 @@ def _sensors(result: Any) -> list[str]:
     fits = result.residual.get("sensors", {})
     if not fits:
         return []
-    lines = [
-        "",
-        *_goodness(result),
-        f"  {'SI':14} {'noise':>9} {'declared':>9} {'whiteness':>9} {'samples':>8}",
-    ]
+    width = max(14, *map(len, fits))
+    head = f"{'noise':>9} {'declared':>9} {'whiteness':>9} {'samples':>8}"
+    lines = ["", *_goodness(result), f"  {'SI':{width}} {head}"]
     for name, fit in fits.items():
         declared = "-" if fit["declared"] is None else f"{fit['declared']:.2g}"
         lines.append(
-            f"  {name:14} {fit['noise']:9.2g} {declared:>9} {fit['whiteness']:9.2f} "
-            f"{fit['samples']:8.0f}"
+            f"  {name:{width}} {fit['noise']:9.2g} {declared:>9} "
+            f"{fit['whiteness']:9.2f} {fit['samples']:8.0f}"
         )
     return lines
 

@@ -14,7 +14,8 @@ import numpy as np
 from orbident.errors import InputError
 from orbident.estimation.found import Found, found_beta
 from orbident.estimation.linear_fits import InitialMomentum
-from orbident.estimation.maximum_likelihood import estimate_of, prior_of
+from orbident.estimation.maximum_likelihood import estimate_of
+from orbident.estimation.output_error.beforehand import prior_of
 from orbident.estimation.output_error.problem import (
     NOTHING,
     linear,

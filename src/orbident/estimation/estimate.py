@@ -10,6 +10,7 @@ from jaxtyping import Float
 from orbident.estimation.found import BetaEstimate, Found, found_beta
 from orbident.estimation.output_error.disturbances import DisturbanceFit
 from orbident.estimation.output_error.sensitivity import CalibrationFit, Sensitivity
+from orbident.estimation.output_error.shared import Shared
 from orbident.estimation.output_error.solver import Solution
 from orbident.estimation.predicted import Signals
 from orbident.estimation.problem import MomentumProblem
@@ -82,6 +83,8 @@ class Estimate:
     """Of the sensors, where these are what is fitted."""
     solution: Solution | None = None
     """Where the search ended, where these are what is fitted."""
+    shared: Callable[[], Shared] | None = None
+    """What it says to other recordings of the robot, where it can."""
 
 
 @runtime_checkable

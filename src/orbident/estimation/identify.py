@@ -1,7 +1,7 @@
 """The main job: from a robot and a recording to every free-flying parameter."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import get_args
@@ -9,14 +9,22 @@ from typing import get_args
 from orbident.errors import InputError
 from orbident.estimation.causes.causes import causes
 from orbident.estimation.criteria import judge
-from orbident.estimation.estimate import Estimate, Estimator
+from orbident.estimation.estimate import Estimate, Estimator, Progress
 from orbident.estimation.estimators import Method, estimator_of
 from orbident.estimation.linear_fits import INITIAL_MOMENTA, InitialMomentum
 from orbident.estimation.mass_routes import BURN, is_a_mass
+from orbident.estimation.one_of_several import as_one
+from orbident.estimation.output_error.estimator import OutputError
 from orbident.estimation.quantities import Quantity
 from orbident.estimation.result import Result
 from orbident.estimation.results import result_of
-from orbident.estimation.solve import solve
+from orbident.estimation.several import (
+    agreement,
+    check_different,
+    labels_of,
+    solved_together,
+)
+from orbident.estimation.solve import Solved, solve
 from orbident.estimation.weigh import Weighing, weigh
 from orbident.recordings.recording import Recording
 from orbident.recordings.tables import read_recording
@@ -28,7 +36,7 @@ from orbident.threads import one_blas_thread
 @one_blas_thread
 def identify(
     robot: Robot | str | Path,
-    recording: Recording | str | Path,
+    recording: Recording | str | Path | Sequence[Recording | str | Path],
     method: Method | Estimator = "maximum-likelihood",
     initial_momentum: InitialMomentum = "unknown",
     burn: Recording | None = None,
@@ -39,7 +47,9 @@ def identify(
     Args:
         robot: geometry, wheels and structure, or the name of its file; its nominal
             inertia is at most where a search starts.
-        recording: of the free-floating robot, or the name of its file.
+        recording: of the free-floating robot, or the name of its file; or several,
+            which maximum likelihood identifies as one: each has its own momentum,
+            attitudes, biases, clocks and disturbances.
         method: an estimator, or the name of one with its usual options:
             `"maximum-likelihood"` fits all sensors at once; `"structured"` the
             equations 24 and 31, for what `pi` and `phi` are made of; `"least-squares"`
@@ -62,15 +72,65 @@ def identify(
     """
     started = time.perf_counter()
     robot = robot if isinstance(robot, Robot) else load_robot(robot)
-    if not isinstance(recording, Recording):
-        recording = read_recording(Path(recording))
+    recordings = _recordings(recording)
     estimator = estimator_of(method)
     _check_momentum(initial_momentum)
     weighing = None if burn is None else weigh(robot, burn)
-    solved = solve(robot, recording, initial_momentum, estimator, progress)
+
+    def judged(solved: Solved) -> Result:
+        elapsed = time.perf_counter() - started
+        return _judged(solved, estimator, weighing, elapsed)
+
+    if len(recordings) == 1:
+        return judged(
+            solve(robot, recordings[0], initial_momentum, estimator, progress)
+        )
+    if not isinstance(estimator, OutputError):
+        raise InputError(
+            f"several recordings are identified as one by maximum likelihood only, not "
+            f"by {estimator.name}; give one recording, or use --method "
+            "maximum-likelihood"
+        )
+    check_different(recordings)
+    labels = labels_of(recordings)
+    solved = [
+        solve(robot, each, initial_momentum, estimator, _part(progress, k, recordings))
+        for k, each in enumerate(recordings)
+    ]
+    results = [judged(each) for each in solved]
+    agree = agreement(solved, labels)
+    if agree.passed and all(one.status == "ok" for one in results):
+        again = solved_together(
+            solved, estimator, lambda done: progress((1 + done) / 2)
+        )
+        results = [judged(each) for each in again]
+    return as_one(results, labels, agree)
+
+
+def _part(
+    progress: Callable[[float], object], k: int, recordings: Sequence[Recording]
+) -> Progress:
+    """Of the first half of the work, what each recording's own is."""
+    return lambda done: progress((k + done) / len(recordings) / 2)
+
+
+def _recordings(
+    given: Recording | str | Path | Sequence[Recording | str | Path],
+) -> list[Recording]:
+    several = [given] if isinstance(given, Recording | str | Path) else given
+    if not several:
+        raise InputError("no recording is given; name at least one")
+    return [
+        each if isinstance(each, Recording) else read_recording(Path(each))
+        for each in several
+    ]
+
+
+def _judged(
+    solved: Solved, estimator: Estimator, weighing: Weighing | None, elapsed_s: float
+) -> Result:
     masses = _masses(weighing, solved.estimate)
     judgement = judge(solved, masses)
-    elapsed = time.perf_counter() - started
     result = result_of(
         solved.problem,
         estimator.name,
@@ -78,7 +138,7 @@ def identify(
         judgement,
         masses,
         weighing,
-        elapsed,
+        elapsed_s,
     )
     if result.status == "ok":
         return result

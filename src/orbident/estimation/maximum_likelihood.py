@@ -7,7 +7,7 @@ shooting), and the errors of the smoothed joint histories. The information at th
 solution gives the covariance.
 """
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from functools import partial
 
@@ -16,8 +16,12 @@ from jaxtyping import Float
 
 from orbident.estimation.estimate import Goodness, SensorFit
 from orbident.estimation.found import BetaEstimate, hidden_of
-from orbident.estimation.linear_fits import Fits, InitialMomentum, known_momentum
-from orbident.estimation.output_error.calibration import Calibration
+from orbident.estimation.linear_fits import Fits, InitialMomentum
+from orbident.estimation.output_error.beforehand import (
+    first_momentum,
+    prior_of,
+    with_others,
+)
 from orbident.estimation.output_error.disturbances import (
     DisturbanceFit,
     identified,
@@ -27,9 +31,7 @@ from orbident.estimation.output_error.disturbances import (
 from orbident.estimation.output_error.forms import SLOW
 from orbident.estimation.output_error.noise_scaling import Fitted, fitted
 from orbident.estimation.output_error.problem import (
-    NOTHING,
     OUTSIDE,
-    Outside,
     Problem,
     State,
     linear,
@@ -42,6 +44,7 @@ from orbident.estimation.output_error.sensitivity import (
     sensitivity,
 )
 from orbident.estimation.output_error.sensors import Sensors, sensors_of
+from orbident.estimation.output_error.shared import Shared, shared_of
 from orbident.estimation.output_error.solver import STEPS, Prior, Solution, solved
 from orbident.estimation.predicted import Signals, sensor_signals
 from orbident.estimation.prior import prior_std
@@ -50,12 +53,6 @@ from orbident.preprocessing.delays import delays
 from orbident.preprocessing.samples import Samples
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
-
-UNKNOWN = 1e3
-"""Std beforehand: m/s, m, and times a momentum (or the wheels' at 1 rad/s)."""
-
-KNOWN = 1e-9
-"""Std of a known momentum, over the same."""
 
 
 @dataclass(frozen=True)
@@ -79,6 +76,8 @@ class Likelihood:
     """What those without a tolerance would do; it takes one more linearisation."""
     solution: Solution
     """Where the search ended with nothing acting from outside."""
+    shared: Callable[[], Shared]
+    """What the recording says to others of the robot."""
 
 
 def maximum_likelihood(
@@ -92,6 +91,7 @@ def maximum_likelihood(
     initial_momentum: InitialMomentum,
     progress: Callable[[], object] = lambda: None,
     steps: int = STEPS,
+    others: Shared | None = None,
 ) -> Likelihood:
     """Fit all sensors at once.
 
@@ -106,11 +106,14 @@ def maximum_likelihood(
         initial_momentum: `"at-rest"` is used; the first sample is like any other.
         progress: is called at every step.
         steps: at most, for the weights of each round.
+        others: what other recordings of the robot say; the search starts there.
     """
     sensors = sensors_of(robot, recording, delays(robot, recording, late))
     problem = problem_of(robot, sets, samples, sensors)
-    outside = _first_momentum(robot, sets, samples, fits, initial_momentum)
+    outside = first_momentum(robot, sets, samples, fits, initial_momentum)
     prior = prior_of(robot, sets, problem.declared, outside, initial_momentum)
+    if others is not None:
+        beta, prior = others.beta, with_others(prior, others, problem.declared)
     # Linear fits are poor where a velocity is noisier than the motion.
     first, second = sorted(
         (
@@ -138,6 +141,7 @@ def maximum_likelihood(
         calibration=_calibration(problem, found.solution),
         sensitivity=partial(sensitivity, problem, found.solution),
         solution=plain.solution,
+        shared=partial(shared_of, problem, found.solution),
     )
 
 
@@ -194,55 +198,6 @@ def estimate_of(solution: Solution, scale: Float[np.ndarray, " beta"]) -> BetaEs
         values=state.beta,
         covariance=C[of_beta, of_beta],
         hidden=hidden_of(factor[-n - 1 : -1, -n - 1 : -1], scale),
-    )
-
-
-def _first_momentum(
-    robot: Robot,
-    sets: MinimalSets,
-    samples: Samples,
-    fits: Fits,
-    initial_momentum: InitialMomentum,
-) -> Outside:
-    """As the linear fit has it, or as it is known."""
-    axes = np.array(sets.regressors.momentum_axes)
-    known = known_momentum(robot, sets, samples, initial_momentum)
-    h_cm = np.zeros(3)
-    if known is None:
-        h_cm[axes] = fits.pi.nuisances
-    else:
-        h_cm[axes] = known.h[axes] + known.Y_in @ fits.pi.values
-    return NOTHING._replace(h_cm=h_cm)
-
-
-def prior_of(
-    robot: Robot,
-    sets: MinimalSets,
-    calibrations: Sequence[Calibration],
-    outside: Outside,
-    initial_momentum: InitialMomentum,
-) -> Prior:
-    """What is known of the unknowns of all segments: `beta` is about nominal.
-
-    Args:
-        robot: with its wheels.
-        sets: its minimal sets.
-        calibrations: the errors that are unknown, which are about zero.
-        outside: a first momentum.
-        initial_momentum: `"at-rest"` where that is known.
-    """
-    spin = sum(wheel.inertia for wheel in robot.wheels)
-    # Without wheels: what turns once a second and is a metre large.
-    h_std = max(float(np.linalg.norm(outside.h_cm)), spin) or robot.mass
-    h_std *= KNOWN if initial_momentum == "at-rest" else UNKNOWN
-    std = np.repeat([h_std, UNKNOWN, UNKNOWN], 3)
-    return Prior(
-        values=np.concatenate(
-            [*outside, sets.beta(robot.theta), np.zeros(len(calibrations))]
-        ),
-        std=np.concatenate(
-            [std, prior_std(robot, sets), [each.std for each in calibrations]]
-        ),
     )
 
 

@@ -47,6 +47,16 @@ class Signal(NamedTuple):
     std: float
     """Of the noise that the residuals show."""
 
+    @property
+    def sensor(self) -> str:
+        """The name, without that of its recording where there are several."""
+        return sensor_of(self.name)
+
+
+def sensor_of(name: str) -> str:
+    """`gyro` of `second flight: gyro`."""
+    return name.rpartition(": ")[2]
+
 
 Signals = tuple[Signal, ...]
 

@@ -25,3 +25,12 @@ def prior_std(robot: Robot, sets: MinimalSets) -> Float[np.ndarray, " beta"]:
     L = float(np.sqrt(np.abs(np.diag(D)).sum() / M))
     size = np.repeat([1.0, L, L**2], [1, sets.base.sigmas, sets.iotas])
     return WIDE * M * size
+
+
+EXACT = 1e-6
+"""Of the robot's own scale: smaller differences are interpolation's."""
+
+
+def exact_std(robot: Robot, sets: MinimalSets) -> Float[np.ndarray, " beta"]:
+    """What base parameters of recordings without noise may differ by."""
+    return EXACT / WIDE * prior_std(robot, sets)

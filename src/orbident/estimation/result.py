@@ -26,7 +26,11 @@ NINETY_FIVE = 1.96
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Result(Identified):
-    """Everything identified from one recording."""
+    """Everything identified from a recording, or from several as one.
+
+    Of several, the names of what is a recording's own begin with its name: `second
+    flight: gyro.x`.
+    """
 
     robot: Robot
     method: str
@@ -69,7 +73,8 @@ class Result(Identified):
     motion: Mapping[str, Any] = field(default_factory=dict, repr=False)
     """How far and how fast all moved that was recorded."""
     input: Mapping[str, Any] = field(default_factory=dict)
-    """The recording's `file` and its `sha256`, and the `seed` of a simulated one."""
+    """The recording's `file` and its `sha256`, and the `seed` of a simulated one; of
+    several these of each, as `recordings`."""
     signals: Callable[[], Signals] = field(default=tuple, compare=False, repr=False)
     """What was measured and predicted; in a RUN it is `signals.parquet`."""
 

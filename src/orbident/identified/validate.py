@@ -15,7 +15,7 @@ from jaxtyping import Float
 from scipy.special import chdtrc
 
 from orbident.estimation.identify import identify
-from orbident.estimation.prior import WIDE, prior_std
+from orbident.estimation.prior import exact_std
 from orbident.estimation.quantities import nulled
 from orbident.estimation.result import Result
 from orbident.identified.intervals import deviations
@@ -31,9 +31,6 @@ CHANCE = 0.005
 MISSED = 0.1
 """Of the squared signal: of a recording that tells too little to judge by, an error
 that large is still no noise."""
-
-EXACT = 1e-6
-"""Of the robot's own scale: smaller differences are interpolation's."""
 
 ROUNDING = 1e-12
 """Directions of the combined covariance with less of the largest are rounding."""
@@ -115,7 +112,7 @@ def _compared(result: Result, own: Result, scores: Validation) -> Validation:
     """Compare the base parameters that both determine."""
     sets = minimal_sets(result.robot)
     both = np.isfinite(result.base.values) & np.isfinite(own.base.values)
-    exact = EXACT / WIDE * prior_std(result.robot, sets)[both]
+    exact = exact_std(result.robot, sets)[both]
     C = (result.base_covariance + own.base_covariance)[np.ix_(both, both)]
     d = (own.base.values - result.base.values)[both]
     # Parameters have units: unit variances while decomposing.

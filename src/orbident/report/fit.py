@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from orbident.estimation.predicted import Signal, Signals
+from orbident.estimation.predicted import Signal, Signals, sensor_of
 from orbident.estimation.result import Result
 from orbident.report.charts import (
     ERROR,
@@ -45,7 +45,7 @@ def fits(result: Result, signals: Signals) -> Section | None:
     if not signals:
         return None
     words = SENSORS if "sensors" in result.residual else EQUATIONS
-    if any(signal.name == "attitude" for signal in signals):
+    if any(signal.sensor == "attitude" for signal in signals):
         words += ATTITUDE
     return Section(
         name="fit",
@@ -65,7 +65,7 @@ def _tables(result: Result) -> Iterator[Table]:
         rows = tuple(
             Row(
                 (
-                    f"{name}, {UNITS[name]}",
+                    f"{name}, {_unit_of(name)}",
                     short(fit["rms"], 2),
                     short(fit["noise"], 2),
                     short(fit["declared"], 2),
@@ -79,7 +79,7 @@ def _tables(result: Result) -> Iterator[Table]:
         yield Table("Residuals", head, rows)
     else:
         rows = tuple(
-            Row((f"{name}, {UNITS[name]}", short(rms, 2)))
+            Row((f"{name}, {_unit_of(name)}", short(rms, 2)))
             for name, rms in result.residual.get("rms", {}).items()
         )
         yield Table("Residuals", ("equation", "RMS"), rows)
@@ -87,7 +87,7 @@ def _tables(result: Result) -> Iterator[Table]:
         rows = tuple(
             Row(
                 (
-                    f"{name}, {UNITS[name.split('.')[0]]}",
+                    f"{name}, {_unit_of(name)}",
                     short(b["value"]),
                     short(b["std"], 2),
                 )
@@ -97,9 +97,14 @@ def _tables(result: Result) -> Iterator[Table]:
         yield Table("Biases", ("sensor", "bias", "± std"), rows)
 
 
+def _unit_of(name: str) -> str:
+    """Of a sensor, or of one of its axes."""
+    return UNITS[sensor_of(name).split(".")[0]]
+
+
 def _charts(signal: Signal) -> Iterator[Chart]:
     name = signal.name
-    whole = name != "attitude"
+    whole = signal.sensor != "attitude"
     if whole:
         title = f"{name}: measured, predicted"
         yield Chart(f"{name}-signal", title, _signal(signal), first=True)

@@ -53,8 +53,9 @@ def references(result: Result) -> Section:
 def _settings(result: Result) -> Iterator[Row]:
     yield Row(("method", result.method))
     yield Row(("initial momentum", result.initial_momentum))
-    yield Row(("recording", str(result.input.get("file", NONE))))
-    yield Row(("its SHA-256", str(result.input.get("sha256", NONE))))
+    for file in result.input.get("recordings", [result.input]):
+        yield Row(("recording", str(file.get("file", NONE))))
+        yield Row(("its SHA-256", str(file.get("sha256", NONE))))
     if result.input.get("seed") is not None:
         yield Row(("seed of its noise", str(result.input["seed"])))
     yield Row(("samples", str(result.samples)))

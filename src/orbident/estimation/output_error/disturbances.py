@@ -143,11 +143,7 @@ def start_with(
         groups: the names of the groups.
     """
     places = _places(problem, groups)
-    free = Prior(
-        np.append(prior.values, np.zeros(places.size)),
-        np.append(prior.std, np.full(places.size, FREE)),
-    )
-    return free, state.selecting(places)
+    return prior.extended(places.size, FREE), state.selecting(places)
 
 
 def identified(

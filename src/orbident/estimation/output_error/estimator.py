@@ -8,6 +8,7 @@ from jaxtyping import Float
 from orbident.estimation.estimate import Estimate, Progress, estimate_of_beta
 from orbident.estimation.maximum_likelihood import maximum_likelihood
 from orbident.estimation.nonlinear_fit import beta_of_fits
+from orbident.estimation.output_error.shared import Shared
 from orbident.estimation.output_error.solver import STEPS
 from orbident.estimation.problem import MomentumProblem
 
@@ -19,6 +20,8 @@ class OutputError:
     name: str = "maximum-likelihood"
     steps: int = STEPS
     """The most steps that the search takes with one set of the sensors' weights."""
+    others: Shared | None = None
+    """What other recordings of the same robot say."""
 
     def estimate(self, problem: MomentumProblem, progress: Progress) -> Estimate:
         """Fit all sensors at once."""
@@ -41,6 +44,7 @@ class OutputError:
             problem.initial_momentum,
             step,
             self.steps,
+            self.others,
         )
         sensors = likelihood.sensors
         rms = {name: fit.rms for name, fit in sensors.items()}
@@ -61,6 +65,7 @@ class OutputError:
             settled=likelihood.settled,
             signals=likelihood.signals,
             solution=likelihood.solution,
+            shared=likelihood.shared,
         )
 
 

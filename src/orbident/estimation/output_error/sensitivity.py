@@ -19,7 +19,7 @@ from jaxtyping import Float, Int
 from scipy.linalg import solve_triangular
 
 from orbident.estimation.output_error.problem import OUTSIDE, Problem, linear
-from orbident.estimation.output_error.solver import Prior, Solution
+from orbident.estimation.output_error.solver import Solution
 
 SMALL_ERROR = {
     "rad": ("mrad", 1e-3),
@@ -97,11 +97,7 @@ def _with_errors(
     """The factor over changes of all unknowns of a solution, then of these."""
     state, n = solution.state.selecting(places), places.size
     here = linear(problem, solution.weights, state)
-    prior = Prior(
-        values=np.append(solution.prior.values, np.zeros(n)),
-        std=np.append(solution.prior.std, np.full(n, np.inf)),
-    )
-    return prior.added(here.common, state)
+    return solution.prior.extended(n, np.inf).added(here.common, state)
 
 
 def sensitivity(problem: Problem, solution: Solution) -> Sensitivity:

@@ -31,22 +31,46 @@ RAISED = 2.0
 """Times, where a step did not help; twice as much at the next."""
 
 
+NO_EQUATIONS = np.zeros((0, 1))
+"""What is known without another recording of the robot."""
+
+
 class Prior(NamedTuple):
     """What is known of the common unknowns beforehand."""
 
     values: Float[np.ndarray, " common"]
     std: Float[np.ndarray, " common"]
+    others: Float[np.ndarray, "rows columns"] = NO_EQUATIONS
+    """Whitened equations over the first unknowns, `[A, b]`: of other recordings."""
+
+    def extended(self, more: int, std: float) -> "Prior":
+        """With so many unknowns more, which are about zero."""
+        return self._replace(
+            values=np.append(self.values, np.zeros(more)),
+            std=np.append(self.std, np.full(more, std)),
+        )
 
     def added(
         self, factor: Float[np.ndarray, "n n"], state: State
     ) -> Float[np.ndarray, "n n"]:
         """To a triangular factor over changes of `[g, rhs]`."""
         rhs = (self.values - state.common) / self.std
-        return fold(factor, np.column_stack([np.diag(1 / self.std), rhs]))
+        factor = fold(factor, np.column_stack([np.diag(1 / self.std), rhs]))
+        if not len(self.others):
+            return factor
+        first = self.others.shape[1] - 1
+        rows = np.zeros((len(self.others), len(factor)))
+        rows[:, :first], rows[:, -1] = self.others[:, :-1], self._unexplained(state)
+        return fold(factor, rows)
 
     def cost(self, state: State) -> float:
         """Squared, whitened."""
-        return float(np.sum(((state.common - self.values) / self.std) ** 2))
+        own = (state.common - self.values) / self.std
+        return float(np.sum(own**2) + np.sum(self._unexplained(state) ** 2))
+
+    def _unexplained(self, state: State) -> Float[np.ndarray, " rows"]:
+        A, b = self.others[:, :-1], self.others[:, -1]
+        return b - A @ state.common[: A.shape[1]]
 
 
 class Solution(NamedTuple):

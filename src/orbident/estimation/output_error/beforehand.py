@@ -1,0 +1,78 @@
+"""What is known of the unknowns that all segments of a recording have in common."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from orbident.estimation.linear_fits import Fits, InitialMomentum, known_momentum
+from orbident.estimation.output_error.calibration import Calibration
+from orbident.estimation.output_error.problem import NOTHING, OUTSIDE, Outside
+from orbident.estimation.output_error.shared import Shared
+from orbident.estimation.output_error.solver import Prior
+from orbident.estimation.prior import prior_std
+from orbident.model.minimal_sets import MinimalSets
+from orbident.preprocessing.samples import Samples
+from orbident.robot.description import Robot
+
+UNKNOWN = 1e3
+"""Std beforehand: m/s, m, and times a momentum (or the wheels' at 1 rad/s)."""
+
+KNOWN = 1e-9
+"""Std of a known momentum, over the same."""
+
+
+def first_momentum(
+    robot: Robot,
+    sets: MinimalSets,
+    samples: Samples,
+    fits: Fits,
+    initial_momentum: InitialMomentum,
+) -> Outside:
+    """As the linear fit has it, or as it is known."""
+    axes = np.array(sets.regressors.momentum_axes)
+    known = known_momentum(robot, sets, samples, initial_momentum)
+    h_cm = np.zeros(3)
+    if known is None:
+        h_cm[axes] = fits.pi.nuisances
+    else:
+        h_cm[axes] = known.h[axes] + known.Y_in @ fits.pi.values
+    return NOTHING._replace(h_cm=h_cm)
+
+
+def prior_of(
+    robot: Robot,
+    sets: MinimalSets,
+    calibrations: Sequence[Calibration],
+    outside: Outside,
+    initial_momentum: InitialMomentum,
+) -> Prior:
+    """What is known of the unknowns of all segments: `beta` is about nominal.
+
+    Args:
+        robot: with its wheels.
+        sets: its minimal sets.
+        calibrations: the errors that are unknown, which are about zero.
+        outside: a first momentum.
+        initial_momentum: `"at-rest"` where that is known.
+    """
+    spin = sum(wheel.inertia for wheel in robot.wheels)
+    # Without wheels: what turns once a second and is a metre large.
+    h_std = max(float(np.linalg.norm(outside.h_cm)), spin) or robot.mass
+    h_std *= KNOWN if initial_momentum == "at-rest" else UNKNOWN
+    std = np.repeat([h_std, UNKNOWN, UNKNOWN], 3)
+    return Prior(
+        values=np.concatenate(
+            [*outside, sets.beta(robot.theta), np.zeros(len(calibrations))]
+        ),
+        std=np.concatenate(
+            [std, prior_std(robot, sets), [each.std for each in calibrations]]
+        ),
+    )
+
+
+def with_others(
+    prior: Prior, others: Shared, calibrations: Sequence[Calibration]
+) -> Prior:
+    """With what other recordings of the robot say of `beta` and of its instruments."""
+    rows = others.over(calibrations)
+    return prior._replace(others=np.hstack([np.zeros((len(rows), OUTSIDE)), rows]))

@@ -1,0 +1,88 @@
+"""What recordings of one robot have in common, and what each says of it.
+
+Base parameters and the errors of instruments are the same in all recordings; momentum,
+attitudes, biases and what acts from outside are each one's own. A recording's equations
+without its own unknowns, `R x = z` of `x = [beta | errors]`, are all that another one
+needs: with them beside its own it is fitted as if both were fitted at once.
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+
+from orbident.estimation.output_error.calibration import Calibration
+from orbident.estimation.output_error.problem import OUTSIDE, Problem, linear
+from orbident.estimation.output_error.solver import NO_EQUATIONS, Solution
+
+
+class Shared(NamedTuple):
+    """Whitened equations of `beta` and of errors of instruments, to first order."""
+
+    beta: Float[np.ndarray, " beta"]
+    """Near where they were linearised."""
+    errors: tuple[Calibration, ...]
+    """Those that have a tolerance, which is not among the equations."""
+    equations: Float[np.ndarray, "rows columns"]
+    """`[R, z]` over `[beta | errors]`."""
+
+    def over(self, errors: Sequence[Calibration]) -> Float[np.ndarray, "rows columns"]:
+        """The equations over `beta` and these errors; all others are eliminated."""
+        wanted = {each.name for each in errors}
+        more = [each for each in self.errors if each.name not in wanted]
+        n, m = self.beta.size, len(more)
+        of_error = {
+            each.name: column
+            for each, column in zip(self.errors, self.equations[:, n:-1].T, strict=True)
+        }
+        none = np.zeros(len(self.equations))
+        rows = np.column_stack(
+            [
+                *(of_error[each.name] for each in more),
+                self.equations[:, :n],
+                *(of_error.get(each.name, none) for each in errors),
+                self.equations[:, -1],
+            ]
+        )
+        known = np.zeros((m, rows.shape[1]))
+        np.fill_diagonal(known, [1 / each.std for each in more])
+        return _triangular(np.vstack([known, rows]))[m : rows.shape[1] - 1, m:]
+
+
+def _triangular(rows: Float[np.ndarray, "rows n"]) -> Float[np.ndarray, "_ n"]:
+    return np.asarray(np.linalg.qr(rows, mode="r"))
+
+
+def shared_of(problem: Problem, solution: Solution) -> Shared:
+    """What a recording says of what it shares, its own unknowns eliminated.
+
+    Args:
+        problem: a recording's equations.
+        solution: of these.
+    """
+    state, prior, errors = solution.state, solution.prior, problem.declared
+    here = linear(problem, solution.weights, state)
+    first = OUTSIDE + state.beta.size + len(errors)
+    shared = np.arange(OUTSIDE, first)
+    own = [*range(OUTSIDE), *range(first, state.common.size)]
+    # What is known of the shared ones beforehand is known once, not in each recording.
+    std = prior.std.copy()
+    std[shared] = np.inf
+    alone = prior._replace(std=std, others=NO_EQUATIONS)
+    factor = alone.added(here.common, state)
+    left = _triangular(factor[:, [*own, *shared, -1]])[len(own) : -1, len(own) :]
+    left[:, -1] += left[:, :-1] @ state.common[shared]
+    return Shared(state.beta, errors, left)
+
+
+def together(parts: Sequence[Shared]) -> Shared:
+    """What several recordings say.
+
+    Args:
+        parts: what each of them says; the last was linearised nearest to the truth.
+    """
+    errors = {each.name: each for part in parts for each in part.errors}
+    every = tuple(errors.values())
+    rows = np.vstack([part.over(every) for part in parts])
+    return Shared(parts[-1].beta, every, _triangular(rows)[: rows.shape[1] - 1])
