@@ -8,11 +8,14 @@ import jaxtyping
 import pytest
 import typer
 from pages import PAGES, Block, blocks, commands, name_of
+from random_motions import random_motion
 
 from orbident.cli.app import main
 from orbident.cli.verbs import app
 from orbident.recordings.tables import write_recording
-from orbident.simulation.simulate import simulate
+from orbident.robot.robot_file import load_robot
+from orbident.simulation.measure import measure
+from orbident.simulation.simulate import float_along, simulate
 from orbident.studies.spatial import spatial_robot, spatial_trajectory
 from orbident.trajectories.trajectory_file import save_trajectory
 
@@ -30,7 +33,19 @@ def spatial_study() -> None:
     write_recording(simulate(robot, trajectory), "spatial/recording.csv")
 
 
-BEFORE = {"README.md": spatial_study}
+def three_flights() -> None:
+    """Of the robot on its table, each with noise of its own."""
+    robot = load_robot("cepheus-like")
+    trajectory = random_motion(robot, 1, 20.0, 50.0, "spun up")
+    motion = float_along(robot, trajectory, robot.sensors["rate"])
+    for seed, name in enumerate(("first", "second", "third")):
+        write_recording(measure(robot, motion, trajectory, seed), f"{name}.csv")
+
+
+BEFORE = {
+    "README.md": spatial_study,
+    "docs/how-to/several-recordings.md": three_flights,
+}
 """By page, what its reader has already."""
 
 
