@@ -37,8 +37,8 @@ DRAG = {"base": (8e-3, 2e-4), "link2": (5e-3, 5e-5)}
 SPIN = 150.0
 """rad/s."""
 
-MANY = 20
-"""Runs with other noise."""
+MANY = 60
+"""Runs with other noise: some three minutes."""
 
 FAR = 4.0
 """Deviations."""
@@ -187,6 +187,5 @@ def test_tilt_and_drag_are_identified_with_the_parameters(flown, runs):
     inside = np.mean(np.abs(z) < 1.96)
     print(f"{inside:.3f} of {len(z)} inside, rms {np.sqrt(np.mean(np.square(z))):.2f}")
     assert np.abs(z).max() < FAR
-    # Errors of a run go together: some ten of its numbers are independent, and of 200
-    # fewer than 90 % are inside once in a thousand times.
-    assert runs < MANY or inside > 0.9
+    # Errors of a run go together: of 20 runs chance moves the part inside by 2 %.
+    assert runs < MANY or 0.93 < inside < 0.97

@@ -125,7 +125,7 @@ def _true_samples(motion: FreeFloating, shares: tuple[float, ...]) -> Samples:
         qd_rw=tuple(motion.qd_rw.T),
         v_S=tuple(motion.v_S.T),
         drift=(),
-        thrust=(),
+        wrenches=(),
         locked=(),
         shares=shares,
         origins={"wheel_speeds": "exact"},

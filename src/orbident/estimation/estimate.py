@@ -115,7 +115,7 @@ def estimate_of_beta(
 ) -> Estimate:
     """The estimate of a method whose unknowns are the base parameters."""
     mass, masses = Quantity(*beta.mass), dict[str, Quantity]()
-    if not problem.samples.thrust:
+    if not problem.samples.wrenches:
         linear = problem.linear_mass
         masses["Eq. 32"] = Quantity(linear.value, linear.std)
     return Estimate(

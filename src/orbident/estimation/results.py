@@ -135,7 +135,7 @@ def _mass_forms(
         routes: the mass by every route, the method's own last.
         M: the method's own.
     """
-    if problem.samples.thrust:
+    if problem.samples.wrenches:
         return NO_ROUTES
     mass = problem.linear_mass
     kept = [

@@ -49,11 +49,10 @@ def solve(
     problems = momentum_problems(
         robot, recording, initial_momentum, lambda done: progress(done / 2)
     )
-    if problems[0].samples.thrust and not isinstance(estimator, OutputError):
+    if problems[0].samples.wrenches and not isinstance(estimator, OutputError):
         raise InputError(
             f"{recording.source}: thrusters fired, and {estimator.name} does not know "
-            "of thrust: its result would be wrong; use --method maximum-likelihood, or "
-            "remove the columns 'thruster.*' if none fired"
+            "of thrust: its result would be wrong; use --method maximum-likelihood"
         )
     clear = [problem for problem in problems if not obstacles(problem)]
     if not clear:

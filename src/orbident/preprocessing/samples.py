@@ -11,6 +11,7 @@ from orbident.preprocessing.base_motion import base_motion
 from orbident.preprocessing.delays import delays
 from orbident.preprocessing.histories import Columns, Histories, histories
 from orbident.preprocessing.point_velocity import point_velocity
+from orbident.preprocessing.wrenches import RecordedWrench, recorded_wrenches
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 
@@ -49,8 +50,8 @@ class Samples:
     """Of S, inertial axes, m/s; empty where it cannot be had."""
     drift: Columns
     """What an accelerometer's bias adds to that, row-major; empty without one."""
-    thrust: Columns
-    """The force of each thruster until the next sample, N; empty without any."""
+    wrenches: tuple[RecordedWrench, ...]
+    """What is known to act on the base."""
     locked: tuple[str, ...]
     """Joints that did not move: held at their mean, with zero rate."""
     shares: tuple[float, ...]
@@ -161,7 +162,7 @@ def samples_of(
         qd_rw=wheels.rates,
         v_S=point.v_S,
         drift=point.drift,
-        thrust=_thrust(robot, recording),
+        wrenches=recorded_wrenches(robot, recording),
         locked=moving.locked,
         shares=joints.shares,
         origins={
@@ -172,21 +173,6 @@ def samples_of(
         },
         source=recording.source,
     )
-
-
-def _thrust(robot: Robot, recording: Recording) -> Columns:
-    """Zero for a thruster that was not recorded beside others; gaps hold the last."""
-    columns = []
-    for thruster in robot.thrusters:
-        name, force = f"thruster.{thruster.name}.force", np.zeros(recording.t.size)
-        if recording.has(name):
-            shown = recording.column(name)
-            since = np.maximum.accumulate(
-                np.where(np.isfinite(shown), np.arange(shown.size), 0)
-            )
-            force = np.nan_to_num(shown[since])
-        columns.append(force)
-    return tuple(columns) if any(force.any() for force in columns) else ()
 
 
 class _Joints(NamedTuple):

@@ -32,7 +32,10 @@ PER_WHEEL = {
     "position": "unwrapped wheel angle relative to the base, rad",
 }
 
-PER_THRUSTER = {"force": "thruster force until the next row, N"}
+PER_THRUSTER = {
+    "force": "thruster force until the next row, N",
+    "duty": "part of its full thrust until the next row, 0 to 1",
+}
 
 _ALTERNATIVES = [
     *(f"{name}\\.[{axes}]" for name, (axes, _) in VECTORS.items()),

@@ -101,6 +101,7 @@ def _thruster(entry: ThrusterEntry) -> Thruster:
         np.array(entry.position),
         direction / np.linalg.norm(direction),
         entry.gain,
+        entry.thrust,
     )
 
 

@@ -60,6 +60,8 @@ class Thruster:
     """Unit vector of the force on the base, base axes."""
     gain: float = 0.1
     """Standard deviation of its force, over that which a recording says."""
+    thrust: float | None = None
+    """Its force at a duty of one, N."""
 
 
 @dataclass(frozen=True)

@@ -83,6 +83,7 @@ class ThrusterEntry(Section):
     position: Vector3
     direction: Direction
     gain: Share = 0.1
+    thrust: Positive | None = None
 
 
 class LimitEntry(Section):

@@ -71,6 +71,6 @@ class OutputError:
 
 def _first(problem: MomentumProblem) -> Float[np.ndarray, " beta"]:
     """A first `beta` by the linear fits; these know nothing of thrust: then by CAD."""
-    if problem.samples.thrust:
+    if problem.samples.wrenches:
         return problem.sets.beta(problem.robot.theta)
     return beta_of_fits(problem.robot, problem.sets, problem.fits).values

@@ -15,6 +15,7 @@ from orbident.model.kinematics import Poses, carrying_joints, poses
 from orbident.model.minimal_sets import MinimalSets
 from orbident.preprocessing.histories import Columns
 from orbident.preprocessing.samples import Samples
+from orbident.preprocessing.wrenches import RecordedWrench
 from orbident.robot.description import Robot
 from orbident.robot.parameters import FIRST_MOMENT, MASS, PER_BODY
 
@@ -46,8 +47,8 @@ class Followed:
     """Base axes, rad/s."""
     v_S: Float[np.ndarray, "nodes 3"] | None
     """Inertial axes, m/s; None where it is not known."""
-    thrust: Float[np.ndarray, "rows thrusters"]
-    """The force of each thruster from a row until the next, N."""
+    wrenches: tuple[RecordedWrench, ...]
+    """What is known to act on the base from a row until the next."""
 
     @property
     def tracked(self) -> bool:
@@ -170,14 +171,15 @@ def measured(
         turns(inside).as_matrix(),
         between(samples.w),
         between(samples.v_S) if samples.v_S else None,
-        _held(samples, rows),
+        _at(samples, rows),
     )
 
 
-def _held(
-    samples: Samples, t: Float[np.ndarray, " rows"]
-) -> Float[np.ndarray, "rows thrusters"]:
-    """Thrust at these times: that of the last sample before."""
-    before = np.searchsorted(samples.t, t + TOGETHER, side="right") - 1
-    force = np.reshape(samples.thrust, (len(samples.thrust), samples.t.size)).T
-    return force[np.maximum(before, 0)]
+def _at(samples: Samples, t: Float[np.ndarray, " rows"]) -> tuple[RecordedWrench, ...]:
+    """What acts at these times: what the last sample before says."""
+    last = np.searchsorted(samples.t, t + TOGETHER, side="right") - 1
+    before = np.maximum(last, 0)
+    return tuple(
+        each._replace(force=each.force[before], torque=each.torque[before])
+        for each in samples.wrenches
+    )

@@ -92,23 +92,25 @@ def disturbances(followed: Followed) -> Iterator[Disturbance]:
 
 
 def recorded(followed: Followed) -> Iterator[Disturbance]:
-    """The thrusters whose force was recorded, known up to a gain each.
+    """The wrenches that were recorded, known up to a gain each.
 
     Args:
         followed: the motion that was measured.
     """
     none = nothing(followed)
-    for k, thruster in enumerate(followed.robot.thrusters[: followed.thrust.shape[1]]):
-        newton = followed.thrust[:-1, k]
-        if not newton.any():
-            continue
-        arm = thruster.position - followed.robot.feature_point
-        along = by_step(followed.R_WB @ thruster.direction)
-        about = by_step(followed.R_WB @ np.cross(arm, thruster.direction))
-        held = newton[:, None, None]
-        name = f"thruster.{thruster.name}.gain"
-        effect = none._replace(force=held * along, torque=held * about)
-        yield Disturbance(name, name, "1", effect, acts=1.0, std=thruster.gain)
+
+    def inertial(
+        base_axes: Float[np.ndarray, "rows 3"],
+    ) -> Float[np.ndarray, "steps 3 3"]:
+        """It holds in base axes, and turns with these, from a row until the next."""
+        return np.einsum(
+            "skij,sj->ski", by_step(followed.R_WB), base_axes[: len(none.force)]
+        )
+
+    for each in followed.wrenches:
+        name = f"{each.name}.gain"
+        effect = none._replace(force=inertial(each.force), torque=inertial(each.torque))
+        yield Disturbance(name, name, "1", effect, acts=1.0, std=each.gain)
 
 
 def nothing(followed: Followed) -> Effect:

@@ -113,3 +113,80 @@ def test_there_is_no_such_thruster(robot, flight):
     columns = {**seen.columns, "thruster.rear.force": np.ones(seen.t.size)}
     with pytest.raises(InputError, match="no thruster 'rear', only 'left', 'right'"):
         identify(robot, replace(seen, columns=columns))
+
+
+def as_duty(robot: Robot, seen: Recording) -> tuple[Robot, Recording]:
+    """The same, as parts of a full thrust of four times as much."""
+    full = tuple(replace(each, thrust=4 * FORCE) for each in robot.thrusters)
+    columns = {
+        name.replace(".force", ".duty"): x / (4 * FORCE) if ".force" in name else x
+        for name, x in seen.columns.items()
+    }
+    return replace(robot, thrusters=full), replace(seen, columns=columns)
+
+
+def as_net_wrench(robot: Robot, seen: Recording) -> Recording:
+    """The same, as the net force and moment about S; each with its true gain."""
+    columns = dict(seen.columns)
+    force, torque = np.zeros((2, seen.t.size, 3))
+    for thruster in robot.thrusters:
+        newton = columns.pop(f"thruster.{thruster.name}.force") * TRUE[thruster.name]
+        each = np.outer(newton, thruster.direction)
+        force += each
+        torque += np.cross(thruster.position - robot.feature_point, each)
+    columns |= {f"force.{axis}": force[:, k] for k, axis in enumerate("xyz")}
+    columns |= {f"torque.{axis}": torque[:, k] for k, axis in enumerate("xyz")}
+    return replace(seen, columns=columns)
+
+
+def test_a_duty_is_a_part_of_the_full_thrust(robot, flight):
+    seen = recorded(robot, flight, 0)
+    with_duty, shown = as_duty(robot, seen)
+    one, other = identify(robot, seen), identify(with_duty, shown)
+    np.testing.assert_allclose(other.base.values, one.base.values, rtol=1e-9)
+
+
+def test_the_net_wrench_is_known_but_for_a_gain(robot, flight):
+    """The whole scale is then as uncertain as the gain."""
+    result = identify(robot, as_net_wrench(robot, recorded(robot, flight, 0)))
+    assert result.status == "ok", result.warnings
+    z = (result.base.values - minimal_sets(robot).beta(robot.theta)) / result.base.std
+    assert np.abs(z).max() < 4
+    assert list(result.calibration) == ["wrench.gain"]
+    assert 0.08 < result.mass.std / robot.mass < 0.12
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda on: {"thruster.left.duty": 3 * on}, "row 81: found 1.5; a duty is"),
+        (lambda on: {"thruster.left.duty": on}, "does not say; add 'thrust: 5'"),
+        (
+            lambda on: {"thruster.left.force": on, "thruster.left.duty": on},
+            "'thruster.left.force' is there too",
+        ),
+        (
+            lambda on: {f"force.{axis}": on for axis in "xyz"},
+            "'torque.x .y .z' \\(about S\\) are missing",
+        ),
+        (
+            lambda on: {
+                **{f"{name}.{k}": on for name in ("force", "torque") for k in "xyz"},
+                "thruster.left.force": on,
+            },
+            "they would count twice",
+        ),
+    ],
+    ids=["above one", "no thrust", "both", "no torque", "twice"],
+)
+def test_columns_that_contradict(robot, flight, change, words):
+    seen = recorded(robot, flight, 0)
+    on = seen.column("thruster.left.force")
+    columns = {n: x for n, x in seen.columns.items() if not n.startswith("thruster")}
+    thrust = None if "does not say" in words else 1.0
+    full = tuple(replace(each, thrust=thrust) for each in robot.thrusters)
+    with pytest.raises(InputError, match=words):
+        identify(
+            replace(robot, thrusters=full),
+            replace(seen, columns={**columns, **change(on)}),
+        )
