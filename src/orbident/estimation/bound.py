@@ -126,6 +126,7 @@ def _true_samples(motion: FreeFloating, shares: tuple[float, ...]) -> Samples:
         v_S=tuple(motion.v_S.T),
         drift=(),
         wrenches=(),
+        surroundings={},
         locked=(),
         shares=shares,
         origins={"wheel_speeds": "exact"},

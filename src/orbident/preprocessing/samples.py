@@ -11,6 +11,7 @@ from orbident.preprocessing.base_motion import base_motion
 from orbident.preprocessing.delays import delays
 from orbident.preprocessing.histories import Columns, Histories, histories
 from orbident.preprocessing.point_velocity import point_velocity
+from orbident.preprocessing.surroundings import Surroundings, surroundings
 from orbident.preprocessing.wrenches import RecordedWrench, recorded_wrenches
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
@@ -52,6 +53,8 @@ class Samples:
     """What an accelerometer's bias adds to that, row-major; empty without one."""
     wrenches: tuple[RecordedWrench, ...]
     """What is known to act on the base."""
+    surroundings: Surroundings
+    """By `nadir`, `flow`, `sun` and `field`, what was recorded of them."""
     locked: tuple[str, ...]
     """Joints that did not move: held at their mean, with zero rate."""
     shares: tuple[float, ...]
@@ -163,6 +166,7 @@ def samples_of(
         v_S=point.v_S,
         drift=point.drift,
         wrenches=recorded_wrenches(robot, recording),
+        surroundings=surroundings(recording),
         locked=moving.locked,
         shares=joints.shares,
         origins={

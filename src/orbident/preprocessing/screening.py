@@ -26,6 +26,9 @@ FARTHER = 2.0
 """Times its range: no wrong zero, and no stop that was measured badly, lets a joint
 move so far."""
 
+NO_SENSORS = {"force", "torque", "nadir", "flow", "sun", "field"}
+"""Columns of what acts: it may change at once, and is not measured on the robot."""
+
 UNITS = {"revolute": ("rad", "degrees", 2 * np.pi), "prismatic": ("m", "mm", 1.0)}
 """By kind of joint: its unit, what it is mistaken for, and a motion in that which is
 nothing much, but farther than joints with stops go in the right one."""
@@ -94,7 +97,7 @@ def _sensors(recording: Recording) -> list[list[str]]:
         if is_known(name):
             head = name.split(".", 1)[0]
             groups.setdefault(head if head in VECTORS else name, []).append(name)
-    return [names for head, names in groups.items() if head not in {"force", "torque"}]
+    return [names for head, names in groups.items() if head not in NO_SENSORS]
 
 
 def _spikes(recording: Recording, name: str) -> np.ndarray:

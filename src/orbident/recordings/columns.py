@@ -22,6 +22,10 @@ VECTORS = {
     "velocity": ("xyz", "of S, inertial axes, m/s"),
     "force": ("xyz", "net thruster force, base axes, N"),
     "torque": ("xyz", "net thruster moment about S, base axes, N m"),
+    "nadir": ("xyz", "from the robot to the middle of the Earth, base axes, m"),
+    "flow": ("xyz", "direction in which the air flows past, base axes"),
+    "sun": ("xyz", "direction to the sun, base axes"),
+    "field": ("xyz", "magnetic field, base axes, T"),
 }
 PER_JOINT = {
     "position": "joint position, rad, or m for prismatic",

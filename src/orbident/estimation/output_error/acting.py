@@ -22,6 +22,7 @@ from orbident.estimation.output_error.forms import (
     Disturbance,
     Effect,
     disturbances,
+    gravity_gradient,
     nothing,
     recorded,
 )
@@ -76,11 +77,12 @@ class Acting:
             for place, gain in zip(selected, gains, strict=True)
             if place >= self.first
         }
-        if not sizes and not self.recorded:
+        if not (sizes or self.recorded or "nadir" in self.followed.surroundings):
             return np.zeros((0, ROWS, 1 + beta.size))
         every = (*self.recorded, *(self.disturbances if sizes else ()))
         r = by_step(self.followed.moments @ beta / beta[0])
-        total = nothing(self.followed)
+        tide = by_step(gravity_gradient(self.followed, beta))
+        total = nothing(self.followed)._replace(torque=tide)
         for k in {*range(len(self.recorded)), *sizes}:
             size = every[k].acts + sizes.get(k, 0.0)
             total = total.plus(every[k].effect.times(size))

@@ -1,11 +1,12 @@
 """Where the robot was along a recording, as it was measured, for what acts on it."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation, Slerp
 
@@ -49,6 +50,8 @@ class Followed:
     """Inertial axes, m/s; None where it is not known."""
     wrenches: tuple[RecordedWrench, ...]
     """What is known to act on the base from a row until the next."""
+    surroundings: Mapping[str, Float[np.ndarray, "nodes 3"]]
+    """Where Earth, air, sun and field are; inertial axes."""
 
     @property
     def tracked(self) -> bool:
@@ -163,16 +166,32 @@ def measured(
     known = np.isfinite(x).all(axis=1)
     turns = Slerp(samples.t[known], Rotation.from_quat(x[known]))
     inside = np.clip(t, samples.t[known][0], samples.t[known][-1])
+    R_WB = turns(inside).as_matrix()
+    around = {
+        # In inertial axes they change slowly.
+        name: _between(samples.t, t, turns(samples.t[known]).apply(x[known]), known)
+        for name, x in samples.surroundings.items()
+    }
     return Followed(
         robot,
         sets,
         t,
         intervals.history,
-        turns(inside).as_matrix(),
+        R_WB,
         between(samples.w),
         between(samples.v_S) if samples.v_S else None,
         _at(samples, rows),
+        around,
     )
+
+
+def _between(
+    at: Float[np.ndarray, " samples"],
+    t: Float[np.ndarray, " nodes"],
+    x: Float[np.ndarray, "known 3"],
+    known: Bool[np.ndarray, " samples"],
+) -> Float[np.ndarray, "nodes 3"]:
+    return np.column_stack([np.interp(t, at[known], column) for column in x.T])
 
 
 def _at(samples: Samples, t: Float[np.ndarray, " rows"]) -> tuple[RecordedWrench, ...]:

@@ -7,21 +7,29 @@
     slow pull                  a = e_k cos(m pi t / T)
     uneven table               a = E_k (r_cm - r_cm(0))     E_k symmetric
     film drag of a body        F = -v_P,  or  tau = -w
+    air drag                   F = d,  tau = R_WB e_k x d   d along the flow
+    sunlight                   F = -d, tau = R_WB e_k x d   d towards the sun
+    magnet in the base         tau = R_WB e_k x B
     known wrench               as recorded
 
 Torques are about S, accelerations `a` those of all parts alike.
 """
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 
 from orbident.estimation.output_error.followed import Followed, by_step
+from orbident.model.inertia import inertia
 from orbident.model.minimal_sets import conserved_axes
 
 AXES = "xyz"
+
+MU = 3.986004418e14
+"""Of the Earth, m^3/s^2."""
 
 SLOW = ("slow_torque", "slow_pull")
 """Groups of what changes slowly."""
@@ -37,6 +45,9 @@ IN_WORDS = {
     "slow_pull": "all parts are pulled alike, by what changes slowly",
     "uneven": "the pull changes from place to place, as on an uneven table",
     "drag": "drag acts, as of an air film",
+    "air": "a force acts along the flow of the air",
+    "sunlight": "a force acts away from the sun",
+    "dipole": "a torque acts across the magnetic field, as on a magnet in the base",
 }
 """What acts, by the name of its group."""
 
@@ -84,6 +95,7 @@ def disturbances(followed: Followed) -> Iterator[Disturbance]:
         followed: the motion that was measured.
     """
     yield from _torques(followed)
+    yield from _in_orbit(followed)
     if followed.tracked:
         yield from _pulls(followed)
         if followed.robot.motion == "planar":
@@ -132,6 +144,44 @@ def _torques(followed: Followed) -> Iterator[Disturbance]:
         for k in turning:
             effect = none._replace(torque=by_step(followed.R_WB[:, :, k]))
             yield Disturbance(f"base_torque.{AXES[k]}", "base_torque", "N m", effect)
+
+
+def _in_orbit(followed: Followed) -> Iterator[Disturbance]:
+    """Drag and light act somewhere on the base: `p x F` is linear in `p |F|`."""
+    none, around = nothing(followed), followed.surroundings
+    for name, group, sign in (("flow", "air", 1.0), ("sun", "sunlight", -1.0)):
+        if name in around:
+            along = sign * around[name]
+            effect = none._replace(force=by_step(along))
+            yield Disturbance(f"{group}.force", group, "N", effect, positive=True)
+            yield from _moments(followed, group, "N m", along)
+    if "field" in around:
+        yield from _moments(followed, "dipole", "A m^2", around["field"])
+
+
+def _moments(
+    followed: Followed, group: str, unit: str, across: Float[np.ndarray, "nodes 3"]
+) -> Iterator[Disturbance]:
+    """Torques `R_WB e_k x across`, whose sizes are fixed to the base."""
+    for k in conserved_axes(followed.robot)[0]:
+        torque = np.cross(followed.R_WB[:, :, k], across)
+        effect = nothing(followed)._replace(torque=by_step(torque))
+        yield Disturbance(f"{group}.{AXES[k]}", group, unit, effect)
+
+
+def gravity_gradient(
+    followed: Followed, beta: Float[np.ndarray, " beta"]
+) -> Float[np.ndarray, "nodes 3"]:
+    """`3 mu / R^3 n x D n` (Hughes 1986), where the Earth is known; inertial, N m."""
+    nadir = followed.surroundings.get("nadir")
+    if nadir is None:
+        return np.zeros((followed.t.size, 3))
+    robot, R = followed.robot, np.linalg.norm(nadir, axis=1, keepdims=True)
+    theta = (followed.sets.base.theta_of @ beta).reshape(robot.theta.shape)
+    D = inertia(replace(robot, theta=theta), followed.history.q).D
+    n = np.einsum("nji,nj->ni", followed.R_WB, nadir / R)
+    tau = 3 * MU / R**3 * np.cross(n, np.einsum("nij,nj->ni", D, n))
+    return followed.in_inertial(tau)
 
 
 def _pulls(followed: Followed) -> Iterator[Disturbance]:
