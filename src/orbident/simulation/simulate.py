@@ -1,6 +1,6 @@
 """A recording of a free-floating manoeuvre, by ideal or by real sensors."""
 
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 from jaxtyping import Float
@@ -14,8 +14,8 @@ from orbident.simulation.environment.outside import recorded_thrust
 from orbident.simulation.flight import FreeFlying, standing
 from orbident.simulation.free_floating import BaseState, FreeFloating, free_floating
 from orbident.simulation.free_flying import free_flying
-from orbident.simulation.measure import measure, measure_truth
-from orbident.simulation.truth import truth_of_flight
+from orbident.simulation.measure import measure_truth
+from orbident.simulation.truth import Columns, Truth, truth_of, truth_of_flight
 from orbident.trajectories.trajectory import Trajectory
 
 RATE = 20.0
@@ -59,18 +59,65 @@ def simulate(
     if truth and noise == "none":
         raise InputError("truth: a recording without noise is the truth already")
     rate = float(robot.sensors.get("rate", RATE) if rate is None else rate)
-    if trajectory.environment is not None:
-        flight = fly_along(robot, trajectory, rate, tolerance, seed)
-        if noise == "none":
-            seen = recorded(robot, flight)
-        else:
-            seen = measure_truth(robot, flight.t, truth_of_flight(flight), seed, truth)
-        thrust = recorded_thrust(trajectory.environment, flight.t)
-        return Recording(seen.t, {**seen.columns, **thrust}, source=seen.source)
-    motion = float_along(robot, trajectory, rate, tolerance)
     if noise == "none":
-        return recorded(robot, motion)
-    return measure(robot, motion, trajectory, seed, truth)
+        motion, known = _moved_along(robot, trajectory, rate, tolerance, seed)
+        return with_columns(recorded(robot, motion), known)
+    made = made_along(robot, trajectory, rate, tolerance, seed)
+    return with_columns(
+        measure_truth(robot, made.t, made.true, seed, truth), made.known
+    )
+
+
+class Made(NamedTuple):
+    """A simulated motion at its rows."""
+
+    t: Float[np.ndarray, " rows"]
+    """s."""
+    true: Truth
+    known: Columns
+    """What is recorded beside what sensors measure: the thrust that was commanded."""
+
+
+def made_along(
+    robot: Robot,
+    trajectory: Trajectory,
+    rate: float,
+    tolerance: float = 1e-9,
+    seed: int = 0,
+) -> Made:
+    """The motion along a trajectory, in its environment if it has one.
+
+    Args:
+        robot: with its nominal inertia.
+        trajectory: of the joints, which do exactly that.
+        rate: samples per second.
+        tolerance: of the motion, rad or m.
+        seed: of what is random of the environment.
+
+    Raises:
+        InputError: as `float_along` and `fly_along`.
+    """
+    motion, known = _moved_along(robot, trajectory, rate, tolerance, seed)
+    if isinstance(motion, FreeFlying):
+        return Made(motion.t, truth_of_flight(motion), known)
+    true = truth_of(robot, motion, trajectory.for_robot(robot))
+    return Made(motion.t, true, known)
+
+
+def _moved_along(
+    robot: Robot, trajectory: Trajectory, rate: float, tolerance: float, seed: int
+) -> tuple[FreeFloating | FreeFlying, Columns]:
+    """The motion, and the columns of thrust."""
+    if trajectory.environment is None:
+        return float_along(robot, trajectory, rate, tolerance), {}
+    flight = fly_along(robot, trajectory, rate, tolerance, seed)
+    return flight, recorded_thrust(trajectory.environment, flight.t)
+
+
+def with_columns(recording: Recording, more: Columns) -> Recording:
+    """The recording with columns that no sensor measured."""
+    columns = {**recording.columns, **more}
+    return Recording(recording.t, columns, source=recording.source)
 
 
 def float_along(

@@ -1,6 +1,6 @@
 """What acts on a robot from outside, as the `environment` of a file says it; SI."""
 
-from typing import Annotated, Self
+from typing import Annotated
 
 from pydantic import BeforeValidator, Field, model_validator
 
@@ -128,7 +128,7 @@ class SolarPressure(Section):
     """The centre of pressure in the base link's frame."""
 
     @model_validator(mode="after")
-    def _somewhere(self) -> Self:
+    def _somewhere(self) -> "SolarPressure":
         if not any(self.sun):
             raise InputError("sun: found no direction; give a nonzero 3-vector")
         return self
@@ -159,7 +159,7 @@ class Environment(Section):
     """The magnetic moment that is left in the base, base axes."""
 
     @model_validator(mode="after")
-    def _in_orbit(self) -> Self:
+    def _in_orbit(self) -> "Environment":
         for name in ("gravity_gradient", "air_drag", "dipole"):
             if getattr(self, name) and self.orbit is None:
                 raise InputError(

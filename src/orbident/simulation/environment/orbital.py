@@ -6,8 +6,9 @@
     sunlight           F = -P C A s                 s towards the sun
     dipole             tau = m x B
 
-`n` is up, and body `i`, with the inertia `I_i` about its CM, is at `r_i` from the system
-CM: the tide moves no CM. Together its moments are `3 mu / R^3 n x D n` (Hughes 1986).
+`n` is up, and body `i`, with the inertia `I_i` about its CM, is at `r_i` from the
+system CM: the tide moves no CM. Together its moments are `3 mu / R^3 n x D n` (Hughes
+1986).
 """
 
 import numpy as np

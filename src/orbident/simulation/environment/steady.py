@@ -1,8 +1,10 @@
-"""Torques and forces that depend on time alone, in inertial axes or at S.
+"""Torques and forces that depend on time alone.
 
-constant       tau = tau_0,   F = F_0
-Gauss-Markov   cov(tau(t), tau(t + s)) = std^2 exp(-abs(s) / T), each axis
-burst          F = R_WB F_0   from its start until its end
+    constant       tau = tau_0,   F = F_0
+    Gauss-Markov   cov(tau(t), tau(t + s)) = std^2 exp(-abs(s) / T), each axis
+    burst          F = R_WB F_0   from its start until its end
+
+Forces act at S; all but a burst's are given in inertial axes.
 """
 
 import numpy as np
