@@ -104,7 +104,7 @@ def _split(given: object) -> tuple[float | None, str]:
     """The number, None where there is none, and the unit's text."""
     if isinstance(given, bool) or not isinstance(given, int | float | str):
         return None, ""
-    found = _NUMBER.match(given if isinstance(given, str) else repr(given))
+    found = _NUMBER.match(str(given))
     if found is None:
         return None, ""
     return float(found[0]), "".join(found.string[found.end() :].split())

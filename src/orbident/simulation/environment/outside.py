@@ -78,12 +78,14 @@ class Outside:
         if not self.forces:
             return fly(self.wrenches(None)), None
         for _ in range(MOST_ROUNDS):
-            seen = fly(self.wrenches(path))
-            if not (np.isfinite(seen.v).all() and np.isfinite(seen.r_S).all()):
-                break
-            found = Path.through(self.robot, t, seen)
-            if path is not None and found.apart(path) <= tolerance:
-                return seen, found
+            # A motion that blows up is not a number, or far beyond all numbers.
+            with np.errstate(all="ignore"):
+                seen = fly(self.wrenches(path))
+                if not np.isfinite(np.hstack([seen.v, seen.vd, seen.r_S])).all():
+                    break
+                found = Path.through(self.robot, t, seen)
+                if path is not None and found.apart(path) <= tolerance:
+                    return seen, found
             path = found
         raise InputError(
             f"{self.robot.name}: what acts from outside moves the robot so much that "
