@@ -130,8 +130,8 @@ def check_environment(robot: Robot, environment: Environment) -> None:
     """Refuse what cannot act on this robot.
 
     Raises:
-        InputError: it floats in space and not on a table or the other way round, or a
-            body with film drag has no pads.
+        InputError: it floats in space and not on a table or the other way round, it has
+            no such body or thruster, or a body with film drag has no pads.
     """
     planar = robot.motion == "planar"
     wrong = environment.in_space if planar else environment.on_table
@@ -141,12 +141,18 @@ def check_environment(robot: Robot, environment: Environment) -> None:
             f"environment: {listed(wrong)}: {robot.name} floats {where}, and this acts "
             f"{other}; remove it"
         )
+    thrusters = [thruster.name for thruster in robot.thrusters]
+    for key, kind, named, known in (
+        ("film_drag", "body", environment.film_drag, robot.bodies),
+        ("thrusters", "thruster", environment.thrusters, thrusters),
+    ):
+        for name in named:
+            if name not in known:
+                raise InputError(
+                    f"environment: {key}: no {kind} '{name}'; "
+                    + suggestion(name, known, {"body": "bodies"}.get(kind, "thrusters"))
+                )
     for body in environment.film_drag:
-        if body not in robot.bodies:
-            raise InputError(
-                f"environment: film_drag: no body '{body}'; "
-                + suggestion(body, robot.bodies, "bodies")
-            )
         if body not in robot.pads:
             raise InputError(
                 f"environment: film_drag: body '{body}' has no pads; say where "
