@@ -38,12 +38,14 @@ if TYPE_CHECKING:
     from orbident.robot.robot_file import bundled_robots as bundled_robots
     from orbident.robot.robot_file import load_robot as load_robot
     from orbident.simulation.simulate import simulate as simulate
+    from orbident.trajectories.environment import Environment as Environment
     from orbident.trajectories.trajectory import InitialState as InitialState
     from orbident.trajectories.trajectory import Trajectory as Trajectory
     from orbident.trajectories.trajectory_file import load_trajectory as load_trajectory
     from orbident.trajectories.trajectory_file import save_trajectory as save_trajectory
 
 _PUBLIC = {
+    "Environment": "orbident.trajectories.environment",
     "InitialState": "orbident.trajectories.trajectory",
     "InputError": "orbident.errors",
     "LeastSquares": "orbident.estimation.least_squares",

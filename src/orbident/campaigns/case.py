@@ -27,9 +27,8 @@ from orbident.robot.parameters import (
     inertia_about_com,
 )
 from orbident.simulation.measure import measure_truth
-from orbident.simulation.simulate import RATE, float_along
+from orbident.simulation.simulate import RATE, made_along, with_columns
 from orbident.simulation.streams import stream
-from orbident.simulation.truth import truth_of
 from orbident.trajectories.trajectory import InitialState, Trajectory
 
 NOISES = (
@@ -147,13 +146,10 @@ class Case:
         Raises:
             InputError: this robot cannot fly that, or its sensors cannot record it.
         """
-        robot = self.robot
-        motion = float_along(
-            robot, self.trajectory, float(robot.sensors.get("rate", RATE))
-        )
-        true = truth_of(robot, motion, self.trajectory.for_robot(robot))
-        seen = shown(robot, motion.t, true, self._of("instruments"))
-        return measure_truth(robot, motion.t, seen, self.seed)
+        robot, rate = self.robot, float(self.robot.sensors.get("rate", RATE))
+        t, true, known = made_along(robot, self.trajectory, rate, seed=self.seed)
+        seen = shown(robot, t, true, self._of("instruments"))
+        return with_columns(measure_truth(robot, t, seen, self.seed), known)
 
 
 def _names_of_inertia(robot: Robot) -> tuple[str, ...]:

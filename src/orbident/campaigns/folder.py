@@ -11,7 +11,7 @@ import json
 import tempfile
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from importlib.metadata import version
 from pathlib import Path
@@ -29,6 +29,7 @@ from orbident.files.text import read_text, write_text
 from orbident.files.writing import writing
 from orbident.robot.description import Robot
 from orbident.robot.robot_file import bundled_robots, load_robot, write_robot
+from orbident.simulation.environment.outside import check_environment
 from orbident.trajectories.trajectory import Trajectory
 from orbident.trajectories.trajectory_file import load_trajectory, save_trajectory
 
@@ -213,9 +214,14 @@ def _subject(
         known = entry.robot in bundled_robots()
         robot = load_robot(entry.robot if known else beside / entry.robot)
         if entry.trajectory == PAPER:
-            return Subject(robot, paper_motion(robot))
-        trajectory = load_trajectory(beside / entry.trajectory)
+            trajectory = paper_motion(robot)
+        else:
+            trajectory = load_trajectory(beside / entry.trajectory)
         trajectory.for_robot(robot)
+        if entry.environment is not None:
+            trajectory = replace(trajectory, environment=entry.environment)
+        if trajectory.environment is not None:
+            check_environment(robot, trajectory.environment)
     except InputError as error:
         raise InputError(f"{where}: {error}") from None
     return Subject(robot, trajectory)

@@ -14,6 +14,7 @@ from orbident.files.schema_errors import validated
 from orbident.files.schema_parts import Section
 from orbident.files.text import read_text
 from orbident.files.yaml_mapping import read_yaml_mapping
+from orbident.trajectories.environment import Environment
 
 SCHEMA = "orbident/campaign/1"
 
@@ -35,6 +36,8 @@ class RobotEntry(Section):
     robot: Text
     """A bundled name, a URDF or a robot file; files are relative to the campaign's."""
     trajectory: Text = PAPER
+    environment: Environment | None = None
+    """What acts from outside, instead of the trajectory file's."""
 
 
 class InitialEntry(Section):

@@ -19,7 +19,11 @@ class Noise(StrEnum):
 def simulate(
     robot: RobotName,
     trajectory: Annotated[
-        Path, typer.Argument(metavar="TRAJ", help="A trajectory file (YAML).")
+        Path,
+        typer.Argument(
+            metavar="TRAJ",
+            help="A trajectory file (YAML); its 'environment' acts on the robot.",
+        ),
     ],
     out: Annotated[
         Path, typer.Option("-o", metavar="REC", help="The recording: .csv or .parquet.")
@@ -34,7 +38,7 @@ def simulate(
             help="none: ideal sensors of everything; sensors: those of the robot file."
         ),
     ] = Noise.none,
-    seed: Annotated[int, typer.Option(help="Of the sensors' noise.", min=0)] = 0,
+    seed: Annotated[int, typer.Option(help="Of noise and environment.", min=0)] = 0,
     truth: Annotated[
         bool, typer.Option("--truth", help="Add noise-free columns truth.*.")
     ] = False,

@@ -31,17 +31,18 @@ def at_least_zero(value: object, dimension: str) -> float:
     return number
 
 
-def _measure(dimension: str) -> BeforeValidator:
+def measure_of(dimension: str) -> BeforeValidator:
+    """Reads a quantity of zero or more, in SI."""
     return BeforeValidator(lambda value: at_least_zero(value, dimension))
 
 
-def _each(dimension: str) -> BeforeValidator:
-    """Three numbers of a dimension, in SI."""
+def each_of(dimension: str, length: int = 3) -> BeforeValidator:
+    """Reads so many numbers of a dimension, in SI."""
 
     def in_si(value: object) -> tuple[float, ...]:
         if not isinstance(value, list | tuple):
-            raise WrongValueError("give a 3-vector")
-        return finite_vector([quantity(each, dimension) for each in value], 3)
+            raise WrongValueError(f"give a {length}-vector")
+        return finite_vector([quantity(each, dimension) for each in value], length)
 
     return BeforeValidator(in_si)
 
@@ -91,10 +92,10 @@ def _probability(value: object) -> float:
 
 Rate = Annotated[float, BeforeValidator(_rate)]
 Lasting = Annotated[float, BeforeValidator(_lasting)]
-Time = Annotated[float, _measure("time")]
-Angle = Annotated[float, _measure("angle")]
-Length = Annotated[float, _measure("length")]
-Share = Annotated[float, _measure("share")]
+Time = Annotated[float, measure_of("time")]
+Angle = Annotated[float, measure_of("angle")]
+Length = Annotated[float, measure_of("length")]
+Share = Annotated[float, measure_of("share")]
 
 
 class Sampled(Section):
@@ -110,28 +111,28 @@ class Inertial(Sampled):
 
     correlation_time: Lasting | None = None
     scale: Vector3 | None = None
-    misalignment: Annotated[tuple[float, float, float], _each("angle")] | None = None
+    misalignment: Annotated[tuple[float, float, float], each_of("angle")] | None = None
 
 
 class Gyro(Inertial):
     """Noise of the base's angular rate."""
 
-    angle_random_walk: Annotated[float, _measure("angle random walk")] = 0.0
-    bias_instability: Annotated[float, _measure("angular rate")] = 0.0
-    turn_on_bias: Annotated[float, _measure("angular rate")] | None = None
+    angle_random_walk: Annotated[float, measure_of("angle random walk")] = 0.0
+    bias_instability: Annotated[float, measure_of("angular rate")] = 0.0
+    turn_on_bias: Annotated[float, measure_of("angular rate")] | None = None
     constant_bias: (
-        Annotated[tuple[float, float, float], _each("angular rate")] | None
+        Annotated[tuple[float, float, float], each_of("angular rate")] | None
     ) = None
 
 
 class Accelerometer(Inertial):
     """Noise of the specific force at S."""
 
-    velocity_random_walk: Annotated[float, _measure("velocity random walk")] = 0.0
-    bias_instability: Annotated[float, _measure("acceleration")] = 0.0
-    turn_on_bias: Annotated[float, _measure("acceleration")] | None = None
+    velocity_random_walk: Annotated[float, measure_of("velocity random walk")] = 0.0
+    bias_instability: Annotated[float, measure_of("acceleration")] = 0.0
+    turn_on_bias: Annotated[float, measure_of("acceleration")] | None = None
     constant_bias: (
-        Annotated[tuple[float, float, float], _each("acceleration")] | None
+        Annotated[tuple[float, float, float], each_of("acceleration")] | None
     ) = None
     increments: bool | None = None
 
@@ -141,7 +142,7 @@ class Encoder(Sampled):
 
     position: Angle | None = None
     resolution: Angle | None = None
-    tachometer: Annotated[float, _measure("angular rate")] | None = None
+    tachometer: Annotated[float, measure_of("angular rate")] | None = None
 
     @model_validator(mode="after")
     def _something(self) -> "Encoder":

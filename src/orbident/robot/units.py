@@ -26,6 +26,15 @@ UNITS: dict[str, dict[str, float]] = {
     "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0, "h": _HOUR},
     "length": {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6},
     "length random walk": {"m/sqrt(s)": 1.0, "mm/sqrt(s)": 1e-3, "um/sqrt(s)": 1e-6},
+    "altitude": {"m": 1.0, "km": 1e3},
+    "area": {"m^2": 1.0, "cm^2": 1e-4},
+    "density": {"kg/m^3": 1.0, "g/cm^3": 1e3},
+    "force": {"N": 1.0, "mN": 1e-3, "uN": 1e-6},
+    "torque": {"Nm": 1.0, "mNm": 1e-3, "uNm": 1e-6},
+    "slope": {"1/s^2": 1.0, "urad/m": 1e-6 * STANDARD_GRAVITY},
+    "drag": {"Ns/m": 1.0, "mNs/m": 1e-3},
+    "turning drag": {"Nms": 1.0, "mNms": 1e-3},
+    "magnetic moment": {"Am^2": 1.0},
     "share": {"1": 1.0, "%": 1e-2, "ppm": 1e-6},
     "frequency": {"Hz": 1.0, "kHz": 1e3},
     "speed": {"m/s": 1.0, "cm/s": 1e-2, "mm/s": 1e-3},
@@ -95,7 +104,7 @@ def _split(given: object) -> tuple[float | None, str]:
     """The number, None where there is none, and the unit's text."""
     if isinstance(given, bool) or not isinstance(given, int | float | str):
         return None, ""
-    found = _NUMBER.match(given if isinstance(given, str) else repr(given))
+    found = _NUMBER.match(str(given))
     if found is None:
         return None, ""
     return float(found[0]), "".join(found.string[found.end() :].split())

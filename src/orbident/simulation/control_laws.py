@@ -33,6 +33,10 @@ class JointPD(NamedTuple):
     Kd: Float[np.ndarray, " joints"]
 
 
+class Driven(NamedTuple):
+    """The joints do exactly as commanded, whatever torque that takes."""
+
+
 class WheelSpeed(NamedTuple):
     """`tau_rw = k (qd_rw,d - qd_rw)`: brings each wheel to a speed."""
 
@@ -96,7 +100,7 @@ class ComputedTorque(NamedTuple):
     """1/s."""
 
 
-JointLaw = JointPD | OpenLoop | ComputedTorque
+JointLaw = JointPD | Driven | OpenLoop | ComputedTorque
 WheelLaw = WheelSpeed | AttitudeHold | OpenLoop | ComputedTorque
 
 

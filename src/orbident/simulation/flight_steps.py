@@ -14,6 +14,7 @@ from orbident.robot.description import Robot
 from orbident.simulation.control_laws import (
     AttitudeHold,
     ComputedTorque,
+    Driven,
     JointLaw,
     JointPD,
     OpenLoop,
@@ -110,6 +111,8 @@ def vehicle_of(
     unlimited = np.full(W, np.inf)
     limits = limits or WheelLimits(unlimited, unlimited)
     free = movable(robot).astype(float)
+    if isinstance(joints, Driven):
+        free[6 : 6 + K] = 0.0
     if wheels is None:
         free[6 + K :] = wheels_of(robot).free
     return _core.Vehicle(

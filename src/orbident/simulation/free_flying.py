@@ -1,20 +1,25 @@
 """Free-flying motion: thrusters, wheels and joint torques move the robot (Eq. 13)."""
 
 from collections.abc import Callable, Sequence
+from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 
 from orbident.errors import InputError
 from orbident.model.inertia import inertia_at
-from orbident.model.rotations import quaternion_matrix, rotation_angle
+from orbident.model.rotations import quaternion_matrix, rotate_back, rotation_angle
 from orbident.robot.description import Robot
 from orbident.simulation.control_laws import JointLaw, WheelLaw, WheelLimits
+from orbident.simulation.environment.moving import Path
+from orbident.simulation.environment.outside import Wrenches, outside_of, true_pulses
 from orbident.simulation.flight import FlyingState, FreeFlying
 from orbident.simulation.flight_checks import check_flight, check_laws
-from orbident.simulation.flight_steps import Drive, Shown, integrate, vehicle_of
+from orbident.simulation.flight_steps import AT_S, Drive, Shown, integrate, vehicle_of
 from orbident.simulation.free_floating import JointMotion
 from orbident.simulation.thrusters import Pulse, thrust
+from orbident.trajectories.environment import Environment
 
 MOST_STEPS = 2**19
 
@@ -29,8 +34,12 @@ def free_flying(
     limits: WheelLimits | None = None,
     pulses: Sequence[Pulse] = (),
     tolerance: float = 1e-8,
+    environment: Environment | None = None,
+    seed: int = 0,
 ) -> FreeFlying:
-    """How the robot moves under its controllers and thrusters (Eqs. 13, 15).
+    """How the robot moves under controllers, thrusters and what acts from outside.
+
+    Eqs. 13 and 15.
 
     RK4 with steps that end on every sample time and every pulse edge, halved until
     the motion at the samples changes by no more than `tolerance`.
@@ -46,44 +55,65 @@ def free_flying(
         limits: of the wheels' motors, where a law drives them.
         pulses: of the thrusters, within the times of the samples.
         tolerance: of attitude, joints and position, rad or m.
+        environment: what acts from outside; nothing by default.
+        seed: of what is random of it.
 
     Raises:
         InputError: the times do not increase, something has not the size of the robot,
             a planar robot starts out of its plane, the mass matrix is singular, the
-            wheels are heavier than the base, a pulse cannot be flown, or no step is
-            small enough.
+            wheels are heavier than the base, a pulse cannot be flown, the environment
+            is not one of this robot, or no step is small enough.
     """
+    environment = environment or Environment()
+    pulses = (*pulses, *true_pulses(environment))
     check_flight(robot, t, start, command, pulses)
     check_laws(robot, joints, wheels, limits, t)
+    outside = outside_of(robot, environment, t, seed)
     edges = [edge for pulse in pulses for edge in (pulse.on, pulse.off)]
+    edges += [edge for edge in outside.edges if t[0] < edge < t[-1]]
     breaks = np.unique(np.concatenate([t, edges]))
 
     def thrust_at(nodes: Float[np.ndarray, "steps 3"]) -> Float[np.ndarray, "steps 6"]:
         # No step straddles an edge: the thrust is that of its middle.
         return thrust(robot, pulses, nodes[:, 1])
 
-    drive = Drive(
-        command,
-        joints,
-        wheels,
-        lambda nodes: np.tile(thrust_at(nodes)[:, None, None], (1, 3, 1, 1)),
-    )
-    vehicle, at_start = (
-        vehicle_of(robot, joints, wheels, limits),
-        _at_start(robot, start),
-    )
+    vehicle = vehicle_of(robot, joints, wheels, limits, (*AT_S, *outside.points))
+    at_start = _at_start(robot, start)
 
-    def solve(parts: int) -> tuple[Shown, Float[np.ndarray, "n 6"]]:
+    def solve(parts: int, path: Path | None) -> Solved:
         nodes = _step_nodes(breaks, parts)
         wanted = np.zeros(len(nodes), dtype=bool)
         wanted[parts * np.searchsorted(breaks, t)] = True
-        shown = integrate(
-            vehicle, at_start, nodes, lambda some: drive.at(robot, some), wanted
-        )
-        return shown, thrust_at(nodes[wanted])
 
-    path, error, parts = _refined(robot, solve, breaks.size, tolerance)
-    return _flown(t, *path, error, parts * (breaks.size - 1))
+        def fly(wrenches: Wrenches) -> Shown:
+            def both(some: Float[np.ndarray, "steps 3"]) -> Float[np.ndarray, "..."]:
+                net = np.tile(thrust_at(some)[:, None, None], (1, 3, 1, 1))
+                return np.concatenate([net, wrenches(some)], axis=2)
+
+            drive = Drive(command, joints, wheels, both)
+            # What acts depends on the motion everywhere.
+            shown = wanted if not outside.forces else np.ones_like(wanted)
+            at = partial(drive.at, robot)
+            return integrate(vehicle, at_start, nodes, at, shown)
+
+        seen, path = outside.settled(fly, nodes[:, 0], path, tolerance / 10)
+        if outside.forces:
+            seen = Shown(*(each[wanted] for each in seen))
+        return Solved(seen, thrust_at(nodes[wanted]), path)
+
+    solved, error, parts = _refined(robot, solve, breaks.size, tolerance)
+    flown = _flown(t, solved.seen, solved.thrust, error, parts * (breaks.size - 1))
+    pull = rotate_back(quaternion_matrix(flown.attitude), outside.pull_at_S(flown.r_S))
+    return flown._replace(f_S=flown.f_S - pull)
+
+
+class Solved(NamedTuple):
+    """A motion with steps of one length."""
+
+    seen: Shown
+    thrust: Float[np.ndarray, "n 6"]
+    path: Path | None
+    """The motion between the samples, where something acts that depends on it."""
 
 
 def _step_nodes(
@@ -123,18 +153,18 @@ def _at_start(robot: Robot, start: FlyingState) -> Float[np.ndarray, " states"]:
 
 def _refined(
     robot: Robot,
-    solve: Callable[[int], tuple[Shown, Float[np.ndarray, "n 6"]]],
+    solve: Callable[[int, Path | None], Solved],
     breaks: int,
     tolerance: float,
-) -> tuple[tuple[Shown, Float[np.ndarray, "n 6"]], float, int]:
+) -> tuple[Solved, float, int]:
     """The motion, its error, and the number of steps from each break to the next."""
-    parts, coarse, error = 1, solve(1), np.inf
+    parts, coarse, error = 1, solve(1, None), np.inf
     while 2 * parts * breaks <= MOST_STEPS:
         parts *= 2
-        fine = solve(parts)
+        fine = solve(parts, coarse.path)
         # Where a limit cuts in, halving does not divide the error by RK4's 16: the
         # whole difference is taken.
-        error = _difference(coarse[0], fine[0])
+        error = _difference(coarse.seen, fine.seen)
         if error <= tolerance:
             return fine, error, parts
         coarse = fine

@@ -1,15 +1,21 @@
 """A recording of a free-floating manoeuvre, by ideal or by real sensors."""
 
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
+from jaxtyping import Float
 
 from orbident.errors import InputError
 from orbident.model.regularity import check_regular
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
+from orbident.simulation.control_laws import Driven
+from orbident.simulation.environment.outside import recorded_thrust
+from orbident.simulation.flight import FreeFlying, standing
 from orbident.simulation.free_floating import BaseState, FreeFloating, free_floating
-from orbident.simulation.measure import measure
+from orbident.simulation.free_flying import free_flying
+from orbident.simulation.measure import measure_truth
+from orbident.simulation.truth import Columns, Truth, truth_of, truth_of_flight
 from orbident.trajectories.trajectory import Trajectory
 
 RATE = 20.0
@@ -30,6 +36,8 @@ def simulate(
 ) -> Recording:
     """Let the robot float free along a trajectory, and record it.
 
+    What acts from outside meanwhile is the trajectory's `environment`.
+
     Args:
         robot: with its nominal inertia.
         trajectory: of the joints, with the initial state of base and wheels.
@@ -37,23 +45,79 @@ def simulate(
         tolerance: of the attitude, rad.
         noise: `"none"` for ideal sensors of everything, `"sensors"` for those that the
             robot file declares, as `measure` has them.
-        seed: of the sensors' noise.
+        seed: of the sensors' noise, and of what is random from outside.
         truth: add noise-free columns `truth.*` beside what the sensors measured.
 
     Raises:
         InputError: the trajectory is not for this robot's joints and wheels, its mass
             matrix is singular, the rate is not positive, the base turns too fast for
-            it, or a sensor cannot sample at it.
+            it, a sensor cannot sample at it, or the environment is not one of this
+            robot.
     """
     if noise not in {"none", "sensors"}:
         raise InputError(f"noise {noise!r}: give 'none' or 'sensors'")
     if truth and noise == "none":
         raise InputError("truth: a recording without noise is the truth already")
     rate = float(robot.sensors.get("rate", RATE) if rate is None else rate)
-    motion = float_along(robot, trajectory, rate, tolerance)
     if noise == "none":
-        return recorded(robot, motion)
-    return measure(robot, motion, trajectory, seed, truth)
+        motion, known = _moved_along(robot, trajectory, rate, tolerance, seed)
+        return with_columns(recorded(robot, motion), known)
+    made = made_along(robot, trajectory, rate, tolerance, seed)
+    return with_columns(
+        measure_truth(robot, made.t, made.true, seed, truth), made.known
+    )
+
+
+class Made(NamedTuple):
+    """A simulated motion at its rows."""
+
+    t: Float[np.ndarray, " rows"]
+    """s."""
+    true: Truth
+    known: Columns
+    """What is recorded beside what sensors measure: the thrust that was commanded."""
+
+
+def made_along(
+    robot: Robot,
+    trajectory: Trajectory,
+    rate: float,
+    tolerance: float = 1e-9,
+    seed: int = 0,
+) -> Made:
+    """The motion along a trajectory, in its environment if it has one.
+
+    Args:
+        robot: with its nominal inertia.
+        trajectory: of the joints, which do exactly that.
+        rate: samples per second.
+        tolerance: of the motion, rad or m.
+        seed: of what is random of the environment.
+
+    Raises:
+        InputError: as `float_along` and `fly_along`.
+    """
+    motion, known = _moved_along(robot, trajectory, rate, tolerance, seed)
+    if isinstance(motion, FreeFlying):
+        return Made(motion.t, truth_of_flight(motion), known)
+    true = truth_of(robot, motion, trajectory.for_robot(robot))
+    return Made(motion.t, true, known)
+
+
+def _moved_along(
+    robot: Robot, trajectory: Trajectory, rate: float, tolerance: float, seed: int
+) -> tuple[FreeFloating | FreeFlying, Columns]:
+    """The motion, and the columns of thrust."""
+    if trajectory.environment is None:
+        return float_along(robot, trajectory, rate, tolerance), {}
+    flight = fly_along(robot, trajectory, rate, tolerance, seed)
+    return flight, recorded_thrust(trajectory.environment, flight.t)
+
+
+def with_columns(recording: Recording, more: Columns) -> Recording:
+    """The recording with columns that no sensor measured."""
+    columns = {**recording.columns, **more}
+    return Recording(recording.t, columns, source=recording.source)
 
 
 def float_along(
@@ -72,6 +136,54 @@ def float_along(
             matrix is singular, the rate is not positive, or the base turns too fast
             for it.
     """
+    trajectory, t, start = _task(robot, trajectory, rate)
+    try:
+        return free_floating(robot, trajectory, t, start, tolerance)
+    except InputError as error:
+        raise InputError(f"{trajectory.source}: {error}") from None
+
+
+def fly_along(
+    robot: Robot,
+    trajectory: Trajectory,
+    rate: float,
+    tolerance: float = 1e-9,
+    seed: int = 0,
+) -> FreeFlying:
+    """The motion along a trajectory, from its initial state, as its environment acts.
+
+    Args:
+        robot: with its nominal inertia.
+        trajectory: of the joints, which do exactly that.
+        rate: samples per second.
+        tolerance: of attitude, joints and position, rad or m.
+        seed: of what is random of the environment.
+
+    Raises:
+        InputError: as `float_along`, or the environment is not one of this robot.
+    """
+    trajectory, t, base = _task(robot, trajectory, rate)
+    q, qd, _ = trajectory.at(t[:1])
+    start = standing(base, q[0])._replace(qd=qd[0])
+    try:
+        return free_flying(
+            robot,
+            t,
+            start,
+            trajectory,
+            Driven(),
+            tolerance=tolerance,
+            environment=trajectory.environment,
+            seed=seed,
+        )
+    except InputError as error:
+        raise InputError(f"{trajectory.source}: {error}") from None
+
+
+def _task(
+    robot: Robot, trajectory: Trajectory, rate: float
+) -> tuple[Trajectory, Float[np.ndarray, " n"], BaseState]:
+    """The trajectory in the robot's order, sample times, and how the base starts."""
     check_regular(robot)
     if not 0.0 < rate < np.inf:
         raise InputError(f"rate {rate} Hz: give a positive number of samples a second")
@@ -83,11 +195,7 @@ def float_along(
         velocity=initial.velocity,
         wheel_speed=initial.wheel_speeds(robot.wheel_names),
     )
-    t = sample_times(trajectory.duration, rate)
-    try:
-        return free_floating(robot, trajectory, t, start, tolerance)
-    except InputError as error:
-        raise InputError(f"{trajectory.source}: {error}") from None
+    return trajectory, sample_times(trajectory.duration, rate), start
 
 
 def sample_times(duration: float, rate: float) -> np.ndarray:
@@ -107,7 +215,7 @@ def sample_times(duration: float, rate: float) -> np.ndarray:
     return np.minimum(np.arange(int(count)) / rate, duration)
 
 
-def recorded(robot: Robot, motion: FreeFloating) -> Recording:
+def recorded(robot: Robot, motion: FreeFloating | FreeFlying) -> Recording:
     """A motion as the columns of a recording."""
     columns = {}
     for k, name in enumerate(robot.joint_names):

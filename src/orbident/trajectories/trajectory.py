@@ -11,6 +11,7 @@ from jaxtyping import Float
 from orbident.errors import InputError
 from orbident.files.names import listed
 from orbident.robot.description import Robot
+from orbident.trajectories.environment import Environment
 from orbident.trajectories.fourier_quintic import FourierQuintic
 
 QUATERNION_TOLERANCE = 0.1
@@ -76,6 +77,8 @@ class Trajectory:
     end: Float[np.ndarray, "joints 3"]
     """The same at t = t_f."""
     initial: InitialState = field(default_factory=InitialState)
+    environment: Environment | None = None
+    """What acts from outside meanwhile."""
     design: Mapping[str, Any] | None = None
     """How it was made, its scores and proven margins."""
     source: str = "trajectory"

@@ -14,6 +14,7 @@ from orbident.files.schema_errors import validated
 from orbident.files.schema_parts import Number, Positive, Section, Vector3, Vector4
 from orbident.files.text import read_text, write_text
 from orbident.files.yaml_mapping import read_yaml_mapping
+from orbident.trajectories.environment import Environment
 from orbident.trajectories.trajectory import InitialState, Trajectory
 
 MOST_HARMONICS = 1000
@@ -62,6 +63,7 @@ class _TrajectoryFile(Section):
     duration: Positive
     joints: dict[str, _Joint]
     initial: _Initial = _Initial()
+    environment: Environment | None = None
     design: dict[str, Any] | None = None
 
 
@@ -97,6 +99,7 @@ def load_trajectory(path: str | os.PathLike[str]) -> Trajectory:
         start=_padded([joint.start.row() for joint in joints], 3),
         end=_padded([joint.end.row() for joint in joints], 3),
         initial=state,
+        environment=file.environment,
         design=file.design,
         source=str(path),
     )
@@ -129,6 +132,10 @@ def save_trajectory(trajectory: Trajectory, path: str | os.PathLike[str]) -> Non
             "wheel_speed": initial.wheel_speed,
         },
     }
+    if trajectory.environment is not None:
+        document["environment"] = trajectory.environment.model_dump(
+            exclude_defaults=True
+        )
     if trajectory.design is not None:
         document["design"] = trajectory.design
     text = yaml.safe_dump(

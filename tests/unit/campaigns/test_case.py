@@ -1,11 +1,13 @@
 from pathlib import Path
 
 import numpy as np
+import pytest
 from instruments import Errors, shown_with
 from small_campaigns import begun
 
 from orbident.campaigns.case import Case, Draws
 from orbident.campaigns.instruments import moved_joints, shown
+from orbident.errors import InputError
 from orbident.robot.description import Robot
 from orbident.robot.parameters import inertia_about_com
 from orbident.simulation.free_floating import BaseState, free_floating
@@ -23,6 +25,8 @@ ALL = {
         "wheel_speed": {"normal": 5},
     },
 }
+
+MOTION = {"robot": "robot.yaml", "trajectory": "motion.yaml"}
 
 
 def case(folder: Path, k: int = 3, **changes) -> Case:
@@ -127,3 +131,22 @@ def test_instruments_err_as_the_reference_has_it(tmp_path: Path):
         # A clock that is late by 1 ms: here the quintic through the samples, there one
         # step along the rate, off by half the acceleration, 1e-6 of it.
         np.testing.assert_allclose(seen[name], column, atol=2e-6, err_msg=name)
+
+
+def test_what_acts_flies_with_the_run(tmp_path: Path):
+    """By the same noise of sensors, the base turns otherwise."""
+    slow = {"std": 0.1, "correlation_time": 5}
+    robots = [MOTION | {"environment": {"slow_torque": slow}}]
+    turned, alone = (
+        case(tmp_path / str(len(more)), disperse={}, **more).recording()
+        for more in ({"robots": robots}, {})
+    )
+    difference = turned.column("gyro.x") - alone.column("gyro.x")
+    assert abs(difference[0]) < 1e-15
+    assert np.abs(difference).max() > 1e-5
+
+
+def test_an_environment_of_another_robot_is_refused(tmp_path: Path):
+    robots = [MOTION | {"environment": {"tilt": [1e-5, 0]}}]
+    with pytest.raises(InputError, match=r"robots\[0\]: environment: 'tilt'"):
+        case(tmp_path, robots=robots)

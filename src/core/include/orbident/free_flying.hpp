@@ -1,6 +1,8 @@
 // Free flying: thrusters, wheels and joint torques move the robot (Eqs. 13, 15), by RK4 steps.
 //
 //   r_cm' = R_0 v_cm,   x_WB' = 1/2 x_WB (w, 0),   q' = qd,   q_rw' = qd_rw,   H+ v' + c+ = Q
+//
+// A joint that is not free accelerates as commanded; its torque is what that takes.
 #pragma once
 
 #include "orbident/control_laws.hpp"
@@ -10,7 +12,7 @@ namespace orbident {
 // A robot and what drives it; views of constant tables.
 struct Vehicle {
   Robot robot;
-  const double* free;  // speeds: 1 where a speed may change, 0 for a held wheel or out of the plane
+  const double* free;  // speeds: 0 of a driven joint, of a held wheel and out of the plane, else 1
   ControlLaws laws;
   WheelLimits limits;
   const BodyPoint* point;  // where the commanded wrenches act
@@ -58,7 +60,13 @@ inline void rate(const Vehicle& vehicle, const double* state, const Command& com
                Vector3<double>(command.wrench + 6 * k + 3), eq);
   Column<double> vd(memory.vd, N);
   vd.setZero();
+  std::copy_n(command.qdd, joints, memory.vd + 6);
+  for (int k = 0; k < joints; ++k)
+    if (vehicle.free[6 + k] == 0.0) memory.tau[k] = eq.c[6 + k] - Q[6 + k];
   accelerate(robot, vehicle.free, eq, memory.vd);
+  const Square<double> H(eq.H, N, N);
+  for (int k = 0; k < joints; ++k)
+    if (vehicle.free[6 + k] == 0.0) memory.tau[k] += H.row(6 + k).dot(vd);
 
   const Flying<double> slope(robot, derivative);
   Eigen::Map<Vector3<double>>(slope.r_cm) = quaternion_matrix(x_WB) * Vector3<double>(x.v);

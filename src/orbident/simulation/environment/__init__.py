@@ -1,0 +1,1 @@
+"""What acts on a flying robot from outside, computed from the flight itself."""

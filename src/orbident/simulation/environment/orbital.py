@@ -1,0 +1,71 @@
+"""What acts in an orbit.
+
+    gravity gradient   F_i = m_i mu / R^3 (3 n n . r_i - r_i)
+                       tau_i = 3 mu / R^3 n x I_i n
+    air drag           F = -1/2 rho C A |v| v       v relative to the air
+    sunlight           F = -P C A s                 s towards the sun
+    dipole             tau = m x B
+
+`n` is up, and body `i`, with the inertia `I_i` about its CM, is at `r_i` from the
+system CM: the tide moves no CM. Together its moments are `3 mu / R^3 n x D n` (Hughes
+1986).
+"""
+
+import numpy as np
+
+from orbident.model.rotations import rotate, rotate_back
+from orbident.robot.parameters import inertia_about_com
+from orbident.simulation.environment.moving import Acting, Moving, heavy_bodies
+from orbident.simulation.environment.orbit import MU, place
+from orbident.trajectories.environment import AirDrag, Orbit, SolarPressure
+
+SUNLIGHT = 4.54e-6
+"""The pressure of light that is absorbed, at the Earth, N/m^2."""
+
+
+def gravity_gradient(orbit: Orbit, start: float, moving: Moving) -> list[Acting]:
+    """Tidal force and moment on each body; the flight starts at `start`, s."""
+    at, robot = place(orbit, moving.t - start), moving.robot
+    tide, n = MU / at.R**3, at.up
+    bodies = heavy_bodies(robot)
+    places = [moving.point(i, com).r for i, _, com in bodies]
+    r_cm = sum(m * r for (_, m, _), r in zip(bodies, places, strict=True)) / robot.mass
+    acting = []
+    for (i, m, com), r in zip(bodies, places, strict=True):
+        along = np.sum(n * (r - r_cm), axis=1, keepdims=True)
+        force = m * tide * (3 * along * n - (r - r_cm))
+        R_Wi = moving.R_WB @ moving.poses.R[:, i]
+        I_n = rotate(R_Wi, rotate_back(R_Wi, n) @ inertia_about_com(robot.theta[i]))
+        acting.append(moving.acting(i, com, force, 3 * tide * np.cross(n, I_n)))
+    return acting
+
+
+def air_drag(
+    given: AirDrag, orbit: Orbit, start: float, moving: Moving
+) -> list[Acting]:
+    """Drag at the centre of pressure of the base."""
+    v = place(orbit, moving.t - start).wind
+    size = given.density * given.coefficient * given.area / 2
+    force = -size * np.linalg.norm(v, axis=1, keepdims=True) * v
+    return [_at(given.centre, force, moving)]
+
+
+def solar_pressure(given: SolarPressure, moving: Moving) -> list[Acting]:
+    """The pressure of the sun's light at the centre of pressure of the base."""
+    s = np.array(given.sun) / np.linalg.norm(given.sun)
+    force = -SUNLIGHT * given.coefficient * given.area * s
+    return [_at(given.centre, np.tile(force, (moving.t.size, 1)), moving)]
+
+
+def dipole(
+    moment: tuple[float, ...], orbit: Orbit, start: float, moving: Moving
+) -> list[Acting]:
+    """The torque of the Earth's field on a magnet in the base, base axes, A m^2."""
+    m = moving.R_WB @ np.array(moment)
+    field = place(orbit, moving.t - start).field
+    return [moving.acting(0, np.zeros(3), moment=np.cross(m, field))]
+
+
+def _at(centre: tuple[float, ...], force: np.ndarray, moving: Moving) -> Acting:
+    """A force on the base, at a point in the frame of its link."""
+    return moving.acting(0, np.array(centre) - moving.robot.feature_point, force)

@@ -1,0 +1,235 @@
+"""All that acts on a robot: checked, drawn, and as wrenches for the core."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+from jaxtyping import Float
+
+from orbident.errors import InputError
+from orbident.files.names import listed, suggestion
+from orbident.model.rotations import rotate_back
+from orbident.robot.description import Robot
+from orbident.simulation.environment import orbital, steady, table
+from orbident.simulation.environment.moving import Force, Path, Vectors, at_rest
+from orbident.simulation.flight_steps import Shown, WrenchPoint
+from orbident.simulation.streams import stream
+from orbident.simulation.thrusters import Pulse
+from orbident.trajectories.environment import Environment, Firing, Orbit
+
+MOST_ROUNDS = 60
+"""Flights until what acts is that of the motion; a whole orbit takes some 25."""
+
+Wrenches = Callable[[Float[np.ndarray, "steps 3"]], Float[np.ndarray, "steps 3 w 6"]]
+
+
+@dataclass(frozen=True)
+class Outside:
+    """What acts on one flight."""
+
+    robot: Robot
+    environment: Environment
+    forces: tuple[Force, ...]
+    points: tuple[WrenchPoint, ...]
+
+    @property
+    def edges(self) -> list[float]:
+        """When bursts begin and end, s."""
+        bursts = self.environment.bursts
+        return [edge for b in bursts for edge in (b.start, b.start + b.duration)]
+
+    def wrenches(self, path: Path | None) -> Wrenches:
+        """From nodes to force and moment at the points, base axes; first, nothing."""
+
+        def at(nodes: Float[np.ndarray, "steps 3"]) -> Float[np.ndarray, "..."]:
+            net = np.zeros((nodes.size, len(self.points), 6))
+            if path is not None and self.forces:
+                moving = path.at(nodes)
+                every = (each for force in self.forces for each in force(moving))
+                for k, acting in enumerate(every):
+                    net[:, k, :3] = rotate_back(moving.R_WB, acting.force)
+                    net[:, k, 3:] = rotate_back(moving.R_WB, acting.moment)
+            return net.reshape(*nodes.shape, -1, 6)
+
+        return at
+
+    def settled(
+        self,
+        fly: Callable[[Wrenches], Shown],
+        t: Float[np.ndarray, " steps"],
+        path: Path | None,
+        tolerance: float,
+    ) -> tuple[Shown, Path | None]:
+        """Fly until what acts is that of the motion which it makes.
+
+        What acts changes motions little, so that each flight is far nearer than the
+        one before (Picard's iteration).
+
+        Args:
+            fly: a flight under given wrenches.
+            t: the starts of its steps, s.
+            path: a motion to begin with; without one, nothing acts on the first flight.
+            tolerance: of attitude, joints and position, rad or m.
+
+        Raises:
+            InputError: it does not settle.
+        """
+        if not self.forces:
+            return fly(self.wrenches(None)), None
+        for _ in range(MOST_ROUNDS):
+            # A motion that blows up is not a number, or far beyond all numbers.
+            with np.errstate(all="ignore"):
+                seen = fly(self.wrenches(path))
+                if not np.isfinite(np.hstack([seen.v, seen.vd, seen.r_S])).all():
+                    break
+                found = Path.through(self.robot, t, seen)
+                if path is not None and found.apart(path) <= tolerance:
+                    return seen, found
+            path = found
+        raise InputError(
+            f"{self.robot.name}: what acts from outside moves the robot so much that "
+            "no motion is found; make it weaker, or fly a shorter time"
+        )
+
+    def pull_at_S(self, r_S: Vectors) -> Vectors:
+        """The pull that an accelerometer at S does not feel, inertial axes, m/s^2."""
+        return table.pull(self.environment, r_S)
+
+
+def outside_of(
+    robot: Robot,
+    environment: Environment | None,
+    t: Float[np.ndarray, " rows"],
+    seed: int,
+) -> Outside:
+    """All that acts on a flight.
+
+    Args:
+        robot: that flies.
+        environment: what acts; nothing where it is None.
+        t: the rows of the flight, s; slow processes are drawn there.
+        seed: of these.
+
+    Raises:
+        InputError: this robot cannot be acted on like that.
+    """
+    environment = environment or Environment()
+    check_environment(robot, environment)
+    forces = tuple(_forces(environment, t, seed))
+    still = at_rest(robot)
+    points = [
+        WrenchPoint(acting.body, acting.point)
+        for force in forces
+        for acting in force(still)
+    ]
+    return Outside(robot, environment, forces, tuple(points))
+
+
+def check_environment(robot: Robot, environment: Environment) -> None:
+    """Refuse what cannot act on this robot.
+
+    Raises:
+        InputError: it floats in space and not on a table or the other way round, it has
+            no such body or thruster, or a body with film drag has no pads.
+    """
+    planar = robot.motion == "planar"
+    wrong = environment.in_space if planar else environment.on_table
+    if wrong:
+        where, other = ("on a table", "in space")[:: 1 if planar else -1]
+        raise InputError(
+            f"environment: {listed(wrong)}: {robot.name} floats {where}, and this acts "
+            f"{other}; remove it"
+        )
+    thrusters = [thruster.name for thruster in robot.thrusters]
+    for key, kind, named, known in (
+        ("film_drag", "body", environment.film_drag, robot.bodies),
+        ("thrusters", "thruster", environment.thrusters, thrusters),
+    ):
+        for name in named:
+            if name not in known:
+                raise InputError(
+                    f"environment: {key}: no {kind} '{name}'; "
+                    + suggestion(name, known, {"body": "bodies"}.get(kind, "thrusters"))
+                )
+    for body in environment.film_drag:
+        if body not in robot.pads:
+            raise InputError(
+                f"environment: film_drag: body '{body}' has no pads; say where "
+                "they are under 'pads:' in the robot file"
+            )
+
+
+def true_pulses(environment: Environment) -> tuple[Pulse, ...]:
+    """What the thrusters do: the recorded force times the gain."""
+    return tuple(
+        Pulse(name, pulse.on, pulse.off, thrust.gain * pulse.force)
+        for name, thrust in environment.thrusters.items()
+        for pulse in thrust.pulses
+    )
+
+
+def recorded_thrust(
+    environment: Environment, t: Float[np.ndarray, " rows"]
+) -> dict[str, Float[np.ndarray, " rows"]]:
+    """The columns that a recording has of them, N.
+
+    A number holds until the next row: it is the mean over that time, and the impulse is
+    right wherever a pulse begins.
+
+    Args:
+        environment: with the thrusters.
+        t: the times of the rows, s.
+    """
+    return {
+        f"thruster.{name}.force": sum(
+            (_mean(pulse, t) for pulse in thrust.pulses), np.zeros(t.size)
+        )
+        for name, thrust in environment.thrusters.items()
+    }
+
+
+def _mean(pulse: Firing, t: Float[np.ndarray, " rows"]) -> Float[np.ndarray, " rows"]:
+    since = np.clip(t, pulse.on, pulse.off)
+    return np.append(pulse.force * np.diff(since) / np.diff(t), 0.0)
+
+
+def _forces(
+    given: Environment, t: Float[np.ndarray, " rows"], seed: int
+) -> Iterator[Force]:
+    if given.torque:
+        yield partial(steady.constant_torque, given.torque)
+    if given.force:
+        yield partial(steady.constant_force, given.force)
+    for name, act in (
+        ("slow_torque", steady.slow_torque),
+        ("slow_force", steady.slow_force),
+    ):
+        slow = getattr(given, name)
+        if slow is not None:
+            random = stream(seed, f"environment.{name}")
+            drawn = steady.Slow(t, slow.std, slow.correlation_time, random)
+            yield partial(act, drawn)
+    for burst in given.bursts:
+        yield partial(steady.burst, burst)
+    yield from _on_table(given)
+    if given.solar_pressure:
+        yield partial(orbital.solar_pressure, given.solar_pressure)
+    if given.orbit:
+        yield from _in_orbit(given, given.orbit, float(t[0]))
+
+
+def _on_table(given: Environment) -> Iterator[Force]:
+    if given.tilt or given.uneven:
+        yield partial(table.pulls, given)
+    for body, film in given.film_drag.items():
+        yield partial(table.film_drag, body, film)
+
+
+def _in_orbit(given: Environment, orbit: Orbit, start: float) -> Iterator[Force]:
+    if given.gravity_gradient:
+        yield partial(orbital.gravity_gradient, orbit, start)
+    if given.air_drag:
+        yield partial(orbital.air_drag, given.air_drag, orbit, start)
+    if given.dipole:
+        yield partial(orbital.dipole, given.dipole, orbit, start)

@@ -1,0 +1,182 @@
+"""What acts on a robot from outside, as the `environment` of a file says it; SI."""
+
+from typing import Annotated
+
+from pydantic import BeforeValidator, Field, model_validator
+
+from orbident.errors import InputError
+from orbident.files.schema_parts import Positive, Section, Vector3, WrongValueError
+from orbident.robot.sensor_schema import Lasting, Time, each_of, measure_of
+from orbident.robot.units import quantity
+
+
+def _signed(dimension: str) -> BeforeValidator:
+    return BeforeValidator(lambda value: quantity(value, dimension))
+
+
+def _above_zero(dimension: str) -> BeforeValidator:
+    def in_si(value: object) -> float:
+        number = quantity(value, dimension)
+        if number <= 0:
+            raise WrongValueError(f"give a {dimension} above zero")
+        return number
+
+    return BeforeValidator(in_si)
+
+
+def _altitude(value: object) -> float:
+    number = quantity(value, "altitude")
+    if number <= 0:
+        raise WrongValueError("the orbit is below the ground; give a height above it")
+    return number
+
+
+Axes = tuple[float, float, float]
+Torque = Annotated[Axes, each_of("torque")]
+Force = Annotated[Axes, each_of("force")]
+Dipole = Annotated[Axes, each_of("magnetic moment")]
+Lengths = Annotated[Axes, each_of("length")]
+Angle = Annotated[float, _signed("angle")]
+Slope = Annotated[float, _signed("slope")]
+
+
+class SlowTorque(Section):
+    """A Gauss-Markov process along each inertial axis."""
+
+    std: Annotated[float, measure_of("torque")]
+    correlation_time: Lasting
+
+
+class SlowForce(Section):
+    """The same of a force, at S."""
+
+    std: Annotated[float, measure_of("force")]
+    correlation_time: Lasting
+
+
+class Burst(Section):
+    """A constant force at S for a while, base axes, which nobody recorded."""
+
+    start: Time
+    duration: Annotated[float, _above_zero("time")]
+    force: Force
+
+
+class Firing(Section):
+    """When a thruster is on, and the force that the recording says."""
+
+    on: Time
+    off: Time
+    force: Annotated[float, measure_of("force")]
+
+
+class Thrust(Section):
+    """A thruster of the robot file, whose force is recorded."""
+
+    pulses: tuple[Firing, ...]
+    gain: Positive = 1.0
+    """The true force over that which is recorded."""
+
+
+class Uneven(Section):
+    """A symmetric pull: `a = [[xx, xy], [xy, yy]] r`, 1/s^2, `r` from the origin."""
+
+    xx: Slope = 0.0
+    xy: Slope = 0.0
+    yy: Slope = 0.0
+
+
+class Film(Section):
+    """Drag of the air film below a body's pads."""
+
+    c: Annotated[float, measure_of("drag")] = 0.0
+    """N s/m."""
+    c_r: Annotated[float, measure_of("turning drag")] = 0.0
+    """N m s."""
+
+
+class Orbit(Section):
+    """A circular orbit; inertial z is the Earth's axis, angles are at the first row."""
+
+    altitude: Annotated[float, BeforeValidator(_altitude)]
+    inclination: Angle
+    node: Angle = 0.0
+    """Of the ascending node, from inertial x."""
+    argument: Angle = 0.0
+    """Of latitude: from the ascending node."""
+
+
+class AirDrag(Section):
+    """Drag of the thin air in an orbit, at a point of the base."""
+
+    density: Annotated[float, measure_of("density")]
+    area: Annotated[float, measure_of("area")]
+    coefficient: Positive = 2.2
+    centre: Lengths
+    """The centre of pressure in the base link's frame."""
+
+
+class SolarPressure(Section):
+    """The pressure of the sun's light, at a point of the base; no shadow is cast."""
+
+    sun: Vector3
+    """Its direction, inertial axes, of any length."""
+    area: Annotated[float, measure_of("area")]
+    coefficient: Positive = 1.3
+    """1 where all light is absorbed, 2 where it is reflected straight back."""
+    centre: Lengths
+    """The centre of pressure in the base link's frame."""
+
+    @model_validator(mode="after")
+    def _somewhere(self) -> "SolarPressure":
+        if not any(self.sun):
+            raise InputError("sun: found no direction; give a nonzero 3-vector")
+        return self
+
+
+class Environment(Section):
+    """What acts from outside; what is absent does not."""
+
+    torque: Torque | None = None
+    """Constant, inertial axes."""
+    force: Force | None = None
+    """Constant, at S, inertial axes."""
+    slow_torque: SlowTorque | None = None
+    slow_force: SlowForce | None = None
+    bursts: tuple[Burst, ...] = ()
+    thrusters: dict[str, Thrust] = Field(default_factory=dict)
+    """By the names of the robot file."""
+    tilt: Annotated[tuple[float, float], each_of("angle", 2)] | None = None
+    """How far the table falls along inertial x and y."""
+    uneven: Uneven | None = None
+    film_drag: dict[str, Film] = Field(default_factory=dict)
+    """By body."""
+    orbit: Orbit | None = None
+    gravity_gradient: bool = False
+    air_drag: AirDrag | None = None
+    solar_pressure: SolarPressure | None = None
+    dipole: Dipole | None = None
+    """The magnetic moment that is left in the base, base axes."""
+
+    @model_validator(mode="after")
+    def _in_orbit(self) -> "Environment":
+        for name in ("gravity_gradient", "air_drag", "dipole"):
+            if getattr(self, name) and self.orbit is None:
+                raise InputError(
+                    f"{name} acts in an orbit, and none is given; add orbit: with "
+                    "altitude and inclination"
+                )
+        return self
+
+    @property
+    def on_table(self) -> tuple[str, ...]:
+        """The names of what is given that acts on a table only."""
+        return self._given("tilt", "uneven", "film_drag")
+
+    @property
+    def in_space(self) -> tuple[str, ...]:
+        """The names of what is given that acts in an orbit only."""
+        return self._given("orbit", "air_drag", "solar_pressure", "dipole")
+
+    def _given(self, *names: str) -> tuple[str, ...]:
+        return tuple(name for name in names if getattr(self, name))
