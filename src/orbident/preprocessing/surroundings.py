@@ -48,7 +48,7 @@ def _check(where: str, name: str, shown: Float[np.ndarray, "samples 3"]) -> None
     if name == "nadir" and least < GROUND:
         raise InputError(
             f"{where}: found a vector of {least:.4g} m, an orbit below the ground; "
-            "give the vector from the robot to the middle of the Earth, base axes, in metres"
+            "give that from the robot to the middle of the Earth, base axes, in metres"
         )
     if name in {"flow", "sun"} and not 1 - UNIT < least <= most < 1 + UNIT:
         raise InputError(

@@ -4,12 +4,14 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 from jaxtyping import Float
+from scipy.spatial.transform import Rotation
 
 from orbident.errors import InputError
 from orbident.model.regularity import check_regular
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.simulation.control_laws import Driven
+from orbident.simulation.environment.directions import seen_from_base
 from orbident.simulation.environment.outside import recorded_thrust
 from orbident.simulation.flight import FreeFlying, standing
 from orbident.simulation.free_floating import BaseState, FreeFloating, free_floating
@@ -75,7 +77,8 @@ class Made(NamedTuple):
     """s."""
     true: Truth
     known: Columns
-    """What is recorded beside what sensors measure: the thrust that was commanded."""
+    """What is recorded beside what sensors measure: the thrust that was commanded, and
+    where Earth, air, sun and field are."""
 
 
 def made_along(
@@ -107,11 +110,15 @@ def made_along(
 def _moved_along(
     robot: Robot, trajectory: Trajectory, rate: float, tolerance: float, seed: int
 ) -> tuple[FreeFloating | FreeFlying, Columns]:
-    """The motion, and the columns of thrust."""
+    """The motion, and the columns of thrust and of directions."""
     if trajectory.environment is None:
         return float_along(robot, trajectory, rate, tolerance), {}
     flight = fly_along(robot, trajectory, rate, tolerance, seed)
-    return flight, recorded_thrust(trajectory.environment, flight.t)
+    R_WB = Rotation.from_quat(flight.attitude).as_matrix()
+    return flight, {
+        **recorded_thrust(trajectory.environment, flight.t),
+        **seen_from_base(trajectory.environment, flight.t, R_WB),
+    }
 
 
 def with_columns(recording: Recording, more: Columns) -> Recording:
