@@ -157,14 +157,14 @@ class _Search:
     progress: Callable[[], object]
     steps: int
 
-    def first(self, groups: tuple[str, ...]) -> Solution:
+    def first(self, more: tuple[str, ...]) -> Solution:
         """Search from the better start, and from the other where that leads nowhere."""
         best, other = self.starts
-        solution = self._from(best, groups)
-        return solution if solution.converged else self._from(other, groups)
+        solution = self._from(best, more)
+        return solution if solution.converged else self._from(other, more)
 
-    def _from(self, start: State, groups: tuple[str, ...]) -> Solution:
-        prior, state = start_with(self.problem, self.prior, start, groups)
+    def _from(self, start: State, more: tuple[str, ...]) -> Solution:
+        prior, state = start_with(self.problem, self.prior, start, more)
         weights = self.problem.weights
         return solved(self.problem, weights, prior, state, self.progress, self.steps)
 

@@ -31,7 +31,8 @@ MOST = 3
 """Groups that are freed one after another, at most."""
 
 TRIED = 3
-"""Groups, likeliest to first order, of which the one that explains most is freed."""
+"""Groups, likeliest to first order, of which the one that explains most is freed; beside
+them as many instruments are tried."""
 
 BAD = 10.0
 """Chi-square of a sample beyond which it is asked whether there is any hope."""
@@ -66,10 +67,10 @@ class Fit(NamedTuple):
 
 @runtime_checkable
 class Search(Protocol):
-    """Fits a recording with some groups among the unknowns."""
+    """Fits a recording with more unknowns: groups, or errors of instruments."""
 
-    def first(self, groups: tuple[str, ...]) -> Solution:
-        """Search with the noise that is assumed."""
+    def first(self, more: tuple[str, ...]) -> Solution:
+        """Search with the noise that is assumed; of the unknowns the names."""
         ...
 
     def whole(self, solution: Solution) -> Fitted:
@@ -115,14 +116,27 @@ def _best(
     search: Search,
     excluded: Collection[str],
 ) -> tuple[Solution, tuple[str, ...]] | None:
-    """The solution with the group that explains most; None where none is likely."""
+    """The solution with the group that explains most; None where none is likely.
+
+    An instrument that is off may look like a torque that changes slowly. Where its
+    error, one number, explains the recording better than all numbers of a group do,
+    nothing is freed: the checks of the residuals then say what is wrong.
+    """
     tried = []
-    for group in _likely(problem, solution, {*groups, *excluded}):
+    known = {each.group for each in problem.acting.disturbances}
+    for group in _likely(problem, solution, known - {*groups, *excluded}):
         more = search.first((*groups, group))
         if not _impossible(problem, more, group):
             size = _places(problem, [group]).size
             tried.append((more.cost + chdtri(size, CHANCE), more, (*groups, group)))
-    return min(tried, key=lambda each: each[0])[1:] if tried else None
+    if not tried:
+        return None
+    least, *best = min(tried, key=lambda each: each[0])
+    exact = {each.name for each in problem.calibrations if not each.std}
+    for instrument in _likely(problem, solution, exact):
+        if search.first((*groups, instrument)).cost + chdtri(1, CHANCE) < least:
+            return None
+    return best[0], best[1]
 
 
 def _hopeless(problem: Problem, cost: float, before: float) -> bool:
@@ -132,17 +146,17 @@ def _hopeless(problem: Problem, cost: float, before: float) -> bool:
 
 
 def start_with(
-    problem: Problem, prior: Prior, state: State, groups: Collection[str]
+    problem: Problem, prior: Prior, state: State, more: Collection[str]
 ) -> tuple[Prior, State]:
-    """Where a search starts with these groups among the unknowns, none of them acting.
+    """Where a search starts with these among the unknowns, all of them zero.
 
     Args:
         problem: a recording's equations.
         prior: of all other unknowns.
         state: of these.
-        groups: the names of the groups.
+        more: names of groups, or of errors of instruments.
     """
-    places = _places(problem, groups)
+    places = _places(problem, more)
     return prior.extended(places.size, FREE), state.selecting(places)
 
 
@@ -182,28 +196,25 @@ def _members(problem: Problem, group: str) -> Iterator[Disturbance]:
     return (each for each in problem.acting.disturbances if each.group == group)
 
 
-def _places(problem: Problem, groups: Collection[str]) -> Float[np.ndarray, " n"]:
-    known = problem.acting.disturbances
-    chosen = [each.group in groups for each in known]
-    return problem.acting.places[np.array(chosen, dtype=bool)]
+def _places(problem: Problem, names: Collection[str]) -> Float[np.ndarray, " n"]:
+    """Of groups, and of errors of instruments."""
+    acting = zip(problem.acting.disturbances, problem.acting.places, strict=True)
+    errors = [each.place for each in problem.calibrations if each.name in names]
+    return np.array([*errors, *(k for each, k in acting if each.group in names)], float)
 
 
-def _likely(
-    problem: Problem, solution: Solution, excluded: Collection[str]
-) -> list[str]:
-    """The groups by which chi-square falls beyond what chance does, most of all."""
-    groups = {each.group for each in problem.acting.disturbances} - set(excluded)
-    if not groups:
+def _likely(problem: Problem, solution: Solution, names: Collection[str]) -> list[str]:
+    """Those by which chi-square falls beyond what chance does, most of all."""
+    if not names:
         return []
-    places = _places(problem, groups)
+    places = _places(problem, names)
     left = after_all_others(problem, solution, places)
     beyond = {}
-    for group in sorted(groups):
-        which = np.flatnonzero(np.isin(places, _places(problem, [group])))
-        beyond[group] = fall(left, which) - chdtri(which.size, CHANCE / len(groups))
+    for name in sorted(names):
+        which = np.flatnonzero(np.isin(places, _places(problem, [name])))
+        beyond[name] = fall(left, which) - chdtri(which.size, CHANCE / len(names))
     likely = sorted(
-        (group for group in beyond if beyond[group] > 0),
-        key=lambda group: -beyond[group],
+        (name for name in beyond if beyond[name] > 0), key=lambda name: -beyond[name]
     )
     return likely[:TRIED]
 
