@@ -31,8 +31,8 @@ MOST = 3
 """Groups that are freed one after another, at most."""
 
 TRIED = 3
-"""Groups, likeliest to first order, of which the one that explains most is freed; beside
-them as many instruments are tried."""
+"""Groups, likeliest to first order, of which the one that explains most is freed; as
+many instruments are tried beside them."""
 
 BAD = 10.0
 """Chi-square of a sample beyond which it is asked whether there is any hope."""
