@@ -1,7 +1,7 @@
 """Which calibration errors act, and estimates with instruments that have them."""
 
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
@@ -216,12 +216,18 @@ def check(trial: Trial) -> None:
     assert np.median(trial.undeclared) > 4.5
 
 
-@pytest.mark.parametrize("kind", PLANAR)
+def kinds(every: dict[str, Any]) -> list[Any]:
+    """All at once; `pytest -m long` has each by itself."""
+    long = pytest.mark.long
+    return [kind if kind == "all" else pytest.param(kind, marks=long) for kind in every]
+
+
+@pytest.mark.parametrize("kind", kinds(PLANAR))
 def test_declared_errors_are_in_the_deviations(robot, kind):
     check(trial(robot, *PLANAR[kind], noisy))
 
 
-@pytest.mark.parametrize("kind", SPATIAL)
+@pytest.mark.parametrize("kind", kinds(SPATIAL))
 def test_declared_errors_in_space(kind):
     robot = knowing_its_noise(small_robot_in_space())
     check(trial(robot, *SPATIAL[kind], noisy_in_space))
