@@ -3,6 +3,7 @@
     constant torque            tau = e_k                    inertial axes
     torque fixed to the base   tau = R_WB e_k
     slow torque                tau = e_k cos(m pi t / T)    m = 1 .. 6
+    the same on the base       tau = R_WB e_k cos(m pi t / T)
     constant pull              a = e_k                      such as a table's tilt
     slow pull                  a = e_k cos(m pi t / T)
     uneven table               a = E_k (r_cm - r_cm(0))     E_k symmetric
@@ -31,7 +32,7 @@ AXES = "xyz"
 MU = 3.986004418e14
 """Of the Earth, m^3/s^2."""
 
-SLOW = ("slow_torque", "slow_pull")
+SLOW = ("slow_torque", "slow_base_torque", "slow_pull")
 """Groups of what changes slowly."""
 
 WAVES = 6
@@ -41,6 +42,8 @@ IN_WORDS = {
     "torque": "a constant torque acts, inertial axes",
     "slow_torque": "a torque acts that changes slowly, inertial axes",
     "base_torque": "a torque acts that turns with the base, base axes",
+    "slow_base_torque": "a torque acts that turns with the base and changes slowly, "
+    "base axes",
     "pull": "all parts are pulled alike, as on a table that is not level",
     "slow_pull": "all parts are pulled alike, by what changes slowly",
     "uneven": "the pull changes from place to place, as on an uneven table",
@@ -141,9 +144,19 @@ def _torques(followed: Followed) -> Iterator[Disturbance]:
         effect = none._replace(torque=by_step(vector))
         yield Disturbance(f"slow_torque.{name}", "slow_torque", "N m", effect)
     if followed.robot.motion == "spatial":
-        for k in turning:
-            effect = none._replace(torque=by_step(followed.R_WB[:, :, k]))
-            yield Disturbance(f"base_torque.{AXES[k]}", "base_torque", "N m", effect)
+        yield from _on_the_base(followed)
+
+
+def _on_the_base(followed: Followed) -> Iterator[Disturbance]:
+    none = nothing(followed)
+    for k, axis in enumerate(AXES):
+        torque = followed.R_WB[:, :, k]
+        effect = none._replace(torque=by_step(torque))
+        yield Disturbance(f"base_torque.{axis}", "base_torque", "N m", effect)
+        for m, wave in _waves(followed):
+            effect = none._replace(torque=by_step(torque * wave))
+            name = f"slow_base_torque.{axis}.{m}"
+            yield Disturbance(name, "slow_base_torque", "N m", effect)
 
 
 def _in_orbit(followed: Followed) -> Iterator[Disturbance]:
@@ -208,12 +221,16 @@ def _steady(
 def _slow(
     followed: Followed, axes: Sequence[int]
 ) -> Iterator[tuple[str, Float[np.ndarray, "nodes 3"]]]:
-    """Whatever changes over a sixth of the recording, or more slowly."""
-    t = followed.t - followed.t[0]
-    for m in range(1, WAVES + 1):
-        wave = np.cos(m * np.pi * t / t[-1])
+    for m, wave in _waves(followed):
         for name, vector in _steady(followed, axes):
-            yield f"{name}.{m}", vector * wave[:, None]
+            yield f"{name}.{m}", vector * wave
+
+
+def _waves(followed: Followed) -> Iterator[tuple[int, Float[np.ndarray, "nodes 1"]]]:
+    """Whatever changes over a sixth of the recording, or more slowly."""
+    t = followed.t[:, None] - followed.t[0]
+    for m in range(1, WAVES + 1):
+        yield m, np.cos(m * np.pi * t / t[-1])
 
 
 def _uneven(followed: Followed) -> Iterator[Disturbance]:
