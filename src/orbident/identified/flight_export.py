@@ -70,8 +70,8 @@ def export_flight(
     history = recursive_history(robot, samples, h_cm)
     if not history.scale:
         raise InputError(
-            f"{samples.source}: nothing in it tells the scale of the parameters; give a "
-            "recording in which a wheel spins"
+            f"{samples.source}: nothing in it tells the scale of the parameters; give "
+            "a recording in which a wheel spins"
         )
     kalman = Extended.of(robot, given.noise)
     detector = Detector(kalman.rows, samples=given.t.size)
@@ -125,9 +125,7 @@ def _headers(name: str, known: set[str]) -> set[str]:
     return known
 
 
-def _golden(
-    given: Given, history: History, h_cm: Float[np.ndarray, "3"] | None
-) -> str:
+def _golden(given: Given, history: History, h_cm: Float[np.ndarray, "3"] | None) -> str:
     """The text of `golden.h`."""
     parts = {
         "TIME": given.t,

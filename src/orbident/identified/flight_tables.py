@@ -1,7 +1,7 @@
 """A robot's filter as a constant table in C: `robot.h` of a flight build."""
 
 import zlib
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
@@ -22,7 +22,7 @@ SPARSE = (
 PER_LINE = 6
 """Numbers."""
 
-Floats = Iterable[float] | np.ndarray
+Floats = Sequence[float] | np.ndarray
 
 
 def robot_header(
