@@ -101,6 +101,13 @@ def _export_flight(output: Any, run: Path, folder: Path, recording: Path) -> Non
     with progress("filtering"):
         given = samples_for_flight(source, read_recording(recording))
         written = export_flight(*given, folder)
+    if not written.scale:
+        output.warn(
+            [
+                f"{recording}: does not tell the scale of the parameters, so what "
+                "'replay' estimates is not to be believed; record while a wheel spins"
+            ]
+        )
     output.say(
         f"{folder}: replays {written.steps} steps; a filter takes {written.memory} "
         f"numbers, {written.state} of them its state",

@@ -5,7 +5,7 @@ filter takes them: `given_of` makes them of a recording, on the ground.
 """
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from shutil import copyfile
 from typing import NamedTuple
@@ -17,8 +17,8 @@ from orbident import _core
 from orbident.errors import InputError
 from orbident.estimation.recursive.changes import Detector
 from orbident.estimation.recursive.filter import Extended
-from orbident.estimation.recursive.given import Given, given_of
-from orbident.estimation.recursive.history import History, recursive_history
+from orbident.estimation.recursive.given import given_of
+from orbident.estimation.recursive.history import filtered
 from orbident.estimation.recursive.prior import (
     UNCERTAINTY,
     cad_covariance,
@@ -48,6 +48,8 @@ class Flight(NamedTuple):
     """Numbers of a filter: 8 bytes each with double, 4 with float."""
     state: int
     """Those of them that are kept to go on later."""
+    scale: bool
+    """Whether the recording tells the scale of the parameters."""
 
 
 def export_flight(
@@ -62,23 +64,21 @@ def export_flight(
         folder: that does not exist, or is empty.
 
     Raises:
-        InputError: no sample is complete, the recording has no scale, or the folder
-            holds something or cannot be written.
+        InputError: no sample is complete, or the folder holds something or cannot be
+            written.
     """
     check_empty(folder)
     given = given_of(robot, samples)
-    history = recursive_history(robot, samples, h_cm)
-    if not history.scale:
-        raise InputError(
-            f"{samples.source}: nothing in it tells the scale of the parameters; give "
-            "a recording in which a wheel spins"
-        )
     kalman = Extended.of(robot, given.noise)
     detector = Detector(kalman.rows, samples=given.t.size)
+    seen = filtered(robot, kalman, detector, given, h_cm)
+    statistic = seen.tests[:, 2] / detector.threshold
+    golden = {"TIME": given.t, "SAMPLE": given.samples, "BETA": seen.beta}
+    golden["STATISTIC"] = statistic
     change = factor_of(cad_covariance(robot, UNCERTAINTY))
     made = {
         "robot.h": robot_header(robot, kalman, cad_prior(robot), change, detector),
-        "golden.h": _golden(given, history, h_cm),
+        "golden.h": _golden(golden, h_cm),
     }
     copied = dict(_copied())
     with replacing_files(folder, [*copied, *made]) as new:
@@ -89,7 +89,7 @@ def export_flight(
         for name, text in made.items():
             (new / name).write_text(text, encoding="utf-8")
     memory, state = _core.flight_memory(kalman.core, detector.window)
-    return Flight(min(given.t.size, MOST), memory, state)
+    return Flight(min(given.t.size, MOST), memory, state, seen.scale)
 
 
 def check_empty(folder: Path) -> None:
@@ -125,14 +125,11 @@ def _headers(name: str, known: set[str]) -> set[str]:
     return known
 
 
-def _golden(given: Given, history: History, h_cm: Float[np.ndarray, "3"] | None) -> str:
-    """The text of `golden.h`."""
-    parts = {
-        "TIME": given.t,
-        "SAMPLE": given.samples,
-        "BETA": history.beta,
-        "STATISTIC": history.statistic,
-    }
+def _golden(
+    tables: Mapping[str, np.ndarray], h_cm: Float[np.ndarray, "3"] | None
+) -> str:
+    """The text of `golden.h`, from tables with a row a step."""
+    steps = min(len(tables["TIME"]), MOST)
     lines = [
         "/* Samples of a recording, as the filter takes them, and what Python's filter",
         " * makes of each: the estimate, and the statistic of a change. */",
@@ -142,8 +139,8 @@ def _golden(given: Given, history: History, h_cm: Float[np.ndarray, "3"] | None)
         "#include <math.h>",
         '#include "orbident/flight.h"',
         "",
-        f"#define GOLDEN_STEPS {min(given.t.size, MOST)}",
-        *(f"static const double GOLDEN_{n}[] = {_rows(x)};" for n, x in parts.items()),
+        f"#define GOLDEN_STEPS {steps}",
+        *(f"static const double GOLDEN_{n}[] = {_rows(x)};" for n, x in tables.items()),
     ]
     if h_cm is None:
         lines.append("static const orbident_real* const GOLDEN_MOMENTUM = 0;")

@@ -158,7 +158,8 @@ int orbident_get(const orbident_robot* robot, orbident_real* memory, int quantit
   if (size_of_out != count) return ORBIDENT_NO_SUCH;
   if (quantity == ORBIDENT_DEVIATIONS) deviations(model, at.filter, at.room, out);
   for (int i = 0; from && i < count; ++i) out[i] = from[i];
-  return ORBIDENT_DONE;
+  const bool of_beta = quantity == ORBIDENT_BETA || quantity == ORBIDENT_DEVIATIONS;
+  return of_beta && !scaled(model, at.filter, robot->beta[0]) ? ORBIDENT_NO_SCALE : ORBIDENT_DONE;
 }
 
 }  // extern "C"
