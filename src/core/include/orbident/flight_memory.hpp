@@ -6,7 +6,6 @@
 // may be copied away, and back to another place.
 #pragma once
 
-#include <cstdint>
 #include <new>
 
 #include "orbident/change_detection.hpp"
