@@ -10,7 +10,15 @@ import re
 from pathlib import Path
 
 import pytest
-from flight_builds import CHECKS, exported, library, needs_compilers, program, ran
+from flight_builds import (
+    CHECKS,
+    WARNINGS,
+    exported,
+    library,
+    needs_compilers,
+    program,
+    ran,
+)
 from processes import finished
 
 from orbident.errors import InputError
@@ -83,6 +91,13 @@ def test_nothing_of_a_heap_or_an_exception(built: Path):
     symbols = ran("nm", "--undefined-only", "--format=just-symbols", built).split()
     needed = {name for name in symbols if not name.endswith(".o:")}
     assert needed <= LIBRARY
+
+
+def test_single_precision_compiles_without_a_double(spatial: Path):
+    """With warnings for every number that would become one."""
+    paths = [f"-I{spatial}", f"-I{spatial / 'include'}", "-isystem", spatial / "eigen"]
+    flags = ["-std=c++17", "-fsyntax-only", "-fno-exceptions", "-fno-rtti", *WARNINGS]
+    ran("c++", *flags, "-DORBIDENT_REAL=float", *paths, spatial / "flight.cpp")
 
 
 def test_codes_have_their_meanings(checks: Path):
