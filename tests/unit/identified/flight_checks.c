@@ -78,6 +78,11 @@ static int fuzz(long steps) {
       continue;
     }
     if (!sound(code)) return 1;
+    if (drawn() < 0.01) { /* it comes once more, as if later */
+      code = orbident_step(&ROBOT, memory, at + (orbident_real)0.01, sample);
+      ++codes[code < 0 ? -code : 0];
+      if (code == ORBIDENT_DIVERGED || !sound(code)) return 1;
+    }
     if (code == ORBIDENT_NOT_LATER && at == t && orbident_open(&ROBOT, memory, t) != ORBIDENT_DONE)
       begin(memory);
     code = orbident_detect(&ROBOT, memory, &detection);
@@ -155,14 +160,48 @@ static int times(long steps) {
   return 0;
 }
 
+/* Every call says that there is no filter of this robot, or none any more. */
+static int all_say(int code) {
+  orbident_detection detection;
+  int bad = orbident_step(&ROBOT, memory, 5, sample) != code;
+  bad |= orbident_detect(&ROBOT, memory, &detection) != code;
+  bad |= orbident_open(&ROBOT, memory, 5) != code;
+  bad |= orbident_get(&ROBOT, memory, ORBIDENT_BETA, beta, ROBOT_BETAS) != code;
+  return bad | (orbident_restore(&ROBOT, other, ROBOT_MEMORY, memory) != code);
+}
+
+/* A state in which one number is spoiled is refused when it is restored. */
+static int spoilt_states(void) {
+  const orbident_real bad_numbers[] = {(orbident_real)NAN, (orbident_real)INFINITY};
+  int refused = 0;
+  for (long i = 0; i < ROBOT_STATE; ++i)
+    for (int kind = 0; kind < 2; ++kind) {
+      begin(memory);
+      memory[i] = bad_numbers[kind];
+      const int code = orbident_restore(&ROBOT, other, ROBOT_MEMORY, memory);
+      refused += code == ORBIDENT_DIVERGED || code == ORBIDENT_NO_STATE;
+      if (code == ORBIDENT_DIVERGED &&
+          orbident_get(&ROBOT, other, ORBIDENT_BETA, beta, ROBOT_BETAS) != code)
+        return 1;
+    }
+  /* The estimate, the nuisances and both diagonals at least. */
+  return refused < 2 * (2 * ROBOT_BETAS);
+}
+
 static int refusals(void) {
   orbident_detection detection;
   orbident_robot another = ROBOT;
   another.mark = ROBOT.mark == 1 ? 2 : 1;
-  int bad = orbident_step(&ROBOT, memory, 0, sample) != ORBIDENT_NO_STATE;
+  int bad = all_say(ORBIDENT_NO_STATE) | spoilt_states();
   bad |= orbident_memory(&ROBOT) > ROBOT_MEMORY || orbident_state(&ROBOT) != ROBOT_STATE;
   read_sample(0);
   bad |= orbident_init(&ROBOT, memory, orbident_memory(&ROBOT) - 1, sample, 0) != ORBIDENT_NO_MEMORY;
+  bad |= orbident_restore(&ROBOT, other, ROBOT_MEMORY / 2, memory) != ORBIDENT_NO_MEMORY;
+  sample[0] = (orbident_real)NAN;
+  bad |= orbident_init(&ROBOT, memory, ROBOT_MEMORY, sample, 0) != ORBIDENT_INCOMPLETE;
+  sample[0] = (orbident_real)1e30;
+  bad |= orbident_init(&ROBOT, memory, ROBOT_MEMORY, sample, 0) != ORBIDENT_ABSURD;
+  bad |= all_say(ORBIDENT_NO_STATE);
   begin(memory);
   bad |= orbident_get(&ROBOT, memory, ORBIDENT_BETA, beta, ROBOT_BETAS - 1) != ORBIDENT_NO_SUCH;
   bad |= orbident_get(&ROBOT, memory, 99, beta, ROBOT_BETAS) != ORBIDENT_NO_SUCH;
@@ -182,8 +221,12 @@ static int refusals(void) {
   bad |= orbident_open(&ROBOT, memory, 0) != ORBIDENT_DONE;
   read_sample(2);
   bad |= orbident_step(&ROBOT, memory, 1, sample) < 0; /* the clock was set back */
+  const int rows = ROBOT.momenta + ROBOT.velocities;
+  bad |= orbident_get(&ROBOT, memory, ORBIDENT_INNOVATION, beta, rows) != ORBIDENT_DONE;
+  const int nuisances = rows + ROBOT.momenta + (ROBOT.accelerometer ? ROBOT.velocities : 0);
+  bad |= orbident_get(&ROBOT, memory, ORBIDENT_NUISANCES, beta, nuisances) != ORBIDENT_DONE;
   memory[0] = -memory[0];
-  bad |= orbident_step(&ROBOT, memory, 5, sample) != ORBIDENT_DIVERGED;
+  bad |= all_say(ORBIDENT_DIVERGED);
   return bad;
 }
 
@@ -193,5 +236,9 @@ int main(int count, char** words) {
   if (count > 1 && !strcmp(words[1], "fuzz")) return fuzz(number);
   if (count > 1 && !strcmp(words[1], "restore")) return restore(number);
   if (count > 1 && !strcmp(words[1], "times")) return times(number);
+  /* With a known momentum too. */
+  const orbident_real h_cm[3] = {1, 2, 3};
+  read_sample(0);
+  if (orbident_init(&ROBOT, other, ROBOT_MEMORY, sample, h_cm) != ORBIDENT_DONE) return 1;
   return refusals();
 }
