@@ -81,7 +81,12 @@ static int fuzz(long steps) {
     if (drawn() < 0.01) { /* it comes once more, as if later */
       code = orbident_step(&ROBOT, memory, at + (orbident_real)0.01, sample);
       ++codes[code < 0 ? -code : 0];
-      if (code == ORBIDENT_DIVERGED || !sound(code)) return 1;
+      if (code == ORBIDENT_DIVERGED) {
+        begin(memory);
+        t = 0;
+        continue;
+      }
+      if (!sound(code)) return 1;
     }
     if (code == ORBIDENT_NOT_LATER && at == t && orbident_open(&ROBOT, memory, t) != ORBIDENT_DONE)
       begin(memory);
