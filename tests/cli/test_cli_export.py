@@ -87,3 +87,34 @@ def test_no_physical_body(orbident: Orbident, run: str):
     assert "a.urdf is not written: no bodies that can exist" in ran.err
     assert ran.err.count("\n") == 1
     assert not Path("a.urdf").exists()
+
+
+def test_a_filter_for_flight(orbident: Orbident, run: str):
+    recorded = ("--recording", "r.parquet")
+    told = orbident("export", run, "--flight", "f", *recorded, "--json", "-").done()
+    assert told.json["folder"] == "f"
+    assert told.json["memory"] > told.json["state"] > 1000
+    there = {path.name for path in Path("f").iterdir()}
+    code = {"CMakeLists.txt", "README.md", "flight.cpp", "main.c", "include", "eigen"}
+    assert there == code | {"robot.h", "golden.h"}
+    assert (
+        f"#define GOLDEN_STEPS {told.json['steps']}" in Path("f/golden.h").read_text()
+    )
+    # A robot file will do, of the same robot with the same numbers.
+    orbident("export", "paper-spatial", "--flight", "g", *recorded, "--quiet").done()
+    assert Path("g/robot.h").read_text() == Path("f/robot.h").read_text()
+
+
+def test_refusals_of_a_filter_for_flight(orbident: Orbident, run: str):
+    recorded = ("--recording", "r.parquet")
+
+    def refused(*arguments: str, words: str):
+        orbident("export", run, *arguments).refused(words)
+
+    refused(words="give either -o FILE or --flight DIR")
+    refused("-o", "a.urdf", "--flight", "f", words="give either -o FILE or --flight")
+    refused("--flight", "f", words="give --recording REC")
+    refused("-o", "a.urdf", *recorded, words="--recording: is for --flight")
+    refused("--flight", "f", "--q", "0", *recorded, words="--q: is for a .json")
+    refused("--flight", run, *recorded, words="run: exists already; name another")
+    assert not Path("f").exists()

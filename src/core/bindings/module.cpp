@@ -4,6 +4,7 @@
 namespace orbident::python {
 void bind_attitude_fusion(nanobind::module_& m);
 void bind_dynamics(nanobind::module_& m);
+void bind_flight(nanobind::module_& m);
 void bind_free_floating(nanobind::module_& m);
 void bind_free_flying(nanobind::module_& m);
 void bind_householder(nanobind::module_& m);
@@ -22,6 +23,7 @@ NB_MODULE(_core, m) {
   m.doc() = "The numerical core: whole arrays in, whole arrays out, the GIL released inside.";
   orbident::python::bind_attitude_fusion(m);
   orbident::python::bind_dynamics(m);
+  orbident::python::bind_flight(m);
   orbident::python::bind_free_floating(m);
   orbident::python::bind_free_flying(m);
   orbident::python::bind_householder(m);

@@ -8,6 +8,7 @@
 #include "arrays.hpp"
 #include "filter.hpp"
 #include "orbident/change_detection.hpp"
+#include "orbident/opening.hpp"
 
 namespace orbident::python {
 namespace {
@@ -30,17 +31,14 @@ SharedState start_of(const OwnedFilter& filter, const Array& beta_, const Array&
   return state;
 }
 
-SharedState opened(const OwnedFilter& filter, const OwnedState& before, const Array& beta_,
-                   const Array& root_) {
+SharedState opened(const OwnedFilter& filter, const OwnedState& before, const Array& change_) {
   const FilterModel model = filter.view();
   const FilterSizes size = model.sizes();
-  const auto beta = input<1>("beta", beta_, {size.betas()});
-  const auto root = input<2>("root", root_, {size.betas(), size.betas()});
-  auto state = std::make_shared<OwnedState>(size);
+  const auto change = input<2>("change", change_, {size.betas(), size.betas()});
+  auto state = std::make_shared<OwnedState>(before);
   Room room(model);
-  const Matrix R_WB =
-      Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(before.at.R_WB);
-  begin(model, *before.at.t, R_WB, beta.data(), root.data(), before.at.x, state->at, room.at);
+  AlignedDoubles tables(static_cast<std::size_t>(opening_numbers(size)));
+  open_up(model, state->at, *before.at.t, change.data(), tables.data(), room.at);
   return state;
 }
 
@@ -165,7 +163,7 @@ void bind_recursive(nb::module_& m) {
            nb::arg("momentum_axes"), nb::arg("velocity_axes"), nb::arg("noise"))
       .def("start", &start_of, nb::arg("beta"), nb::arg("root"), nb::arg("sample"),
            nb::arg("h_cm").none())
-      .def("opened", &opened, nb::arg("state"), nb::arg("beta"), nb::arg("root"))
+      .def("opened", &opened, nb::arg("state"), nb::arg("change"))
       .def("step", &step_of, nb::arg("state"), nb::arg("t"), nb::arg("sample"))
       .def("gathered", &gathered, nb::arg("state"), nb::arg("t"), nb::arg("samples"))
       .def("scaled", &scaled_of, nb::arg("state"), nb::arg("mass"))

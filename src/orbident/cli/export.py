@@ -1,25 +1,31 @@
-"""`orbident export RUN -o FILE`."""
+"""`orbident export RUN -o FILE`, `orbident export RUN --flight DIR --recording REC`."""
 
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from orbident.cli.options import Json, Quiet, RunFolder
+from orbident.cli.options import Json, Quiet
 from orbident.errors import InputError
 
 
 def export(
-    run: RunFolder,
-    out: Annotated[
+    run: Annotated[
         Path,
+        typer.Argument(
+            metavar="RUN",
+            help="A folder that 'identify -o' wrote; with --flight, a robot too.",
+        ),
+    ],
+    out: Annotated[
+        Path | None,
         typer.Option(
             "-o",
             metavar="FILE",
             help="A .urdf with the identified inertias, or a .json with H+ and the "
             "Jacobians at --q.",
         ),
-    ],
+    ] = None,
     q: Annotated[
         str | None,
         typer.Option(
@@ -27,15 +33,36 @@ def export(
             help="Joint positions in the robot's order, rad or m; for .json.",
         ),
     ] = None,
+    flight: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="DIR",
+            help="A new folder with the recursive filter in C++ for a flight computer, "
+            "and a program that replays --recording.",
+        ),
+    ] = None,
+    recording: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="REC",
+            help="A recording: CSV or Parquet; for --flight. It says how noisy the "
+            "sensors are.",
+        ),
+    ] = None,
     json: Json = None,
     quiet: Quiet = False,
 ) -> None:
-    """Write the identified model as a URDF, or its matrices in one configuration."""
+    """Write the identified model as a URDF, its matrices, or a filter for flight."""
     from orbident.cli.output import Output
     from orbident.files.replacing import check_place
     from orbident.identified.run_folder import load_result
 
     output = Output(json, quiet)
+    _check_what(out, q, flight, recording)
+    if flight is not None and recording is not None:
+        _export_flight(output, run, flight, recording)
+        return
+    assert out is not None
     _check_kind(out, q)
     check_place(out)
     result = load_result(run)
@@ -43,6 +70,51 @@ def export(
         _export_urdf(output, result, out)
     else:
         _export_matrices(output, result, out, _numbers(q))
+
+
+def _check_what(
+    out: Path | None, q: str | None, flight: Path | None, recording: Path | None
+) -> None:
+    if (out is None) == (flight is None):
+        raise InputError("export: give either -o FILE or --flight DIR")
+    if flight is None and recording is not None:
+        raise InputError("--recording: is for --flight; leave it out")
+    if flight is not None and recording is None:
+        raise InputError(
+            "--flight: a filter needs the noise of its sensors, and something to "
+            "replay; give --recording REC"
+        )
+    if flight is not None and q is not None:
+        raise InputError("--q: is for a .json; leave it out")
+
+
+def _export_flight(output: Any, run: Path, folder: Path, recording: Path) -> None:
+    from orbident.cli.output import progress
+    from orbident.identified.flight_export import check_empty, export_flight
+    from orbident.identified.flight_samples import samples_for_flight
+    from orbident.identified.run_folder import load_result
+    from orbident.recordings.tables import read_recording
+    from orbident.robot.robot_file import load_robot
+
+    check_empty(folder)
+    source = load_result(run) if run.is_dir() else load_robot(str(run))
+    with progress("filtering"):
+        given = samples_for_flight(source, read_recording(recording))
+        written = export_flight(*given, folder)
+    if not written.scale:
+        output.warn(
+            [
+                f"{recording}: does not tell the scale of the parameters, so what "
+                "'replay' estimates is not to be believed; record while a wheel spins"
+            ]
+        )
+    output.say(
+        f"{folder}: replays {written.steps} steps; a filter takes {written.memory} "
+        f"numbers, {written.state} of them its state",
+        f"cmake -S {folder} -B {folder}/build && cmake --build {folder}/build && "
+        f"{folder}/build/replay",
+    )
+    output.write_json({"folder": str(folder), **written._asdict()})
 
 
 def _check_kind(out: Path, q: str | None) -> None:

@@ -112,7 +112,7 @@ def _put_in_place(folder: Path, ours: Sequence[str]) -> None:
         (folder / name).unlink(missing_ok=True)
     for name in ours:
         if (staged / name).is_file():
-            (folder / name).parent.mkdir(exist_ok=True)
+            (folder / name).parent.mkdir(parents=True, exist_ok=True)
             (staged / name).replace(folder / name)
     _flush_names(folder, ours)
     (staged / _READY).unlink()

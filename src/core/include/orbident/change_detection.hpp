@@ -11,44 +11,46 @@
 
 #include <cmath>
 
+#include "orbident/scalar.hpp"
+
 namespace orbident {
 
 // What a detector remembers: sums of innovations up to each of the last samples. The caller's memory.
 struct Watch {
   int rows;       // of an innovation
   int window;     // samples that the onset may lie back
-  double* sums;   // window + 1 x rows
-  double* times;  // window + 1: of the sample after each sum, s; NaN where there was none
+  Real* sums;   // window + 1 x rows
+  Real* times;  // window + 1: of the sample after each sum, s; NaN where there was none
 };
 
 struct Likelihood {
-  double g;
-  double onset;  // the first sample of the change, most likely, s
+  Real g;
+  Real onset;  // the first sample of the change, most likely, s
 };
 
 inline void watch_nothing(Watch& watch) {
   for (int k = 0; k < (watch.window + 1) * watch.rows; ++k) watch.sums[k] = 0.0;
-  for (int k = 0; k <= watch.window; ++k) watch.times[k] = std::nan("");
+  for (int k = 0; k <= watch.window; ++k) watch.times[k] = NOT_A_NUMBER;
 }
 
 // Takes the whitened innovation of time t in; its entries are `stride` apart.
-inline Likelihood watch_one(Watch& watch, double t, const double* white, int stride) {
+inline Likelihood watch_one(Watch& watch, Real t, const Real* white, int stride) {
   const int rows = watch.rows, window = watch.window;
-  double* const now = watch.sums + window * rows;
+  Real* const now = watch.sums + window * rows;
   for (int k = 0; k < window * rows; ++k) watch.sums[k] = watch.sums[k + rows];
   for (int k = 0; k < window; ++k) watch.times[k] = watch.times[k + 1];
   for (int i = 0; i < rows; ++i) now[i] += white[i * stride];
   watch.times[window - 1] = t;
-  watch.times[window] = std::nan("");
+  watch.times[window] = NOT_A_NUMBER;
   Likelihood most{0.0, watch.times[0]};
   for (int j = 0; j < window; ++j) {
     if (std::isnan(watch.times[j])) continue;
-    double square = 0.0;
+    Real square = 0.0;
     for (int i = 0; i < rows; ++i) {
-      const double sum = now[i] - watch.sums[j * rows + i];
+      const Real sum = now[i] - watch.sums[j * rows + i];
       square += sum * sum;
     }
-    const double g = square / (window - j);
+    const Real g = square / static_cast<Real>(window - j);
     if (g > most.g) most = {g, watch.times[j]};
   }
   return most;

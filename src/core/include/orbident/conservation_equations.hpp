@@ -22,16 +22,16 @@ namespace orbident {
 
 // Standard deviations, SI; white ones are those of a sample.
 struct SensorNoise {
-  double gyro;                // white, rad/s
-  double velocity;            // white, m/s
-  double gyro_bias;           // beforehand, rad/s
-  double gyro_walk;           // of the bias, rad/s/sqrt(s)
-  double integrated;          // 1 where the attitude is the integrated gyro and drifts with it, else 0
-  double attitude;            // white, rad
-  double velocity_walk;       // of a velocity integrated from an accelerometer, m/s/sqrt(s)
-  double accelerometer_bias;  // beforehand, m/s^2
-  double accelerometer_walk;  // of the bias, m/s^2/sqrt(s)
-  double joint_rates;         // white, rad/s or m/s
+  Real gyro;                // white, rad/s
+  Real velocity;            // white, m/s
+  Real gyro_bias;           // beforehand, rad/s
+  Real gyro_walk;           // of the bias, rad/s/sqrt(s)
+  Real integrated;          // 1 where the attitude is the integrated gyro and drifts with it, else 0
+  Real attitude;            // white, rad
+  Real velocity_walk;       // of a velocity integrated from an accelerometer, m/s/sqrt(s)
+  Real accelerometer_bias;  // beforehand, m/s^2
+  Real accelerometer_walk;  // of the bias, m/s^2/sqrt(s)
+  Real joint_rates;         // white, rad/s or m/s
   bool accelerometer;         // whether the velocity is integrated, and the bias an unknown
 };
 
@@ -41,7 +41,7 @@ struct ConservedAxes {
   int momenta;
   int velocity[3];
   int velocities;
-  int all() const { return momenta + velocities; }
+  constexpr int all() const { return momenta + velocities; }
 };
 
 // What the laws need of a robot; views of constant tables. The robot's own theta is not used.
@@ -52,49 +52,49 @@ struct ConservationModel {
   ConservedAxes axes;
   SensorNoise noise;
   // Nuisances x = [h_cm, v_cm, b_g, b_a] and linear parameters y = [pi, phi].
-  int gyro_bias() const { return axes.all(); }
-  int accelerometer_bias() const { return axes.all() + axes.momenta; }
-  int nuisances() const {
+  constexpr int gyro_bias() const { return axes.all(); }
+  constexpr int accelerometer_bias() const { return axes.all() + axes.momenta; }
+  constexpr int nuisances() const {
     return accelerometer_bias() + (noise.accelerometer ? axes.velocities : 0);
   }
-  int parameters() const { return sets.pis() + sets.phis(); }
+  constexpr int parameters() const { return sets.pis() + sets.phis(); }
 };
 
 // What was measured at one time; NaN where nothing was.
 struct Measurement {
-  const double* q;
-  const double* qd;
-  const double* w;         // gyro, base axes, rad/s
-  const double* x_WB;
-  const double* qd_rw;
-  const double* v_S;       // inertial axes, m/s
-  const double* w_smooth;  // the rate with less noise
+  const Real* q;
+  const Real* qd;
+  const Real* w;         // gyro, base axes, rad/s
+  const Real* x_WB;
+  const Real* qd_rw;
+  const Real* v_S;       // inertial axes, m/s
+  const Real* w_smooth;  // the rate with less noise
 };
 
 constexpr int measurement_size(int joints, int wheels) { return 2 * joints + wheels + 13; }
 
-inline Measurement measurement_at(const Robot& robot, const double* packed) {
+inline Measurement measurement_at(const Robot& robot, const Real* packed) {
   const int n = robot.tree.joints;
-  const double* const w = packed + 2 * n;
-  const double* const v_S = w + 7 + robot.wheels;
+  const Real* const w = packed + 2 * n;
+  const Real* const v_S = w + 7 + robot.wheels;
   return {packed, packed + n, w, w + 3, w + 7, v_S, v_S + 3};
 }
 
 // Memory for the rows of one sample; the caller's.
 struct EquationMemory {
-  Bodies<double> bodies;
-  double* theta;    // bodies x 10
-  double* columns;  // S, P and A: 3 x 3 x theta; zero before the first sample
-  double* sigma;    // 3 x phi
-  double* Y;        // 3 x pi
-  double* W;        // 3 x phi
+  Bodies<Real> bodies;
+  Real* theta;    // bodies x 10
+  Real* columns;  // S, P and A: 3 x 3 x theta; zero before the first sample
+  Real* sigma;    // 3 x phi
+  Real* Y;        // 3 x pi
+  Real* W;        // 3 x phi
 };
 
-using Vector = Vector3<double>;
-using Matrix = Matrix3<double>;
+using Vector = Vector3<Real>;
+using Matrix = Matrix3<Real>;
 
 // Places and weighs the bodies of beta; D follows from what all of them weigh.
-inline void configure_beta(const ConservationModel& model, const double* beta, const double* q,
+inline void configure_beta(const ConservationModel& model, const Real* beta, const Real* q,
                            EquationMemory& memory) {
   Robot robot = model.robot;
   robot.theta = memory.theta;
@@ -105,7 +105,7 @@ inline void configure_beta(const ConservationModel& model, const double* beta, c
   configure(robot, q, memory.bodies);
 }
 
-inline Vector wheel_momentum(const Robot& robot, const double* qd_rw) {
+inline Vector wheel_momentum(const Robot& robot, const Real* qd_rw) {
   Vector h_rw = Vector::Zero();
   for (int k = 0; k < robot.wheels; ++k)
     h_rw += qd_rw[k] * (robot.wheel[k].axis * robot.wheel[k].inertia);
@@ -114,8 +114,8 @@ inline Vector wheel_momentum(const Robot& robot, const double* qd_rw) {
 
 // Covariance of the momentum equation's noise: the gyro's times D, the joint rates' times D_q, and a
 // turn of the attitude, which turns R_0^T h_cm.
-inline Matrix momentum_noise(const ConservationModel& model, const Bodies<double>& at,
-                             const SystemInertia<double>& all, const Matrix& R_WB,
+inline Matrix momentum_noise(const ConservationModel& model, const Bodies<Real>& at,
+                             const SystemInertia<Real>& all, const Matrix& R_WB,
                              const Vector& h_cm) {
   const SensorNoise& noise = model.noise;
   Matrix C = Matrix::Zero();
@@ -132,8 +132,8 @@ inline Matrix momentum_noise(const ConservationModel& model, const Bodies<double
 }
 
 // Covariance of the velocity equation's noise: the gyro's times U, the joint rates' times J_cm.
-inline Matrix velocity_noise(const ConservationModel& model, const Bodies<double>& at,
-                             const SystemInertia<double>& all, const Matrix& U) {
+inline Matrix velocity_noise(const ConservationModel& model, const Bodies<Real>& at,
+                             const SystemInertia<Real>& all, const Matrix& U) {
   const SensorNoise& noise = model.noise;
   Matrix C = noise.velocity * noise.velocity * Matrix::Identity();
   for (int k = 0; k < model.axes.momenta; ++k) {
@@ -148,34 +148,34 @@ inline Matrix velocity_noise(const ConservationModel& model, const Bodies<double
 }
 
 // L^-1 rows in place, with L L^T = C over the given axes.
-inline void whiten(const Matrix& C, const int* axis, int count, double* rows, int stride, int width) {
+inline void whiten(const Matrix& C, const int* axis, int count, Real* rows, int stride, int width) {
   Matrix L = Matrix::Zero();
   for (int i = 0; i < count; ++i) {
-    double* const row = rows + i * stride;
+    Real* const row = rows + i * stride;
     for (int j = 0; j < i; ++j) {
-      double rest = C(axis[i], axis[j]);
+      Real rest = C(axis[i], axis[j]);
       for (int k = 0; k < j; ++k) rest -= L(i, k) * L(j, k);
       L(i, j) = rest / L(j, j);
       for (int c = 0; c < width; ++c) row[c] -= L(i, j) * rows[j * stride + c];
     }
-    double rest = C(axis[i], axis[i]);
+    Real rest = C(axis[i], axis[i]);
     for (int k = 0; k < i; ++k) rest -= L(i, k) * L(i, k);
     L(i, i) = std::sqrt(rest);
-    const double inverse = 1.0 / L(i, i);
+    const Real inverse = 1 / L(i, i);
     for (int c = 0; c < width; ++c) row[c] *= inverse;
   }
 }
 
 // The rows [h_cm, v_cm, b_g, b_a, pi, phi | right-hand side], momentum first; the velocity's are zero
 // where v_S was not measured. D, U and the noise's gains are evaluated at beta and h_cm.
-inline void conservation_equations(const ConservationModel& model, const double* beta,
+inline void conservation_equations(const ConservationModel& model, const Real* beta,
                                    const Vector& h_cm, const Measurement& at, const Matrix& R_WB,
-                                   EquationMemory& memory, double* rows, int stride) {
+                                   EquationMemory& memory, Real* rows, int stride) {
   const Tree& tree = model.robot.tree;
   const ConservedAxes& axes = model.axes;
-  Bodies<double>& bodies = memory.bodies;
+  Bodies<Real>& bodies = memory.bodies;
   configure_beta(model, beta, at.q, memory);
-  const SystemInertia<double> all = system_inertia(bodies.carried[0]);
+  const SystemInertia<Real> all = system_inertia(bodies.carried[0]);
   const Matrix U = -cross_matrix(all.r_cm);
 
   // In the plane the other two rates stay what was measured: zero.
@@ -186,20 +186,20 @@ inline void conservation_equations(const ConservationModel& model, const double*
     w[axis] = at.w_smooth[axis];
   }
   const int thetas = PER_BODY * tree.bodies(), pis = model.sets.pis(), phis = model.sets.phis();
-  const Rows3<double> S(memory.columns, 3, thetas), P(memory.columns + 3 * thetas, 3, thetas),
+  const Rows3<Real> S(memory.columns, 3, thetas), P(memory.columns + 3 * thetas, 3, thetas),
       A(memory.columns + 6 * thetas, 3, thetas);
-  const Rows3<double> Y(memory.Y, 3, pis), W(memory.W, 3, phis);
+  const Rows3<Real> Y(memory.Y, 3, pis), W(memory.W, 3, phis);
   move(tree, bodies.field, w, at.qd, bodies.motion);
   first_moment_columns(tree, bodies.pose, S);
   momentum_columns(tree, bodies.pose, bodies.motion, P, A);
-  regressors(model.sets, S, P, A, Rows3<double>(memory.sigma, 3, phis), Y, W);
+  regressors(model.sets, S, P, A, Rows3<Real>(memory.sigma, 3, phis), Y, W);
 
   const int n = model.nuisances(), rhs = n + pis + phis;
   for (int k = 0; k < axes.all() * stride; ++k) rows[k] = 0.0;
   const Vector known = -wheel_momentum(model.robot, at.qd_rw) - all.D * excess;
   for (int i = 0; i < axes.momenta; ++i) {
     const int axis = axes.momentum[i];
-    double* const row = rows + i * stride;
+    Real* const row = rows + i * stride;
     for (int j = 0; j < axes.momenta; ++j) {
       row[j] = -R_WB(axes.momentum[j], axis);
       row[model.gyro_bias() + j] = -all.D(axis, axes.momentum[j]);
@@ -207,13 +207,13 @@ inline void conservation_equations(const ConservationModel& model, const double*
     for (int k = 0; k < pis; ++k) row[n + k] = Y(axis, k);
     row[rhs] = known[axis];
   }
-  double* const moving = rows + axes.momenta * stride;
+  Real* const moving = rows + axes.momenta * stride;
   const Vector v_S(at.v_S[0], at.v_S[1], at.v_S[2]);
   if (v_S.allFinite()) {
     const Vector told = R_WB.transpose() * v_S + U * excess;
     for (int i = 0; i < axes.velocities; ++i) {
       const int axis = axes.velocity[i];
-      double* const row = moving + i * stride;
+      Real* const row = moving + i * stride;
       for (int j = 0; j < axes.velocities; ++j) row[axes.momenta + j] = R_WB(axes.velocity[j], axis);
       for (int j = 0; j < axes.momenta; ++j)
         row[model.gyro_bias() + j] = U(axis, axes.momentum[j]);

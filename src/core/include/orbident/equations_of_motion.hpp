@@ -15,14 +15,14 @@
 namespace orbident {
 
 struct Wheel {
-  Vector3<double> axis;  // unit vector, base axes
-  double inertia;        // about its axis, kg m^2; counted in the base already
+  Vector3<Real> axis;  // unit vector, base axes
+  Real inertia;          // about its axis, kg m^2; counted in the base already
 };
 
 // What the equations of motion need of a robot; views of constant tables.
 struct Robot {
   Tree tree;
-  const double* theta;  // bodies x 10
+  const Real* theta;  // bodies x 10
   const Wheel* wheel;
   int wheels;
   int speeds() const { return 6 + tree.joints + wheels; }

@@ -1,7 +1,7 @@
 // What the information filter carries from sample to sample, and how it begins.
 //
 // State and room are the caller's memory: `state_in` and `room_in` lay them out in one block of
-// doubles, or count how many they need (a Memory that begins nowhere).
+// numbers, or count how many they need (a Memory that begins nowhere), at compile time too.
 #pragma once
 
 #include "orbident/nuisance_prediction.hpp"
@@ -9,9 +9,9 @@
 
 namespace orbident {
 
-constexpr double MOMENTUM_UNKNOWN = 10.0;  // so many times what beta and the first sample say
-constexpr double FASTEST = 10.0;           // m/s: no point moves faster relative to the CM
-constexpr double EXACT_MOMENTUM = 1e-6;    // N m s: error of a momentum that is known
+constexpr Real MOMENTUM_UNKNOWN = 10.0;  // so many times what beta and the first sample say
+constexpr Real FASTEST = 10.0;           // m/s: no point moves faster relative to the CM
+constexpr Real EXACT_MOMENTUM = Real(1e-6);  // N m s: error of a momentum that is known
 
 struct FilterSizes {
   int nuisances;   // x
@@ -19,50 +19,50 @@ struct FilterSizes {
   int shown;       // M and sigma
   int iotas;
   int rows;  // of a sample
-  int betas() const { return shown + iotas; }
-  int top_stride() const { return padded(nuisances + parameters + 1); }
-  int R_stride() const { return padded(parameters + 1); }
+  constexpr int betas() const { return shown + iotas; }
+  constexpr int top_stride() const { return padded(nuisances + parameters + 1); }
+  constexpr int R_stride() const { return padded(parameters + 1); }
   // Rows of a sample begin so far behind a multiple of LANES that y begins at one.
-  int row_start() const { return padded(nuisances) - nuisances; }
-  int row_stride() const { return padded(nuisances) + padded(parameters + 1) + LANES; }
+  constexpr int row_start() const { return padded(nuisances) - nuisances; }
+  constexpr int row_stride() const { return padded(nuisances) + padded(parameters + 1) + LANES; }
   // Of [iota, M, sigma | right-hand side]; the part from M on is padded too.
-  int beta_stride() const { return padded(iotas + padded(shown + 1)); }
+  constexpr int beta_stride() const { return padded(iotas + padded(shown + 1)); }
 };
 
 struct FilterModel {
   ConservationModel laws;
   ParametersOfBeta sets;
-  FilterSizes sizes() const {
+  constexpr FilterSizes sizes() const {
     return {laws.nuisances(), sets.size(), sets.shown(), sets.iotas, laws.axes.all()};
   }
 };
 
 // Hands out parts of the caller's memory, or only counts them. Each begins at a multiple of LANES.
 struct Memory {
-  double* first;
+  Real* first;
   long used = 0;
-  double* take(int rows, int columns = 1) {
-    double* const part = first ? first + used : nullptr;
+  constexpr Real* take(int rows, int columns = 1) {
+    Real* const part = first ? first + used : nullptr;
     used += padded(rows * columns);
     return part;
   }
 };
 
 struct FilterState {
-  double* t;      // of the last sample, s; NaN before the first
-  double* w;      // the gyro's last sample, rad/s
-  double* R_WB;   // 3 x 3, row-major
-  double* linear;  // points in a row at which y(beta) was linear (hand_over.hpp)
-  double* top;    // [N | Y | z], N x + Y y = z, N upper triangular
-  double* R;      // [R | z], R y = z, upper triangular
-  double* beta;   // the estimate [M, sigma, iota]
-  double* x;      // the nuisances
-  double* root;   // [iota, M, sigma | z], upper triangular: root^T root is beta's information
-  double* prior;  // the same of what was known beforehand
+  Real* t;      // of the last sample, s; NaN before the first
+  Real* w;      // the gyro's last sample, rad/s
+  Real* R_WB;   // 3 x 3, row-major
+  Real* linear;  // points in a row at which y(beta) was linear (hand_over.hpp)
+  Real* top;    // [N | Y | z], N x + Y y = z, N upper triangular
+  Real* R;      // [R | z], R y = z, upper triangular
+  Real* beta;   // the estimate [M, sigma, iota]
+  Real* x;      // the nuisances
+  Real* root;   // [iota, M, sigma | z], upper triangular: root^T root is beta's information
+  Real* prior;  // the same of what was known beforehand
 };
 
-inline FilterState state_in(const FilterSizes& size, Memory& memory) {
-  FilterState state;
+constexpr FilterState state_in(const FilterSizes& size, Memory& memory) {
+  FilterState state{};
   state.t = memory.take(1);
   state.w = memory.take(3);
   state.R_WB = memory.take(9);
@@ -79,22 +79,22 @@ inline FilterState state_in(const FilterSizes& size, Memory& memory) {
 // Room for one step.
 struct FilterRoom {
   EquationMemory equations;
-  double* rows;        // of a sample
-  double* kick;        // x by x
-  double* covariance;  // x by x
-  double* x;
-  double* y;
-  double* phi;
-  double* beta;        // twice, and in both orders
-  double* transposed;  // TILE rows of R
-  double* shown;       // TILE rows of R J
-  double* block;       // BLOCK rows of [iota, M, sigma | z]
+  Real* rows;        // of a sample
+  Real* kick;        // x by x
+  Real* covariance;  // x by x
+  Real* x;
+  Real* y;
+  Real* phi;
+  Real* beta;        // twice, and in both orders
+  Real* transposed;  // TILE rows of R
+  Real* shown;       // TILE rows of R J
+  Real* block;       // BLOCK rows of [iota, M, sigma | z]
 };
 
-inline FilterRoom room_in(const FilterModel& model, const Bodies<double>& bodies, Memory& memory) {
+constexpr FilterRoom room_in(const FilterModel& model, const Bodies<Real>& bodies, Memory& memory) {
   const FilterSizes size = model.sizes();
   const int thetas = PER_BODY * model.laws.robot.tree.bodies();
-  FilterRoom room;
+  FilterRoom room{};
   room.equations.bodies = bodies;
   room.equations.theta = memory.take(thetas);
   room.equations.columns = memory.take(9, thetas);
@@ -117,14 +117,14 @@ inline FilterRoom room_in(const FilterModel& model, const Bodies<double>& bodies
 
 // Nothing is known but the prior of beta, `root (beta - beta_0)` of unit variance, `root` k x k in the
 // order of beta, and of the nuisances their values x, hardly at all.
-inline void begin(const FilterModel& model, double t, const Matrix& R_WB, const double* beta_0,
-                  const double* root, const double* x, FilterState& state, FilterRoom& room) {
+inline void begin(const FilterModel& model, Real t, const Matrix& R_WB, const Real* beta_0,
+                  const Real* root, const Real* x, FilterState& state, FilterRoom& room) {
   const FilterSizes size = model.sizes();
   const int n = size.nuisances, y = size.parameters, k = size.betas(), stride = size.beta_stride();
   const ConservationModel& laws = model.laws;
   *state.t = t;
   *state.linear = 0.0;
-  for (int i = 0; i < 3; ++i) state.w[i] = std::nan("");
+  for (int i = 0; i < 3; ++i) state.w[i] = NOT_A_NUMBER;
   for (int i = 0; i < 9; ++i) state.R_WB[i] = R_WB(i / 3, i % 3);
   for (long i = 0; i < static_cast<long>(n) * size.top_stride(); ++i) state.top[i] = 0.0;
   for (long i = 0; i < static_cast<long>(y) * size.R_stride(); ++i) state.R[i] = 0.0;
@@ -133,8 +133,8 @@ inline void begin(const FilterModel& model, double t, const Matrix& R_WB, const 
     const int count = k - first < BLOCK ? k - first : BLOCK;
     for (int i = 0; i < count * stride; ++i) room.block[i] = 0.0;
     for (int i = 0; i < count; ++i) {
-      double* const row = room.block + i * stride;
-      const double* const given = root + static_cast<long>(first + i) * k;
+      Real* const row = room.block + i * stride;
+      const Real* const given = root + static_cast<long>(first + i) * k;
       for (int j = 0; j < k; ++j) {
         row[j < size.shown ? size.iotas + j : j - size.shown] = given[j];
         row[k] += given[j] * beta_0[j];
@@ -145,51 +145,51 @@ inline void begin(const FilterModel& model, double t, const Matrix& R_WB, const 
   for (long i = 0; i < static_cast<long>(k) * stride; ++i) state.root[i] = state.prior[i];
   for (int i = 0; i < k; ++i) state.beta[i] = beta_0[i];
 
-  double h = 0.0;
+  Real h = 0.0;
   for (int i = 0; i < laws.axes.momenta; ++i) h += x[i] * x[i];
   h = std::sqrt(h);
   const int b_g = laws.gyro_bias(), b_a = laws.accelerometer_bias();
   for (int i = 0; i < n; ++i) {
-    const double std = i < laws.axes.momenta ? MOMENTUM_UNKNOWN * (h > 1.0 ? h : 1.0)
+    const Real std = i < laws.axes.momenta ? MOMENTUM_UNKNOWN * (h > 1 ? h : 1)
                        : i < b_g             ? FASTEST
                        : i < b_a             ? laws.noise.gyro_bias
                                              : laws.noise.accelerometer_bias;
-    double* const row = state.top + i * size.top_stride();
+    Real* const row = state.top + i * size.top_stride();
     state.x[i] = x[i];
-    row[i] = 1.0 / std;
+    row[i] = 1 / std;
     row[n + y] = x[i] / std;
   }
 }
 
 // The filter before its first sample, which sets the scale of the momentum and is not used up.
 // `h_cm` is the momentum where it is known (Eqs. 25 and 26), inertial axes, N m s; else null.
-inline void start(const FilterModel& model, const double* beta_0, const double* root,
-                  const double* packed, const double* h_cm, FilterState& state, FilterRoom& room) {
+inline void start(const FilterModel& model, const Real* beta_0, const Real* root,
+                  const Real* packed, const Real* h_cm, FilterState& state, FilterRoom& room) {
   const FilterSizes size = model.sizes();
   const ConservationModel& laws = model.laws;
   const Measurement at = measurement_at(laws.robot, packed);
-  const Matrix R_WB = quaternion_matrix<double>(Quaternion<double>(at.x_WB));
+  const Matrix R_WB = quaternion_matrix<Real>(Quaternion<Real>(at.x_WB));
   // R_0 (D w + D_q qd + A_rw qd_rw) (Eq. 2).
-  Bodies<double>& bodies = room.equations.bodies;
+  Bodies<Real>& bodies = room.equations.bodies;
   configure_beta(laws, beta_0, at.q, room.equations);
-  const SystemInertia<double> all = system_inertia(bodies.carried[0]);
+  const SystemInertia<Real> all = system_inertia(bodies.carried[0]);
   Vector h = all.D * Vector(at.w[0], at.w[1], at.w[2]) + wheel_momentum(laws.robot, at.qd_rw);
   for (int k = 0; k < laws.robot.tree.joints; ++k)
     h += at.qd[k] * (bodies.momentum[k].h - all.r_cm.cross(bodies.momentum[k].p));
   h = R_WB * h;
   if (h_cm) h = Vector(h_cm[0], h_cm[1], h_cm[2]);
-  double* const x = room.x;
+  Real* const x = room.x;
   for (int i = 0; i < size.nuisances; ++i) x[i] = 0.0;
   for (int i = 0; i < laws.axes.momenta; ++i) x[i] = h[laws.axes.momentum[i]];
   for (int i = 0; i < laws.axes.velocities; ++i) {
-    const double v = at.v_S[laws.axes.velocity[i]];
-    x[laws.axes.momenta + i] = std::isfinite(v) ? v : 0.0;
+    const Real v = at.v_S[laws.axes.velocity[i]];
+    x[laws.axes.momenta + i] = std::isfinite(v) ? v : Real(0);
   }
-  begin(model, std::nan(""), R_WB, beta_0, root, x, state, room);
+  begin(model, NOT_A_NUMBER, R_WB, beta_0, root, x, state, room);
   if (!h_cm) return;
   for (int i = 0; i < laws.axes.momenta; ++i) {
-    double* const row = state.top + i * size.top_stride();
-    row[i] = 1.0 / EXACT_MOMENTUM;
+    Real* const row = state.top + i * size.top_stride();
+    row[i] = 1 / EXACT_MOMENTUM;
     row[size.nuisances + size.parameters] = x[i] / EXACT_MOMENTUM;
   }
 }

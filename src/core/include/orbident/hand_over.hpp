@@ -21,18 +21,18 @@
 namespace orbident {
 
 // Of the linearisation's error, squared, over the deviations: a twentieth of one in the worst direction.
-constexpr double LINEAR = 0.0025;
+constexpr Real LINEAR = Real(0.0025);
 // Points in a row that must be linear, one a sample: Walsh's functions of as many numbers are orthogonal.
 constexpr int LINEAR_POINTS = 32;
 // What the known term of the momentum equation is at least, squared, over its noise, a row of pi.
-constexpr double KNOWN = 100.0;
+constexpr Real KNOWN = 100.0;
 
 // Whether the filter has handed over: `root` goes on, `top` is [N | B | z] over [iota, M, sigma] with
 // N x + B beta = z, and `R` stays what it was.
 inline bool held_in_beta(const FilterState& state) { return *state.linear == LINEAR_POINTS; }
 
 // Rows [y | z] become rows [iota, M, sigma | z] in place, linearised about the estimate.
-inline void rows_of_beta(const FilterModel& model, const FilterState& state, double* y_z, int stride,
+inline void rows_of_beta(const FilterModel& model, const FilterState& state, Real* y_z, int stride,
                          int count, int width, FilterRoom& room) {
   const FilterSizes size = model.sizes();
   const int iotas = size.iotas, shown = size.shown;
@@ -40,7 +40,7 @@ inline void rows_of_beta(const FilterModel& model, const FilterState& state, dou
   shown_columns(model.sets, y_z, stride, count, 0, room.phi, state.beta[0], room.transposed,
                 room.shown);
   for (int r = 0; r < count; ++r) {
-    double* const row = y_z + r * stride + iotas;
+    Real* const row = y_z + r * stride + iotas;
     for (int c = 0; c <= shown; ++c) row[c] = room.shown[c * TILE + r];
     for (int c = shown + 1; c < width - iotas; ++c) row[c] = 0.0;
   }
@@ -53,28 +53,28 @@ ORBIDENT_WIDEST inline bool linear(const FilterModel& model, const FilterState& 
   const ParametersOfBeta& sets = model.sets;
   const FilterSizes size = model.sizes();
   const int shown = size.shown, stride = size.beta_stride(), y = size.parameters;
-  double* const d = room.beta;
+  Real* const d = room.beta;
   for (int i = shown - 1; i >= 0; --i) {
-    const double* const row = state.root + (size.iotas + i) * stride + size.iotas;
+    const Real* const row = state.root + (size.iotas + i) * stride + size.iotas;
     int odd = 0;
     for (int bits = i & point; bits; bits &= bits - 1) odd ^= 1;
-    d[i] = ((odd ? -1.0 : 1.0) - dot(row + i + 1, d + i + 1, shown - i - 1)) / row[i];
+    d[i] = (Real(odd ? -1 : 1) - dot(row + i + 1, d + i + 1, shown - i - 1)) / row[i];
   }
-  const double M = state.beta[0], far = M + d[0];
-  double* const turned = room.phi;
+  const Real M = state.beta[0], far = M + d[0];
+  Real* const turned = room.phi;
   for (int i = 0; i < sets.sigmas; ++i)
     turned[i] = (state.beta[1 + i] + d[1 + i]) / far - state.beta[1 + i] / M;
-  double* const bent = room.y;
+  Real* const bent = room.y;
   for (int k = 0; k < sets.pis; ++k) bent[k] = 0.0;
   for (int p = 0; p < sets.pi_of_products.columns; ++p) {
-    const double product = far * turned[sets.pair[2 * p]] * turned[sets.pair[2 * p + 1]];
+    const Real product = far * turned[sets.pair[2 * p]] * turned[sets.pair[2 * p + 1]];
     for (int k = sets.pi_of_products.first[p]; k < sets.pi_of_products.first[p + 1]; ++k)
       bent[sets.pi_of_products.row[k]] += sets.pi_of_products.value[k] * product;
   }
   for (int i = 0; i < sets.sigmas; ++i) bent[sets.pis + i] = -turned[i] * d[0] / M;
-  double square = 0.0;
+  Real square = 0.0;
   for (int i = 0; i < y; ++i) {
-    const double part = dot(state.R + static_cast<long>(i) * size.R_stride() + i, bent + i, y - i);
+    const Real part = dot(state.R + static_cast<long>(i) * size.R_stride() + i, bent + i, y - i);
     square += part * part;
   }
   return square < LINEAR;
@@ -83,16 +83,16 @@ ORBIDENT_WIDEST inline bool linear(const FilterModel& model, const FilterState& 
 // Whether the momentum equation has a known term that is more than noise: else the samples tell no scale.
 // Noise counts as that of a robot of the mass M_0: without a scale the estimate shrinks to nothing, and
 // beside so small a robot's noise anything would be known.
-inline bool scaled(const FilterModel& model, const FilterState& state, double M_0) {
+inline bool scaled(const FilterModel& model, const FilterState& state, Real M_0) {
   const FilterSizes size = model.sizes();
   if (held_in_beta(state)) return true;
-  double known = 0.0;
+  Real known = 0.0;
   for (int i = 0; i < model.sets.pis; ++i) {
-    const double z = state.R[static_cast<long>(i) * size.R_stride() + size.parameters];
+    const Real z = state.R[static_cast<long>(i) * size.R_stride() + size.parameters];
     known += z * z;
   }
-  const double part = state.beta[0] / M_0;
-  return model.laws.robot.wheels > 0 && known * part * part > KNOWN * model.sets.pis;
+  const Real part = state.beta[0] / M_0;
+  return model.laws.robot.wheels > 0 && known * part * part > KNOWN * static_cast<Real>(model.sets.pis);
 }
 
 // Tests one more point, and hands over after enough of them.
@@ -107,7 +107,7 @@ inline void hand_over_if_linear(const FilterModel& model, FilterState& state, Fi
     if (!scaled(model, state, room.beta[size.iotas])) return;
     rows_of_beta(model, state, state.top + n, size.top_stride(), n, padded(n + k + 1) - n, room);
   }
-  *state.linear = more ? point + 1.0 : 0.0;
+  *state.linear = more ? Real(point + 1) : Real(0);
 }
 
 }  // namespace orbident

@@ -15,9 +15,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <type_traits>
 
-// Compiled for wider vectors too.
-#if defined(__x86_64__) && defined(__gnu_linux__) && defined(__GNUC__) && !defined(__clang__) && \
+#include "orbident/scalar.hpp"
+
+// Compiled for wider vectors too, unless a flight build says otherwise.
+#if defined(ORBIDENT_WIDEST)
+#elif defined(__x86_64__) && defined(__gnu_linux__) && defined(__GNUC__) && !defined(__clang__) && \
     !defined(__SANITIZE_ADDRESS__)
 #define ORBIDENT_WIDEST __attribute__((target_clones("avx512f", "avx2", "default")))
 #else
@@ -31,7 +35,7 @@
 
 namespace orbident {
 
-// Doubles of the widest vector. Tables whose width is a multiple are folded fastest, and are best
+// Numbers of the widest vector: 8 of double. Tables whose width is a multiple are folded fastest, and are best
 // aligned to one.
 constexpr int LANES = 8;
 
@@ -40,22 +44,36 @@ constexpr int padded(int width) { return (width + LANES - 1) / LANES * LANES; }
 // Rows that are folded at once: with them, what the inner loop holds fits into 16 registers.
 constexpr int BLOCK = 8;
 
-// Squares between these neither lose digits nor overflow, and nor do their sums and products by b.
-constexpr double SMALLEST_SQUARE = 1e-200, LARGEST_SQUARE = 1e200;
-// A column below this is zero: rounding leaves 1e-16 of rows that are used up, and 1e-16 of that, and
-// so on, down to numbers without all their digits.
-constexpr double NOTHING = 1e-292;
+// What a scalar can hold.
+template <class T>
+struct Range;
+template <>
+struct Range<double> {
+  // Squares between these neither lose digits nor overflow, and nor do their sums and products by b.
+  static constexpr double SMALLEST_SQUARE = 1e-200, LARGEST_SQUARE = 1e200;
+  // A column below this is zero: rounding leaves 1e-16 of rows that are used up, and 1e-16 of that, and
+  // so on, down to numbers without all their digits.
+  static constexpr double NOTHING = 1e-292;
+};
+template <>
+struct Range<float> {
+  static constexpr float SMALLEST_SQUARE = 1e-24f, LARGEST_SQUARE = 1e24f, NOTHING = 1e-31f;
+};
 
-// Reflects the columns of R_j and N rows from c on, as many blocks of L as fit before n; returns the
-// column behind them.
-template <int N, int L>
-ORBIDENT_INLINE int reflect(double* R_j, double* X, std::ptrdiff_t stride, int c, int n, double v,
-                            const double* u, double b) {
+template <int N>
+using Rows = std::integral_constant<int, N>;
+
+// Reflects the columns of R_j and `count` rows from c on, as many blocks of L as fit before n; returns the
+// column behind them. The compiler knows `count`, or does not.
+template <int L, class Count>
+ORBIDENT_INLINE int reflect(Real* R_j, Real* X, std::ptrdiff_t stride, Count count, int c, int n,
+                            Real v, const Real* u, Real b) {
+  const int N = count;
   for (; c + L <= n; c += L) {
-    double* __restrict const pivot = R_j + c;
-    double* __restrict const rows = X + c;
+    Real* __restrict const pivot = R_j + c;
+    Real* __restrict const rows = X + c;
     // Two sums, of even and of odd rows: each waits for half as many additions.
-    double share[L], odd[L] = {};
+    Real share[L], odd[L] = {};
     for (int l = 0; l < L; ++l) share[l] = v * pivot[l];
 #pragma GCC unroll 8
     for (int i = 0; i < N; ++i)
@@ -69,21 +87,22 @@ ORBIDENT_INLINE int reflect(double* R_j, double* X, std::ptrdiff_t stride, int c
   return c;
 }
 
-template <int N>
-ORBIDENT_INLINE void fold_block(double* R, std::ptrdiff_t R_stride, double* X, std::ptrdiff_t stride,
-                                int n, int columns) {
+template <class Count>
+ORBIDENT_INLINE void fold_block(Real* R, std::ptrdiff_t R_stride, Real* X, std::ptrdiff_t stride,
+                                Count count, int n, int columns) {
+  const int N = count;
   for (int j = 0; j < columns; ++j) {
-    double* const R_j = R + j * R_stride;
-    double u[N], a = R_j[j], scale = 1.0, squares[2] = {0.0, 0.0};
+    Real* const R_j = R + j * R_stride;
+    Real u[BLOCK], a = R_j[j], scale = 1.0, squares[2] = {0.0, 0.0};
     for (int i = 0; i < N; ++i) {
       u[i] = X[i * stride + j];
       squares[i % 2] += u[i] * u[i];
     }
-    double below = squares[0] + squares[1];
-    if (!(below > SMALLEST_SQUARE && a * a + below < LARGEST_SQUARE)) {
+    Real below = squares[0] + squares[1];
+    if (!(below > Range<Real>::SMALLEST_SQUARE && a * a + below < Range<Real>::LARGEST_SQUARE)) {
       scale = 0.0;
       for (int i = 0; i < N; ++i) scale = std::max(scale, std::abs(u[i]));
-      if (!(scale > NOTHING)) continue;
+      if (!(scale > Range<Real>::NOTHING)) continue;
       scale = std::max(scale, std::abs(a));
       a /= scale;
       below = 0.0;
@@ -92,34 +111,40 @@ ORBIDENT_INLINE void fold_block(double* R, std::ptrdiff_t R_stride, double* X, s
         below += u[i] * u[i];
       }
     }
-    const double norm = std::sqrt(a * a + below);
-    const double image = a >= 0.0 ? -norm : norm;
-    const double v = a - image;
-    const double b = 2.0 / (v * v + below);
+    const Real norm = std::sqrt(a * a + below);
+    const Real image = a >= 0 ? -norm : norm;
+    const Real v = a - image;
+    const Real b = 2 / (v * v + below);
     R_j[j] = 0.0;
     for (int i = 0; i < N; ++i) X[i * stride + j] = 0.0;
-    const int rest = reflect<N, LANES>(R_j, X, stride, j / LANES * LANES, n, v, u, b);
-    reflect<N, 1>(R_j, X, stride, rest, n, v, u, b);
+    const int rest = reflect<LANES>(R_j, X, stride, count, j / LANES * LANES, n, v, u, b);
+    reflect<1>(R_j, X, stride, count, rest, n, v, u, b);
     R_j[j] = scale * image;
   }
 }
 
 // Folds the m rows X of n columns into R: their first `columns` are brought to zero, and X keeps what
 // is left of the others.
-ORBIDENT_WIDEST inline void fold(double* R, std::ptrdiff_t R_stride, double* X, std::ptrdiff_t stride,
+ORBIDENT_WIDEST inline void fold(Real* R, std::ptrdiff_t R_stride, Real* X, std::ptrdiff_t stride,
                                  int m, int n, int columns) {
+#ifdef ORBIDENT_SMALL
+  // The same sums in the same order, in a tenth of the code.
+  for (; m > 0; m -= BLOCK, X += BLOCK * stride)
+    fold_block(R, R_stride, X, stride, m < BLOCK ? m : BLOCK, n, columns);
+#else
   for (; m >= BLOCK; m -= BLOCK, X += BLOCK * stride)
-    fold_block<BLOCK>(R, R_stride, X, stride, n, columns);
+    fold_block(R, R_stride, X, stride, Rows<BLOCK>(), n, columns);
   switch (m) {
-    case 1: return fold_block<1>(R, R_stride, X, stride, n, columns);
-    case 2: return fold_block<2>(R, R_stride, X, stride, n, columns);
-    case 3: return fold_block<3>(R, R_stride, X, stride, n, columns);
-    case 4: return fold_block<4>(R, R_stride, X, stride, n, columns);
-    case 5: return fold_block<5>(R, R_stride, X, stride, n, columns);
-    case 6: return fold_block<6>(R, R_stride, X, stride, n, columns);
-    case 7: return fold_block<7>(R, R_stride, X, stride, n, columns);
+    case 1: return fold_block(R, R_stride, X, stride, Rows<1>(), n, columns);
+    case 2: return fold_block(R, R_stride, X, stride, Rows<2>(), n, columns);
+    case 3: return fold_block(R, R_stride, X, stride, Rows<3>(), n, columns);
+    case 4: return fold_block(R, R_stride, X, stride, Rows<4>(), n, columns);
+    case 5: return fold_block(R, R_stride, X, stride, Rows<5>(), n, columns);
+    case 6: return fold_block(R, R_stride, X, stride, Rows<6>(), n, columns);
+    case 7: return fold_block(R, R_stride, X, stride, Rows<7>(), n, columns);
     default: return;
   }
+#endif
 }
 
 }  // namespace orbident

@@ -19,48 +19,66 @@ namespace orbident {
 
 // What one sample said about the estimate before it.
 struct Innovation {
-  const double* white;  // `stride` entries apart: independent, unit variance while nothing changes
+  const Real* white;  // `stride` entries apart: independent, unit variance while nothing changes
   int stride;
-  double nis;  // |white|^2: chi-square with dof degrees of freedom
+  Real nis;  // |white|^2: chi-square with dof degrees of freedom
   int dof;     // 0 where the sample does not count
 };
 
 // In the plane momentum has its last component alone.
-inline Vector momentum_in(const FilterModel& model, const double* x) {
-  return model.laws.axes.momenta == 1 ? Vector(0.0, 0.0, x[0]) : Vector(x[0], x[1], x[2]);
+inline Vector momentum_in(const FilterModel& model, const Real* x) {
+  return model.laws.axes.momenta == 1 ? Vector(0, 0, x[0]) : Vector(x[0], x[1], x[2]);
 }
 
-// Whether a sample is complete but for the velocity, later than the last one, and of a live gyro: one
-// whose rate is the last one's to the last digit is dead, or its row was written twice.
-inline bool counts(const FilterModel& model, const FilterState& state, double t,
-                   const Measurement& at) {
-  const auto finite = [](const double* part, int size) {
-    bool all = true;
-    for (int i = 0; i < size; ++i) all = all && std::isfinite(part[i]);
-    return all;
-  };
+// Whether a sample counts, or why not.
+enum class Counts { yes, incomplete, absurd, not_later, repeated };
+
+constexpr Real LARGEST = 1e6;       // SI: no angle, rate or speed of a spacecraft is beyond it
+constexpr Real LONGEST = 1e9;       // s: nor is the time between two samples, which is 30 years
+constexpr Real SHORTEST = Real(1e-6);  // of a quaternion's squared norm; any norm will do but none
+
+// A sample counts if it is complete but for the velocity, possible, later than the last one, and of a live
+// gyro: one whose rate is the last one's to the last digit is dead, or its row was written twice.
+inline Counts counts(const FilterModel& model, const FilterState& state, Real t,
+                     const Measurement& at) {
   const Robot& robot = model.laws.robot;
+  const int needed = 2 * robot.tree.joints + 7 + robot.wheels;
+  bool all = std::isfinite(t), possible = true;
+  const auto look = [&](const Real* part, int size) {
+    for (int i = 0; i < size; ++i) {
+      all = all && std::isfinite(part[i]);
+      possible = possible && std::abs(part[i]) < LARGEST;
+    }
+  };
+  look(at.q, needed);
+  look(at.w_smooth, 3);
+  if (!all) return Counts::incomplete;
+  const Vector v_S(at.v_S[0], at.v_S[1], at.v_S[2]);
+  if (v_S.allFinite()) look(at.v_S, 3);
+  Real norm = 0;
+  for (int i = 0; i < 4; ++i) norm += at.x_WB[i] * at.x_WB[i];
+  if (!possible || norm < SHORTEST || t - *state.t > LONGEST) return Counts::absurd;
+  if (t <= *state.t) return Counts::not_later;
   const bool same = at.w[0] == state.w[0] && at.w[1] == state.w[1] && at.w[2] == state.w[2];
-  return !(t <= *state.t) && !same && finite(at.q, 2 * robot.tree.joints + 7 + robot.wheels) &&
-         finite(at.w_smooth, 3);
+  return same ? Counts::repeated : Counts::yes;
 }
 
 // Takes the equations of one sample in, linearised about the estimate, which stays.
-inline Innovation take_in(const FilterModel& model, FilterState& state, double t,
-                          const double* packed, FilterRoom& room) {
+inline Innovation take_in(const FilterModel& model, FilterState& state, Real t,
+                          const Real* packed, FilterRoom& room) {
   const Measurement at = measurement_at(model.laws.robot, packed);
   const FilterSizes size = model.sizes();
   const bool reduced = held_in_beta(state);
   const int n = size.nuisances, y = reduced ? size.betas() : size.parameters;
   const int stride = size.row_stride();
-  if (!counts(model, state, t, at)) {
+  if (counts(model, state, t, at) != Counts::yes) {
     for (int i = 0; i < size.rows; ++i) room.rows[i * stride + n + y] = 0.0;
     return {room.rows + n + y, stride, 0.0, 0};
   }
   const Vector h_cm = momentum_in(model, state.x);
-  const Matrix R_WB = quaternion_matrix<double>(Quaternion<double>(at.x_WB));
-  const double dt = std::isnan(*state.t) ? 0.0 : t - *state.t;
-  const Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> R_before(state.R_WB);
+  const Matrix R_WB = quaternion_matrix<Real>(Quaternion<Real>(at.x_WB));
+  const Real dt = std::isnan(*state.t) ? Real(0) : t - *state.t;
+  const Eigen::Map<Eigen::Matrix<Real, 3, 3, Eigen::RowMajor>> R_before(state.R_WB);
   const Matrix integral = dt / 2 * (R_before + R_WB);
   conservation_equations(model.laws, state.beta, h_cm, at, R_WB, room.equations, room.rows, stride);
   const int top_stride = size.top_stride();
@@ -75,7 +93,7 @@ inline Innovation take_in(const FilterModel& model, FilterState& state, double t
   for (int i = 0; i < 9; ++i) state.R_WB[i] = R_WB(i / 3, i % 3);
   Innovation innovation{room.rows + n + y, stride, 0.0, size.rows};
   for (int i = 0; i < size.rows; ++i) {
-    const double white = innovation.white[i * stride];
+    const Real white = innovation.white[i * stride];
     innovation.nis += white * white;
   }
   if (!Vector(at.v_S[0], at.v_S[1], at.v_S[2]).allFinite())
@@ -105,7 +123,7 @@ inline void relinearise(const FilterModel& model, FilterState& state, FilterRoom
                   room.phi, state.beta[0], room.transposed, room.shown);
     for (int r = 0; r < rows; ++r) {
       const int row = first + r;
-      double* into = state.root + row * stride + iotas;
+      Real* into = state.root + row * stride + iotas;
       if (row < iotas) {
         for (int c = row; c < iotas; ++c) into[c - iotas] = state.R[row * R_stride + c];
       } else {
@@ -131,17 +149,17 @@ inline void estimate(const FilterModel& model, FilterState& state, FilterRoom& r
   const bool reduced = held_in_beta(state);
   if (!reduced) relinearise(model, state, room);
   const int k = size.betas(), iotas = size.iotas, shown = size.shown;
-  double *const ordered = room.beta, *const beta = room.beta + k;
+  Real *const ordered = room.beta, *const beta = room.beta + k;
   solve_triangle(state.root, size.beta_stride(), k, ordered);
   for (int i = 0; i < k; ++i) beta[i] = ordered[i < shown ? iotas + i : i - shown];
   if (!reduced) linearised(model.sets, state.beta, beta, room.y);
-  const double* const known = reduced ? ordered : room.y;
+  const Real* const known = reduced ? ordered : room.y;
 
   // x of N x + Y y = z.
   const int n = size.nuisances, y = reduced ? k : size.parameters, top = size.top_stride();
   for (int i = n - 1; i >= 0; --i) {
-    const double* const row = state.top + i * top;
-    const double left = row[n + y] - dot(row + n, known, y);
+    const Real* const row = state.top + i * top;
+    const Real left = row[n + y] - dot(row + n, known, y);
     state.x[i] = (left - dot(row + i + 1, state.x + i + 1, n - i - 1)) / row[i];
   }
   for (int i = 0; i < k; ++i) state.beta[i] = beta[i];
@@ -149,7 +167,7 @@ inline void estimate(const FilterModel& model, FilterState& state, FilterRoom& r
 }
 
 // One sample: prediction of the nuisances, its equations, the new estimate.
-inline Innovation step(const FilterModel& model, FilterState& state, double t, const double* packed,
+inline Innovation step(const FilterModel& model, FilterState& state, Real t, const Real* packed,
                        FilterRoom& room) {
   const Innovation innovation = take_in(model, state, t, packed, room);
   if (innovation.dof > 0) estimate(model, state, room);

@@ -15,45 +15,45 @@ namespace orbident {
 
 // C = U U^T, U upper triangular, in place: row i of C, its lower triangle, becomes column i of U above
 // the diagonal, and the inverse of U_ii.
-ORBIDENT_WIDEST inline void factor_upper(double* C, int n) {
+ORBIDENT_WIDEST inline void factor_upper(Real* C, int n) {
   for (int i = n - 1; i >= 0; --i) {
-    double* __restrict const column = C + i * n;
-    const double inverse = 1.0 / std::sqrt(column[i]);
+    Real* __restrict const column = C + i * n;
+    const Real inverse = 1 / std::sqrt(column[i]);
     column[i] = inverse;
     for (int r = 0; r < i; ++r) column[r] *= inverse;
     for (int k = 0; k < i; ++k) {
-      double* __restrict const left = C + k * n;
-      const double share = column[k];
+      Real* __restrict const left = C + k * n;
+      const Real share = column[k];
       for (int r = 0; r <= k; ++r) left[r] -= share * column[r];
     }
   }
 }
 
 // U^-1 rows in place, from the last row up, with U as factor_upper leaves it.
-ORBIDENT_WIDEST inline void solve_upper(const double* U, int n, double* rows, int stride, int width) {
+ORBIDENT_WIDEST inline void solve_upper(const Real* U, int n, Real* rows, int stride, int width) {
   for (int i = n - 1; i >= 0; --i) {
-    const double* const column = U + i * n;
-    double* __restrict const row = rows + i * stride;
-    const double inverse = column[i];
+    const Real* const column = U + i * n;
+    Real* __restrict const row = rows + i * stride;
+    const Real inverse = column[i];
     for (int c = 0; c < width; ++c) row[c] *= inverse;
     for (int r = 0; r < i; ++r) {
-      double* __restrict const above = rows + r * stride;
-      const double share = column[r];
+      Real* __restrict const above = rows + r * stride;
+      const Real share = column[r];
       for (int c = 0; c < width; ++c) above[c] -= share * row[c];
     }
   }
 }
 
 // C = 1 + K K^T, its lower triangle; a row of `kicks` is what one source of noise does to all.
-ORBIDENT_WIDEST inline void covariance_of(const double* kicks, int count, int n, double* C) {
+ORBIDENT_WIDEST inline void covariance_of(const Real* kicks, int count, int n, Real* C) {
   for (int i = 0; i < n; ++i)
     for (int j = 0; j <= i; ++j) C[i * n + j] = i == j ? 1.0 : 0.0;
   for (int k = 0; k < count; ++k) {
-    const double* const kick = kicks + k * n;
+    const Real* const kick = kicks + k * n;
     for (int i = 0; i < n; ++i) {
-      double* __restrict const row = C + i * n;
-      const double share = kick[i];
-      if (share == 0.0) continue;
+      Real* __restrict const row = C + i * n;
+      const Real share = kick[i];
+      if (share == 0) continue;
       for (int j = 0; j <= i; ++j) row[j] += share * kick[j];
     }
   }
@@ -70,15 +70,15 @@ ORBIDENT_WIDEST inline void covariance_of(const double* kicks, int count, int n,
 //   integral  of R_0 over dt
 //   h_cm      the momentum known so far, N m s
 //   K, C      room for n x n each; K's columns are stored as rows
-inline void predict_nuisances(const ConservationModel& model, double* top, int stride, int width,
-                              const Matrix& integral, const Vector& h_cm, double dt, double* K,
-                              double* C) {
+inline void predict_nuisances(const ConservationModel& model, Real* top, int stride, int width,
+                              const Matrix& integral, const Vector& h_cm, Real dt, Real* K,
+                              Real* C) {
   const ConservedAxes& axes = model.axes;
   const SensorNoise& noise = model.noise;
   const int n = model.nuisances(), b_g = model.gyro_bias(), b_a = model.accelerometer_bias();
   const int integrated = noise.accelerometer ? axes.velocities : 0;
   for (int k = 0; k < n * n; ++k) K[k] = 0.0;
-  const auto walk = [&](double std, int unknown, int column, int count) {
+  const auto walk = [&](Real std, int unknown, int column, int count) {
     for (int i = 0; i < n; ++i)
       for (int j = 0; j < count; ++j)
         K[(column + j) * n + i] = std * std::sqrt(dt) * top[i * stride + unknown + j];
@@ -89,7 +89,7 @@ inline void predict_nuisances(const ConservationModel& model, double* top, int s
   for (int j = 0; j < axes.momenta; ++j) {
     const Vector turn = noise.integrated * Vector(integral.col(axes.momentum[j])).cross(h_cm);
     for (int i = 0; i < n; ++i) {
-      double by_turn = 0.0;
+      Real by_turn = 0.0;
       for (int k = 0; k < axes.momenta; ++k) by_turn += top[i * stride + k] * turn[axes.momentum[k]];
       top[i * stride + b_g + j] -= by_turn;
       K[j * n + i] = noise.gyro * by_turn;

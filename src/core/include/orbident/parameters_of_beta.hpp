@@ -22,29 +22,29 @@ struct ParametersOfBeta {
   Sparse pi_of_products;  // C: pi x pairs, in the order of their last rows
   const int* pair;        // pairs x 2: which of sigma are multiplied
   int pis, sigmas, iotas;
-  int shown() const { return 1 + sigmas; }
-  int betas() const { return 1 + sigmas + iotas; }
-  int size() const { return pis + sigmas; }
+  constexpr int shown() const { return 1 + sigmas; }
+  constexpr int betas() const { return 1 + sigmas + iotas; }
+  constexpr int size() const { return pis + sigmas; }
 };
 
 // y near beta_0: y(beta_0) + J (beta - beta_0), with J at beta_0; in place of y.
-inline void linearised(const ParametersOfBeta& sets, const double* beta_0, const double* beta,
-                       double* y) {
-  const double M_0 = beta_0[0], M = beta[0];
-  const double *sigma_0 = beta_0 + 1, *sigma = beta + 1, *iota = beta + sets.shown();
-  for (int k = 0; k < sets.pis; ++k) y[k] = k < sets.iotas ? iota[k] : 0.0;
+inline void linearised(const ParametersOfBeta& sets, const Real* beta_0, const Real* beta,
+                       Real* y) {
+  const Real M_0 = beta_0[0], M = beta[0];
+  const Real *sigma_0 = beta_0 + 1, *sigma = beta + 1, *iota = beta + sets.shown();
+  for (int k = 0; k < sets.pis; ++k) y[k] = k < sets.iotas ? iota[k] : Real(0);
   for (int c = 0; c < sets.shown(); ++c)
     for (int k = sets.pi_of_shown.first[c]; k < sets.pi_of_shown.first[c + 1]; ++k)
       y[sets.pi_of_shown.row[k]] += sets.pi_of_shown.value[k] * beta[c];
   for (int p = 0; p < sets.pi_of_products.columns; ++p) {
     const int a = sets.pair[2 * p], b = sets.pair[2 * p + 1];
-    const double phi_a = sigma_0[a] / M_0, phi_b = sigma_0[b] / M_0;
-    const double product = phi_b * sigma[a] + phi_a * sigma[b] - phi_a * phi_b * M;
+    const Real phi_a = sigma_0[a] / M_0, phi_b = sigma_0[b] / M_0;
+    const Real product = phi_b * sigma[a] + phi_a * sigma[b] - phi_a * phi_b * M;
     for (int k = sets.pi_of_products.first[p]; k < sets.pi_of_products.first[p + 1]; ++k)
       y[sets.pi_of_products.row[k]] += sets.pi_of_products.value[k] * product;
   }
   for (int k = 0; k < sets.sigmas; ++k) {
-    const double phi = sigma_0[k] / M_0;
+    const Real phi = sigma_0[k] / M_0;
     y[sets.pis + k] = phi + (sigma[k] - phi * M) / M_0;
   }
 }
@@ -53,7 +53,7 @@ inline void linearised(const ParametersOfBeta& sets, const double* beta_0, const
 constexpr int TILE = 16;
 
 // y + a x of one column. Not unrolled, the loop becomes vectors; unrolled, GCC 12 makes single numbers of it.
-ORBIDENT_INLINE void add(double a, const double* __restrict x, double* __restrict y) {
+ORBIDENT_INLINE void add(Real a, const Real* __restrict x, Real* __restrict y) {
 #pragma GCC unroll 1
   for (int r = 0; r < TILE; ++r) y[r] += a * x[r];
 }
@@ -66,22 +66,22 @@ ORBIDENT_INLINE void add(double a, const double* __restrict x, double* __restric
 //   phi        at beta_0, with M_0
 //   transposed room for TILE x size entries
 //   out        (1 + shown) x TILE: a column of the result after the other, the last is the right side
-ORBIDENT_WIDEST inline void shown_columns(const ParametersOfBeta& sets, const double* X, int stride,
-                                        int count, int first, const double* phi, double M_0,
-                                        double* transposed, double* out) {
+ORBIDENT_WIDEST inline void shown_columns(const ParametersOfBeta& sets, const Real* X, int stride,
+                                        int count, int first, const Real* phi, Real M_0,
+                                        Real* transposed, Real* out) {
   const int size = sets.size();
   // Rows behind the last one repeat it, and are not used.
-  const double* row_of[TILE];
+  const Real* row_of[TILE];
   for (int r = 0; r < TILE; ++r) row_of[r] = X + (r < count ? r : count - 1) * stride;
   for (int k = first; k < size; ++k) {
-    double* __restrict const column = transposed + k * TILE;
+    Real* __restrict const column = transposed + k * TILE;
     for (int r = 0; r < TILE; ++r) column[r] = row_of[r][k];
   }
   for (int k = 0; k < (1 + sets.shown()) * TILE; ++k) out[k] = 0.0;
   // Products first: those of M are minus half the sum of phi times those of sigma.
   const Sparse& products = sets.pi_of_products;
   for (int p = products.columns - 1; p >= 0; --p) {
-    double product[TILE] = {};
+    Real product[TILE] = {};
     int k = products.first[p + 1] - 1;
     if (k < products.first[p] || products.row[k] < first) break;
     for (; k >= products.first[p] && products.row[k] >= first; --k)
@@ -90,18 +90,18 @@ ORBIDENT_WIDEST inline void shown_columns(const ParametersOfBeta& sets, const do
     add(phi[b], product, out + (1 + a) * TILE);
     add(phi[a], product, out + (1 + b) * TILE);
   }
-  for (int k = 0; k < sets.sigmas; ++k) add(-0.5 * phi[k], out + (1 + k) * TILE, out);
+  for (int k = 0; k < sets.sigmas; ++k) add(Real(-0.5) * phi[k], out + (1 + k) * TILE, out);
   for (int c = 0; c < sets.shown(); ++c)
     for (int k = sets.pi_of_shown.first[c]; k < sets.pi_of_shown.first[c + 1]; ++k)
       if (sets.pi_of_shown.row[k] >= first)
         add(sets.pi_of_shown.value[k], transposed + sets.pi_of_shown.row[k] * TILE,
              out + c * TILE);
-  double* const rhs = out + sets.shown() * TILE;
+  Real* const rhs = out + sets.shown() * TILE;
   for (int r = 0; r < TILE; ++r) rhs[r] = row_of[r][size];
   for (int k = 0; k < sets.sigmas; ++k) {
     const int row = sets.pis + k;
     if (row < first) continue;
-    add(1.0 / M_0, transposed + row * TILE, out + (1 + k) * TILE);
+    add(1 / M_0, transposed + row * TILE, out + (1 + k) * TILE);
     add(-phi[k] / M_0, transposed + row * TILE, out);
     add(-phi[k], transposed + row * TILE, rhs);
   }

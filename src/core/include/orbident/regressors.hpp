@@ -16,7 +16,7 @@ namespace orbident {
 struct Sparse {
   const int* first;
   const int* row;
-  const double* value;
+  const Real* value;
   int columns;
 };
 
@@ -26,8 +26,8 @@ struct MinimalSets {
   Sparse theta_of_sigma;
   const int* pair;  // products x 2: which of sigma are multiplied
   int products;
-  int pis() const { return theta_of_linear.columns + products; }
-  int phis() const { return theta_of_sigma.columns; }
+  constexpr int pis() const { return theta_of_linear.columns + products; }
+  constexpr int phis() const { return theta_of_sigma.columns; }
 };
 
 // X B for a sparse B.

@@ -6,6 +6,7 @@
 #pragma once
 
 #include "orbident/rotations.hpp"
+#include "orbident/scalar.hpp"
 
 namespace orbident {
 
@@ -15,15 +16,15 @@ namespace orbident {
 struct Joint {
   int parent;
   bool revolute;           // else prismatic
-  Vector3<double> axis;    // unit vector, parent's axes
-  Vector3<double> p_PJ;    // from the parent's origin, m
-  Matrix3<double> fixed;   // what R_Pi is at any q
-  Matrix3<double> cosine;  // what it has beside that, times cos q
-  Matrix3<double> sine;    // and times sin q
+  Vector3<Real> axis;    // unit vector, parent's axes
+  Vector3<Real> p_PJ;    // from the parent's origin, m
+  Matrix3<Real> fixed;   // what R_Pi is at any q
+  Matrix3<Real> cosine;  // what it has beside that, times cos q
+  Matrix3<Real> sine;    // and times sin q
 
   // The axis in joint axes; R_PJ: joint axes at q = 0 in the parent's.
-  Joint(int parent, bool revolute, const Vector3<double>& a, const Matrix3<double>& R_PJ,
-        const Vector3<double>& p_PJ)
+  Joint(int parent, bool revolute, const Vector3<Real>& a, const Matrix3<Real>& R_PJ,
+        const Vector3<Real>& p_PJ)
       : parent(parent), revolute(revolute), axis(R_PJ * a), p_PJ(p_PJ), fixed(R_PJ) {
     if (revolute) fixed *= a * a.transpose();
     cosine = R_PJ - fixed;
@@ -35,7 +36,7 @@ struct Joint {
 struct Tree {
   const Joint* joint;
   int joints;
-  int bodies() const { return joints + 1; }
+  constexpr int bodies() const { return joints + 1; }
 };
 
 template <class T>

@@ -14,7 +14,7 @@ from scipy.linalg import solve_triangular
 from orbident import _core
 from orbident.estimation.overflow import check_finite
 from orbident.estimation.recursive.noise import Noise
-from orbident.estimation.recursive.prior import Prior, prior_from
+from orbident.estimation.recursive.prior import Prior, factor_of
 from orbident.estimation.recursive.state import Info, Sample, State, packed
 from orbident.model.core_robot import core_robot
 from orbident.model.derivatives import derivatives_of_beta, sets_of_beta
@@ -99,9 +99,11 @@ class Extended:
         Args:
             state: before.
             covariance: of what may have changed, added to the estimate's own.
+
+        Raises:
+            InputError: the covariance is not positive definite.
         """
-        prior = prior_from(state.beta, state.covariance + covariance)
-        return State(self.core.opened(state.core, prior.beta, prior.root))
+        return State(self.core.opened(state.core, factor_of(covariance)))
 
     def gathered(
         self,

@@ -8,7 +8,7 @@ from jaxtyping import Bool, Float
 
 from orbident.estimation.recursive.changes import Change, Detector
 from orbident.estimation.recursive.filter import Extended
-from orbident.estimation.recursive.given import given_of
+from orbident.estimation.recursive.given import Given, given_of
 from orbident.estimation.recursive.prior import (
     UNCERTAINTY,
     cad_covariance,
@@ -55,6 +55,19 @@ class History(NamedTuple):
     """Of the sensors, at the end: `value` and `std`."""
 
 
+class Filtered(NamedTuple):
+    """What the filter makes of every sample, with or without a scale."""
+
+    beta: Float[np.ndarray, "n beta"]
+    std: Float[np.ndarray, "n beta"]
+    tests: Float[np.ndarray, "n 3"]
+    """Innovation squared, its degrees of freedom, and the detector's statistic."""
+    changes: tuple[Change, ...]
+    scale: bool
+    """Whether the wheels' momentum told the scale."""
+    last: State
+
+
 def recursive_history(
     robot: Robot,
     samples: Samples,
@@ -74,11 +87,55 @@ def recursive_history(
     Raises:
         InputError: no sample is complete.
     """
-    t, every, noise = given_of(robot, samples)
-    prior, opening = cad_prior(robot), cad_covariance(robot, UNCERTAINTY)
-    kalman = Extended.of(robot, noise)
+    given = given_of(robot, samples)
+    prior, t = cad_prior(robot), given.t
+    kalman = Extended.of(robot, given.noise)
     detector = Detector(kalman.rows, false_alarms=false_alarms, samples=t.size)
-    state = kalman.begun(prior, every[0], h_cm)
+    at = filtered(robot, kalman, detector, given, h_cm, progress)
+    unknown = 0.0 if at.scale else np.nan
+    nis, dof, statistic = at.tests.T
+    pi, phi = zip(*(sets_of_beta(kalman.sets, row) for row in at.beta), strict=True)
+    beforehand = np.linalg.norm(np.linalg.inv(prior.root), axis=1)
+    covariance = at.last.covariance
+    return History(
+        t=t,
+        beta=at.beta + unknown,
+        std=at.std + unknown,
+        pi=np.array(pi) + unknown,
+        phi=np.array(phi),
+        M=at.beta[:, 0] + unknown,
+        nis=nis,
+        dof=dof,
+        statistic=statistic / detector.threshold,
+        changes=at.changes if at.scale else (),
+        covariance=covariance,
+        determined=(at.std[-1] < LEARNT * beforehand) & at.scale,
+        scale=at.scale,
+        declared=given.noise.declared,
+        biases=kalman.biases(at.last, at.last.beta, covariance),
+    )
+
+
+def filtered(
+    robot: Robot,
+    kalman: Extended,
+    detector: Detector,
+    given: Given,
+    h_cm: Float[np.ndarray, "3"] | None,
+    progress: Callable[[float], object] = lambda _: None,
+) -> Filtered:
+    """Take all samples in, one by one, and open up after every change.
+
+    Args:
+        robot: whose nominal inertia is the prior, with 30 % uncertainty.
+        kalman: its filter.
+        detector: of changes.
+        given: the samples.
+        h_cm: the momentum where it is known, inertial axes, N m s.
+        progress: is called with the fraction of the samples that is done.
+    """
+    t, every, opening = given.t, given.samples, cad_covariance(robot, UNCERTAINTY)
+    state = kalman.begun(cad_prior(robot), every[0], h_cm)
     watch, parts, changes, scale, done = detector.start(), [], [], False, 0
     while done < t.size:
         progress(done / t.size)
@@ -97,24 +154,4 @@ def recursive_history(
             std[count - 1] = np.sqrt(np.diag(state.covariance))
     beta, std, tests = map(np.concatenate, zip(*parts, strict=True))
     scale |= kalman.core.scaled(state.core, robot.mass)
-    unknown = 0.0 if scale else np.nan
-    nis, dof, statistic = tests.T
-    pi, phi = zip(*(sets_of_beta(kalman.sets, row) for row in beta), strict=True)
-    beforehand = np.linalg.norm(np.linalg.inv(prior.root), axis=1)
-    return History(
-        t=t,
-        beta=beta + unknown,
-        std=std + unknown,
-        pi=np.array(pi) + unknown,
-        phi=np.array(phi),
-        M=beta[:, 0] + unknown,
-        nis=nis,
-        dof=dof,
-        statistic=statistic / detector.threshold,
-        changes=tuple(changes) if scale else (),
-        covariance=state.covariance,
-        determined=(std[-1] < LEARNT * beforehand) & scale,
-        scale=scale,
-        declared=noise.declared,
-        biases=kalman.biases(state, state.beta, state.covariance),
-    )
+    return Filtered(beta, std, tests, tuple(changes), scale, state)

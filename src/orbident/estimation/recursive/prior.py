@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
+from scipy.linalg import solve_triangular
 
 from orbident.errors import InputError
 from orbident.model.minimal_sets import minimal_sets
@@ -30,6 +31,20 @@ def prior_from(
     Raises:
         InputError: the covariance is not positive definite.
     """
+    L = factor_of(covariance)
+    inverse = solve_triangular(L, np.eye(len(L)), lower=True)
+    root = np.linalg.qr(inverse, mode="r")
+    return Prior(beta, np.ascontiguousarray(root))
+
+
+def factor_of(
+    covariance: Float[np.ndarray, "beta beta"],
+) -> Float[np.ndarray, "beta beta"]:
+    """Lower triangular `L` of `L L^T`.
+
+    Raises:
+        InputError: the covariance is not positive definite.
+    """
     std = np.sqrt(np.diag(covariance))
     try:
         # With unit variances: kg and kg m^2 differ by orders of magnitude.
@@ -39,8 +54,7 @@ def prior_from(
             "the covariance of beta is not positive definite; give that of an "
             "estimate that determines every parameter"
         ) from None
-    root = np.linalg.qr(np.linalg.inv(L) / std, mode="r")
-    return Prior(beta, np.ascontiguousarray(root))
+    return np.ascontiguousarray(std[:, None] * L)
 
 
 def cad_prior(robot: Robot, uncertainty: float = UNCERTAINTY) -> Prior:

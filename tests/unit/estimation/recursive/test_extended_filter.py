@@ -133,6 +133,36 @@ def test_incomplete_samples_do_not_count(
     )
 
 
+@pytest.mark.parametrize(
+    "spoiled",
+    [{"t": np.nan}, {"t": np.inf}, {"t": 2e9}, {"x_WB": np.zeros(4)}]
+    + [{name: np.full(3, 1e300)} for name in ("q", "w", "v_S")],
+    ids=str,
+)
+def test_impossible_samples_do_not_count(
+    robot: Robot, every: list[Sample], spoiled: dict
+):
+    whole = run(robot, every)
+    absurd = every[50]._replace(**spoiled)
+    check_same(run(robot, [*every[:50], absurd, *every[50:]]), whole)
+
+
+def test_what_is_believed_after_a_change(robot: Robot, every: list[Sample]):
+    """Its covariance is that of before and that of the change."""
+    kalman, state = Extended.of(robot, FINE), run(robot, every)
+    random = np.random.default_rng(0)
+    S = random.standard_normal((len(state.beta), len(state.beta)))
+    std = np.sqrt(np.diag(state.covariance))
+    change = std[:, None] * (S @ S.T + np.eye(len(std))) * std
+    opened = kalman.opened(state, change)
+    np.testing.assert_array_equal(opened.beta, state.beta)
+    assert not opened.held_in_beta
+    # Rounding: covariances here have digits for 1e-6 of what they are.
+    expected = (state.covariance + change) / np.outer(std, std)
+    found = opened.covariance / np.outer(std, std)
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-6 * expected.max())
+
+
 def test_rows_written_twice_count_once(
     robot: Robot, sets: MinimalSets, every: list[Sample]
 ):

@@ -1,0 +1,62 @@
+"""Flight builds: exported folders, compiled."""
+
+import shutil
+import sys
+from pathlib import Path
+
+import pytest
+from processes import finished
+from random_motions import random_motion
+
+from orbident.identified.flight_export import export_flight
+from orbident.preprocessing.samples import samples_of
+from orbident.robot.robot_file import load_robot
+from orbident.simulation.simulate import simulate
+
+CHECKS = Path(__file__).parent / "unit" / "identified" / "flight_checks.c"
+SCALARS = {"double": "replay", "float": "replay_float"}
+WARNINGS = ("-Wall", "-Wextra", "-Wconversion", "-Wdouble-promotion", "-Werror")
+
+needs_compilers = pytest.mark.skipif(
+    None in map(shutil.which, ("cmake", "cc", "c++", "nm"))
+    or not sys.platform.startswith("linux"),
+    reason="cmake, cc, c++ or nm is missing, or this is not Linux",
+)
+
+
+def exported(
+    folder: Path, name: str, duration: float, rate: float, seed: int = 0
+) -> Path:
+    """The folder of a robot that turns while its joints move."""
+    robot = load_robot(name)
+    motion = random_motion(robot, duration=duration, seed=seed)
+    recording = simulate(robot, motion, rate=rate, noise="sensors", seed=seed)
+    export_flight(robot, samples_of(robot, recording), None, folder)
+    return folder
+
+
+def library(folder: Path, scalar: str = "double") -> Path:
+    """The filter, as the folder's own CMakeLists.txt builds it; with `replay`.
+
+    It is the same for every robot.
+    """
+    build = folder / "b"
+    ran("cmake", "-S", folder, "-B", build)
+    ran("cmake", "--build", build, "--target", SCALARS[scalar])
+    return build / f"libflight_{SCALARS[scalar]}.a"
+
+
+def program(source: Path, folder: Path, filter_: Path, scalar: str = "double") -> Path:
+    """A C program with the tables of the folder, and the filter that is built."""
+    out = folder / f"{source.stem}_{scalar}"
+    paths = [f"-I{folder}", f"-I{folder / 'include'}"]
+    flags = ["-std=gnu11", "-O1", *WARNINGS, f"-DORBIDENT_REAL={scalar}", *paths]
+    ran("cc", *flags, source, filter_, "-lm", "-o", out)
+    return out
+
+
+def ran(*command: object, limit: float = 300.0) -> str:
+    """What a command prints that ends with status 0 and complains of nothing."""
+    run = finished(*command, limit=limit)
+    assert (run.returncode, run.stderr) == (0, ""), run.stdout + run.stderr
+    return run.stdout
