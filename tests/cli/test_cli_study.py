@@ -1,4 +1,7 @@
-"""`study`: both studies with noise, and what they leave behind."""
+"""`study`: the studies with noise, and what they leave behind.
+
+`pytest -m long tests/cli/test_cli_study.py` runs that of a real table.
+"""
 
 import json
 from pathlib import Path
@@ -120,3 +123,20 @@ def test_seeds_without_noise_are_all_alike(orbident: Orbident):
 )
 def test_wrong_usage(orbident: Orbident, arguments: tuple[str, ...], words: str):
     orbident(*arguments).refused(words)
+
+
+@pytest.mark.long
+def test_table(orbident: Orbident):
+    """A minute; whether it is trusted is a matter of what acts, not of the command."""
+    ran = orbident("study", "table", "--seed", 1, "-o", "kept", "--json", "study.json")
+    assert ran.status in (0, 1)
+    for words in ("likelihood without (%)", "what acted", "pull.x", "written: kept"):
+        assert words in ran.out
+    kept = {path.name for path in Path("kept").iterdir()}
+    assert kept == CONTROL_FILES | {"cut_offs"}
+    assert "A real table" in Path("kept/report.html").read_text()
+    study = json.loads(Path("study.json").read_text())
+    paper, mine = (study["by_method"][name][-1] for name in ("paper", "with"))
+    assert abs(paper["error_percent"]) > 20 > 2 > abs(mine["error_percent"])
+    # The environment is kept with the trajectory.
+    assert "film_drag" in Path("kept/trajectory.yaml").read_text()

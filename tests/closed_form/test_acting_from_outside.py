@@ -23,6 +23,7 @@ from orbident.model.equations_of_motion import equations_of_motion
 from orbident.model.inertia import inertia
 from orbident.robot.description import Robot
 from orbident.simulation.control_laws import Driven, Hold
+from orbident.simulation.environment import outside
 from orbident.simulation.environment.orbit import J2, MU, R_E, place
 from orbident.simulation.environment.outside import recorded_thrust
 from orbident.simulation.environment.steady import Slow
@@ -329,7 +330,8 @@ def test_what_cannot_act_on_a_robot_is_refused_in_one_line():
 PULSE = {"on": 1, "off": 2, "force": 1}
 
 
-def test_what_throws_the_robot_about_is_refused():
+def test_what_throws_the_robot_about_is_refused(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(outside, "COARSE", 2**7)
     with pytest.raises(InputError, match=r"no motion is found|does not settle"):
         free_flying(
             RAFT,

@@ -1,4 +1,4 @@
-"""`orbident study spatial|planar|control`."""
+"""`orbident study spatial|planar|table|control`."""
 
 from collections.abc import Callable, Iterable, Mapping
 from enum import StrEnum
@@ -23,12 +23,14 @@ class Study(StrEnum):
 
     spatial = "spatial"
     planar = "planar"
+    table = "table"
     control = "control"
 
 
 RECORDINGS = {
     Study.spatial: ("recording",),
     Study.planar: ("identification", "burn", "validation"),
+    Study.table: ("recording",),
     Study.control: ("recording",),
 }
 
@@ -53,13 +55,17 @@ def study(
     name: Annotated[
         Study,
         typer.Argument(
-            metavar="spatial|planar|control",
-            help="Section 4, Section 5, or tracking with what Section 4 identifies.",
+            metavar="spatial|planar|table|control",
+            help="Section 4; Section 5, on an ideal table or on one that is tilted, "
+            "uneven and has an air film; or tracking with what Section 4 identifies.",
         ),
     ],
     noise: Annotated[
         Noise,
-        typer.Option(help="What sensors add: nothing, or the paper's noise."),
+        typer.Option(
+            help="What sensors add: nothing, or the paper's noise; of table, always "
+            "that of motion capture."
+        ),
     ] = Noise.none,
     seeds: Annotated[
         int, typer.Option(help="How many runs with noise, for RMS and worst.", min=1)
@@ -96,14 +102,15 @@ def study(
 
         check_absent(out / RUN, force)
         _check_free(out, name, force)
-    if noise == Noise.none and seeds > 1:
+    noisy = noise == Noise.paper or name == Study.table
+    if not noisy and seeds > 1:
         output.warn([f"--seeds {seeds}: without noise all are alike, so 1 is run"])
         seeds = 1
     run, lines = _runner(name, method)
     with progress(f"study {name}") as done_so_far:
         done = run(noise.value, seeds, seed, progress=done_so_far)
     if out is not None:
-        used_seed = seed if noise == Noise.paper else None
+        used_seed = seed if noisy else None
         output.warn(_keep(done, name, out, force, used_seed))
     if done.rejected:
         output.warn([f"{done.rejected} of {done.seeds} runs were rejected"])
@@ -127,6 +134,13 @@ def _runner(
         from orbident.studies.run_spatial import run_spatial
 
         return partial(run_spatial, method=method.value), spatial_lines
+    if name == Study.table:
+        from orbident.cli.real_table_lines import real_table_lines
+        from orbident.studies.run_table import run_table
+
+        return lambda _, *given, **options: run_table(*given, **options), (
+            real_table_lines
+        )
     if name == Study.control:
         from orbident.cli.control_lines import control_lines
         from orbident.studies.control import run_control

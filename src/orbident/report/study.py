@@ -12,6 +12,7 @@ from orbident.report.cut_offs import cut_offs
 from orbident.report.numbers import NONE, short, with_std
 from orbident.report.page import page
 from orbident.report.paper_figures import draw_errors, draw_figures
+from orbident.report.real_table import real_table
 from orbident.report.section import Row, Section, Table
 from orbident.report.verdict import verdict_of
 from orbident.report.write import sections_of, seen
@@ -19,9 +20,10 @@ from orbident.studies import comparison
 from orbident.studies.control import ControlStudy
 from orbident.studies.run_planar import PlanarStudy
 from orbident.studies.run_spatial import SpatialStudy
+from orbident.studies.run_table import TableStudy
 from orbident.studies.tables import PLANAR_IDENTIFIED
 
-Study = SpatialStudy | PlanarStudy | ControlStudy
+Study = SpatialStudy | PlanarStudy | TableStudy | ControlStudy
 
 
 def write_study_report(done: Study, result: Result, title: str, folder: Path) -> Path:
@@ -61,6 +63,8 @@ def own_sections(done: Study, folder: Path) -> Sequence[Section]:
             return _spatial(done, folder)
         case PlanarStudy():
             return _planar(done, folder)
+        case TableStudy():
+            return [real_table(done), *_present(cut_offs(done.cut_offs))]
         case ControlStudy():
             return _control(done)
 

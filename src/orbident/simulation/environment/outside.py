@@ -21,6 +21,9 @@ from orbident.trajectories.environment import Environment, Firing, Orbit
 MOST_ROUNDS = 60
 """Flights until what acts is that of the motion; a whole orbit takes some 25."""
 
+COARSE = 2**15
+"""Steps of a flight that may be too long for the joints' control."""
+
 Wrenches = Callable[[Float[np.ndarray, "steps 3"]], Float[np.ndarray, "steps 3 w 6"]]
 
 
@@ -72,21 +75,27 @@ class Outside:
             path: a motion to begin with; without one, nothing acts on the first flight.
             tolerance: of attitude, joints and position, rad or m.
 
+        Returns:
+            What was seen, and the path of it. Where it does not settle, the CM is not a
+            number: steps that are too long for stiff joints make the motion unstable.
+
         Raises:
-            InputError: it does not settle.
+            InputError: it does not settle although steps are short.
         """
         if not self.forces:
             return fly(self.wrenches(None)), None
+        seen = fly(self.wrenches(path))
         for _ in range(MOST_ROUNDS):
             # A motion that blows up is not a number, or far beyond all numbers.
             with np.errstate(all="ignore"):
-                seen = fly(self.wrenches(path))
                 if not np.isfinite(np.hstack([seen.v, seen.vd, seen.r_S])).all():
                     break
                 found = Path.through(self.robot, t, seen)
                 if path is not None and found.apart(path) <= tolerance:
                     return seen, found
-            path = found
+                path, seen = found, fly(self.wrenches(found))
+        if t.size <= COARSE:
+            return seen._replace(r_cm=np.full_like(seen.r_cm, np.nan)), None
         raise InputError(
             f"{self.robot.name}: what acts from outside moves the robot so much that "
             "no motion is found; make it weaker, or fly a shorter time"

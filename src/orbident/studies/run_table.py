@@ -1,0 +1,185 @@
+"""Section 5 on a real table, run: the paper's method beside maximum likelihood."""
+
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+
+from orbident.campaigns.seeds import over_seeds
+from orbident.estimation.quantities import nulled
+from orbident.estimation.result import Result
+from orbident.preprocessing.cut_off import CutOff
+from orbident.recordings.recording import Recording
+from orbident.robot.description import Robot
+from orbident.simulation.flight import FreeFlying
+from orbident.studies import tables
+from orbident.studies.filters import Filters
+from orbident.studies.flight_record import measured_record
+from orbident.studies.planar import planar_trajectory
+from orbident.studies.planar_run import Table6
+from orbident.studies.table import (
+    fly_table,
+    table_environment,
+    table_robot,
+    truly_acting,
+)
+from orbident.studies.table_run import PAPER, WITH, WITHOUT, Run, read_table
+from orbident.trajectories.trajectory import Trajectory
+
+FAR = 5.0
+"""Deviations that a parameter may be off."""
+
+
+class Row(NamedTuple):
+    """A parameter as one way of reading has it."""
+
+    name: str
+    true: float
+    estimate: float
+    """Of the first seed, as `std` is."""
+    std: float
+    rms_error_percent: float
+    """Over the seeds."""
+
+    @property
+    def error_percent(self) -> float:
+        """Relative error of the estimate, signed."""
+        return 100 * (self.estimate / self.true - 1)
+
+    @property
+    def sigmas(self) -> float:
+        """The error in deviations of the estimate."""
+        return (self.estimate - self.true) / self.std
+
+    def to_json(self) -> dict[str, Any]:
+        """As `study --json` gives it."""
+        numbers = {**self._asdict(), "error_percent": self.error_percent}
+        del numbers["name"]
+        return {"name": self.name, **{key: nulled(x) for key, x in numbers.items()}}
+
+
+class Acted(NamedTuple):
+    """A disturbance, as it was and as the first result has it; SI."""
+
+    name: str
+    unit: str
+    true: float
+    estimate: float
+    std: float
+
+    @property
+    def sigmas(self) -> float:
+        """The error in deviations of the estimate."""
+        return (self.estimate - self.true) / self.std
+
+
+@dataclass(frozen=True)
+class TableStudy:
+    """What a tilted, uneven table with an air film does to three ways of reading."""
+
+    methods: Mapping[str, tuple[Row, ...]]
+    """`paper`, maximum likelihood `without` what acts, and `with` it."""
+    acted: tuple[Acted, ...]
+    """What the first result says that acted."""
+    refused: str
+    """Why the paper's method refuses the first recording; empty where it does not."""
+    trajectory: Trajectory
+    recording: Recording
+    """Of the first seed."""
+    result: Result
+    """Of maximum likelihood with what acts, of the first seed."""
+    cut_offs: Mapping[str, CutOff]
+    """Of the paper's method's filters, by signal."""
+    seeds: int
+    rejected: int
+    """Seeds whose maximum likelihood result was refused."""
+    elapsed_s: float
+
+    @property
+    def trusted(self) -> bool:
+        """Whether no result was refused, and the first is right within deviations."""
+        far = max(abs(row.sigmas) for row in self.methods[WITH])
+        return not self.rejected and far < FAR
+
+    def to_json(self) -> dict[str, Any]:
+        """As `study --json` gives it."""
+        return {
+            "by_method": {
+                name: [row.to_json() for row in rows]
+                for name, rows in self.methods.items()
+            },
+            "acted": [each._asdict() for each in self.acted],
+            "paper_refused": self.refused or None,
+            "seeds": self.seeds,
+            "rejected": self.rejected,
+            "elapsed_s": self.elapsed_s,
+        }
+
+
+def run_table(
+    seeds: int = 1,
+    first_seed: int = 0,
+    progress: Callable[[float], object] = lambda _: None,
+) -> TableStudy:
+    """Fly once, measure with each seed, read each recording in three ways.
+
+    Args:
+        seeds: runs with other noise of encoders and motion capture; the flight is the
+            same.
+        first_seed: of them.
+        progress: is called with the fraction done.
+
+    Raises:
+        InputError: there are no seeds.
+    """
+    started = time.perf_counter()
+    robot = table_robot()
+    trajectory = replace(planar_trajectory(robot), environment=table_environment(robot))
+    flight = fly_table(robot, trajectory)
+    table, filters, runs = Table6.of(robot), Filters(), list[Run]()
+
+    def errors(seed: int) -> Float[np.ndarray, " errors"]:
+        recording = measured_record(robot, flight, seed)
+        runs.append(read_table(robot, recording, table, filters))
+        readings = runs[-1].readings.values()
+        return np.concatenate([table.errors(reading.values) for reading in readings])
+
+    rms = over_seeds(errors, seeds, first_seed, progress).rms.reshape(3, -1)
+    first = runs[0]
+    return TableStudy(
+        methods={
+            name: _rows(first, name, table, over)
+            for name, over in zip((PAPER, WITHOUT, WITH), rms, strict=True)
+        },
+        acted=_acted(robot, flight, first.result),
+        refused=first.refused,
+        trajectory=trajectory,
+        recording=first.recording,
+        result=first.result,
+        cut_offs=filters.cut_offs,
+        seeds=seeds,
+        rejected=sum(run.result.status == "rejected" for run in runs),
+        elapsed_s=time.perf_counter() - started,
+    )
+
+
+def _rows(
+    first: Run, method: str, table: Table6, rms: Float[np.ndarray, " parameters"]
+) -> tuple[Row, ...]:
+    reading = first.readings[method]
+    names, columns = tables.PLANAR_IDENTIFIED, (table.true, *reading, rms)
+    return tuple(
+        Row(name, *map(float, numbers))
+        for name, *numbers in zip(names, *columns, strict=True)
+    )
+
+
+def _acted(robot: Robot, flight: FreeFlying, result: Result) -> tuple[Acted, ...]:
+    true = truly_acting(robot, flight)
+    return tuple(
+        Acted(name, fit.unit, float(true.get(name, 0.0)), fit.value, fit.std)
+        for name, fit in result.disturbances.items()
+    )
