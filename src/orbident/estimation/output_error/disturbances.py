@@ -27,8 +27,8 @@ FREE = 1e3
 IMPOSSIBLE = 3.0
 """Deviations below zero that something positive is not by chance."""
 
-MOST = 3
-"""Groups that are freed one after another, at most."""
+ROUNDS = 6
+"""Times that a group is freed, at most; one that was freed may be dropped again."""
 
 TRIED = 3
 """Groups, likeliest to first order, of which the one that explains most is freed; as
@@ -92,21 +92,26 @@ def with_disturbances(
     plain = search.whole(start)
     # In all first fits noise is that assumed, so that their costs can be compared.
     solution, groups, cost = plain.solution, (), start.cost
-    while len(groups) < MOST and problem.t.size <= LONGEST:
+    for _ in range(ROUNDS if problem.t.size <= LONGEST else 0):
         more = _best(problem, solution, groups, search, excluded)
         if more is None or _hopeless(problem, more[0].cost, cost):
             break
         solution, groups = more
+        # A group that stood for this one is not needed beside it.
+        while weak := _unneeded(problem, solution, groups):
+            groups = _without(groups, weak)
+            solution = search.first(groups)
         cost = solution.cost
     fit = Fit(search.whole(solution) if groups else plain, groups, plain)
-    while fit.groups:
-        weakest = min(fit.groups, key=lambda group: _beyond_chance(problem, fit, group))
-        if _beyond_chance(problem, fit, weakest) > 0:
-            break
-        left = tuple(group for group in fit.groups if group != weakest)
+    while weak := _unneeded(problem, fit.found.solution, fit.groups):
+        left = _without(fit.groups, weak)
         found = search.whole(search.first(left)) if left else plain
         fit = fit._replace(found=found, groups=left)
     return fit
+
+
+def _without(groups: tuple[str, ...], group: str) -> tuple[str, ...]:
+    return tuple(each for each in groups if each != group)
 
 
 def _best(
@@ -233,9 +238,17 @@ def _sizes(
     return state.calibration[which], solution.covariance[np.ix_(here, here)]
 
 
-def _beyond_chance(problem: Problem, fit: Fit, group: str) -> float:
-    value, C = _sizes(problem, fit.found.solution, group)
-    return float(value @ np.linalg.solve(C, value) - chdtri(value.size, CHANCE))
+def _unneeded(
+    problem: Problem, solution: Solution, groups: tuple[str, ...]
+) -> str | None:
+    """The group of least size in its deviations, where that is no more than chance."""
+
+    def beyond_chance(group: str) -> float:
+        value, C = _sizes(problem, solution, group)
+        return float(value @ np.linalg.solve(C, value) - chdtri(value.size, CHANCE))
+
+    weakest = min(groups, key=beyond_chance, default=None)
+    return None if weakest is None or beyond_chance(weakest) > 0 else weakest
 
 
 def _impossible(problem: Problem, solution: Solution, group: str) -> bool:
