@@ -107,16 +107,18 @@ def test_workers_change_no_number(orbident: Orbident):
 def test_an_interrupt_ends_all_workers():
     run = ("study", "spatial", "--noise", "paper", "--seeds", 9999, "--workers", 2)
     with started(*run, *LINEAR) as process:
-        # Beside two workers, Python's own process that counts shared resources.
-        workers = wait_for(lambda: children(process.pid), count=3)
+        workers = wait_for(lambda: at_work(process.pid), count=2)
         process.send_signal(signal.SIGINT)
         _, said = process.communicate(timeout=LIMIT)
     assert (process.returncode, said) == (130, "orbident: interrupted\n")
-    wait_for(lambda: [pid for pid in workers if not Path(f"/proc/{pid}").exists()], 3)
+    wait_for(lambda: [pid for pid in workers if not Path(f"/proc/{pid}").exists()], 2)
 
 
-def children(pid: int) -> list[int]:
-    return [*map(int, Path(f"/proc/{pid}/task/{pid}/children").read_text().split())]
+def at_work(pid: int) -> list[int]:
+    """Child processes that have loaded the core."""
+    children = Path(f"/proc/{pid}/task/{pid}/children").read_text().split()
+    maps = {int(child): Path(f"/proc/{child}/maps").read_text() for child in children}
+    return [child for child, text in maps.items() if "orbident/_core" in text]
 
 
 def wait_for(some: Callable[[], list[int]], count: int) -> list[int]:

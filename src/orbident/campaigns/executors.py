@@ -115,15 +115,18 @@ def local(workers: int) -> Executors:
 def _pool(workers: int) -> Iterator[Executor]:
     # A fork of a process with threads may hang.
     spawn = multiprocessing.get_context("spawn")
+    others = set(multiprocessing.active_children())
     pool = ProcessPoolExecutor(workers, spawn, initializer=_start)
     try:
         yield pool
     finally:
         # What has begun is done again by whoever goes on; nobody is to wait for it.
-        running = list((pool._processes or {}).values())
-        pool.shutdown(wait=False, cancel_futures=True)
-        for process in running:
+        # One that an interrupt met as it began is not in the pool yet.
+        for process in set(multiprocessing.active_children()) - others:
             process.kill()
+        # Without workers it takes no time, and leaves no semaphores behind, of which
+        # Python would warn where an interrupt ends this process.
+        pool.shutdown(wait=True, cancel_futures=True)
 
 
 def _start() -> None:
