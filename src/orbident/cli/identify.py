@@ -73,7 +73,8 @@ def identify(
     from orbident.estimation.identify import identify as identified
     from orbident.files.checksum import sha256
     from orbident.files.text import name_of
-    from orbident.recordings.tables import read_recording
+    from orbident.recordings.recording import Recording
+    from orbident.recordings.tables import open_recording, read_recording
     from orbident.robot.robot_file import load_robot
 
     output = Output(json, quiet)
@@ -83,7 +84,7 @@ def identify(
         check_absent(out, force)
     described = load_robot(robot)
     with progress("reading"):
-        table = read_recording(recording)
+        table = open_recording(recording)
         pushed = None if burn is None else read_recording(burn)
     with progress("identifying") as done:
         result = identified(
@@ -99,7 +100,8 @@ def identify(
             result = result.with_causes()
     file = {"file": name_of(recording), "sha256": sha256(recording)}
     result = replace(result, input=file)
-    unmade = [] if out is None else keep(result, described, table, out, force)
+    shown = table if isinstance(table, Recording) else table.digest
+    unmade = [] if out is None else keep(result, described, shown, out, force)
     output.warn([*unmade, *result.warnings])
     output.say(*summary(result, out, everything))
     output.write_json(result.to_json())

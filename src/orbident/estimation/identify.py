@@ -10,7 +10,7 @@ from orbident.errors import InputError
 from orbident.estimation.causes.causes import causes
 from orbident.estimation.criteria import judge
 from orbident.estimation.estimate import Estimate, Estimator
-from orbident.estimation.estimators import Method, estimator_of
+from orbident.estimation.estimators import IN_STRETCHES, Method, estimator_of
 from orbident.estimation.linear_fits import INITIAL_MOMENTA, InitialMomentum
 from orbident.estimation.mass_routes import BURN, is_a_mass
 from orbident.estimation.quantities import Quantity
@@ -18,8 +18,9 @@ from orbident.estimation.result import Result
 from orbident.estimation.results import result_of
 from orbident.estimation.solve import solve
 from orbident.estimation.weigh import Weighing, weigh
+from orbident.recordings.long_recording import LARGE, LongRecording
 from orbident.recordings.recording import Recording
-from orbident.recordings.tables import read_recording
+from orbident.recordings.tables import open_recording
 from orbident.robot.description import Robot
 from orbident.robot.robot_file import load_robot
 from orbident.threads import one_blas_thread
@@ -28,7 +29,7 @@ from orbident.threads import one_blas_thread
 @one_blas_thread
 def identify(
     robot: Robot | str | Path,
-    recording: Recording | str | Path,
+    recording: Recording | LongRecording | str | Path,
     method: Method | Estimator = "maximum-likelihood",
     initial_momentum: InitialMomentum = "unknown",
     burn: Recording | None = None,
@@ -39,7 +40,8 @@ def identify(
     Args:
         robot: geometry, wheels and structure, or the name of its file; its nominal
             inertia is at most where a search starts.
-        recording: of the free-floating robot, or the name of its file.
+        recording: of the free-floating robot, or the name of its file. A long one is
+            read in stretches where the method allows it.
         method: an estimator, or the name of one with its usual options:
             `"maximum-likelihood"` fits all sensors at once; `"structured"` the
             equations 24 and 31, for what `pi` and `phi` are made of; `"least-squares"`
@@ -62,9 +64,10 @@ def identify(
     """
     started = time.perf_counter()
     robot = robot if isinstance(robot, Robot) else load_robot(robot)
-    if not isinstance(recording, Recording):
-        recording = read_recording(Path(recording))
+    if isinstance(recording, str | Path):
+        recording = open_recording(Path(recording))
     estimator = estimator_of(method)
+    recording = _in_stretches(recording, estimator)
     _check_momentum(initial_momentum)
     weighing = None if burn is None else weigh(robot, burn)
     solved = solve(robot, recording, initial_momentum, estimator, progress)
@@ -84,6 +87,18 @@ def identify(
         return result
     # They are searched for after this verb has returned, and its limit with it.
     return replace(result, causes=one_blas_thread(lambda: tuple(causes(solved))))
+
+
+def _in_stretches(
+    recording: Recording | LongRecording, estimator: Estimator
+) -> Recording | LongRecording:
+    """A long recording as the estimator can take it."""
+    long = isinstance(recording, LongRecording)
+    if not isinstance(estimator, IN_STRETCHES):
+        return recording.read() if long else recording
+    if long or recording.t.size < LARGE:
+        return recording
+    return LongRecording.of(recording)
 
 
 def _masses(weighing: Weighing | None, estimate: Estimate) -> dict[str, Quantity]:

@@ -9,7 +9,8 @@ from jaxtyping import Float
 
 from orbident.preprocessing.angles import unwrapped
 from orbident.preprocessing.rates import at_times, fill
-from orbident.preprocessing.smoothing import Smoothed, smooth
+from orbident.preprocessing.settings import Settings
+from orbident.preprocessing.smoothing import Smoothed, fits_of, smooth
 from orbident.recordings.recording import Recording
 
 Columns = tuple[Float[np.ndarray, " samples"], ...]
@@ -46,6 +47,7 @@ def histories(
     rate: str,
     sensor: Mapping[str, Any],
     late: float,
+    settings: Settings,
 ) -> Histories:
     """Positions and rates at every row, gaps filled.
 
@@ -60,6 +62,7 @@ def histories(
         rate: how the columns of rates end.
         sensor: the encoders' section of the robot file; empty where it has none.
         late: by how much the encoders' times are behind, s.
+        settings: of the whole recording.
 
     Raises:
         InputError: a column has too few samples.
@@ -75,12 +78,13 @@ def histories(
             shares.append(np.nan)
             origins.add(MEASURED)
         else:
-            smoothed = _smoothed(recording, position, encoder_noise(sensor), late)
+            noise = encoder_noise(sensor)
+            smoothed = _smoothed(recording, position, noise, late, settings)
             q, qd = [smoothed.x[:, 0]], smoothed.rate[:, 0]
             std = np.nanmedian(smoothed.std_x[:, 0]) / smoothed.noise_std[0]
             shares.append(float(std**2))
             if noisy and recording.has(measured):
-                read = _smoothed(recording, measured, tachometer, late)
+                read = _smoothed(recording, measured, tachometer, late, settings)
                 qd = _combined(smoothed, read)
             origins.add(BOTH if recording.has(measured) else DERIVED)
         positions += q
@@ -99,24 +103,28 @@ def _combined(angle: Smoothed, rate: Smoothed) -> Float[np.ndarray, " samples"]:
 
 
 def _smoothed(
-    recording: Recording, name: str, noise: float | None, late: float
+    recording: Recording,
+    name: str,
+    noise: float | None,
+    late: float,
+    settings: Settings,
 ) -> Smoothed:
     label = f"{recording.source}: column '{name}'"
     column, t = recording.column(name), recording.t
-    if name.endswith(".position"):
-        column = _over_turns(t, column)
-    return smooth(t, column[:, None], noise, t + late, label)
+    if name.endswith(".position") and settings.once(
+        f"turns of {name}", lambda: _within_a_turn(column)
+    ):
+        column = unwrapped(t, column)
+    x = column[:, None]
+    fits = settings.smoothers(name, lambda: fits_of(t, x, noise, label))
+    return smooth(t, x, noise, t + late, label, fits)
 
 
-def _over_turns(
-    t: Float[np.ndarray, " samples"], x: Float[np.ndarray, " samples"]
-) -> Float[np.ndarray, " samples"]:
-    """An angle that an encoder counts within one turn, counted on."""
+def _within_a_turn(x: Float[np.ndarray, " samples"]) -> bool:
+    """Whether an encoder counts an angle within one turn, and it goes on beyond."""
     measured = x[~np.isnan(x)]
     wrapped = measured.size and np.ptp(measured) <= FULL_TURN
-    if wrapped and np.abs(np.diff(measured)).max(initial=0.0) > np.pi:
-        return unwrapped(t, x)
-    return x
+    return bool(wrapped and np.abs(np.diff(measured)).max(initial=0.0) > np.pi)
 
 
 def encoder_noise(sensor: Mapping[str, Any]) -> float | None:
