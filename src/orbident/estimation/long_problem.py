@@ -24,7 +24,7 @@ from orbident.preprocessing.samples import Samples, samples_of
 from orbident.preprocessing.screening import screened, without_spikes
 from orbident.preprocessing.settings import LONGEST, Settings
 from orbident.recordings.columns import thruster_of
-from orbident.recordings.long_recording import SPAN, STRETCH, LongRecording
+from orbident.recordings.long_recording import SPANS, STRETCH, LongRecording
 from orbident.robot.description import Robot
 
 NOT_LOCAL = {INTEGRATED, FUSED, FELT, COUNTED}
@@ -79,7 +79,8 @@ def long_problems(
         fit(robot, sets, samples, initial_momentum, lambda _: None),
     )
     first = _of_all(problem, recording, progress, size)
-    middle = _cut(first.samples, slice(SPAN * 2, SPAN * 3))
+    span = samples.t.size // SPANS
+    middle = _cut(first.samples, slice(SPANS // 2 * span, (SPANS // 2 + 1) * span))
     late = joint_clocks(robot, sets, middle, initial_momentum)
     punctual = {name: delay._replace(believed=False) for name, delay in late.items()}
     first = replace(first, clocks=clocks | punctual)

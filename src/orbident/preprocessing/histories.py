@@ -23,6 +23,10 @@ BOTH = f"{DERIVED} and rates"
 LEAST = 1e-60
 """rad/s or m/s: its square and its inverse are still float64s."""
 
+GAP = 10.0
+"""Times the usual step from sample to sample: what is farther apart may differ by any
+angle."""
+
 FULL_TURN = 2 * np.pi + 1e-6
 """rad, and what a printed pi may be too large."""
 
@@ -112,7 +116,7 @@ def _smoothed(
     label = f"{recording.source}: column '{name}'"
     column, t = recording.column(name), recording.t
     if name.endswith(".position") and settings.once(
-        f"turns of {name}", lambda: _within_a_turn(column)
+        f"turns of {name}", lambda: _within_a_turn(t, column)
     ):
         column = unwrapped(t, column)
     x = column[:, None]
@@ -120,11 +124,17 @@ def _smoothed(
     return smooth(t, x, noise, t + late, label, fits)
 
 
-def _within_a_turn(x: Float[np.ndarray, " samples"]) -> bool:
+def _within_a_turn(
+    t: Float[np.ndarray, " samples"], x: Float[np.ndarray, " samples"]
+) -> bool:
     """Whether an encoder counts an angle within one turn, and it goes on beyond."""
-    measured = x[~np.isnan(x)]
-    wrapped = measured.size and np.ptp(measured) <= FULL_TURN
-    return bool(wrapped and np.abs(np.diff(measured)).max(initial=0.0) > np.pi)
+    seen = ~np.isnan(x)
+    t, x = t[seen], x[seen]
+    if x.size < 2 or np.ptp(x) > FULL_TURN:
+        return False
+    dt = np.diff(t)
+    close = dt < GAP * np.median(dt)
+    return bool(np.abs(np.diff(x)[close]).max(initial=0.0) > np.pi)
 
 
 def encoder_noise(sensor: Mapping[str, Any]) -> float | None:

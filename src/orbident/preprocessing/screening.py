@@ -73,7 +73,7 @@ def without_spikes(recording: Recording, own: slice = np.s_[:]) -> Screened:
         recording: of any sensors.
         own: the rows in which spikes are counted.
     """
-    columns, rejected = dict(recording.columns), {}
+    columns, rejected = {}, {}
     for names in _sensors(recording):
         masks = {name: _spikes(recording, name) for name in names}
         for name, mask in masks.items():
@@ -82,8 +82,12 @@ def without_spikes(recording: Recording, own: slice = np.s_[:]) -> Screened:
         anywhere = np.logical_or.reduce(list(masks.values()))
         if anywhere.any():
             for name in names:
-                columns[name] = np.where(anywhere, np.nan, columns[name])
-    return Screened(replace(recording, columns=columns), rejected)
+                columns[name] = np.where(anywhere, np.nan, recording.columns[name])
+    if not columns:
+        return Screened(recording, {})
+    return Screened(
+        replace(recording, columns={**recording.columns, **columns}), rejected
+    )
 
 
 def spikes_in_words(rejected: Mapping[str, Mapping[str, int]]) -> tuple[str, ...]:

@@ -29,7 +29,7 @@ FEWEST = 2**12
 FARTHEST = 2**16
 """and at most, however long a sensor has no samples."""
 
-Columns = Mapping[str, Float[np.ndarray, " rows"]]
+Columns = Mapping[str, np.ndarray]
 
 
 class Stretch(NamedTuple):
