@@ -4,9 +4,13 @@
 """
 
 import json
+import signal
+import time
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from processes import LIMIT, started
 from running import LINEAR, Orbident
 
 PLANAR_FILES = {
@@ -90,6 +94,43 @@ def test_spatial_with_noise(orbident: Orbident):
         assert 0 < row["rms_error_percent"] <= row["worst_error_percent"]
     for sensor in study["rms_error_percent_by_sensor"]:
         assert f" {sensor} " in words
+
+
+def test_workers_change_no_number(orbident: Orbident):
+    run = ("study", "spatial", "--noise", "paper", "--seeds", 3, *LINEAR)
+    one, two = (
+        orbident(*run, "--workers", workers, "--json", "-").done().json
+        for workers in (1, 2)
+    )
+    assert one.pop("elapsed_s") > 0
+    assert two.pop("elapsed_s") > 0
+    assert one == two
+
+
+def test_an_interrupt_ends_all_workers():
+    run = ("study", "spatial", "--noise", "paper", "--seeds", 9999, "--workers", 2)
+    with started(*run, *LINEAR) as process:
+        workers = wait_for(lambda: at_work(process.pid), count=2)
+        process.send_signal(signal.SIGINT)
+        _, said = process.communicate(timeout=LIMIT)
+    assert (process.returncode, said) == (130, "orbident: interrupted\n")
+    wait_for(lambda: [pid for pid in workers if not Path(f"/proc/{pid}").exists()], 2)
+
+
+def at_work(pid: int) -> list[int]:
+    """Child processes that have loaded the core."""
+    children = Path(f"/proc/{pid}/task/{pid}/children").read_text().split()
+    maps = {int(child): Path(f"/proc/{child}/maps").read_text() for child in children}
+    return [child for child, text in maps.items() if "orbident/_core" in text]
+
+
+def wait_for(some: Callable[[], list[int]], count: int) -> list[int]:
+    """What there is as soon as there are so many."""
+    end = time.monotonic() + LIMIT
+    while len(found := some()) < count:
+        assert time.monotonic() < end
+        time.sleep(0.05)
+    return found
 
 
 @pytest.mark.long

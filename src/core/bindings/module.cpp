@@ -8,6 +8,7 @@ void bind_flight(nanobind::module_& m);
 void bind_free_floating(nanobind::module_& m);
 void bind_free_flying(nanobind::module_& m);
 void bind_householder(nanobind::module_& m);
+void bind_neighbours(nanobind::module_& m);
 void bind_output_error(nanobind::module_& m);
 void bind_excitation(nanobind::module_& m);
 void bind_regressors(nanobind::module_& m);
@@ -27,6 +28,7 @@ NB_MODULE(_core, m) {
   orbident::python::bind_free_floating(m);
   orbident::python::bind_free_flying(m);
   orbident::python::bind_householder(m);
+  orbident::python::bind_neighbours(m);
   orbident::python::bind_output_error(m);
   orbident::python::bind_excitation(m);
   orbident::python::bind_regressors(m);

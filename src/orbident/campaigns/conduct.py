@@ -6,33 +6,21 @@ missing is computed again, to the same numbers.
 """
 
 import json
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import (
-    FIRST_COMPLETED,
-    BrokenExecutor,
-    CancelledError,
-    Executor,
-    Future,
-    wait,
-)
-from itertools import islice
+from collections.abc import Callable, Iterator
+from concurrent.futures import Future
+from contextlib import closing
+from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
 import pyarrow as pa
 
-from orbident.campaigns.executors import Executors
+from orbident.campaigns.executors import Executors, computed
 from orbident.campaigns.folder import FAILED, Campaign, check_versions, working
 from orbident.campaigns.run import Chunk, run_chunk
 from orbident.campaigns.table import path_of, schema_of, write_rows
 from orbident.errors import InputError
 from orbident.files.text import write_text
-
-WAITING = 64
-"""Chunks that executors are given ahead: enough for many workers, little memory."""
-
-PATIENCE = 3
-"""Times that workers may die in a row without a chunk done."""
 
 
 class Done(NamedTuple):
@@ -67,26 +55,19 @@ def conduct(
     """
     with working(folder):
         schema = schema_of(campaign)
-        deaths, done = 0, status(campaign, folder)
+        done = status(campaign, folder)
         progress(done)
-        while missing := tuple(_missing(campaign, folder)):
-            try:
-                with executors() as executor:
-                    for runs, chunk in _computed(executor, campaign, missing):
-                        check_versions(folder, chunk.versions, "a worker's")
-                        _keep(folder, runs, chunk, schema)
-                        deaths = 0
-                        more = len(runs), 0, len(chunk.failures)
-                        done = Done(*map(sum, zip(done, more, strict=True)))
-                        progress(done)
-            except (BrokenExecutor, CancelledError) as error:
-                deaths += 1
-                if deaths == PATIENCE:
-                    raise InputError(
-                        f"{folder}: workers ended {PATIENCE} times in a row before "
-                        "any was done, perhaps for want of memory; what is done is "
-                        "kept: run the same command with fewer --workers"
-                    ) from error
+        work = partial(run_chunk, campaign)
+        missing = _missing(campaign, folder)
+        kept = f"what is done is kept in {folder}: "
+        with closing(computed(executors, work, missing, kept)) as made:
+            for runs, future in made:
+                chunk = _result(future)
+                check_versions(folder, chunk.versions, "a worker's")
+                _keep(folder, runs, chunk, schema)
+                more = len(runs), 0, len(chunk.failures)
+                done = Done(*map(sum, zip(done, more, strict=True)))
+                progress(done)
     return status(campaign, folder)
 
 
@@ -114,29 +95,10 @@ def _missing(campaign: Campaign, folder: Path) -> Iterator[range]:
             yield chunk
 
 
-def _computed(
-    executor: Executor, campaign: Campaign, chunks: Sequence[range]
-) -> Iterator[tuple[range, Chunk]]:
-    """Chunks as they are done, in any order."""
-    left = iter(chunks)
-    running: dict[Future[Chunk], range] = {}
-    while True:
-        for runs in islice(left, WAITING - len(running)):
-            future = executor.submit(run_chunk, campaign, runs)
-            running[future] = runs
-            if future.done():
-                break
-        if not running:
-            return
-        done, _ = wait(running, return_when=FIRST_COMPLETED)
-        for future in done:
-            yield running.pop(future), _result(future)
-
-
 def _result(future: Future[Chunk]) -> Chunk:
     try:
         return future.result()
-    except (BrokenExecutor, CancelledError, InputError):
+    except InputError:
         raise
     # A run that raises is in its chunk; this is the worker itself.
     except Exception as error:

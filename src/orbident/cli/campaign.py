@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from typer.core import TyperGroup
 
-from orbident.cli.options import Json, Quiet
+from orbident.cli.options import Json, Quiet, Workers
 
 if TYPE_CHECKING:
     from orbident.campaigns.conduct import Done
@@ -51,12 +51,7 @@ def run(
             "with where it ended.",
         ),
     ],
-    workers: Annotated[
-        int | None,
-        typer.Option(
-            min=1, help="Processes on this machine; by default the processors at hand."
-        ),
-    ] = None,
+    workers: Workers = None,
     cluster: Annotated[
         str | None,
         typer.Option(

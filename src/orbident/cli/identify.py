@@ -79,7 +79,8 @@ def identify(
     from orbident.estimation.identify import identify as identified
     from orbident.files.checksum import sha256
     from orbident.files.text import name_of
-    from orbident.recordings.tables import read_recording
+    from orbident.recordings.recording import Recording
+    from orbident.recordings.tables import open_recording, read_recording
     from orbident.robot.robot_file import load_robot
 
     output = Output(json, quiet)
@@ -89,7 +90,7 @@ def identify(
         check_absent(out, force)
     described = load_robot(robot)
     with progress("reading"):
-        tables = [read_recording(recording) for recording in recordings]
+        tables = [open_recording(recording) for recording in recordings]
         pushed = None if burn is None else read_recording(burn)
     with progress("identifying") as done:
         result = identified(
@@ -109,7 +110,8 @@ def identify(
     ]
     origin = files[0] if len(files) == 1 else {"recordings": files}
     result = replace(result, input=origin)
-    unmade = [] if out is None else keep(result, described, tables[0], out, force)
+    shown = tables[0] if isinstance(tables[0], Recording) else tables[0].digest
+    unmade = [] if out is None else keep(result, described, shown, out, force)
     output.warn([*unmade, *result.warnings])
     output.say(*summary(result, out, everything))
     output.write_json(result.to_json())

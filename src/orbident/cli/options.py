@@ -15,6 +15,14 @@ Json = Annotated[
     typer.Option("--json", metavar="FILE|-", help="Write the result there as JSON."),
 ]
 Quiet = Annotated[bool, typer.Option("--quiet", help="Print warnings only.")]
+Workers = Annotated[
+    int | None,
+    typer.Option(
+        "--workers",
+        min=1,
+        help="Processes on this machine; by default the processors at hand.",
+    ),
+]
 RecordingFile = Annotated[
     Path, typer.Argument(metavar="REC", help="A recording: CSV or Parquet.")
 ]

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 import typer
 
-from orbident.cli.options import Json, Quiet
+from orbident.cli.options import Json, Quiet, Workers
 from orbident.errors import InputError
 
 TRAJECTORY = "trajectory.yaml"
@@ -71,6 +71,7 @@ def study(
         int, typer.Option(help="How many runs with noise, for RMS and worst.", min=1)
     ] = 1,
     seed: Annotated[int, typer.Option(help="Of the first run.", min=0)] = 0,
+    workers: Workers = None,
     method: Annotated[
         Method,
         typer.Option(
@@ -94,7 +95,9 @@ def study(
     quiet: Quiet = False,
 ) -> None:
     """Run a study of the paper, beside the paper's own numbers."""
+    from orbident.campaigns.executors import local
     from orbident.cli.output import Output, progress
+    from orbident.threads import at_hand
 
     output = Output(json, quiet)
     if out is not None:
@@ -107,8 +110,9 @@ def study(
         output.warn([f"--seeds {seeds}: without noise all are alike, so 1 is run"])
         seeds = 1
     run, lines = _runner(name, method)
-    with progress(f"study {name}") as done_so_far:
-        done = run(noise.value, seeds, seed, progress=done_so_far)
+    executors = local(min(workers or at_hand(), seeds))
+    with progress(f"study {name}") as show:
+        done = run(noise.value, seeds, seed, progress=show, executors=executors)
     if out is not None:
         used_seed = seed if noisy else None
         output.warn(_keep(done, name, out, force, used_seed))

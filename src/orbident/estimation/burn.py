@@ -19,6 +19,7 @@ from orbident.errors import InputError
 from orbident.preprocessing.attitude_rates import same_sign
 from orbident.preprocessing.base_motion import base_motion
 from orbident.preprocessing.rates import at_times, fill
+from orbident.preprocessing.settings import Settings
 from orbident.preprocessing.velocity import bias_response, velocity_from_accelerometer
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
@@ -74,7 +75,7 @@ def burn_of(robot: Robot, recording: Recording, late: float) -> Burn:
             f"{recording.source}: columns 'force.x' to '.z' are zero throughout; "
             "record a burn, and the net thruster force in base axes, N"
         )
-    base = base_motion(recording, robot.sensors, late)
+    base = base_motion(recording, robot.sensors, late, Settings())
     label = f"{recording.source}: attitude"
     x_WB = fill(recording.t, same_sign(np.column_stack(base.x_WB)), label)
     known = np.flatnonzero(np.isfinite(np.hstack([force, x_WB])).all(axis=1))

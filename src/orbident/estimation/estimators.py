@@ -19,6 +19,9 @@ ESTIMATORS: dict[str, type[Estimator]] = {
     "recursive": Recursive,
 }
 
+IN_STRETCHES = (LeastSquares,)
+"""Those that take a long recording in stretches."""
+
 
 def estimator_of(method: str | Estimator) -> Estimator:
     """An estimator by its name, or as it is.

@@ -1,7 +1,7 @@
 """The main job: from a robot and a recording to every free-flying parameter."""
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import get_args
@@ -10,7 +10,7 @@ from orbident.errors import InputError
 from orbident.estimation.causes.causes import causes
 from orbident.estimation.criteria import judge
 from orbident.estimation.estimate import Estimate, Estimator, Progress
-from orbident.estimation.estimators import Method, estimator_of
+from orbident.estimation.estimators import IN_STRETCHES, Method, estimator_of
 from orbident.estimation.linear_fits import INITIAL_MOMENTA, InitialMomentum
 from orbident.estimation.mass_routes import BURN, is_a_mass
 from orbident.estimation.one_of_several import as_one
@@ -26,30 +26,35 @@ from orbident.estimation.several import (
 )
 from orbident.estimation.solve import Solved, solve
 from orbident.estimation.weigh import Weighing, weigh
+from orbident.recordings.long_recording import LARGE, LongRecording
 from orbident.recordings.recording import Recording
-from orbident.recordings.tables import read_recording
+from orbident.recordings.tables import open_recording
 from orbident.robot.description import Robot
 from orbident.robot.robot_file import load_robot
 from orbident.threads import one_blas_thread
+
+Opened = Recording | LongRecording
+Given = Recording | LongRecording | str | Path
 
 
 @one_blas_thread
 def identify(
     robot: Robot | str | Path,
-    recording: Recording | str | Path | Sequence[Recording | str | Path],
+    recording: Given | Sequence[Given],
     method: Method | Estimator = "maximum-likelihood",
     initial_momentum: InitialMomentum = "unknown",
     burn: Recording | None = None,
-    progress: Callable[[float], object] = lambda _: None,
+    progress: Progress = lambda _: None,
 ) -> Result:
     """Identify `pi` (Eq. 24), `phi` (Eq. 31) and the total mass (Eq. 32).
 
     Args:
         robot: geometry, wheels and structure, or the name of its file; its nominal
             inertia is at most where a search starts.
-        recording: of the free-floating robot, or the name of its file; or several,
-            which maximum likelihood identifies as one: each has its own momentum,
-            attitudes, biases, clocks and disturbances.
+        recording: of the free-floating robot, or the name of its file. A long one is
+            read in stretches where the method allows it. Several are identified as one
+            by maximum likelihood: each has its own momentum, attitudes, biases, clocks
+            and disturbances.
         method: an estimator, or the name of one with its usual options:
             `"maximum-likelihood"` fits all sensors at once; `"structured"` the
             equations 24 and 31, for what `pi` and `phi` are made of; `"least-squares"`
@@ -72,8 +77,8 @@ def identify(
     """
     started = time.perf_counter()
     robot = robot if isinstance(robot, Robot) else load_robot(robot)
-    recordings = _recordings(recording)
     estimator = estimator_of(method)
+    recordings = _recordings(recording, estimator)
     _check_momentum(initial_momentum)
     weighing = None if burn is None else weigh(robot, burn)
 
@@ -91,11 +96,14 @@ def identify(
             f"by {estimator.name}; give one recording, or use --method "
             "maximum-likelihood"
         )
-    check_different(recordings)
-    labels = labels_of(recordings)
+    held = [
+        each.read() if isinstance(each, LongRecording) else each for each in recordings
+    ]
+    check_different(held)
+    labels = labels_of(held)
     solved = [
-        solve(robot, each, initial_momentum, estimator, _part(progress, k, recordings))
-        for k, each in enumerate(recordings)
+        solve(robot, each, initial_momentum, estimator, _part(progress, k, len(held)))
+        for k, each in enumerate(held)
     ]
     results = [judged(each) for each in solved]
     agree = agreement(solved, labels)
@@ -107,21 +115,20 @@ def identify(
     return as_one(results, labels, agree)
 
 
-def _part(
-    progress: Callable[[float], object], k: int, recordings: Sequence[Recording]
-) -> Progress:
+def _part(progress: Progress, k: int, recordings: int) -> Progress:
     """Of the first half of the work, what each recording's own is."""
-    return lambda done: progress((k + done) / len(recordings) / 2)
+    return lambda done: progress((k + done) / recordings / 2)
 
 
-def _recordings(
-    given: Recording | str | Path | Sequence[Recording | str | Path],
-) -> list[Recording]:
-    several = [given] if isinstance(given, Recording | str | Path) else given
+def _recordings(given: Given | Sequence[Given], estimator: Estimator) -> list[Opened]:
+    several = [given] if isinstance(given, Given) else given
     if not several:
         raise InputError("no recording is given; name at least one")
     return [
-        each if isinstance(each, Recording) else read_recording(Path(each))
+        _in_stretches(
+            open_recording(Path(each)) if isinstance(each, str | Path) else each,
+            estimator,
+        )
         for each in several
     ]
 
@@ -144,6 +151,16 @@ def _judged(
         return result
     # They are searched for after this verb has returned, and its limit with it.
     return replace(result, causes=one_blas_thread(lambda: tuple(causes(solved))))
+
+
+def _in_stretches(recording: Opened, estimator: Estimator) -> Opened:
+    """A long recording as the estimator can take it."""
+    long = isinstance(recording, LongRecording)
+    if not isinstance(estimator, IN_STRETCHES):
+        return recording.read() if long else recording
+    if long or recording.t.size < LARGE:
+        return recording
+    return LongRecording.of(recording)
 
 
 def _masses(weighing: Weighing | None, estimate: Estimate) -> dict[str, Quantity]:

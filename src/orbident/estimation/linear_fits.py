@@ -9,7 +9,8 @@ Where `v_S` is an integrated accelerometer, its constant bias `b` is one more un
 `R_0^T (integral of R_0) b` is added on the left.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from itertools import chain
 from typing import Literal, NamedTuple, get_args
 
 import numpy as np
@@ -62,8 +63,17 @@ def fit(
     samples: Samples,
     initial_momentum: InitialMomentum,
     progress: Callable[[float], object],
+    stretches: Iterable[Samples] | None = None,
 ) -> Fits:
     """Estimate `pi` and `phi` from all samples.
+
+    Args:
+        robot: geometry and wheels.
+        sets: its minimal sets.
+        samples: of a recording, or of a digest of it.
+        initial_momentum: what is known of the momentum.
+        progress: is called with the fraction of `samples` that is done.
+        stretches: all samples, where `samples` are those of a digest.
 
     Raises:
         InputError: there are fewer equations than unknowns.
@@ -77,10 +87,12 @@ def fit(
     layout_v = Layout(axes_v * (2 if samples.drift else 1), phis, 0)
     R_h = np.zeros((layout_h.columns,) * 2)
     R_v = np.zeros((layout_v.columns,) * 2)
-    turning = moving = 0
+    turning = moving = done = 0
     h_rw = 0.0
-    for k, batch in enumerate(samples.batches(BATCH)):
-        progress(k * BATCH / samples.t.size)
+    every = (samples,) if stretches is None else stretches
+    for batch in chain.from_iterable(part.batches(BATCH) for part in every):
+        progress(min(done / samples.t.size, 1.0))
+        done += batch.turning.size
         rows_h, rows_v = rows_of(regressors, wheels, known, batch, bool(samples.drift))
         R_h, R_v = fold(R_h, rows_h), fold(R_v, rows_v)
         turning += int(batch.turning.sum())

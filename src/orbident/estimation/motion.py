@@ -2,47 +2,35 @@
 
 from typing import Any
 
-import numpy as np
-from jaxtyping import Float
-
-from orbident.preprocessing.samples import Samples
+from orbident.estimation.extent import Extent, Range
 from orbident.robot.description import Robot
 
 
-def motion_of(robot: Robot, samples: Samples) -> dict[str, Any]:
+def motion_of(robot: Robot, extent: Extent, locked: tuple[str, ...]) -> dict[str, Any]:
     """As in `result.json`; SI, None where nothing was measured.
 
     Args:
         robot: that was recorded.
-        samples: of the recording.
+        extent: of the samples.
+        locked: the joints that did not move.
     """
-    duration = float(samples.t[-1] - samples.t[0])
+    duration = extent.end - extent.start
+    q, qd, qd_rw, w = (extent.ranges[name] for name in ("q", "qd", "qd_rw", "w"))
     return {
         "duration": duration,
-        "rate": (samples.t.size - 1) / duration,
+        "rate": (extent.rows - 1) / duration,
         "joints": {
-            name: {"position": _range(q), "rate": _fastest(qd)}
-            for name, q, qd in zip(
-                robot.joint_names, samples.q, samples.qd, strict=True
-            )
+            name: {"position": q.ends(k), "rate": _fastest(qd, k)}
+            for k, name in enumerate(robot.joint_names)
         },
         "wheels": {
-            name: {"speed": _range(speed)}
-            for name, speed in zip(robot.wheel_names, samples.qd_rw, strict=True)
+            name: {"speed": qd_rw.ends(k)} for k, name in enumerate(robot.wheel_names)
         },
-        "base": {
-            axis: {"rate": _fastest(w)}
-            for axis, w in zip("xyz", samples.w, strict=True)
-        },
-        "locked": list(samples.locked),
+        "base": {axis: {"rate": _fastest(w, k)} for k, axis in enumerate("xyz")},
+        "locked": list(locked),
     }
 
 
-def _range(x: Float[np.ndarray, " samples"]) -> list[float] | None:
-    known = x[np.isfinite(x)]
-    return [float(known.min()), float(known.max())] if known.size else None
-
-
-def _fastest(x: Float[np.ndarray, " samples"]) -> float | None:
-    both = _range(x)
+def _fastest(x: Range, k: int) -> float | None:
+    both = x.ends(k)
     return None if both is None else max(abs(end) for end in both)

@@ -1,6 +1,6 @@
 """What every estimator is given: a recording, made ready, and what is known of it."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.estimation.clocks import base_clocks, joint_clocks
+from orbident.estimation.extent import Extent
 from orbident.estimation.linear_fits import (
     Fits,
     InitialMomentum,
@@ -45,6 +46,10 @@ class MomentumProblem:
     initial_momentum: InitialMomentum
     fits: Fits
     """Eqs. 24 and 31, each for itself: where every search starts."""
+    stretches: Iterable[Samples] | None = None
+    """All samples, where `recording` and `samples` are those of a digest."""
+    extent: Extent | None = None
+    """What all samples span, where `samples` are those of a digest."""
 
     @property
     def late(self) -> dict[str, float]:
@@ -149,4 +154,11 @@ def _on_clocks(
     robot, given = problem.robot, problem.initial_momentum
     samples = samples_of(robot, problem.recording, corrections(clocks))
     fits = fit(robot, problem.sets, samples, given, lambda _: None)
-    return replace(problem, clocks=clocks, samples=samples, fits=fits)
+    return replace(
+        problem,
+        clocks=clocks,
+        samples=samples,
+        fits=fits,
+        stretches=None,
+        extent=None,
+    )

@@ -12,6 +12,7 @@ from orbident.estimation.check import worst
 from orbident.estimation.clocks import clocks_in_words
 from orbident.estimation.criteria import Judgement
 from orbident.estimation.estimate import Estimate
+from orbident.estimation.extent import Extent
 from orbident.estimation.found import Known
 from orbident.estimation.linear_fits import Fits
 from orbident.estimation.mass_routes import is_a_mass, sigmas_apart
@@ -78,7 +79,11 @@ def result_of(
         versions=_versions(),
         fits=problem.fits,
         history=estimate.history,
-        motion=motion_of(problem.robot, problem.samples),
+        motion=motion_of(
+            problem.robot,
+            problem.extent or Extent.of(problem.samples),
+            problem.samples.locked,
+        ),
         signals=_signals(problem, estimate),
     )
 

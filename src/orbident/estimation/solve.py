@@ -8,9 +8,11 @@ from orbident.estimation.estimate import Estimate, Estimator, Progress
 from orbident.estimation.evidence import MOST, difference, evidence, widened
 from orbident.estimation.least_squares import LeastSquares
 from orbident.estimation.linear_fits import InitialMomentum
+from orbident.estimation.long_problem import long_problems
 from orbident.estimation.obstacles import obstacles
 from orbident.estimation.output_error.estimator import OutputError
 from orbident.estimation.problem import MomentumProblem, momentum_problems
+from orbident.recordings.long_recording import LongRecording
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 
@@ -32,7 +34,7 @@ class Solved(NamedTuple):
 
 def solve(
     robot: Robot,
-    recording: Recording,
+    recording: Recording | LongRecording,
     initial_momentum: InitialMomentum,
     estimator: Estimator,
     progress: Progress,
@@ -46,7 +48,7 @@ def solve(
     def later(done: float) -> None:
         progress((1 + done) / 2)
 
-    problems = momentum_problems(
+    problems = _problems(
         robot, recording, initial_momentum, lambda done: progress(done / 2)
     )
     if problems[0].samples.wrenches and not isinstance(estimator, OutputError):
@@ -69,3 +71,17 @@ def solve(
     off = difference(estimate.found.base, shown.found.base)
     whole = problem.samples.t.size <= MOST
     return Solved(problem, [], widened(estimate, shown, whole), shown, off)
+
+
+def _problems(
+    robot: Robot,
+    recording: Recording | LongRecording,
+    initial_momentum: InitialMomentum,
+    progress: Progress,
+) -> list[MomentumProblem]:
+    if isinstance(recording, LongRecording):
+        found = long_problems(robot, recording, initial_momentum, progress)
+        if found is not None:
+            return found
+        recording = recording.read()
+    return momentum_problems(robot, recording, initial_momentum, progress)

@@ -3,13 +3,15 @@
 import numpy as np
 from jaxtyping import Float
 
-from orbident.preprocessing.smoothing import smooth
+from orbident.preprocessing.settings import Settings
+from orbident.preprocessing.smoothing import fits_of, smooth
 
 
 def attitude_rates(
     t: Float[np.ndarray, " n"],
     fixes: Float[np.ndarray, "n 4"],
     name: str = "attitude",
+    settings: Settings | None = None,
 ) -> tuple[Float[np.ndarray, "n 4"], Float[np.ndarray, "n 3"]]:
     """Attitude and rate, each component of the quaternion smoothed for itself.
 
@@ -19,6 +21,7 @@ def attitude_rates(
         t: times, s.
         fixes: unit quaternions of either sign, scalar last; NaN where there is none.
         name: what this is, for messages.
+        settings: of the whole recording, where these are a stretch of it.
 
     Returns:
         The smoothed attitude, and the rate in base axes, rad/s; NaN on rows without a
@@ -27,7 +30,10 @@ def attitude_rates(
     Raises:
         InputError: there are fewer than four fixes.
     """
-    smoothed = smooth(t, same_sign(fixes), name=f"{name}: attitude")
+    label, signed = f"{name}: attitude", same_sign(fixes)
+    settings = settings or Settings()
+    fits = settings.smoothers("attitude", lambda: fits_of(t, signed, name=label))
+    smoothed = smooth(t, signed, name=label, fits=fits)
     size = np.linalg.norm(smoothed.x, axis=1, keepdims=True)
     # Of the unit quaternion x / |x|; what changes |x| drops out of the vector part.
     x, x_dot = smoothed.x / size, smoothed.rate / size

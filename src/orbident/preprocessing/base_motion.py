@@ -15,6 +15,7 @@ from orbident.preprocessing.attitude_fusion import (
 )
 from orbident.preprocessing.attitude_rates import attitude_rates
 from orbident.preprocessing.histories import MEASURED, Columns
+from orbident.preprocessing.settings import Settings
 from orbident.recordings.recording import Recording
 from orbident.robot.sensor_bias import bias_walk
 
@@ -47,7 +48,7 @@ class BaseMotion(NamedTuple):
 
 
 def base_motion(
-    recording: Recording, sensors: Mapping[str, Any], late: float
+    recording: Recording, sensors: Mapping[str, Any], late: float, settings: Settings
 ) -> BaseMotion:
     """What gyro and attitude say together, or one of them alone.
 
@@ -59,6 +60,7 @@ def base_motion(
         recording: with a gyro, an attitude, or both.
         sensors: the robot file's section, for the noise of both.
         late: by how much the attitude's times are behind the gyro's, s.
+        settings: of the whole recording.
 
     Raises:
         InputError: there is neither, or too few samples.
@@ -70,14 +72,14 @@ def base_motion(
         return _motion(recording, x, INTEGRATED)
     if attitude and not gyro:
         fixes = recording.vector("attitude", "xyzw")
-        x, w = attitude_rates(recording.t, fixes, recording.source)
+        x, w = attitude_rates(recording.t, fixes, recording.source, settings)
         return BaseMotion(
             tuple(w.T), tuple(x.T), {"attitude": SMOOTHED, "base_rate": SMOOTHED}
         )
     w, fixes = (
         tuple(recording.column(name) for name in names) for names in (AXES, QUATERNION)
     )
-    if not late and not _sparse(w, fixes):
+    if not late and not settings.once("sparse", lambda: _sparse(w, fixes)):
         return BaseMotion(w, fixes, {"attitude": MEASURED, "base_rate": MEASURED})
     return _fused(recording, sensors, late)
 

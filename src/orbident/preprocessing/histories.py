@@ -9,7 +9,8 @@ from jaxtyping import Float
 
 from orbident.preprocessing.angles import unwrapped
 from orbident.preprocessing.rates import at_times, fill
-from orbident.preprocessing.smoothing import Smoothed, smooth
+from orbident.preprocessing.settings import Settings
+from orbident.preprocessing.smoothing import Smoothed, fits_of, smooth
 from orbident.recordings.recording import Recording
 
 Columns = tuple[Float[np.ndarray, " samples"], ...]
@@ -21,6 +22,10 @@ BOTH = f"{DERIVED} and rates"
 
 LEAST = 1e-60
 """rad/s or m/s: its square and its inverse are still float64s."""
+
+GAP = 10.0
+"""Times the usual step from sample to sample: what is farther apart may differ by any
+angle."""
 
 FULL_TURN = 2 * np.pi + 1e-6
 """rad, and what a printed pi may be too large."""
@@ -46,6 +51,7 @@ def histories(
     rate: str,
     sensor: Mapping[str, Any],
     late: float,
+    settings: Settings,
 ) -> Histories:
     """Positions and rates at every row, gaps filled.
 
@@ -60,6 +66,7 @@ def histories(
         rate: how the columns of rates end.
         sensor: the encoders' section of the robot file; empty where it has none.
         late: by how much the encoders' times are behind, s.
+        settings: of the whole recording.
 
     Raises:
         InputError: a column has too few samples.
@@ -75,12 +82,13 @@ def histories(
             shares.append(np.nan)
             origins.add(MEASURED)
         else:
-            smoothed = _smoothed(recording, position, encoder_noise(sensor), late)
+            noise = encoder_noise(sensor)
+            smoothed = _smoothed(recording, position, noise, late, settings)
             q, qd = [smoothed.x[:, 0]], smoothed.rate[:, 0]
             std = np.nanmedian(smoothed.std_x[:, 0]) / smoothed.noise_std[0]
             shares.append(float(std**2))
             if noisy and recording.has(measured):
-                read = _smoothed(recording, measured, tachometer, late)
+                read = _smoothed(recording, measured, tachometer, late, settings)
                 qd = _combined(smoothed, read)
             origins.add(BOTH if recording.has(measured) else DERIVED)
         positions += q
@@ -99,24 +107,34 @@ def _combined(angle: Smoothed, rate: Smoothed) -> Float[np.ndarray, " samples"]:
 
 
 def _smoothed(
-    recording: Recording, name: str, noise: float | None, late: float
+    recording: Recording,
+    name: str,
+    noise: float | None,
+    late: float,
+    settings: Settings,
 ) -> Smoothed:
     label = f"{recording.source}: column '{name}'"
     column, t = recording.column(name), recording.t
-    if name.endswith(".position"):
-        column = _over_turns(t, column)
-    return smooth(t, column[:, None], noise, t + late, label)
+    if name.endswith(".position") and settings.once(
+        f"turns of {name}", lambda: _within_a_turn(t, column)
+    ):
+        column = unwrapped(t, column)
+    x = column[:, None]
+    fits = settings.smoothers(name, lambda: fits_of(t, x, noise, label))
+    return smooth(t, x, noise, t + late, label, fits)
 
 
-def _over_turns(
+def _within_a_turn(
     t: Float[np.ndarray, " samples"], x: Float[np.ndarray, " samples"]
-) -> Float[np.ndarray, " samples"]:
-    """An angle that an encoder counts within one turn, counted on."""
-    measured = x[~np.isnan(x)]
-    wrapped = measured.size and np.ptp(measured) <= FULL_TURN
-    if wrapped and np.abs(np.diff(measured)).max(initial=0.0) > np.pi:
-        return unwrapped(t, x)
-    return x
+) -> bool:
+    """Whether an encoder counts an angle within one turn, and it goes on beyond."""
+    seen = ~np.isnan(x)
+    t, x = t[seen], x[seen]
+    if x.size < 2 or np.ptp(x) > FULL_TURN:
+        return False
+    dt = np.diff(t)
+    close = dt < GAP * np.median(dt)
+    return bool(np.abs(np.diff(x)[close]).max(initial=0.0) > np.pi)
 
 
 def encoder_noise(sensor: Mapping[str, Any]) -> float | None:

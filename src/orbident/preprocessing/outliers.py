@@ -6,11 +6,13 @@ import numpy as np
 from jaxtyping import Bool, Float
 from scipy.ndimage import median_filter, percentile_filter
 
+from orbident import _core
 from orbident.errors import InputError
+from orbident.threads import processors
 
-REACHES = range(1, 13)
-"""How far away neighbours are that predict a sample, in samples. A burst of five bad
-ones spoils less than half of them."""
+FARTHEST = 12
+"""How far away neighbours are that predict a sample, in samples, at most. A burst of
+five bad ones spoils less than half of them."""
 
 NEIGHBOURHOOD = 101
 """Samples around one that tell how well samples are predicted there."""
@@ -85,41 +87,13 @@ def find_spikes(
 
 
 def _spiky(t: np.ndarray, x: np.ndarray) -> Bool[np.ndarray, " n"]:
-    residual = np.abs(x - _expected(t, x))
+    residual = np.abs(x - _core.expected_samples(t, x, FARTHEST, processors()))
     scatter = SIGMA * median_filter(residual, NEIGHBOURHOOD, mode="reflect")
     scatter = np.maximum(scatter, BIT * np.abs(x).max())
     steps = np.abs(np.diff(x, prepend=x[0], append=x[-1]))
     leap = LEAP * percentile_filter(steps, USUAL, NEIGHBOURHOOD, mode="reflect")
     spiky = residual > np.maximum(SUSPECT * scatter, leap[:-1])
     return _bursts(spiky, steps > leap / 2)
-
-
-def _expected(t: np.ndarray, x: np.ndarray) -> Float[np.ndarray, " n"]:
-    """The median of what cubics through neighbours at several distances predict."""
-    rows = np.arange(x.size)
-    predictions = []
-    for reach in REACHES:
-        around = rows[:, None] + reach * np.array([-2, -1, 1, 2])
-        if around.shape[0] < 6 * reach + 1:
-            break
-        # Near an end all four are on the inner side.
-        low, high = around[:, 0] < 0, around[:, 3] >= x.size
-        around[low] = rows[low, None] + reach * np.arange(1, 5)
-        around[high] = rows[high, None] - reach * np.arange(1, 5)
-        predictions.append(cubic(t, t[around], x[around]))
-    return np.median(predictions, axis=0) if predictions else x
-
-
-def cubic(t: np.ndarray, knots: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Lagrange's polynomial through four points of each row, at its time."""
-    result = np.zeros(t.size)
-    for i in range(4):
-        weight = np.ones(t.size)
-        for j in range(4):
-            if j != i:
-                weight *= (t - knots[:, j]) / (knots[:, i] - knots[:, j])
-        result += weight * values[:, i]
-    return result
 
 
 def _bursts(

@@ -8,7 +8,8 @@ from jaxtyping import Float
 
 from orbident.preprocessing.histories import MEASURED, Columns
 from orbident.preprocessing.rates import at_times
-from orbident.preprocessing.smoothing import smooth
+from orbident.preprocessing.settings import Settings
+from orbident.preprocessing.smoothing import fits_of, smooth
 from orbident.preprocessing.velocity import (
     bias_response,
     velocity_from_accelerometer,
@@ -36,6 +37,7 @@ def point_velocity(
     recording: Recording,
     x_WB: Columns,
     delays: Mapping[str, float],
+    settings: Settings,
 ) -> PointVelocity:
     """Velocities as measured; or from positions, or from an accelerometer.
 
@@ -43,6 +45,7 @@ def point_velocity(
         recording: of any sensors.
         x_WB: attitude of the base at every row.
         delays: by sensor, s.
+        settings: of the whole recording.
 
     Raises:
         InputError: a column has too few samples.
@@ -52,8 +55,9 @@ def point_velocity(
     if recording.has("position.x", "position.y", "position.z"):
         at = recording.t + delays["position"]
         label = f"{recording.source}: position"
-        r_S = recording.vector("position")
-        rate = smooth(recording.t, r_S, None, at, label).rate
+        t, r_S = recording.t, recording.vector("position")
+        fits = settings.smoothers("position", lambda: fits_of(t, r_S, name=label))
+        rate = smooth(t, r_S, None, at, label, fits).rate
         return PointVelocity(tuple(rate.T), (), SMOOTHED)
     for sensor, how in (("accelerometer", FELT), ("velocity_increment", COUNTED)):
         if recording.has(*(f"{sensor}.{k}" for k in "xyz")):

@@ -11,6 +11,7 @@ from orbident.preprocessing.base_motion import base_motion
 from orbident.preprocessing.delays import delays
 from orbident.preprocessing.histories import Columns, Histories, histories
 from orbident.preprocessing.point_velocity import point_velocity
+from orbident.preprocessing.settings import Settings
 from orbident.preprocessing.surroundings import Surroundings, surroundings
 from orbident.preprocessing.wrenches import RecordedWrench, recorded_wrenches
 from orbident.recordings.recording import Recording
@@ -115,7 +116,10 @@ class Samples:
 
 
 def samples_of(
-    robot: Robot, recording: Recording, late: Mapping[str, float] | None = None
+    robot: Robot,
+    recording: Recording,
+    late: Mapping[str, float] | None = None,
+    settings: Settings | None = None,
 ) -> Samples:
     """Take what identification needs from a recording, and derive what is missing.
 
@@ -127,6 +131,7 @@ def samples_of(
         recording: joint and wheel positions, and gyro or attitude, at least.
         late: by sensor, by how much its times are behind the gyro's, s, beside what
             the robot file declares; none where absent.
+        settings: of the whole recording; where absent, this is the whole.
 
     Raises:
         InputError: a joint or wheel column, or gyro and attitude, are missing, or one
@@ -136,6 +141,7 @@ def samples_of(
     recording.check_wheels(robot)
     recording.check_thrusters(robot)
     behind = delays(robot, recording, late or {})
+    settings = settings or Settings()
     sensors = robot.sensors
     joints = histories(
         recording,
@@ -144,6 +150,7 @@ def samples_of(
         "velocity",
         sensors.get("joints", {}),
         behind["joints"],
+        settings,
     )
     wheels = histories(
         recording,
@@ -152,10 +159,11 @@ def samples_of(
         "speed",
         sensors.get("wheels", {}),
         behind["wheels"],
+        settings,
     )
-    base = base_motion(recording, sensors, behind["attitude"])
-    point = point_velocity(recording, base.x_WB, behind)
-    moving = _locked_apart(joints, robot.joint_names)
+    base = base_motion(recording, sensors, behind["attitude"], settings)
+    point = point_velocity(recording, base.x_WB, behind, settings)
+    moving = _locked_apart(joints, robot.joint_names, settings.locked)
     return Samples(
         t=recording.t,
         q=moving.q,
@@ -185,15 +193,24 @@ class _Joints(NamedTuple):
     locked: tuple[str, ...]
 
 
-def _locked_apart(joints: Histories, names: tuple[str, ...]) -> _Joints:
+def _locked_apart(
+    joints: Histories, names: tuple[str, ...], held: Mapping[str, float] | None
+) -> _Joints:
     """Joints that did not move are held: their encoders' noise is no motion."""
-    q, qd, locked = [], [], []
+    if held is None:
+        means = zip(names, map(mean_if_locked, joints.positions), strict=True)
+        held = {name: mean for name, mean in means if mean is not None}
+    q, qd = [], []
     for name, position, rate in zip(names, joints.positions, joints.rates, strict=True):
-        still = np.nanmax(position) - np.nanmin(position) < LOCKED
-        q.append(np.full_like(position, np.nanmean(position)) if still else position)
+        still = name in held
+        q.append(np.full_like(position, held[name]) if still else position)
         qd.append(np.zeros_like(rate) if still else rate)
-        locked += [name] if still else []
-    return _Joints(tuple(q), tuple(qd), tuple(locked))
+    return _Joints(tuple(q), tuple(qd), tuple(held))
+
+
+def mean_if_locked(q: Float[np.ndarray, " samples"]) -> float | None:
+    """Where a joint is held that did not move; None for one that did."""
+    return float(np.nanmean(q)) if np.nanmax(q) - np.nanmin(q) < LOCKED else None
 
 
 def _table(columns: Columns, rows: slice) -> Float[np.ndarray, "n k"]:

@@ -66,19 +66,31 @@ def screened(robot: Robot, recording: Recording) -> Screened:
     notes = tuple(_beyond_ranges(robot, recording))
     _check_alive(robot, recording)
     _check_in_plane(robot, recording)
-    columns, rejected = dict(recording.columns), {}
+    return replace(without_spikes(recording), notes=notes)
+
+
+def without_spikes(recording: Recording, own: slice = np.s_[:]) -> Screened:
+    """Take out spikes.
+
+    Args:
+        recording: of any sensors.
+        own: the rows in which spikes are counted.
+    """
+    columns, rejected = {}, {}
     for names in _sensors(recording):
         masks = {name: _spikes(recording, name) for name in names}
         for name, mask in masks.items():
-            if mask.any():
-                rejected[name] = {"spike": int(mask.sum())}
+            if count := int(mask[own].sum()):
+                rejected[name] = {"spike": count}
         anywhere = np.logical_or.reduce(list(masks.values()))
         if anywhere.any():
             for name in names:
-                columns[name] = np.where(anywhere, np.nan, columns[name])
-    if not rejected:
-        return Screened(recording, {}, notes)
-    return Screened(replace(recording, columns=columns), rejected, notes)
+                columns[name] = np.where(anywhere, np.nan, recording.columns[name])
+    if not columns:
+        return Screened(recording, {})
+    return Screened(
+        replace(recording, columns={**recording.columns, **columns}), rejected
+    )
 
 
 def spikes_in_words(rejected: Mapping[str, Mapping[str, int]]) -> tuple[str, ...]:

@@ -68,6 +68,10 @@ class Fit(NamedTuple):
     """`q h^7 / noise_std^2`, `q` the two-sided spectral density of the snap."""
     noise_std: float
     """Of the samples, in the unit of the column; NaN where only 4 tell nothing."""
+    h: float
+    """As the column's."""
+    offset: float
+    """As the column's."""
 
 
 def smooth(
@@ -76,6 +80,7 @@ def smooth(
     std: float | Float[np.ndarray, " columns"] | None = None,
     at: Float[np.ndarray, " m"] | None = None,
     name: str = "x",
+    fits: Sequence[Fit] | None = None,
 ) -> Smoothed:
     """The smoothing spline of degree 7 of each column, with standard deviations.
 
@@ -94,6 +99,7 @@ def smooth(
             Give a coarse encoder's: where its steps show, they do not look like noise.
         at: times to evaluate at, s, in any order; `t` by default.
         name: what `x` is, for messages.
+        fits: of each column, where they are known.
 
     Returns:
         In the unit of `x`, and s.
@@ -103,25 +109,35 @@ def smooth(
             do not increase or are not finite, or `std` is not positive.
     """
     _check_times(t, name)
-    labels = [f"{name}[:, {k}]" for k in range(x.shape[1])]
-    columns = [_column(t, x[:, k], label) for k, label in enumerate(labels)]
-    given = _stds(std, len(columns), name)
-    fits = [most_likely(column, s) for column, s in zip(columns, given, strict=True)]
+    fits = fits_of(t, x, std, name) if fits is None else fits
     noise_std = np.array([fit.noise_std for fit in fits])
     grid, samples = (t, x) if at is None else _with_times(t, x, at, name)
     smoothed = _core.smooth_columns(
         grid,
         np.ascontiguousarray(samples),
         np.array([fit.ratio for fit in fits]),
-        np.array([column.h for column in columns]),
+        np.array([fit.h for fit in fits]),
         noise_std,
-        np.array([column.offset for column in columns]),
+        np.array([fit.offset for fit in fits]),
         processors(),
     )
     if at is not None:
         rows = np.searchsorted(grid, at)
         smoothed = [values[:, rows] for values in smoothed]
     return Smoothed(*(values.T for values in smoothed), noise_std=noise_std)
+
+
+def fits_of(
+    t: Float[np.ndarray, " samples"],
+    x: Float[np.ndarray, "samples columns"],
+    std: float | Float[np.ndarray, " columns"] | None = None,
+    name: str = "x",
+) -> list[Fit]:
+    """How rough and how noisy each column is; arguments and errors of `smooth`."""
+    labels = [f"{name}[:, {k}]" for k in range(x.shape[1])]
+    columns = [_column(t, x[:, k], label) for k, label in enumerate(labels)]
+    given = _stds(std, len(columns), name)
+    return [most_likely(column, s) for column, s in zip(columns, given, strict=True)]
 
 
 def _check_times(t: np.ndarray, name: str) -> None:
@@ -188,7 +204,7 @@ def most_likely(column: Column, std: float | None) -> Fit:
     if column.t.size <= STRETCHES * STRETCH or reach < SLOW:
         return fit
     slow = most_likely(_averaged(column), fit.noise_std / np.sqrt(AVERAGED))
-    return Fit(slow.ratio / float(AVERAGED) ** (2 * ORDER), fit.noise_std)
+    return fit._replace(ratio=slow.ratio / float(AVERAGED) ** (2 * ORDER))
 
 
 def _averaged(column: Column) -> Column:
@@ -225,8 +241,8 @@ def _searched(column: Column, std: float | None) -> Fit:
     ratio = _vertex(grid, cost)
     if std is None:
         found = np.exp(np.interp(ratio, grid, np.log(R)) / 2) if freedom else np.nan
-        return Fit(10**ratio, float(found))
-    return Fit(10**ratio, std)
+        std = float(found)
+    return Fit(10**ratio, std, column.h, column.offset)
 
 
 def _vertex(x: np.ndarray, y: np.ndarray) -> float:

@@ -4,7 +4,7 @@ import codecs
 import csv
 import os
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from itertools import chain
 from pathlib import Path
@@ -32,20 +32,38 @@ def read_csv(path: Path) -> dict[str, np.ndarray]:
     Raises:
         InputError: The header is missing or refused, or a cell is not a number.
     """
+    names, _ = _header(path)
+    lines, start = csv_lines(path), 0
+    columns = {name: np.empty(lines) for name in names}
+    for batch in csv_batches(path):
+        rows = slice(start, start + batch["t"].size)
+        for name, values in batch.items():
+            columns[name][rows] = values
+        start = rows.stop
+    pa.default_memory_pool().release_unused()
+    return {name: values[:start] for name, values in columns.items()}
+
+
+def csv_batches(
+    path: Path, wanted: Callable[[str], bool] = lambda _: True
+) -> Iterator[dict[str, np.ndarray]]:
+    """The columns that are wanted, some thousand rows at a time.
+
+    Raises:
+        InputError: As `read_csv`.
+    """
     names, header_lines = _header(path)
     _check_separator(path, names)
     check_names(str(path), names)
-    lines = _lines(path)
-    columns = {name: np.empty(lines) for name in names}
+    chosen = [name for name in names if wanted(name)]
     try:
-        rows = _fill(path, columns, header_lines)
+        yield from _batches(path, names, chosen, header_lines)
     except pa.ArrowException as error:
         with suppress(csv.Error):
             _explain(path, names)
         raise InputError(
             f"{path}: is not a readable CSV file ({str(error).splitlines()[0]})"
         ) from error
-    return {name: values[:rows] for name, values in columns.items()}
 
 
 def _header(path: Path) -> tuple[list[str], int]:
@@ -83,7 +101,7 @@ def _check_separator(path: Path, names: Sequence[str]) -> None:
             )
 
 
-def _lines(path: Path) -> int:
+def csv_lines(path: Path) -> int:
     """An upper bound of the number of rows.
 
     Rows that do not come stay untouched pages: they cost address space, not memory.
@@ -113,16 +131,18 @@ def _skip_blank(row: arrow_csv.InvalidRow) -> str:
     return "error" if row.text.strip() else "skip"
 
 
-def _fill(path: Path, columns: dict[str, np.ndarray], header_lines: int) -> int:
-    """Fills the columns; returns the number of rows."""
-    start = 0
+def _batches(
+    path: Path, names: Sequence[str], chosen: Sequence[str], header_lines: int
+) -> Iterator[dict[str, np.ndarray]]:
     number = pa.float64()
     read = arrow_csv.ReadOptions(
-        column_names=list(columns), skip_rows=header_lines, block_size=_BLOCK_BYTES
+        column_names=names, skip_rows=header_lines, block_size=_BLOCK_BYTES
     )
     parse = arrow_csv.ParseOptions(invalid_row_handler=_skip_blank)
     convert = arrow_csv.ConvertOptions(
-        column_types=dict.fromkeys(columns, number), null_values=_EMPTY
+        column_types=dict.fromkeys(names, number),
+        null_values=_EMPTY,
+        include_columns=chosen,
     )
     # Bytes: as text Arrow takes no name that is not UTF-8.
     with (
@@ -130,12 +150,10 @@ def _fill(path: Path, columns: dict[str, np.ndarray], header_lines: int) -> int:
         arrow_csv.open_csv(file, read, parse, convert) as reader,
     ):
         for batch in reader:
-            rows = slice(start, start + batch.num_rows)
-            for name, values in zip(columns, batch.columns, strict=True):
-                columns[name][rows] = values.to_numpy(zero_copy_only=False)
-            start += batch.num_rows
-    pa.default_memory_pool().release_unused()
-    return start
+            yield {
+                name: values.to_numpy(zero_copy_only=False)
+                for name, values in zip(chosen, batch.columns, strict=True)
+            }
 
 
 def _explain(path: Path, names: Sequence[str]) -> None:

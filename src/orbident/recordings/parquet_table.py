@@ -1,6 +1,8 @@
 """Parquet files into columns of float64."""
 
 import os
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -21,6 +23,44 @@ def read_parquet(path: Path) -> dict[str, np.ndarray]:
         InputError: The file is damaged, lacks `t`, names a column twice, or has a
             column that is not numeric.
     """
+    with _opened(path) as file:
+        names, start = file.schema_arrow.names, 0
+        columns = {name: np.empty(file.metadata.num_rows) for name in names}
+        for batch in _batches(file, names):
+            rows = slice(start, start + batch["t"].size)
+            for name, values in batch.items():
+                columns[name][rows] = values
+            start = rows.stop
+        if start != file.metadata.num_rows:
+            raise pa.ArrowInvalid(f"{start} of {file.metadata.num_rows} rows found")
+    pa.default_memory_pool().release_unused()
+    return columns
+
+
+def parquet_batches(
+    path: Path, wanted: Callable[[str], bool]
+) -> Iterator[dict[str, np.ndarray]]:
+    """The columns that are wanted, some thousand rows at a time.
+
+    Raises:
+        InputError: As `read_parquet`.
+    """
+    with _opened(path) as file:
+        yield from _batches(file, [n for n in file.schema_arrow.names if wanted(n)])
+
+
+def parquet_rows(path: Path) -> int:
+    """How many rows the file says that it has.
+
+    Raises:
+        InputError: As `read_parquet`.
+    """
+    with _opened(path) as file:
+        return file.metadata.num_rows
+
+
+@contextmanager
+def _opened(path: Path) -> Iterator[parquet.ParquetFile]:
     try:
         # Bytes: as text Arrow takes no name that is not UTF-8. Buffering ahead would
         # hold the compressed file in memory as well.
@@ -32,7 +72,7 @@ def read_parquet(path: Path) -> dict[str, np.ndarray]:
             check_names(str(path), schema.names)
             for field in schema:
                 _check_type(path, field)
-            return _filled(file, schema)
+            yield file
     except InputError:
         raise
     except (pa.ArrowException, ValueError, OSError) as error:
@@ -61,17 +101,14 @@ def _check_type(path: Path, field: pa.Field) -> None:
         )
 
 
-def _filled(file: parquet.ParquetFile, schema: pa.Schema) -> dict[str, np.ndarray]:
-    columns = {name: np.empty(file.metadata.num_rows) for name in schema.names}
-    start = 0
+def _batches(
+    file: parquet.ParquetFile, names: Sequence[str]
+) -> Iterator[dict[str, np.ndarray]]:
     # Threads decode whole row groups ahead, which would double the memory.
-    for batch in file.iter_batches(batch_size=_BATCH_ROWS, use_threads=False):
-        rows = slice(start, start + batch.num_rows)
-        for name, values in zip(schema.names, batch.columns, strict=True):
-            numbers = values.cast(pa.float64(), safe=False)
-            columns[name][rows] = numbers.to_numpy(zero_copy_only=False)
-        start += batch.num_rows
-    if start != file.metadata.num_rows:
-        raise pa.ArrowInvalid(f"{start} of {file.metadata.num_rows} rows found")
-    pa.default_memory_pool().release_unused()
-    return columns
+    for batch in file.iter_batches(_BATCH_ROWS, columns=names, use_threads=False):
+        yield {
+            name: batch.column(name)
+            .cast(pa.float64(), safe=False)
+            .to_numpy(zero_copy_only=False)
+            for name in names
+        }

@@ -1,20 +1,46 @@
 """Recordings as CSV and Parquet files."""
 
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
 
 from orbident.errors import InputError
-from orbident.recordings.csv_table import read_csv
-from orbident.recordings.parquet_table import read_parquet
+from orbident.recordings.columns import is_known
+from orbident.recordings.csv_table import csv_batches, csv_lines, read_csv
+from orbident.recordings.long_recording import LARGE, LongRecording
+from orbident.recordings.parquet_table import (
+    parquet_batches,
+    parquet_rows,
+    read_parquet,
+)
 from orbident.recordings.recording import Recording
 from orbident.recordings.table_writer import write_blocks
 
 SUFFIXES = (".csv", ".parquet")
 
 _BLOCK_ROWS = 65_536
+
+
+def open_recording(path: str | os.PathLike[str]) -> Recording | LongRecording:
+    """Reads a recording, or leaves one of many rows where it is, to be read in parts.
+
+    Raises:
+        InputError: As `read_recording`; what is wrong in a row of a long recording is
+            said once that row is read.
+    """
+    path = Path(path)
+    with _readable(path):
+        if _rows_at_most(path) < LARGE or (rows := _rows(path)) < LARGE:
+            return read_recording(path)
+
+    def batches() -> Iterator[dict[str, np.ndarray]]:
+        with _readable(path):
+            yield from _batches(path, is_known)
+
+    return LongRecording(str(path), rows, batches, lambda: read_recording(path))
 
 
 def read_recording(path: str | os.PathLike[str]) -> Recording:
@@ -29,6 +55,15 @@ def read_recording(path: str | os.PathLike[str]) -> Recording:
             refused by `Recording`.
     """
     path = Path(path)
+    with _readable(path):
+        columns = read_csv(path) if _is_csv(path) else read_parquet(path)
+    t = columns.pop("t")
+    return Recording(t=t, columns=columns, source=str(path))
+
+
+@contextmanager
+def _readable(path: Path) -> Iterator[None]:
+    """Refuse what is no recording, or cannot be read during the block."""
     _check_suffix(path)
     if path.is_dir():
         raise InputError(f"{path}: is a folder; give a recording")
@@ -37,13 +72,33 @@ def read_recording(path: str | os.PathLike[str]) -> Recording:
     try:
         if path.stat().st_size == 0:
             raise InputError(f"{path}: is empty; give a recording")
-        read = read_csv if path.suffix.lower() == ".csv" else read_parquet
-        columns = read(path)
+        yield
     except OSError as error:
         reason = error.strerror or str(error).splitlines()[0]
         raise InputError(f"{path}: cannot be read ({reason})") from error
-    t = columns.pop("t")
-    return Recording(t=t, columns=columns, source=str(path))
+
+
+def _is_csv(path: Path) -> bool:
+    return path.suffix.lower() == ".csv"
+
+
+def _batches(
+    path: Path, wanted: Callable[[str], bool]
+) -> Iterator[dict[str, np.ndarray]]:
+    return csv_batches(path, wanted) if _is_csv(path) else parquet_batches(path, wanted)
+
+
+def _rows_at_most(path: Path) -> int:
+    """A row of CSV has two characters at least: few bytes are few rows."""
+    return path.stat().st_size // 2 if _is_csv(path) else parquet_rows(path)
+
+
+def _rows(path: Path) -> int:
+    if not _is_csv(path):
+        return parquet_rows(path)
+    if csv_lines(path) < LARGE:
+        return 0
+    return sum(batch["t"].size for batch in csv_batches(path, {"t"}.__contains__))
 
 
 def write_recording(recording: Recording, path: str | os.PathLike[str]) -> None:

@@ -14,7 +14,8 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from orbident.campaigns.seeds import over_seeds
+from orbident.campaigns.executors import Executors, InThisProcess
+from orbident.campaigns.seeds import Series, check_seeds, over_seeds
 from orbident.estimation.identify import identify
 from orbident.estimation.quantities import nulled
 from orbident.estimation.result import Result
@@ -29,7 +30,7 @@ from orbident.robot.parameters import (
 )
 from orbident.simulation.control_laws import ComputedTorque
 from orbident.simulation.flight import standing
-from orbident.simulation.free_floating import BaseState
+from orbident.simulation.free_floating import BaseState, FreeFloating
 from orbident.simulation.free_flying import free_flying
 from orbident.simulation.measure import measure
 from orbident.simulation.simulate import float_along, recorded, sample_times
@@ -104,6 +105,7 @@ def run_control(
     seeds: int = 1,
     first_seed: int = 0,
     progress: Callable[[float], object] = lambda _: None,
+    executors: Executors = InThisProcess,
 ) -> ControlStudy:
     """Identify, then track with the CAD model and with the identified one.
 
@@ -112,33 +114,25 @@ def run_control(
         seeds: each has a CAD model and sensors of its own.
         first_seed: of them.
         progress: is called with the fraction done.
+        executors: where all seeds but the first are run.
 
     Raises:
         InputError: there are no seeds.
     """
+    check_seeds(seeds)
     started = time.perf_counter()
     robot = spatial_robot()
     trajectory = spatial_trajectory(robot)
     motion = float_along(robot, trajectory, tables.SPATIAL_RATE)
-    results: list[tuple[Recording, Result]] = []
-
-    def errors(seed: int) -> Float[np.ndarray, "4"]:
-        cad = off_by(robot, CAD_ERROR, seed)
-        recording = (
-            recorded(robot, motion)
-            if noise == "none"
-            else measure(robot, motion, trajectory, seed)
-        )
-        result = identify(cad, recording, "least-squares")
-        results.append((recording, result))
-        if result.status == "rejected":
-            return np.full(4, np.nan)
-        models = cad, result.dynamics().robot
-        return np.concatenate([tracked(robot, model) for model in models])
-
-    found = over_seeds(errors, seeds, first_seed, progress)
+    task = _Task(robot, trajectory, motion, noise)
+    recording, result = task.identified(first_seed)
+    series = Series(
+        task.errors,
+        range(first_seed, first_seed + seeds),
+        (task.errors_with(result, first_seed),),
+    )
+    (found,) = over_seeds([series], executors, progress)
     runs = found.runs.reshape(seeds, 2, 2)
-    recording, result = results[0]
     return ControlStudy(
         errors={
             name: Tracked(*map(float, row))
@@ -152,6 +146,36 @@ def run_control(
         rejected=int(np.isnan(runs).any(axis=(1, 2)).sum()),
         elapsed_s=time.perf_counter() - started,
     )
+
+
+class _Task(NamedTuple):
+    """The same motion, identified with a CAD model and sensors of each seed's own."""
+
+    robot: Robot
+    trajectory: Trajectory
+    motion: FreeFloating
+    noise: Literal["none", "paper"]
+
+    def cad(self, seed: int) -> Robot:
+        return off_by(self.robot, CAD_ERROR, seed)
+
+    def identified(self, seed: int) -> tuple[Recording, Result]:
+        recording = (
+            recorded(self.robot, self.motion)
+            if self.noise == "none"
+            else measure(self.robot, self.motion, self.trajectory, seed)
+        )
+        return recording, identify(self.cad(seed), recording, "least-squares")
+
+    def errors(self, seed: int) -> Float[np.ndarray, "4"]:
+        _, result = self.identified(seed)
+        return self.errors_with(result, seed)
+
+    def errors_with(self, result: Result, seed: int) -> Float[np.ndarray, "4"]:
+        if result.status == "rejected":
+            return np.full(4, np.nan)
+        models = self.cad(seed), result.dynamics().robot
+        return np.concatenate([tracked(self.robot, model) for model in models])
 
 
 def off_by(robot: Robot, error: float, seed: int) -> Robot:

@@ -3,13 +3,13 @@
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import partial
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 
-from orbident.campaigns.seeds import Errors, over_seeds
+from orbident.campaigns.executors import Executors, InThisProcess
+from orbident.campaigns.seeds import Errors, Series, check_seeds, over_seeds
 from orbident.estimation.identify import Method as Estimator
 from orbident.estimation.quantities import nulled
 from orbident.estimation.result import Result
@@ -23,7 +23,7 @@ from orbident.studies.comparison import Row
 from orbident.studies.filters import Filters
 from orbident.studies.planar import planar_robot, planar_trajectory
 from orbident.studies.planar_figures import Figure, Measured, planar_figures
-from orbident.studies.planar_flights import fly_planar
+from orbident.studies.planar_flights import Flights, fly_planar
 from orbident.studies.planar_run import (
     SCORED,
     PaperFilters,
@@ -39,8 +39,6 @@ from orbident.trajectories.trajectory import Trajectory
 EXACT = 1e-4
 """Relative error below which a noise-free parameter counts as recovered. That of M is
 1e-5: between two rows of a burn the base does not turn evenly."""
-
-Progress = Callable[[float], object]
 
 
 class Scores(NamedTuple):
@@ -162,7 +160,8 @@ def run_planar(
     seeds: int = 1,
     first_seed: int = 0,
     method: Estimator = "maximum-likelihood",
-    progress: Progress = lambda _: None,
+    progress: Callable[[float], object] = lambda _: None,
+    executors: Executors = InThisProcess,
 ) -> PlanarStudy:
     """Fly, identify by Eqs. 24 and 31, weigh by Eq. 40, predict Eq. 47's run.
 
@@ -173,10 +172,12 @@ def run_planar(
         first_seed: of them.
         method: of `identify`; with ideal sensors there is no other.
         progress: is called with the fraction done.
+        executors: where all seeds but the first are run.
 
     Raises:
         InputError: there are no seeds.
     """
+    check_seeds(seeds)
     started = time.perf_counter()
     robot = planar_robot()
     trajectory = planar_trajectory(robot)
@@ -187,13 +188,11 @@ def run_planar(
         seeds, first = 1, run_ideal(robot, flights, method)
         errors = Errors(first.quantities(table)[None])
     else:
-        first, errors = _over_seeds(
-            partial(run_noisy, robot, flights, filters, method=method),
-            table,
-            seeds,
-            first_seed,
-            progress,
-        )
+        noisy = _Noisy(robot, flights, filters, method, table)
+        first = noisy.run(first_seed)
+        all_seeds = range(first_seed, first_seed + seeds)
+        series = Series(noisy.quantities, all_seeds, (first.quantities(table),))
+        (errors,) = over_seeds([series], executors, progress)
     columns = _Columns(errors, len(first.readings), noise == "paper")
     methods = {
         name: _method(reading, table, columns, k)
@@ -214,19 +213,20 @@ def run_planar(
     )
 
 
-def _over_seeds(
-    run: Callable[[int], Run],
-    table: Table6,
-    seeds: int,
-    first_seed: int,
-    progress: Progress,
-) -> tuple[Run, Errors]:
-    first = run(first_seed)
+class _Noisy(NamedTuple):
+    """The same flights, measured anew with every seed."""
 
-    def quantities(seed: int) -> Float[np.ndarray, " quantities"]:
-        return (first if seed == first_seed else run(seed)).quantities(table)
+    robot: Robot
+    flights: Flights
+    filters: PaperFilters
+    method: Estimator
+    table: Table6
 
-    return first, over_seeds(quantities, seeds, first_seed, progress)
+    def run(self, seed: int) -> Run:
+        return run_noisy(self.robot, self.flights, self.filters, seed, self.method)
+
+    def quantities(self, seed: int) -> Float[np.ndarray, " quantities"]:
+        return self.run(seed).quantities(self.table)
 
 
 class _Columns(NamedTuple):

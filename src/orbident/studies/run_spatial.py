@@ -8,7 +8,8 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from orbident.campaigns.seeds import Errors, over_seeds
+from orbident.campaigns.executors import Executors, InThisProcess
+from orbident.campaigns.seeds import Errors, Series, check_seeds, over_seeds
 from orbident.estimation.bound import cramer_rao
 from orbident.estimation.found import Found
 from orbident.estimation.identify import Method, identify
@@ -40,8 +41,6 @@ INTEGRATED = 1e-5
 
 SEEDS_BY_SENSOR = 20
 """At most: which sensor an error comes from is told by less than its exact size."""
-
-Progress = Callable[[float], object]
 
 
 @dataclass(frozen=True)
@@ -96,7 +95,8 @@ def run_spatial(
     seeds: int = 1,
     first_seed: int = 0,
     method: Literal["paper"] | Method = "paper",
-    progress: Progress = lambda _: None,
+    progress: Callable[[float], object] = lambda _: None,
+    executors: Executors = InThisProcess,
 ) -> SpatialStudy:
     """Simulate, identify by Eqs. 24 and 31, compare with Table 4.
 
@@ -107,11 +107,13 @@ def run_spatial(
         method: `"paper"`'s (filters, Eq. 24 with the first sample subtracted), or one
             of `identify`'s on the recordings as they are.
         progress: is called with the fraction done.
+        executors: where all seeds but the first are run.
 
     Raises:
         InputError: there are no seeds.
     """
     started = time.perf_counter()
+    check_seeds(seeds)
     robot = spatial_robot()
     trajectory = spatial_trajectory(robot)
     motion = float_along(robot, trajectory, tables.SPATIAL_RATE)
@@ -126,15 +128,19 @@ def run_spatial(
         recording, result = noisy.run(first_seed)
         bound = cramer_rao(robot, trajectory)
         sensors = [key for key in robot.sensors if key != "rate" and method == "paper"]
-        parts = 1 + len(sensors)
-        errors = over_seeds(noisy.errors, seeds, first_seed, _part(progress, 0, parts))
-        few = min(seeds, SEEDS_BY_SENSOR)
-        by_sensor = {
-            sensor: over_seeds(
-                noisy.alone(sensor).errors, few, first_seed, _part(progress, k, parts)
-            ).rms
-            for k, sensor in enumerate(sensors, 1)
-        }
+        all_seeds = range(first_seed, first_seed + seeds)
+        errors, *parts = over_seeds(
+            [
+                Series(noisy.errors, all_seeds, (noisy.errors_of(result),)),
+                *(
+                    Series(noisy.alone(sensor).errors, all_seeds[:SEEDS_BY_SENSOR])
+                    for sensor in sensors
+                ),
+            ],
+            executors,
+            progress,
+        )
+        by_sensor = {s: part.rms for s, part in zip(sensors, parts, strict=True)}
     return SpatialStudy(
         rows=table.rows(result, errors, bound),
         by_sensor=by_sensor,
@@ -149,10 +155,6 @@ def run_spatial(
         rejected=_rejected(result, errors),
         elapsed_s=time.perf_counter() - started,
     )
-
-
-def _part(progress: Progress, k: int, parts: int) -> Progress:
-    return lambda fraction: progress((k + fraction) / parts)
 
 
 def _rejected(result: Result, errors: Errors | None) -> int:
@@ -249,4 +251,7 @@ class _Noisy(NamedTuple):
 
     def errors(self, seed: int) -> Float[np.ndarray, " parameters"]:
         _, result = self.run(seed)
+        return self.errors_of(result)
+
+    def errors_of(self, result: Result) -> Float[np.ndarray, " parameters"]:
         return 100 * (self.table.found(result) / self.table.true - 1)

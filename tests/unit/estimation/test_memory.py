@@ -9,6 +9,7 @@ from random_motions import random_motion
 
 import orbident as oi
 from orbident.estimation.criteria import judge
+from orbident.estimation.extent import Extent
 from orbident.estimation.least_squares import LeastSquares
 from orbident.estimation.linear_fits import fit
 from orbident.estimation.motion import motion_of
@@ -50,7 +51,7 @@ STAGES: dict[str, Callable[[MomentumProblem], Any]] = {
         given.robot, given.sets, given.samples, "unknown", lambda _: None
     ),
     "checks": judged,
-    "result": lambda given: motion_of(given.robot, given.samples),
+    "result": lambda given: motion_of(given.robot, Extent.of(given.samples), ()),
 }
 
 

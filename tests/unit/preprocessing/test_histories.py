@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from orbident.preprocessing.histories import DERIVED, MEASURED, encoder_noise, histories
+from orbident.preprocessing.settings import Settings
 from orbident.recordings.recording import Recording
 
 T = np.arange(400) * 0.01
@@ -11,7 +12,9 @@ T = np.arange(400) * 0.01
 
 def wheel(late=0.0, **columns):
     named = {f"wheel.rw.{name}": column for name, column in columns.items()}
-    return histories(Recording(T, named), "wheel", ("rw",), "speed", {}, late)
+    return histories(
+        Recording(T, named), "wheel", ("rw",), "speed", {}, late, Settings()
+    )
 
 
 def test_a_wheel_counted_within_one_turn_is_counted_on():

@@ -10,11 +10,12 @@ import numpy as np
 from jaxtyping import Bool, Float
 from scipy.ndimage import maximum_filter1d, median_filter
 
+from orbident import _core
 from orbident.estimation.causes.shown import shown_by, without
 from orbident.estimation.causes.trial import Trial, amended_trial
 from orbident.estimation.output_error.sensors import NORMAL
 from orbident.estimation.problem import MomentumProblem
-from orbident.preprocessing.outliers import cubic
+from orbident.threads import processors
 
 OFF = 8.0
 """Times the scatter of what neighbours predict."""
@@ -54,9 +55,10 @@ def outlying(
     for _ in range(ROUNDS):
         if kept.size < AROUND:
             break
-        around = kept[np.arange(2, kept.size - 2)[:, None] + (-2, -1, 1, 2)]
         inner = kept[2:-2]
-        r = np.abs(x[inner] - cubic(t[inner], t[around], x[around]))
+        # At the ends all neighbours would be on one side.
+        expected = _core.expected_samples(t[kept], x[kept], 1, processors())
+        r = np.abs(x[inner] - expected[2:-2])
         worst = (r == maximum_filter1d(r, NEIGHBOURS)) & (
             r > OFF * NORMAL * median_filter(r, AROUND)
         )

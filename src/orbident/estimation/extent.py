@@ -1,0 +1,82 @@
+"""How far all moved, gathered stretch by stretch."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+
+from orbident.preprocessing.samples import LOCKED, Samples
+
+NAMES = ("q", "qd", "qd_rw", "w")
+
+
+class Range(NamedTuple):
+    """The finite samples of some columns."""
+
+    low: Float[np.ndarray, " columns"]
+    """Infinite where there is none."""
+    high: Float[np.ndarray, " columns"]
+    samples: Float[np.ndarray, " columns"]
+    total: Float[np.ndarray, " columns"]
+
+    @classmethod
+    def of(cls, columns: Sequence[Float[np.ndarray, " samples"]]) -> "Range":
+        """Those of these columns."""
+        found = np.empty((4, len(columns)))
+        for k, column in enumerate(columns):
+            x = column[np.isfinite(column)]
+            low, high = x.min(initial=np.inf), x.max(initial=-np.inf)
+            found[:, k] = low, high, x.size, x.sum()
+        return cls(*found)
+
+    def and_of(self, other: "Range") -> "Range":
+        """Those of both."""
+        return Range(
+            np.minimum(self.low, other.low),
+            np.maximum(self.high, other.high),
+            self.samples + other.samples,
+            self.total + other.total,
+        )
+
+    def ends(self, k: int) -> list[float] | None:
+        """Of a column; None where it has no sample."""
+        both = [float(self.low[k]), float(self.high[k])]
+        return both if self.samples[k] else None
+
+
+class Extent(NamedTuple):
+    """What all samples of a recording span."""
+
+    start: float
+    """s."""
+    end: float
+    """s."""
+    rows: int
+    ranges: dict[str, Range]
+    """By name, as `Samples` has them."""
+
+    @classmethod
+    def of(cls, samples: Samples) -> "Extent":
+        """What these samples span."""
+        ranges = {name: Range.of(getattr(samples, name)) for name in NAMES}
+        t = samples.t
+        return cls(float(t[0]), float(t[-1]), t.size, ranges)
+
+    def and_of(self, other: "Extent") -> "Extent":
+        """What both span, the other being later."""
+        ranges = {n: each.and_of(other.ranges[n]) for n, each in self.ranges.items()}
+        return Extent(self.start, other.end, self.rows + other.rows, ranges)
+
+    def locked(self, names: Sequence[str]) -> dict[str, float]:
+        """The joints that did not move, and where they are held.
+
+        Args:
+            names: of all joints.
+        """
+        q = self.ranges["q"]
+        return {
+            name: float(q.total[k] / q.samples[k])
+            for k, name in enumerate(names)
+            if q.high[k] - q.low[k] < LOCKED
+        }

@@ -1,0 +1,142 @@
+"""A recording in stretches gives what it gives in memory.
+
+Both take what the whole decides from the same digest; the rest is local, up to what
+smoothers forget (`preprocessing/settings.py`) and rounding: 1e-9 of a deviation.
+Recordings are long here from 10,240 rows on, which takes less time.
+"""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from orbident.estimation.identify import identify
+from orbident.estimation.linear_fits import Fits, fit
+from orbident.estimation.long_problem import Stretches, long_problems
+from orbident.estimation.problem import MomentumProblem
+from orbident.preprocessing.samples import samples_of
+from orbident.preprocessing.screening import screened
+from orbident.recordings.long_recording import LongRecording
+from orbident.recordings.recording import Recording
+from orbident.recordings.tables import write_recording
+from orbident.robot.description import Robot
+from orbident.simulation.simulate import simulate
+from orbident.studies.spatial import spatial_robot, spatial_trajectory
+
+SPAN = 2**11
+ROWS = 5 * SPAN + 6000
+STD = {"joint": 1e-4, "wheel": 0.01, "gyro": 1e-4, "velocity": 1e-3, "attitude": 0.0}
+SAME = 1e-9
+"""Deviations."""
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _small() -> Iterator[None]:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("orbident.recordings.long_recording.SPAN", SPAN)
+        for user in ("orbident.recordings.tables", "orbident.estimation.identify"):
+            patch.setattr(f"{user}.LARGE", 5 * SPAN)
+        yield
+
+
+@pytest.fixture(scope="module")
+def robot() -> Robot:
+    return spatial_robot()
+
+
+@pytest.fixture(scope="module")
+def recording(robot: Robot) -> Recording:
+    """A flight again and again, with pauses: noise, gaps, a spike."""
+    flight = simulate(robot, spatial_trajectory(robot), rate=50.0)
+    random, columns = np.random.default_rng(0), {}
+    for name, x in flight.columns.items():
+        if name.endswith(".velocity") or name.startswith("position"):
+            continue
+        noise = STD[name.split(".")[0]] * random.standard_normal(ROWS)
+        columns[name] = np.resize(x, ROWS) + noise
+    columns["joint.joint1.position"][5::7] = np.nan
+    columns["wheel.rw_x.speed"][::2] = np.nan
+    columns["joint.joint2.position"][8000] += 1.0
+    rows = np.arange(ROWS)
+    t = flight.t[rows % flight.t.size] + 81.0 * (rows // flight.t.size)
+    return Recording(t, columns, "long")
+
+
+def in_stretches(robot: Robot, recording: Recording, size: int) -> MomentumProblem:
+    long = LongRecording.of(recording)
+    found = long_problems(robot, long, "unknown", lambda _: None, size)
+    assert found is not None
+    return found[0]
+
+
+@pytest.fixture(scope="module")
+def problem(robot: Robot, recording: Recording) -> MomentumProblem:
+    return in_stretches(robot, recording, 2**12)
+
+
+def assert_same(found: Fits, wanted: Fits) -> None:
+    assert found.samples == wanted.samples
+    for one, other in ((found.pi, wanted.pi), (found.phi, wanted.phi)):
+        std = np.sqrt(np.diag(other.covariance))
+        assert np.max(np.abs(one.values - other.values) / std) < SAME
+        np.testing.assert_allclose(np.sqrt(np.diag(one.covariance)), std, rtol=SAME)
+
+
+def test_it_is_what_it_is_in_memory(
+    robot: Robot, recording: Recording, problem: MomentumProblem
+):
+    clean, every = screened(robot, recording), problem.stretches
+    assert isinstance(every, Stretches)
+    samples = samples_of(robot, clean.recording, every.late, every.settings)
+    wanted = fit(robot, problem.sets, samples, "unknown", lambda _: None)
+    assert_same(problem.fits, wanted)
+    assert problem.rejected == clean.rejected
+    assert problem.rejected["joint.joint2.position"] == {"spike": 1}
+    extent = problem.extent
+    assert extent is not None
+    assert (extent.rows, extent.end) == (ROWS, recording.t[-1])
+    for k, q in enumerate(samples.q):
+        assert extent.ranges["q"].ends(k) == pytest.approx([q.min(), q.max()])
+
+
+@pytest.mark.parametrize("parts", [2, 4])
+def test_parts_change_nothing(
+    robot: Robot, recording: Recording, problem: MomentumProblem, parts: int
+):
+    other = in_stretches(robot, recording, -(-ROWS // parts))
+    assert_same(other.fits, problem.fits)
+
+
+def test_a_joint_that_never_moves_is_held(robot: Robot, recording: Recording):
+    random = np.random.default_rng(1)
+    still = 0.3 + 1e-5 * random.standard_normal(ROWS)
+    columns = {**recording.columns, "joint.joint3.position": still}
+    found = in_stretches(robot, replace(recording, columns=columns), 2**12)
+    assert found.samples.locked == ("joint3",)
+    (q,) = {*found.samples.q[2]}
+    assert q == pytest.approx(0.3, abs=1e-6)
+
+
+def test_a_file_is_identified_as_its_recording(
+    robot: Robot, recording: Recording, tmp_path: Path
+):
+    path = tmp_path / "long.parquet"
+    write_recording(recording, path)
+    found = identify(robot, path, "least-squares")
+    wanted = identify(robot, recording, "least-squares")
+    assert found.samples == wanted.samples
+    assert found.mass == wanted.mass
+    np.testing.assert_array_equal(found.base.values, wanted.base.values)
+    assert found.motion == wanted.motion
+    assert found.motion["duration"] == pytest.approx(np.ptp(recording.t))
+    assert any("1 spike" in note for note in found.notes)
+    # Of a recording that is looked at in part, too.
+    assert found.signals()
+
+
+def test_what_must_be_integrated_is_read_whole(robot: Robot, recording: Recording):
+    columns = {n: x for n, x in recording.columns.items() if "attitude" not in n}
+    long = LongRecording.of(replace(recording, columns=columns))
+    assert long_problems(robot, long, "unknown", lambda _: None) is None
