@@ -5,7 +5,6 @@
     slow torque                tau = e_k cos(m pi t / T)    m = 1 .. 6
     the same on the base       tau = R_WB e_k cos(m pi t / T)
     constant pull              a = e_k                      such as a table's tilt
-    slow pull                  a = e_k cos(m pi t / T)
     uneven table               a = E_k (r_cm - r_cm(0))     E_k symmetric
     film drag of a body        F = -v_P,  or  tau = -w
     air drag                   F = d,  tau = R_WB e_k x d   d along the flow
@@ -32,7 +31,7 @@ AXES = "xyz"
 MU = 3.986004418e14
 """Of the Earth, m^3/s^2."""
 
-SLOW = ("slow_torque", "slow_base_torque", "slow_pull")
+SLOW = ("slow_torque", "slow_base_torque")
 """Groups of what changes slowly."""
 
 WAVES = 6
@@ -45,7 +44,6 @@ IN_WORDS = {
     "slow_base_torque": "a torque acts that turns with the base and changes slowly, "
     "base axes",
     "pull": "all parts are pulled alike, as on a table that is not level",
-    "slow_pull": "all parts are pulled alike, by what changes slowly",
     "uneven": "the pull changes from place to place, as on an uneven table",
     "drag": "drag acts, as of an air film",
     "air": "a force acts along the flow of the air",
@@ -204,9 +202,6 @@ def _pulls(followed: Followed) -> Iterator[Disturbance]:
         yield Disturbance(
             f"pull.{name}", "pull", "m/s^2", none._replace(pull=by_step(vector))
         )
-    for name, vector in _slow(followed, moving):
-        effect = none._replace(pull=by_step(vector))
-        yield Disturbance(f"slow_pull.{name}", "slow_pull", "m/s^2", effect)
 
 
 def _steady(
