@@ -8,7 +8,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from orbident.campaigns.seeds import over_seeds
+from orbident.campaigns.executors import Executors, InThisProcess
+from orbident.campaigns.seeds import Series, check_seeds, over_seeds
 from orbident.estimation.quantities import nulled
 from orbident.estimation.result import Result
 from orbident.preprocessing.cut_off import CutOff
@@ -123,6 +124,7 @@ def run_table(
     seeds: int = 1,
     first_seed: int = 0,
     progress: Callable[[float], object] = lambda _: None,
+    executors: Executors = InThisProcess,
 ) -> TableStudy:
     """Fly once, measure with each seed, read each recording in three ways.
 
@@ -131,24 +133,22 @@ def run_table(
             same.
         first_seed: of them.
         progress: is called with the fraction done.
+        executors: where all seeds but the first are run.
 
     Raises:
         InputError: there are no seeds.
     """
+    check_seeds(seeds)
     started = time.perf_counter()
     robot = table_robot()
     trajectory = replace(planar_trajectory(robot), environment=table_environment(robot))
     flight = fly_table(robot, trajectory)
-    table, filters, runs = Table6.of(robot), Filters(), list[Run]()
-
-    def errors(seed: int) -> Float[np.ndarray, " errors"]:
-        recording = measured_record(robot, flight, seed)
-        runs.append(read_table(robot, recording, table, filters))
-        readings = runs[-1].readings.values()
-        return np.concatenate([table.errors(reading.values) for reading in readings])
-
-    rms = over_seeds(errors, seeds, first_seed, progress).rms.reshape(3, -1)
-    first = runs[0]
+    noisy = _Noisy(robot, flight, Table6.of(robot), Filters())
+    table, first = noisy.table, noisy.run(first_seed)
+    every = range(first_seed, first_seed + seeds)
+    series = Series(noisy.quantities, every, (noisy.quantities_of(first),))
+    (errors,) = over_seeds([series], executors, progress)
+    rms = errors.rms[1:].reshape(3, -1)
     return TableStudy(
         methods={
             name: _rows(first, name, table, over)
@@ -159,11 +159,33 @@ def run_table(
         trajectory=trajectory,
         recording=first.recording,
         result=first.result,
-        cut_offs=filters.cut_offs,
+        cut_offs=noisy.filters.cut_offs,
         seeds=seeds,
-        rejected=sum(run.result.status == "rejected" for run in runs),
+        rejected=int(errors.runs[:, 0].sum()),
         elapsed_s=time.perf_counter() - started,
     )
+
+
+class _Noisy(NamedTuple):
+    """The same flight, measured anew with every seed."""
+
+    robot: Robot
+    flight: FreeFlying
+    table: Table6
+    filters: Filters
+
+    def run(self, seed: int) -> Run:
+        recording = measured_record(self.robot, self.flight, seed)
+        return read_table(self.robot, recording, self.table, self.filters)
+
+    def quantities(self, seed: int) -> Float[np.ndarray, " quantities"]:
+        return self.quantities_of(self.run(seed))
+
+    def quantities_of(self, run: Run) -> Float[np.ndarray, " quantities"]:
+        """Whether it is refused, then the errors of each way of reading."""
+        readings = run.readings.values()
+        errors = (self.table.errors(reading.values) for reading in readings)
+        return np.concatenate([[run.result.status == "rejected"], *errors])
 
 
 def _rows(
