@@ -14,8 +14,9 @@ import pytest
 
 from orbident.estimation.identify import identify
 from orbident.estimation.linear_fits import Fits, fit
-from orbident.estimation.long_problem import Stretches, long_problems
+from orbident.estimation.long_problem import long_problems
 from orbident.estimation.problem import MomentumProblem
+from orbident.estimation.structured import Structured
 from orbident.preprocessing.samples import samples_of
 from orbident.preprocessing.screening import screened
 from orbident.recordings.long_recording import LongRecording
@@ -95,7 +96,7 @@ def test_it_is_what_it_is_in_memory(
     robot: Robot, recording: Recording, problem: MomentumProblem
 ):
     clean, every = screened(robot, recording), problem.stretches
-    assert isinstance(every, Stretches)
+    assert every is not None
     samples = samples_of(robot, clean.recording, every.late, every.settings)
     wanted = fit(robot, problem.sets, samples, "unknown", lambda _: None)
     assert_same(problem.fits, wanted)
@@ -114,6 +115,19 @@ def test_parts_change_nothing(
 ):
     other = in_stretches(robot, recording, -(-ROWS // parts))
     assert_same(other.fits, problem.fits)
+
+
+def test_structured_equations_go_on_from_stretch_to_stretch(
+    robot: Robot, recording: Recording, problem: MomentumProblem
+):
+    whole = in_stretches(robot, recording, ROWS)
+    one, other = (
+        Structured().estimate(each, lambda _: None).found.base
+        for each in (problem, whole)
+    )
+    std = np.sqrt(np.diag(other.covariance))
+    assert np.max(np.abs(one.values - other.values) / std) < SAME
+    np.testing.assert_allclose(np.sqrt(np.diag(one.covariance)), std, rtol=SAME)
 
 
 def test_a_joint_that_never_moves_is_held(robot: Robot, recording: Recording):
