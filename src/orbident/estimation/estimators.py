@@ -19,7 +19,7 @@ ESTIMATORS: dict[str, type[Estimator]] = {
     "recursive": Recursive,
 }
 
-IN_STRETCHES = (LeastSquares,)
+IN_STRETCHES = (LeastSquares, Structured)
 """Those that take a long recording in stretches."""
 
 

@@ -6,30 +6,27 @@ of all its samples are folded into one triangular factor, stretch by stretch.
 """
 
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, replace
-
-import numpy as np
+from collections.abc import Callable, Iterator
+from dataclasses import replace
 
 from orbident.estimation.clocks import base_clocks, joint_clocks
 from orbident.estimation.extent import Extent
 from orbident.estimation.linear_fits import InitialMomentum, fit
 from orbident.estimation.problem import MomentumProblem
+from orbident.estimation.stretches import Stretches, cut
 from orbident.model.minimal_sets import minimal_sets
 from orbident.model.regularity import check_regular
 from orbident.preprocessing.base_motion import FUSED, INTEGRATED
-from orbident.preprocessing.delays import corrections, delays
+from orbident.preprocessing.delays import corrections
 from orbident.preprocessing.point_velocity import COUNTED, FELT
 from orbident.preprocessing.samples import Samples, samples_of
-from orbident.preprocessing.screening import NO_SENSORS, screened, without_spikes
+from orbident.preprocessing.screening import NO_SENSORS, screened
 from orbident.preprocessing.settings import LONGEST, Settings
 from orbident.recordings.long_recording import SPANS, STRETCH, LongRecording
 from orbident.robot.description import Robot
 
 NOT_LOCAL = {INTEGRATED, FUSED, FELT, COUNTED}
 """How a signal is obtained that depends on all samples before, or on all there are."""
-
-COLUMNS = ("q", "qd", "w", "x_WB", "qd_rw", "v_S", "drift")
 
 
 def long_problems(
@@ -80,7 +77,7 @@ def long_problems(
     )
     first = _of_all(problem, recording, progress, size)
     span = samples.t.size // SPANS
-    middle = _cut(first.samples, slice(SPANS // 2 * span, (SPANS // 2 + 1) * span))
+    middle = cut(first.samples, slice(SPANS // 2 * span, (SPANS // 2 + 1) * span))
     late = joint_clocks(robot, sets, middle, initial_momentum)
     punctual = {name: delay._replace(believed=False) for name, delay in late.items()}
     first = replace(first, clocks=clocks | punctual)
@@ -123,40 +120,6 @@ def _of_all(
     )
 
 
-@dataclass(frozen=True)
-class Stretches:
-    """The samples of a long recording, stretch by stretch, again and again."""
-
-    robot: Robot
-    recording: LongRecording
-    late: Mapping[str, float]
-    settings: Settings
-    size: int
-
-    def __iter__(self) -> Iterator[Samples]:
-        """Consecutive samples, each once."""
-        return (samples for samples, _ in self.with_rejected())
-
-    def with_rejected(
-        self,
-    ) -> Iterator[tuple[Samples, Mapping[str, Mapping[str, int]]]]:
-        """The same, and what was left out of each stretch."""
-        moved = self._moved()
-        for recording, own in self.recording.stretches(
-            lambda name: moved + self.settings.beside(name), self.size
-        ):
-            clean = without_spikes(recording, own)
-            every = samples_of(self.robot, clean.recording, self.late, self.settings)
-            yield _cut(every, own), clean.rejected
-
-    def _moved(self) -> int:
-        """Samples by which clocks are apart, at most."""
-        digest = self.recording.digest
-        behind = delays(self.robot, digest, self.late).values()
-        step = float(np.median(np.diff(digest.t)))
-        return int(np.ceil(max(map(abs, behind)) / step))
-
-
 class _Seen:
     """Stretches, and what they amount to once all have passed."""
 
@@ -173,12 +136,3 @@ class _Seen:
                 self.spikes[name] += sum(why.values())
             yield samples
             self._progress(self.extent.rows / self._every.recording.rows)
-
-
-def _cut(samples: Samples, rows: slice) -> Samples:
-    """Some rows, copied: the others' memory is free again."""
-    columns = {
-        name: tuple(column[rows].copy() for column in getattr(samples, name))
-        for name in COLUMNS
-    }
-    return replace(samples, t=samples.t[rows].copy(), **columns)

@@ -1,6 +1,6 @@
 """What every estimator is given: a recording, made ready, and what is known of it."""
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -16,6 +16,7 @@ from orbident.estimation.linear_fits import (
     known_momentum,
 )
 from orbident.estimation.mass import Mass, mass_of
+from orbident.estimation.stretches import Stretches
 from orbident.model.minimal_sets import MinimalSets, minimal_sets
 from orbident.model.regularity import check_regular
 from orbident.preprocessing.delays import Delay, corrections
@@ -46,7 +47,7 @@ class MomentumProblem:
     initial_momentum: InitialMomentum
     fits: Fits
     """Eqs. 24 and 31, each for itself: where every search starts."""
-    stretches: Iterable[Samples] | None = None
+    stretches: Stretches | None = None
     """All samples, where `recording` and `samples` are those of a digest."""
     extent: Extent | None = None
     """What all samples span, where `samples` are those of a digest."""

@@ -20,7 +20,7 @@ from orbident.estimation.nonlinear_fit import beta_of_fits, nonlinear_fit
 from orbident.estimation.prior import prior_std
 from orbident.estimation.problem import MomentumProblem
 from orbident.estimation.recursive.filter import Extended
-from orbident.estimation.recursive.given import given_of
+from orbident.estimation.recursive.given import pieces_of
 from orbident.estimation.recursive.prior import Prior
 from orbident.model.derivatives import sets_of_beta
 
@@ -45,13 +45,16 @@ class Structured:
         """
         robot, sets = problem.robot, problem.sets
         wide, nominal = prior_std(robot, sets), sets.beta(robot.theta)
-        t, every, noise = given_of(robot, problem.samples)
+        noise, pieces = pieces_of(problem)
         kalman = Extended.of(robot, noise)
+        first = next(every[0] for t, every in pieces() if t.size)
         found, passes = beta_of_fits(robot, sets, problem.fits), 0
         while True:
             before, passes = Prior(found.values, np.diag(1 / wide)), passes + 1
-            state = kalman.begun(before, every[0], problem.h_cm)
-            state, squares, rows = kalman.gathered(state, t, every)
+            state, squares, rows = kalman.begun(before, first, problem.h_cm), 0.0, 0
+            for t, every in pieces():
+                state, own, count = kalman.gathered(state, t, every)
+                squares, rows = squares + own, rows + count
             R, z = state.R_z[:, :-1], state.R_z[:, -1]
             found = nonlinear_fit(sets, nominal, wide, R, z)
             std = np.sqrt(np.diag(found.covariance))

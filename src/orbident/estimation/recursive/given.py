@@ -1,16 +1,18 @@
 """What the filter takes from a recording: its samples, and their noise."""
 
+from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 
 from orbident.errors import InputError
+from orbident.estimation.problem import MomentumProblem
 from orbident.estimation.recursive.noise import Noise, noise_of
-from orbident.preprocessing.base_motion import SMOOTHED
+from orbident.estimation.stretches import smoothed_rate
 from orbident.preprocessing.histories import DERIVED
 from orbident.preprocessing.samples import Samples
-from orbident.preprocessing.smoothing import smooth
+from orbident.preprocessing.settings import Settings
 from orbident.robot.description import Robot
 
 ENDS = 0.5
@@ -26,39 +28,65 @@ class Given(NamedTuple):
     noise: Noise
 
 
+class Pieces(NamedTuple):
+    """The same of a recording that may be long."""
+
+    noise: Noise
+    every: Callable[[], Iterator[tuple[np.ndarray, np.ndarray]]]
+    """Times, s, and packed samples, piece by piece, from the first one each time."""
+
+
 def given_of(robot: Robot, samples: Samples) -> Given:
     """All samples that are as good as they are said to be.
 
     Raises:
         InputError: there is none, or the noise of the base rate is not known.
     """
-    rate, scatter = smoothed_rate(samples)
+    rate, scatter = smoothed_rate(samples, Settings())
     noise = noise_of(robot, samples, scatter)
-    at = samples.batch(0, samples.t.size)
-    first, last = _trusted(samples)
-    complete = at.turning & np.isfinite(rate).all(axis=1)
-    complete &= (samples.t >= first) & (samples.t <= last)
-    if not complete.any():
+    ends = float(samples.t[0]), float(samples.t[-1])
+    t, every = _packed(samples, rate, *_trusted(samples, *ends))
+    if not t.size:
         raise InputError(
             f"{samples.source}: no complete sample; record joints, wheels, gyro and "
             "attitude together"
         )
+    return Given(t, every, noise)
+
+
+def pieces_of(problem: MomentumProblem) -> Pieces:
+    """The same, stretch by stretch where a recording is read so.
+
+    Raises:
+        InputError: as `given_of`.
+    """
+    robot, samples, stretches = problem.robot, problem.samples, problem.stretches
+    if stretches is None or problem.extent is None:
+        given = given_of(robot, samples)
+        return Pieces(given.noise, lambda: iter([(given.t, given.samples)]))
+    _, scatter = smoothed_rate(samples, stretches.settings)
+    ends = _trusted(samples, problem.extent.start, problem.extent.end)
+
+    def every() -> Iterator[tuple[np.ndarray, np.ndarray]]:
+        for part, rate in stretches.with_rates():
+            yield _packed(part, rate, *ends)
+
+    return Pieces(noise_of(robot, samples, scatter), every)
+
+
+def _packed(
+    samples: Samples, rate: Float[np.ndarray, "samples 3"], first: float, last: float
+) -> tuple[Float[np.ndarray, " n"], Float[np.ndarray, "n all"]]:
+    at = samples.batch(0, samples.t.size)
+    complete = at.turning & np.isfinite(rate).all(axis=1)
+    complete &= (samples.t >= first) & (samples.t <= last)
     v_S = np.where(at.moving[:, None], at.v_S, np.nan)
     every = np.hstack([at.q, at.qd, at.w, at.x_WB, at.qd_rw, v_S, rate])
-    return Given(samples.t[complete], every[complete], noise)
+    return samples.t[complete], every[complete]
 
 
-def _trusted(samples: Samples) -> tuple[float, float]:
+def _trusted(samples: Samples, start: float, end: float) -> tuple[float, float]:
     """From when to when rates are as good as they are said to be, s."""
     derived = DERIVED in samples.origins["joint_rates"]
-    margin = ENDS if derived and np.ptp(samples.t) > 4 * ENDS else 0.0
-    return float(samples.t[0]) + margin, float(samples.t[-1]) - margin
-
-
-def smoothed_rate(samples: Samples) -> tuple[Float[np.ndarray, "samples 3"], float]:
-    """The base rate as smooth as joint rates are, and the gyro's scatter, rad/s."""
-    w = np.column_stack(samples.w)
-    if samples.origins["base_rate"] == SMOOTHED:
-        return w, 0.0
-    smoothed = smooth(samples.t, w, name=f"{samples.source}: gyro")
-    return smoothed.x, float(np.nan_to_num(smoothed.noise_std).max())
+    margin = ENDS if derived and end - start > 4 * ENDS else 0.0
+    return start + margin, end - margin

@@ -25,13 +25,14 @@ from scipy.linalg import block_diag
 from scipy.spatial.transform import Rotation
 
 from orbident.estimation.recursive.filter import Extended
-from orbident.estimation.recursive.given import smoothed_rate
 from orbident.estimation.recursive.noise import Noise, noise_of
 from orbident.estimation.recursive.prior import Prior, cad_prior
 from orbident.estimation.recursive.state import Info, Sample, State, packed
+from orbident.estimation.stretches import smoothed_rate
 from orbident.model.derivatives import derivatives_of_beta, sets_of_beta
 from orbident.model.minimal_sets import MinimalSets, minimal_sets
 from orbident.preprocessing.samples import samples_of
+from orbident.preprocessing.settings import Settings
 from orbident.robot.description import Robot
 from orbident.robot.parameters import cross_matrix
 from orbident.robot.robot_file import load_robot
@@ -84,7 +85,7 @@ def one_step(name: str, before: int) -> Case:
     motion = random_motion(robot, duration=12.0, start=start)
     noise = "none" if name == "tree" else "sensors"
     samples = samples_of(robot, simulate(robot, motion, rate=10.0, noise=noise))
-    rate, scatter = smoothed_rate(samples)
+    rate, scatter = smoothed_rate(samples, Settings())
     stds = noise_of(robot, samples, scatter)
     if name == "tree":
         stds = Noise(1e-4, 1e-4, joint_rates=1e-4, attitude=1e-4, gyro_walk=1e-5)
