@@ -137,10 +137,8 @@ def test_what_acts_flies_with_the_run(tmp_path: Path):
     """By the same noise of sensors, the base turns otherwise."""
     slow = {"std": 0.1, "correlation_time": 5}
     robots = [MOTION | {"environment": {"slow_torque": slow}}]
-    turned, alone = (
-        case(tmp_path / str(len(more)), disperse={}, **more).recording()
-        for more in ({"robots": robots}, {})
-    )
+    turned = case(tmp_path / "one", disperse={}, robots=robots).recording()
+    alone = case(tmp_path / "other", disperse={}).recording()
     difference = turned.column("gyro.x") - alone.column("gyro.x")
     assert abs(difference[0]) < 1e-15
     assert np.abs(difference).max() > 1e-5

@@ -6,7 +6,7 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Float
 from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation, Slerp
 
@@ -164,12 +164,13 @@ def measured(
 
     x = np.column_stack(samples.x_WB)
     known = np.isfinite(x).all(axis=1)
-    turns = Slerp(samples.t[known], Rotation.from_quat(x[known]))
-    inside = np.clip(t, samples.t[known][0], samples.t[known][-1])
+    at = samples.t[known]
+    turns = Slerp(at, Rotation.from_quat(x[known]))
+    inside = np.clip(t, at[0], at[-1])
     R_WB = turns(inside).as_matrix()
     around = {
         # In inertial axes they change slowly.
-        name: _between(samples.t, t, turns(samples.t[known]).apply(x[known]), known)
+        name: _between(at, turns(at).apply(x[known]), t)
         for name, x in samples.surroundings.items()
     }
     return Followed(
@@ -186,12 +187,11 @@ def measured(
 
 
 def _between(
-    at: Float[np.ndarray, " samples"],
-    t: Float[np.ndarray, " nodes"],
+    at: Float[np.ndarray, " known"],
     x: Float[np.ndarray, "known 3"],
-    known: Bool[np.ndarray, " samples"],
+    t: Float[np.ndarray, " nodes"],
 ) -> Float[np.ndarray, "nodes 3"]:
-    return np.column_stack([np.interp(t, at[known], column) for column in x.T])
+    return np.column_stack([np.interp(t, at, column) for column in x.T])
 
 
 def _at(samples: Samples, t: Float[np.ndarray, " rows"]) -> tuple[RecordedWrench, ...]:
