@@ -72,7 +72,10 @@ def test_without_the_earth_it_is_seen_as_a_slow_torque():
     flown = made("tide")
     seen = measure_truth(robot, flown.t, flown.true, 0)
     result = oi.identify(robot, seen)
-    assert {fit.group for fit in result.disturbances.values()} == {"slow_torque"}
+    # In inertial axes or in the base's: the base hardly turns against the Earth.
+    groups = {fit.group for fit in result.disturbances.values()}
+    assert groups <= {"slow_torque", "slow_base_torque"}
+    assert groups
     assert np.abs(errors(result)).max() < 4
 
 
@@ -87,7 +90,9 @@ def test_what_acts_is_identified(acts: str, group: str, runs: int):
         found = result.disturbances
         # So little air may as well be a slow torque: what is identified holds.
         groups = {fit.group for fit in found.values()}
-        assert groups == {group} or (seed and groups == {"slow_torque"})
+        assert groups == {group} or (
+            seed and groups <= {"slow_torque", "slow_base_torque"}
+        )
         if group == "dipole":
             sizes = (found[f"dipole.{axis}"] for axis in "xyz")
             z += [(f.value - m) / f.std for f, m in zip(sizes, MAGNET, strict=True)]
