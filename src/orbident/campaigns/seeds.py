@@ -1,4 +1,4 @@
-"""The same run with many seeds, each for itself."""
+"""Repeats a study's run with many seeds of its noise, here or in worker processes."""
 
 from collections.abc import Callable, Sequence
 from contextlib import closing

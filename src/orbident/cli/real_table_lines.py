@@ -9,7 +9,7 @@ WORDS = {
     "without": "likelihood without",
     "with": "likelihood with",
 }
-"""By way of reading: with what acts among the unknowns, or without it."""
+"""The heading of each way of reading a recording, with what acts or without it."""
 
 
 def real_table_lines(done: Any) -> list[Any]:

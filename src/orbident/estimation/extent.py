@@ -40,7 +40,7 @@ class Range(NamedTuple):
         )
 
     def ends(self, k: int) -> list[float] | None:
-        """Of a column; None where it has no sample."""
+        """The least and the largest value of column `k`; None where it has no sample."""
         both = [float(self.low[k]), float(self.high[k])]
         return both if self.samples[k] else None
 
@@ -54,7 +54,7 @@ class Extent(NamedTuple):
     """s."""
     rows: int
     ranges: dict[str, Range]
-    """By name, as `Samples` has them."""
+    """The extent of each signal, by the name of its field in `Samples`."""
 
     @classmethod
     def of(cls, samples: Samples) -> "Extent":

@@ -116,7 +116,10 @@ def identify(
 
 
 def _part(progress: Progress, k: int, recordings: int) -> Progress:
-    """Of the first half of the work, what each recording's own is."""
+    """Progress while one of several recordings is identified by itself.
+
+    That is the first half of the work, shared evenly among them.
+    """
     return lambda done: progress((k + done) / recordings / 2)
 
 

@@ -84,7 +84,7 @@ def _notes(results: Sequence[Result], labels: Sequence[str]) -> tuple[str, ...]:
 
 
 def _residual(results: Sequence[Result], labels: Sequence[str]) -> dict[str, Any]:
-    """Of every sensor; chi-square as if the samples of all were one recording's."""
+    """The residuals of every sensor, and chi-square as if all were one recording."""
     parts = [one.residual for one in results]
     known = [
         (part["chi2_per_dof"], one.samples)

@@ -47,7 +47,7 @@ class Run(NamedTuple):
 
     recording: Recording
     readings: dict[str, Reading]
-    """By way of reading: `paper`, `without` and `with`."""
+    """The parameters that each way of reading has: `paper`, `without` and `with`."""
     result: Result
     """Of maximum likelihood that looks for what acts."""
     refused: str

@@ -202,7 +202,10 @@ def _members(problem: Problem, group: str) -> Iterator[Disturbance]:
 
 
 def _places(problem: Problem, names: Collection[str]) -> Float[np.ndarray, " n"]:
-    """Of groups, and of errors of instruments."""
+    """The places of what has these names, among all that can be an unknown.
+
+    A name is that of a group of disturbances or of an instrument's error.
+    """
     acting = zip(problem.acting.disturbances, problem.acting.places, strict=True)
     errors = [each.place for each in problem.calibrations if each.name in names]
     return np.array([*errors, *(k for each, k in acting if each.group in names)], float)

@@ -29,7 +29,7 @@ from orbident.model.minimal_sets import conserved_axes
 AXES = "xyz"
 
 MU = 3.986004418e14
-"""Of the Earth, m^3/s^2."""
+"""The Earth's gravitational parameter, m^3/s^2."""
 
 SLOW = ("slow_torque", "slow_base_torque")
 """Groups of what changes slowly."""
