@@ -40,7 +40,7 @@ class Range(NamedTuple):
         )
 
     def ends(self, k: int) -> list[float] | None:
-        """The least and the largest value of column `k`; None where it has no sample."""
+        """The least and the largest value of column `k`; None without a sample."""
         both = [float(self.low[k]), float(self.high[k])]
         return both if self.samples[k] else None
 
