@@ -29,11 +29,11 @@ if TYPE_CHECKING:
     from orbident.identified.run_folder import save_result as save_result
     from orbident.identified.validate import validate as validate
     from orbident.model.minimal_sets import minimal_sets as minimal_sets
-    from orbident.recordings.bags.convert import convert_bag as convert_bag
-    from orbident.recordings.bags.survey import survey_bag as survey_bag
     from orbident.recordings.recording import Recording as Recording
     from orbident.recordings.tables import read_recording as read_recording
     from orbident.recordings.tables import write_recording as write_recording
+    from orbident.recordings.topics.convert import convert_file as convert_file
+    from orbident.recordings.topics.survey import survey_file as survey_file
     from orbident.robot.description import Robot as Robot
     from orbident.robot.robot_file import bundled_robots as bundled_robots
     from orbident.robot.robot_file import load_robot as load_robot
@@ -58,7 +58,7 @@ _PUBLIC = {
     "Trajectory": "orbident.trajectories.trajectory",
     "bundled_robots": "orbident.robot.robot_file",
     "compare": "orbident.identified.comparison",
-    "convert_bag": "orbident.recordings.bags.convert",
+    "convert_file": "orbident.recordings.topics.convert",
     "design_excitation": "orbident.excitation.design",
     "identify": "orbident.estimation.identify",
     "load_result": "orbident.identified.run_folder",
@@ -69,7 +69,7 @@ _PUBLIC = {
     "save_result": "orbident.identified.run_folder",
     "save_trajectory": "orbident.trajectories.trajectory_file",
     "simulate": "orbident.simulation.simulate",
-    "survey_bag": "orbident.recordings.bags.survey",
+    "survey_file": "orbident.recordings.topics.survey",
     "validate": "orbident.identified.validate",
     "weigh": "orbident.estimation.weigh",
     "write_recording": "orbident.recordings.tables",

@@ -210,11 +210,11 @@ def test_a_long_bag_takes_little_memory():
     Path("map.yaml").write_text(HEAD + IMU)
     script = (
         "import resource, sys\n"
-        "from orbident.recordings.bags.convert import convert_bag\n"
+        "from orbident.recordings.topics.convert import convert_file\n"
         "def peak():\n"
         "    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss\n"
         "before = peak()\n"
-        f"convert_bag('{bag}', 'map.yaml', 'r.parquet')\n"
+        f"convert_file('{bag}', 'map.yaml', 'r.parquet')\n"
         "print(peak() - before)\n"
     )
     ran = finished(sys.executable, "-c", script)

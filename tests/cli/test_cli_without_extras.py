@@ -84,6 +84,33 @@ def test_bags(library: str):
     )
 
 
+@pytest.mark.parametrize(
+    ("library", "content", "need"),
+    [
+        (
+            "h5py",
+            b"\x89HDF\r\n\x1a\n",
+            "reading HDF5, which MATLAB's -v7.3 files are too, needs h5py: "
+            'pip install "orbident[hdf5]"',
+        ),
+        (
+            "pyulog",
+            b"ULog\x01\x12\x35\x01",
+            'reading a PX4 log needs pyulog: pip install "orbident[ulog]"',
+        ),
+    ],
+)
+def test_logs(library: str, content: bytes, need: str):
+    name = {"h5py": "flight.h5", "pyulog": "flight.ulg"}[library]
+    Path(name).write_bytes(content)
+    ran = without((library,), "topics", name)
+    assert ran.returncode == 2
+    assert ran.stderr == f"orbident: {need}\n"
+    # Without any extra, the others are read.
+    Path("flight.csv").write_text("t,x\n0,1\n1,2\n")
+    assert without((library, "rosbags", "mcap"), "topics", "flight.csv").returncode == 0
+
+
 def test_view():
     ran = without(("viser",), "view", "paper-spatial")
     assert ran.returncode == 2

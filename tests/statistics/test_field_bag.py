@@ -46,7 +46,7 @@ def test_a_bag_is_identified_as_well_as_its_table(case, method, tmp_path):
         folder = tmp_path / str(seed)
         folder.mkdir()
         bag = field_bag(kind, folder, robot, table, seed)
-        report = oi.convert_bag(bag, tmp_path / "map.yaml", folder / "bag.parquet")
+        report = oi.convert_file(bag, tmp_path / "map.yaml", folder / "bag.parquet")
         counts = report.to_json()["topics"]
         assert all(topic["rejected"] for topic in counts)
         converted = oi.read_recording(folder / "bag.parquet")

@@ -1,33 +1,43 @@
-"""`orbident convert BAG --map MAP -o REC`."""
+"""`orbident convert FILE --map MAP -o REC`."""
 
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from orbident.cli.options import BagFile, Json, Quiet
+from orbident.cli.options import Json, LogFile, Preset, Quiet
 
 
 def convert(
-    bag: BagFile,
-    topic_map: Annotated[
-        Path, typer.Option("--map", metavar="MAP", help="What each topic feeds (YAML).")
-    ],
+    file: LogFile,
     out: Annotated[
         Path, typer.Option("-o", metavar="REC", help="The recording: .csv or .parquet.")
     ],
+    topic_map: Annotated[
+        Path | None,
+        typer.Option("--map", metavar="MAP", help="What each topic feeds (YAML)."),
+    ] = None,
+    preset: Preset = None,
     json: Json = None,
     quiet: Quiet = False,
 ) -> None:
-    """Make a recording of a ROS bag or MCAP file."""
+    """Make a recording of a file of another tool: a bag, MATLAB, HDF5, PX4, ..."""
     from orbident.cli.output import Output, progress
+    from orbident.errors import InputError
     from orbident.files.replacing import check_place
-    from orbident.recordings.bags.convert import convert_bag
+    from orbident.recordings.topics.convert import convert_file
+    from orbident.recordings.topics.presets import known_preset
 
     output = Output(json, quiet)
+    chosen = topic_map if preset is None else known_preset(preset)
+    if chosen is None or None not in {topic_map, preset}:
+        raise InputError(
+            "give either '--map MAP', which 'orbident topics' proposes, or "
+            "'--preset NAME'"
+        )
     check_place(out)
     with progress("converting") as done:
-        report = convert_bag(bag, topic_map, out, done)
+        report = convert_file(file, chosen, out, done)
     output.warn(report.warnings)
     output.say(*_lines(report))
     output.write_json(report.to_json())

@@ -26,10 +26,21 @@ Workers = Annotated[
 RecordingFile = Annotated[
     Path, typer.Argument(metavar="REC", help="A recording: CSV or Parquet.")
 ]
-BagFile = Annotated[
+LogFile = Annotated[
     Path,
     typer.Argument(
-        metavar="BAG", help="A ROS 1 bag, the folder of a ROS 2 bag, or an MCAP file."
+        metavar="FILE",
+        help="A ROS bag (of ROS 2 its folder), or a file of MCAP, MATLAB, HDF5, PX4 "
+        "ULog, NumPy (.npz), Parquet or CSV.",
+    ),
+]
+Preset = Annotated[
+    str | None,
+    typer.Option(
+        "--preset",
+        metavar="NAME",
+        help="A map that comes with Orbident: astrobee, basilisk, cepheus, "
+        "px4-spacecraft.",
     ),
 ]
 RunFolder = Annotated[

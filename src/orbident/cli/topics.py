@@ -1,35 +1,40 @@
-"""`orbident topics BAG [-o MAP]`."""
+"""`orbident topics FILE [-o MAP]`."""
 
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from orbident.cli.options import BagFile, Json, Quiet
+from orbident.cli.options import Json, LogFile, Preset, Quiet
 
 
 def topics(
-    bag: BagFile,
+    file: LogFile,
     out: Annotated[
         Path | None,
         typer.Option("-o", metavar="MAP", help="Write the proposed map there."),
     ] = None,
+    preset: Preset = None,
     json: Json = None,
     quiet: Quiet = False,
 ) -> None:
-    """List what a bag holds, and propose a topic map."""
+    """List what a file holds, and propose a topic map (or give a preset)."""
     from orbident.cli.output import Output, progress
     from orbident.files.replacing import check_place
-    from orbident.files.text import write_text
-    from orbident.recordings.bags.proposal import proposed_map
-    from orbident.recordings.bags.survey import survey_bag
+    from orbident.files.text import read_text, write_text
+    from orbident.recordings.topics.presets import known_preset, preset_path
+    from orbident.recordings.topics.proposal import proposed_map
+    from orbident.recordings.topics.survey import survey_file
 
     output = Output(json, quiet)
     if out is not None:
         check_place(out)
     with progress("reading") as done:
-        surveyed = survey_bag(bag, done)
-    proposal = proposed_map(surveyed)
+        surveyed = survey_file(file, done)
+    if preset is None:
+        proposal = proposed_map(surveyed)
+    else:
+        proposal = read_text(preset_path(known_preset(preset)))
     # As comments, so that what is printed is a map as a whole.
     output.say(*(f"# {line}" for line in _lines(surveyed)))
     if out is None:
@@ -37,7 +42,7 @@ def topics(
     else:
         write_text(out, proposal)
         output.say(f"# written: {out}; decide at every TODO in it")
-    output.write_json({"bag": str(bag), "topics": _rows(surveyed), "map": proposal})
+    output.write_json({"file": str(file), "topics": _rows(surveyed), "map": proposal})
 
 
 def _rows(surveyed: Any) -> list[dict[str, Any]]:

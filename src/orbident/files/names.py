@@ -20,6 +20,12 @@ def quoted(value: object) -> str:
     return text if len(text) <= QUOTED else text[: QUOTED - 3] + "..."
 
 
+def one_line(error: Exception) -> str:
+    """An error of a library, short enough for the end of a message."""
+    text = " ".join(str(error).split()) or type(error).__name__
+    return text if len(text) <= 160 else text[:157] + "..."
+
+
 def listed(names: Iterable[str]) -> str:
     """`'x', 'y' and 7 more`: names, as many as one can read at a glance."""
     return joined(map(quoted, names))

@@ -1,1 +1,1 @@
-"""ROS bags and MCAP files into recordings, through a topic map."""
+"""ROS bags and MCAP files: their topics, and a stream of messages."""

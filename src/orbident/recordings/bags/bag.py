@@ -6,12 +6,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from orbident.errors import InputError
-from orbident.files.names import closest, listed
+from orbident.files.names import closest, listed, one_line
 from orbident.recordings.bags.mcap_file import open_mcap
 from orbident.recordings.bags.ros1_file import open_ros1
 from orbident.recordings.bags.ros2_folder import open_ros2
 from orbident.recordings.bags.storage import Storage
-from orbident.recordings.bags.topic import RawMessage, Topic, one_line
+from orbident.recordings.bags.topic import RawMessage, Topic
 
 _FILES = {".bag": open_ros1, ".mcap": open_mcap, ".db3": open_ros2}
 _REPAIRS = {
@@ -28,6 +28,8 @@ class Bag:
     path: Path
     topics: Mapping[str, Topic]
     _storage: Storage
+    notes: tuple[str, ...] = ()
+    """Warnings: there are none."""
 
     def topic(self, name: str) -> Topic:
         """A topic that has messages.
@@ -68,13 +70,12 @@ class Bag:
 
 
 @contextmanager
-def open_bag(path: str | Path) -> Iterator[Bag]:
-    """A ROS 1 bag, a ROS 2 bag (folder or .db3 file), or a bare MCAP file.
+def open_bag(path: Path) -> Iterator[Bag]:
+    """A ROS 1 bag, a ROS 2 bag (folder or .db3 file), or a bare MCAP file, that exists.
 
     Raises:
-        InputError: there is none, it is none, it is damaged, or it has no messages.
+        InputError: it is none, it is damaged, or it has no messages.
     """
-    path = Path(path)
     opening = _opening(path)
     with ExitStack() as stack:
         try:
@@ -92,19 +93,16 @@ def open_bag(path: str | Path) -> Iterator[Bag]:
 
 
 def _opening(path: Path) -> AbstractContextManager[Storage]:
-    kinds = "a .bag, a .mcap, or the folder of a ROS 2 bag"
     if path.is_dir():
         if not (path / "metadata.yaml").is_file():
-            raise InputError(f"{path}: is a folder without metadata.yaml; give {kinds}")
+            raise InputError(
+                f"{path}: is a folder without metadata.yaml; give a file, or the "
+                "folder of a ROS 2 bag"
+            )
         return open_ros2(path)
-    if not path.exists():
-        raise InputError(f"{path}: does not exist; give {kinds}")
-    opens = _FILES.get(path.suffix.lower())
-    if opens is None:
-        raise InputError(f"{path}: this is no bag by its suffix; give {kinds}")
     if path.stat().st_size == 0:
         raise InputError(f"{path}: is empty; record again")
-    return opens(path)
+    return _FILES[path.suffix.lower()](path)
 
 
 def _damaged(path: Path, error: Exception) -> str:

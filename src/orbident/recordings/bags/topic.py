@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from orbident.errors import InputError
+from orbident.files.names import one_line
 from orbident.recordings.bags.libraries import (
     MessageDefinition,
     MessageDefinitionFormat,
@@ -110,12 +111,6 @@ def described(name: str, info: TopicInfo, encoding: str) -> Topic:
     """A topic as the library rosbags describes it."""
     types = sorted({short_type(each.msgtype) for each in info.connections})
     return Topic(name, " and ".join(types), info.msgcount, encoding, _text(info.msgdef))
-
-
-def one_line(error: Exception) -> str:
-    """An error of a library, short enough for the end of a message."""
-    text = " ".join(str(error).split()) or type(error).__name__
-    return text if len(text) <= 160 else text[:157] + "..."
 
 
 def _text(definition: MessageDefinition) -> str:

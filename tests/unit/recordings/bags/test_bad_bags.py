@@ -23,9 +23,9 @@ from mcap.writer import IndexType
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from orbident.errors import InputError
-from orbident.recordings.bags.convert import convert_bag
-from orbident.recordings.bags.proposal import proposed_map
-from orbident.recordings.bags.survey import survey_bag
+from orbident.recordings.topics.convert import convert_file
+from orbident.recordings.topics.proposal import proposed_map
+from orbident.recordings.topics.survey import survey_file
 
 MS = 1_000_000
 IMU = "  - {topic: /imu, type: sensor_msgs/Imu, take: {gyro: rad/s}, frame: base}\n"
@@ -42,7 +42,7 @@ def refusal(folder: Path, bag: Path | str, entries: str = IMU) -> str:
     """The line with which a bag is refused."""
     (folder / "map.yaml").write_text(HEAD + entries)
     with pytest.raises(InputError) as raised:
-        convert_bag(bag, folder / "map.yaml", folder / "recording.csv")
+        convert_file(bag, folder / "map.yaml", folder / "recording.csv")
     assert not (folder / "recording.csv").exists()
     line = str(raised.value)
     assert "\n" not in line
@@ -93,9 +93,9 @@ def test_another_kind_of_file(tmp_path, suffix):
 
 
 def test_paths(tmp_path):
-    assert "gone.bag: does not exist; give a .bag" in refusal(tmp_path, "gone.bag")
+    assert "gone.bag: does not exist; check the path" in refusal(tmp_path, "gone.bag")
     (tmp_path / "notes.txt").write_text("hello")
-    assert "no bag by its suffix" in refusal(tmp_path, tmp_path / "notes.txt")
+    assert "suffix '.txt' is of no kind" in refusal(tmp_path, tmp_path / "notes.txt")
     (tmp_path / "folder").mkdir()
     line = refusal(tmp_path, tmp_path / "folder")
     assert "is a folder without metadata.yaml" in line
@@ -117,7 +117,7 @@ def test_a_bare_database_can_be_read(tmp_path):
     (tmp_path / "map.yaml").write_text(HEAD + IMU)
     alone = shutil.copy(bag, tmp_path / "alone.db3")
     out = tmp_path / "r.csv"
-    assert convert_bag(alone, tmp_path / "map.yaml", out).samples == 400
+    assert convert_file(alone, tmp_path / "map.yaml", out).samples == 400
 
 
 def test_topic_that_is_not_there(tmp_path):
@@ -129,7 +129,7 @@ def test_topic_that_is_not_there(tmp_path):
 def test_topic_of_another_type(tmp_path):
     bag = write_bag("ros1", tmp_path, SENT)
     line = refusal(tmp_path, bag, JOINTS.replace("/js", "/imu"))
-    assert "map.yaml: topics[0]: type: found sensor_msgs/JointState" in line
+    assert "map.yaml: topics[0] (/imu): type: found sensor_msgs/JointState" in line
     assert "'/imu' has sensor_msgs/Imu in" in line
 
 
@@ -182,7 +182,7 @@ def with_broken(folder: Path, broken: range) -> Path:
 def test_messages_that_cannot_be_decoded_are_counted(tmp_path):
     bag = with_broken(tmp_path, range(10, 17))
     (tmp_path / "map.yaml").write_text(HEAD + IMU)
-    report = convert_bag(bag, tmp_path / "map.yaml", tmp_path / "r.csv")
+    report = convert_file(bag, tmp_path / "map.yaml", tmp_path / "r.csv")
     topic = report.topics[0]
     assert (topic.messages, topic.used) == (400, 393)
     assert topic.rejected == {"duplicate": 0, "without_stamp": 0, "undecodable": 7}
@@ -191,7 +191,7 @@ def test_messages_that_cannot_be_decoded_are_counted(tmp_path):
 
 def test_no_message_can_be_decoded(tmp_path):
     bag = with_broken(tmp_path, range(400))
-    (found,) = survey_bag(bag)
+    (found,) = survey_file(bag)
     assert (found.topic.count, found.example) == (400, None)
     assert "# /imu (sensor_msgs/Imu) cannot be mapped" in proposed_map([found])
     assert "none of its 400 messages can be decoded" in refusal(tmp_path, bag)
@@ -230,12 +230,12 @@ def test_an_mcap_file_without_an_index(tmp_path):
         writer.finish()
     (tmp_path / "map.yaml").write_text(HEAD + IMU)
     bag, out = tmp_path / "flight.mcap", tmp_path / "r.csv"
-    assert convert_bag(bag, tmp_path / "map.yaml", out).samples == 400
+    assert convert_file(bag, tmp_path / "map.yaml", out).samples == 400
 
 
 def test_the_place_is_checked_first(tmp_path):
     with pytest.raises(InputError, match=r"suffix '\.txt' is not supported"):
-        convert_bag("gone.bag", "gone.yaml", tmp_path / "r.txt")
+        convert_file("gone.bag", "gone.yaml", tmp_path / "r.txt")
 
 
 @pytest.mark.parametrize("library", ["rosbags", "mcap"])
@@ -271,4 +271,4 @@ def test_a_message_that_is_only_called_as_one_of_ros(tmp_path, standard, changed
     expected = f"topic '/imu': its sensor_msgs/Imu is not ROS's: {lost}"
     assert expected in refusal(tmp_path, bag)
     with pytest.raises(InputError, match=expected):
-        survey_bag(bag)
+        survey_file(bag)

@@ -6,8 +6,8 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from jaxtyping import Float
 
-from orbident.recordings.bags.entry import PlacedEntry, Sample, Take, header_stamp
-from orbident.recordings.bags.units import Unit, unit
+from orbident.recordings.topics.entry import PlacedEntry, Sample, Take, header_stamp
+from orbident.recordings.topics.units import Unit, unit
 
 
 class ImuTake(Take):

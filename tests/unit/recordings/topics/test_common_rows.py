@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from orbident.recordings.bags.common_rows import common_rows
-from orbident.recordings.bags.row_file import RowFile
+from orbident.recordings.topics.common_rows import common_rows
+from orbident.recordings.topics.row_file import RowFile
 
 # A small range, so that sensors often meet within 100 ns.
 GAPS = st.lists(st.integers(101, 400), min_size=1, max_size=12)

@@ -1,15 +1,21 @@
-"""What is in a bag: topics, their rates, and an example of each."""
+"""What is in a file: topics, their rates, and an example of each."""
 
 import os
 from collections import defaultdict
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from orbident.recordings.bags.bag import Bag, open_bag
-from orbident.recordings.bags.topic import Topic
-from orbident.recordings.bags.topic_map import MESSAGE_TYPES
+from orbident.recordings.logs.group import Group, listed_fields
+from orbident.recordings.logs.log import Log
+from orbident.recordings.topics.sources import open_source
+from orbident.recordings.topics.topic_map import MESSAGE_TYPES
+from orbident.recordings.topics.units import TIMES
+
+if TYPE_CHECKING:
+    from orbident.recordings.bags.bag import Bag
+    from orbident.recordings.bags.topic import Topic
 
 _EXAMPLES = 200
 _SAID_EVERY = 4096
@@ -19,31 +25,47 @@ _SAID_EVERY = 4096
 class Surveyed:
     """One topic."""
 
-    topic: Topic
+    topic: "Topic | Group"
     rate: float | None
-    """Hz, on the recorder's clock; None for fewer than two messages."""
+    """Hz, on the recorder's clock; None for fewer than two messages, and for a table
+    whose time has no unit."""
     labels: tuple[str, ...] = ()
-    """Names of joints or of transforms, in the order in which they come."""
+    """Names of joints, of transforms, or of fields, in the order of the file."""
     example: Any = None
     """Its first message, where the type can be mapped."""
 
 
-def survey_bag(
-    bag: str | os.PathLike[str], progress: Callable[[float], None] | None = None
+def survey_file(
+    file: str | os.PathLike[str], progress: Callable[[float], None] | None = None
 ) -> tuple[Surveyed, ...]:
-    """Lists a bag's topics, by name; it is read once, whole.
+    """Lists a file's topics, by name; a bag is read once, whole.
 
     Args:
-        bag: a ROS 1 bag, a ROS 2 bag, or an MCAP file.
+        file: a ROS bag, an MCAP file, or one of MATLAB, HDF5, PX4's ULog, NumPy,
+            Parquet or CSV.
         progress: called with the fraction done.
 
     Raises:
-        InputError: It is no bag, damaged or empty.
+        InputError: It is of no kind that can be read, damaged or empty.
     """
-    with open_bag(Path(bag)) as opened:
+    with open_source(Path(file)) as opened:
         names = sorted(opened.topics)
+        if isinstance(opened, Log):
+            tables = [opened.topics[name] for name in names]
+            return tuple(_surveyed_table(each, str(opened.path)) for each in tables)
         looked = _looked_through(opened, progress or (lambda fraction: None))
         return tuple(_surveyed(opened.topics[name], looked[name]) for name in names)
+
+
+def _surveyed_table(group: Group, place: str) -> Surveyed:
+    time = group.time
+    unit = TIMES.get(group.fields[time].unit or "s") if time else None
+    rate = None
+    if time and unit and group.count > 1:
+        times = group.column(time, place).astype(float)
+        span = float(times[-1] - times[0]) * unit / 1e9
+        rate = (times.size - 1) / span if span > 0 else None
+    return Surveyed(group, rate, tuple(listed_fields(group)))
 
 
 @dataclass
@@ -57,7 +79,7 @@ class _Look:
     example: Any = None
 
 
-def _looked_through(bag: Bag, said: Callable[[float], None]) -> dict[str, _Look]:
+def _looked_through(bag: "Bag", said: Callable[[float], None]) -> dict[str, _Look]:
     decoders = {
         name: topic.decoder(str(bag.path))
         for name, topic in bag.topics.items()
@@ -81,7 +103,7 @@ def _looked_through(bag: Bag, said: Callable[[float], None]) -> dict[str, _Look]
     return looks
 
 
-def _surveyed(topic: Topic, look: _Look) -> Surveyed:
+def _surveyed(topic: "Topic", look: _Look) -> Surveyed:
     span = look.last - look.first
     rate = (look.count - 1) * 1e9 / span if span > 0 else None
     return Surveyed(topic, rate, tuple(look.labels), look.example)

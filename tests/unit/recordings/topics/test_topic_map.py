@@ -6,7 +6,7 @@ import pytest
 from conversions import HEAD
 
 from orbident.errors import InputError
-from orbident.recordings.bags.topic_map import load_topic_map
+from orbident.recordings.topics.topic_map import load_topic_map
 
 JOINTS = "{topic: /js, type: sensor_msgs/JointState, "
 IMU = "{topic: /imu, type: sensor_msgs/Imu, "
@@ -87,16 +87,16 @@ REFUSED = {
         FLOAT + "take: {gyro.x: rad/s, gyro.y: rad/s}, " + BASE,
         "take names 2 columns; a Float64 feeds one",
     ),
-    "no such column": (FLOAT + "take: {speed: rad/s}}", "give a column that one"),
+    "no such column": (FLOAT + "take: {speed: rad/s}}", "give a column that numbers"),
     "a quaternion's part": (FLOAT + "take: {attitude.x: rad}}", "give a column that"),
     "another dimension": (
         FLOAT + "take: {wheel.a.speed: m/s}}",
         "take: wheel.a.speed: found 'm/s'; declare the messages' unit: rad/s",
     ),
-    "a number's frame": (FLOAT + "take: {gyro.z: deg/s}}", "frame missing"),
+    "a number's frame": (FLOAT + "take: {gyro.z: deg/s}}", "neither of frame and"),
     "a number's point": (
         FLOAT + "take: {torque.z: N m}, " + BASE,
-        "point missing; give 'point: S'",
+        "point missing for torque; give 'point: S'",
     ),
     "a number's header": (
         FLOAT + "take: {wheel.a.speed: rpm}, time: header}",

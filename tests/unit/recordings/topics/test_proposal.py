@@ -20,10 +20,10 @@ from bag_writers import (
 )
 
 from orbident.errors import InputError
-from orbident.recordings.bags.convert import convert_bag
-from orbident.recordings.bags.proposal import proposed_map
-from orbident.recordings.bags.survey import survey_bag
-from orbident.recordings.bags.topic_map import MESSAGE_TYPES, load_topic_map
+from orbident.recordings.topics.convert import convert_file
+from orbident.recordings.topics.proposal import proposed_map
+from orbident.recordings.topics.survey import survey_file
+from orbident.recordings.topics.topic_map import MESSAGE_TYPES, load_topic_map
 
 MS = 1_000_000
 
@@ -94,7 +94,7 @@ def sent() -> list[Sent]:
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_topics(tmp_path: Path, kind: str):
-    found = survey_bag(write_bag(kind, tmp_path, sent()))
+    found = survey_file(write_bag(kind, tmp_path, sent()))
     names = [each.topic.name for each in found]
     assert names == sorted({each.topic for each in sent()})
     assert {each.topic.type for each in found} == {*MESSAGE_TYPES, "std_msgs/String"}
@@ -125,7 +125,7 @@ ANSWERS = {
 def test_a_topic_that_is_decided_converts(tmp_path: Path, topic: str):
     only = [each for each in sent() if each.topic in {topic, "/name"}]
     bag = write_bag("ros1", tmp_path, only)
-    proposal = proposed_map(survey_bag(bag))
+    proposal = proposed_map(survey_file(bag))
     path, out = tmp_path / "map.yaml", tmp_path / "r.csv"
     path.write_text(proposal)
     assert "# /name (std_msgs/String) cannot be mapped" in proposal
@@ -138,23 +138,23 @@ def test_a_topic_that_is_decided_converts(tmp_path: Path, topic: str):
         name = f"  - topic: {topic}\n"
         assert name in proposal
         path.write_text(proposal.replace(name, name + "".join(lines)))
-    report = convert_bag(bag, path, out)
+    report = convert_file(bag, path, out)
     assert report.topics[0].used == len(only) - 5
 
 
 def test_names_are_quoted_where_yaml_needs_it(tmp_path: Path):
     only = [each for each in sent() if each.topic == "/joint_states"]
     path = tmp_path / "map.yaml"
-    path.write_text(proposed_map(survey_bag(write_bag("ros1", tmp_path, only))))
+    path.write_text(proposed_map(survey_file(write_bag("ros1", tmp_path, only))))
     (entry,) = load_topic_map(path)
     assert entry.wanted == {"arm", "yes", "1"}
 
 
 def test_what_is_taken_is_in_the_messages(tmp_path: Path):
     few = [joint_state("/js", START + k, START + k, ["a"], [k]) for k in range(2)]
-    proposal = proposed_map(survey_bag(write_bag("ros1", tmp_path, few)))
+    proposal = proposed_map(survey_file(write_bag("ros1", tmp_path, few)))
     assert "take: {position: rad}  # REP 103 says SI" in proposal
     few = [imu("/imu", START, START, attitude=[0, 0, 0, 0])]
-    proposal = proposed_map(survey_bag(write_bag("ros1", tmp_path, few, "other")))
+    proposal = proposed_map(survey_file(write_bag("ros1", tmp_path, few, "other")))
     assert "its orientation is all zero, so attitude is left out" in proposal
     assert "attitude: quaternion" not in proposal

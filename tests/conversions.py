@@ -6,10 +6,10 @@ from pathlib import Path
 import numpy as np
 from bag_writers import Sent, write_bag
 
-from orbident.recordings.bags.convert import convert_bag
-from orbident.recordings.bags.report import ConversionReport
 from orbident.recordings.recording import Recording
 from orbident.recordings.tables import read_recording
+from orbident.recordings.topics.convert import convert_file
+from orbident.recordings.topics.report import ConversionReport
 
 HEAD = "schema: orbident/topic-map/1\ntopics:\n"
 
@@ -34,7 +34,7 @@ def converted(
     topic_map = folder / "map.yaml"
     topic_map.write_text(HEAD + entries)
     out = folder / f"recording{suffix}"
-    report = convert_bag(bag, topic_map, out)
+    report = convert_file(bag, topic_map, out)
     return read_recording(out), report
 
 

@@ -19,6 +19,8 @@ DIMENSIONS: Mapping[str, Mapping[str, float]] = {
     "torque": {"N m": 1.0, "mN m": 1e-3},
 }
 """Each unit's value in SI."""
+TIMES: Mapping[str, int] = {"s": 10**9, "ms": 10**6, "us": 10**3, "ns": 1}
+"""Each unit of time in nanoseconds."""
 
 
 @dataclass(frozen=True)

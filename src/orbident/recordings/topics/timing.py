@@ -7,8 +7,8 @@ import numpy as np
 from jaxtyping import Bool, Int
 
 from orbident.errors import InputError
-from orbident.recordings.bags.row_file import RowFile
-from orbident.recordings.bags.track import Arrived, Values
+from orbident.recordings.topics.row_file import RowFile
+from orbident.recordings.topics.track import Arrived, Values
 
 SAME_TIME = 100
 """ns; stamps this close are of one time: no sensor is faster, and drivers round."""
@@ -26,7 +26,7 @@ class Timed:
     order: Int[np.ndarray, " used"]
     """Which row in the order of arrival."""
     clock: str
-    """Which time the stamps are: "header" or "receive"."""
+    """Which time the stamps are: "header", "receive", or "stamp" of a table."""
     without_stamp: int
     """Samples rejected because their header's stamp is zero."""
     duplicate: int
@@ -59,7 +59,7 @@ def timed(arrived: Arrived) -> Timed:
         values=arrived.values,
         stamps=stamps[first],
         order=order[first],
-        clock="header" if by_header else "receive",
+        clock="header" if by_header else arrived.values.entry.other_time,
         without_stamp=arrived.stamps.size - used.size,
         duplicate=int(np.count_nonzero(~first)),
         duplicate_differs=_differing(arrived.values.rows, order, first),

@@ -1,11 +1,11 @@
-"""What became of every message of a bag."""
+"""What became of every message of a file."""
 
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from orbident.recordings.bags.timing import Timed
+from orbident.recordings.topics.timing import Timed
 
 _NO_STAMP = "no header stamp is set, so the time is when it was recorded"
 
@@ -20,7 +20,7 @@ class TopicReport:
     clock: str | None
     """The map's name for the clock."""
     time: str
-    """Which time it is: "header" or "receive"."""
+    """Which time it is: "header", "receive", or "stamp" of a table."""
     messages: int
     used: int
     """Samples in the recording."""
@@ -59,9 +59,9 @@ class TopicReport:
 
 @dataclass(frozen=True)
 class ConversionReport:
-    """A bag that became a recording."""
+    """A file that became a recording."""
 
-    bag: str
+    file: str
     recording: str
     samples: int
     """Rows."""
@@ -76,7 +76,7 @@ class ConversionReport:
         """As `orbident convert --json` writes it."""
         return {
             "schema": "orbident/conversion/1",
-            "bag": self.bag,
+            "file": self.file,
             "recording": self.recording,
             "samples": self.samples,
             "start_ns": self.start_ns,
@@ -115,7 +115,7 @@ def topic_report(timed: Timed, start_ns: int) -> TopicReport:
         rate=None if interval is None else 1e9 / interval,
         start=float(stamps[0] - start_ns) / 1e9,
         end=float(stamps[-1] - start_ns) / 1e9,
-        note="" if timed.clock == entry.time else _NO_STAMP,
+        note="" if timed.clock in {entry.time, "stamp"} else _NO_STAMP,
     )
 
 

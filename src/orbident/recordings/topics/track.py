@@ -11,9 +11,9 @@ from jaxtyping import Float, Int
 
 from orbident.errors import InputError
 from orbident.files.names import suggestion
-from orbident.recordings.bags.entry import Entry
-from orbident.recordings.bags.row_file import RowFile
 from orbident.recordings.recording import QUATERNION_TOLERANCE
+from orbident.recordings.topics.entry import Entry
+from orbident.recordings.topics.row_file import RowFile
 
 _BATCH_ROWS = 8192
 
@@ -73,6 +73,17 @@ class Track:
             self._waiting.append(sample.values)
             if len(self._waiting) == _BATCH_ROWS:
                 self._flush()
+
+    def extend(
+        self, received: Int[np.ndarray, " n"], raw: Float[np.ndarray, "n K"]
+    ) -> None:
+        """Takes all rows of a table, with their times in ns."""
+        self._labels[()] += len(raw)
+        for start in range(0, len(raw), _BATCH_ROWS):
+            rows = slice(start, start + _BATCH_ROWS)
+            self._stamps.frombytes(bytes(received[rows].nbytes))
+            self._received.frombytes(received[rows].tobytes())
+            self._keep(raw[rows].copy())
 
     def skip(self) -> None:
         """Counts a message that cannot be decoded."""
@@ -147,6 +158,9 @@ class Track:
             return
         raw = np.array(self._waiting, dtype=np.float64)
         self._waiting.clear()
+        self._keep(raw)
+
+    def _keep(self, raw: Float[np.ndarray, "n K"]) -> None:
         where = self.entry.quaternion
         if where is not None:
             raw[:, where] = self._of_length_one(raw[:, where])

@@ -7,10 +7,10 @@ until it is filled in.
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 
-import yaml
-
-from orbident.recordings.bags.survey import Surveyed
-from orbident.recordings.bags.topic_map import SCHEMA
+from orbident.recordings.logs.group import Group
+from orbident.recordings.topics.proposed_table import as_yaml, proposed_table
+from orbident.recordings.topics.survey import Surveyed
+from orbident.recordings.topics.topic_map import SCHEMA
 
 _SI = "# REP 103 says SI; check that the sender keeps to it"
 _FRAME = (
@@ -34,13 +34,16 @@ def proposed_map(surveyed: Sequence[Surveyed]) -> str:
     ]
     for each in surveyed:
         topic = each.topic
-        propose = _PROPOSALS.get(topic.type)
-        if propose is None or each.example is None:
-            why = "has no messages" if not topic.count else "cannot be mapped"
-            lines.append(f"  # {topic.name} ({topic.type}) {why}")
-            continue
-        lines.append(f"  - topic: {_scalar(topic.name)}")
-        body = [f"type: {topic.type}", *propose(each)]
+        if isinstance(topic, Group):
+            body = ["type: table", *proposed_table(topic)]
+        else:
+            propose = _PROPOSALS.get(topic.type)
+            if propose is None or each.example is None:
+                why = "has no messages" if not topic.count else "cannot be mapped"
+                lines.append(f"  # {topic.name} ({topic.type}) {why}")
+                continue
+            body = [f"type: {topic.type}", *propose(each)]
+        lines.append(f"  - topic: {as_yaml(topic.name)}")
         lines += [f"    {line}" for line in body]
     return "\n".join(lines) + "\n"
 
@@ -51,7 +54,7 @@ def _joint_states(found: Surveyed) -> Iterable[str]:
     yield _take(given or units)
     yield "# TODO prismatic joints (m, m/s) need an entry of their own"
     yield "joints:  # name in the messages: name in the robot"
-    yield from (f"  {_scalar(name)}: {_scalar(name)}" for name in found.labels)
+    yield from (f"  {as_yaml(name)}: {as_yaml(name)}" for name in found.labels)
     yield "# TODO move reaction wheels to"
     yield "# wheels: {name in the messages: name in the robot}"
 
@@ -78,12 +81,12 @@ def _pose(found: Surveyed) -> Iterable[str]:
 def _transform(found: Surveyed) -> Iterable[str]:
     pairs = [label.split(" -> ") for label in found.labels]
     if len(pairs) == 1:
-        yield f"parent: {_scalar(pairs[0][0])}"
-        yield f"child: {_scalar(pairs[0][1])}"
+        yield f"parent: {as_yaml(pairs[0][0])}"
+        yield f"child: {as_yaml(pairs[0][1])}"
     else:
         yield "# TODO parent and child, one of"
         for parent, child in pairs:
-            yield f"# parent: {_scalar(parent)}, child: {_scalar(child)}"
+            yield f"# parent: {as_yaml(parent)}, child: {as_yaml(child)}"
     yield from _pose(found)
 
 
@@ -128,9 +131,3 @@ def _take(units: Mapping[str, str]) -> str:
 
 def _point(what: str) -> Iterable[str]:
     return (line.format(what=what) for line in _POINT)
-
-
-def _scalar(name: str) -> str:
-    """A name as YAML writes it, quoted where it must be."""
-    listed = yaml.safe_dump([name], default_flow_style=True, allow_unicode=True)
-    return listed.strip()[1:-1]

@@ -6,15 +6,15 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from jaxtyping import Float
 
-from orbident.recordings.bags.entry import (
+from orbident.recordings.topics.entry import (
     Name,
     PlacedEntry,
     Sample,
     Take,
     header_stamp,
 )
-from orbident.recordings.bags.quaternions import conjugate, rotate
-from orbident.recordings.bags.units import Unit, unit
+from orbident.recordings.topics.quaternions import conjugate, rotate
+from orbident.recordings.topics.units import Unit, unit
 
 
 class PoseTake(Take):

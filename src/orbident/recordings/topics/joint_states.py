@@ -9,8 +9,8 @@ from jaxtyping import Float
 from pydantic import Field, model_validator
 
 from orbident.errors import InputError
-from orbident.recordings.bags.entry import Entry, Name, Sample, Take, header_stamp
-from orbident.recordings.bags.units import Unit, unit
+from orbident.recordings.topics.entry import Entry, Name, Sample, Take, header_stamp
+from orbident.recordings.topics.units import Unit, unit
 
 _RATE_OF = {"angle": "angular rate", "length": "velocity"}
 

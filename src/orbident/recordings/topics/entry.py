@@ -10,14 +10,14 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from orbident.errors import InputError
 from orbident.files.schema_parts import Section, finite_vector
-from orbident.recordings.bags.quaternions import (
+from orbident.recordings.columns import VECTORS
+from orbident.recordings.topics.quaternions import (
     Quaternions,
     Vectors,
     conjugate,
     product,
     rotate,
 )
-from orbident.recordings.columns import VECTORS
 
 Name = Annotated[str, Field(min_length=1)]
 TURNED = {"gyro", "accelerometer", "attitude", "force", "torque"}
@@ -66,6 +66,11 @@ class Entry(Section):
     time: Literal["header", "receive"] = "header"
 
     @property
+    def other_time(self) -> str:
+        """What the time is called that is none of a header."""
+        return "receive"
+
+    @property
     @abstractmethod
     def columns(self) -> tuple[str, ...]:
         """The recording's columns that it fills."""
@@ -86,9 +91,10 @@ class Entry(Section):
         del message
         return ()
 
-    @abstractmethod
     def samples(self, message: Any) -> Iterator[Sample]:
-        """What a message holds."""
+        """What a message holds; nothing of a table, whose rows come as arrays."""
+        del message
+        return iter(())
 
     @abstractmethod
     def table(self, raw: Float[np.ndarray, "n K"]) -> Float[np.ndarray, "n columns"]:
@@ -103,22 +109,23 @@ def _rotation(value: object) -> tuple[float, ...]:
     return tuple(each / norm for each in quaternion)
 
 
-Taken = TypeVar("Taken", bound=Take)
-
-
-class PlacedEntry(Entry, Generic[Taken]):
+class Placed(Entry):
     """Of a sensor that is turned against the base, `x_BS`, and may be at S."""
 
-    take: Taken
     frame: Literal["base"] | None = None
     rotation: (
         Annotated[tuple[float, float, float, float], BeforeValidator(_rotation)] | None
     ) = None
     point: Literal["S"] | None = None
 
+    @property
+    @abstractmethod
+    def sensors(self) -> tuple[str, ...]:
+        """What is taken, as `VECTORS` names it."""
+
     @model_validator(mode="after")
-    def _stated(self) -> "PlacedEntry[Taken]":
-        turned = [each for each in self.take.taken if each in TURNED]
+    def _stated(self) -> "Placed":
+        turned = [each for each in self.sensors if each in TURNED]
         if turned and (self.frame is None) == (self.rotation is None):
             found = "neither" if self.frame is None else "both"
             raise InputError(
@@ -126,20 +133,13 @@ class PlacedEntry(Entry, Generic[Taken]):
                 "'frame: base' if the axes are the base's, else 'rotation: [x, y, z, "
                 "w]', which turns vectors from the sensor's axes to the base's"
             )
-        placed = [each for each in self.take.taken if each in AT_S]
+        placed = [each for each in self.sensors if each in AT_S]
         if placed and self.point is None:
             raise InputError(
                 f"point missing for {', '.join(placed)}; give 'point: S' if the place "
                 "that is measured is the robot's feature_point, else move that there"
             )
         return self
-
-    @property
-    def columns(self) -> tuple[str, ...]:
-        """Those of the vectors that are taken."""
-        return tuple(
-            f"{name}.{axis}" for name in self.take.taken for axis in VECTORS[name][0]
-        )
 
     def in_base(self, v_S: Vectors) -> Vectors:
         """`v_B = R_BS v_S`."""
@@ -153,3 +153,24 @@ class PlacedEntry(Entry, Generic[Taken]):
     @property
     def _x_BS(self) -> Quaternions:
         return np.array([self.rotation], dtype=np.float64)
+
+
+Taken = TypeVar("Taken", bound=Take)
+
+
+class PlacedEntry(Placed, Generic[Taken]):
+    """Whole vectors of a message that has a stamp."""
+
+    take: Taken
+
+    @property
+    def sensors(self) -> tuple[str, ...]:
+        """The keys that are given."""
+        return self.take.taken
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Those of the vectors that are taken."""
+        return tuple(
+            f"{name}.{axis}" for name in self.take.taken for axis in VECTORS[name][0]
+        )

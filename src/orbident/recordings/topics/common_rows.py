@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import Int
 
-from orbident.recordings.bags.timing import SAME_TIME
+from orbident.recordings.topics.timing import SAME_TIME
 
 Stamps = Int[np.ndarray, " _"]
 

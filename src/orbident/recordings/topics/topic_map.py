@@ -12,13 +12,13 @@ from orbident.files.schema_errors import validated
 from orbident.files.schema_parts import Section
 from orbident.files.text import read_text
 from orbident.files.yaml_mapping import read_yaml_mapping
-from orbident.recordings.bags.entry import Entry
-from orbident.recordings.bags.imu import Imu
-from orbident.recordings.bags.joint_states import JointStates
-from orbident.recordings.bags.odometry import Odometry
-from orbident.recordings.bags.poses import Pose, Transform
-from orbident.recordings.bags.scalar import Scalar
-from orbident.recordings.bags.wrench import Wrench
+from orbident.recordings.topics.entry import Entry
+from orbident.recordings.topics.fields import Number, Table
+from orbident.recordings.topics.imu import Imu
+from orbident.recordings.topics.joint_states import JointStates
+from orbident.recordings.topics.odometry import Odometry
+from orbident.recordings.topics.poses import Pose, Transform
+from orbident.recordings.topics.wrench import Wrench
 
 SCHEMA = "orbident/topic-map/1"
 
@@ -31,9 +31,11 @@ MESSAGE_TYPES: Mapping[str, type[Entry]] = {
     "tf2_msgs/TFMessage": Transform,
     "nav_msgs/Odometry": Odometry,
     "geometry_msgs/WrenchStamped": Wrench,
-    "std_msgs/Float64": Scalar,
+    "std_msgs/Float64": Number,
 }
 """The messages that can be mapped."""
+TYPES: Mapping[str, type[Entry]] = {**MESSAGE_TYPES, "table": Table}
+"""These, and the tables of files that hold no messages."""
 
 
 class _TopicMap(Section):
@@ -41,14 +43,18 @@ class _TopicMap(Section):
     topics: tuple[dict[str, Any], ...] = Field(min_length=1)
 
 
-def load_topic_map(path: str | Path) -> tuple[Entry, ...]:
+def load_topic_map(path: str | Path, place: str | None = None) -> tuple[Entry, ...]:
     """Reads a topic map.
+
+    Args:
+        path: of the file.
+        place: what messages call it; the path if it is not given.
 
     Raises:
         InputError: The file is missing, not YAML or of another schema; an entry has an
             unknown type or key, lacks a unit or a frame; or two feed one column.
     """
-    place = str(path)
+    place = place or str(path)
     document = read_yaml_mapping(read_text(Path(path)), place, SCHEMA)
     file = validated(_TopicMap, document, place)
     entries = tuple(
@@ -78,7 +84,7 @@ def _entry(document: dict[str, Any], place: str) -> Entry:
             f"{place}: type: this key is missing; add it, 'orbident topics' shows it"
         )
     kind = str(document["type"]).replace("/msg/", "/")
-    if kind not in MESSAGE_TYPES:
-        known = suggestion(kind, MESSAGE_TYPES, "types")
+    if kind not in TYPES:
+        known = suggestion(kind, TYPES, "types")
         raise InputError(f"{place}: type: '{kind}' cannot be mapped; {known}")
-    return validated(MESSAGE_TYPES[kind], {**document, "type": kind}, place)
+    return validated(TYPES[kind], {**document, "type": kind}, place)

@@ -1,0 +1,1 @@
+"""Files of other tools, each read as tables: a name, fields, their values."""

@@ -1,0 +1,218 @@
+"""What every file of tables is read as: groups of fields over one time."""
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from orbident.errors import InputError
+from orbident.files.names import one_line, quoted, suggestion
+
+TIME_NAMES = ("t", "time", "times", "timestamp", "stamp", "tout", "time_s", "sec")
+"""Names of fields that hold the time, wherever they stand; capitals do not matter."""
+
+_LONGEST = 2**28
+"""Numbers of a field: 2 GB. A declared size may be any."""
+
+
+@dataclass(frozen=True)
+class LogField:
+    """One field, read when it is wanted."""
+
+    sizes: tuple[int, ...]
+    """Along each axis, those of one left out: of at most two axes if it can be used."""
+    read: Callable[[], np.ndarray]
+    """What gives the array."""
+    unit: str = ""
+    """As the file has it; empty if it says none."""
+    problem: str = ""
+    """Why it cannot be used: a part of a sentence, "holds text". Empty if it can be."""
+    transposed: bool = False
+    """Whether the second axis is time."""
+
+    @property
+    def count(self) -> int:
+        """Samples."""
+        return self.sizes[self.transposed] if self.sizes else 1
+
+    @property
+    def width(self) -> int:
+        """Numbers a sample; 0 for one number that is no array."""
+        return self.sizes[not self.transposed] if len(self.sizes) == 2 else 0
+
+    def values(self) -> np.ndarray:
+        """The array, time first; dates as nanoseconds."""
+        array = np.squeeze(np.asarray(self.read()))
+        if array.dtype.kind == "M":
+            array = array.astype("datetime64[ns]").astype(np.int64)
+        return array.T if self.transposed else array
+
+    def along(self, samples: int) -> "LogField":
+        """Itself, with the axis of so many samples as time; else the longer one."""
+        if len(self.sizes) != 2:
+            return self
+        first, second = self.sizes
+        transposed = second == samples if samples in self.sizes else second > first
+        return replace(self, transposed=transposed and first != samples)
+
+
+Tree = Mapping[str, Any]
+"""Fields, and in structs or groups more such."""
+
+
+def field_of(
+    shape: tuple[int, ...],
+    dtype: np.dtype[Any],
+    read: Callable[[], Any],
+    unit: str = "",
+) -> LogField | Tree:
+    """An array as a field; records are structs.
+
+    Args:
+        shape: of the array.
+        dtype: of its elements.
+        read: what gives the array.
+        unit: as the file has it.
+    """
+    if dtype.names:
+        return {
+            name: field_of(
+                shape, dtype[name], lambda name=name: np.asarray(read())[name], unit
+            )
+            for name in dtype.names
+        }
+    sizes = [size for size in shape if size != 1]
+    numbers = int(np.prod(shape, dtype=object))
+    problem = ""
+    if dtype.kind not in "biufM":
+        what = {"c": "complex numbers", "S": "text", "U": "text"}
+        problem = f"holds {what.get(dtype.kind, 'no numbers')}; write real numbers"
+    elif len(sizes) > 2:
+        problem = f"has shape {shape}, but is to have a row for each time"
+    elif numbers > _LONGEST:
+        problem = f"has {numbers} numbers; write at most {_LONGEST} of them"
+    elif numbers < 2:
+        problem = "is a single number, not one for each time"
+    return LogField(tuple(sizes), read, "ns" if dtype.kind == "M" else unit, problem)
+
+
+def in_memory(array: Any, unit: str = "") -> LogField | Tree:
+    """An array that is read already."""
+    array = np.asarray(array)
+    if array.dtype.kind in "SUO":
+        texts = [each for each in array.flat if isinstance(each, str | bytes)]
+        what = f"holds text, {quoted(texts[0])}" if texts else "holds no numbers"
+        return unusable(f"{what}; write it as numbers")
+    return field_of(array.shape, array.dtype, lambda: array, unit)
+
+
+def unusable(problem: str) -> LogField:
+    """A field that is there, and why it cannot be used."""
+    return LogField((0,), lambda: np.empty(0), problem=problem)
+
+
+@dataclass(frozen=True)
+class Group:
+    """Fields that belong together: a topic of the map."""
+
+    name: str
+    fields: Mapping[str, LogField]
+
+    type = "table"
+
+    @property
+    def count(self) -> int:
+        """Samples of its time, or of its longest field."""
+        time = self.time
+        if time:
+            return self.fields[time].count
+        return max((f.count for f in self.fields.values() if not f.problem), default=0)
+
+    @property
+    def time(self) -> str | None:
+        """The field that is its time by its name."""
+        names = (n for n, f in self.fields.items() if _is_time(n) and not f.problem)
+        return next(names, None)
+
+    def column(self, name: str, place: str) -> np.ndarray:
+        """One number a sample; `name.k` is column k, from 0, of a field with several.
+
+        Args:
+            name: of the field.
+            place: the file, for messages.
+
+        Raises:
+            InputError: it is missing, holds no numbers, is damaged, or has columns
+                although none is named.
+        """
+        where = f"{place}: topic '{self.name}'"
+        owner, _, last = name.rpartition(".")
+        part = None
+        if name not in self.fields and owner in self.fields and last.isdecimal():
+            name, part = owner, int(last)
+        found = self.fields.get(name)
+        if found is None:
+            raise InputError(
+                f"{where} has no field '{name}'; "
+                + suggestion(name, self.fields, "fields")
+            )
+        if found.problem:
+            raise InputError(f"{where}: field '{name}' {found.problem}")
+        if part is None and found.width:
+            raise InputError(
+                f"{where}: field '{name}' has {found.width} numbers a row; name one of "
+                f"them, '{name}.0' to '{name}.{found.width - 1}'"
+            )
+        if part is not None and part >= found.width:
+            has = f"columns 0 to {found.width - 1}" if found.width else "one number"
+            raise InputError(f"{where}: field '{name}' has {has} a row, not {part}")
+        try:
+            values = found.values()
+        # What the libraries raise over damaged bytes is of any kind.
+        except Exception as error:
+            raise InputError(
+                f"{where}: field '{name}' cannot be read ({one_line(error)}); copy or "
+                "write the file again"
+            ) from error
+        return values if part is None else values[:, part]
+
+
+def _is_time(name: str) -> bool:
+    return name.lower() in TIME_NAMES
+
+
+def groups(tree: Tree) -> dict[str, Group]:
+    """Groups by name: `/` and every struct that holds a time of its own.
+
+    The fields of a struct without a time belong to the group that it is in, under
+    their path: `arm.q1`.
+    """
+    found: dict[str, dict[str, LogField]] = {"/": {}}
+
+    def visit(node: Tree, path: tuple[str, ...], home: str, depth: int) -> None:
+        if any(_is_time(n) for n, each in node.items() if isinstance(each, LogField)):
+            home, depth = "/" + "/".join(path), len(path)
+            found.setdefault(home, {})
+        for name, each in node.items():
+            if isinstance(each, LogField):
+                found[home][".".join((*path[depth:], name))] = each
+            else:
+                visit(each, (*path, name), home, depth)
+
+    visit(tree, (), "/", 0)
+    return {name: _group(name, fields) for name, fields in found.items() if fields}
+
+
+def _group(name: str, fields: Mapping[str, LogField]) -> Group:
+    """With the time of every field along the same axis as its name says."""
+    time = Group(name, fields).time
+    samples = fields[time].count if time else 0
+    return Group(name, {key: each.along(samples) for key, each in fields.items()})
+
+
+def listed_fields(group: Group) -> Iterator[str]:
+    """Each field as a map names it: `x`, or `x.0 to .2`."""
+    for name, each in group.fields.items():
+        if not each.problem:
+            yield f"{name}.0 to .{each.width - 1}" if each.width else name

@@ -1,0 +1,51 @@
+"""HDF5 files, and MATLAB's of -v7.3, whose matrices are stored transposed."""
+
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any
+
+from orbident.recordings.logs.group import Tree, field_of, unusable
+from orbident.recordings.logs.libraries import hdf5
+
+MAGIC = b"\x89HDF\r\n\x1a\n"
+
+
+def is_hdf5(path: Path) -> bool:
+    """Whether it begins as HDF5 does, there or after MATLAB's 512 bytes."""
+    with path.open("rb") as file:
+        start = file.read(520)
+    return start.startswith(MAGIC) or start[512:] == MAGIC
+
+
+def read_hdf5(path: Path, stack: ExitStack) -> Tree:
+    """Groups in groups; values are read when wanted, while the file is open."""
+    library = hdf5()
+    return _tree(library, stack.enter_context(library.File(path, "r")), set())
+
+
+def _tree(library: Any, group: Any, above: set[Any]) -> Tree:
+    # A group may contain itself.
+    above = {*above, library.h5o.get_info(group.id).addr}
+    tree = {}
+    for name in group:
+        # Links by name lead to other files, or to what is listed anyway.
+        linked = isinstance(group.get(name, getlink=True), library.HardLink)
+        if not linked or name.startswith("#"):
+            continue
+        each = group[name]
+        if not isinstance(each, library.Group):
+            tree[name] = _field(each)
+        elif library.h5o.get_info(each.id).addr not in above:
+            tree[name] = _tree(library, each, above)
+    return tree
+
+
+def _field(dataset: Any) -> Any:
+    if not hasattr(dataset, "shape"):
+        return unusable("is a type, not data")
+    kind = dataset.attrs.get("MATLAB_class", b"")
+    if kind in {b"char", b"cell"} or dataset.dtype.kind in "OSU":
+        return unusable("holds text or cells; write it as numbers")
+    unit = dataset.attrs.get("units", dataset.attrs.get("unit", ""))
+    text = unit.decode(errors="replace") if isinstance(unit, bytes) else str(unit)
+    return field_of(dataset.shape or (), dataset.dtype, lambda: dataset[()], text)

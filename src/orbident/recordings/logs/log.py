@@ -1,0 +1,127 @@
+"""A file of tables of any kind, open for reading."""
+
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from orbident.errors import InputError
+from orbident.files.names import one_line, suggestion
+from orbident.recordings.logs.arrow_file import read_csv_log, read_parquet_log
+from orbident.recordings.logs.group import Group, Tree, groups
+from orbident.recordings.logs.hdf5_file import MAGIC as HDF5_MAGIC
+from orbident.recordings.logs.hdf5_file import read_hdf5
+from orbident.recordings.logs.mat_file import read_mat
+from orbident.recordings.logs.npz_file import read_npz
+from orbident.recordings.logs.ulog_file import MAGIC, cut_off, read_ulog
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of file."""
+
+    name: str
+    suffixes: tuple[str, ...]
+    read: Callable[[Path, ExitStack], Tree]
+    begins: tuple[bytes, ...] = ()
+    """What its first bytes are; nothing where they may be any."""
+    notes: Callable[[Path], tuple[str, ...]] = lambda path: ()
+    """What a person should know of a file that can be read."""
+
+
+KINDS = (
+    Kind("MATLAB", (".mat",), read_mat, (b"MATLAB",)),
+    Kind("HDF5", (".h5", ".hdf5", ".hdf", ".he5"), read_hdf5, (HDF5_MAGIC,)),
+    Kind("PX4 ULog", (".ulg", ".ulog"), read_ulog, (MAGIC,), cut_off),
+    Kind("NumPy", (".npz",), read_npz, (b"PK\x03\x04",)),
+    Kind("Parquet", (".parquet",), read_parquet_log, (b"PAR1",)),
+    Kind("CSV", (".csv", ".tsv"), read_csv_log),
+)
+_BY_SUFFIX = {suffix: kind for kind in KINDS for suffix in kind.suffixes}
+
+
+@dataclass(frozen=True)
+class Log:
+    """What is in a file of tables."""
+
+    path: Path
+    topics: Mapping[str, Group]
+    notes: tuple[str, ...] = ()
+    """Warnings."""
+
+    def topic(self, name: str) -> Group:
+        """A group by name.
+
+        Raises:
+            InputError: The file does not have it.
+        """
+        if name not in self.topics:
+            raise InputError(
+                f"{self.path}: has no topic '{name}'; "
+                + suggestion(name, self.topics, "topics")
+            )
+        return self.topics[name]
+
+
+def is_log(path: Path) -> bool:
+    """Whether it is a file of tables by its suffix."""
+    return path.suffix.lower() in _BY_SUFFIX
+
+
+@contextmanager
+def open_log(path: Path) -> Iterator[Log]:
+    """A file of tables that exists; its suffix says of which kind.
+
+    Raises:
+        InputError: It is of another kind, damaged or empty, or the
+            library that reads it is not installed.
+    """
+    kind = _BY_SUFFIX[path.suffix.lower()]
+    with ExitStack() as stack:
+        try:
+            _check_start(path, kind)
+            found = groups(kind.read(path, stack))
+        except InputError:
+            raise
+        except OSError as error:
+            if error.errno:
+                reason = error.strerror or error
+                raise InputError(f"{path}: cannot be read ({reason})") from error
+            raise InputError(_damaged(path, kind, error)) from error
+        # What the libraries raise over damaged bytes is of any kind.
+        except Exception as error:
+            raise InputError(_damaged(path, kind, error)) from error
+        if not any(group.count for group in found.values()):
+            fields = (f for group in found.values() for f in group.fields.items())
+            first = next((f": '{name}' {f.problem}" for name, f in fields), "")
+            raise InputError(
+                f"{path}: holds no arrays of numbers over time{first}; record again, "
+                "or save numbers"
+            )
+        yield Log(path, found, kind.notes(path))
+
+
+def _check_start(path: Path, kind: Kind) -> None:
+    """Refuse what is not what its suffix says."""
+    with path.open("rb") as file:
+        start = file.read(16)
+    if not start:
+        raise InputError(f"{path}: is empty; record again")
+    for other in KINDS:
+        if other is not kind and start.startswith(other.begins or (b"\0" * 17,)):
+            raise InputError(
+                f"{path}: is by its content a file of {other.name}, not {kind.name}; "
+                f"rename it to {path.stem}{other.suffixes[0]}"
+            )
+    if kind.begins and not start.startswith(kind.begins):
+        raise InputError(
+            f"{path}: does not begin as a {kind.name} file does; write it again"
+            + (", with 'save -v7'" if kind.name == "MATLAB" else "")
+        )
+
+
+def _damaged(path: Path, kind: Kind, error: Exception) -> str:
+    return (
+        f"{path}: is damaged or no {kind.name} file ({one_line(error)}); copy or write "
+        "it again"
+    )

@@ -1,0 +1,1 @@
+"""Topics of any file into recordings, through a topic map."""

@@ -1,0 +1,182 @@
+"""A file of another tool into a recording."""
+
+import dataclasses
+import os
+from collections import defaultdict
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from orbident.errors import InputError
+from orbident.files.names import listed
+from orbident.recordings.logs.log import Log
+from orbident.recordings.table_writer import write_blocks
+from orbident.recordings.tables import check_writable
+from orbident.recordings.topics.common_rows import common_rows
+from orbident.recordings.topics.entry import Entry
+from orbident.recordings.topics.fields import Table
+from orbident.recordings.topics.presets import preset_path, presets
+from orbident.recordings.topics.report import ConversionReport, apart, topic_report
+from orbident.recordings.topics.sources import open_source
+from orbident.recordings.topics.timing import Timed, check_times, timed
+from orbident.recordings.topics.topic_map import load_topic_map
+from orbident.recordings.topics.track import Track
+
+if TYPE_CHECKING:
+    from orbident.recordings.bags.bag import Bag
+
+_BLOCK_ROWS = 32_768
+_SAID_EVERY = 4096
+
+
+def convert_file(
+    file: str | os.PathLike[str],
+    topic_map: str | os.PathLike[str],
+    recording: str | os.PathLike[str],
+    progress: Callable[[float], None] | None = None,
+) -> ConversionReport:
+    """Writes a file's mapped topics as a recording, .parquet or .csv.
+
+    Rows are the union of all stamps; `t` is 0 at the first. Of a bag, however large,
+    values wait in files without names beside the recording: memory holds their times.
+
+    Args:
+        file: a ROS bag, an MCAP file, or one of MATLAB, HDF5, PX4's ULog, NumPy,
+            Parquet or CSV.
+        topic_map: what each topic feeds; a file, or the name of a preset. Of a preset,
+            topics that the file does not have are left out, with a warning.
+        recording: where to; replaced if it exists.
+        progress: called with the fraction done.
+
+    Returns:
+        What became of every message.
+
+    Raises:
+        InputError: The file, the map or the place cannot be used, or they do not fit
+            together. One line: file, place, what was found, what to do.
+    """
+    out = Path(recording)
+    check_writable(out)
+    is_preset = str(topic_map) in presets()
+    path = preset_path(str(topic_map)) if is_preset else Path(topic_map)
+    place = f"preset '{topic_map}'" if is_preset else str(path)
+    entries = load_topic_map(path, place)
+    said = progress or (lambda fraction: None)
+    with open_source(Path(file)) as source:
+        missing = _missing(source, entries) if is_preset else ()
+        if len(missing) == len(entries):
+            raise InputError(
+                f"{source.path}: has none of the topics of {place}, only "
+                f"{listed(source.topics)}; write a map: 'orbident topics {source.path}'"
+            )
+        tracks = [Track(entry, out) for entry in entries if entry.topic not in missing]
+        try:
+            _collect(source, tracks, place, said)
+            used = [timed(track.finished(str(source.path))) for track in tracks]
+            check_times(str(source.path), used)
+            report = _written(used, str(file), out, said)
+        finally:
+            for track in tracks:
+                track.rows.close()
+    left_out = (
+        (f"{place}: the file has no topic {listed(missing)}: left out",)
+        if missing
+        else ()
+    )
+    warnings = (*source.notes, *left_out, *report.warnings)
+    return dataclasses.replace(report, warnings=warnings)
+
+
+def _missing(source: "Bag | Log", entries: Sequence[Entry]) -> tuple[str, ...]:
+    """Topics of a map that the file does not have, or that are empty, each once."""
+    topics = dict.fromkeys(entry.topic for entry in entries)
+    return tuple(
+        name
+        for name in topics
+        if name not in source.topics or not source.topics[name].count
+    )
+
+
+def _collect(
+    source: "Bag | Log",
+    tracks: Sequence[Track],
+    place: str,
+    said: Callable[[float], None],
+) -> None:
+    """All samples to the tracks of their topics; three quarters of the work."""
+    for number, track in enumerate(tracks):
+        entry = track.entry
+        found = source.topic(entry.topic).type
+        if found != entry.type:
+            raise InputError(
+                f"{place}: topics[{number}] ({entry.topic}): type: found {entry.type}, "
+                f"but it is {found} in {source.path}; correct it"
+            )
+    if not isinstance(source, Log):
+        _collect_messages(source, tracks, said)
+        return
+    for number, track in enumerate(tracks):
+        if isinstance(track.entry, Table):
+            group = source.topic(track.entry.topic)
+            track.extend(*track.entry.rows(group, str(source.path)))
+        said(0.75 * number / len(tracks))
+
+
+def _collect_messages(
+    bag: "Bag", tracks: Sequence[Track], said: Callable[[float], None]
+) -> None:
+    fed: dict[str, list[Track]] = defaultdict(list)
+    for track in tracks:
+        fed[track.entry.topic].append(track)
+    decoders = {name: bag.topics[name].decoder(str(bag.path)) for name in fed}
+    total = sum(bag.topics[name].count for name in fed)
+    for number, (topic, received, data) in enumerate(bag.messages(fed)):
+        message = decoders[topic](data)
+        for track in fed[topic]:
+            if message is None:
+                track.skip()
+            else:
+                track.add(received, message)
+        if number % _SAID_EVERY == 0:
+            said(min(0.75 * number / total, 0.75))
+
+
+def _written(
+    used: Sequence[Timed], file: str, out: Path, said: Callable[[float], None]
+) -> ConversionReport:
+    rows, places = common_rows([each.stamps for each in used])
+    names = ["t", *(name for each in used for name in each.values.entry.columns)]
+    write_blocks(out, names, _blocks(used, rows, places, said))
+    start_ns = int(rows[0])
+    topics = tuple(topic_report(each, start_ns) for each in used)
+    return ConversionReport(
+        file=file,
+        recording=str(out),
+        samples=rows.size,
+        start_ns=start_ns,
+        duration=float(rows[-1] - rows[0]) / 1e9,
+        topics=topics,
+        warnings=apart(topics),
+    )
+
+
+def _blocks(
+    used: Sequence[Timed],
+    rows: np.ndarray,
+    places: Sequence[np.ndarray],
+    said: Callable[[float], None],
+) -> Iterator[np.ndarray]:
+    widths = [len(each.values.entry.columns) for each in used]
+    edges = np.cumsum([1, *widths])
+    for start in range(0, rows.size, _BLOCK_ROWS):
+        stop = min(start + _BLOCK_ROWS, rows.size)
+        block = np.full((stop - start, int(edges[-1])), np.nan)
+        block[:, 0] = (rows[start:stop] - rows[0]) / 1e9
+        for k, each in enumerate(used):
+            low, high = np.searchsorted(places[k], [start, stop])
+            values = each.values.rows.gather(each.order[low:high])
+            block[places[k][low:high] - start, edges[k] : edges[k + 1]] = values
+        yield block
+        said(0.75 + 0.25 * stop / rows.size)

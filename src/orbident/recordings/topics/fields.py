@@ -1,0 +1,259 @@
+"""Fields of numbers into columns: of tables in files, and of std_msgs/Float64."""
+
+from collections.abc import Iterator, Mapping
+from typing import Annotated, Any, Literal, NamedTuple
+
+import numpy as np
+from jaxtyping import Float, Int
+from pydantic import BeforeValidator, Field, model_validator
+
+from orbident.errors import InputError
+from orbident.files.schema_parts import WrongValueError
+from orbident.recordings.logs.group import Group
+from orbident.recordings.topics.entry import Name, Placed, Sample
+from orbident.recordings.topics.targets import Target, target_of
+from orbident.recordings.topics.units import TIMES
+
+
+class Slot(NamedTuple):
+    """One number of a sample."""
+
+    field: str
+    """Which field it is of; empty for a number that is always the same."""
+    factor: float
+    """1 or -1, or the number."""
+
+
+def _slots(value: object) -> tuple[Slot, ...] | Slot:
+    """`x`, `-x` or a number as one slot; a list of them as several."""
+    if isinstance(value, list | tuple):
+        return tuple(_slot(each) for each in value)
+    return _slot(value)
+
+
+def _slot(value: object) -> Slot:
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        return Slot("", float(value))
+    if not isinstance(value, str) or not value.removeprefix("-"):
+        raise WrongValueError(
+            "give a field, a field with a minus before it, or a list of these, such as "
+            "[wx, -wy, 0]"
+        )
+    return Slot(value.removeprefix("-"), -1.0 if value.startswith("-") else 1.0)
+
+
+class Fields(Placed):
+    """`take` says which columns are filled, `fields` from what, axis by axis."""
+
+    take: Mapping[Name, Any] = Field(min_length=1)
+    fields: Mapping[Name, Annotated[Any, BeforeValidator(_slots)]] = Field(
+        default_factory=dict
+    )
+
+    @property
+    def targets(self) -> list[Target]:
+        """What is filled, in the order of the map.
+
+        Raises:
+            InputError: a column that numbers cannot fill, or a unit that is none of it.
+        """
+        return [target_of(name, unit) for name, unit in self.take.items()]
+
+    @property
+    def sensors(self) -> tuple[str, ...]:
+        """Each sensor once; of `gyro.z` it is the gyro."""
+        return tuple(dict.fromkeys(each.name.split(".")[0] for each in self.targets))
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Those of every target."""
+        return tuple(name for target in self.targets for name in target.columns)
+
+    @property
+    def slots(self) -> list[Slot]:
+        """The numbers of a sample, in the order of the targets.
+
+        Raises:
+            InputError: the fields of a target are missing, or too many or too few.
+        """
+        return [slot for target in self.targets for slot in self._slots_of(target)]
+
+    @property
+    def quaternion(self) -> slice | None:
+        """Where the attitude stands, if it is a quaternion."""
+        start = 0
+        for target in self.targets:
+            if target.unit == "quaternion":
+                return slice(start, start + 4)
+            start += target.width
+        return None
+
+    def table(self, raw: Float[np.ndarray, "n K"]) -> Float[np.ndarray, "n columns"]:
+        """In SI and base axes."""
+        parts, start = [], 0
+        for target in self.targets:
+            values = target.in_si(raw[:, start : start + target.width])
+            start += target.width
+            if target.name == "attitude":
+                values = self.of_base(values)
+            elif target.turned:
+                values = self.in_base(values)
+            parts.append(values)
+        return np.hstack(parts)
+
+    @model_validator(mode="after")
+    def _consistent(self) -> "Fields":
+        _ = self.slots
+        for name in self.fields:
+            if name not in self.take:
+                raise InputError(
+                    f"fields: '{name}' is not in take; add it there with its unit, or "
+                    "take it out here"
+                )
+        single = [t.name for t in self.targets if t.part_of_turned]
+        if single and self.rotation:
+            raise InputError(
+                f"rotation: '{single[0]}' is one axis, which cannot be turned; take "
+                f"'{single[0].split('.')[0]}' with three fields"
+            )
+        return self
+
+    def _slots_of(self, target: Target) -> tuple[Slot, ...]:
+        given = self.fields.get(target.name)
+        if given is None:
+            raise InputError(
+                f"fields: '{target.name}' is missing; name what it is made of, such as "
+                f"fields: {{{target.name}: {target.example}}}"
+            )
+        if isinstance(given, Slot):
+            # An array of as many columns as are wanted.
+            if target.width == 1:
+                return (given,)
+            parts = range(target.width)
+            return tuple(Slot(f"{given.field}.{k}", given.factor) for k in parts)
+        if len(given) != target.width:
+            raise InputError(
+                f"fields: '{target.name}' has {len(given)} fields; give "
+                f"{target.width}: {target.example}"
+            )
+        return given
+
+
+class Number(Fields):
+    """std_msgs/Float64: its time is when it was recorded, for there is no other."""
+
+    time: Literal["header", "receive"] = "receive"
+
+    @model_validator(mode="before")
+    @classmethod
+    def _of_data(cls, document: Any) -> Any:
+        """The one field is `data`, so that it need not be named."""
+        take = document.get("take")
+        if document.get("time") == "header":
+            raise InputError("time: a Float64 has no header; leave this key out")
+        if not isinstance(take, dict) or "fields" in document:
+            return document
+        if len(take) != 1:
+            raise InputError(
+                f"take names {len(take)} columns; a Float64 feeds one: "
+                "{wheel.<name>.speed: rad/s}"
+            )
+        return {**document, "fields": dict.fromkeys(take, "data")}
+
+    @model_validator(mode="after")
+    def _only_data(self) -> "Number":
+        for slot in self.slots:
+            if slot.field not in {"", "data"}:
+                raise InputError(
+                    f"fields: found '{slot.field}', but the one field of a Float64 is "
+                    "'data'; correct it"
+                )
+        return self
+
+    def samples(self, message: Any) -> Iterator[Sample]:
+        """The number, wherever it is wanted."""
+        x = message.data
+        values = [s.factor * x if s.field else s.factor for s in self.slots]
+        yield Sample(None, values)
+
+
+def _time_unit(value: object) -> dict[str, str]:
+    if isinstance(value, dict) and len(value) == 1:
+        (field, unit), *_ = value.items()
+        if isinstance(field, str) and isinstance(unit, str) and unit in TIMES:
+            return {field: unit}
+    raise WrongValueError(
+        "give the field that holds the time, and its unit: {time: s}, with one of "
+        + ", ".join(TIMES)
+    )
+
+
+class Table(Fields):
+    """Fields over one time: a struct, a group, a topic of a log, a whole file."""
+
+    stamp: Annotated[Mapping[str, str], BeforeValidator(_time_unit)]
+    """The field that holds the time: its unit."""
+    time: Literal["header", "receive"] = "receive"
+
+    @model_validator(mode="after")
+    def _no_other_time(self) -> "Table":
+        if "time" in self.model_fields_set:
+            raise InputError("time: a table's is in 'stamp'; leave this key out")
+        return self
+
+    @property
+    def other_time(self) -> str:
+        """The time is a field."""
+        return "stamp"
+
+    def rows(
+        self, group: Group, place: str
+    ) -> tuple[Int[np.ndarray, " n"], Float[np.ndarray, "n K"]]:
+        """Times, ns, and every slot's values.
+
+        Args:
+            group: what is in the file.
+            place: the file, for messages.
+
+        Raises:
+            InputError: a field is missing, holds no numbers, or has another length
+                than the time; a time is not finite or not of the unit.
+        """
+        ((field, unit),) = self.stamp.items()
+        times = self._nanoseconds(group.column(field, place), field, unit, place)
+        slots = self.slots
+        raw = np.empty((times.size, len(slots)))
+        for k, slot in enumerate(slots):
+            if not slot.field:
+                raw[:, k] = slot.factor
+                continue
+            values = group.column(slot.field, place)
+            if values.size != times.size:
+                raise InputError(
+                    f"{place}: topic '{group.name}': field '{slot.field}' has "
+                    f"{values.size} values, but '{field}' has {times.size}; name the "
+                    "time of this field in an entry of its own"
+                )
+            raw[:, k] = slot.factor * values
+        return times, raw
+
+    def _nanoseconds(
+        self, values: np.ndarray, field: str, unit: str, place: str
+    ) -> Int[np.ndarray, " n"]:
+        where = f"{place}: topic '{self.topic}': time '{field}'"
+        factor = TIMES[unit]
+        finite = np.isfinite(values)
+        if not finite.all():
+            row = int(np.argmin(finite)) + 1
+            raise InputError(
+                f"{where}, row {row}: found {values[row - 1]}; every row needs a time"
+            )
+        # 2^62 ns are 146 years.
+        if np.abs(values.astype(np.float64)).max(initial=0.0) * factor > 2**62:
+            raise InputError(
+                f"{where} goes beyond 146 years in {unit}; correct the unit, one of "
+                + ", ".join(TIMES)
+            )
+        if values.dtype.kind in "iu":
+            return values.astype(np.int64) * factor
+        return np.round(values * factor).astype(np.int64)

@@ -1,0 +1,33 @@
+"""Topic maps of laboratories and tools, one file each."""
+
+from importlib.resources import files
+from pathlib import Path
+
+from orbident.errors import InputError
+from orbident.files.names import quoted, suggestion
+
+_FOLDER = Path(str(files(__name__)))
+
+
+def presets() -> tuple[str, ...]:
+    """The names of the maps that come with the package, sorted."""
+    return tuple(sorted(path.stem for path in _FOLDER.glob("*.yaml")))
+
+
+def preset_path(name: str) -> Path:
+    """Where the map of this name is."""
+    return _FOLDER / f"{name}.yaml"
+
+
+def known_preset(name: str) -> str:
+    """The name, if there is such a map.
+
+    Raises:
+        InputError: There is none.
+    """
+    if name not in presets():
+        raise InputError(
+            f"--preset {quoted(name)}: there is no such map; "
+            + suggestion(name, presets(), "presets")
+        )
+    return name

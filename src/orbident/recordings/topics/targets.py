@@ -1,0 +1,124 @@
+"""What numbers of a table can fill: a vector or one column, and its units."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from orbident.errors import InputError
+from orbident.recordings.columns import (
+    VECTORS,
+    is_known,
+    joint_of,
+    thruster_of,
+    wheel_of,
+)
+from orbident.recordings.topics.entry import TURNED
+from orbident.recordings.topics.quaternions import product
+from orbident.recordings.topics.units import DIMENSIONS, unit_of
+
+_DIMENSION_OF = {
+    "gyro": "angular rate",
+    "accelerometer": "acceleration",
+    "position": "length",
+    "velocity": "velocity",
+    "force": "force",
+    "torque": "torque",
+}
+_ATTITUDES: Mapping[str, tuple[int, str]] = {
+    "quaternion": (4, "[qx, qy, qz, qw]"),
+    "mrp": (3, "[sigma1, sigma2, sigma3]"),
+    **dict.fromkeys(DIMENSIONS["angle"], (3, "[roll, pitch, yaw]")),
+}
+"""Of each form of an attitude how many numbers it has, and an example."""
+
+
+@dataclass(frozen=True)
+class Target:
+    """A vector, an attitude, or one column."""
+
+    name: str
+    unit: str
+    columns: tuple[str, ...]
+    width: int
+    """Numbers that it is made of."""
+    example: str
+    si: float = 1.0
+
+    @property
+    def turned(self) -> bool:
+        """Whether it is a whole vector in the base's axes."""
+        return self.name in TURNED
+
+    @property
+    def part_of_turned(self) -> bool:
+        """Whether it is one axis of such a vector."""
+        return self.name not in VECTORS and self.name.split(".")[0] in TURNED
+
+    def in_si(self, raw: Float[np.ndarray, "n width"]) -> Float[np.ndarray, "n K"]:
+        """In SI; an attitude as a unit quaternion, scalar last."""
+        if self.name != "attitude" or self.unit == "quaternion":
+            return raw * self.si
+        if self.unit == "mrp":
+            return _of_mrp(raw)
+        return _of_angles(raw * self.si)
+
+
+def _of_mrp(sigma: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n 4"]:
+    """`x = (2 s, 1 - s.s) / (1 + s.s)`, modified Rodrigues parameters."""
+    square = np.sum(sigma**2, axis=1, keepdims=True)
+    return np.hstack([2 * sigma, 1 - square]) / (1 + square)
+
+
+def _of_angles(angles: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n 4"]:
+    """`R = R_z(yaw) R_y(pitch) R_x(roll)`."""
+    x = np.zeros((3, len(angles), 4))
+    for axis in range(3):
+        x[axis, :, axis] = np.sin(angles[:, axis] / 2)
+        x[axis, :, 3] = np.cos(angles[:, axis] / 2)
+    return product(x[2], product(x[1], x[0]))
+
+
+def target_of(name: str, unit: object) -> Target:
+    """What a key of `take` names.
+
+    Raises:
+        InputError: nothing that numbers can fill, or the unit is none of its.
+    """
+    if name == "attitude":
+        if not isinstance(unit, str) or unit not in _ATTITUDES:
+            raise InputError(
+                f"take: attitude: found {unit!r}; give its form: "
+                + ", ".join(_ATTITUDES)
+            )
+        width, example = _ATTITUDES[unit]
+        si = DIMENSIONS["angle"].get(unit, 1.0)
+        columns = tuple(f"attitude.{axis}" for axis in "xyzw")
+        return Target(name, unit, columns, width, example, si)
+    try:
+        found = unit_of(*_dimensions(name))(unit)
+    except InputError as error:
+        raise InputError(f"take: {name}: found {unit!r}; {error}") from None
+    if name in VECTORS:
+        columns = tuple(f"{name}.{axis}" for axis in VECTORS[name][0])
+        return Target(name, found.name, columns, 3, "[x, y, z]", found.si)
+    return Target(name, found.name, (name,), 1, "x", found.si)
+
+
+def _dimensions(name: str) -> tuple[str, ...]:
+    head, last = name.split(".")[0], name.rsplit(".", 1)[-1]
+    if joint_of(name):
+        both = last == "position"
+        return ("angle", "length") if both else ("angular rate", "velocity")
+    if wheel_of(name):
+        return ("angle",) if last == "position" else ("angular rate",)
+    if thruster_of(name) and last == "force":
+        return ("force",)
+    whole = name in VECTORS or is_known(name)
+    if not whole or head not in _DIMENSION_OF:
+        raise InputError(
+            "give a column that numbers can fill, such as wheel.<name>.speed, "
+            "joint.<name>.position, gyro or attitude"
+        )
+    return (_DIMENSION_OF[head],)

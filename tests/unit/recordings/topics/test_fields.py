@@ -1,0 +1,79 @@
+"""What an entry of a table may say, and how it is refused."""
+
+from pathlib import Path
+
+import pytest
+from conversions import HEAD
+
+from orbident.errors import InputError
+from orbident.recordings.topics.topic_map import load_topic_map
+
+TABLE = "{topic: /, type: table, stamp: {t: s}, "
+FLOAT = "{topic: /f, type: std_msgs/Float64, "
+REFUSED = {
+    "no stamp": ("{topic: /, type: table, take: {wheel.a.speed: rpm}}", "stamp: this"),
+    "another unit of time": (
+        "{topic: /, type: table, stamp: {t: min}, take: {wheel.a.speed: rpm}}",
+        "stamp: found {'t': 'min'}; give the field that holds the time, and its unit: "
+        "{time: s}, with one of s, ms, us, ns",
+    ),
+    "a time of messages": (
+        TABLE + "take: {gyro: deg/s}, fields: {gyro: w}, frame: base, time: header}",
+        "time: a table's is in 'stamp'; leave this key out",
+    ),
+    "no fields": (
+        TABLE + "take: {gyro: deg/s}, frame: base}",
+        "fields: 'gyro' is missing; name what it is made of, such as fields: {gyro: "
+        "[x, y, z]}",
+    ),
+    "nothing taken": (TABLE + "take: {}}", "take: found {}"),
+    "too few fields": (
+        TABLE + "take: {gyro: deg/s}, fields: {gyro: [a, b]}, frame: base}",
+        "fields: 'gyro' has 2 fields; give 3: [x, y, z]",
+    ),
+    "fields of nothing": (
+        TABLE + "take: {wheel.a.speed: rpm}, fields: {wheel.a.speed: x, gyro: y}}",
+        "fields: 'gyro' is not in take",
+    ),
+    "no field": (
+        TABLE + "take: {wheel.a.speed: rpm}, fields: {wheel.a.speed: true}}",
+        "fields.wheel.a.speed: found True; give a field, a field with a minus",
+    ),
+    "another form of attitude": (
+        TABLE + "take: {attitude: euler}, fields: {attitude: x}, frame: base}",
+        "take: attitude: found 'euler'; give its form: quaternion, mrp, rad, ",
+    ),
+    "another dimension": (
+        TABLE + "take: {position: rad}, fields: {position: p}, point: S}",
+        "take: position: found 'rad'; declare the messages' unit: m, ",
+    ),
+    "no frame": (
+        TABLE + "take: {attitude: mrp}, fields: {attitude: sigma}}",
+        "neither of frame and rotation given for attitude",
+    ),
+    "no point": (
+        TABLE + "take: {position: m}, fields: {position: p}}",
+        "point missing for position",
+    ),
+    "an axis that is turned": (
+        TABLE + "take: {gyro.z: rad/s}, fields: {gyro.z: w}, rotation: [1, 0, 0, 0]}",
+        "rotation: 'gyro.z' is one axis, which cannot be turned; take 'gyro' with",
+    ),
+    "a field of a number": (
+        FLOAT + "take: {gyro: rad/s}, fields: {gyro: [0, 0, w]}, frame: base}",
+        "fields: found 'w', but the one field of a Float64 is 'data'",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_refused(tmp_path: Path, case: str):
+    entry, words = REFUSED[case]
+    path = tmp_path / "map.yaml"
+    path.write_text(f"{HEAD}  - {entry}\n")
+    with pytest.raises(InputError) as raised:
+        load_topic_map(path)
+    line = str(raised.value)
+    assert line.startswith(f"{path}: topics[0]")
+    assert words in line
+    assert "\n" not in line

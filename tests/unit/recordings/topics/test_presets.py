@@ -1,0 +1,145 @@
+"""Each preset on a file as its laboratory or tool writes it."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from bag_writers import START, float64, imu, joint_state, pose, write_bag
+from log_writers import write_log, write_ulog
+from scipy.spatial.transform import Rotation
+
+from orbident.errors import InputError
+from orbident.recordings.recording import Recording
+from orbident.recordings.tables import read_recording
+from orbident.recordings.topics.convert import convert_file
+from orbident.recordings.topics.presets import preset_path, presets
+from orbident.recordings.topics.report import ConversionReport
+from orbident.recordings.topics.topic_map import load_topic_map
+
+N = 20
+T = np.arange(N) * 0.01
+NS = START + np.round(T * 1e9).astype(int)
+RNG = np.random.default_rng(5)
+X_WB = Rotation.random(N, RNG)
+W, P, V = RNG.normal(size=(3, N, 3))
+
+
+def near(found: np.ndarray, expected: np.ndarray, atol: float = 1e-12) -> None:
+    """Whole nanoseconds, and some products and sums of float64."""
+    np.testing.assert_allclose(found, expected, rtol=1e-12, atol=atol)
+
+
+def by_preset(path: Path, name: str) -> tuple[Recording, ConversionReport]:
+    out = path.parent / "r.parquet"
+    report = convert_file(path, name, out)
+    return read_recording(out), report
+
+
+def check_attitude(recording: Recording, expected: Rotation) -> None:
+    x = Rotation.from_quat(recording.vector("attitude", "xyzw"))
+    np.testing.assert_allclose((x * expected.inv()).magnitude(), 0, atol=1e-7)
+
+
+def test_all_are_tried_here():
+    assert presets() == ("astrobee", "basilisk", "cepheus", "px4-spacecraft")
+    for name in presets():
+        assert load_topic_map(preset_path(name))
+
+
+def test_cepheus(tmp_path: Path):
+    """Numbers without stamps, written together; of its three joints, two are there."""
+    angles = {"q1": T, "q2": 2 * T, "theta0": 3 * T}
+    rates = {"q1dot": 0 * T + 1, "theta0dot": 0 * T + 3, "torquerw": 0 * T}
+    sent = [
+        float64(f"/cepheus/{name}", int(NS[k]), values[k])
+        for k in range(N)
+        for name, values in {**angles, **rates}.items()
+    ]
+    recording, report = by_preset(write_bag("ros1", tmp_path, sent), "cepheus")
+    np.testing.assert_array_equal(recording.column("joint.joint2.position"), 2 * T)
+    np.testing.assert_array_equal(recording.vector("gyro")[0], [0, 0, 3])
+    check_attitude(recording, Rotation.from_rotvec(np.outer(3 * T, [0, 0, 1])))
+    (warning,) = report.warnings
+    assert warning == (
+        "preset 'cepheus': the file has no topic '/cepheus/q3', '/cepheus/q2dot', "
+        "'/cepheus/q3dot': left out"
+    )
+
+
+def test_astrobee(tmp_path: Path):
+    """The IMU's x is the body's y: it is turned by a quarter of a turn about z."""
+    names = ["top_aft_arm_proximal_joint", "top_aft_arm_distal_joint"]
+    sent = []
+    for k, ns in enumerate(map(int, NS)):
+        sent += [
+            joint_state("/joint_states", ns, ns, [*names, "gripper"], [T[k], -T[k], 0]),
+            pose("/loc/pose", ns, ns, X_WB[k].as_quat(), P[k]),
+            imu("/hw/imu", ns, ns, [1, 2, 3]),
+        ]
+    recording, report = by_preset(write_bag("ros1", tmp_path, sent), "astrobee")
+    assert report.warnings == ()
+    np.testing.assert_array_equal(recording.column(f"joint.{names[1]}.position"), -T)
+    near(recording.vector("gyro")[0], np.array([-2, 1, 3]), atol=1e-7)
+    near(recording.vector("position"), P)
+    check_attitude(recording, X_WB)
+
+
+FLU = Rotation.from_euler("x", 180, degrees=True)
+"""Forward, left, up in PX4's forward, right, down."""
+
+
+def test_px4(tmp_path: Path):
+    stamps = {"timestamp": np.round(T * 1e6)}
+    q = (X_WB * FLU.inv()).as_quat()[:, [3, 0, 1, 2]]
+    named = zip(("x", "y", "z", "vx", "vy", "vz"), [*P.T, *V.T], strict=True)
+    path = write_ulog(
+        tmp_path / "log.ulg",
+        {
+            "vehicle_angular_velocity": {**stamps, "xyz": FLU.inv().apply(W)},
+            "vehicle_attitude": {**stamps, "q": q},
+            "vehicle_local_position": {**stamps, **dict(named)},
+        },
+    )
+    recording, report = by_preset(path, "px4-spacecraft")
+    assert report.warnings == ()
+    near(recording.vector("gyro"), W)
+    near(recording.vector("velocity"), V)
+    check_attitude(recording, X_WB)
+
+
+def test_basilisk(tmp_path: Path):
+    """`sigma_BN` as Basilisk defines it: [BN] turns from inertial to body axes."""
+    times = {"times": (T * 1e9).round().astype(np.uint64)}
+    spacecraft = {"sigma_BN": X_WB.as_mrp(), "omega_BN_B": W, "r_BN_N": P, "v_BN_N": V}
+    path = write_log(
+        "npz",
+        tmp_path,
+        {
+            "scStateOutMsg": {**times, **spacecraft},
+            "spinningBodyOutMsgs.0": {**times, "theta": T, "thetaDot": 0 * T + 1},
+            "rwSpeedOutMsg": {**times, "wheelSpeeds": np.ones((N, 36)) * range(36)},
+        },
+    )
+    recording, report = by_preset(path, "basilisk")
+    np.testing.assert_array_equal(recording.column("joint.joint1.position"), T)
+    np.testing.assert_array_equal(recording.column("wheel.rw3.speed"), 0 * T + 2)
+    np.testing.assert_array_equal(recording.vector("gyro"), W)
+    check_attitude(recording, X_WB)
+    # The definition of [BN] by the parameters (Schaub and Junkins, Eq. 3.152).
+    s = spacecraft["sigma_BN"][4]
+    cross = np.cross(s, np.eye(3)).T
+    BN = np.eye(3) + (8 * cross @ cross - 4 * (1 - s @ s) * cross) / (1 + s @ s) ** 2
+    x_4 = recording.vector("attitude", "xyzw")[4]
+    np.testing.assert_allclose(Rotation.from_quat(x_4).as_matrix().T, BN, atol=1e-12)
+    (warning,) = report.warnings
+    assert "no topic '/spinningBodyOutMsgs/1'" in warning
+
+
+def test_none_of_its_topics(tmp_path: Path):
+    path = write_log("npz", tmp_path, {"flight": {"t": T, "x": T}})
+    with pytest.raises(InputError) as raised:
+        convert_file(path, "basilisk", tmp_path / "r.csv")
+    assert str(raised.value) == (
+        f"{path}: has none of the topics of preset 'basilisk', only '/flight'; write a "
+        f"map: 'orbident topics {path}'"
+    )
