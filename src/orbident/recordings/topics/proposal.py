@@ -8,6 +8,7 @@ until it is filled in.
 from collections.abc import Callable, Iterable, Mapping, Sequence
 
 from orbident.recordings.logs.group import Group
+from orbident.recordings.topics.presets import fitting_presets
 from orbident.recordings.topics.proposed_table import as_yaml, proposed_table
 from orbident.recordings.topics.survey import Surveyed
 from orbident.recordings.topics.topic_map import SCHEMA
@@ -29,6 +30,10 @@ def proposed_map(surveyed: Sequence[Surveyed]) -> str:
     lines = [
         "# Proposed by 'orbident topics'. Decide at every TODO; delete the topics that",
         "# are not needed. Two topics cannot feed one column: keep the better one.",
+        *(
+            f"# '--preset {name}' maps topics of this file; it may do instead."
+            for name in fitting_presets([each.topic.name for each in surveyed])
+        ),
         f"schema: {SCHEMA}",
         "topics:",
     ]

@@ -13,7 +13,9 @@ from orbident.recordings.recording import Recording
 from orbident.recordings.tables import read_recording
 from orbident.recordings.topics.convert import convert_file
 from orbident.recordings.topics.presets import preset_path, presets
+from orbident.recordings.topics.proposal import proposed_map
 from orbident.recordings.topics.report import ConversionReport
+from orbident.recordings.topics.survey import survey_file
 from orbident.recordings.topics.topic_map import load_topic_map
 
 N = 20
@@ -100,6 +102,8 @@ def test_px4(tmp_path: Path):
             "vehicle_local_position": {**stamps, **dict(named)},
         },
     )
+    proposal = proposed_map(survey_file(path))
+    assert "# '--preset px4-spacecraft' maps topics of this file" in proposal
     recording, report = by_preset(path, "px4-spacecraft")
     assert report.warnings == ()
     near(recording.vector("gyro"), W)

@@ -1,5 +1,7 @@
 """Topic maps of laboratories and tools, one file each."""
 
+import re
+from collections.abc import Collection
 from importlib.resources import files
 from pathlib import Path
 
@@ -17,6 +19,16 @@ def presets() -> tuple[str, ...]:
 def preset_path(name: str) -> Path:
     """Where the map of this name is."""
     return _FOLDER / f"{name}.yaml"
+
+
+def fitting_presets(topics: Collection[str]) -> tuple[str, ...]:
+    """Those that map at least two of these topics, or the only one."""
+    found = []
+    for name in presets():
+        mapped = re.findall(r"topic: ([^,\s]+)", preset_path(name).read_text("utf-8"))
+        if len({*mapped}.intersection(topics)) >= min(2, len(topics)):
+            found.append(name)
+    return tuple(found)
 
 
 def known_preset(name: str) -> str:
