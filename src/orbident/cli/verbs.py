@@ -7,6 +7,7 @@ import typer
 from orbident.cli.campaign import campaign
 from orbident.cli.compare import compare
 from orbident.cli.convert import convert
+from orbident.cli.doctor import doctor
 from orbident.cli.excite import excite
 from orbident.cli.export import export
 from orbident.cli.identify import identify
@@ -47,6 +48,7 @@ for verb in (
     export,
     view,
     study,
+    doctor,
 ):
     app.command()(verb)
 app.add_typer(campaign, name="campaign")
