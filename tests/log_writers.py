@@ -13,7 +13,7 @@ from scipy.io import savemat
 Tables = Mapping[str, Mapping[str, np.ndarray]]
 """Columns by the name of their table."""
 
-KINDS = ("mat", "mat-7.3", "hdf5", "npz", "ulog", "csv", "parquet")
+KINDS = ("mat", "mat-7", "mat-7.3", "hdf5", "npz", "ulog", "csv", "parquet")
 
 
 def write_log(kind: str, folder: Path, tables: Tables) -> Path:
@@ -23,6 +23,12 @@ def write_log(kind: str, folder: Path, tables: Tables) -> Path:
 
 def _mat(path: Path, tables: Tables) -> Path:
     savemat(path, {name: dict(table) for name, table in tables.items()})
+    return path
+
+
+def _mat_7(path: Path, tables: Tables) -> Path:
+    whole = {name: dict(table) for name, table in tables.items()}
+    savemat(path, whole, do_compression=True)
     return path
 
 
@@ -117,9 +123,10 @@ def _message(kind: str, body: bytes) -> bytes:
     return struct.pack("<H", len(body)) + kind.encode() + body
 
 
-_SUFFIXES = {"mat-7.3": ".mat", "hdf5": ".h5", "ulog": ".ulg"}
+_SUFFIXES = {"mat-7": ".mat", "mat-7.3": ".mat", "hdf5": ".h5", "ulog": ".ulg"}
 _WRITERS = {
     "mat": _mat,
+    "mat-7": _mat_7,
     "mat-7.3": write_mat_73,
     "hdf5": _hdf5,
     "npz": _npz,

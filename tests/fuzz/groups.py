@@ -7,7 +7,7 @@ import mutations
 import oddities
 from case import Case
 from mutations import spoiled
-from seeds import MAP, Seeds
+from seeds import LOG_MAP, MAP, Seeds
 
 METHODS = ("least-squares", "structured", "maximum-likelihood", "recursive")
 SMALL = ("paper-spatial", "cepheus-like")
@@ -115,6 +115,23 @@ def bags(random: Random, seeds: Seeds) -> Case:
         "convert": ["--map", "map.yaml", "-o", random.choice(("r.csv", "r.parquet"))],
     }
     return Case("bags", (verb, bag, *to[verb]), files)
+
+
+def logs(random: Random, seeds: Seeds) -> Case:
+    """A spoiled file of another tool, or a whole one with a spoiled map."""
+    kind = random.choice(list(seeds.logs))
+    suffix, content = seeds.logs[kind]
+    flat = kind in {"csv", "parquet"}
+    topic_map = (LOG_MAP.replace("/log", "/") if flat else LOG_MAP).encode()
+    verb = random.choice(("topics", "convert", "convert"))
+    if verb == "topics" or random.random() < 0.6:
+        ways = mutations.CSV if kind == "csv" else mutations.BINARY
+        content = spoiled(random, content, ways)
+    else:
+        topic_map = spoiled(random, topic_map, mutations.YAML)
+    log = f"log{suffix}" if random.random() < 0.95 else "log.mat"
+    to = ["--map", "map.yaml", "-o", "r.csv"] if verb == "convert" else []
+    return Case("logs", (verb, log, *to), {log: content, "map.yaml": topic_map})
 
 
 def trajectories(random: Random, seeds: Seeds) -> Case:
@@ -296,6 +313,7 @@ GROUPS: Mapping[Group, int] = {
     robot_file: 3,
     recordings: 3,
     bags: 3,
+    logs: 3,
     trajectories: 2,
     runs: 3,
     scenes: 1,

@@ -5,8 +5,11 @@ from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
 
+import numpy as np
 from bag_writers import START, Sent, float64, imu, joint_state, pose, write_bag
 from case import Case
+from log_writers import KINDS as LOGS
+from log_writers import write_log
 from watcher import Watcher
 
 
@@ -67,6 +70,17 @@ topics:
     point: S
 """
 
+LOG_MAP = """\
+schema: orbident/topic-map/1
+topics:
+  - topic: /log
+    type: table
+    stamp: {timestamp: us}
+    take: {joint.joint1.position: deg, gyro: rad/s}
+    fields: {joint.joint1.position: -q, gyro: [w.0, w.1, 0]}
+    frame: base
+"""
+
 BAGS = ("ros1", "ros2-sqlite3", "ros2-mcap", "mcap-ros2")
 MESSAGES = 20
 PERIOD = 50_000_000
@@ -85,6 +99,8 @@ class Seeds:
     run: dict[str, bytes]
     """Of `paper-spatial`."""
     bags: dict[str, dict[str, bytes]]
+    logs: dict[str, tuple[str, bytes]]
+    """Files of other tools: suffix and content."""
 
 
 def made(watcher: Watcher, folder: Path) -> Seeds:
@@ -105,6 +121,7 @@ def made(watcher: Watcher, folder: Path) -> Seeds:
         parquet={name: simulated[name]["r.parquet"] for name in names},
         run=_identified(watcher, recording),
         bags={kind: _bag(kind, folder / kind) for kind in BAGS},
+        logs={kind: _log(kind, folder / f"log-{kind}") for kind in LOGS},
     )
 
 
@@ -160,6 +177,14 @@ def _bag(kind: str, folder: Path) -> dict[str, bytes]:
         for path in sorted(folder.rglob("*"))
         if path.is_file()
     }
+
+
+def _log(kind: str, folder: Path) -> tuple[str, bytes]:
+    folder.mkdir()
+    times = PERIOD / 1000 * np.arange(MESSAGES)
+    table = {"timestamp": times, "q": times / 1e6, "w": np.ones((MESSAGES, 3))}
+    path = write_log(kind, folder, {"log": table, "other": table})
+    return path.suffix, path.read_bytes()
 
 
 def _messages() -> list[Sent]:

@@ -58,6 +58,7 @@ def path(kind: str, tmp_path: Path) -> Path:
 
 CUT_OFF = {
     "mat": "is damaged or no MATLAB file",
+    "mat-7": "is damaged or no MATLAB file",
     "mat-7.3": "is damaged or no MATLAB file",
     "hdf5": "is damaged or no HDF5 file",
     "npz": "is damaged or no NumPy file",

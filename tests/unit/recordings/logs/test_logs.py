@@ -142,12 +142,14 @@ SCALAR = "take: {joint.a.position: rad}, fields: {joint.a.position: %s}}\n"
 
 def test_structs_in_structs_and_arrays_of_them(tmp_path: Path):
     """Simulink's "structure with time": values in a struct array, rows or columns."""
-    signals = [{"values": T[:, None], "label": "q"}, {"values": np.tile(T, (3, 1))}]
-    out = {"time": T, "signals": np.array(signals, dtype=object)}
+    signals = np.zeros(2, dtype=[("values", object), ("label", object)])
+    signals["values"] = [T[:, None], np.tile(T, (3, 1))]
+    signals["label"] = ["q", "w"]
+    out = {"time": T, "signals": signals, "cells": np.array([T, {"q": T}], object)}
     savemat(tmp_path / "log.mat", {"out": out, "other": {"x": 1.0}, "name": "run"})
     surveyed = survey_file(tmp_path / "log.mat")
     assert [each.topic.name for each in surveyed] == ["/", "/out"]
-    for field in ("signals.0.values", "signals.1.values.2"):
+    for field in ("signals.0.values", "signals.1.values.2", "cells.0", "cells.1.q"):
         recording, _ = converted(
             tmp_path / "log.mat",
             "  - {topic: /out, type: table, stamp: {time: s}, " + SCALAR % field,
