@@ -1,7 +1,8 @@
 """Fields of numbers into columns: of tables in files, and of std_msgs/Float64."""
 
 from collections.abc import Iterator, Mapping
-from typing import Annotated, Any, Literal, NamedTuple
+from functools import cached_property
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -11,46 +12,20 @@ from orbident.errors import InputError
 from orbident.files.schema_parts import WrongValueError
 from orbident.recordings.logs.group import Group
 from orbident.recordings.topics.entry import Name, Placed, Sample
+from orbident.recordings.topics.slots import Slot, slots_of
 from orbident.recordings.topics.targets import Target, target_of
 from orbident.recordings.topics.units import TIMES
-
-
-class Slot(NamedTuple):
-    """One number of a sample."""
-
-    field: str
-    """Which field it is of; empty for a number that is always the same."""
-    factor: float
-    """1 or -1, or the number."""
-
-
-def _slots(value: object) -> tuple[Slot, ...] | Slot:
-    """`x`, `-x` or a number as one slot; a list of them as several."""
-    if isinstance(value, list | tuple):
-        return tuple(_slot(each) for each in value)
-    return _slot(value)
-
-
-def _slot(value: object) -> Slot:
-    if isinstance(value, int | float) and not isinstance(value, bool):
-        return Slot("", float(value))
-    if not isinstance(value, str) or not value.removeprefix("-"):
-        raise WrongValueError(
-            "give a field, a field with a minus before it, or a list of these, such as "
-            "[wx, -wy, 0]"
-        )
-    return Slot(value.removeprefix("-"), -1.0 if value.startswith("-") else 1.0)
 
 
 class Fields(Placed):
     """`take` says which columns are filled, `fields` from what, axis by axis."""
 
     take: Mapping[Name, Any] = Field(min_length=1)
-    fields: Mapping[Name, Annotated[Any, BeforeValidator(_slots)]] = Field(
+    fields: Mapping[Name, Annotated[Any, BeforeValidator(slots_of)]] = Field(
         default_factory=dict
     )
 
-    @property
+    @cached_property
     def targets(self) -> list[Target]:
         """What is filled, in the order of the map.
 
@@ -69,7 +44,7 @@ class Fields(Placed):
         """Those of every target."""
         return tuple(name for target in self.targets for name in target.columns)
 
-    @property
+    @cached_property
     def slots(self) -> list[Slot]:
         """The numbers of a sample, in the order of the targets.
 
@@ -126,9 +101,9 @@ class Fields(Placed):
                 f"fields: {{{target.name}: {target.example}}}"
             )
         if isinstance(given, Slot):
-            # An array of as many columns as are wanted.
-            if target.width == 1:
-                return (given,)
+            # A field with as many columns as are wanted.
+            if target.width == 1 or not given.field:
+                return (given,) * target.width
             parts = range(target.width)
             return tuple(Slot(f"{given.field}.{k}", given.factor) for k in parts)
         if len(given) != target.width:

@@ -172,6 +172,18 @@ def test_hdf5_records_units_and_links(tmp_path: Path):
     np.testing.assert_array_equal(recording.column("joint.a.position"), 2 * T)
 
 
+def test_numbers_that_are_always_the_same(tmp_path: Path):
+    path = write_log("npz", tmp_path, {"a": {"t": T, "x": T}})
+    recording, _ = converted(
+        path,
+        "  - {topic: /a, type: table, stamp: {t: s}, point: S, "
+        "take: {position: mm, velocity: m/s},\n"
+        "     fields: {position: [x, -2, 0.5], velocity: 0}}\n",
+    )
+    near(recording.vector("position")[5], np.array([T[5], -2, 0.5]) / 1e3)
+    near(recording.vector("velocity")[5], np.zeros(3))
+
+
 def test_second_instance_of_a_px4_topic(tmp_path: Path):
     stamps = np.arange(N) * 1e4
     tables = {
