@@ -91,10 +91,11 @@ def test_what_is_in_a_file(orbident: Orbident):
         "names": ["time", "q.0 to .1"],
     }
     proposal = Path("map.yaml").read_text()
+    assert "  # / (table) has nothing to take\n" in proposal
     assert "  - topic: /arm\n    type: table\n    stamp: {time: s}" in proposal
     assert "#   q.0 to .1" in proposal
     orbident("convert", "log.mat", "--map", "map.yaml", "-o", "r.csv").refused(
-        "map.yaml: topics[0] (/"
+        "map.yaml: topics[0] (/arm): take: this key is missing"
     )
 
 

@@ -39,13 +39,15 @@ def proposed_map(surveyed: Sequence[Surveyed]) -> str:
     ]
     for each in surveyed:
         topic = each.topic
+        if not topic.count:
+            lines.append(f"  # {topic.name} ({topic.type}) has nothing to take")
+            continue
         if isinstance(topic, Group):
             body = ["type: table", *proposed_table(topic)]
         else:
             propose = _PROPOSALS.get(topic.type)
             if propose is None or each.example is None:
-                why = "has no messages" if not topic.count else "cannot be mapped"
-                lines.append(f"  # {topic.name} ({topic.type}) {why}")
+                lines.append(f"  # {topic.name} ({topic.type}) cannot be mapped")
                 continue
             body = [f"type: {topic.type}", *propose(each)]
         lines.append(f"  - topic: {as_yaml(topic.name)}")

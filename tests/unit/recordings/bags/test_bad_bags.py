@@ -130,7 +130,7 @@ def test_topic_of_another_type(tmp_path):
     bag = write_bag("ros1", tmp_path, SENT)
     line = refusal(tmp_path, bag, JOINTS.replace("/js", "/imu"))
     assert "map.yaml: topics[0] (/imu): type: found sensor_msgs/JointState" in line
-    assert "'/imu' has sensor_msgs/Imu in" in line
+    assert "but it is sensor_msgs/Imu in" in line
 
 
 def test_topic_without_messages(tmp_path):
