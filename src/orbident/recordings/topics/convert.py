@@ -69,7 +69,7 @@ def convert_file(
         if len(missing) == len(entries):
             raise InputError(
                 f"{source.path}: has none of the topics of {place}, only "
-                f"{listed(source.topics)}; write a map: 'orbident topics {source.path}'"
+                f"{listed(source.topics)}; write a map: 'orbident topics' proposes one"
             )
         tracks = [Track(entry, out) for entry in entries if entry.topic not in missing]
         try:
