@@ -101,7 +101,12 @@ def bench_against_finite_differences(benchmark, record):
     slow = record("differences", cond=float(np.exp(found.fun)), calls=int(found.nfev))
     started = time.perf_counter()
     ours = search(
-        problem, (polytope, polytope), middle, Effort(1, None), 0, lambda _: None
+        problem,
+        (polytope, polytope, polytope),
+        middle,
+        Effort(1, None),
+        0,
+        lambda _: None,
     )
     fast = time.perf_counter() - started
     cond = float(np.exp(ours.optima[0].value))
