@@ -4,14 +4,29 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
+import pytest
 from bag_writers import Sent, write_bag
 
+from orbident.errors import InputError
 from orbident.recordings.recording import Recording
 from orbident.recordings.tables import read_recording
 from orbident.recordings.topics.convert import convert_file
 from orbident.recordings.topics.report import ConversionReport
+from orbident.recordings.topics.topic_map import load_topic_map
 
 HEAD = "schema: orbident/topic-map/1\ntopics:\n"
+
+
+def refusal(folder: Path, entry: str) -> str:
+    """What is said of a map with this one entry, after the name of its file."""
+    path = folder / "map.yaml"
+    path.write_text(f"{HEAD}  - {entry}\n")
+    with pytest.raises(InputError) as raised:
+        load_topic_map(path)
+    line = str(raised.value)
+    assert line.startswith(f"{path}: ")
+    assert "\n" not in line
+    return line.removeprefix(f"{path}: ")
 
 
 def converted(

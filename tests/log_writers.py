@@ -88,7 +88,9 @@ def write_mat_73(path: Path, tables: Tables) -> Path:
 
 
 def write_ulog(path: Path, tables: Tables, version: int = 1) -> Path:
-    """By https://docs.px4.io/main/en/dev_log/ulog_file_format: B, F, A and D messages.
+    """Write a PX4 log of flags, formats, subscriptions and data (messages B, F, A, D).
+
+    The format is at https://docs.px4.io/main/en/dev_log/ulog_file_format.
 
     The first column is the time in microseconds, named timestamp. A table `x.1` is the
     second instance of `x`.

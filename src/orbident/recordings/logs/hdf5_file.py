@@ -4,8 +4,8 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
+from orbident.extras import extra
 from orbident.recordings.logs.group import Tree, field_of, unusable
-from orbident.recordings.logs.libraries import hdf5
 
 MAGIC = b"\x89HDF\r\n\x1a\n"
 
@@ -18,9 +18,14 @@ def is_hdf5(path: Path) -> bool:
 
 
 def read_hdf5(path: Path, stack: ExitStack) -> Tree:
-    """Groups in groups; values are read when wanted, while the file is open."""
-    library = hdf5()
-    return _tree(library, stack.enter_context(library.File(path, "r")), set())
+    """Groups in groups; values are read when wanted, while the file is open.
+
+    Raises:
+        MissingLibraryError: h5py is not installed.
+    """
+    with extra("hdf5", "reading HDF5, which MATLAB's -v7.3 files are too,"):
+        import h5py
+    return _tree(h5py, stack.enter_context(h5py.File(path, "r")), set())
 
 
 def _tree(library: Any, group: Any, above: set[Any]) -> Tree:

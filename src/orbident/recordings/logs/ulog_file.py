@@ -6,8 +6,8 @@ from contextlib import ExitStack, redirect_stdout
 from pathlib import Path
 
 from orbident.errors import InputError
+from orbident.extras import extra
 from orbident.recordings.logs.group import LogField, Tree, in_memory
-from orbident.recordings.logs.libraries import ulog_reader
 
 MAGIC = b"ULog\x01\x12\x35"
 _VERSIONS = (b"\x00", b"\x01")
@@ -19,9 +19,11 @@ def read_ulog(path: Path, stack: ExitStack) -> Tree:
 
     Raises:
         InputError: Another version, or damage in the middle.
+        MissingLibraryError: pyulog is not installed.
     """
     del stack
-    reader = ulog_reader()
+    with extra("ulog", "reading a PX4 log"):
+        from pyulog import ULog
     with path.open("rb") as file:
         version = file.read(_HEADER_BYTES)[7:8]
     if version not in _VERSIONS:
@@ -31,7 +33,7 @@ def read_ulog(path: Path, stack: ExitStack) -> Tree:
         )
     # The library prints what it finds odd.
     with redirect_stdout(io.StringIO()):
-        log = reader(str(path))
+        log = ULog(str(path))
     if log.file_corruption:
         raise InputError(f"{path}: is damaged; copy it again from the vehicle")
     return {_name(each): _fields(each.data) for each in log.data_list}

@@ -31,7 +31,7 @@ _ATTITUDES: Mapping[str, tuple[int, str]] = {
     "mrp": (3, "[sigma1, sigma2, sigma3]"),
     **dict.fromkeys(DIMENSIONS["angle"], (3, "[roll, pitch, yaw]")),
 }
-"""Of each form of an attitude how many numbers it has, and an example."""
+"""How many numbers each form of an attitude has, with an example of their names."""
 
 
 @dataclass(frozen=True)

@@ -223,7 +223,9 @@ def test_semicolons_and_empty_cells(tmp_path: Path):
 REST = Path(__file__).parents[5] / "shared" / "data" / "cepheus-vicon-rest.mat"
 
 
-@pytest.mark.skipif(not REST.exists(), reason="the laboratory's file is not here")
+@pytest.mark.skipif(
+    not REST.exists(), reason="the laboratory's file is not beside this checkout"
+)
 def test_a_real_file_of_a_laboratory(tmp_path: Path):
     """Beside the same numbers as the laboratory's CSV has them."""
     entries = (
