@@ -120,12 +120,15 @@ struct Call {
             theta_of.value[e] * common.data()[OUTSIDE + b];
   }
   void act() {
-    const int count = static_cast<int>(gains.size()), betas = recorded.columns.betas;
+    const int count = static_cast<int>(gains.size());
     if (acting.size(0) == 0 && count == 0) return;
-    if (acting.size(0) != 2 * recorded.rows - 1 || acting.size(2) != 1 + count + betas)
+    const std::int64_t betas = acting.size(2) - 1 - count;
+    if (acting.size(0) != 2 * recorded.rows - 1 || (betas != 0 && betas != recorded.columns.betas))
       throw nb::value_error(
-          "acting: give a table for each node, with columns for its value, each selected gain and beta");
-    recorded.acting = {acting.data(), gains.data(), count, recorded.columns.beta(), betas};
+          "acting: give a table for each node, with columns for its value, each selected gain and, "
+          "where it depends on these, each beta");
+    recorded.acting = {acting.data(), gains.data(), count, recorded.columns.beta(),
+                       static_cast<int>(betas)};
   }
   // By tracker and axis: std, time and walk of what lasts.
   void colour(const Array& given) {

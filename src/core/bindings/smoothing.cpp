@@ -8,6 +8,7 @@
 
 #include "arrays.hpp"
 #include "orbident/parallel.hpp"
+#include "orbident/smoothing_evidence.hpp"
 
 namespace orbident::python {
 namespace {
@@ -65,16 +66,22 @@ auto smoothing_evidence(const Array& t_, const Array& x_, const Array& density_,
   Out<2> misfit(stretches, tried), log_det(stretches, tried);
   {
     nb::gil_scoped_release release;
+    const std::ptrdiff_t groups = (tried + DENSITIES - 1) / DENSITIES;
+    const auto weigh = [&](std::ptrdiff_t stretch, std::ptrdiff_t group) {
+      const std::ptrdiff_t first = group * DENSITIES, count = std::min<std::ptrdiff_t>(DENSITIES, tried - first);
+      // Lanes that are left over have the last one again.
+      double densities[DENSITIES];
+      for (std::ptrdiff_t l = 0; l < DENSITIES; ++l)
+        densities[l] = density.data()[first + std::min(l, count - 1)];
+      Evidence found;
+      evidence_of(t.data() + stretch * n, x.data() + stretch * n, n, densities, found);
+      std::copy_n(found.misfit, count, misfit.data() + stretch * tried + first);
+      std::copy_n(found.log_det, count, log_det.data() + stretch * tried + first);
+    };
     parallel_for(
-        stretches * tried, threads,
+        stretches * groups, threads,
         [&](std::ptrdiff_t from, std::ptrdiff_t to) {
-          for (std::ptrdiff_t k = from; k < to; ++k) {
-            const std::ptrdiff_t row = k / tried * n;
-            const Evidence<double> found = evidence(SampledColumn<double>{
-                t.data() + row, x.data() + row, n, 1, 1.0, 1.0, 0.0, density.data()[k % tried]});
-            misfit.data()[k] = found.misfit;
-            log_det.data()[k] = found.log_det;
-          }
+          for (std::ptrdiff_t k = from; k < to; ++k) weigh(k / groups, k % groups);
         },
         1);
   }

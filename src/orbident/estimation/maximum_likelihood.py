@@ -7,9 +7,10 @@ shooting), and the errors of the smoothed joint histories. The information at th
 solution gives the covariance.
 """
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
@@ -32,6 +33,7 @@ from orbident.estimation.output_error.forms import SLOW
 from orbident.estimation.output_error.noise_scaling import Fitted, fitted
 from orbident.estimation.output_error.problem import (
     OUTSIDE,
+    Linear,
     Problem,
     State,
     linear,
@@ -115,20 +117,18 @@ def maximum_likelihood(
     if others is not None:
         beta, prior = others.beta, with_others(prior, others, problem.declared)
     # Linear fits are poor where a velocity is noisier than the motion.
-    first, second = sorted(
-        (
-            start_of(problem, samples, outside, at)
-            for at in (beta, sets.beta(robot.theta))
-        ),
-        key=lambda start: linear(problem, problem.weights, start).cost,
+    states = (
+        start_of(problem, samples, outside, at) for at in (beta, sets.beta(robot.theta))
     )
+    starts = [_Start(at, linear(problem, problem.weights, at)) for at in states]
+    starts.sort(key=lambda start: start.here.cost)
     least = {name: each.least / each.std for name, each in sensors.by_name.items()}
     declared = {name for name, each in sensors.by_name.items() if each.declared}
 
-    search = _Search(problem, prior, (first, second), least, declared, progress, steps)
+    search = _Search(problem, prior, starts, least, declared, progress, steps)
     # Without declared noise, what splines leave between samples may look slow too.
     excluded = () if declared == set(sensors.by_name) else SLOW
-    found, groups, plain = with_disturbances(problem, search, excluded)
+    zeros, found, groups, plain = with_disturbances(problem, search, excluded)
     return Likelihood(
         estimate=estimate_of(found.solution, prior_std(robot, sets)),
         biases=_biases(robot, sensors, found),
@@ -139,10 +139,15 @@ def maximum_likelihood(
         settled=found.settled,
         signals=sensor_signals(robot, problem, sensors, found),
         calibration=_calibration(problem, found.solution),
-        sensitivity=partial(sensitivity, problem, found.solution),
+        sensitivity=partial(sensitivity, zeros),
         solution=plain.solution,
         shared=partial(shared_of, problem, found.solution),
     )
+
+
+class _Start(NamedTuple):
+    state: State
+    here: Linear
 
 
 @dataclass(frozen=True)
@@ -151,7 +156,7 @@ class _Search:
 
     problem: Problem
     prior: Prior
-    starts: tuple[State, State]
+    starts: Sequence[_Start]
     least: Mapping[str, float]
     declared: Collection[str]
     progress: Callable[[], object]
@@ -163,10 +168,11 @@ class _Search:
         solution = self._from(best, more)
         return solution if solution.converged else self._from(other, more)
 
-    def _from(self, start: State, more: tuple[str, ...]) -> Solution:
-        prior, state = start_with(self.problem, self.prior, start, more)
-        weights = self.problem.weights
-        return solved(self.problem, weights, prior, state, self.progress, self.steps)
+    def _from(self, start: _Start, more: tuple[str, ...]) -> Solution:
+        problem, weights = self.problem, self.problem.weights
+        prior, state = start_with(problem, self.prior, start.state, more)
+        here = None if more else start.here
+        return solved(problem, weights, prior, state, self.progress, self.steps, here)
 
     def whole(self, solution: Solution) -> Fitted:
         """Go on with the noise that the residuals show."""

@@ -4,7 +4,7 @@
 // accelerometer feels of it,
 //
 //   rows      h_cm 3 | its rate 3 | r_cm 3 | v_cm 3 | felt acceleration 3
-//   columns   value | by each gain among the unknowns | by beta
+//   columns   value | by each gain among the unknowns | by beta, or none where it does not matter
 #pragma once
 
 #include "orbident/rotations.hpp"
@@ -41,7 +41,11 @@ struct Acting {
   void add(int first, const Matrix3<T>& by, Slopes& slopes) const {
     if (!rows) return;
     const auto all = table(first);
-    for (int k = 0; k < gains; ++k) slopes.col(columns[k]) += by * all.col(1 + k);
+    // Neighbours among the gains are neighbours among the unknowns, but for a few.
+    for (int k = 0, end; k < gains; k = end) {
+      for (end = k + 1; end < gains && columns[end] == columns[end - 1] + 1;) ++end;
+      slopes.middleCols(columns[k], end - k) += by.lazyProduct(all.middleCols(1 + k, end - k));
+    }
     slopes.middleCols(beta, betas) += by.lazyProduct(all.rightCols(betas));
   }
 };

@@ -1,4 +1,4 @@
-// Whole columns through white_snap.hpp: what they most likely were, and how likely a density is.
+// Whole columns through white_snap.hpp: what they most likely were.
 #pragma once
 
 #include "orbident/forward_and_back.hpp"
@@ -67,32 +67,6 @@ void smooth_column(const SampledColumn<T>& column, std::ptrdiff_t first, std::pt
     if (k > first) retreat(column.motion(k), noise, at);
   };
   forward_and_back(last - first + 1, Information<T>(), forward, turn, back);
-}
-
-// How likely samples are under a density: -2 log L = misfit / R + log_det + (n - 4) log R with the
-// variance R of the noise, the state at the start integrated out.
-template <class T>
-struct Evidence {
-  T misfit, log_det;
-};
-
-// Every row has a sample.
-template <class T>
-Evidence<T> evidence(const SampledColumn<T>& column) {
-  using namespace white_snap;
-  using std::abs;
-  using std::log;
-  Information<T> known;
-  measure(column.y(0), known);
-  T log_det = T(0);
-  for (std::ptrdiff_t k = 1; k < column.rows; ++k) {
-    const SnapRows<T> noise = advance(column.motion(k), known);
-    measure(column.y(k), known);
-    log_det += log(abs(noise.template leftCols<ORDER>().diagonal().prod()));
-  }
-  const auto R = known.rows.template middleCols<ORDER>(ORDER);
-  log_det += R.diagonal().array().abs().log().sum();
-  return {known.misfit, T(2) * log_det};
 }
 
 }  // namespace orbident

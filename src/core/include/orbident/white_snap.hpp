@@ -33,13 +33,11 @@ using SnapRows = Eigen::Matrix<T, ORDER, WIDTH, Eigen::RowMajor>;
 template <class T>
 using Equation = Eigen::Matrix<T, 1, WIDTH>;
 
-// What the samples so far say of the state, and how likely they were.
+// What the samples so far say of the state.
 template <class T>
 struct Information {
   // R s = z + N(0, 1) in the columns of s, R upper triangular; zero where nothing is known.
   SnapRows<T> rows = SnapRows<T>::Zero();
-  // Sum of squares of the residuals.
-  T misfit = T(0);
 };
 
 // The state given all samples: its mean and covariance.
@@ -130,7 +128,6 @@ void measure(const T& y, Information<T>& known) {
   sample[ORDER] = T(1);
   sample[RIGHT] = y;
   for (int i = 0; i < ORDER; ++i) turn(known.rows.row(i), sample, ORDER + i);
-  known.misfit += sample[RIGHT] * sample[RIGHT];
 }
 
 // From the state after a step to the state before it: s = F^-1 s+ - G w with

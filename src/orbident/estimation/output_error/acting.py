@@ -7,6 +7,7 @@ With `F`, `tau` (about S) and the pull `a` in inertial axes, and `r` from S to t
 An accelerometer feels `F / M`.
 """
 
+from collections.abc import Sequence
 from functools import cached_property
 
 import numpy as np
@@ -67,6 +68,8 @@ class Acting:
     ) -> Float[np.ndarray, "nodes rows columns"]:
         """What acts at these parameters: its value, and its slopes by gains and `beta`.
 
+        Without a force nothing depends on `beta`: these columns are left out.
+
         Args:
             beta: base parameters.
             gains: of the selected calibrations and disturbances.
@@ -78,30 +81,38 @@ class Acting:
             if place >= self.first
         }
         if not (sizes or self.recorded or "nadir" in self.followed.surroundings):
-            return np.zeros((0, ROWS, 1 + beta.size))
+            return np.zeros((0, ROWS, 1))
         every = (*self.recorded, *(self.disturbances if sizes else ()))
         r = by_step(self.followed.moments @ beta / beta[0])
         tide = by_step(gravity_gradient(self.followed, beta))
         total = nothing(self.followed)._replace(torque=tide)
         for k in {*range(len(self.recorded)), *sizes}:
             size = every[k].acts + sizes.get(k, 0.0)
-            total = total.plus(every[k].effect.times(size))
-        table = np.zeros((self.followed.t.size, ROWS, 1 + len(sizes) + beta.size))
-        table[:, :, 0] = self._moved(total, r, beta[0])
-        for column, k in enumerate(sizes, start=1):
-            table[:, :, column] = self._moved(every[k].effect, r, beta[0])
-        if total.force.any():
-            table[:, :, 1 + len(sizes) :] = self._by_beta(total, r, beta[0])
-        return table
+            if size:
+                total = total.plus(every[k].effect.times(size))
+        effects = [total, *(every[k].effect for k in sizes)]
+        table = self._moved(effects, r, beta[0])
+        if not total.force.any():
+            return table
+        return np.concatenate([table, self._by_beta(total, r, beta[0])], axis=2)
 
     def _moved(
-        self, effect: Effect, r: Float[np.ndarray, "steps 3 3"], M: float
-    ) -> Float[np.ndarray, "nodes 15"]:
-        t, felt = self.followed.t, effect.force / M
-        rate = effect.torque - np.cross(r, effect.force)
-        v = integral(t, felt + effect.pull)
-        r_cm = integral(t, by_step(v))
-        return np.hstack([integral(t, rate), at_nodes(rate), r_cm, v, at_nodes(felt)])
+        self, effects: Sequence[Effect], r: Float[np.ndarray, "steps 3 3"], M: float
+    ) -> Float[np.ndarray, "nodes rows effects"]:
+        t = self.followed.t
+        table = np.zeros((t.size, ROWS, len(effects)))
+        rate = np.stack([each.torque for each in effects], axis=-1)
+        pushing = [k for k, each in enumerate(effects) if each.accelerates]
+        if pushing:
+            force = np.stack([effects[k].force for k in pushing], axis=-1)
+            pull = np.stack([effects[k].pull for k in pushing], axis=-1)
+            rate[..., pushing] -= np.cross(r[..., None], force, axis=2)
+            v = integral(t, force / M + pull)
+            table[:, 6:9, pushing] = integral(t, by_step(v))
+            table[:, 9:12, pushing] = v
+            table[:, 12:15, pushing] = at_nodes(force / M)
+        table[:, 0:3], table[:, 3:6] = integral(t, rate), at_nodes(rate)
+        return table
 
     def _by_beta(
         self, effect: Effect, r: Float[np.ndarray, "steps 3 3"], M: float

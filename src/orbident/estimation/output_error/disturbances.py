@@ -15,7 +15,7 @@ from scipy.special import chdtri
 from orbident.estimation.output_error.forms import Disturbance
 from orbident.estimation.output_error.noise_scaling import Fitted
 from orbident.estimation.output_error.problem import OUTSIDE, Problem, State
-from orbident.estimation.output_error.sensitivity import after_all_others, fall
+from orbident.estimation.output_error.sensitivity import TakenForZero, fall
 from orbident.estimation.output_error.solver import Prior, Solution
 
 CHANCE = 1e-4
@@ -59,6 +59,8 @@ class DisturbanceFit(NamedTuple):
 class Fit(NamedTuple):
     """A fit in which some of what may act from outside is unknown too."""
 
+    zeros: TakenForZero
+    """What it takes for zero."""
     found: Fitted
     groups: tuple[str, ...]
     plain: Fitted
@@ -90,10 +92,13 @@ def with_disturbances(
     """
     start = search.first(())
     plain = search.whole(start)
+    tested = problem.t.size <= LONGEST
+    every = {each.group for each in problem.acting.disturbances} if tested else set()
+    zeros = first = TakenForZero(problem, plain.solution, every - {*excluded})
     # In all first fits noise is that assumed, so that their costs can be compared.
     solution, groups, cost = plain.solution, (), start.cost
-    for _ in range(ROUNDS if problem.t.size <= LONGEST else 0):
-        more = _best(problem, solution, groups, search, excluded)
+    for _ in range(ROUNDS):
+        more = _best(zeros, groups, search)
         if more is None or _hopeless(problem, more[0].cost, cost):
             break
         solution, groups = more
@@ -101,13 +106,14 @@ def with_disturbances(
         while weak := _unneeded(problem, solution, groups):
             groups = _without(groups, weak)
             solution = search.first(groups)
+        zeros = TakenForZero(problem, solution, zeros.groups)
         cost = solution.cost
-    fit = Fit(search.whole(solution) if groups else plain, groups, plain)
-    while weak := _unneeded(problem, fit.found.solution, fit.groups):
-        left = _without(fit.groups, weak)
-        found = search.whole(search.first(left)) if left else plain
-        fit = fit._replace(found=found, groups=left)
-    return fit
+    found = search.whole(solution) if groups else plain
+    while weak := _unneeded(problem, found.solution, groups):
+        groups = _without(groups, weak)
+        found = search.whole(search.first(groups)) if groups else plain
+    zeros = TakenForZero(problem, found.solution) if groups else first
+    return Fit(zeros, found, groups, plain)
 
 
 def _without(groups: tuple[str, ...], group: str) -> tuple[str, ...]:
@@ -115,11 +121,7 @@ def _without(groups: tuple[str, ...], group: str) -> tuple[str, ...]:
 
 
 def _best(
-    problem: Problem,
-    solution: Solution,
-    groups: tuple[str, ...],
-    search: Search,
-    excluded: Collection[str],
+    zeros: TakenForZero, groups: tuple[str, ...], search: Search
 ) -> tuple[Solution, tuple[str, ...]] | None:
     """The solution with the group that explains most; None where none is likely.
 
@@ -127,9 +129,8 @@ def _best(
     error, one number, explains the recording better than all numbers of a group do,
     nothing is freed: the checks of the residuals then say what is wrong.
     """
-    tried = []
-    known = {each.group for each in problem.acting.disturbances}
-    for group in _likely(problem, solution, known - {*groups, *excluded}):
+    tried, problem = [], zeros.problem
+    for group in _likely(zeros, {*zeros.groups} - {*groups}):
         more = search.first((*groups, group))
         if not _impossible(problem, more, group):
             size = _places(problem, [group]).size
@@ -137,8 +138,7 @@ def _best(
     if not tried:
         return None
     least, *best = min(tried, key=lambda each: each[0])
-    exact = {each.name for each in problem.calibrations if not each.std}
-    for instrument in _likely(problem, solution, exact):
+    for instrument in _likely(zeros, {each.name for each in zeros.errors}):
         if search.first((*groups, instrument)).cost + chdtri(1, CHANCE) < least:
             return None
     return best[0], best[1]
@@ -211,16 +211,13 @@ def _places(problem: Problem, names: Collection[str]) -> Float[np.ndarray, " n"]
     return np.array([*errors, *(k for each, k in acting if each.group in names)], float)
 
 
-def _likely(problem: Problem, solution: Solution, names: Collection[str]) -> list[str]:
+def _likely(zeros: TakenForZero, names: Collection[str]) -> list[str]:
     """Those by which chi-square falls beyond what chance does, most of all."""
-    if not names:
-        return []
-    places = _places(problem, names)
-    left = after_all_others(problem, solution, places)
     beyond = {}
     for name in sorted(names):
-        which = np.flatnonzero(np.isin(places, _places(problem, [name])))
-        beyond[name] = fall(left, which) - chdtri(which.size, CHANCE / len(names))
+        places = _places(zeros.problem, [name])
+        fallen = fall(zeros.equations(places), np.arange(places.size))
+        beyond[name] = fallen - chdtri(places.size, CHANCE / len(names))
     likely = sorted(
         (name for name in beyond if beyond[name] > 0), key=lambda name: -beyond[name]
     )

@@ -63,6 +63,11 @@ class Effect(NamedTuple):
     pull: Float[np.ndarray, "steps 3 3"]
     """m/s^2."""
 
+    @property
+    def accelerates(self) -> bool:
+        """Whether the system CM is accelerated by it, or only turned."""
+        return bool(self.force.any() or self.pull.any())
+
     def times(self, size: float) -> "Effect":
         """So many times as large."""
         return Effect(*(size * part for part in self))

@@ -171,13 +171,14 @@ class Linear(NamedTuple):
         Each link gives `R z = e - F z_before - G g`, with `e` of unit covariance.
         """
         n = self.local
-        for link in self.links[len(self.links) // 2 :]:
-            root = solve_triangular(link[:, :n], np.eye(n))
-            by = -root @ link[:, n:-1]
-            across = by @ C[:, n:]
-            C = np.block(
-                [[by @ C @ by.T + root @ root.T, across], [across.T, C[n:, n:]]]
-            )
+        links = self.links[len(self.links) // 2 :]
+        R = links[:, :, :n]
+        by = np.linalg.solve(R, -links[:, :, n:-1])
+        root = np.linalg.solve(R, np.broadcast_to(np.eye(n), R.shape))
+        for on, own in zip(by, root, strict=True):
+            across = on @ C[:, n:]
+            top = np.hstack([on @ C @ on.T + own @ own.T, across])
+            C = np.vstack([top, np.hstack([across.T, C[n:, n:]])])
         return C[:n, :n]
 
 

@@ -11,13 +11,16 @@ one error alone were an unknown, it would be `r z / |r|^2` with `r` its column o
 and chi-square would fall by `(r z)^2 / |r|^2` (score test).
 """
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float, Int
 from scipy.linalg import solve_triangular
 
+from orbident.estimation.output_error.calibration import Calibration
 from orbident.estimation.output_error.problem import OUTSIDE, Problem, linear
 from orbident.estimation.output_error.solver import Solution
 
@@ -61,7 +64,7 @@ class Sensitivity(NamedTuple):
     covariance: Float[np.ndarray, "beta beta"]
     """Of the estimate."""
     freed: tuple[Freed, ...]
-    left: Float[np.ndarray, "errors errors+1"]
+    left: Float[np.ndarray, "rows columns"]
     """`[R_c, z]`: the equations of the errors after those of all other unknowns."""
 
     def falls(self, which: Sequence[int]) -> float:
@@ -76,62 +79,82 @@ class Sensitivity(NamedTuple):
         return derivative @ self.shift / np.sqrt(np.diag(C))[:, None]
 
 
-def fall(left: Float[np.ndarray, "n n+1"], which: Int[np.ndarray, " some"]) -> float:
+def fall(left: Float[np.ndarray, "rows columns"], which: Int[np.ndarray, " some"]) -> float:
     """How far chi-square would fall if these columns of `[R_c, z]` were unknowns."""
     R, z = left[:, list(which)], left[:, -1]
     after = z - R @ np.linalg.lstsq(R, z)[0]
     return float(z @ z - after @ after)
 
 
-def after_all_others(
-    problem: Problem, solution: Solution, places: Float[np.ndarray, " errors"]
-) -> Float[np.ndarray, "errors errors+1"]:
-    """The equations `[R_c, z]` of what a solution takes for zero, at these places."""
-    factor = _with_errors(problem, solution, places)
-    return factor[-1 - places.size : -1, -1 - places.size :]
+@dataclass(frozen=True)
+class TakenForZero:
+    """What a solution takes for zero: errors of instruments, and what may act."""
+
+    problem: Problem
+    solution: Solution
+    groups: Collection[str] = ()
+    """Of disturbances, those that are asked about."""
+
+    @cached_property
+    def errors(self) -> tuple[Calibration, ...]:
+        """Of the instruments."""
+        selected = self.solution.state.selected
+        return tuple(
+            each for each in self.problem.calibrations if each.place not in selected
+        )
+
+    @cached_property
+    def places(self) -> Float[np.ndarray, " zeros"]:
+        """Where the core has them: errors first."""
+        acting, selected = self.problem.acting, self.solution.state.selected
+        named = (
+            zip(acting.disturbances, acting.places, strict=True) if self.groups else ()
+        )
+        acts = [place for each, place in named if each.group in self.groups]
+        of_errors = [each.place for each in self.errors]
+        return np.array([*of_errors, *np.setdiff1d(acts, selected)], float)
+
+    @cached_property
+    def factor(self) -> Float[np.ndarray, "n n"]:
+        """Triangular, over changes of the solution's unknowns, of these, and rhs."""
+        state = self.solution.state.selecting(self.places)
+        here = linear(self.problem, self.solution.weights, state)
+        prior = self.solution.prior.extended(self.places.size, np.inf)
+        return prior.added(here.common, state)
+
+    def equations(
+        self, places: Float[np.ndarray, " n"]
+    ) -> Float[np.ndarray, "zeros columns"]:
+        """`[R_c, z]` of what is at these places, after those of the unknowns."""
+        left = self.factor[-1 - self.places.size : -1, -1 - self.places.size :]
+        return left[:, [*np.flatnonzero(np.isin(self.places, places)), -1]]
 
 
-def _with_errors(
-    problem: Problem, solution: Solution, places: Float[np.ndarray, " errors"]
-) -> Float[np.ndarray, "n n"]:
-    """The factor over changes of all unknowns of a solution, then of these."""
-    state, n = solution.state.selecting(places), places.size
-    here = linear(problem, solution.weights, state)
-    return solution.prior.extended(n, np.inf).added(here.common, state)
-
-
-def sensitivity(problem: Problem, solution: Solution) -> Sensitivity:
+def sensitivity(zeros: TakenForZero) -> Sensitivity:
     """The effect of each calibration error that is not among a solution's unknowns.
 
     Args:
-        problem: a recording's equations.
-        solution: where its cost is least.
+        zeros: of the solution.
     """
-    errors = tuple(
-        each
-        for each in problem.calibrations
-        if each.place not in solution.state.selected
-    )
-    places = np.array([float(each.place) for each in errors])
-    n, state = len(errors), solution.state
-    size = state.common.size + n
-    factor = _with_errors(problem, solution, places)
-    x = slice(size - n)
+    errors, state = zeros.errors, zeros.solution.state
+    size = state.common.size
+    x = slice(size)
     of_beta = slice(OUTSIDE, OUTSIDE + state.beta.size)
-    R_c, z = factor[size - n : size, size - n : size], factor[size - n : size, size]
-    by = solve_triangular(factor[x, x], factor[x, size - n : size])
+    left = zeros.equations(zeros.places[: len(errors)])
+    R_x = zeros.factor[x, x]
+    by = solve_triangular(R_x, zeros.factor[x, size : size + len(errors)])
+    root = solve_triangular(R_x, np.eye(size))[of_beta]
     small = [SMALL_ERROR[each.unit] for each in errors]
-    root = solve_triangular(factor[x, x], np.eye(size - n))[of_beta]
     return Sensitivity(
         names=tuple(each.name for each in errors),
         units=tuple(unit for unit, _ in small),
         shift=by[of_beta] * np.array([one for _, one in small]),
         covariance=root @ root.T,
         freed=tuple(
-            _freed(each.name, column, z)
-            for each, column in zip(errors, R_c.T, strict=True)
+            _freed(each.name, column, left[:, -1])
+            for each, column in zip(errors, left[:, :-1].T, strict=True)
         ),
-        left=np.column_stack([R_c, z]),
+        left=left,
     )
 
 

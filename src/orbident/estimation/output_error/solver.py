@@ -106,13 +106,23 @@ def solved(
     state: State,
     progress: Callable[[], object] = lambda: None,
     steps: int = STEPS,
+    here: Linear | None = None,
 ) -> Solution:
     """From a state to the least cost, in so many steps at most.
+
+    Args:
+        problem: a recording's equations.
+        weights: of its samples.
+        prior: what is known beforehand.
+        state: where the search starts.
+        progress: is called at every step.
+        steps: at most.
+        here: the equations at that state, where they are at hand.
 
     Raises:
         InputError: at the first state the equations overflow.
     """
-    here = linear(problem, weights, state)
+    here = here or linear(problem, weights, state)
     cost = here.cost + prior.cost(state)
     check_finite(cost, here.factor)
     damping, raised = 0.0, RAISED

@@ -17,6 +17,7 @@ from orbident.estimation.output_error.problem import linear
 from orbident.estimation.output_error.sensitivity import (
     SMALL_ERROR,
     Freed,
+    TakenForZero,
     _freed,
     sensitivity,
 )
@@ -52,7 +53,7 @@ def test_shifts_are_those_of_estimates_from_such_instruments(flown):
     size = 1e-5
     problem, prior, state, _ = small_problem(robot, recording)
     solution = solved(problem, problem.weights, prior, state)
-    table = sensitivity(problem, solution)
+    table = sensitivity(TakenForZero(problem, solution))
     std = np.sqrt(np.diag(table.covariance))
     errors = one_by_one(robot, size)
     assert table.names == tuple(each.name for each in problem.calibrations)
@@ -75,7 +76,9 @@ def test_shifts_in_deviations_of_what_follows_from_beta(flown):
     robot, recording = flown
     sets = minimal_sets(robot)
     problem, prior, state, beta = small_problem(robot, recording)
-    table = sensitivity(problem, solved(problem, problem.weights, prior, state))
+    table = sensitivity(
+        TakenForZero(problem, solved(problem, problem.weights, prior, state))
+    )
     for derivative in derivatives_of_beta(sets, beta):
         found = table.in_deviations(derivative)
         assert found.shape == (len(derivative), len(table.names))
@@ -99,7 +102,10 @@ def test_an_error_freed_alone_is_what_a_refit_finds(flown):
     exact = small_problem(robot, recording)
     weights = by_noise(exact)
     solution = solved(exact.problem, weights, exact.prior, exact.state)
-    freed = {each.name: each for each in sensitivity(exact.problem, solution).freed}
+    freed = {
+        each.name: each
+        for each in sensitivity(TakenForZero(exact.problem, solution)).freed
+    }
     free = Tolerances(position_scale=1.0)
     small = small_problem(replace(robot, tolerances=free), recording)
     again = solved(small.problem, weights, small.prior, small.state)
@@ -129,7 +135,7 @@ def test_the_cause_of_a_misfit_has_the_largest_drop(flown):
     errors = replace(no_errors(robot), position=np.array([5e-3]))
     small = small_problem(robot, shown_with(errors, robot, recording))
     solution = solved(small.problem, by_noise(small), small.prior, small.state)
-    freed = sensitivity(small.problem, solution).freed
+    freed = sensitivity(TakenForZero(small.problem, solution)).freed
     cause = max(freed, key=lambda each: each.chi2_drop)
     assert cause.name == "position.scale"
     # All of chi-square is its doing, but for what bends.
