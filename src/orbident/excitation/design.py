@@ -21,6 +21,10 @@ from orbident.threads import one_blas_thread
 from orbident.trajectories.trajectory import Trajectory
 
 STARTS = 24
+"""So many at least, where nothing is asked for."""
+
+EVALUATIONS = 1500
+"""And so many evaluations: some 3 s on a slow processor."""
 
 LIMIT_STEPS = 64
 """Steps between the nodes at which the second descents keep the joints' limits, at
@@ -80,7 +84,7 @@ def design_excitation(
             for the information of all parameters under the robot file's sensors. By
             default `"d"` where the robot file declares the noise of a sensor of the
             base and the conditions name no basis, else `"cond"`.
-        starts: so many starts; 24 by default.
+        starts: so many starts; by default 24, and more where their descents are short.
         budget: instead of `starts`, seconds for all of it.
         uncertainty: relative, of the bodies' masses and sizes; the worst of several
             plausible robots counts.
@@ -97,7 +101,9 @@ def design_excitation(
         InputError: no motion keeps to the limits, or an argument makes no sense.
     """
     effort = Effort(
-        starts or STARTS, None if budget is None else (1 - RESERVED) * budget
+        starts or STARTS,
+        None if budget is None else (1 - RESERVED) * budget,
+        0 if starts else EVALUATIONS,
     )
     _check(objective, starts, budget, uncertainty)
     given = conditions or conditions_for(robot, duration, harmonics)

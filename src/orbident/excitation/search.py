@@ -1,8 +1,9 @@
 """Many starts: from random motions inside the limits to the best local optima.
 
-All starts are descended on a smooth criterion, half of them from beside a good motion
-that was found already: what is best is often a small step from what is good. Only the
-best are then descended on a sharp one, and of these the best under more limits.
+All starts are descended on a smooth criterion, half of them from a good motion that is
+known already, with one joint's motion made anew: what is good in one joint is often good
+with a better motion of another. Only the best are then descended on a sharp criterion,
+and of these the best under more limits.
 """
 
 import time
@@ -19,7 +20,7 @@ from orbident.excitation.descent import Descent, Found, Stage
 from orbident.excitation.joint_limits import Polytope
 from orbident.excitation.problem import Problem
 
-FIRST = Stage(power=2.0, near=np.inf, until=0.5)
+FIRST = Stage(power=8.0, near=np.inf, until=0.5)
 SECOND = Stage(power=128.0, near=np.inf, until=0.9)
 LAST = Stage(power=512.0, near=0.1, until=1.0)
 
@@ -36,13 +37,10 @@ FIRST_RANDOM = 8
 """So many starts are random, then every second one."""
 
 BEST = 6
-"""A start beside a good motion takes one of so many."""
-
-ASIDE = 0.5
-"""How far beside, in coordinates with rates of unit mean square over their limits."""
+"""A start with one joint made anew takes the others from one of so many."""
 
 INWARD = 0.9
-"""Share of a good motion's amplitude that such a start keeps: limits are then free."""
+"""Share of their amplitude that those keep: limits are then free."""
 
 MOST_HALVINGS = 20
 
@@ -61,32 +59,39 @@ class Progress(NamedTuple):
 
 @dataclass(frozen=True)
 class Effort:
-    """How long to search: so many starts, or until a moment."""
+    """How long to search: so many starts and evaluations, or until a moment."""
 
     starts: int
     budget: float | None
-    """Seconds; the number of starts then does not matter."""
+    """Seconds; the numbers of starts and evaluations then do not matter."""
+    evaluations: int = 0
+    """Starts go on until their descents have taken so many: where descents are short,
+    there is time for more."""
     began: float = field(default_factory=time.perf_counter)
 
-    @property
-    def followed(self) -> int | None:
-        """So many starts are descended to the end; None: as many as time allows."""
-        return None if self.budget else ceil(self.starts / FOLLOWED)
+    def followed(self, starts: int) -> int | None:
+        """How many are descended again after so many starts; None: as time allows."""
+        return None if self.budget else ceil(starts / FOLLOWED)
 
-    def begins(self, starts: int) -> bool:
-        """Whether one more start is to begin after so many."""
+    def begins(self, starts: int, evaluations: int) -> bool:
+        """Whether one more start is to begin after so many of both."""
         if self.budget:
             return starts == 0 or not self.over(FIRST.until)
-        return starts < self.starts
+        return starts < self.starts or evaluations < self.evaluations
 
     def over(self, share: float) -> bool:
         """Whether so much of the time is up."""
         return self._used() >= share
 
-    def fraction(self, descents: int) -> float:
+    def fraction(self, searched: "Searched") -> float:
         """Share of the search that is done."""
-        planned = self.starts + (self.followed or 0) + POLISHED
-        return min(self._used() if self.budget else descents / planned, 1.0)
+        if self.budget:
+            return min(self._used(), 1.0)
+        begun = searched.starts / self.starts
+        if self.evaluations:
+            begun = min(begun, searched.evaluations / self.evaluations)
+        starts = searched.starts / min(begun, 1.0)
+        return min(searched.descents / (starts + starts / FOLLOWED + POLISHED), 1.0)
 
     def _used(self) -> float:
         if not self.budget:
@@ -149,10 +154,11 @@ def search(
     run = _Search(problem, effort, report)
     searched = run.searched
     try:
-        while effort.begins(searched.starts):
+        while effort.begins(searched.starts, searched.evaluations):
             random = np.random.default_rng([seed, searched.starts])
             run.descend(_start(run, few, middle, random), few, FIRST)
-        run.refine(searched.optima[: effort.followed], more, SECOND)
+        followed = effort.followed(searched.starts)
+        run.refine(searched.optima[:followed], more, SECOND)
         run.refine(searched.optima[:POLISHED], many, LAST)
     except KeyboardInterrupt:
         # Without a first motion there is nothing to keep.
@@ -197,7 +203,7 @@ class _Search:
                 searched.keep(descent.best)
         self.report(
             Progress(
-                effort.fraction(searched.descents),
+                effort.fraction(searched),
                 float(np.exp(searched.best.value)),
                 searched.starts,
             )
@@ -210,21 +216,23 @@ def _start(
     middle: Float[np.ndarray, "joints m"],
     random: np.random.Generator,
 ) -> Float[np.ndarray, "joints m"]:
-    """A random motion, or one beside a good one; inside all limits."""
+    """A random motion, or a good one with a random joint; inside all limits."""
     searched = run.searched
     good, is_random = searched.optima[:BEST], searched.starts % 2 == 0
     searched.starts += 1
     direction = random.standard_normal(middle.shape)
+    share = random.uniform(*SHARES, len(middle))
+    steps = share * polytope.reach(middle, direction)
+    y = middle + steps[:, None] * direction
     if searched.starts <= FIRST_RANDOM or is_random or not good:
-        share = random.uniform(*SHARES, len(middle))
-        steps = share * polytope.reach(middle, direction)
-        y = middle + steps[:, None] * direction
         found = _inside_base_limits(run.problem, middle, y)
         searched.random.append(found)
         return found.y
-    y = middle + INWARD * (good[random.integers(len(good))].y - middle)
-    steps = np.minimum(ASIDE, SHARES[1] * polytope.reach(y, direction))
-    return _inside_base_limits(run.problem, middle, y + steps[:, None] * direction).y
+    # Limits hold joint by joint, so joints of two motions go together.
+    mixed = middle + INWARD * (good[random.integers(len(good))].y - middle)
+    joint = random.integers(len(middle))
+    mixed[joint] = y[joint]
+    return _inside_base_limits(run.problem, middle, mixed).y
 
 
 def _inside_base_limits(
