@@ -24,7 +24,7 @@ FIRST = Stage(power=8.0, near=np.inf, until=0.5)
 SECOND = Stage(power=128.0, near=np.inf, until=0.9)
 LAST = Stage(power=512.0, near=0.1, until=1.0)
 
-FOLLOWED = 4
+FOLLOWED = 8
 """One start of so many is descended again; with a budget, as many as time allows."""
 
 POLISHED = 3
