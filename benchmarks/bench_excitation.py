@@ -14,8 +14,8 @@ from scipy.optimize import minimize
 from orbident.estimation.identify import identify
 from orbident.excitation.conditions import conditions_for
 from orbident.excitation.design import LIMIT_STEPS, design_excitation
+from orbident.excitation.design_problem import problem_for
 from orbident.excitation.joint_limits import inner_point, polytope_of
-from orbident.excitation.problem import problem_for
 from orbident.excitation.search import Effort, search
 from orbident.model.minimal_sets import minimal_sets
 from orbident.recordings.recording import Recording
@@ -86,7 +86,7 @@ def bench_against_finite_differences(benchmark, record):
 
     def theirs():
         return minimize(
-            lambda x: problem.tried(x.reshape(middle.shape), 8.0).exact,
+            lambda x: problem.evaluate(x.reshape(middle.shape), 8.0).exact,
             y.ravel(),
             constraints={
                 "type": "ineq",

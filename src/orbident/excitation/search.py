@@ -16,13 +16,13 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.errors import InputError
-from orbident.excitation.descent import Descent, Found, Stage
+from orbident.excitation.descent import Descent, DescentStage, Feasible
+from orbident.excitation.design_problem import DesignProblem
 from orbident.excitation.joint_limits import Polytope
-from orbident.excitation.problem import Problem
 
-FIRST = Stage(power=8.0, near=np.inf, until=0.5)
-SECOND = Stage(power=128.0, near=np.inf, until=0.9)
-LAST = Stage(power=512.0, near=0.1, until=1.0)
+FIRST = DescentStage(power=8.0, near=np.inf, until=0.5)
+SECOND = DescentStage(power=128.0, near=np.inf, until=0.9)
+LAST = DescentStage(power=512.0, near=0.1, until=1.0)
 
 FOLLOWED = 8
 """One start of so many is descended again; with a budget, as many as time allows."""
@@ -103,9 +103,9 @@ class Effort:
 class Searched:
     """What a search has found so far."""
 
-    random: list[Found] = field(default_factory=list)
+    random: list[Feasible] = field(default_factory=list)
     """Random motions, before any descent."""
-    optima: list[Found] = field(default_factory=list)
+    optima: list[Feasible] = field(default_factory=list)
     """The best first; nearly equal ones once."""
     starts: int = 0
     descents: int = 0
@@ -113,11 +113,11 @@ class Searched:
     interrupted: bool = False
 
     @property
-    def best(self) -> Found:
+    def best(self) -> Feasible:
         """The least value of all."""
         return min([*self.optima, *self.random], key=lambda found: found.value)
 
-    def keep(self, found: Found) -> None:
+    def keep(self, found: Feasible) -> None:
         """Adds an optimum in its place."""
         near = [each for each in self.optima if abs(each.value - found.value) < ALIKE]
         if any(each.value <= found.value for each in near):
@@ -130,7 +130,7 @@ class Searched:
 
 
 def search(
-    problem: Problem,
+    problem: DesignProblem,
     polytopes: tuple[Polytope, Polytope, Polytope],
     middle: Float[np.ndarray, "joints m"],
     effort: Effort,
@@ -151,7 +151,7 @@ def search(
         InputError: the limits of the base leave no room even for the gentlest motion.
     """
     few, more, many = polytopes
-    run = _Search(problem, effort, report)
+    run = _MultiStart(problem, effort, report)
     searched = run.searched
     try:
         while effort.begins(searched.starts, searched.evaluations):
@@ -169,13 +169,15 @@ def search(
 
 
 @dataclass(frozen=True, eq=False)
-class _Search:
-    problem: Problem
+class _MultiStart:
+    problem: DesignProblem
     effort: Effort
     report: Callable[[Progress], object]
     searched: Searched = field(default_factory=Searched)
 
-    def refine(self, found: list[Found], polytope: Polytope, stage: Stage) -> None:
+    def refine(
+        self, found: list[Feasible], polytope: Polytope, stage: DescentStage
+    ) -> None:
         """Replaces the optima by what descents from some of them find."""
         before, self.searched.optima = self.searched.optima, []
         try:
@@ -187,7 +189,7 @@ class _Search:
             self.searched.optima = self.searched.optima or before
 
     def descend(
-        self, y: Float[np.ndarray, "joints m"], polytope: Polytope, stage: Stage
+        self, y: Float[np.ndarray, "joints m"], polytope: Polytope, stage: DescentStage
     ) -> None:
         """One descent; what it found is kept, however it ends."""
         searched, effort = self.searched, self.effort
@@ -211,7 +213,7 @@ class _Search:
 
 
 def _start(
-    run: _Search,
+    run: _MultiStart,
     polytope: Polytope,
     middle: Float[np.ndarray, "joints m"],
     random: np.random.Generator,
@@ -236,20 +238,20 @@ def _start(
 
 
 def _inside_base_limits(
-    problem: Problem,
+    problem: DesignProblem,
     middle: Float[np.ndarray, "joints m"],
     y: Float[np.ndarray, "joints m"],
-) -> Found:
+) -> Feasible:
     """The motion, halved towards the gentlest one until the base keeps its limits."""
-    tried = problem.tried(y, FIRST.power)
+    candidate = problem.evaluate(y, FIRST.power)
     for _ in range(MOST_HALVINGS):
-        if (tried.used < 1).all():
-            return Found(tried.exact, y)
+        if (candidate.used < 1).all():
+            return Feasible(candidate.exact, y)
         y = middle + (y - middle) / 2
-        tried = problem.tried(y, FIRST.power)
-    worst = int(tried.used.argmax())
+        candidate = problem.evaluate(y, FIRST.power)
+    worst = int(candidate.used.argmax())
     raise InputError(
         "base limits: even the gentlest joint motion exceeds the limit of "
-        f"{problem.limited[worst]}, by {np.sqrt(tried.used[worst]) - 1:.2g} "
+        f"{problem.limited[worst]}, by {np.sqrt(candidate.used[worst]) - 1:.2g} "
         "of it; raise the limit, or start with less momentum"
     )

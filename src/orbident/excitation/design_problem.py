@@ -20,7 +20,7 @@ from orbident.excitation.criterion import (
     spectrum_of,
     spectrum_of_rows,
 )
-from orbident.excitation.floating import Craft, Gradient, Motion, craft_of
+from orbident.excitation.floating import Craft, Gradient, NodalMotion, craft_of
 from orbident.excitation.information import Information, Sensing, sensing_of
 from orbident.excitation.joint_motions import JointMotions, joint_motions
 from orbident.excitation.start import nutation, was_at_rest
@@ -50,7 +50,7 @@ ROBOTS = 6
 """Plausible robots beside the nominal one: the worst of more is hardly worse."""
 
 
-class Tried(NamedTuple):
+class Candidate(NamedTuple):
     """One trajectory; logarithms of the worst robot's criterion."""
 
     smooth: float
@@ -62,7 +62,7 @@ class Tried(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Problem:
+class DesignProblem:
     """All that stays the same while trajectories are tried."""
 
     crafts: tuple[Craft, ...]
@@ -87,7 +87,7 @@ class Problem:
         }
         return tuple(name for name, there in finite.items() if there)
 
-    def tried(self, y: Float[np.ndarray, "joints m"], p: float) -> Tried:
+    def evaluate(self, y: Float[np.ndarray, "joints m"], p: float) -> Candidate:
         """The criterion and the use of the limits, with their gradients.
 
         Args:
@@ -106,7 +106,7 @@ class Problem:
             for share, craft, f in zip(shares, self.crafts, gradients, strict=True)
         )
         used = [self._used(name, q, qd, motions) for name in self.limited]
-        return Tried(
+        return Candidate(
             worst,
             np.asarray(gradient),
             float(exact.max()),
@@ -115,7 +115,7 @@ class Problem:
         )
 
     def _criterion(
-        self, motion: Motion, p: float
+        self, motion: NodalMotion, p: float
     ) -> tuple[tuple[float, float], Gradient]:
         """The logarithm, smooth and exact, and the gradient of the smooth one."""
         f = Gradient(motion)
@@ -155,7 +155,7 @@ class Problem:
         name: str,
         q: Float[np.ndarray, "nodes joints"],
         qd: Float[np.ndarray, "nodes joints"],
-        motions: list[Motion],
+        motions: list[NodalMotion],
     ) -> tuple[float, Float[np.ndarray, "joints m"]]:
         """The largest square of the share of a limit, of all robots; its gradient."""
         uses = np.array([self._use(name, motion) for motion in motions])
@@ -167,7 +167,7 @@ class Problem:
             gradient += self._pulled_back(craft, q, qd, f)
         return most, gradient
 
-    def _use(self, name: str, motion: Motion) -> Float[np.ndarray, "n uses"]:
+    def _use(self, name: str, motion: NodalMotion) -> Float[np.ndarray, "n uses"]:
         """The square of the share of a limit, node by node."""
         if name == "base rate":
             return (motion.w**2).sum(axis=1, keepdims=True) / self.limits.base_rate**2
@@ -194,7 +194,7 @@ class Problem:
 
 def problem_for(
     robot: Robot, given: Conditions, objective: Objective, uncertainty: float
-) -> Problem:
+) -> DesignProblem:
     """What is minimised, for the nominal robot and those that could be the true one.
 
     Raises:
@@ -202,7 +202,7 @@ def problem_for(
     """
     sets = minimal_sets(robot)
     at_rest = was_at_rest(robot, given.initial, given.start)
-    return Problem(
+    return DesignProblem(
         crafts=tuple(
             craft_of(each, sets, given.initial, given.start, at_rest)
             for each in plausible_robots(robot, uncertainty)
