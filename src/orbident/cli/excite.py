@@ -46,7 +46,7 @@ Criterion = Annotated[
         "declares sensors, cond with --like-paper."
     ),
 ]
-Starts = Annotated[int | None, typer.Option(help="Starts; 24 by default.")]
+Starts = Annotated[int | None, typer.Option(help="Starts; by default 24 or more.")]
 Budget = Annotated[
     float | None, typer.Option(metavar="SECONDS", help="Instead of --starts.")
 ]

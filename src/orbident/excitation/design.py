@@ -23,8 +23,8 @@ from orbident.trajectories.trajectory import Trajectory
 STARTS = 24
 """So many at least, where nothing is asked for."""
 
-EVALUATIONS = 1500
-"""And so many evaluations: some 3 s on a slow processor."""
+EVALUATIONS = 2000
+"""And so many evaluations of the criterion in the first descents, some 2 ms each."""
 
 LIMIT_STEPS = 64
 """Steps between the nodes at which the second descents keep the joints' limits, at

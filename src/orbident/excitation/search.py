@@ -1,9 +1,9 @@
 """Many starts: from random motions inside the limits to the best local optima.
 
-All starts are descended on a smooth criterion, half of them from a good motion that is
-known already, with one joint's motion made anew: what is good in one joint is often good
-with a better motion of another. Only the best are then descended on a sharp criterion,
-and of these the best under more limits.
+All starts are descended on a smooth criterion. Half of them are good motions that are
+known already, with one joint's motion made anew: what is good in one joint is often
+good beside another motion of the next. Only the best are then descended on a sharp
+criterion, and of these the best under more limits.
 """
 
 import time
@@ -65,8 +65,7 @@ class Effort:
     budget: float | None
     """Seconds; the numbers of starts and evaluations then do not matter."""
     evaluations: int = 0
-    """Starts go on until their descents have taken so many: where descents are short,
-    there is time for more."""
+    """Starts go on until they took so many: short descents leave time for more."""
     began: float = field(default_factory=time.perf_counter)
 
     def followed(self, starts: int) -> int | None:
@@ -87,10 +86,8 @@ class Effort:
         """Share of the search that is done."""
         if self.budget:
             return min(self._used(), 1.0)
-        begun = searched.starts / self.starts
-        if self.evaluations:
-            begun = min(begun, searched.evaluations / self.evaluations)
-        starts = searched.starts / min(begun, 1.0)
+        least = searched.evaluations / self.evaluations if self.evaluations else 1.0
+        starts = searched.starts / min(searched.starts / self.starts, least, 1.0)
         return min(searched.descents / (starts + starts / FOLLOWED + POLISHED), 1.0)
 
     def _used(self) -> float:
