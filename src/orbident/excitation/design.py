@@ -23,7 +23,7 @@ from orbident.trajectories.trajectory import Trajectory
 STARTS = 24
 """So many at least, where nothing is asked for."""
 
-EVALUATIONS = 2000
+EVALUATIONS = 1500
 """And so many evaluations of the criterion in the first descents, some 2 ms each."""
 
 LIMIT_STEPS = 64
