@@ -14,8 +14,8 @@ from scipy.optimize import minimize
 from orbident.estimation.identify import identify
 from orbident.excitation.conditions import conditions_for
 from orbident.excitation.design import LIMIT_STEPS, design_excitation
+from orbident.excitation.design_problem import problem_for
 from orbident.excitation.joint_limits import inner_point, polytope_of
-from orbident.excitation.problem import problem_for
 from orbident.excitation.search import Effort, search
 from orbident.model.minimal_sets import minimal_sets
 from orbident.recordings.recording import Recording
@@ -38,21 +38,28 @@ def excite(folder: Path, *arguments: object) -> float:
 
 
 @pytest.mark.parametrize(
-    ("robot", "starts", "bar", "seconds"),
+    ("robot", "bar", "seconds"),
     [
-        ("paper-spatial", 24, 5.45, 8),
+        ("paper-spatial", 5.45, 8),
         # The least that was found under the limits of Eq. 46 at all times is 23.3.
-        ("cepheus-like", 24, 23.6, 5),
+        ("cepheus-like", 23.6, 8),
     ],
 )
 @pytest.mark.benchmark(group="like the paper")
-def bench_like_paper(benchmark, record, tmp_path, robot, starts, bar, seconds):
-    arguments = (tmp_path, robot, "--like-paper", "--starts", starts)
-    cpu = benchmark.pedantic(excite, arguments, rounds=1)
-    made = load_trajectory(tmp_path / "made.yaml").design
-    assert made is not None
-    wall = record(f"{robot} {starts}", cond=made["value"], cpu_seconds=cpu)
-    assert made["value"] <= bar
+def bench_like_paper(benchmark, record, tmp_path, robot, bar, seconds):
+    """The median of five seeds, and the seconds of one."""
+
+    def designed(seed):
+        cpu = excite(tmp_path, robot, "--like-paper", "--seed", seed)
+        made = load_trajectory(tmp_path / "made.yaml").design
+        assert made is not None
+        return made["value"], cpu
+
+    first = benchmark.pedantic(designed, (0,), rounds=1)
+    values, cpus = np.transpose([first, *map(designed, range(1, 5))])
+    cond = float(np.median(values))
+    wall = record(robot, cond=cond, worst=max(values), cpu_seconds=float(cpus.mean()))
+    assert cond <= bar
     assert wall < seconds  # on an idle machine
 
 
@@ -86,7 +93,7 @@ def bench_against_finite_differences(benchmark, record):
 
     def theirs():
         return minimize(
-            lambda x: problem.tried(x.reshape(middle.shape), 8.0).exact,
+            lambda x: problem.evaluate(x.reshape(middle.shape), 8.0).exact,
             y.ravel(),
             constraints={
                 "type": "ineq",

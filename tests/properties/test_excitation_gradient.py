@@ -11,7 +11,7 @@ from random_robots import random_planar_robot, random_robot, random_wheels
 
 from orbident.excitation.conditions import Conditions, conditions_for
 from orbident.excitation.criterion import Objective
-from orbident.excitation.problem import problem_for
+from orbident.excitation.design_problem import problem_for
 from orbident.robot.description import Robot
 
 pytestmark = pytest.mark.core
@@ -82,7 +82,7 @@ def test_gradients_by_differences(recipe):
     y, direction = 0.3 * random.standard_normal((2, *shape))
 
     def differences(step: float) -> np.ndarray:
-        more, less = (problem.tried(y + s * step * direction, 4.0) for s in (1, -1))
+        more, less = (problem.evaluate(y + s * step * direction, 4.0) for s in (1, -1))
         return np.append(more.smooth - less.smooth, more.used - less.used) / (2 * step)
 
     def extrapolated(step: float) -> np.ndarray:
@@ -90,10 +90,10 @@ def test_gradients_by_differences(recipe):
         return (4 * differences(step / 2) - differences(step)) / 3
 
     expected = np.append(extrapolated(STEP)[0], extrapolated(LIMITS_STEP)[1:])
-    tried = problem.tried(y, 4.0)
+    candidate = problem.evaluate(y, 4.0)
     found = np.append(
-        (tried.gradient * direction).sum(),
-        (tried.used_gradient * direction).sum(axis=(1, 2)),
+        (candidate.gradient * direction).sum(),
+        (candidate.used_gradient * direction).sum(axis=(1, 2)),
     )
     # Eigenvalues of the information spread over 1e10: six digits are left.
     assert found == pytest.approx(expected, rel=1e-6, abs=1e-7)

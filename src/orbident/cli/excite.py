@@ -46,7 +46,7 @@ Criterion = Annotated[
         "declares sensors, cond with --like-paper."
     ),
 ]
-Starts = Annotated[int | None, typer.Option(help="Starts; 24 by default.")]
+Starts = Annotated[int | None, typer.Option(help="Starts; by default 24 or more.")]
 Budget = Annotated[
     float | None, typer.Option(metavar="SECONDS", help="Instead of --starts.")
 ]
@@ -139,7 +139,7 @@ def excite(
 
 def _compare(robot: Any, paths: list[Path], like_paper: bool, output: Any) -> None:
     from orbident.cli.output import progress
-    from orbident.excitation.scores import compare
+    from orbident.excitation.scores import compare_trajectories
     from orbident.trajectories.trajectory_file import load_trajectory
 
     basis = None
@@ -149,7 +149,7 @@ def _compare(robot: Any, paths: list[Path], like_paper: bool, output: Any) -> No
         basis = paper_case(robot).conditions.basis
     trajectories = [load_trajectory(path) for path in paths]
     with progress("comparing"):
-        found = compare(robot, trajectories, basis)
+        found = compare_trajectories(robot, trajectories, basis)
     tables, document = compared(found)
     output.say(*tables)
     output.write_json(document)

@@ -40,9 +40,9 @@ def sample(
 ) -> None:
     """Write a trajectory as samples, for a controller."""
     from orbident.cli.output import Output
-    from orbident.excitation.samples import (
+    from orbident.excitation.sampled_trajectory import (
+        motion_table,
         sampled,
-        table_of,
         write_joint_trajectory,
     )
     from orbident.files.replacing import check_place
@@ -56,7 +56,7 @@ def sample(
     motion = load_trajectory(trajectory)
     samples = sampled(motion, rate)
     if format_ is Format.table:
-        write_recording(table_of(samples), out)
+        write_recording(motion_table(samples), out)
     else:
         write_joint_trajectory(samples, out)
     count = samples.t.size

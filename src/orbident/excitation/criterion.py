@@ -16,7 +16,7 @@ from typing import Literal, NamedTuple, get_args
 import numpy as np
 from jaxtyping import Float
 
-from orbident.excitation.floating import Gradient, Motion, block
+from orbident.excitation.floating import Gradient, NodalMotion, block
 from orbident.model.minimal_sets import MinimalSets
 
 Objective = Literal["cond", "d", "a", "e"]
@@ -84,7 +84,7 @@ def smooth_maximum(
 
 
 def Y_hat(
-    motion: Motion,
+    motion: NodalMotion,
     pi_of: Float[np.ndarray, "pi m"],
     axes: tuple[int, ...],
     at_rest: bool,
@@ -103,7 +103,7 @@ def Y_hat(
 
 
 def W_hat(
-    motion: Motion, phi_of: Float[np.ndarray, "phi m"], axes: tuple[int, ...]
+    motion: NodalMotion, phi_of: Float[np.ndarray, "phi m"], axes: tuple[int, ...]
 ) -> Float[np.ndarray, "rows m"]:
     """`[W, R_0^T]` with the velocity of the CM eliminated (Eq. 31), inertial axes."""
     # R_0 [W, R_0^T] = [R_0 W, 1]: a constant is what the mean takes away.
@@ -112,12 +112,12 @@ def W_hat(
     return RW.reshape(-1, RW.shape[-1])
 
 
-def rotations(motion: Motion, axes: tuple[int, ...]) -> Float[np.ndarray, "n h h"]:
+def rotations(motion: NodalMotion, axes: tuple[int, ...]) -> Float[np.ndarray, "n h h"]:
     """`R_WB` of some axes."""
     return block(motion.R, axes, axes)
 
 
-class Spectrum(NamedTuple):
+class EigenSpectrum(NamedTuple):
     """Logarithms of eigenvalues, ascending, and their vectors."""
 
     l: Float[np.ndarray, " n"]
@@ -125,20 +125,20 @@ class Spectrum(NamedTuple):
     """In the rows."""
 
 
-def spectrum_of_rows(rows: Float[np.ndarray, "m n"]) -> Spectrum:
+def spectrum_of_rows(rows: Float[np.ndarray, "m n"]) -> EigenSpectrum:
     """Of `rows^T rows`, by the singular values, whose digits it would halve."""
     _, s, Vt = np.linalg.svd(np.linalg.qr(rows, mode="r"))
-    return Spectrum(2 * np.log(np.maximum(s[::-1], SMALLEST)), Vt[::-1])
+    return EigenSpectrum(2 * np.log(np.maximum(s[::-1], SMALLEST)), Vt[::-1])
 
 
-def spectrum_of(F: Float[np.ndarray, "n n"]) -> Spectrum:
+def spectrum_of(F: Float[np.ndarray, "n n"]) -> EigenSpectrum:
     """Of a symmetric matrix."""
     s, V = np.linalg.eigh(F)
-    return Spectrum(np.log(np.maximum(s, SMALLEST)), V.T)
+    return EigenSpectrum(np.log(np.maximum(s, SMALLEST)), V.T)
 
 
 def by_matrix(
-    spectrum: Spectrum, by_l: Float[np.ndarray, " n"]
+    spectrum: EigenSpectrum, by_l: Float[np.ndarray, " n"]
 ) -> Float[np.ndarray, "n n"]:
     """The gradient with respect to the matrix, from that with respect to `l`."""
     V = spectrum.vectors

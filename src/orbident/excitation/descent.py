@@ -7,8 +7,8 @@ import numpy as np
 from jaxtyping import Float
 from scipy.optimize import minimize
 
+from orbident.excitation.design_problem import Candidate, DesignProblem
 from orbident.excitation.joint_limits import Polytope
-from orbident.excitation.problem import Problem, Tried
 
 MOST_STEPS = 100
 
@@ -19,7 +19,7 @@ OUTSIDE = 1e-6
 """Of a limit: rounding in SLSQP's steps, and far less than limits are kept back."""
 
 
-class Stage(NamedTuple):
+class DescentStage(NamedTuple):
     """Descents of one kind."""
 
     power: float
@@ -30,7 +30,7 @@ class Stage(NamedTuple):
     """Share of a budget after which the stage ends."""
 
 
-class Found(NamedTuple):
+class Feasible(NamedTuple):
     """A motion inside the limits."""
 
     value: float
@@ -47,16 +47,16 @@ class Descent:
 
     def __init__(
         self,
-        problem: Problem,
+        problem: DesignProblem,
         polytope: Polytope,
-        stage: Stage,
+        stage: DescentStage,
         time_is_up: Callable[[], bool],
     ) -> None:
         """It ends early when the time is up."""
         self._problem, self._polytope, self._stage = problem, polytope, stage
         self._time_is_up = time_is_up
-        self._last: tuple[bytes, Tried] | None = None
-        self.best: Found | None = None
+        self._last: tuple[bytes, Candidate] | None = None
+        self.best: Feasible | None = None
         self.evaluations = 0
 
     def run(self, y: Float[np.ndarray, "joints m"]) -> None:
@@ -69,21 +69,21 @@ class Descent:
         base = len(self._problem.limited)
 
         def value(x: np.ndarray) -> tuple[float, np.ndarray]:
-            tried = self._tried(x.reshape(shape))
+            candidate = self._candidate(x.reshape(shape))
             if self._time_is_up():
                 raise _TimeIsUpError
-            return tried.smooth, tried.gradient.ravel()
+            return candidate.smooth, candidate.gradient.ravel()
 
         def slacks(x: np.ndarray) -> np.ndarray:
             joints = room - normals @ x
             if not base:
                 return joints
-            return np.concatenate([1 - self._tried(x.reshape(shape)).used, joints])
+            return np.concatenate([1 - self._candidate(x.reshape(shape)).used, joints])
 
         def slack_gradients(x: np.ndarray) -> np.ndarray:
             if not base:
                 return -normals
-            used = self._tried(x.reshape(shape)).used_gradient
+            used = self._candidate(x.reshape(shape)).used_gradient
             return -np.concatenate([used.reshape(base, -1), normals])
 
         try:
@@ -98,15 +98,15 @@ class Descent:
         except _TimeIsUpError:
             return
 
-    def _tried(self, y: Float[np.ndarray, "joints m"]) -> Tried:
+    def _candidate(self, y: Float[np.ndarray, "joints m"]) -> Candidate:
         """The criterion at `y`; SLSQP asks for values, then for limits."""
         key = y.tobytes()
         if self._last is None or self._last[0] != key:
-            tried = self._problem.tried(y, self._stage.power)
+            candidate = self._problem.evaluate(y, self._stage.power)
             self.evaluations += 1
-            self._last = key, tried
+            self._last = key, candidate
             inside = self._polytope.slack(y).min() > -OUTSIDE
-            better = self.best is None or tried.exact < self.best.value
-            if inside and (tried.used <= 1).all() and better:
-                self.best = Found(tried.exact, y.copy())
+            better = self.best is None or candidate.exact < self.best.value
+            if inside and (candidate.used <= 1).all() and better:
+                self.best = Feasible(candidate.exact, y.copy())
         return self._last[1]

@@ -9,18 +9,22 @@ import numpy as np
 from orbident.errors import InputError
 from orbident.excitation.conditions import Conditions, conditions_for
 from orbident.excitation.criterion import OBJECTIVES, Objective
-from orbident.excitation.descent import Found
+from orbident.excitation.descent import Feasible
+from orbident.excitation.design_problem import DesignProblem, problem_for
 from orbident.excitation.guarantee import Proven, proven_within
 from orbident.excitation.information import weights_of
 from orbident.excitation.joint_limits import check_ends, inner_point, polytope_of
-from orbident.excitation.problem import Problem, problem_for
-from orbident.excitation.scores import Scores, scores_of
+from orbident.excitation.scores import CriterionValues, scores_of
 from orbident.excitation.search import Effort, Progress, Searched, search
 from orbident.robot.description import Robot
 from orbident.threads import one_blas_thread
 from orbident.trajectories.trajectory import Trajectory
 
 STARTS = 24
+"""So many at least, where nothing is asked for."""
+
+EVALUATIONS = 1500
+"""And so many evaluations of the criterion in the first descents, some 2 ms each."""
 
 LIMIT_STEPS = 64
 """Steps between the nodes at which the second descents keep the joints' limits, at
@@ -47,7 +51,7 @@ class Judged(NamedTuple):
     """A motion that keeps to its limits for all times, and what it is worth."""
 
     proven: Proven
-    scores: Scores
+    scores: CriterionValues
     value: float
     """The criterion on the true motion; infinite where not all is determined."""
     searched: float
@@ -80,7 +84,7 @@ def design_excitation(
             for the information of all parameters under the robot file's sensors. By
             default `"d"` where the robot file declares the noise of a sensor of the
             base and the conditions name no basis, else `"cond"`.
-        starts: so many starts; 24 by default.
+        starts: so many starts; by default 24, and more where their descents are short.
         budget: instead of `starts`, seconds for all of it.
         uncertainty: relative, of the bodies' masses and sizes; the worst of several
             plausible robots counts.
@@ -97,7 +101,9 @@ def design_excitation(
         InputError: no motion keeps to the limits, or an argument makes no sense.
     """
     effort = Effort(
-        starts or STARTS, None if budget is None else (1 - RESERVED) * budget
+        starts or STARTS,
+        None if budget is None else (1 - RESERVED) * budget,
+        0 if starts else EVALUATIONS,
     )
     _check(objective, starts, budget, uncertainty)
     given = conditions or conditions_for(robot, duration, harmonics)
@@ -141,9 +147,9 @@ def usual_objective(robot: Robot, given: Conditions) -> Objective:
 def _judged(
     robot: Robot,
     given: Conditions,
-    problem: Problem,
+    problem: DesignProblem,
     middle: np.ndarray,
-    candidates: list[Found],
+    candidates: list[Feasible],
 ) -> list[Judged]:
     """What motions are worth when they are made small enough for their limits."""
     judged = []
@@ -153,7 +159,7 @@ def _judged(
         value = scores.cond_Y if problem.objective == "cond" else None
         if problem.objective != "cond":
             value = getattr(scores, problem.objective)
-        there = problem.tried(middle + proven.share * (found.y - middle), 1.0)
+        there = problem.evaluate(middle + proven.share * (found.y - middle), 1.0)
         judged.append(
             Judged(
                 proven,
@@ -176,7 +182,7 @@ def _effort(searched: Searched) -> dict[str, Any]:
     }
 
 
-def _scores(scores: Scores) -> dict[str, Any]:
+def _scores(scores: CriterionValues) -> dict[str, Any]:
     found = scores._asdict()
     del found["deviations"]
     return found

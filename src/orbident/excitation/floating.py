@@ -23,7 +23,7 @@ from orbident.trajectories.trajectory import InitialState
 
 
 @dataclass(frozen=True, eq=False)
-class Motion:
+class NodalMotion:
     """A motion at evenly spaced nodes, and what it shows; base axes."""
 
     craft: "Craft"
@@ -74,7 +74,7 @@ class Motion:
 class Gradient:
     """The gradient of a scalar with respect to a motion; zero at first."""
 
-    motion: Motion
+    motion: NodalMotion
     Y: Float[np.ndarray, "n h pi"] = field(init=False)
     W: Float[np.ndarray, "n v phi"] = field(init=False)
     w: Float[np.ndarray, "n 3"] = field(init=False)
@@ -136,7 +136,7 @@ class Craft:
         q: Float[np.ndarray, "nodes joints"],
         qd: Float[np.ndarray, "nodes joints"],
         dt: float,
-    ) -> Motion:
+    ) -> NodalMotion:
         """Eqs. 2, 17, 18 along a joint motion.
 
         Args:
@@ -154,10 +154,10 @@ class Craft:
         w: Float[np.ndarray, "n 3"],
         x_WB: Float[np.ndarray, "n 4"],
         dt: float,
-    ) -> Motion:
+    ) -> NodalMotion:
         """What a motion shows, however it was found."""
         Y, W = self.sets.regressors(q, qd, w)
-        return Motion(self, np.ascontiguousarray(q), dt, Y, W, w, x_WB)
+        return NodalMotion(self, np.ascontiguousarray(q), dt, Y, W, w, x_WB)
 
     def pull_back(
         self,

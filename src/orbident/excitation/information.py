@@ -17,7 +17,7 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.errors import InputError
-from orbident.excitation.floating import Gradient, Motion, axial, block
+from orbident.excitation.floating import Gradient, NodalMotion, axial, block
 from orbident.model.derivatives import derivatives_of_beta
 from orbident.model.minimal_sets import MinimalSets
 from orbident.model.rotations import cross_matrix
@@ -109,13 +109,13 @@ def _unit(
     return np.linalg.inv(R)
 
 
-class Seen:
+class SensedChanges:
     """What sensors see of changes of the unknowns and of `h_cm`, side by side.
 
     The first columns of `dw` (base axes) and `dv` (inertial axes) are the unknowns'.
     """
 
-    def __init__(self, sensing: Sensing, motion: Motion, at_rest: bool) -> None:
+    def __init__(self, sensing: Sensing, motion: NodalMotion, at_rest: bool) -> None:
         """`at_rest`: `h_cm = 0` is known, and no unknown."""
         h, v = sensing.h, sensing.v
         self.sensing, self.motion, self.at_rest = sensing, motion, at_rest
@@ -196,8 +196,8 @@ class Information:
         at_rest: `h_cm = 0` is known: all was at rest before the wheels spun up.
     """
 
-    def __init__(self, sensing: Sensing, motion: Motion, at_rest: bool) -> None:
-        self._seen = Seen(sensing, motion, at_rest)
+    def __init__(self, sensing: Sensing, motion: NodalMotion, at_rest: bool) -> None:
+        self._seen = SensedChanges(sensing, motion, at_rest)
         self._rows = {sensor: self._seen.rows(sensor) for sensor in sensing.weights}
         common = self._seen.dw.shape[2]
         # The constants of each sensor are nuisances of their own, after the common.

@@ -36,7 +36,7 @@ EVERY = 4
 """So many samples of a motion are one of its score."""
 
 
-class Deviations(NamedTuple):
+class Bounds(NamedTuple):
     """Standard deviations that the sensors allow (Cramer and Rao)."""
 
     mass: float
@@ -47,7 +47,7 @@ class Deviations(NamedTuple):
     """m."""
 
 
-class Scores(NamedTuple):
+class CriterionValues(NamedTuple):
     """Every criterion; the smaller the better."""
 
     cond_Y: float
@@ -61,7 +61,7 @@ class Scores(NamedTuple):
     """Their root mean square."""
     e: float | None
     """The largest."""
-    deviations: Deviations | None
+    deviations: Bounds | None
 
 
 def scores_of(
@@ -69,7 +69,7 @@ def scores_of(
     trajectory: Trajectory,
     motion: FreeFloating,
     basis: Basis | None = None,
-) -> Scores:
+) -> CriterionValues:
     """Score a trajectory by every criterion.
 
     d, a and e are of the free-flying base parameters, in units in which random motion
@@ -97,7 +97,7 @@ def scores_of(
     sensing = sensing_of(robot, sets) if weights_of(robot) else None
     F = None if sensing is None else Information(sensing, seen, at_rest).F
     F = None if F is None or not _determined(F) else F
-    return Scores(
+    return CriterionValues(
         cond_Y=_condition(Y),
         cond_Y_normalised=_condition(Y / _norms(Y)),
         cond_W=_condition(W),
@@ -130,20 +130,20 @@ def _determined(F: Float[np.ndarray, "u u"]) -> bool:
     return bool(eigenvalues[0] > DETERMINED * eigenvalues[-1])
 
 
-def _deviations(sensing: Sensing, F: Float[np.ndarray, "u u"]) -> Deviations:
+def _deviations(sensing: Sensing, F: Float[np.ndarray, "u u"]) -> Bounds:
     C = np.linalg.inv(F)
     beta, pi, phi = (
         np.sqrt(np.einsum("ij,jk,ik->i", J, C, J))
         for J in (sensing.beta_of, sensing.pi_of, sensing.phi_of)
     )
-    return Deviations(float(beta[0]), pi, phi)
+    return Bounds(float(beta[0]), pi, phi)
 
 
-class Comparison(NamedTuple):
+class Scorecard(NamedTuple):
     """What each trajectory promises; the smaller, the better."""
 
     sources: tuple[str, ...]
-    scores: tuple[Scores, ...]
+    scores: tuple[CriterionValues, ...]
     parameters: tuple[str, ...]
     """`M`, `pi_1` .., `phi_1` .., automatic basis."""
     nominal: Float[np.ndarray, " parameters"]
@@ -151,9 +151,9 @@ class Comparison(NamedTuple):
     """Predicted standard deviations; NaN where not all is determined."""
 
 
-def compare(
+def compare_trajectories(
     robot: Robot, trajectories: Sequence[Trajectory], basis: Basis | None = None
-) -> Comparison:
+) -> Scorecard:
     """Score each trajectory, with the nominal inertia and the robot file's sensors.
 
     Args:
@@ -180,7 +180,7 @@ def compare(
             if std is None
             else np.concatenate([[std.mass], std.pi, std.phi])
         )
-    return Comparison(
+    return Scorecard(
         sources=tuple(trajectory.source for trajectory in trajectories),
         scores=tuple(scores),
         parameters=tuple(names),

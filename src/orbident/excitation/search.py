@@ -1,8 +1,9 @@
 """Many starts: from random motions inside the limits to the best local optima.
 
-All starts are descended on a smooth criterion, half of them from beside a good motion
-that was found already: what is best is often a small step from what is good. Only the
-best are then descended on a sharp one, and of these the best under more limits.
+All starts are descended on a smooth criterion. Half of them are good motions that are
+known already, with one joint's motion made anew: what is good in one joint is often
+good beside another motion of the next. Only the best are then descended on a sharp
+criterion, and of these the best under more limits.
 """
 
 import time
@@ -15,15 +16,15 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.errors import InputError
-from orbident.excitation.descent import Descent, Found, Stage
+from orbident.excitation.descent import Descent, DescentStage, Feasible
+from orbident.excitation.design_problem import DesignProblem
 from orbident.excitation.joint_limits import Polytope
-from orbident.excitation.problem import Problem
 
-FIRST = Stage(power=2.0, near=np.inf, until=0.5)
-SECOND = Stage(power=128.0, near=np.inf, until=0.9)
-LAST = Stage(power=512.0, near=0.1, until=1.0)
+FIRST = DescentStage(power=8.0, near=np.inf, until=0.5)
+SECOND = DescentStage(power=128.0, near=np.inf, until=0.9)
+LAST = DescentStage(power=512.0, near=0.1, until=1.0)
 
-FOLLOWED = 4
+FOLLOWED = 8
 """One start of so many is descended again; with a budget, as many as time allows."""
 
 POLISHED = 3
@@ -36,13 +37,10 @@ FIRST_RANDOM = 8
 """So many starts are random, then every second one."""
 
 BEST = 6
-"""A start beside a good motion takes one of so many."""
-
-ASIDE = 0.5
-"""How far beside, in coordinates with rates of unit mean square over their limits."""
+"""A start with one joint made anew takes the others from one of so many."""
 
 INWARD = 0.9
-"""Share of a good motion's amplitude that such a start keeps: limits are then free."""
+"""Share of their amplitude that those keep: limits are then free."""
 
 MOST_HALVINGS = 20
 
@@ -61,32 +59,36 @@ class Progress(NamedTuple):
 
 @dataclass(frozen=True)
 class Effort:
-    """How long to search: so many starts, or until a moment."""
+    """How long to search: so many starts and evaluations, or until a moment."""
 
     starts: int
     budget: float | None
-    """Seconds; the number of starts then does not matter."""
+    """Seconds; the numbers of starts and evaluations then do not matter."""
+    evaluations: int = 0
+    """Starts go on until they took so many: short descents leave time for more."""
     began: float = field(default_factory=time.perf_counter)
 
-    @property
-    def followed(self) -> int | None:
-        """So many starts are descended to the end; None: as many as time allows."""
-        return None if self.budget else ceil(self.starts / FOLLOWED)
+    def followed(self, starts: int) -> int | None:
+        """How many are descended again after so many starts; None: as time allows."""
+        return None if self.budget else ceil(starts / FOLLOWED)
 
-    def begins(self, starts: int) -> bool:
-        """Whether one more start is to begin after so many."""
+    def begins(self, starts: int, evaluations: int) -> bool:
+        """Whether one more start is to begin after so many of both."""
         if self.budget:
             return starts == 0 or not self.over(FIRST.until)
-        return starts < self.starts
+        return starts < self.starts or evaluations < self.evaluations
 
     def over(self, share: float) -> bool:
         """Whether so much of the time is up."""
         return self._used() >= share
 
-    def fraction(self, descents: int) -> float:
+    def fraction(self, searched: "Searched") -> float:
         """Share of the search that is done."""
-        planned = self.starts + (self.followed or 0) + POLISHED
-        return min(self._used() if self.budget else descents / planned, 1.0)
+        if self.budget:
+            return min(self._used(), 1.0)
+        least = searched.evaluations / self.evaluations if self.evaluations else 1.0
+        starts = searched.starts / min(searched.starts / self.starts, least, 1.0)
+        return min(searched.descents / (starts + starts / FOLLOWED + POLISHED), 1.0)
 
     def _used(self) -> float:
         if not self.budget:
@@ -98,9 +100,9 @@ class Effort:
 class Searched:
     """What a search has found so far."""
 
-    random: list[Found] = field(default_factory=list)
+    random: list[Feasible] = field(default_factory=list)
     """Random motions, before any descent."""
-    optima: list[Found] = field(default_factory=list)
+    optima: list[Feasible] = field(default_factory=list)
     """The best first; nearly equal ones once."""
     starts: int = 0
     descents: int = 0
@@ -108,11 +110,11 @@ class Searched:
     interrupted: bool = False
 
     @property
-    def best(self) -> Found:
+    def best(self) -> Feasible:
         """The least value of all."""
         return min([*self.optima, *self.random], key=lambda found: found.value)
 
-    def keep(self, found: Found) -> None:
+    def keep(self, found: Feasible) -> None:
         """Adds an optimum in its place."""
         near = [each for each in self.optima if abs(each.value - found.value) < ALIKE]
         if any(each.value <= found.value for each in near):
@@ -125,7 +127,7 @@ class Searched:
 
 
 def search(
-    problem: Problem,
+    problem: DesignProblem,
     polytopes: tuple[Polytope, Polytope, Polytope],
     middle: Float[np.ndarray, "joints m"],
     effort: Effort,
@@ -146,13 +148,14 @@ def search(
         InputError: the limits of the base leave no room even for the gentlest motion.
     """
     few, more, many = polytopes
-    run = _Search(problem, effort, report)
+    run = _MultiStart(problem, effort, report)
     searched = run.searched
     try:
-        while effort.begins(searched.starts):
+        while effort.begins(searched.starts, searched.evaluations):
             random = np.random.default_rng([seed, searched.starts])
             run.descend(_start(run, few, middle, random), few, FIRST)
-        run.refine(searched.optima[: effort.followed], more, SECOND)
+        followed = effort.followed(searched.starts)
+        run.refine(searched.optima[:followed], more, SECOND)
         run.refine(searched.optima[:POLISHED], many, LAST)
     except KeyboardInterrupt:
         # Without a first motion there is nothing to keep.
@@ -163,13 +166,15 @@ def search(
 
 
 @dataclass(frozen=True, eq=False)
-class _Search:
-    problem: Problem
+class _MultiStart:
+    problem: DesignProblem
     effort: Effort
     report: Callable[[Progress], object]
     searched: Searched = field(default_factory=Searched)
 
-    def refine(self, found: list[Found], polytope: Polytope, stage: Stage) -> None:
+    def refine(
+        self, found: list[Feasible], polytope: Polytope, stage: DescentStage
+    ) -> None:
         """Replaces the optima by what descents from some of them find."""
         before, self.searched.optima = self.searched.optima, []
         try:
@@ -181,7 +186,7 @@ class _Search:
             self.searched.optima = self.searched.optima or before
 
     def descend(
-        self, y: Float[np.ndarray, "joints m"], polytope: Polytope, stage: Stage
+        self, y: Float[np.ndarray, "joints m"], polytope: Polytope, stage: DescentStage
     ) -> None:
         """One descent; what it found is kept, however it ends."""
         searched, effort = self.searched, self.effort
@@ -197,7 +202,7 @@ class _Search:
                 searched.keep(descent.best)
         self.report(
             Progress(
-                effort.fraction(searched.descents),
+                effort.fraction(searched),
                 float(np.exp(searched.best.value)),
                 searched.starts,
             )
@@ -205,43 +210,45 @@ class _Search:
 
 
 def _start(
-    run: _Search,
+    run: _MultiStart,
     polytope: Polytope,
     middle: Float[np.ndarray, "joints m"],
     random: np.random.Generator,
 ) -> Float[np.ndarray, "joints m"]:
-    """A random motion, or one beside a good one; inside all limits."""
+    """A random motion, or a good one with a random joint; inside all limits."""
     searched = run.searched
     good, is_random = searched.optima[:BEST], searched.starts % 2 == 0
     searched.starts += 1
     direction = random.standard_normal(middle.shape)
+    share = random.uniform(*SHARES, len(middle))
+    steps = share * polytope.reach(middle, direction)
+    y = middle + steps[:, None] * direction
     if searched.starts <= FIRST_RANDOM or is_random or not good:
-        share = random.uniform(*SHARES, len(middle))
-        steps = share * polytope.reach(middle, direction)
-        y = middle + steps[:, None] * direction
         found = _inside_base_limits(run.problem, middle, y)
         searched.random.append(found)
         return found.y
-    y = middle + INWARD * (good[random.integers(len(good))].y - middle)
-    steps = np.minimum(ASIDE, SHARES[1] * polytope.reach(y, direction))
-    return _inside_base_limits(run.problem, middle, y + steps[:, None] * direction).y
+    # Limits hold joint by joint, so joints of two motions go together.
+    mixed = middle + INWARD * (good[random.integers(len(good))].y - middle)
+    joint = random.integers(len(middle))
+    mixed[joint] = y[joint]
+    return _inside_base_limits(run.problem, middle, mixed).y
 
 
 def _inside_base_limits(
-    problem: Problem,
+    problem: DesignProblem,
     middle: Float[np.ndarray, "joints m"],
     y: Float[np.ndarray, "joints m"],
-) -> Found:
+) -> Feasible:
     """The motion, halved towards the gentlest one until the base keeps its limits."""
-    tried = problem.tried(y, FIRST.power)
+    candidate = problem.evaluate(y, FIRST.power)
     for _ in range(MOST_HALVINGS):
-        if (tried.used < 1).all():
-            return Found(tried.exact, y)
+        if (candidate.used < 1).all():
+            return Feasible(candidate.exact, y)
         y = middle + (y - middle) / 2
-        tried = problem.tried(y, FIRST.power)
-    worst = int(tried.used.argmax())
+        candidate = problem.evaluate(y, FIRST.power)
+    worst = int(candidate.used.argmax())
     raise InputError(
         "base limits: even the gentlest joint motion exceeds the limit of "
-        f"{problem.limited[worst]}, by {np.sqrt(tried.used[worst]) - 1:.2g} "
+        f"{problem.limited[worst]}, by {np.sqrt(candidate.used[worst]) - 1:.2g} "
         "of it; raise the limit, or start with less momentum"
     )

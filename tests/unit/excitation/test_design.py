@@ -13,7 +13,8 @@ from orbident.errors import InputError
 from orbident.excitation.conditions import conditions_for, limits_of
 from orbident.excitation.descent import Descent
 from orbident.excitation.design import design_excitation, usual_objective
-from orbident.excitation.problem import STEPS, plausible_robots, steps_for
+from orbident.excitation.design_problem import STEPS, steps_for
+from orbident.excitation.plausible_robots import plausible_robots
 from orbident.excitation.start import was_at_rest
 from orbident.robot.parameters import inertia_about_com
 from orbident.robot.physical import nonphysical

@@ -7,7 +7,7 @@ import pytest
 from random_motions import random_motion
 from random_robots import random_robot, random_wheels
 
-from orbident.excitation.floating import Motion, craft_of
+from orbident.excitation.floating import NodalMotion, craft_of
 from orbident.excitation.start import was_at_rest
 from orbident.model.inertia import inertia
 from orbident.model.minimal_sets import minimal_sets
@@ -20,7 +20,7 @@ STEPS = 400
 
 
 class Both(NamedTuple):
-    ours: Motion
+    ours: NodalMotion
     theirs: FreeFloating
 
 

@@ -4,19 +4,21 @@ import numpy as np
 import pytest
 
 from orbident.estimation.identify import identify
-from orbident.excitation.scores import compare
+from orbident.excitation.scores import compare_trajectories
 from orbident.simulation.simulate import simulate
 from orbident.studies.exciting import paper_case
 
 
 @pytest.fixture(scope="module")
 def spatial(servicer):
-    return compare(servicer, [paper_case(servicer).trajectory])
+    return compare_trajectories(servicer, [paper_case(servicer).trajectory])
 
 
 def test_table_2_in_the_papers_basis(servicer):
     case = paper_case(servicer)
-    scores = compare(servicer, [case.trajectory], case.conditions.basis).scores[0]
+    scores = compare_trajectories(
+        servicer, [case.trajectory], case.conditions.basis
+    ).scores[0]
     # As the study prints them, at 20 Hz; here at 12.5 Hz.
     assert scores.cond_Y == pytest.approx(38.7, abs=0.05)
     assert scores.cond_W == pytest.approx(4.27, abs=0.01)
@@ -25,7 +27,9 @@ def test_table_2_in_the_papers_basis(servicer):
 def test_table_5_in_the_papers_basis(emulator):
     """86 with Eq. 45's momentum and the stand-in's inertia."""
     case = paper_case(emulator)
-    scores = compare(emulator, [case.trajectory], case.conditions.basis).scores[0]
+    scores = compare_trajectories(
+        emulator, [case.trajectory], case.conditions.basis
+    ).scores[0]
     assert scores.cond_Y == pytest.approx(86, abs=0.5)
     assert case.quoted == 153
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from orbident.excitation.conditions import conditions_for, limits_of
-from orbident.excitation.descent import OUTSIDE, Found
+from orbident.excitation.descent import OUTSIDE, Feasible
+from orbident.excitation.design_problem import DesignProblem, problem_for
 from orbident.excitation.joint_limits import inner_point, polytope_of
-from orbident.excitation.problem import Problem, problem_for
 from orbident.excitation.search import Effort, Searched, search
 
 
@@ -38,9 +38,9 @@ def test_descends_inside_the_limits(case):
     best = searched.optima[0]
     assert best.value < min(found.value for found in searched.random)
     for found in (*searched.optima, *searched.random):
-        tried = problem.tried(found.y, 2.0)
-        assert tried.exact == found.value
-        assert (tried.used <= 1).all()
+        candidate = problem.evaluate(found.y, 2.0)
+        assert candidate.exact == found.value
+        assert (candidate.used <= 1).all()
         assert polytope.slack(found.y).min() > -OUTSIDE
 
 
@@ -73,15 +73,15 @@ def test_an_interrupt_keeps_what_was_found(case):
 
 def test_an_interrupt_in_a_descent_keeps_the_random_motion(case, monkeypatch):
     problem, calls = case[0], []
-    tried = Problem.tried
+    evaluate = DesignProblem.evaluate
 
     def interrupted(self, y, p):
         calls.append(p)
         if len(calls) > 3:
             raise KeyboardInterrupt
-        return tried(self, y, p)
+        return evaluate(self, y, p)
 
-    monkeypatch.setattr(Problem, "tried", interrupted)
+    monkeypatch.setattr(DesignProblem, "evaluate", interrupted)
     searched = run((problem, *case[1:]), Effort(5, None))
     assert searched.interrupted
     assert len(searched.random) == 1
@@ -91,5 +91,5 @@ def test_an_interrupt_in_a_descent_keeps_the_random_motion(case, monkeypatch):
 def test_of_optima_that_are_alike_the_better_is_kept():
     searched, y = Searched(), np.zeros((1, 1))
     for value in (2.0, 1.0, 1.0005, 0.9995):
-        searched.keep(Found(value, y))
+        searched.keep(Feasible(value, y))
     assert [found.value for found in searched.optima] == [0.9995, 2.0]

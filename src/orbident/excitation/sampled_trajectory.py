@@ -15,7 +15,7 @@ from orbident.trajectories.trajectory import Trajectory
 NANOSECONDS = 1_000_000_000
 
 
-class Samples(NamedTuple):
+class SampledTrajectory(NamedTuple):
     """A trajectory at some times, the last its end."""
 
     joints: tuple[str, ...]
@@ -27,7 +27,7 @@ class Samples(NamedTuple):
     qdd: Float[np.ndarray, "n joints"]
 
 
-def sampled(trajectory: Trajectory, rate: float) -> Samples:
+def sampled(trajectory: Trajectory, rate: float) -> SampledTrajectory:
     """Samples at an even rate, and one at the end.
 
     Args:
@@ -40,10 +40,10 @@ def sampled(trajectory: Trajectory, rate: float) -> Samples:
     t = sample_times(trajectory.duration, rate)
     if t[-1] < trajectory.duration:
         t = np.append(t, trajectory.duration)
-    return Samples(trajectory.joints, t, *trajectory.at(t))
+    return SampledTrajectory(trajectory.joints, t, *trajectory.at(t))
 
 
-def table_of(samples: Samples) -> Recording:
+def motion_table(samples: SampledTrajectory) -> Recording:
     """As a table: `t`, and `joint.<name>.position`, `.velocity`, `.acceleration`."""
     columns = {}
     for k, name in enumerate(samples.joints):
@@ -53,7 +53,7 @@ def table_of(samples: Samples) -> Recording:
     return Recording(samples.t, columns, source="samples")
 
 
-def write_joint_trajectory(samples: Samples, path: Path) -> None:
+def write_joint_trajectory(samples: SampledTrajectory, path: Path) -> None:
     """Writes a ROS `trajectory_msgs/JointTrajectory` as YAML.
 
     Raises:

@@ -1,6 +1,6 @@
 """What a search minimises: a criterion, over all plausible robots, within limits."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import ceil
 from typing import NamedTuple
 
@@ -20,13 +20,13 @@ from orbident.excitation.criterion import (
     spectrum_of,
     spectrum_of_rows,
 )
-from orbident.excitation.floating import Craft, Gradient, Motion, craft_of
+from orbident.excitation.floating import Craft, Gradient, NodalMotion, craft_of
 from orbident.excitation.information import Information, Sensing, sensing_of
 from orbident.excitation.joint_motions import JointMotions, joint_motions
+from orbident.excitation.plausible_robots import plausible_robots
 from orbident.excitation.start import nutation, was_at_rest
 from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.description import Robot
-from orbident.robot.parameters import FIRST_MOMENT, INERTIA, MASS
 
 STEPS = 64
 """The fewest steps of the grid."""
@@ -46,11 +46,8 @@ MOST_STEPS = 8192
 LIMITS_POWER = 2000.0
 """Of the mean that stands for the largest use of a limit: 0.5 % above it at most."""
 
-ROBOTS = 6
-"""Plausible robots beside the nominal one: the worst of more is hardly worse."""
 
-
-class Tried(NamedTuple):
+class Candidate(NamedTuple):
     """One trajectory; logarithms of the worst robot's criterion."""
 
     smooth: float
@@ -62,8 +59,8 @@ class Tried(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Problem:
-    """All that stays the same while trajectories are tried."""
+class DesignProblem:
+    """All that stays the same while trajectories are compared."""
 
     crafts: tuple[Craft, ...]
     """Every plausible robot; the first is the nominal one."""
@@ -87,7 +84,7 @@ class Problem:
         }
         return tuple(name for name, there in finite.items() if there)
 
-    def tried(self, y: Float[np.ndarray, "joints m"], p: float) -> Tried:
+    def evaluate(self, y: Float[np.ndarray, "joints m"], p: float) -> Candidate:
         """The criterion and the use of the limits, with their gradients.
 
         Args:
@@ -106,7 +103,7 @@ class Problem:
             for share, craft, f in zip(shares, self.crafts, gradients, strict=True)
         )
         used = [self._used(name, q, qd, motions) for name in self.limited]
-        return Tried(
+        return Candidate(
             worst,
             np.asarray(gradient),
             float(exact.max()),
@@ -115,7 +112,7 @@ class Problem:
         )
 
     def _criterion(
-        self, motion: Motion, p: float
+        self, motion: NodalMotion, p: float
     ) -> tuple[tuple[float, float], Gradient]:
         """The logarithm, smooth and exact, and the gradient of the smooth one."""
         f = Gradient(motion)
@@ -155,7 +152,7 @@ class Problem:
         name: str,
         q: Float[np.ndarray, "nodes joints"],
         qd: Float[np.ndarray, "nodes joints"],
-        motions: list[Motion],
+        motions: list[NodalMotion],
     ) -> tuple[float, Float[np.ndarray, "joints m"]]:
         """The largest square of the share of a limit, of all robots; its gradient."""
         uses = np.array([self._use(name, motion) for motion in motions])
@@ -167,7 +164,7 @@ class Problem:
             gradient += self._pulled_back(craft, q, qd, f)
         return most, gradient
 
-    def _use(self, name: str, motion: Motion) -> Float[np.ndarray, "n uses"]:
+    def _use(self, name: str, motion: NodalMotion) -> Float[np.ndarray, "n uses"]:
         """The square of the share of a limit, node by node."""
         if name == "base rate":
             return (motion.w**2).sum(axis=1, keepdims=True) / self.limits.base_rate**2
@@ -194,7 +191,7 @@ class Problem:
 
 def problem_for(
     robot: Robot, given: Conditions, objective: Objective, uncertainty: float
-) -> Problem:
+) -> DesignProblem:
     """What is minimised, for the nominal robot and those that could be the true one.
 
     Raises:
@@ -202,7 +199,7 @@ def problem_for(
     """
     sets = minimal_sets(robot)
     at_rest = was_at_rest(robot, given.initial, given.start)
-    return Problem(
+    return DesignProblem(
         crafts=tuple(
             craft_of(each, sets, given.initial, given.start, at_rest)
             for each in plausible_robots(robot, uncertainty)
@@ -236,25 +233,3 @@ def steps_for(robot: Robot, given: Conditions, objective: Objective) -> int:
         steps *= FINER_FOR_SENSORS
     steps = max(steps, ceil(2 * unknowns / axes))
     return max(steps, min(ceil(turned / STEP_ANGLE), MOST_STEPS))
-
-
-def plausible_robots(robot: Robot, uncertainty: float) -> list[Robot]:
-    """Each body heavier or lighter and longer or shorter, by a factor of its own.
-
-    A body of mass m (1 + e) and size l (1 + f) can exist if the nominal one can, and
-    keeps its CM's axis and its principal axes.
-
-    Args:
-        robot: with the nominal inertia; the first of those returned.
-        uncertainty: standard deviation of e and f.
-    """
-    if uncertainty == 0.0:
-        return [robot]
-    random = np.random.default_rng(0)
-    e, f = uncertainty * random.standard_normal((2, ROBOTS, len(robot.theta)))
-    heavier, longer = np.exp(e), np.exp(f)
-    thetas = np.repeat(robot.theta[None], ROBOTS, axis=0)
-    thetas[:, :, MASS] *= heavier
-    thetas[:, :, FIRST_MOMENT] *= (heavier * longer)[..., None]
-    thetas[:, :, INERTIA] *= (heavier * longer**2)[..., None]
-    return [robot, *(replace(robot, theta=theta) for theta in thetas)]
