@@ -13,6 +13,7 @@ from orbident.cli.options import (
     Quiet,
     RobotName,
 )
+from orbident.robot.disturbance_groups import DisturbanceGroup
 
 
 class Method(StrEnum):
@@ -49,6 +50,15 @@ def identify(
         ),
     ] = Method.maximum_likelihood,
     initial_momentum: MomentumKnown = InitialMomentum.unknown,
+    disturbance: Annotated[
+        list[DisturbanceGroup] | None,
+        typer.Option(
+            metavar="GROUP",
+            help="Something that is known to act from outside, such as `pull` on a "
+            "table that is not level; may be given several times. All others are "
+            "tested for. The how-to 'What acts from outside' has their names.",
+        ),
+    ] = None,
     burn: Annotated[
         Path | None,
         typer.Option(
@@ -89,6 +99,8 @@ def identify(
 
         check_absent(out, force)
     described = load_robot(robot)
+    asked = (*described.disturbances, *map(str, disturbance or ()))
+    described = replace(described, disturbances=asked)
     with progress("reading"):
         tables = [open_recording(recording) for recording in recordings]
         pushed = None if burn is None else read_recording(burn)

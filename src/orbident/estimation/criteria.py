@@ -1,6 +1,6 @@
 """May the numbers be trusted? Every rule of acceptance is one check."""
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -69,7 +69,7 @@ def judge(solved: Solved, masses: dict[str, Quantity]) -> Judgement:
             *_mass(problem, estimate, shown or estimate),
             *positive_energy(problem, found.base),
             *_changes(estimate),
-            *_disturbances(estimate),
+            *_disturbances(estimate, problem.robot.disturbances),
             *agreement_of_routes(masses),
         ]
     return Judgement(tuple(checks), pi, phi, base)
@@ -197,7 +197,8 @@ def _changes(estimate: Estimate) -> Iterator[Check]:
         yield Check("changes", "with care", words)
 
 
-def _disturbances(estimate: Estimate) -> Iterator[Check]:
+def _disturbances(estimate: Estimate, asked: Collection[str]) -> Iterator[Check]:
+    """Care is needed where nobody had said that something acts."""
     fits = estimate.disturbances
     for group in dict.fromkeys(fit.group for fit in fits.values()):
         own = {name: fit for name, fit in fits.items() if fit.group == group}
@@ -210,7 +211,7 @@ def _disturbances(estimate: Estimate) -> Iterator[Check]:
             )
         yield Check(
             f"{group} from outside",
-            "with care",
+            "trust" if group in asked else "with care",
             f"{IN_WORDS[group]}: {sizes}; it was identified with the parameters, one "
             f"of which would be off by {largest.shift:.2g} sigmas without it",
         )

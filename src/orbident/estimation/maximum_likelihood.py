@@ -26,6 +26,7 @@ from orbident.estimation.output_error.beforehand import (
 from orbident.estimation.output_error.disturbances import (
     DisturbanceFit,
     identified,
+    requested,
     start_with,
     with_disturbances,
 )
@@ -128,7 +129,8 @@ def maximum_likelihood(
     search = _Search(problem, prior, starts, least, declared, progress, steps)
     # Without declared noise, what splines leave between samples may look slow too.
     excluded = () if declared == set(sensors.by_name) else SLOW
-    zeros, found, groups, plain = with_disturbances(problem, search, excluded)
+    asked = requested(problem, robot.disturbances)
+    zeros, found, groups, plain = with_disturbances(problem, search, excluded, asked)
     return Likelihood(
         estimate=estimate_of(found.solution, prior_std(robot, sets)),
         biases=_biases(robot, sensors, found),

@@ -56,6 +56,12 @@ def solve(
             f"{recording.source}: thrusters fired, and {estimator.name} does not know "
             "of thrust: its result would be wrong; use --method maximum-likelihood"
         )
+    if robot.disturbances and not isinstance(estimator, OutputError):
+        raise InputError(
+            f"{', '.join(robot.disturbances)} is said to act from outside, and "
+            f"{estimator.name} cannot identify it: its result would be wrong; use "
+            "--method maximum-likelihood"
+        )
     clear = [problem for problem in problems if not obstacles(problem)]
     if not clear:
         problem = problems[0]

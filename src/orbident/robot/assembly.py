@@ -53,6 +53,7 @@ def assembled(
         wheels=wheels,
         thrusters=tuple(_thruster(entry) for entry in file.thrusters),
         pads=_pads(file, bodies),
+        disturbances=tuple(map(str, file.disturbances)),
         structure=structure,
         sensors=file.sensors.in_si(),
         tolerances=file.tolerances.in_si(bodies.joints, place),

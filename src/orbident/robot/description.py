@@ -106,6 +106,8 @@ class Robot:
     """By body name; a body that is absent is arbitrary."""
     pads: Mapping[str, Float[np.ndarray, "3"]] = field(default_factory=dict)
     """The middle of each body's air bearings, in the body's frame, m, by its name."""
+    disturbances: tuple[str, ...] = ()
+    """What is known to act from outside, by `disturbance_groups`."""
     sensors: Mapping[str, Any] = field(default_factory=dict)
     """The robot file's sensor section, in SI units."""
     tolerances: Tolerances = field(default_factory=Tolerances)

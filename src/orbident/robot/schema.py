@@ -16,6 +16,7 @@ from orbident.files.schema_parts import (
     finite_vector,
 )
 from orbident.robot.description import Axis
+from orbident.robot.disturbance_groups import DisturbanceGroup
 from orbident.robot.sensor_schema import Sensors, Share
 from orbident.robot.tolerance_schema import TolerancesEntry
 
@@ -124,6 +125,7 @@ class RobotFile(Section):
     wheels: tuple[WheelEntry, ...] = ()
     thrusters: tuple[ThrusterEntry, ...] = ()
     pads: dict[str, Vector3] = Field(default_factory=dict)
+    disturbances: tuple[DisturbanceGroup, ...] = ()
     limits: dict[str, LimitEntry] = Field(default_factory=dict)
     structure: dict[str, StructureEntry] = Field(default_factory=dict)
     sensors: Sensors = Sensors()

@@ -12,7 +12,8 @@ import numpy as np
 from jaxtyping import Float, Int
 from scipy.special import chdtri
 
-from orbident.estimation.output_error.forms import Disturbance
+from orbident.errors import InputError
+from orbident.estimation.output_error.forms import IN_WORDS, NEEDS, Disturbance
 from orbident.estimation.output_error.noise_scaling import Fitted
 from orbident.estimation.output_error.problem import OUTSIDE, Problem, State
 from orbident.estimation.output_error.sensitivity import TakenForZero, fall
@@ -81,7 +82,10 @@ class Search(Protocol):
 
 
 def with_disturbances(
-    problem: Problem, search: Search, excluded: Collection[str] = ()
+    problem: Problem,
+    search: Search,
+    excluded: Collection[str] = (),
+    asked: tuple[str, ...] = (),
 ) -> Fit:
     """Free one group after another, as long as chi-square says that it acts.
 
@@ -89,31 +93,55 @@ def with_disturbances(
         problem: a recording's equations.
         search: finds a fit with some groups.
         excluded: groups that are not tested.
+        asked: groups that are known to act: these are free in any case.
     """
     start = search.first(())
     plain = search.whole(start)
     tested = problem.t.size <= LONGEST
     every = {each.group for each in problem.acting.disturbances} if tested else set()
-    zeros = first = TakenForZero(problem, plain.solution, every - {*excluded})
     # In all first fits noise is that assumed, so that their costs can be compared.
-    solution, groups, cost = plain.solution, (), start.cost
+    solution, groups, cost = plain.solution, asked, start.cost
+    if asked:
+        solution = search.first(asked)
+        cost = solution.cost
+    zeros = first = TakenForZero(problem, solution, every - {*excluded})
     for _ in range(ROUNDS):
         more = _best(zeros, groups, search)
         if more is None or _hopeless(problem, more[0].cost, cost):
             break
         solution, groups = more
         # A group that stood for this one is not needed beside it.
-        while weak := _unneeded(problem, solution, groups):
+        while weak := _unneeded(problem, solution, groups, asked):
             groups = _without(groups, weak)
             solution = search.first(groups)
         zeros = TakenForZero(problem, solution, zeros.groups)
         cost = solution.cost
     found = search.whole(solution) if groups else plain
-    while weak := _unneeded(problem, found.solution, groups):
+    while weak := _unneeded(problem, found.solution, groups, asked):
         groups = _without(groups, weak)
         found = search.whole(search.first(groups)) if groups else plain
     zeros = TakenForZero(problem, found.solution) if groups else first
     return Fit(zeros, found, groups, plain)
+
+
+def requested(problem: Problem, names: Collection[str]) -> tuple[str, ...]:
+    """Groups that the robot file says act, each once.
+
+    Raises:
+        InputError: there is none of this name, or nothing of it shows in this
+            recording.
+    """
+    every = {each.group for each in problem.acting.disturbances} if names else set()
+    for name in names:
+        if name not in IN_WORDS:
+            known = ", ".join(IN_WORDS)
+            raise InputError(f"disturbance '{name}' is unknown; use {known}")
+        if name not in every:
+            raise InputError(
+                f"disturbance '{name}' is asked for, and shows in no "
+                f"recording without {NEEDS[name]}; give that, or do not ask for it"
+            )
+    return tuple(dict.fromkeys(names))
 
 
 def _without(groups: tuple[str, ...], group: str) -> tuple[str, ...]:
@@ -239,7 +267,10 @@ def _sizes(
 
 
 def _unneeded(
-    problem: Problem, solution: Solution, groups: tuple[str, ...]
+    problem: Problem,
+    solution: Solution,
+    groups: Collection[str],
+    asked: Collection[str],
 ) -> str | None:
     """The group of least size in its deviations, where that is no more than chance."""
 
@@ -247,7 +278,8 @@ def _unneeded(
         value, C = _sizes(problem, solution, group)
         return float(value @ np.linalg.solve(C, value) - chdtri(value.size, CHANCE))
 
-    weakest = min(groups, key=beyond_chance, default=None)
+    freed = (group for group in groups if group not in asked)
+    weakest = min(freed, key=beyond_chance, default=None)
     return None if weakest is None or beyond_chance(weakest) > 0 else weakest
 
 

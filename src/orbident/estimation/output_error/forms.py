@@ -37,7 +37,7 @@ SLOW = ("slow_torque", "slow_base_torque")
 WAVES = 6
 """Half waves in a recording of what changes slowly, at most."""
 
-IN_WORDS = {
+IN_WORDS: dict[str, str] = {
     "torque": "a constant torque acts, inertial axes",
     "slow_torque": "a torque acts that changes slowly, inertial axes",
     "base_torque": "a torque acts that turns with the base, base axes",
@@ -51,6 +51,18 @@ IN_WORDS = {
     "dipole": "a torque acts across the magnetic field, as on a magnet in the base",
 }
 """What acts, by the name of its group."""
+
+NEEDS: dict[str, str] = {
+    "base_torque": "a robot whose motion is spatial",
+    "slow_base_torque": "a robot whose motion is spatial",
+    "pull": "position or velocity of S",
+    "uneven": "position or velocity of S, and a robot whose motion is planar",
+    "drag": "position or velocity of S, and a robot whose motion is planar",
+    "air": "position or velocity of S, and flow.x, flow.y and flow.z",
+    "sunlight": "position or velocity of S, and sun.x, sun.y and sun.z",
+    "dipole": "field.x, field.y and field.z",
+}
+"""Without which nothing shows of a group."""
 
 
 class Effect(NamedTuple):

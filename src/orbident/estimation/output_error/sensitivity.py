@@ -79,7 +79,9 @@ class Sensitivity(NamedTuple):
         return derivative @ self.shift / np.sqrt(np.diag(C))[:, None]
 
 
-def fall(left: Float[np.ndarray, "rows columns"], which: Int[np.ndarray, " some"]) -> float:
+def fall(
+    left: Float[np.ndarray, "rows columns"], which: Int[np.ndarray, " some"]
+) -> float:
     """How far chi-square would fall if these columns of `[R_c, z]` were unknowns."""
     R, z = left[:, list(which)], left[:, -1]
     after = z - R @ np.linalg.lstsq(R, z)[0]

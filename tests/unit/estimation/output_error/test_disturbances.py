@@ -18,13 +18,18 @@ from small_problems import (
 )
 
 from orbident import _core
+from orbident.errors import InputError
+from orbident.estimation.estimate import Estimate
+from orbident.estimation.identify import identify
 from orbident.estimation.output_error.disturbances import DisturbanceFit
 from orbident.estimation.output_error.estimator import OutputError
+from orbident.estimation.output_error.forms import IN_WORDS, NEEDS
 from orbident.estimation.output_error.lasting import at_level
 from orbident.estimation.output_error.problem import NO_ROWS, SENSORS, Problem, State
 from orbident.estimation.problem import momentum_problems
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot, Thruster
+from orbident.robot.disturbance_groups import DisturbanceGroup
 from orbident.simulation.control_laws import JointPD
 from orbident.simulation.flight import standing
 from orbident.simulation.free_floating import BaseState
@@ -169,3 +174,46 @@ def equations(problem: Problem, state: State, interval: int) -> np.ndarray:
         state.selected,
         interval,
     )
+
+
+def asked_for(recording: Recording, *groups: str) -> Estimate:
+    robot = replace(with_sensors(small_robot()), disturbances=groups)
+    problem, *_ = momentum_problems(robot, recording, "at-rest", lambda _: None)
+    return OutputError().estimate(problem, lambda _: None)
+
+
+def test_what_is_asked_for_is_identified_where_it_is_zero_too():
+    recording = noisy(small_recording(small_robot()), 0)
+    assert not identified(recording)
+    found = asked_for(recording, "pull").disturbances
+    assert set(found) == {"pull.x", "pull.y"}
+    for fit in found.values():
+        assert abs(fit.value) < 4 * fit.std < np.inf
+
+
+def test_what_is_asked_for_has_the_size_that_a_test_identifies():
+    recording = noisy(under_a_couple(1e-4), 0)
+    tested, asked = identified(recording), asked_for(recording, "torque").disturbances
+    assert set(tested) == set(asked) == {"torque.z"}
+    fit = tested["torque.z"]
+    assert asked["torque.z"].value == pytest.approx(fit.value, abs=0.02 * fit.std)
+    assert asked["torque.z"].std == pytest.approx(fit.std, rel=1e-3)
+
+
+def test_what_cannot_show_is_refused():
+    recording = noisy(small_recording(small_robot()), 0)
+    with pytest.raises(InputError, match=r"'air' is asked for.*flow\.x"):
+        asked_for(recording, "air")
+    with pytest.raises(InputError, match="'wind' is unknown; use torque, "):
+        asked_for(recording, "wind")
+
+
+def test_other_methods_refuse_what_they_cannot_identify():
+    robot = replace(with_sensors(small_robot()), disturbances=("pull",))
+    recording = noisy(small_recording(robot), 0)
+    with pytest.raises(InputError, match="structured cannot identify it"):
+        identify(robot, recording, "structured", "at-rest")
+
+
+def test_the_command_line_and_the_robot_file_have_the_estimators_names():
+    assert {*DisturbanceGroup} == {*IN_WORDS} >= {*NEEDS}
