@@ -15,16 +15,20 @@ REQUIRED = $$($(BIN)/python -c "import sys, tomllib; \
 	table, key = sys.argv[1:]; \
 	print(*tomllib.load(open('pyproject.toml', 'rb'))[table][key])" $(1))
 
-.PHONY: demo test sanitize wheels site clean
+.PHONY: demo test style types suite sanitize wheels site clean
 
 demo: .venv/libraries .venv/core
 	$(BIN)/orbident study spatial
 
-test: .venv/tested
+# Pyright has one thread: it runs beside the tests.
+test: types suite
+style: .venv/tested
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
-	$(BIN)/pyright --pythonpath $(BIN)/python
 	$(BIN)/lint-imports
+types: style
+	$(BIN)/pyright --pythonpath $(BIN)/python
+suite: style
 	$(BIN)/pytest -n 2
 
 # The tests of the numerical core under AddressSanitizer and UBSan.
