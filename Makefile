@@ -5,26 +5,39 @@ BIN := .venv/bin
 # command compiles its libraries anew, and the tests start it some hundred times.
 export PYTHONDONTWRITEBYTECODE =
 CORE := CMakeLists.txt $(shell find src/core -name '*.[ch]pp')
+# The libraries are downloaded while the core compiles.
+MAKEFLAGS += --jobs=2
+unexport MAKEFLAGS
+# Bytecode of all libraries takes half a minute, and most are never imported.
+INSTALL := $(BIN)/pip install --quiet --no-compile
+# A list of requirements of pyproject.toml, such as project.dependencies, as arguments.
+REQUIRED = $$($(BIN)/python -c "import sys, tomllib; \
+	table, key = sys.argv[1:]; \
+	print(*tomllib.load(open('pyproject.toml', 'rb'))[table][key])" $(1))
 
-.PHONY: demo test sanitize wheels site clean
+.PHONY: demo test style types suite sanitize wheels site clean
 
-demo: .venv/installed
+demo: .venv/libraries .venv/core
 	$(BIN)/orbident study spatial
 
-test: .venv/installed
+# Pyright has one thread: it runs beside the tests.
+test: types suite
+style: .venv/tested
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
-	$(BIN)/pyright --pythonpath $(BIN)/python
 	$(BIN)/lint-imports
+types: style
+	$(BIN)/pyright --pythonpath $(BIN)/python
+suite: style
 	$(BIN)/pytest -n 2
 
 # The tests of the numerical core under AddressSanitizer and UBSan.
 SANITIZED := build/sanitized/bin/python
-sanitize: .venv/installed
+sanitize: .venv/tested
 	$(PYTHON) -m venv --without-pip build/sanitized
 	echo "import site; site.addsitedir('$(CURDIR)/.venv/lib/$(PYTHON)/site-packages')" \
 		> build/sanitized/lib/$(PYTHON)/site-packages/shared.pth
-	$(BIN)/pip --python $(SANITIZED) install --quiet --no-deps --editable . \
+	$(BIN)/pip --python $(SANITIZED) install --quiet --no-deps --no-build-isolation --editable . \
 		--config-settings=cmake.define.ORBIDENT_SANITIZE=ON \
 		--config-settings=build-dir=build/sanitized-core
 	LD_PRELOAD="$$(c++ -print-file-name=libasan.so) $$(c++ -print-file-name=libstdc++.so)" ASAN_OPTIONS=detect_leaks=0 \
@@ -32,19 +45,35 @@ sanitize: .venv/installed
 		tests/properties tests/oracles tests/unit/core tests/unit/estimation
 
 # The source distribution and wheels, tried in bare environments of Python 3.11 to 3.13.
-wheels: .venv/installed
+wheels: .venv/tested
 	.ci/wheels
 
 # The documentation, in build/site.
-site: .venv/installed
+site: .venv/tested
 	$(BIN)/mkdocs build --quiet
 
-# --no-compile: bytecode of all libraries takes half a minute, and most are never imported.
-.venv/installed: pyproject.toml $(CORE)
+.venv/bare:
 	@command -v c++ > /dev/null || \
 		{ echo "orbident needs a C++17 compiler (g++ or clang++): install one, then make again"; exit 1; }
 	$(PYTHON) -m venv .venv
-	$(BIN)/pip install --quiet --no-compile --editable ".[test]"
+	touch $@
+
+.venv/libraries: pyproject.toml | .venv/bare
+	@echo "libraries of pyproject.toml"
+	@$(INSTALL) $(call REQUIRED,project dependencies)
+	@touch $@
+
+# Without isolation what is compiled stays of use: after a change only what depends on it is
+# compiled again, and nothing where the same core is installed with more libraries.
+.venv/core: pyproject.toml $(CORE) | .venv/bare
+	@echo "the core in C++"
+	@$(INSTALL) cmake ninja $(call REQUIRED,build-system requires)
+	@$(INSTALL) --no-build-isolation --no-deps --editable .
+	@touch $@
+
+# What tests need beside.
+.venv/tested: pyproject.toml .venv/libraries | .venv/core
+	$(INSTALL) --no-build-isolation --editable ".[test]"
 	touch $@
 
 clean:

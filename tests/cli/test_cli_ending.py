@@ -103,6 +103,36 @@ def test_a_verb_that_does_not_unwind():
     assert (process.returncode, said) == (130, "orbident: interrupted\n")
 
 
+WRITING = """
+import sys, time
+from pathlib import Path
+from orbident.cli import app
+from orbident.files.folder_replacing import replacing_files
+from orbident.files.replacing import replacing
+def stubborn():
+    run = replacing_files(Path("new/run"), ["a"])
+    with replacing(Path("file.csv")) as file, run as new:
+        file.write_text("half")
+        (new / "a").write_text("half")
+        print("ready", flush=True)
+        while True:
+            try: time.sleep(60)
+            except BaseException: pass
+app._run = stubborn
+app.main()
+"""
+
+
+def test_a_verb_that_does_not_unwind_leaves_nothing_half_written():
+    with started(command=(ORBIDENT[0], "-c", WRITING)) as process:
+        assert process.stdout is not None
+        assert process.stdout.readline() == "ready\n"
+        process.send_signal(signal.SIGTERM)
+        _, said = process.communicate(timeout=PROMISED + SLOW)
+    assert (process.returncode, said) == (143, "orbident: terminated\n")
+    assert not list(Path().iterdir())
+
+
 def test_it_serves_until_it_is_interrupted():
     with started(*VIEW) as process:
         said = address_of(process)

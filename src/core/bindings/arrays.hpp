@@ -38,31 +38,12 @@ struct In {
   }
 };
 
-inline std::string shape_in_words(const std::int64_t* shape, std::size_t n) {
-  std::string words = "(";
-  for (std::size_t k = 0; k < n; ++k)
-    words += (k ? ", " : "") + (shape[k] == ANY ? std::string("any") : std::to_string(shape[k]));
-  return words + (n == 1 ? ",)" : ")");
-}
-
 // Raises TypeError for another dtype and ValueError for another shape; both name the argument.
+DoublesIn checked(const char* name, const Array& given, const std::int64_t* shape, std::size_t n);
+
 template <std::size_t N>
 In<N> input(const char* name, const Array& given, const std::array<std::int64_t, N>& shape) {
-  if (given.dtype() != nb::dtype<double>())
-    throw nb::type_error((std::string(name) + " is not float64; give float64").c_str());
-  bool right = given.ndim() == N;
-  for (std::size_t k = 0; right && k < N; ++k)
-    right = shape[k] == ANY || static_cast<std::int64_t>(given.shape(k)) == shape[k];
-  if (!right) {
-    std::array<std::int64_t, 8> found{};
-    const std::size_t axes = std::min<std::size_t>(given.ndim(), found.size());
-    for (std::size_t k = 0; k < axes; ++k) found[k] = static_cast<std::int64_t>(given.shape(k));
-    throw nb::value_error((std::string(name) + " has the shape " +
-                           shape_in_words(found.data(), axes) + "; give " +
-                           shape_in_words(shape.data(), N))
-                              .c_str());
-  }
-  return {nb::cast<DoublesIn>(nb::cast(given))};
+  return {checked(name, given, shape.data(), N)};
 }
 
 // run(group) for all samples from first to last - 1.
@@ -71,6 +52,9 @@ void by_groups(std::ptrdiff_t first, std::ptrdiff_t last, Run&& run) {
   for (std::ptrdiff_t k = first; k < last; k += Lanes::COUNT) run(Group{k, last});
   end_writes_past_caches();
 }
+
+// What gives a block back when Python frees its array.
+nb::capsule owner_of(const Block& block);
 
 // A new float64 array that Python will own. Made and given under the GIL.
 template <std::size_t N>
@@ -82,13 +66,13 @@ class Out {
   explicit Out(Sizes... sizes) : shape_{static_cast<std::size_t>(sizes)...} {
     std::size_t size = 1;
     for (std::size_t each : shape_) size *= each;
-    block_ = ArrayMemory::take(size);
+    block_ = take_memory(size);
   }
   Out(Out&& other) noexcept : shape_(other.shape_), block_(other.block_) {
     other.block_.data = nullptr;
   }
   ~Out() {
-    if (block_.data) ArrayMemory::give_back(block_);
+    if (block_.data) give_memory_back(block_);
   }
   double* data() { return block_.data; }
   const std::array<std::size_t, N>& shape() const { return shape_; }
@@ -106,11 +90,8 @@ class Out {
 
   // Hands the memory over.
   Numpy give() {
-    nb::capsule owner(new Block(block_), [](void* p) noexcept {
-      ArrayMemory::give_back(*static_cast<Block*>(p));
-      delete static_cast<Block*>(p);
-    });
     double* data = block_.data;
+    const nb::capsule owner = owner_of(block_);
     block_.data = nullptr;
     return Numpy(data, N, shape_.data(), owner);
   }

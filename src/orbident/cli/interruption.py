@@ -3,7 +3,7 @@
 Either raises `KeyboardInterrupt` in the main thread, so that files are closed and
 temporary ones removed. Compiled code that does not return, and imported code that
 swallows the exception, would let the run go on: a second thread ends the process when
-it has not ended by itself.
+it has not ended by itself, and removes what was being written.
 """
 
 import os
@@ -14,6 +14,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 from orbident.cli.streams import complain
+from orbident.files.unfinished import undo_all
 
 PATIENCE = 1.5
 """What it may take to unwind, s: users are promised two seconds."""
@@ -84,4 +85,5 @@ def _watch(numbers: int, ended: threading.Event, interruption: Interruption) -> 
     with os.fdopen(numbers, "rb", buffering=0) as received:
         while number := received.read(1):
             if number[0] in set(WORDS) and not ended.wait(PATIENCE):
+                undo_all()
                 os._exit(interruption.end(signal.Signals(number[0])))

@@ -10,12 +10,14 @@ the folder next makes up for.
 import shutil
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
+from functools import partial
 from pathlib import Path
 
 from orbident.errors import InputError
 from orbident.files.locking import locked
 from orbident.files.replacing import UNFINISHED, flush, flush_names
 from orbident.files.text import read_text, write_text
+from orbident.files.unfinished import CHANGING, undone
 from orbident.files.writing import reason_of, writing
 
 STAGED = f".{UNFINISHED}"
@@ -42,18 +44,12 @@ def replacing_files(folder: Path, ours: Sequence[str]) -> Iterator[Path]:
         with locked(folder):
             _put_in_place(folder, ours)
             staged = folder / STAGED
-            try:
+            with undone(partial(_remove, folder, missing)):
                 shutil.rmtree(staged, ignore_errors=True)
-                staged.mkdir()
+                with CHANGING:
+                    staged.mkdir()
                 yield staged
                 _commit(folder, ours)
-            except BaseException:
-                if not is_committed(folder):
-                    shutil.rmtree(staged, ignore_errors=True)
-                    for made in missing:
-                        with suppress(OSError):
-                            made.rmdir()
-                raise
         finish(folder, ours)
 
 
@@ -88,6 +84,15 @@ def is_unfinished(folder: Path) -> bool:
     return (folder / STAGED).is_dir()
 
 
+def _remove(folder: Path, made: Sequence[Path]) -> None:
+    """Remove new files that are not committed, and what was made for them."""
+    if not is_committed(folder):
+        shutil.rmtree(folder / STAGED, ignore_errors=True)
+        for each in made:
+            with suppress(OSError):
+                each.rmdir()
+
+
 def _commit(folder: Path, ours: Sequence[str]) -> None:
     staged = folder / STAGED
     new = {name for name in ours if (staged / name).is_file()}
@@ -99,7 +104,8 @@ def _commit(folder: Path, ours: Sequence[str]) -> None:
     for name in new:
         flush(staged / name)
     _flush_names(staged, new)
-    write_text(staged / _READY, "\n".join(sorted(set(ours) - new)))
+    with CHANGING:
+        write_text(staged / _READY, "\n".join(sorted(set(ours) - new)))
     flush_names(staged)
 
 

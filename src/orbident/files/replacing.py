@@ -2,11 +2,13 @@
 
 import os
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
+from functools import partial
 from pathlib import Path
 
 from orbident.errors import InputError
 from orbident.files.locking import busy, has_locked
+from orbident.files.unfinished import CHANGING, undone
 from orbident.files.writing import writing
 
 UNFINISHED = "orbident-unfinished"
@@ -33,16 +35,14 @@ def replacing(path: Path) -> Iterator[Path]:
         # Unlike Path.resolve it takes links that lead to themselves.
         target = Path(os.path.realpath(path))
         temporary = target.with_name(f".{target.name}.{UNFINISHED}")
-        handle = _reserved(temporary, path)
-        try:
+        with ExitStack() as opened:
+            with CHANGING:
+                _reserve(temporary, path, opened)
+                # Closed, in reverse, before the lock is given up.
+                opened.enter_context(undone(partial(temporary.unlink, missing_ok=True)))
             yield temporary
             flush(temporary)
             temporary.replace(target)
-        except BaseException:
-            temporary.unlink(missing_ok=True)
-            raise
-        finally:
-            os.close(handle)
 
 
 def check_place(path: Path) -> None:
@@ -80,16 +80,15 @@ def flush_names(folder: Path) -> None:
             os.close(handle)
 
 
-def _reserved(temporary: Path, path: Path) -> int:
-    """The temporary file, open and locked."""
+def _reserve(temporary: Path, path: Path, opened: ExitStack) -> None:
+    """Make the temporary file, and lock it until `opened` is closed."""
     while True:
         flags = os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0)
         handle = os.open(temporary, flags, 0o666)
+        opened.callback(os.close, handle)
         if not has_locked(handle):
-            os.close(handle)
             raise InputError(busy(path))
         # Until the lock was ours another writer may have moved or removed the file.
         with suppress(FileNotFoundError):
             if os.path.samestat(os.fstat(handle), temporary.lstat()):
-                return handle
-        os.close(handle)
+                return
