@@ -28,7 +28,7 @@ auto smooth_columns(const Array& t_, const Array& x_, const Array& density_, con
   {
     nb::gil_scoped_release release;
     const auto smooth = [&](std::ptrdiff_t c) {
-      const SampledColumn<double> column{t.data(),         x.data() + c,     n,
+      const SampledColumn column{t.data(),         x.data() + c,     n,
                                          columns,          h.data()[c],      noise_std.data()[c],
                                          offset.data()[c], density.data()[c]};
       std::ptrdiff_t first = 0, last = n - 1;
@@ -41,7 +41,7 @@ auto smooth_columns(const Array& t_, const Array& x_, const Array& density_, con
       }
       if (first < n)
         smooth_column(column, first, last,
-                      SmoothedColumn<double>{value.data() + c * n, rate.data() + c * n,
+                      SmoothedColumn{value.data() + c * n, rate.data() + c * n,
                                              acceleration.data() + c * n, std_x.data() + c * n,
                                              std_rate.data() + c * n});
     };

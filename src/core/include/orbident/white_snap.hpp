@@ -14,43 +14,44 @@
 #include <Eigen/Core>
 #include <cmath>
 
+#include "orbident/householder.hpp"
+
 namespace orbident::white_snap {
 
 // Components of the state. With 3, white jerk, the natural end conditions cost the rate at the ends
 // of noise-free data three digits, and rates of smooth motion are three times noisier.
 constexpr int ORDER = 4;
 
-template <class T>
-using State = Eigen::Matrix<T, ORDER, 1>;
-template <class T>
-using Square = Eigen::Matrix<T, ORDER, ORDER>;
+using State = Eigen::Matrix<double, ORDER, 1>;
+using Square = Eigen::Matrix<double, ORDER, ORDER>;
 
-// Equations, one a row, as [coefficients | right side]: columns of w, of s, and the right side. One
-// more column, always zero, lets a processor take two at a time.
-constexpr int RIGHT = 2 * ORDER, WIDTH = RIGHT + 2;
-template <class T>
-using SnapRows = Eigen::Matrix<T, ORDER, WIDTH, Eigen::RowMajor>;
-template <class T>
-using Equation = Eigen::Matrix<T, 1, WIDTH>;
+// Equations, one a row, as [coefficients | right side]: columns of w, of s, and the right side. Each
+// number stands for N densities, side by side: rotations follow one another, and a processor has
+// nothing else to do while it waits for their roots.
+constexpr int RIGHT = 2 * ORDER, WIDTH = RIGHT + 1;
+template <int N>
+using Row = double[WIDTH][N];
+template <int N>
+using Triangle = Row<N>[ORDER];
+// Those of one density.
+using SnapRows = Eigen::Matrix<double, ORDER, WIDTH, Eigen::RowMajor>;
 
-// What the samples so far say of the state.
-template <class T>
+// What the samples so far say of the state: R s = z + N(0, 1) in the columns of s, R upper
+// triangular; zero where nothing is known.
+template <int N>
 struct Information {
-  // R s = z + N(0, 1) in the columns of s, R upper triangular; zero where nothing is known.
-  SnapRows<T> rows = SnapRows<T>::Zero();
+  Triangle<N> rows = {};
 };
 
 // The state given all samples: its mean and covariance.
-template <class T>
 struct Estimate {
-  State<T> mean;
-  Square<T> covariance;
+  State mean;
+  Square covariance;
 };
 
 // F(dt)^-1 = F(-dt), and G = F^-1 B.
-template <class T>
 struct Motion {
-  Square<T> F_inv, G;
+  Square F_inv, G;
 };
 
 constexpr double factorial(int n) { return n < 2 ? 1.0 : n * factorial(n - 1); }
@@ -74,88 +75,111 @@ struct UnitNoise {
 //   B_ij = dt^p sqrt(density dt) sqrt(2k+1) p! / ((p-k)! (p+k+1)!),   G_ij = (-1)^(i+j) B_ij:
 //
 // seen from the end of the step, the odd polynomials change their sign.
-template <class T>
-Motion<T> motion(const T& dt, const T& density) {
-  using std::sqrt;
+inline Motion motion(double dt, double density) {
   constexpr UnitNoise unit;
-  Motion<T> step;
+  Motion step;
   step.F_inv.setZero();
-  T power = T(1), scale = sqrt(density * dt);
+  double power = 1.0, scale = std::sqrt(density * dt);
   for (int k = 0; k < ORDER; ++k) {
     const int i = ORDER - 1 - k;
-    step.F_inv.diagonal(k).setConstant(power / T(factorial(k)));
+    step.F_inv.diagonal(k).setConstant(power / factorial(k));
     power *= -dt;
-    for (int j = 0; j < ORDER; ++j) step.G(i, j) = T(unit.G[i][j]) * scale;
+    for (int j = 0; j < ORDER; ++j) step.G(i, j) = unit.G[i][j] * scale;
     scale *= dt;
   }
   return step;
 }
 
-// Givens: two equations turned so that b[k] vanishes.
-template <class RowA, class RowB>
-void turn(RowA&& a, RowB&& b, int k) {
-  using std::sqrt;
-  const auto norm = sqrt(a[k] * a[k] + b[k] * b[k]);
-  if (!(norm > 0)) return;
-  const auto c = a[k] / norm, s = b[k] / norm;
-  const auto before = a.eval();
-  a = c * before + s * b;
-  b = c * b - s * before;
-  b[k] = 0;
+// Givens: two equations turned so that b[k] vanishes; both are zero before k.
+template <int N>
+ORBIDENT_INLINE void turn(Row<N>& __restrict a, Row<N>& __restrict b, int k) {
+  double c[N], s[N];
+  for (int l = 0; l < N; ++l) {
+    const double norm = std::sqrt(a[k][l] * a[k][l] + b[k][l] * b[k][l]);
+    // Where nothing is known yet, both stay as they are.
+    const double none = norm > 0 ? 0.0 : 1.0, whole = norm + none;
+    c[l] = (a[k][l] + none) / whole;
+    s[l] = b[k][l] / whole;
+  }
+  for (int j = k; j < WIDTH; ++j)
+    for (int l = 0; l < N; ++l) {
+      const double before = a[j][l];
+      a[j][l] = c[l] * before + s[l] * b[j][l];
+      b[j][l] = c[l] * b[j][l] - s[l] * before;
+    }
 }
 
-// Moves by one step: w = 0 + N(0, 1) and R (F^-1 s+ - G w) = z + N(0, 1), in which w is eliminated.
-// Returns the equations U w + T s+ = b + N(0, 1) that hold w, U upper triangular.
-template <class T>
-SnapRows<T> advance(const Motion<T>& step, Information<T>& known) {
-  SnapRows<T>& rows = known.rows;
-  SnapRows<T> noise = SnapRows<T>::Zero();
-  noise.template leftCols<ORDER>().setIdentity();
-  const Square<T> R = rows.template middleCols<ORDER>(ORDER);
-  rows.template leftCols<ORDER>().noalias() = -(R * step.G);
-  rows.template middleCols<ORDER>(ORDER).noalias() = R * step.F_inv;
+// Moves by one step: w = 0 + N(0, 1) and R (F^-1 s+ - root G w) = z + N(0, 1), in which w is
+// eliminated; `root` multiplies the noise of each density. Leaves the equations
+// U w + T s+ = b + N(0, 1) that hold w, U upper triangular, in `noise`.
+template <int N>
+ORBIDENT_INLINE void advance(const Motion& step, const double (&root)[N], Information<N>& known,
+                             Triangle<N>& noise) {
+  Triangle<N>& rows = known.rows;
+#pragma GCC unroll 4
+  for (int i = 0; i < ORDER; ++i) {
+    Row<N> R = {};
+    for (int j = i; j < ORDER; ++j)
+      for (int l = 0; l < N; ++l) R[j][l] = rows[i][ORDER + j][l];
+    for (int k = 0; k < ORDER; ++k)
+      for (int l = 0; l < N; ++l) {
+        double by_w = 0.0, by_s = 0.0;
+        for (int j = i; j < ORDER; ++j) {
+          by_w += R[j][l] * step.G(j, k);
+          if (j <= k) by_s += R[j][l] * step.F_inv(j, k);
+        }
+        rows[i][k][l] = -by_w * root[l];
+        rows[i][ORDER + k][l] = by_s;
+      }
+    for (int k = 0; k < WIDTH; ++k)
+      for (int l = 0; l < N; ++l) noise[i][k][l] = k == i ? 1.0 : 0.0;
+  }
   // In each column from the bottom row up, so that R F^-1 stays a triangle; in this order, diagonal
   // by diagonal, rotations that follow one another are independent, and a processor overlaps them.
+#pragma GCC unroll 4
   for (int d = 0; d < ORDER; ++d)
-    for (int i = 0; i + d < ORDER; ++i) turn(noise.row(i + d), rows.row(i), i + d);
-  return noise;
+#pragma GCC unroll 4
+    for (int i = 0; i + d < ORDER; ++i) turn<N>(noise[i + d], rows[i], i + d);
 }
 
-// Takes in a sample: x = y + N(0, 1).
-template <class T>
-void measure(const T& y, Information<T>& known) {
-  Equation<T> sample = Equation<T>::Zero();
-  sample[ORDER] = T(1);
-  sample[RIGHT] = y;
-  for (int i = 0; i < ORDER; ++i) turn(known.rows.row(i), sample, ORDER + i);
+// Takes in a sample, x = y + N(0, 1); what it leaves unexplained is in `left`.
+template <int N>
+ORBIDENT_INLINE void measure(double y, Information<N>& known, double (&left)[N]) {
+  Row<N> sample = {};
+  for (int l = 0; l < N; ++l) {
+    sample[ORDER][l] = 1.0;
+    sample[RIGHT][l] = y;
+  }
+#pragma GCC unroll 4
+  for (int i = 0; i < ORDER; ++i) turn<N>(known.rows[i], sample, ORDER + i);
+  for (int l = 0; l < N; ++l) left[l] = sample[RIGHT][l];
 }
 
 // From the state after a step to the state before it: s = F^-1 s+ - G w with
 // w = U^-1 (b - T s+ + N(0, 1)).
-template <class T>
-void retreat(const Motion<T>& step, const SnapRows<T>& noise, Estimate<T>& at) {
+inline void retreat(const Motion& step, const SnapRows& noise, Estimate& at) {
   // U^-1 [1 T b].
-  SnapRows<T> X = noise;
-  X.template leftCols<ORDER>().setIdentity();
+  SnapRows X = noise;
+  X.leftCols<ORDER>().setIdentity();
   for (int i = ORDER - 1; i >= 0; --i) {
     for (int k = i + 1; k < ORDER; ++k) X.row(i) -= noise(i, k) * X.row(k);
     X.row(i) /= noise(i, i);
   }
-  const Square<T> N = step.G * X.template leftCols<ORDER>();
-  const Square<T> L = step.F_inv + step.G * X.template middleCols<ORDER>(ORDER);
-  const State<T> g = step.G * X.col(RIGHT);
-  const Square<T> PLT = at.covariance * L.transpose();
+  const Square N = step.G * X.leftCols<ORDER>();
+  const Square L = step.F_inv + step.G * X.middleCols<ORDER>(ORDER);
+  const State g = step.G * X.col(RIGHT);
+  const Square PLT = at.covariance * L.transpose();
   at.mean = (L * at.mean - g).eval();
   at.covariance.noalias() = L * PLT;
   at.covariance.noalias() += N * N.transpose();
 }
 
 // The last state from all that is known: R^-1 z and (R^T R)^-1.
-template <class T>
-Estimate<T> final_estimate(const Information<T>& known) {
-  const auto R = known.rows.template middleCols<ORDER>(ORDER);
-  Square<T> inverse = Square<T>::Identity();
-  State<T> mean = known.rows.col(RIGHT);
+inline Estimate final_estimate(const Information<1>& known) {
+  const Eigen::Map<const SnapRows> rows(known.rows[0][0]);
+  const auto R = rows.middleCols<ORDER>(ORDER);
+  Square inverse = Square::Identity();
+  State mean = rows.col(RIGHT);
   for (int i = ORDER - 1; i >= 0; --i) {
     for (int k = i + 1; k < ORDER; ++k) {
       inverse.row(i) -= R(i, k) * inverse.row(k);
