@@ -125,7 +125,9 @@ def maximum_likelihood(
     least = {name: each.least / each.std for name, each in sensors.by_name.items()}
     declared = {name for name, each in sensors.by_name.items() if each.declared}
 
-    search = _Search(problem, prior, (first, second), least, declared, progress, steps)
+    search = _DisturbanceSearch(
+        problem, prior, (first, second), least, declared, progress, steps
+    )
     # Without declared noise, what splines leave between samples may look slow too.
     excluded = () if declared == set(sensors.by_name) else SLOW
     found, groups, plain = with_disturbances(problem, search, excluded)
@@ -146,7 +148,7 @@ def maximum_likelihood(
 
 
 @dataclass(frozen=True)
-class _Search:
+class _DisturbanceSearch:
     """Fits a recording with some of what may act from outside among the unknowns."""
 
     problem: Problem
