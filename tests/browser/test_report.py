@@ -9,7 +9,7 @@ from chromium import chromium
 from selenium.webdriver import Chrome
 from selenium.webdriver.support.wait import WebDriverWait
 
-from orbident.report.write import report
+from orbident.report.write import report_page
 
 SIZES = {"desk": (1400, 900), "phone": (400, 800)}
 
@@ -31,7 +31,7 @@ def page(
 ) -> Chrome:
     """The report of a robot with hostile names, all charts drawn."""
     path: Path = tmp_path_factory.mktemp("run") / "report.html"
-    path.write_text(report(report_runs.hostile()), encoding="utf-8")
+    path.write_text(report_page(report_runs.hostile()), encoding="utf-8")
     width, height = SIZES[request.param]
     _emulate(browser, "setDeviceMetricsOverride", width=width, height=height)
     browser.get(path.as_uri())

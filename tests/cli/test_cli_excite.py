@@ -64,8 +64,8 @@ def test_a_score_that_falls_from_search_to_truth_is_told():
         motion = Trajectory(1.0, (), none, none, still, still)
         return replace(motion, design={"value": value, "searched_value": searched})
 
-    assert not excite_tables.doubts(design(100.0, 99.0))
-    (sentence,) = excite_tables.doubts(design(832.0, 81.4))
+    assert not excite_tables.design_doubts(design(100.0, 99.0))
+    (sentence,) = excite_tables.design_doubts(design(832.0, 81.4))
     assert "81.4" in sentence
     assert "832" in sentence
 

@@ -18,7 +18,7 @@ from wrong_motions import (
 )
 from wrong_sensors import flexible
 
-from orbident.simulation.capture import Target, holding, truth_through_change
+from orbident.simulation.capture import CapturedBody, holding, truth_through_change
 from orbident.trajectories.trajectory import Trajectory
 
 CHANGED = "chang*|captur*|releas*"
@@ -53,7 +53,7 @@ def captured(clean: Clean, random: Random) -> Mistake:
     """A ball on the last body."""
     middle_of = middle(clean, random)
     mass = between(random, 0.05, 0.5) * float(clean.robot.theta[-1, 0])
-    target = Target(mass, 0.2 * direction(clean, random), 1e-3 * mass * np.eye(3))
+    target = CapturedBody(mass, 0.2 * direction(clean, random), 1e-3 * mass * np.eye(3))
     return _changed(clean, target, middle_of, f"{mass:.2g} kg captured")
 
 
@@ -61,11 +61,11 @@ def released(clean: Clean, random: Random) -> Mistake:
     middle_of = middle(clean, random)
     mass = -between(random, 0.05, 0.2) * float(clean.robot.theta[-1, 0])
     com = clean.robot.theta[-1, 1:4] / clean.robot.theta[-1, 0]
-    target = Target(mass, com, 1e-3 * mass * np.eye(3))
+    target = CapturedBody(mass, com, 1e-3 * mass * np.eye(3))
     return _changed(clean, target, middle_of, f"{-mass:.2g} kg released")
 
 
-def _changed(clean: Clean, target: Target, at: float, name: str) -> Mistake:
+def _changed(clean: Clean, target: CapturedBody, at: float, name: str) -> Mistake:
     after = holding(clean.robot, target)
 
     def spoil(clean: Clean) -> Spoiled:

@@ -20,7 +20,7 @@ from orbident.model.inertia import (
     masses_about_S,
 )
 from orbident.model.kinematics import Poses, point_jacobian, poses
-from orbident.model.momentum import Momentum, momentum
+from orbident.model.momentum import MomentumRegressors, momentum_regressors
 from orbident.robot.description import Robot
 
 pytestmark = pytest.mark.core
@@ -39,7 +39,7 @@ class Ours(NamedTuple):
     masses: Masses
     carried: Masses
     inertia: Inertia
-    momentum: Momentum
+    momentum: MomentumRegressors
 
 
 class Case(NamedTuple):
@@ -61,7 +61,7 @@ def ours_of(robot: Robot, q: np.ndarray, qd: np.ndarray, w: np.ndarray) -> Ours:
         only_state(masses_about_S(robot, q[None])),
         only_state(carried_about_S(robot, q[None])),
         inertia_at(robot, q),
-        only_state(momentum(robot, q[None], qd[None], w[None])),
+        only_state(momentum_regressors(robot, q[None], qd[None], w[None])),
     )
 
 

@@ -13,7 +13,7 @@ from random_robots import random_parents, random_quaternion, random_robot, rando
 from scipy.spatial.transform import Rotation
 
 from orbident.robot.description import Robot
-from orbident.scene.motion import Motion, momentum, placed
+from orbident.scene.motion import MotionHistory, centroidal_momentum, placed
 from orbident.scene.reaction import BasePose, reaction
 from orbident.scene.scene import scene_of
 
@@ -30,19 +30,19 @@ def robot(request: pytest.FixtureRequest) -> Robot:
     return random_robot(request.param, parents, prismatic=[1], wheels=wheels)
 
 
-def random_states(robot: Robot) -> Motion:
+def random_states(robot: Robot) -> MotionHistory:
     random = np.random.default_rng(7)
     q, qd = random.standard_normal((2, TIMES, JOINTS))
     w, r_S, v_S = random.standard_normal((3, TIMES, 3))
     x_WB = np.array([random_quaternion(random) for _ in range(TIMES)])
     qd_rw = random.standard_normal((TIMES, len(robot.wheels)))
-    return Motion(np.arange(TIMES, dtype=float), q, qd, x_WB, w, r_S, v_S, qd_rw)
+    return MotionHistory(np.arange(TIMES, dtype=float), q, qd, x_WB, w, r_S, v_S, qd_rw)
 
 
 def test_frames_cm_and_momentum(robot: Robot):
     motion = random_states(robot)
     at = placed(scene_of(robot), motion, motion.wheel_angles())
-    found = momentum(robot, motion)
+    found = centroidal_momentum(robot, motion)
     theirs = pinocchio_model(robot)
     data = theirs.model.createData()
     for k in range(TIMES):

@@ -12,7 +12,7 @@ import pytest
 from random_robots import DUAL_ARM, random_planar_robot, random_robot
 
 from orbident.model.minimal_sets import minimal_sets
-from orbident.model.momentum import momentum
+from orbident.model.momentum import momentum_regressors
 from orbident.robot.description import Robot
 from orbident.robot.parameters import PER_BODY
 from orbident.robot.robot_file import load_robot
@@ -88,7 +88,7 @@ def model_of(robot: Robot, samples: int = 160) -> Model:
     planar = robot.motion == "planar"
     if planar:
         w[:, :2] = 0.0
-    at = momentum(robot, q, qd, w)
+    at = momentum_regressors(robot, q, qd, w)
     free = np.zeros(robot.theta.size)
     free[list(robot.free_parameters)] = 1.0
     S, P, A = (X * free for X in at)

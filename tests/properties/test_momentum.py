@@ -14,7 +14,7 @@ from random_robots import random_robot
 from orbident.model.inertia import inertia_at
 from orbident.model.kinematics import poses
 from orbident.model.minimal_sets import minimal_sets
-from orbident.model.momentum import momentum
+from orbident.model.momentum import momentum_regressors
 from orbident.robot.description import Robot
 
 pytestmark = pytest.mark.core
@@ -63,7 +63,7 @@ def random_state(robot: Robot):
 def everything(robot: Robot, q: np.ndarray, qd: np.ndarray, w: np.ndarray):
     """Poses, momentum regressors and inertia of one state."""
     at = only_state(poses(robot, q[None]))
-    regressors = only_state(momentum(robot, q[None], qd[None], w[None]))
+    regressors = only_state(momentum_regressors(robot, q[None], qd[None], w[None]))
     return at, regressors, inertia_at(robot, q)
 
 

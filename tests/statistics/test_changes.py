@@ -16,7 +16,7 @@ from orbident.estimation.recursive.history import History, recursive_history
 from orbident.model.minimal_sets import minimal_sets
 from orbident.preprocessing.samples import samples_of
 from orbident.robot.description import Robot
-from orbident.simulation.capture import Target, holding, truth_through_change
+from orbident.simulation.capture import CapturedBody, holding, truth_through_change
 from orbident.simulation.free_floating import FreeFloating
 from orbident.simulation.measure import measure, measure_truth
 from orbident.simulation.simulate import float_along, sample_times
@@ -25,7 +25,7 @@ from orbident.studies.spatial import spatial_robot, spatial_trajectory
 RUNS = int(os.environ.get("ORBIDENT_RUNS", "1"))
 CAPTURE = 40.0
 RATE = 20.0
-TARGET = Target(50.0, np.array([1.0, 0.0, 0.0]), 4.0 * np.eye(3))
+TARGET = CapturedBody(50.0, np.array([1.0, 0.0, 0.0]), 4.0 * np.eye(3))
 
 
 def cad(robot: Robot, seed: int) -> Robot:

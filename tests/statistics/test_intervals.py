@@ -8,7 +8,7 @@ from random_motions import random_motion
 
 from orbident.estimation.identify import identify
 from orbident.estimation.result import Result
-from orbident.identified.intervals import deviations
+from orbident.identified.intervals import prediction_deviations
 from orbident.identified.prediction import predict
 from orbident.identified.validate import validate
 from orbident.model.derivatives import sets_of_beta
@@ -55,7 +55,7 @@ def test_deviations_against_drawn_parameters(case):
         prediction = predict(drawn, recording)
         w.append(prediction.w)
         v_S.append(prediction.v_S)
-    found = deviations(result, predict(result, recording))
+    found = prediction_deviations(result, predict(result, recording))
     for ours, drawn in ((found.w, w), (found.v_S, v_S)):
         expected = np.std(drawn, axis=0)
         # 50 draws tell a deviation to 10 %; the rule between samples, to less.

@@ -14,7 +14,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from orbident.campaigns.distributions import Distribution
-from orbident.campaigns.instruments import moved_joints, shown
+from orbident.campaigns.instruments import moved_joints, with_instrument_errors
 from orbident.campaigns.spec import Disperse, Spec
 from orbident.estimation.output_error.calibration import calibrations_of
 from orbident.model.minimal_sets import conserved_axes
@@ -148,7 +148,7 @@ class Case:
         """
         robot, rate = self.robot, float(self.robot.sensors.get("rate", RATE))
         t, true, known = made_along(robot, self.trajectory, rate, seed=self.seed)
-        seen = shown(robot, t, true, self._of("instruments"))
+        seen = with_instrument_errors(robot, t, true, self._of("instruments"))
         return with_columns(measure_truth(robot, t, seen, self.seed), known)
 
 

@@ -55,7 +55,7 @@ def conduct(
     """
     with working(folder):
         schema = schema_of(campaign)
-        done = status(campaign, folder)
+        done = campaign_progress(campaign, folder)
         progress(done)
         work = partial(run_chunk, campaign)
         missing = _missing(campaign, folder)
@@ -68,10 +68,10 @@ def conduct(
                 more = len(runs), 0, len(chunk.failures)
                 done = Done(*map(sum, zip(done, more, strict=True)))
                 progress(done)
-    return status(campaign, folder)
+    return campaign_progress(campaign, folder)
 
 
-def status(campaign: Campaign, folder: Path) -> Done:
+def campaign_progress(campaign: Campaign, folder: Path) -> Done:
     """How far a campaign is, whoever runs it."""
     done = [chunk for chunk in campaign.chunks if path_of(folder, chunk).exists()]
     failed = sum(1 for _ in failed_runs(folder))

@@ -39,7 +39,7 @@ def moved_joints(robot: Robot, errors: Errors) -> Robot:
     return replace(robot, joints=joints, wheels=wheels)
 
 
-def shown(
+def with_instrument_errors(
     robot: Robot, t: Float[np.ndarray, " rows"], true: Truth, errors: Errors
 ) -> Truth:
     """What instruments with these errors would show without noise.

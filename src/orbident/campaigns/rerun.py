@@ -9,8 +9,8 @@ import pyarrow.compute as pc
 
 from orbident.campaigns.case import Case
 from orbident.campaigns.folder import RERUN, Campaign
-from orbident.campaigns.run import identified, rows_of
-from orbident.campaigns.table import Row, path_of, read_chunk, schema_of, table_of
+from orbident.campaigns.run import identified_by_method, result_rows
+from orbident.campaigns.table import Row, arrow_table, path_of, read_chunk, schema_of
 from orbident.errors import InputError
 from orbident.estimation.result import Result
 from orbident.files.checksum import sha256
@@ -34,7 +34,7 @@ class Rerun(NamedTuple):
     """Whether its rows are those of the campaign; None where it has none yet."""
 
 
-def rerun(campaign: Campaign, folder: Path, k: int) -> Rerun:
+def repeat_run(campaign: Campaign, folder: Path, k: int) -> Rerun:
     """Make run `k` again, and keep its recording in `rerun/<k>` of the folder.
 
     Raises:
@@ -52,8 +52,8 @@ def rerun(campaign: Campaign, folder: Path, k: int) -> Rerun:
         place.mkdir(parents=True, exist_ok=True)
     path = place / RECORDING
     write_recording(recording, path)
-    results = identified(campaign, case, recording)
-    same = _same(campaign, folder, k, rows_of(case, results))
+    results = identified_by_method(campaign, case, recording)
+    same = _same(campaign, folder, k, result_rows(case, results))
     known = {"file": path.name, "sha256": sha256(path), "seed": case.seed}
     explained = {
         method: replace(
@@ -71,4 +71,4 @@ def _same(campaign: Campaign, folder: Path, k: int, rows: list[Row]) -> bool | N
         return None
     schema = schema_of(campaign)
     kept = read_chunk(path, schema)
-    return kept.filter(pc.field("run") == k).equals(table_of(rows, schema))
+    return kept.filter(pc.field("run") == k).equals(arrow_table(rows, schema))

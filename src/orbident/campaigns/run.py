@@ -49,15 +49,15 @@ def run_chunk(campaign: Campaign, runs: range) -> Chunk:
     for k in runs:
         case = campaign.case(k)
         try:
-            results = identified(campaign, case, case.recording())
-            rows += rows_of(case, results)
+            results = identified_by_method(campaign, case, case.recording())
+            rows += result_rows(case, results)
         # Whatever it is: thousands of other runs are not to be lost for it.
         except Exception as error:
             failures.append(_failure(case, error))
     return Chunk(tuple(rows), tuple(failures), versions())
 
 
-def identified(
+def identified_by_method(
     campaign: Campaign, case: Case, recording: Recording
 ) -> dict[str, Result]:
     """What each method of the campaign makes of a run's recording.
@@ -71,7 +71,7 @@ def identified(
     }
 
 
-def rows_of(case: Case, results: Mapping[str, Result]) -> list[Row]:
+def result_rows(case: Case, results: Mapping[str, Result]) -> list[Row]:
     """A row for each method: its numbers, and the true ones."""
     sets = minimal_sets(case.subject.robot)
     # Of the formulas that an estimator is given, evaluated for the true bodies.

@@ -11,7 +11,7 @@ from orbident.errors import InputError
 from orbident.estimation.estimators import Method
 from orbident.files.names import first_duplicate
 from orbident.files.schema_errors import validated
-from orbident.files.schema_parts import Section
+from orbident.files.schema_parts import MappingSchema
 from orbident.files.text import read_text
 from orbident.files.yaml_mapping import read_yaml_mapping
 from orbident.trajectories.environment import Environment
@@ -30,7 +30,7 @@ DrawnAngularRate = Annotated[Distribution | None, drawn_from("angular rate")]
 DrawnSpeed = Annotated[Distribution | None, drawn_from("speed")]
 
 
-class RobotEntry(Section):
+class RobotEntry(MappingSchema):
     """A robot, and the motion from which it is identified."""
 
     robot: Text
@@ -40,7 +40,7 @@ class RobotEntry(Section):
     """What acts from outside, instead of the trajectory file's."""
 
 
-class InitialEntry(Section):
+class InitialEntry(MappingSchema):
     """How the state at the start differs from the trajectory's, in each axis."""
 
     angular_velocity: DrawnAngularRate = None
@@ -49,7 +49,7 @@ class InitialEntry(Section):
     wheel_speed: DrawnAngularRate = None
 
 
-class Disperse(Section):
+class Disperse(MappingSchema):
     """What varies from run to run; what is absent is as the files say."""
 
     inertia: DrawnShare = None
@@ -61,7 +61,7 @@ class Disperse(Section):
     initial: InitialEntry = InitialEntry()
 
 
-class Spec(Section):
+class Spec(MappingSchema):
     """A campaign file, `schema: orbident/campaign/1`."""
 
     schema_: Literal["orbident/campaign/1"] = Field(alias="schema")

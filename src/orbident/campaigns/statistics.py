@@ -48,7 +48,7 @@ class Parameter(NamedTuple):
         return tuple(found.proportion_ci(confidence, "exact"))
 
 
-class Group:
+class MethodStatistics:
     """The results of one robot by one method."""
 
     def __init__(self, robot: str, method: str, rows: pa.Table) -> None:
@@ -154,11 +154,11 @@ class Dependence(NamedTuple):
     """The error over its deviation, or its size."""
 
 
-def groups(rows: pa.Table) -> Sequence[Group]:
+def method_statistics(rows: pa.Table) -> Sequence[MethodStatistics]:
     """The results of each robot by each method."""
     keys = zip(*(rows[name].to_pylist() for name in ("robot", "method")), strict=True)
     return [
-        Group(
+        MethodStatistics(
             robot,
             method,
             rows.filter((pc.field("robot") == robot) & (pc.field("method") == method)),

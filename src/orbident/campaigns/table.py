@@ -53,7 +53,7 @@ def schema_of(campaign: Campaign) -> pa.Schema:
     )
 
 
-def table_of(rows: Sequence[Row], schema: pa.Schema) -> pa.Table:
+def arrow_table(rows: Sequence[Row], schema: pa.Schema) -> pa.Table:
     """Rows with these columns; NaN is null."""
     columns = [
         pa.array([row.get(field.name) for row in rows], field.type, from_pandas=True)
@@ -68,7 +68,7 @@ def write_rows(path: Path, rows: Sequence[Row], schema: pa.Schema) -> None:
     Raises:
         InputError: the place cannot be written.
     """
-    table = table_of(rows, schema)
+    table = arrow_table(rows, schema)
     with replacing(path) as temporary, pa.OSFile(os.fsencode(temporary), "wb") as sink:
         parquet.write_table(table, sink, compression="zstd", use_dictionary=False)
 

@@ -94,7 +94,7 @@ def run(
 @campaign.command()
 def status(folder: Folder, json: Json = None, quiet: Quiet = False) -> None:
     """Say how far a campaign is, from any machine that sees its folder."""
-    from orbident.campaigns.conduct import status as status_of
+    from orbident.campaigns.conduct import campaign_progress as status_of
     from orbident.campaigns.folder import opened
     from orbident.cli.output import Output
 
@@ -114,7 +114,7 @@ def rerun(
 ) -> None:
     """Make one run again, exactly; keep its recording, and a RUN for each method."""
     from orbident.campaigns.folder import check_versions, opened, versions
-    from orbident.campaigns.rerun import rerun as made_again
+    from orbident.campaigns.rerun import repeat_run as made_again
     from orbident.cli.identify import keep
     from orbident.cli.identify_tables import summary
     from orbident.cli.output import Output, progress

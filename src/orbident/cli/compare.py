@@ -88,9 +88,9 @@ def _added(comparison: Any) -> list[Any]:
 
 
 def _numbers(value: float, std: float) -> list[str]:
-    from orbident.identified.added_body import interval
+    from orbident.identified.added_body import interval_95
 
     if value != value:
         return ["-"] * 4
-    low, high = interval(value, std)
+    low, high = interval_95(value, std)
     return [f"{value:.6g}", f"{std:.2g}", f"{low:.6g}", f"{high:.6g}"]

@@ -10,8 +10,8 @@ import typer
 from orbident.cli.excite_tables import (
     INTERRUPTED,
     compared,
+    design_doubts,
     designed,
-    doubts,
     excites_all,
     was_interrupted,
     written,
@@ -125,7 +125,7 @@ def excite(
         )
     save_trajectory(found, out)
     trusted = excites_all(found)
-    output.warn(doubts(found))
+    output.warn(design_doubts(found))
     if was_interrupted(found):
         output.warn([INTERRUPTED])
     output.say(*designed(found, paper), f"written: {out}")

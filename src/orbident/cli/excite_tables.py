@@ -32,7 +32,7 @@ AGREEMENT = 0.02
 """Relative difference of the search's score and the final one that is worth a word."""
 
 
-def doubts(found: Any) -> list[str]:
+def design_doubts(found: Any) -> list[str]:
     """What makes a design doubtful."""
     made, sentences = found.design, []
     value, searched = made["value"], made["searched_value"]

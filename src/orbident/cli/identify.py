@@ -16,7 +16,7 @@ from orbident.cli.options import (
 from orbident.robot.disturbance_groups import DisturbanceGroup
 
 
-class Method(StrEnum):
+class MethodChoice(StrEnum):
     """How parameters are estimated."""
 
     maximum_likelihood = "maximum-likelihood"
@@ -42,13 +42,13 @@ def identify(
         ),
     ] = None,
     method: Annotated[
-        Method,
+        MethodChoice,
         typer.Option(
             help="maximum-likelihood: all sensors at once; structured: Eqs. 24 and 31 "
             "for the base parameters; least-squares: the paper's; recursive: sample by "
             "sample, watching for changes (RUN has history.csv)."
         ),
-    ] = Method.maximum_likelihood,
+    ] = MethodChoice.maximum_likelihood,
     initial_momentum: MomentumKnown = InitialMomentum.unknown,
     disturbance: Annotated[
         list[DisturbanceGroup] | None,

@@ -9,7 +9,7 @@ import typer
 from orbident.cli.options import Json, Quiet, RobotName
 
 
-class Noise(StrEnum):
+class NoiseChoice(StrEnum):
     """Who measures."""
 
     none = "none"
@@ -33,11 +33,11 @@ def simulate(
         typer.Option(help="Samples per second, Hz; the robot file's by default."),
     ] = None,
     noise: Annotated[
-        Noise,
+        NoiseChoice,
         typer.Option(
             help="none: ideal sensors of everything; sensors: those of the robot file."
         ),
-    ] = Noise.none,
+    ] = NoiseChoice.none,
     seed: Annotated[int, typer.Option(help="Of noise and environment.", min=0)] = 0,
     truth: Annotated[
         bool, typer.Option("--truth", help="Add noise-free columns truth.*.")

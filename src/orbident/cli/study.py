@@ -35,7 +35,7 @@ RECORDINGS = {
 }
 
 
-class Method(StrEnum):
+class StudyMethod(StrEnum):
     """How parameters are estimated from noisy recordings."""
 
     paper = "paper"
@@ -44,7 +44,7 @@ class Method(StrEnum):
     least_squares = "least-squares"
 
 
-class Noise(StrEnum):
+class StudyNoise(StrEnum):
     """What sensors add."""
 
     none = "none"
@@ -61,24 +61,24 @@ def study(
         ),
     ],
     noise: Annotated[
-        Noise,
+        StudyNoise,
         typer.Option(
             help="What sensors add: nothing, or the paper's noise; of table, always "
             "that of motion capture."
         ),
-    ] = Noise.none,
+    ] = StudyNoise.none,
     seeds: Annotated[
         int, typer.Option(help="How many runs with noise, for RMS and worst.", min=1)
     ] = 1,
     seed: Annotated[int, typer.Option(help="Of the first run.", min=0)] = 0,
     workers: Workers = None,
     method: Annotated[
-        Method,
+        StudyMethod,
         typer.Option(
             help="The paper's, or one of 'identify' on the recordings as they are; "
             "planar shows both, with maximum likelihood unless another is named."
         ),
-    ] = Method.paper,
+    ] = StudyMethod.paper,
     out: Annotated[
         Path | None,
         typer.Option(
@@ -105,7 +105,7 @@ def study(
 
         check_absent(out / RUN, force)
         _check_free(out, name, force)
-    noisy = noise == Noise.paper or name == Study.table
+    noisy = noise == StudyNoise.paper or name == Study.table
     if not noisy and seeds > 1:
         output.warn([f"--seeds {seeds}: without noise all are alike, so 1 is run"])
         seeds = 1
@@ -129,7 +129,7 @@ def study(
 
 
 def _runner(
-    name: Study, method: Method
+    name: Study, method: StudyMethod
 ) -> tuple[Callable[..., Any], Callable[[Any], list[Any]]]:
     """What runs it, and what says how it went."""
     from orbident.cli.study_tables import planar_lines, spatial_lines
@@ -152,7 +152,7 @@ def _runner(
         return run_control, control_lines
     from orbident.studies.run_planar import run_planar
 
-    if method != Method.paper:
+    if method != StudyMethod.paper:
         return partial(run_planar, method=method.value), planar_lines
     return run_planar, planar_lines
 
@@ -237,7 +237,7 @@ def _draw(
 ) -> None:
     """Write report and pictures."""
     from orbident.report.cut_off_figure import draw_cut_off
-    from orbident.report.cut_offs import unit_of
+    from orbident.report.cut_offs import unit_of_signal
     from orbident.report.study import write_study_report
 
     write_study_report(done, result, title, folder)
@@ -245,4 +245,4 @@ def _draw(
         (folder / CUT_OFFS).mkdir(exist_ok=True)
     for signal, cut_off in cut_offs.items():
         path = folder / CUT_OFFS / f"{signal}.png"
-        draw_cut_off(cut_off, path, signal, unit_of(signal))
+        draw_cut_off(cut_off, path, signal, unit_of_signal(signal))

@@ -43,7 +43,7 @@ def view(
     from orbident.cli.output import Output, progress
     from orbident.cli.streams import drop_output
     from orbident.viewer.pages import prepared
-    from orbident.viewer.server import close, open_server, run
+    from orbident.viewer.server import close, keep_moving, open_server
 
     output = Output(json, quiet)
     with progress("preparing"):
@@ -57,7 +57,7 @@ def view(
         output.say(f"{shown} is shown at {served.url}; Ctrl-C ends it")
         output.write_json({"shown": shown, "url": served.url})
         sys.stdout.flush()
-        run(page)
+        keep_moving(page)
     except KeyboardInterrupt:
         # An interrupted write may have left in the buffer what was written already.
         drop_output()

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from orbident.errors import InputError
-from orbident.estimation.found import Found, found_beta
+from orbident.estimation.found import EstimatedParameters, found_beta
 from orbident.estimation.linear_fits import InitialMomentum
 from orbident.estimation.maximum_likelihood import estimate_of
 from orbident.estimation.output_error.beforehand import prior_of
@@ -53,7 +53,7 @@ def cramer_rao(
     robot: Robot,
     trajectory: Trajectory,
     initial_momentum: InitialMomentum = "unknown",
-) -> Found:
+) -> EstimatedParameters:
     """The bound of `pi`, `phi` and the base parameters, at their nominal values.
 
     Args:

@@ -7,7 +7,7 @@ from typing import NamedTuple, Protocol, runtime_checkable
 import numpy as np
 from jaxtyping import Float
 
-from orbident.estimation.found import BetaEstimate, Found, found_beta
+from orbident.estimation.found import BetaEstimate, EstimatedParameters, found_beta
 from orbident.estimation.output_error.disturbances import DisturbanceFit
 from orbident.estimation.output_error.sensitivity import CalibrationFit, Sensitivity
 from orbident.estimation.output_error.shared import Shared
@@ -55,7 +55,7 @@ class Goodness(NamedTuple):
 class Estimate:
     """The parameters, and what the residuals say of them."""
 
-    found: Found
+    found: EstimatedParameters
     """`pi`, `phi` and base parameters."""
     mass: Quantity
     """kg."""

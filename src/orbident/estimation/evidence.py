@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from orbident.estimation.estimate import Estimate, Estimator, Progress
-from orbident.estimation.found import Found, Known
+from orbident.estimation.found import EstimatedParameters, Known
 from orbident.estimation.output_error.estimator import OutputError
 from orbident.estimation.problem import MomentumProblem
 from orbident.estimation.quantities import Quantity
@@ -118,7 +118,7 @@ def widened(estimate: Estimate, shown: Estimate, whole: bool) -> Estimate:
     mass, routes = Quantity(M, std), list(estimate.masses)
     return replace(
         estimate,
-        found=Found(
+        found=EstimatedParameters(
             known(mine.pi, theirs.pi, least.found.pi),
             known(mine.phi, theirs.phi, least.found.phi),
             known(mine.base, theirs.base, least.found.base),

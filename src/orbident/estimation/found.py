@@ -59,7 +59,7 @@ class Known(NamedTuple):
     determined: Bool[np.ndarray, " n"]
 
 
-class Found(NamedTuple):
+class EstimatedParameters(NamedTuple):
     """The three descriptions."""
 
     pi: Known
@@ -69,17 +69,19 @@ class Found(NamedTuple):
     """Of `[pi, phi]`."""
 
 
-def found_linear(sets: MinimalSets, fits: Fits, mass: Mass) -> Found:
+def found_linear(sets: MinimalSets, fits: Fits, mass: Mass) -> EstimatedParameters:
     """From separate fits of `pi` and `phi`, and the mass that follows from both."""
     pi, phi = (
         Known(fit.values, fit.covariance, fit.determined) for fit in (fits.pi, fits.phi)
     )
     base = base_parameters(sets, fits.pi, fits.phi, mass)
     both = np.asarray(block_diag(pi.covariance, phi.covariance))
-    return Found(pi, phi, Known(*base), both)
+    return EstimatedParameters(pi, phi, Known(*base), both)
 
 
-def found_beta(robot: Robot, sets: MinimalSets, estimate: BetaEstimate) -> Found:
+def found_beta(
+    robot: Robot, sets: MinimalSets, estimate: BetaEstimate
+) -> EstimatedParameters:
     """From the base parameters that `pi` and `phi` are made of."""
     beta, C, hidden = estimate
     scale = prior_std(robot, sets)
@@ -96,7 +98,7 @@ def found_beta(robot: Robot, sets: MinimalSets, estimate: BetaEstimate) -> Found
         return Known(values, covariance, sure)
 
     J = np.vstack([dpi, dphi])
-    return Found(
+    return EstimatedParameters(
         pi=known(pi, dpi),
         phi=known(phi, dphi),
         base=known(beta, np.eye(beta.size)),

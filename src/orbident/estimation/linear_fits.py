@@ -17,7 +17,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from orbident.errors import InputError
-from orbident.estimation.triangular import Layout, LinearFit, fold, solve
+from orbident.estimation.triangular import Layout, LinearFit, fold, solve_factor
 from orbident.model.minimal_sets import MinimalSets, Regressors
 from orbident.model.rotations import quaternion_matrix
 from orbident.model.wheels import Wheels, wheels_of
@@ -100,8 +100,8 @@ def fit(
         h_rw = np.hypot(h_rw, np.linalg.norm(wheels.A_rw @ batch.qd_rw.T))
     _check_enough(samples.source, turning, axes_h, layout_h.nuisances + pis)
     return Fits(
-        pi=solve(R_h, layout_h, turning * axes_h),
-        phi=solve(R_v, layout_v, moving * axes_v),
+        pi=solve_factor(R_h, layout_h, turning * axes_h),
+        phi=solve_factor(R_v, layout_v, moving * axes_v),
         samples=turning,
         h_rw=float(h_rw),
         surprise=_surprise(robot, sets, samples, known),

@@ -126,7 +126,9 @@ def maximum_likelihood(
     least = {name: each.least / each.std for name, each in sensors.by_name.items()}
     declared = {name for name, each in sensors.by_name.items() if each.declared}
 
-    search = _Search(problem, prior, starts, least, declared, progress, steps)
+    search = _DisturbanceSearch(
+        problem, prior, starts, least, declared, progress, steps
+    )
     # Without declared noise, what splines leave between samples may look slow too.
     excluded = () if declared == set(sensors.by_name) else SLOW
     asked = requested(problem, robot.disturbances)
@@ -153,7 +155,7 @@ class _Start(NamedTuple):
 
 
 @dataclass(frozen=True)
-class _Search:
+class _DisturbanceSearch:
     """Fits a recording with some of what may act from outside among the unknowns."""
 
     problem: Problem

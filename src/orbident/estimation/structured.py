@@ -21,7 +21,7 @@ from orbident.estimation.prior import prior_std
 from orbident.estimation.problem import MomentumProblem
 from orbident.estimation.recursive.filter import Extended
 from orbident.estimation.recursive.given import pieces_of
-from orbident.estimation.recursive.prior import Prior
+from orbident.estimation.recursive.prior import GaussianPrior
 from orbident.model.derivatives import sets_of_beta
 
 PASSES = 10
@@ -50,7 +50,7 @@ class Structured:
         first = next(every[0] for t, every in pieces() if t.size)
         found, passes = beta_of_fits(robot, sets, problem.fits), 0
         while True:
-            before, passes = Prior(found.values, np.diag(1 / wide)), passes + 1
+            before, passes = GaussianPrior(found.values, np.diag(1 / wide)), passes + 1
             state, squares, rows = kalman.begun(before, first, problem.h_cm), 0.0, 0
             for t, every in pieces():
                 state, own, count = kalman.gathered(state, t, every)

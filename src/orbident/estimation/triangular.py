@@ -87,7 +87,9 @@ class Layout(NamedTuple):
         return sum(self) + 1
 
 
-def solve(R: Float[np.ndarray, "all all"], layout: Layout, rows: int) -> LinearFit:
+def solve_factor(
+    R: Float[np.ndarray, "all all"], layout: Layout, rows: int
+) -> LinearFit:
     """Solve for all unknowns from the triangular factor.
 
     Args:

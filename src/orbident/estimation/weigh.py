@@ -15,7 +15,7 @@ from orbident.estimation.burn import (
     velocity_rows,
 )
 from orbident.estimation.quantities import Quantity, nulled
-from orbident.estimation.triangular import Layout, LinearFit, fold, solve
+from orbident.estimation.triangular import Layout, LinearFit, fold, solve_factor
 from orbident.model.minimal_sets import conserved_axes
 from orbident.preprocessing.delays import delays
 from orbident.recordings.recording import Recording
@@ -143,7 +143,7 @@ def _fit(robot: Robot, rows: Rows) -> tuple[LinearFit, int]:
     layout = Layout(unknown.shape[2], 1, pushed.shape[2] - 1)
     used = table[complete].reshape(-1, layout.columns)
     R = fold(np.zeros((layout.columns,) * 2), used)
-    return solve(R, layout, len(used)), int(complete.sum())
+    return solve_factor(R, layout, len(used)), int(complete.sum())
 
 
 def _uncertainty(fit: LinearFit) -> float:

@@ -73,7 +73,7 @@ Vector4 = Annotated[
 ]
 
 
-class Section(BaseModel):
+class MappingSchema(BaseModel):
     """A mapping with fixed keys."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)

@@ -62,13 +62,13 @@ class AddedBody(NamedTuple):
             "mass": {
                 "value": nulled(self.mass.value),
                 "std": nulled(self.mass.std),
-                "interval": nulled(interval(self.mass.value, self.mass.std)),
+                "interval": nulled(interval_95(self.mass.value, self.mass.std)),
             },
             **{
                 name: {
                     **found.to_json(),
                     "intervals": [
-                        nulled(interval(value, std)) for _, _, value, std in found
+                        nulled(interval_95(value, std)) for _, _, value, std in found
                     ],
                 }
                 for name, found in sets.items()
@@ -81,7 +81,7 @@ class AddedBody(NamedTuple):
         }
 
 
-def interval(value: float, std: float) -> Float[np.ndarray, "2"]:
+def interval_95(value: float, std: float) -> Float[np.ndarray, "2"]:
     """The 95 % interval."""
     return value + NORMAL_95 * std * np.array([-1.0, 1.0])
 

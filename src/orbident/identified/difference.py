@@ -47,7 +47,7 @@ class Difference(NamedTuple):
     """With what one of the results does not determine."""
 
 
-class Shown(NamedTuple):
+class DeterminedCombinations(NamedTuple):
     """What columns tell of their parameters: combinations `V z` of them, scaled."""
 
     V: Float[np.ndarray, "columns rank"]
@@ -80,14 +80,16 @@ def difference_of(before: Result, after: Result) -> Difference:
     return Difference(Q.T @ (d / std), Q.T @ (T_c / std[:, None]), W, T_c)
 
 
-def shown(X: Float[np.ndarray, "rows columns"]) -> Shown:
+def determined_combinations(
+    X: Float[np.ndarray, "rows columns"],
+) -> DeterminedCombinations:
     """Which parameters a matrix shows."""
     size = np.linalg.norm(X, axis=0)
     size[size == 0.0] = 1.0
     _, s, Vt = np.linalg.svd(X / size)
     rank = int(np.sum(s > ZERO * s.max(initial=0.0)))
     alone = np.linalg.norm(Vt[rank:], axis=0) < np.sqrt(ZERO)
-    return Shown(Vt[:rank].T / size[:, None], alone)
+    return DeterminedCombinations(Vt[:rank].T / size[:, None], alone)
 
 
 def _theta_of(result: Result) -> Float[np.ndarray, "theta beta"]:

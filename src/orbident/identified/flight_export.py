@@ -18,7 +18,7 @@ from orbident.errors import InputError
 from orbident.estimation.recursive.changes import Detector
 from orbident.estimation.recursive.filter import Extended
 from orbident.estimation.recursive.given import given_of
-from orbident.estimation.recursive.history import filtered
+from orbident.estimation.recursive.history import filter_history
 from orbident.estimation.recursive.prior import (
     UNCERTAINTY,
     cad_covariance,
@@ -71,7 +71,7 @@ def export_flight(
     given = given_of(robot, samples)
     kalman = Extended.of(robot, given.noise)
     detector = Detector(kalman.rows, samples=given.t.size)
-    seen = filtered(robot, kalman, detector, given, h_cm)
+    seen = filter_history(robot, kalman, detector, given, h_cm)
     statistic = seen.tests[:, 2] / detector.threshold
     golden = {"TIME": given.t, "SAMPLE": given.samples, "BETA": seen.beta}
     golden["STATISTIC"] = statistic

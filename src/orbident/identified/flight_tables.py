@@ -8,7 +8,7 @@ import numpy as np
 from orbident import _core
 from orbident.estimation.recursive.changes import Detector
 from orbident.estimation.recursive.filter import Extended
-from orbident.estimation.recursive.prior import Prior
+from orbident.estimation.recursive.prior import GaussianPrior
 from orbident.model.formulas import formulas_of
 from orbident.robot.description import Joint, Robot, Wheel
 
@@ -26,7 +26,11 @@ Floats = Sequence[float] | np.ndarray
 
 
 def robot_header(
-    robot: Robot, kalman: Extended, prior: Prior, change: np.ndarray, detector: Detector
+    robot: Robot,
+    kalman: Extended,
+    prior: GaussianPrior,
+    change: np.ndarray,
+    detector: Detector,
 ) -> str:
     """The text of `robot.h`; every number is written to its last bit.
 

@@ -24,7 +24,7 @@ from orbident.model.rotations import cross_matrix, quaternion_matrix, rotate
 from orbident.model.wheels import wheels_of
 
 
-class Deviations(NamedTuple):
+class PredictionDeviations(NamedTuple):
     """Standard deviations of a prediction."""
 
     w: Float[np.ndarray, "n 3"]
@@ -40,7 +40,9 @@ class _Changes(NamedTuple):
     dv: Float[np.ndarray, "n 3 r"]
 
 
-def deviations(result: Result, prediction: Prediction) -> Deviations:
+def prediction_deviations(
+    result: Result, prediction: Prediction
+) -> PredictionDeviations:
     """The standard deviations of what was predicted; NaN without a covariance.
 
     Args:
@@ -73,7 +75,7 @@ def deviations(result: Result, prediction: Prediction) -> Deviations:
     v = rotate(at.V, w) + at.v_q
     off = at.V @ dw + dv - cross_matrix(v) @ f
     dv = R @ off + dv_cm
-    return Deviations(np.linalg.norm(dw, axis=2), np.linalg.norm(dv, axis=2))
+    return PredictionDeviations(np.linalg.norm(dw, axis=2), np.linalg.norm(dv, axis=2))
 
 
 def _changes(

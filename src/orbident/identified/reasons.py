@@ -6,7 +6,7 @@ from orbident.estimation.criteria import VAGUE
 from orbident.estimation.result import Result
 from orbident.files.names import joined
 from orbident.identified.added_body import AddedBody
-from orbident.identified.difference import Difference, shown
+from orbident.identified.difference import Difference, determined_combinations
 from orbident.identified.single_body import Explanation, free_columns
 from orbident.robot.description import Robot, Structure
 from orbident.robot.parameters import PER_BODY, SYMBOLS
@@ -73,7 +73,7 @@ def undetermined(
     """Why, for every parameter of the captured body that is not determined."""
     i = holder.bodies.index(best.body)
     free = free_columns(holder, i)
-    shows = free[shown(difference.T_c[:, PER_BODY * i + free]).alone]
+    shows = free[determined_combinations(difference.T_c[:, PER_BODY * i + free]).alone]
     plane = " of planar motion" if holder.motion == "planar" else ""
     reasons = {}
     for k in np.flatnonzero(np.isnan(best.theta)):

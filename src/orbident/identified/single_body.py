@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Float, Int
 from scipy.special import chdtrc
 
-from orbident.identified.difference import Difference, shown
+from orbident.identified.difference import Difference, determined_combinations
 from orbident.robot.description import Robot, Structure
 from orbident.robot.parameters import PER_BODY, SYMBOLS
 
@@ -74,7 +74,7 @@ def _fit(difference: Difference, robot: Robot, i: int) -> Explanation:
     d, T, W, _ = difference
     free = free_columns(robot, i)
     X = T[:, PER_BODY * i + free]
-    V, alone = shown(X)
+    V, alone = determined_combinations(X)
     # d = X V z + e, of which W e is white; theta_t = V z.
     WX = W @ X @ V
     inverse = np.linalg.pinv(WX)

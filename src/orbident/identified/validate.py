@@ -18,7 +18,7 @@ from orbident.estimation.identify import identify
 from orbident.estimation.prior import exact_std
 from orbident.estimation.quantities import nulled
 from orbident.estimation.result import Result
-from orbident.identified.intervals import deviations
+from orbident.identified.intervals import prediction_deviations
 from orbident.identified.prediction import predict
 from orbident.model.minimal_sets import conserved_axes, minimal_sets
 from orbident.recordings.recording import Recording
@@ -150,7 +150,7 @@ def scored(result: Result, recording: Recording) -> Validation:
     prediction = predict(result, recording)
     turning, moving = conserved_axes(result.robot)
     seen = prediction.measured.moving
-    may_be_off = deviations(result, prediction)
+    may_be_off = prediction_deviations(result, prediction)
     stds = {
         "gyro": may_be_off.w[:, turning],
         "velocity": may_be_off.v_S[seen][:, moving],

@@ -20,7 +20,7 @@ from jaxtyping import Float, Int
 from scipy.sparse import csc_array
 
 from orbident.model.independent import DEPENDENT
-from orbident.model.momentum import momentum
+from orbident.model.momentum import momentum_regressors
 from orbident.robot.description import Robot
 from orbident.robot.parameters import PER_BODY
 
@@ -60,11 +60,11 @@ class Columns:
         of_beta = last // PER_BODY
         return np.concatenate([of_beta, of_beta[self.sigma][self.pairs].max(axis=1)])
 
-    def at(self, motion: "Motion") -> "Seen":
+    def at(self, motion: "RandomMotion") -> "MomentumColumns":
         """What all columns are made of, in some motion."""
-        at = momentum(self.robot, motion.q, motion.qd, motion.w)
+        at = momentum_regressors(self.robot, motion.q, motion.qd, motion.w)
         of_sigma = self._sparse_theta_of[:, self.sigma]
-        return Seen(
+        return MomentumColumns(
             A=_times(at.A[:, self.axes], self._sparse_theta_of),
             S=_times(at.S, of_sigma),
             P=_times(at.P, of_sigma),
@@ -86,7 +86,7 @@ def _times(
 
 
 @dataclass(frozen=True)
-class Motion:
+class RandomMotion:
     """Samples of random motion."""
 
     q: Float[np.ndarray, "n joints"]
@@ -95,7 +95,7 @@ class Motion:
 
 
 @dataclass(frozen=True)
-class Seen:
+class MomentumColumns:
     """Columns of `h_rs` in some motion."""
 
     A: Float[np.ndarray, "n axes beta"]
@@ -170,19 +170,21 @@ def _parted(
 
 def _by_rate_of(
     columns: Columns, body: int, unknowns: int, random: np.random.Generator
-) -> Motion:
+) -> RandomMotion:
     """Random configurations in which only this body's joint moves, or the base."""
     motion = _any_motion(columns, unknowns, random)
     qd, w = np.zeros_like(motion.qd), motion.w
     if body:
         qd[:, body - 1], w = 1.0, np.zeros_like(w)
-    return Motion(motion.q, qd, w)
+    return RandomMotion(motion.q, qd, w)
 
 
-def _any_motion(columns: Columns, unknowns: int, random: np.random.Generator) -> Motion:
+def _any_motion(
+    columns: Columns, unknowns: int, random: np.random.Generator
+) -> RandomMotion:
     n = int(SPARE * unknowns / len(columns.axes)) + FEWEST
     q, qd = random.standard_normal((2, n, len(columns.robot.joints)))
     w = random.standard_normal((n, 3))
     if columns.robot.motion == "planar":
         w[:, :2] = 0.0
-    return Motion(q, qd, w)
+    return RandomMotion(q, qd, w)

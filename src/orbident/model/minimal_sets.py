@@ -27,7 +27,7 @@ from orbident.errors import InputError
 from orbident.model.core_robot import core_tree
 from orbident.model.dependencies import Columns, dependencies
 from orbident.model.independent import independent_columns
-from orbident.model.momentum import Momentum, momentum
+from orbident.model.momentum import MomentumRegressors, momentum_regressors
 from orbident.robot.description import Robot
 from orbident.robot.parameters import MASS, PER_BODY
 from orbident.threads import one_blas_thread, processors
@@ -236,7 +236,7 @@ def _first_that_span(
     return kept, T[:, :betas].toarray(), T[:, betas:]
 
 
-def _random_momentum(robot: Robot, samples: int) -> Momentum:
+def _random_momentum(robot: Robot, samples: int) -> MomentumRegressors:
     """The regressors over motion that has nothing special about it."""
     random = np.random.default_rng(0)
     joints = len(robot.joints)
@@ -244,7 +244,7 @@ def _random_momentum(robot: Robot, samples: int) -> Momentum:
     w = random.standard_normal((samples, 3))
     if robot.motion == "planar":
         w[:, :2] = 0.0
-    return momentum(robot, q, qd, w)
+    return momentum_regressors(robot, q, qd, w)
 
 
 def _rows(

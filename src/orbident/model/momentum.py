@@ -18,7 +18,7 @@ from orbident.robot.description import Robot
 from orbident.threads import processors
 
 
-class Momentum(NamedTuple):
+class MomentumRegressors(NamedTuple):
     """The regressors of the samples; columns are the flat `theta`, base first."""
 
     S: Float[np.ndarray, "n 3 theta"]
@@ -26,12 +26,14 @@ class Momentum(NamedTuple):
     A: Float[np.ndarray, "n 3 theta"]
 
 
-def momentum(
+def momentum_regressors(
     robot: Robot,
     q: Float[np.ndarray, "n joints"],
     qd: Float[np.ndarray, "n joints"],
     w: Float[np.ndarray, "n 3"],
-) -> Momentum:
+) -> MomentumRegressors:
     """`S`, `P` and `A` at joint states and base rates (rad/s, base axes)."""
     state = (np.ascontiguousarray(x) for x in (q, qd, w))
-    return Momentum(*_core.momentum(core_tree(robot), *state, threads=processors()))
+    return MomentumRegressors(
+        *_core.momentum(core_tree(robot), *state, threads=processors())
+    )

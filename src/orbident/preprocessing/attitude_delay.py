@@ -95,7 +95,7 @@ def _start(
     return (R_fix * R_k.inv()).as_quat()
 
 
-class _Round(NamedTuple):
+class _DelayStep(NamedTuple):
     change: float
     std: float
     phi: Float[np.ndarray, "3"]
@@ -109,7 +109,7 @@ def _solve(
     y: Float[np.ndarray, "m 3"],
     B: Float[np.ndarray, "m 3 12"],
     turning: Float[np.ndarray, "m 3"],
-) -> _Round:
+) -> _DelayStep:
     start = np.broadcast_to(np.eye(3), (len(y), 3, 3))
     A = np.concatenate([start, -B, -turning[:, :, None]], axis=2)
     A = A.reshape(-1, UNKNOWNS)
@@ -118,7 +118,7 @@ def _solve(
     after, own = abs(float(R[-1, -1])), float(abs(R[-2, -2]))
     scatter = after / np.sqrt(y.size - UNKNOWNS)
     # The delay is the last unknown: its deviation is that of its own row.
-    return _Round(
+    return _DelayStep(
         change=float(solution[-1]),
         std=scatter / own if own else np.inf,
         phi=solution[:3],

@@ -128,7 +128,7 @@ def fuse_attitude(
     )
 
 
-class _Round(NamedTuple):
+class _FusionPass(NamedTuple):
     """What one pass of the smoother found, at every row."""
 
     x_WB: Float[np.ndarray, "n 4"]
@@ -144,8 +144,8 @@ def _fused(
     fixed: np.ndarray,
     gyro: GyroNoise,
     std: float,
-) -> _Round:
-    def about(start: np.ndarray, bias: np.ndarray) -> _Round:
+) -> _FusionPass:
+    def about(start: np.ndarray, bias: np.ndarray) -> _FusionPass:
         x = integrate_gyro(t, w - bias, start)
         turned = Rotation.from_quat(fixes[fixed]) * Rotation.from_quat(x[fixed]).inv()
         y = np.full((t.size, 3), np.nan)
@@ -155,7 +155,7 @@ def _fused(
         before = np.array([UNKNOWN_ATTITUDE, UNKNOWN_BIAS["gyro"]])
         mean, variance = _core.smooth_gyro_error(B, np.diff(t), y, noise, before)
         fused = Rotation.from_rotvec(mean[:, :3]) * Rotation.from_quat(x)
-        return _Round(fused.as_quat(), variance, bias + mean[:, 3:])
+        return _FusionPass(fused.as_quat(), variance, bias + mean[:, 3:])
 
     found = about(_start(t, w, fixes, fixed), np.zeros(3))
     for _ in range(ROUNDS - 1):

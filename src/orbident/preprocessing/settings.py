@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from typing import Any, TypeVar
 
-from orbident.preprocessing.smoothing import ORDER, Fit
+from orbident.preprocessing.smoothing import ORDER, Roughness
 
 Found = TypeVar("Found")
 
@@ -36,10 +36,12 @@ class Settings:
             self._found[name] = find()
         return self._found[name]
 
-    def smoothers(self, name: str, find: Callable[[], list[Fit]]) -> list[Fit]:
+    def smoothers(
+        self, name: str, find: Callable[[], list[Roughness]]
+    ) -> list[Roughness]:
         """The same of smoothers, which do not reach too far."""
 
-        def limited() -> list[Fit]:
+        def limited() -> list[Roughness]:
             return [fit._replace(ratio=max(fit.ratio, self._least)) for fit in find()]
 
         return self.once(name, limited)

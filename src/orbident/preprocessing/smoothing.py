@@ -61,7 +61,7 @@ class Column(NamedTuple):
     """The mean: it says nothing of the motion, but would cost digits."""
 
 
-class Fit(NamedTuple):
+class Roughness(NamedTuple):
     """How rough a column is, and how noisy."""
 
     ratio: float
@@ -80,7 +80,7 @@ def smooth(
     std: float | Float[np.ndarray, " columns"] | None = None,
     at: Float[np.ndarray, " m"] | None = None,
     name: str = "x",
-    fits: Sequence[Fit] | None = None,
+    fits: Sequence[Roughness] | None = None,
 ) -> Smoothed:
     """The smoothing spline of degree 7 of each column, with standard deviations.
 
@@ -132,7 +132,7 @@ def fits_of(
     x: Float[np.ndarray, "samples columns"],
     std: float | Float[np.ndarray, " columns"] | None = None,
     name: str = "x",
-) -> list[Fit]:
+) -> list[Roughness]:
     """How rough and how noisy each column is; arguments and errors of `smooth`."""
     labels = [f"{name}[:, {k}]" for k in range(x.shape[1])]
     columns = [_column(t, x[:, k], label) for k, label in enumerate(labels)]
@@ -186,7 +186,7 @@ def _with_times(
     return grid, samples
 
 
-def most_likely(column: Column, std: float | None) -> Fit:
+def most_likely(column: Column, std: float | None) -> Roughness:
     """The density of the snap under which the samples are most likely.
 
     `-2 log L = misfit / R + log_det + freedom log R`, `R = std^2`, is least, with the
@@ -216,7 +216,7 @@ def _averaged(column: Column) -> Column:
     return Column(t[close].mean(axis=1), x[close].mean(axis=1), h, column.offset)
 
 
-def _searched(column: Column, std: float | None) -> Fit:
+def _searched(column: Column, std: float | None) -> Roughness:
     """On the samples as they are."""
     t, x = _stretches(column)
     freedom = t.size - ORDER * len(t)
@@ -242,7 +242,7 @@ def _searched(column: Column, std: float | None) -> Fit:
     if std is None:
         found = np.exp(np.interp(ratio, grid, np.log(R)) / 2) if freedom else np.nan
         std = float(found)
-    return Fit(10**ratio, std, column.h, column.offset)
+    return Roughness(10**ratio, std, column.h, column.offset)
 
 
 def _vertex(x: np.ndarray, y: np.ndarray) -> float:

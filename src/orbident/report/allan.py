@@ -27,7 +27,7 @@ from orbident.report.charts import (
 )
 from orbident.report.numbers import short
 from orbident.report.page import page
-from orbident.report.section import Chart, Row, Section, Table
+from orbident.report.section import Chart, ReportTable, Section, TableRow
 from orbident.report.verdict import Verdict
 
 PER_DECADE = 10
@@ -66,14 +66,16 @@ def write_allan(found: Sequence[AxisNoise], title: str, path: Path) -> None:
     write_text(path, page(title, "Noise of sensors at rest", verdict, [section]))
 
 
-def _table(found: Sequence[AxisNoise]) -> Table:
+def _table(found: Sequence[AxisNoise]) -> ReportTable:
     rows = [
-        Row((each.name, name, short(level.value), short(level.std, 2), each.unit(name)))
+        TableRow(
+            (each.name, name, short(level.value), short(level.std, 2), each.unit(name))
+        )
         for each in found
         for name, level in each.model.levels.items()
     ]
     head = ("axis", "parameter", "value", "deviation", "unit")
-    return Table("Parameters", head, tuple(rows))
+    return ReportTable("Parameters", head, tuple(rows))
 
 
 def figure_of(each: AxisNoise) -> Figure:

@@ -10,7 +10,7 @@ import pyarrow as pa
 
 from orbident.campaigns.conduct import failed_runs
 from orbident.campaigns.folder import REPORT, Campaign
-from orbident.campaigns.statistics import Group, Parameter, groups
+from orbident.campaigns.statistics import MethodStatistics, Parameter, method_statistics
 from orbident.campaigns.table import read_rows
 from orbident.errors import InputError
 from orbident.estimation.bound import cramer_rao
@@ -21,7 +21,7 @@ from orbident.model.minimal_sets import minimal_sets
 from orbident.report.campaign_charts import dependence, histogram, normal_plot
 from orbident.report.numbers import NONE, short, signed
 from orbident.report.page import page
-from orbident.report.section import Chart, Row, Section, Table
+from orbident.report.section import Chart, ReportTable, Section, TableRow
 from orbident.report.verdict import Verdict
 
 WORST = 10
@@ -54,7 +54,7 @@ def campaign_report(campaign: Campaign, folder: Path, rows: pa.Table) -> str:
         folder: for what failed, and for the lines that repeat a run.
         rows: of the runs.
     """
-    found = groups(rows)
+    found = method_statistics(rows)
     bounds = {s.robot.name: _bounds(campaign, s.robot.name) for s in campaign.subjects}
     checks = tuple(_check(group) for group in found)
     runs = campaign.spec.runs
@@ -89,7 +89,7 @@ def _bounds(campaign: Campaign, robot: str) -> Bounds:
     return dict(zip(names, map(float, np.sqrt(variances)), strict=True))
 
 
-def _check(group: Group) -> Check:
+def _check(group: MethodStatistics) -> Check:
     """Whether 95 % intervals hold the truth as often as they say."""
     known = group.parameters
     name = f"coverage of {group.robot} by {group.method}"
@@ -107,7 +107,9 @@ def _within(interval: tuple[float, float]) -> bool:
     return interval[0] <= 0.95 <= interval[1]
 
 
-def _sections(group: Group, bounds: Bounds, folder: Path, k: int) -> Iterator[Section]:
+def _sections(
+    group: MethodStatistics, bounds: Bounds, folder: Path, k: int
+) -> Iterator[Section]:
     known = group.parameters
     title = f"{group.robot}, {group.method.replace('-', ' ')}"
     refused = group.rows.num_rows - group.accepted.num_rows
@@ -120,7 +122,7 @@ def _sections(group: Group, bounds: Bounds, folder: Path, k: int) -> Iterator[Se
             "the robot as its file describes it.",
         ),
         tables=(
-            Table("Errors and 95 % intervals", HEAD, tuple(_rows(known, bounds))),
+            ReportTable("Errors and 95 % intervals", HEAD, tuple(_rows(known, bounds))),
             *_worst(group, folder),
         ),
         charts=tuple(_charts(known, k)),
@@ -136,11 +138,11 @@ def _sections(group: Group, bounds: Bounds, folder: Path, k: int) -> Iterator[Se
                 "so strongly correlated where nothing is.",
             ),
             tables=(
-                Table(
+                ReportTable(
                     "The strongest",
                     ("drawn", "parameter", "rank correlation", "chance"),
                     tuple(
-                        Row(
+                        TableRow(
                             (
                                 each.draw,
                                 f"size of {each.parameter}"
@@ -175,12 +177,12 @@ HEAD = (
 )
 
 
-def _rows(known: Sequence[Parameter], bounds: Bounds) -> Iterator[Row]:
+def _rows(known: Sequence[Parameter], bounds: Bounds) -> Iterator[TableRow]:
     for each in known:
         mean, std = each.bias
         bound = bounds.get(each.name, float("nan"))
         low, high = each.coverage()
-        yield Row(
+        yield TableRow(
             (
                 each.name,
                 signed(mean),
@@ -195,14 +197,16 @@ def _rows(known: Sequence[Parameter], bounds: Bounds) -> Iterator[Row]:
         )
 
 
-def _worst(group: Group, folder: Path) -> Iterator[Table]:
+def _worst(group: MethodStatistics, folder: Path) -> Iterator[ReportTable]:
     found = group.worst(WORST)
     if found:
-        yield Table(
+        yield ReportTable(
             "Farthest off, in their deviations",
             ("run", "parameter", "error", "to make it again"),
             tuple(
-                Row((str(k), name, signed(z), f"orbident campaign rerun {folder} {k}"))
+                TableRow(
+                    (str(k), name, signed(z), f"orbident campaign rerun {folder} {k}")
+                )
                 for k, name, z in found
             ),
             in_words=True,
@@ -217,16 +221,16 @@ def _charts(known: Sequence[Parameter], k: int) -> Iterator[Chart]:
         yield Chart(f"normal{name}", f"{each.name}: normal plot", normal_plot(each.z))
 
 
-def _refusals(found: Sequence[Group]) -> Iterator[Section]:
+def _refusals(found: Sequence[MethodStatistics]) -> Iterator[Section]:
     rows = []
     for group in found:
         count = Counter(group.rows["refused_by"].drop_null().to_pylist())
         for check, times in count.most_common():
             share = f"{short(100 * times / group.rows.num_rows, 3)} %"
-            rows.append(Row((group.robot, group.method, check, str(times), share)))
+            rows.append(TableRow((group.robot, group.method, check, str(times), share)))
     if rows:
         head = ("robot", "method", "check", "refused", "of its results")
-        table = Table("By the first check that refuses", head, tuple(rows))
+        table = ReportTable("By the first check that refuses", head, tuple(rows))
         words = "'orbident campaign rerun' looks for the likely cause of one refusal."
         yield Section("refusals", "Refusals", (words,), (table,))
 
@@ -239,8 +243,10 @@ def _failed(failures: Sequence[Path]) -> Iterator[Section]:
         document = json.loads(path.read_text())
         reasons.setdefault(document["reason"], []).append(document["run"])
     rows = (
-        Row((reason, str(len(runs)), f"failed/{runs[0]}.json"))
+        TableRow((reason, str(len(runs)), f"failed/{runs[0]}.json"))
         for reason, runs in reasons.items()
     )
-    table = Table("Why", ("reason", "runs", "the first"), tuple(rows), in_words=True)
+    table = ReportTable(
+        "Why", ("reason", "runs", "the first"), tuple(rows), in_words=True
+    )
     yield Section("failed", "Runs that failed", tables=(table,))

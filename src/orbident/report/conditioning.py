@@ -5,7 +5,7 @@ import numpy as np
 from orbident.estimation.result import Result
 from orbident.report.charts import Figure, label, numbers
 from orbident.report.numbers import short
-from orbident.report.section import Chart, Row, Section, Table
+from orbident.report.section import Chart, ReportTable, Section, TableRow
 
 CLOSE = 0.95
 """A correlation worth a word."""
@@ -40,7 +40,7 @@ def conditioning(result: Result) -> Section:
         words.append("No correlations: no parameter is determined.")
     condition = result.condition_number
     rows = tuple(
-        Row(
+        TableRow(
             (
                 f"{name} ({equation})",
                 short(condition.get(name)),
@@ -53,7 +53,9 @@ def conditioning(result: Result) -> Section:
         name="conditioning",
         title="Condition and correlation",
         words=tuple(words),
-        tables=(Table("Condition numbers", ("regressor", "as it is", "scaled"), rows),),
+        tables=(
+            ReportTable("Condition numbers", ("regressor", "as it is", "scaled"), rows),
+        ),
         charts=charts,
     )
 

@@ -51,7 +51,7 @@ def cut_offs(found: Mapping[str, CutOff]) -> Section | None:
     )
 
 
-def unit_of(signal: str) -> str:
+def unit_of_signal(signal: str) -> str:
     """Of the signal's samples."""
     return UNITS.get(signal.split(".", 1)[0], "rad")
 
@@ -68,5 +68,5 @@ def _spectrum(name: str, cut_off: CutOff) -> Figure:
     if cut_off.noise_amplitude > 0:
         level = np.full(2, cut_off.noise_amplitude)
         traces.append(line(f[[0, -1]], level, ERROR, name="noise"))
-    panel = Panel(f"amplitude ({unit_of(name)})", traces, y=y)
+    panel = Panel(f"amplitude ({unit_of_signal(name)})", traces, y=y)
     return stacked([panel], "f (Hz)", **decades(f))

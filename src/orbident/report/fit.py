@@ -19,7 +19,7 @@ from orbident.report.charts import (
     stacked,
 )
 from orbident.report.numbers import NINETY_FIVE, NONE, short
-from orbident.report.section import Chart, Row, Section, Table
+from orbident.report.section import Chart, ReportTable, Section, TableRow
 from orbident.report.spectra import autocorrelation, residuals, spectrum
 
 SENSORS = "Every sensor, as momentum conservation predicts it with these parameters."
@@ -59,11 +59,11 @@ def fits(result: Result, signals: Signals) -> Section | None:
     )
 
 
-def _tables(result: Result) -> Iterator[Table]:
+def _tables(result: Result) -> Iterator[ReportTable]:
     sensors = result.residual.get("sensors", {})
     if sensors:
         rows = tuple(
-            Row(
+            TableRow(
                 (
                     f"{name}, {_unit_of(name)}",
                     short(fit["rms"], 2),
@@ -76,16 +76,16 @@ def _tables(result: Result) -> Iterator[Table]:
             for name, fit in sensors.items()
         )
         head = ("sensor", "RMS", "noise", "declared", "whiteness", "samples")
-        yield Table("Residuals", head, rows)
+        yield ReportTable("Residuals", head, rows)
     else:
         rows = tuple(
-            Row((f"{name}, {_unit_of(name)}", short(rms, 2)))
+            TableRow((f"{name}, {_unit_of(name)}", short(rms, 2)))
             for name, rms in result.residual.get("rms", {}).items()
         )
-        yield Table("Residuals", ("equation", "RMS"), rows)
+        yield ReportTable("Residuals", ("equation", "RMS"), rows)
     if result.biases:
         rows = tuple(
-            Row(
+            TableRow(
                 (
                     f"{name}, {_unit_of(name)}",
                     short(b["value"]),
@@ -94,7 +94,7 @@ def _tables(result: Result) -> Iterator[Table]:
             )
             for name, b in result.biases.items()
         )
-        yield Table("Biases", ("sensor", "bias", "± std"), rows)
+        yield ReportTable("Biases", ("sensor", "bias", "± std"), rows)
 
 
 def _unit_of(name: str) -> str:

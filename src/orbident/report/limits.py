@@ -7,7 +7,7 @@ from orbident.estimation.result import Result
 from orbident.model.identifiability import not_identifiable
 from orbident.model.minimal_sets import minimal_sets
 from orbident.report.numbers import NONE, short
-from orbident.report.section import Row, Section, Table
+from orbident.report.section import ReportTable, Section, TableRow
 from orbident.robot.description import Joint
 
 
@@ -48,30 +48,30 @@ def excitation(result: Result) -> Section | None:
     )
 
 
-def _tables(result: Result, motion: Mapping[str, Any]) -> Iterator[Table]:
+def _tables(result: Result, motion: Mapping[str, Any]) -> Iterator[ReportTable]:
     if result.robot.joints:
         rows = tuple(
             _joint(joint, motion["joints"][joint.name]) for joint in result.robot.joints
         )
         head = "joint", "position", "limits", "fastest", "limit"
-        yield Table("Joints", head, rows)
+        yield ReportTable("Joints", head, rows)
     rows = tuple(
-        Row((name, f"{_range(wheel['speed'])} rad/s"))
+        TableRow((name, f"{_range(wheel['speed'])} rad/s"))
         for name, wheel in motion["wheels"].items()
     )
-    yield Table("Wheels", ("wheel", "speed"), rows)
+    yield ReportTable("Wheels", ("wheel", "speed"), rows)
     rows = tuple(
-        Row((axis, f"{short(base['rate'])} rad/s"))
+        TableRow((axis, f"{short(base['rate'])} rad/s"))
         for axis, base in motion["base"].items()
     )
-    yield Table("Base", ("axis", "fastest"), rows)
+    yield ReportTable("Base", ("axis", "fastest"), rows)
 
 
-def _joint(joint: Joint, moved: Mapping[str, Any]) -> Row:
+def _joint(joint: Joint, moved: Mapping[str, Any]) -> TableRow:
     unit = "rad" if joint.kind == "revolute" else "m"
     limits = NONE if joint.position is None else f"{_range(joint.position)} {unit}"
     limit = NONE if joint.velocity is None else f"{short(joint.velocity)} {unit}/s"
-    return Row(
+    return TableRow(
         (
             joint.name,
             f"{_range(moved['position'])} {unit}",

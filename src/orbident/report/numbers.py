@@ -30,7 +30,7 @@ def with_std(value: float, std: float) -> str:
     return _to(value, _last(value, std)) if known(value) else NONE
 
 
-def interval(value: float, std: float) -> str:
+def interval_text(value: float, std: float) -> str:
     """The 95 % interval, with the digits of the value."""
     if not (known(value) and known(std)):
         return NONE

@@ -7,7 +7,7 @@ import numpy as np
 
 from orbident.report.drawing import Axes, Drawing, kept
 from orbident.report.section import Picture
-from orbident.studies.comparison import Row
+from orbident.studies.comparison import PaperRow
 from orbident.studies.planar_figures import Figure
 
 COLORS = "#4477aa", "#ee6677", "#228833", "#ccbb44"
@@ -45,7 +45,7 @@ def draw_figures(figures: Mapping[str, Figure], folder: Path) -> tuple[Picture, 
     )
 
 
-def draw_errors(rows: Sequence[Row], path: Path, title: str) -> Picture:
+def draw_errors(rows: Sequence[PaperRow], path: Path, title: str) -> Picture:
     """Errors of a table's parameters, the paper's and ours, as PNG and SVG.
 
     Args:

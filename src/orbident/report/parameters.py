@@ -9,12 +9,12 @@ from orbident.estimation.result import Result
 from orbident.report.charts import interval_list, shortened
 from orbident.report.numbers import (
     NINETY_FIVE,
-    interval,
+    interval_text,
     short,
     signed,
     with_std,
 )
-from orbident.report.section import Chart, Row, Section, Table
+from orbident.report.section import Chart, ReportTable, Section, TableRow
 
 TITLES = {
     "base": "Base parameters: what free floating can identify",
@@ -91,12 +91,12 @@ def masses(result: Result, known_as: str) -> Section | None:
     half = NINETY_FIVE * routes.std[shown]
     figure = interval_list(names, routes.values[shown], half, M, ROUNDING * M, "M (kg)")
     rows = tuple(
-        Row(
+        TableRow(
             (
                 shortened(routes.names[k]),
                 with_std(routes.values[k], routes.std[k]),
                 short(routes.std[k], 2),
-                interval(routes.values[k], routes.std[k]),
+                interval_text(routes.values[k], routes.std[k]),
                 signed(routes.sigmas[k]),
             ),
             routes.formulas[k],
@@ -115,7 +115,7 @@ def masses(result: Result, known_as: str) -> Section | None:
         name="masses",
         title="The mass by every route",
         words=tuple(words),
-        tables=(Table("Mass", ("route", "kg", "± std", "95 %", "sigmas"), rows),),
+        tables=(ReportTable("Mass", ("route", "kg", "± std", "95 %", "sigmas"), rows),),
         charts=(Chart("masses", f"Mass by every route; line: {known_as}", figure),),
     )
 
@@ -126,16 +126,16 @@ def _table(
     known_as: str,
     shown: Int[np.ndarray, " rows"] | None = None,
     folded: bool = True,
-) -> Table:
+) -> ReportTable:
     sigmas, percent = found.sigmas, found.percent
     rows = tuple(
-        Row(
+        TableRow(
             (
                 found.names[k],
                 with_std(found.values[k], found.std[k]),
                 short(found.std[k], 2),
                 found.units[k].replace("^2", "²"),
-                interval(found.values[k], found.std[k]),
+                interval_text(found.values[k], found.std[k]),
                 with_std(found.nominal[k], found.std[k]),
                 signed(sigmas[k]),
                 signed(percent[k]),
@@ -145,7 +145,7 @@ def _table(
         for k in (range(len(found.names)) if shown is None else shown)
     )
     before, after = ("parameter", "estimate", "± std", "unit", "95 %"), ("sigmas", "%")
-    return Table(title, (*before, known_as, *after), rows, folded=folded)
+    return ReportTable(title, (*before, known_as, *after), rows, folded=folded)
 
 
 def _chart(base: EstimatedSet, known_as: str) -> tuple[Chart, ...]:

@@ -5,26 +5,26 @@ from collections.abc import Iterator
 from orbident.estimation.result import Result
 from orbident.report.numbers import NONE, short
 from orbident.report.references import BY_METHOD, SMOOTHING, SPECTRA, THE_PAPER
-from orbident.report.section import Row, Section, Table
+from orbident.report.section import ReportTable, Section, TableRow
 
 
 def provenance(result: Result) -> Section:
     """Settings, input, signals, versions."""
     tables = [
-        Table("Settings", ("", "value"), tuple(_settings(result)), in_words=True),
-        Table(
+        ReportTable("Settings", ("", "value"), tuple(_settings(result)), in_words=True),
+        ReportTable(
             "How signals were obtained",
             ("signal", "origin"),
             tuple(
-                Row((name.replace("_", " "), origin))
+                TableRow((name.replace("_", " "), origin))
                 for name, origin in result.origins.items()
             ),
             in_words=True,
         ),
-        Table(
+        ReportTable(
             "Clocks", ("sensor", "behind", "± std", "corrected"), tuple(_clocks(result))
         ),
-        Table(
+        ReportTable(
             "Left out", ("column", "samples"), tuple(_left_out(result)), in_words=True
         ),
     ]
@@ -50,27 +50,27 @@ def references(result: Result) -> Section:
     )
 
 
-def _settings(result: Result) -> Iterator[Row]:
-    yield Row(("method", result.method))
-    yield Row(("initial momentum", result.initial_momentum))
+def _settings(result: Result) -> Iterator[TableRow]:
+    yield TableRow(("method", result.method))
+    yield TableRow(("initial momentum", result.initial_momentum))
     for file in result.input.get("recordings", [result.input]):
-        yield Row(("recording", str(file.get("file", NONE))))
-        yield Row(("its SHA-256", str(file.get("sha256", NONE))))
+        yield TableRow(("recording", str(file.get("file", NONE))))
+        yield TableRow(("its SHA-256", str(file.get("sha256", NONE))))
     if result.input.get("seed") is not None:
-        yield Row(("seed of its noise", str(result.input["seed"])))
-    yield Row(("samples", str(result.samples)))
-    yield Row(("computing time", f"{short(result.elapsed_s)} s"))
+        yield TableRow(("seed of its noise", str(result.input["seed"])))
+    yield TableRow(("samples", str(result.samples)))
+    yield TableRow(("computing time", f"{short(result.elapsed_s)} s"))
     for name, version in result.versions.items():
-        yield Row((f"{name}, version", version))
+        yield TableRow((f"{name}, version", version))
 
 
-def _clocks(result: Result) -> Iterator[Row]:
+def _clocks(result: Result) -> Iterator[TableRow]:
     for sensor, delay in result.clocks.items():
         late, std = (f"{short(1e3 * x, 2)} ms" for x in (delay.late, delay.std))
-        yield Row((sensor, late, std, "yes" if delay.believed else "no"))
+        yield TableRow((sensor, late, std, "yes" if delay.believed else "no"))
 
 
-def _left_out(result: Result) -> Iterator[Row]:
+def _left_out(result: Result) -> Iterator[TableRow]:
     for column, reasons in result.rejected.items():
         words = ", ".join(f"{count} {reason}" for reason, count in reasons.items())
-        yield Row((column, words))
+        yield TableRow((column, words))

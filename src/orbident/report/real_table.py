@@ -1,9 +1,9 @@
 """The section of the study of a real table."""
 
 from orbident.report.numbers import short
-from orbident.report.section import Row, Section, Table
+from orbident.report.section import ReportTable, Section, TableRow
 from orbident.studies.run_table import Acted, TableStudy
-from orbident.studies.run_table import Row as Parameter
+from orbident.studies.run_table import MethodParameter as Parameter
 
 WAYS = {
     "paper": "The paper's method",
@@ -22,7 +22,7 @@ def real_table(done: TableStudy) -> Section:
     if done.refused:
         paper = f"refuses its first result: {done.refused}"
     parameters = [
-        Table(
+        ReportTable(
             f"{words}: pi, kg m²; phi, m; M, kg",
             PARAMETER,
             tuple(_parameter(row) for row in done.methods[way]),
@@ -39,16 +39,16 @@ def real_table(done: TableStudy) -> Section:
             f"Maximum likelihood refuses {done.rejected} of {done.seeds} results; the "
             f"paper's method {paper}.",
         ),
-        tables=(*parameters, Table("What acted", DISTURBANCE, acted)),
+        tables=(*parameters, ReportTable("What acted", DISTURBANCE, acted)),
     )
 
 
-def _parameter(row: Parameter) -> Row:
+def _parameter(row: Parameter) -> TableRow:
     percent = short(row.error_percent, 2), short(row.rms_error_percent, 2)
     numbers = short(row.true, 4), short(row.estimate, 4)
-    return Row((row.name, *numbers, *percent, short(row.sigmas, 2)))
+    return TableRow((row.name, *numbers, *percent, short(row.sigmas, 2)))
 
 
-def _disturbance(each: Acted) -> Row:
+def _disturbance(each: Acted) -> TableRow:
     numbers = (short(x, 3) for x in (each.true, each.estimate, each.std))
-    return Row((f"{each.name}, {each.unit}", *numbers, short(each.sigmas, 2)))
+    return TableRow((f"{each.name}, {each.unit}", *numbers, short(each.sigmas, 2)))

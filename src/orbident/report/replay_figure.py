@@ -14,7 +14,7 @@ from orbident.recordings.recording import Recording
 from orbident.report.charts import ERROR, Figure, numbers
 from orbident.report.section import Chart, Section
 from orbident.robot.description import Robot
-from orbident.scene.motion import Motion, momentum, placed
+from orbident.scene.motion import MotionHistory, centroidal_momentum, placed
 from orbident.scene.replay import recorded_motion
 from orbident.scene.scene import Scene, scene_of
 from orbident.scene.shapes import Shape, box
@@ -24,7 +24,7 @@ MOST_VERTICES = 60
 """Of a shape; a finer one is shown as the box around it."""
 
 
-def replay_figure(scene: Scene, motion: Motion) -> Figure:
+def replay_figure(scene: Scene, motion: MotionHistory) -> Figure:
     """The robot and its angular momentum, about its CM.
 
     Args:
@@ -33,7 +33,7 @@ def replay_figure(scene: Scene, motion: Motion) -> Figure:
     """
     shown = motion.thinned(FRAMES)
     at = placed(scene, shown, np.zeros_like(shown.qd_rw))
-    found = momentum(scene.robot, shown)
+    found = centroidal_momentum(scene.robot, shown)
     shapes = [_plain(shape) for shape in scene.shapes]
     p = at.p - found.r_cm[:, None]
     points = np.concatenate(

@@ -4,7 +4,7 @@ import base64
 from typing import Any, NamedTuple
 
 
-class Row(NamedTuple):
+class TableRow(NamedTuple):
     """Of a table."""
 
     cells: tuple[str, ...]
@@ -12,12 +12,12 @@ class Row(NamedTuple):
     """In small letters below it: a formula."""
 
 
-class Table(NamedTuple):
+class ReportTable(NamedTuple):
     """Of numbers, with units in its head."""
 
     title: str
     head: tuple[str, ...]
-    rows: tuple[Row, ...]
+    rows: tuple[TableRow, ...]
     in_words: bool = False
     """Whether its cells are words more than numbers."""
     folded: bool = False
@@ -57,6 +57,6 @@ class Section(NamedTuple):
     """Unique in a report."""
     title: str
     words: tuple[str, ...] = ()
-    tables: tuple[Table, ...] = ()
+    tables: tuple[ReportTable, ...] = ()
     charts: tuple[Chart, ...] = ()
     pictures: tuple[Picture, ...] = ()

@@ -17,7 +17,7 @@ DRAWN = 160
 """Bands of a spectrum, evenly spaced by logarithm."""
 
 
-class Spectrum(NamedTuple):
+class AmplitudeSpectrum(NamedTuple):
     """Of one axis's residuals."""
 
     f: Float[np.ndarray, " lines"]
@@ -38,7 +38,9 @@ def autocorrelation(x: Float[np.ndarray, " n"]) -> Float[np.ndarray, " lags"]:
     return np.array([x[:-k] @ x[k:] for k in range(1, lags + 1)]) / power
 
 
-def spectrum(t: Float[np.ndarray, " n"], x: Float[np.ndarray, " n"]) -> Spectrum:
+def spectrum(
+    t: Float[np.ndarray, " n"], x: Float[np.ndarray, " n"]
+) -> AmplitudeSpectrum:
     """As if the samples came evenly (Welch 1967): the mean of each band."""
     rate = 1 / float(np.median(np.diff(t)))
     # Late: the import takes half a second.
@@ -50,4 +52,4 @@ def spectrum(t: Float[np.ndarray, " n"], x: Float[np.ndarray, " n"]) -> Spectrum
         starts = np.unique(np.searchsorted(f, np.geomspace(f[0], f[-1], DRAWN)))
         counts = np.diff(starts, append=f.size)
         f, power = (np.add.reduceat(part, starts) / counts for part in (f, power))
-    return Spectrum(f, np.sqrt(power))
+    return AmplitudeSpectrum(f, np.sqrt(power))

@@ -13,7 +13,7 @@ from orbident.report.numbers import NONE, short, with_std
 from orbident.report.page import page
 from orbident.report.paper_figures import draw_errors, draw_figures
 from orbident.report.real_table import real_table
-from orbident.report.section import Row, Section, Table
+from orbident.report.section import ReportTable, Section, TableRow
 from orbident.report.verdict import verdict_of
 from orbident.report.write import sections_of, seen
 from orbident.studies import comparison
@@ -78,7 +78,9 @@ def _spatial(done: SpatialStudy, folder: Path) -> Sequence[Section]:
             f"The paper's spatial servicer, by {_method(done.method)}.",
             _conditions(done.condition_number),
         ),
-        tables=(Table("Parameters: pi, kg m²; phi, m; M, kg", *_columns(done.rows)),),
+        tables=(
+            ReportTable("Parameters: pi, kg m²; phi, m; M, kg", *_columns(done.rows)),
+        ),
         pictures=(draw_errors(done.rows, folder / "table4", title),),
     )
     return [table, *_present(cut_offs(done.cut_offs))]
@@ -86,7 +88,7 @@ def _spatial(done: SpatialStudy, folder: Path) -> Sequence[Section]:
 
 def _planar(done: PlanarStudy, folder: Path) -> Sequence[Section]:
     tables = [
-        Table(
+        ReportTable(
             f"By {_method(name)}: pi, kg m²; phi, m; M, kg",
             *_columns([_beside_table6(row) for row in method.rows], "identified", 4),
         )
@@ -109,7 +111,7 @@ def _planar(done: PlanarStudy, folder: Path) -> Sequence[Section]:
         ),
         tables=(
             *tables,
-            Table("Mass by the burn (Eq. 40), kg", *_columns(weighed, "weighed")),
+            ReportTable("Mass by the burn (Eq. 40), kg", *_columns(weighed, "weighed")),
         ),
     )
     figures = Section(
@@ -123,7 +125,7 @@ def _planar(done: PlanarStudy, folder: Path) -> Sequence[Section]:
 
 def _control(done: ControlStudy) -> Sequence[Section]:
     rows = tuple(
-        Row((f"the {name} model", short(tracked.joints), short(tracked.base)))
+        TableRow((f"the {name} model", short(tracked.joints), short(tracked.base)))
         for name, tracked in done.errors.items()
     )
     head = "torques computed from", "joints, rad RMS", "base, rad RMS"
@@ -136,14 +138,14 @@ def _control(done: ControlStudy) -> Sequence[Section]:
                 f"moments and inertias: at least {short(done.factor)} times better "
                 "with the identified model.",
             ),
-            tables=(Table("Tracking errors", head, rows),),
+            tables=(ReportTable("Tracking errors", head, rows),),
         )
     ]
 
 
 def _columns(
-    rows: Sequence[comparison.Row], paper: str = "true", decimals: int = 2
-) -> tuple[tuple[str, ...], tuple[Row, ...]]:
+    rows: Sequence[comparison.PaperRow], paper: str = "true", decimals: int = 2
+) -> tuple[tuple[str, ...], tuple[TableRow, ...]]:
     """Head and rows of a table, without columns in which nothing stands."""
     head = (
         *("parameter", f"paper: {paper}", "paper: error (%)", "true", "estimate"),
@@ -167,14 +169,14 @@ def _columns(
     def kept(row: Sequence[str]) -> tuple[str, ...]:
         return tuple(cell for cell, use in zip(row, used, strict=True) if use)
 
-    return kept(head), tuple(Row(kept(row)) for row in cells)
+    return kept(head), tuple(TableRow(kept(row)) for row in cells)
 
 
 def _method(name: str) -> str:
     return "the paper's method" if name == "paper" else name.replace("-", " ")
 
 
-def _beside_table6(row: comparison.Row) -> comparison.Row:
+def _beside_table6(row: comparison.PaperRow) -> comparison.PaperRow:
     """With what the paper identified; its M is that of the burn."""
     paper = None if row.name == "M" else PLANAR_IDENTIFIED[row.name]
     return replace(row, paper_true=paper)

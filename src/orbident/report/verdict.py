@@ -6,7 +6,7 @@ import numpy as np
 
 from orbident.estimation.check import Check, Level
 from orbident.estimation.result import Result
-from orbident.report.numbers import interval, short, with_std
+from orbident.report.numbers import interval_text, short, with_std
 
 HEADLINES: dict[Level, str] = {
     "trust": "Trust it",
@@ -46,4 +46,4 @@ def mass_in_words(result: Result) -> str:
     M, std = result.mass.value, result.mass.std
     if not np.isfinite(M):
         return ""
-    return f"{with_std(M, std)} ± {short(std, 2)} kg (95 %: {interval(M, std)} kg)"
+    return f"{with_std(M, std)} ± {short(std, 2)} kg (95 %: {interval_text(M, std)} kg)"

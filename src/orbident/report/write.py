@@ -42,11 +42,11 @@ def write_report(result: Result, folder: Path) -> Path:
     """
     path = folder / REPORT
     trail, replay = read_trail(folder / HISTORY), replay_sections(folder)
-    write_text(path, report(result, trail, replay))
+    write_text(path, report_page(result, trail, replay))
     return path
 
 
-def report(
+def report_page(
     result: Result, trail: Trail | None = None, replay: Sequence[Section] = ()
 ) -> str:
     """The report as HTML.

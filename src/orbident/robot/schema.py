@@ -8,8 +8,8 @@ from orbident.errors import InputError
 from orbident.files.bounds import SMALLEST
 from orbident.files.names import first_duplicate
 from orbident.files.schema_parts import (
+    MappingSchema,
     Positive,
-    Section,
     Vector3,
     WrongValueError,
     finite_number,
@@ -17,7 +17,7 @@ from orbident.files.schema_parts import (
 )
 from orbident.robot.description import Axis
 from orbident.robot.disturbance_groups import DisturbanceGroup
-from orbident.robot.sensor_schema import Sensors, Share
+from orbident.robot.sensor_schema import SensorsSpec, Share
 from orbident.robot.tolerance_schema import TolerancesEntry
 
 
@@ -42,7 +42,7 @@ Range = Annotated[tuple[float, float], BeforeValidator(_range)]
 Name = Annotated[str, Field(min_length=1)]
 
 
-class WheelEntry(Section):
+class WheelEntry(MappingSchema):
     """A wheel: declared, or a joint of the URDF."""
 
     name: Name | None = None
@@ -77,7 +77,7 @@ class WheelEntry(Section):
         return self.name or self.joint or ""
 
 
-class ThrusterEntry(Section):
+class ThrusterEntry(MappingSchema):
     """A thruster on the base."""
 
     name: Name
@@ -87,14 +87,14 @@ class ThrusterEntry(Section):
     thrust: Positive | None = None
 
 
-class LimitEntry(Section):
+class LimitEntry(MappingSchema):
     """Limits of one joint, instead of the URDF's."""
 
     position: Range | None = None
     velocity: Positive | None = None
 
 
-class StructureEntry(Section):
+class StructureEntry(MappingSchema):
     """What is known of one body's mass distribution."""
 
     com_on_axis: Axis | None = None
@@ -112,7 +112,7 @@ class StructureEntry(Section):
         return self
 
 
-class RobotFile(Section):
+class RobotFile(MappingSchema):
     """A robot file, `schema: orbident/robot/1`."""
 
     # "schema" is a method of pydantic's models.
@@ -128,7 +128,7 @@ class RobotFile(Section):
     disturbances: tuple[DisturbanceGroup, ...] = ()
     limits: dict[str, LimitEntry] = Field(default_factory=dict)
     structure: dict[str, StructureEntry] = Field(default_factory=dict)
-    sensors: Sensors = Sensors()
+    sensors: SensorsSpec = SensorsSpec()
     tolerances: TolerancesEntry = TolerancesEntry()
 
     @model_validator(mode="after")

@@ -7,7 +7,7 @@ from pydantic import BeforeValidator, field_validator, model_validator
 
 from orbident.files.bounds import SMALLEST
 from orbident.files.schema_parts import (
-    Section,
+    MappingSchema,
     Vector3,
     WrongValueError,
     finite_number,
@@ -98,7 +98,7 @@ Length = Annotated[float, measure_of("length")]
 Share = Annotated[float, measure_of("share")]
 
 
-class Sampled(Section):
+class Sampled(MappingSchema):
     """What every sensor may say of its samples."""
 
     rate: Rate | None = None
@@ -114,7 +114,7 @@ class Inertial(Sampled):
     misalignment: Annotated[tuple[float, float, float], each_of("angle")] | None = None
 
 
-class Gyro(Inertial):
+class GyroSpec(Inertial):
     """Noise of the base's angular rate."""
 
     angle_random_walk: Annotated[float, measure_of("angle random walk")] = 0.0
@@ -125,7 +125,7 @@ class Gyro(Inertial):
     ) = None
 
 
-class Accelerometer(Inertial):
+class AccelerometerSpec(Inertial):
     """Noise of the specific force at S."""
 
     velocity_random_walk: Annotated[float, measure_of("velocity random walk")] = 0.0
@@ -137,7 +137,7 @@ class Accelerometer(Inertial):
     increments: bool | None = None
 
 
-class Encoder(Sampled):
+class EncoderSpec(Sampled):
     """Standard deviations of an angle and of a rate that are read, and one count."""
 
     position: Angle | None = None
@@ -145,7 +145,7 @@ class Encoder(Sampled):
     tachometer: Annotated[float, measure_of("angular rate")] | None = None
 
     @model_validator(mode="after")
-    def _something(self) -> "Encoder":
+    def _something(self) -> "EncoderSpec":
         if self.position is None and self.tachometer is None:
             raise WrongValueError("give position, tachometer or both")
         return self
@@ -155,13 +155,13 @@ Axes = tuple[float, float, float]
 LastingAxes = Annotated[Axes, _per_axis("time", above_zero=True)]
 
 
-class Tracker(Sampled):
+class TrackerSpec(Sampled):
     """What attitude and position share: noise that is not white."""
 
     correlation_time: LastingAxes | None = None
 
     @model_validator(mode="after")
-    def _complete(self) -> "Tracker":
+    def _complete(self) -> "TrackerSpec":
         std = getattr(self, "markov_std", None)
         if std is not None and any(std) and self.correlation_time is None:
             raise WrongValueError("markov_std needs a correlation_time beside it")
@@ -170,7 +170,7 @@ class Tracker(Sampled):
         return self
 
 
-class Attitude(Tracker):
+class AttitudeSpec(TrackerSpec):
     """Star tracker or motion capture."""
 
     angle: Angle
@@ -178,7 +178,7 @@ class Attitude(Tracker):
     random_walk: Annotated[Axes, _per_axis("angle random walk")] | None = None
 
 
-class Position(Tracker):
+class PositionSpec(TrackerSpec):
     """Motion capture."""
 
     std: Length
@@ -186,18 +186,18 @@ class Position(Tracker):
     random_walk: Annotated[Axes, _per_axis("length random walk")] | None = None
 
 
-class Sensors(Section):
+class SensorsSpec(MappingSchema):
     """What is measured, how often and how well, SI; absent is not measured."""
 
     suites: tuple[str, ...] = ()
     """Ready-made sensors; a sensor that the file gives itself stands instead."""
     rate: Rate | None = None
-    gyro: Gyro | None = None
-    accelerometer: Accelerometer | None = None
-    joints: Encoder | None = None
-    attitude: Attitude | None = None
-    position: Position | None = None
-    wheels: Encoder | None = None
+    gyro: GyroSpec | None = None
+    accelerometer: AccelerometerSpec | None = None
+    joints: EncoderSpec | None = None
+    attitude: AttitudeSpec | None = None
+    position: PositionSpec | None = None
+    wheels: EncoderSpec | None = None
 
     @field_validator("suites")
     @classmethod

@@ -7,7 +7,7 @@ from pydantic import BeforeValidator, Field
 
 from orbident.errors import InputError
 from orbident.files.names import quoted, suggestion
-from orbident.files.schema_parts import Section, WrongValueError
+from orbident.files.schema_parts import MappingSchema, WrongValueError
 from orbident.robot.description import Joint
 from orbident.robot.sensor_schema import Angle, Length, Share, Time, at_least_zero
 from orbident.robot.tolerances import Tolerances
@@ -30,7 +30,7 @@ def _by_joint(value: object) -> object:
     return value
 
 
-class JointTolerances(Section):
+class JointTolerances(MappingSchema):
     """How well an encoder is calibrated, and where the joint is."""
 
     zero: Annotated[Any, BeforeValidator(_zero)] = 0.0
@@ -39,32 +39,32 @@ class JointTolerances(Section):
     direction: Angle = 0.0
 
 
-class WheelTolerances(Section):
+class WheelTolerances(MappingSchema):
     """How well the wheels' inertia is known."""
 
     inertia: Share = 0.0
 
 
-class AttitudeTolerances(Section):
+class AttitudeTolerances(MappingSchema):
     """How well the attitude sensor is mounted."""
 
     misalignment: Angle = 0.0
 
 
-class GyroTolerances(Section):
+class GyroTolerances(MappingSchema):
     """How well the gyro is mounted and calibrated."""
 
     misalignment: Angle = 0.0
     scale: Share = 0.0
 
 
-class PositionTolerances(Section):
+class PositionTolerances(MappingSchema):
     """How well the position's scale is calibrated."""
 
     scale: Share = 0.0
 
 
-class ClockTolerances(Section):
+class ClockTolerances(MappingSchema):
     """How late instruments may be shown."""
 
     joints: Time = 0.0
@@ -72,7 +72,7 @@ class ClockTolerances(Section):
     position: Time = 0.0
 
 
-class TolerancesEntry(Section):
+class TolerancesEntry(MappingSchema):
     """Standard deviations of calibration errors; what is absent is exact."""
 
     joints: Annotated[dict[str, JointTolerances], BeforeValidator(_by_joint)] = Field(

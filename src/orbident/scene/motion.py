@@ -13,7 +13,7 @@ from orbident.robot.description import Robot
 from orbident.scene.scene import Scene
 
 
-class Motion(NamedTuple):
+class MotionHistory(NamedTuple):
     """What moves, at some times; inertial axes but for `w`."""
 
     t: Float[np.ndarray, " n"]
@@ -27,10 +27,10 @@ class Motion(NamedTuple):
     v_S: Float[np.ndarray, "n 3"]
     qd_rw: Float[np.ndarray, "n wheels"]
 
-    def thinned(self, most: int) -> "Motion":
+    def thinned(self, most: int) -> "MotionHistory":
         """At no more than so many of the times, evenly chosen."""
         chosen = np.arange(0, self.t.size, -(-self.t.size // most))
-        return Motion(*(column[chosen] for column in self))
+        return MotionHistory(*(column[chosen] for column in self))
 
     def wheel_angles(self) -> Float[np.ndarray, "n wheels"]:
         """What the wheels have turned since the first time, rad."""
@@ -39,14 +39,14 @@ class Motion(NamedTuple):
         return np.vstack([np.zeros(self.qd_rw.shape[1]), turned])
 
 
-class Placed(NamedTuple):
+class FramePoses(NamedTuple):
     """The frames of a scene, in the inertial frame."""
 
     R: Float[np.ndarray, "n frames 3 3"]
     p: Float[np.ndarray, "n frames 3"]
 
 
-class Momentum(NamedTuple):
+class CentroidalMomentum(NamedTuple):
     """The system CM, and momentum about and of it; inertial axes."""
 
     r_cm: Float[np.ndarray, "n 3"]
@@ -60,8 +60,8 @@ class Momentum(NamedTuple):
 
 
 def placed(
-    scene: Scene, motion: Motion, wheel_angles: Float[np.ndarray, "n wheels"]
-) -> Placed:
+    scene: Scene, motion: MotionHistory, wheel_angles: Float[np.ndarray, "n wheels"]
+) -> FramePoses:
     """Every frame of the scene.
 
     Args:
@@ -76,10 +76,10 @@ def placed(
     R = np.concatenate([at.R, turned], axis=1)
     p = np.concatenate([at.d, p_BWheel], axis=1)
     R_WB = quaternion_matrix(motion.x_WB)[:, None]
-    return Placed(R_WB @ R, motion.r_S[:, None] + rotate(R_WB, p))
+    return FramePoses(R_WB @ R, motion.r_S[:, None] + rotate(R_WB, p))
 
 
-def momentum(robot: Robot, motion: Motion) -> Momentum:
+def centroidal_momentum(robot: Robot, motion: MotionHistory) -> CentroidalMomentum:
     """The CM and the momentum of a robot with the inertia of `robot.theta`.
 
     In the plane only what the table leaves free: angular momentum about z, linear
@@ -88,7 +88,7 @@ def momentum(robot: Robot, motion: Motion) -> Momentum:
     at, R_WB = inertia(robot, motion.q), quaternion_matrix(motion.x_WB)
     h_rs = rotate(at.D, motion.w) + rotate(at.D_q, motion.qd)
     v_cm_S = np.cross(motion.w, at.r_cm) + rotate(at.J_cm, motion.qd)
-    found = Momentum(
+    found = CentroidalMomentum(
         r_cm=motion.r_S + rotate(R_WB, at.r_cm),
         h_rs=rotate(R_WB, h_rs),
         h_rw=rotate(R_WB, motion.qd_rw @ wheels_of(robot).A_rw.T),

@@ -14,14 +14,14 @@ from orbident.model.rotations import quaternion_matrix, rotate
 from orbident.preprocessing.samples import Batch, samples_of
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
-from orbident.scene.motion import Motion
+from orbident.scene.motion import MotionHistory
 
 
 class Replay(NamedTuple):
     """Motions at the same times; what was not measured is derived."""
 
-    measured: Motion
-    predicted: Motion | None
+    measured: MotionHistory
+    predicted: MotionHistory | None
     """None without a model, or where it cannot predict."""
     model: Robot | None
     """The robot with the inertia that momentum is computed with; None as above."""
@@ -73,7 +73,7 @@ def predicted_motion(result: Result, recording: Recording) -> Replay:
 
 def _measured(
     robot: Robot, recording: Recording, t: Float[np.ndarray, " n"], batch: Batch
-) -> Motion:
+) -> MotionHistory:
     if batch.moving.any():
         v_S = _between(t, t[batch.moving], batch.v_S[batch.moving])
         r_S = cumulative_trapezoid(v_S, t, axis=0, initial=0)
@@ -84,7 +84,9 @@ def _measured(
         seen = np.isfinite(position).all(axis=1)
         if seen.any():
             r_S = _between(t, recording.t[seen], position[seen])
-    return Motion(t, batch.q, batch.qd, batch.x_WB, batch.w, r_S, v_S, batch.qd_rw)
+    return MotionHistory(
+        t, batch.q, batch.qd, batch.x_WB, batch.w, r_S, v_S, batch.qd_rw
+    )
 
 
 def _between(

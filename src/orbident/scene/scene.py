@@ -69,7 +69,7 @@ def scene_of(robot: Robot, folder: Path | None = None) -> Scene:
     return Scene(robot, tuple(shapes), R, p, size, missing, refusal)
 
 
-class Rotor(NamedTuple):
+class WheelJoint(NamedTuple):
     """A wheel that is a joint of the URDF."""
 
     links: frozenset[str]
@@ -78,7 +78,7 @@ class Rotor(NamedTuple):
     """Of its joint from S, base axes, m."""
 
 
-def rotors(robot: Robot) -> dict[int, Rotor]:
+def rotors(robot: Robot) -> dict[int, WheelJoint]:
     """By index of the wheel, those that the URDF has as joints."""
     entries = enumerate(robot.document.get("wheels", ()))
     joints = {entry["joint"]: k for k, entry in entries if "joint" in entry}
@@ -90,7 +90,7 @@ def rotors(robot: Robot) -> dict[int, Rotor]:
         if joint.name in joints:
             below = frozenset(fused(links.tree, joint.child).placements)
             p = links.placements[joint.child].p - robot.feature_point
-            found[joints[joint.name]] = Rotor(below, p)
+            found[joints[joint.name]] = WheelJoint(below, p)
     return found
 
 

@@ -42,7 +42,7 @@ def accelerations(
     known = np.hstack([of_base, of_base, qdd, still])
     free = movable(robot).astype(float)
     free[6:] = np.append(np.zeros(joints), wheels_of(robot).free)
-    vd, f_S = forward_inverse.accelerations(
+    vd, f_S = forward_inverse.hybrid_dynamics(
         robot, motion.q, v, np.zeros_like(v), known, free
     )
     return Accelerations(w_dot=vd[:, 3:6], qdd_rw=vd[:, 6 + joints :], f_S=f_S)

@@ -23,7 +23,7 @@ from orbident.simulation.truth import Truth, truth_of
 from orbident.trajectories.trajectory import Trajectory
 
 
-class Target(NamedTuple):
+class CapturedBody(NamedTuple):
     """A rigid body, in the frame of the body it is attached to."""
 
     mass: float
@@ -34,7 +34,7 @@ class Target(NamedTuple):
     """About its CM, kg m^2; negative for what is let go."""
 
 
-def holding(robot: Robot, target: Target, body: str | None = None) -> Robot:
+def holding(robot: Robot, target: CapturedBody, body: str | None = None) -> Robot:
     """The robot with the target attached.
 
     Args:

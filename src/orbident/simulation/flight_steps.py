@@ -72,7 +72,7 @@ class Drive(NamedTuple):
         return np.hstack(columns).reshape(*nodes.shape, -1)
 
 
-class Shown(NamedTuple):
+class FlightStates(NamedTuple):
     """The states of some steps at their starts, and what else there is to see."""
 
     q: Float[np.ndarray, "n joints"]
@@ -142,7 +142,7 @@ def integrate(
         [Float[np.ndarray, "rows 3"]], Float[np.ndarray, "rows 3 columns"]
     ],
     wanted: Bool[np.ndarray, " steps"],
-) -> Shown:
+) -> FlightStates:
     """What is seen at the start of the wanted steps.
 
     Args:
@@ -160,7 +160,7 @@ def integrate(
         shown = wanted[part].astype(float)
         state, seen = _core.fly(vehicle, state, dt, command_at(nodes[part]), shown)
         pieces.append(seen)
-    return Shown(*(np.concatenate(parts) for parts in zip(*pieces, strict=True)))
+    return FlightStates(*(np.concatenate(parts) for parts in zip(*pieces, strict=True)))
 
 
 def _computed(law: ComputedTorque) -> _core.ComputedTorque:

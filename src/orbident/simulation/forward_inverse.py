@@ -25,7 +25,7 @@ def forward_dynamics(
         Q: generalised forces, base axes.
     """
     free = movable(robot).astype(float)
-    return accelerations(robot, q, v, Q, np.zeros_like(v), free)[0]
+    return hybrid_dynamics(robot, q, v, Q, np.zeros_like(v), free)[0]
 
 
 def inverse_dynamics(
@@ -46,7 +46,7 @@ def inverse_dynamics(
     return np.einsum("nij,nj->ni", at.H, vd) + at.c
 
 
-def accelerations(
+def hybrid_dynamics(
     robot: Robot,
     q: Float[np.ndarray, "n joints"],
     v: Float[np.ndarray, "n speeds"],

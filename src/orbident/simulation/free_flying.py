@@ -16,7 +16,13 @@ from orbident.simulation.environment.moving import Path
 from orbident.simulation.environment.outside import Wrenches, outside_of, true_pulses
 from orbident.simulation.flight import FlyingState, FreeFlying
 from orbident.simulation.flight_checks import check_flight, check_laws
-from orbident.simulation.flight_steps import AT_S, Drive, Shown, integrate, vehicle_of
+from orbident.simulation.flight_steps import (
+    AT_S,
+    Drive,
+    FlightStates,
+    integrate,
+    vehicle_of,
+)
 from orbident.simulation.free_floating import JointMotion
 from orbident.simulation.thrusters import Pulse, thrust
 from orbident.trajectories.environment import Environment
@@ -80,12 +86,12 @@ def free_flying(
     vehicle = vehicle_of(robot, joints, wheels, limits, (*AT_S, *outside.points))
     at_start = _at_start(robot, start)
 
-    def solve(parts: int, path: Path | None) -> Solved:
+    def solve(parts: int, path: Path | None) -> StateHistory:
         nodes = _step_nodes(breaks, parts)
         wanted = np.zeros(len(nodes), dtype=bool)
         wanted[parts * np.searchsorted(breaks, t)] = True
 
-        def fly(wrenches: Wrenches) -> Shown:
+        def fly(wrenches: Wrenches) -> FlightStates:
             def both(some: Float[np.ndarray, "steps 3"]) -> Float[np.ndarray, "..."]:
                 net = np.tile(thrust_at(some)[:, None, None], (1, 3, 1, 1))
                 return np.concatenate([net, wrenches(some)], axis=2)
@@ -98,8 +104,8 @@ def free_flying(
 
         seen, path = outside.settled(fly, nodes[:, 0], path, tolerance / 10)
         if outside.forces:
-            seen = Shown(*(each[wanted] for each in seen))
-        return Solved(seen, thrust_at(nodes[wanted]), path)
+            seen = FlightStates(*(each[wanted] for each in seen))
+        return StateHistory(seen, thrust_at(nodes[wanted]), path)
 
     solved, error, parts = _refined(robot, solve, breaks.size, tolerance)
     flown = _flown(t, solved.seen, solved.thrust, error, parts * (breaks.size - 1))
@@ -107,10 +113,10 @@ def free_flying(
     return flown._replace(f_S=flown.f_S - pull)
 
 
-class Solved(NamedTuple):
+class StateHistory(NamedTuple):
     """A motion with steps of one length."""
 
-    seen: Shown
+    seen: FlightStates
     thrust: Float[np.ndarray, "n 6"]
     path: Path | None
     """The motion between the samples, where something acts that depends on it."""
@@ -153,10 +159,10 @@ def _at_start(robot: Robot, start: FlyingState) -> Float[np.ndarray, " states"]:
 
 def _refined(
     robot: Robot,
-    solve: Callable[[int, Path | None], Solved],
+    solve: Callable[[int, Path | None], StateHistory],
     breaks: int,
     tolerance: float,
-) -> tuple[Solved, float, int]:
+) -> tuple[StateHistory, float, int]:
     """The motion, its error, and the number of steps from each break to the next."""
     parts, coarse, error = 1, solve(1, None), np.inf
     while 2 * parts * breaks <= MOST_STEPS:
@@ -175,7 +181,7 @@ def _refined(
     )
 
 
-def _difference(a: Shown, b: Shown) -> float:
+def _difference(a: FlightStates, b: FlightStates) -> float:
     """The largest of attitude, joints and position, rad or m; infinite for a NaN."""
     with np.errstate(all="ignore"):
         largest = (
@@ -189,7 +195,7 @@ def _difference(a: Shown, b: Shown) -> float:
 
 def _flown(
     t: Float[np.ndarray, " n"],
-    seen: Shown,
+    seen: FlightStates,
     thrust: Float[np.ndarray, "n 6"],
     error: float,
     steps: int,

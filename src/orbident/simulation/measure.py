@@ -11,7 +11,7 @@ from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.simulation.free_floating import FreeFloating, JointMotion
 from orbident.simulation.sensor import Reading, Sensor
-from orbident.simulation.sensors import Sensors, sensors_of
+from orbident.simulation.sensors import SensorModels, sensor_models
 from orbident.simulation.streams import stream
 from orbident.simulation.truth import Truth, truth_of
 from orbident.trajectories.trajectory import Trajectory
@@ -67,7 +67,7 @@ def measure_truth(
     Raises:
         InputError: as `measure`.
     """
-    sensors = sensors_of(robot.sensors)
+    sensors = sensor_models(robot.sensors)
     columns = {}
     for channel in _channels(robot, sensors, true):
         sensor = getattr(sensors, channel.key)
@@ -107,7 +107,7 @@ class Channel(NamedTuple):
         return f"{self.name}.{self.components[0]}" if rate else self.name
 
 
-def _channels(robot: Robot, sensors: Sensors, true: Truth) -> Iterator[Channel]:
+def _channels(robot: Robot, sensors: SensorModels, true: Truth) -> Iterator[Channel]:
     joints, wheels = sensors.joints, sensors.wheels
     for k, name in enumerate(robot.joint_names):
         joint = f"joint.{name}"

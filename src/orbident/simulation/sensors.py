@@ -23,7 +23,7 @@ KINDS: dict[str, type[Sensor]] = {
 
 
 @dataclass(frozen=True)
-class Sensors:
+class SensorModels:
     """What is measured; None is not."""
 
     gyro: Gyro | None = None
@@ -34,7 +34,7 @@ class Sensors:
     position: PositionTracker | None = None
 
 
-def sensors_of(section: Mapping[str, Any]) -> Sensors:
+def sensor_models(section: Mapping[str, Any]) -> SensorModels:
     """The sensors that a sensor section declares.
 
     Args:
@@ -48,7 +48,7 @@ def sensors_of(section: Mapping[str, Any]) -> Sensors:
     if unknown:
         known = suggestion(str(unknown[0]), tuple(KINDS), "keys")
         raise InputError(f"sensors: unknown key {unknown[0]!r}; {known}")
-    return Sensors(
+    return SensorModels(
         **{key: _sensor(key, section[key]) for key in KINDS if key in section}
     )
 

@@ -63,7 +63,7 @@ def simulate(
     rate = float(robot.sensors.get("rate", RATE) if rate is None else rate)
     if noise == "none":
         motion, known = _moved_along(robot, trajectory, rate, tolerance, seed)
-        return with_columns(recorded(robot, motion), known)
+        return with_columns(motion_recording(robot, motion), known)
     made = made_along(robot, trajectory, rate, tolerance, seed)
     return with_columns(
         measure_truth(robot, made.t, made.true, seed, truth), made.known
@@ -222,7 +222,7 @@ def sample_times(duration: float, rate: float) -> np.ndarray:
     return np.minimum(np.arange(int(count)) / rate, duration)
 
 
-def recorded(robot: Robot, motion: FreeFloating | FreeFlying) -> Recording:
+def motion_recording(robot: Robot, motion: FreeFloating | FreeFlying) -> Recording:
     """A motion as the columns of a recording."""
     columns = {}
     for k, name in enumerate(robot.joint_names):

@@ -10,7 +10,7 @@ NAN = float("nan")
 
 
 @dataclass(frozen=True)
-class Row:
+class PaperRow:
     """One parameter of a table of the paper, its numbers and ours."""
 
     name: str

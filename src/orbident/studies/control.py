@@ -33,7 +33,7 @@ from orbident.simulation.flight import standing
 from orbident.simulation.free_floating import BaseState, FreeFloating
 from orbident.simulation.free_flying import free_flying
 from orbident.simulation.measure import measure
-from orbident.simulation.simulate import float_along, recorded, sample_times
+from orbident.simulation.simulate import float_along, motion_recording, sample_times
 from orbident.studies import tables
 from orbident.studies.control_law import Slew
 from orbident.studies.spatial import spatial_robot, spatial_trajectory
@@ -161,7 +161,7 @@ class _Task(NamedTuple):
 
     def identified(self, seed: int) -> tuple[Recording, Result]:
         recording = (
-            recorded(self.robot, self.motion)
+            motion_recording(self.robot, self.motion)
             if self.noise == "none"
             else measure(self.robot, self.motion, self.trajectory, seed)
         )

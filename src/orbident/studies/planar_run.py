@@ -58,7 +58,7 @@ class Table6(NamedTuple):
         return 100 * (found / self.true - 1)
 
 
-class Reading(NamedTuple):
+class PlanarReading(NamedTuple):
     """What one way of signal processing comes to."""
 
     result: Result
@@ -77,11 +77,11 @@ class Reading(NamedTuple):
         return np.concatenate([table.errors(table.found(self.result)), nrmse])
 
 
-class Run(NamedTuple):
+class PlanarRun(NamedTuple):
     """One seed."""
 
     records: Records
-    readings: dict[str, Reading]
+    readings: dict[str, PlanarReading]
     """By method, the paper's first."""
     weighing: Weighing
     by_slopes: float
@@ -101,7 +101,7 @@ class PaperFilters(NamedTuple):
     validation: Filters
 
 
-def run_ideal(robot: Robot, flights: Flights, method: Method) -> Run:
+def run_ideal(robot: Robot, flights: Flights, method: Method) -> PlanarRun:
     """With ideal sensors of everything: there is nothing to be filtered."""
     records = Records(*(ideal_record(robot, flight) for flight in flights))
     result = identify(robot, records.identification, method, "at-rest")
@@ -111,7 +111,7 @@ def run_ideal(robot: Robot, flights: Flights, method: Method) -> Run:
 
 def run_noisy(
     robot: Robot, flights: Flights, filters: PaperFilters, seed: int, method: Method
-) -> Run:
+) -> PlanarRun:
     """With the sensors of the robot's file; each recording has a noise of its own.
 
     Args:
@@ -140,12 +140,16 @@ def run_noisy(
     return _run(robot, records, readings)
 
 
-def _run(robot: Robot, records: Records, readings: dict[str, Reading]) -> Run:
+def _run(
+    robot: Robot, records: Records, readings: dict[str, PlanarReading]
+) -> PlanarRun:
     burn = records.burn
-    return Run(records, readings, weigh(robot, burn), mass_by_slopes(burn))
+    return PlanarRun(records, readings, weigh(robot, burn), mass_by_slopes(burn))
 
 
-def _read(result: Result, identification: Recording, validation: Recording) -> Reading:
+def _read(
+    result: Result, identification: Recording, validation: Recording
+) -> PlanarReading:
     complete = np.isfinite([*result.pi.values, *result.phi.values]).all()
     scores = scored(result, validation) if complete else None
-    return Reading(result, identification, validation, scores)
+    return PlanarReading(result, identification, validation, scores)

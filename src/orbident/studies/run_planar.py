@@ -19,7 +19,7 @@ from orbident.identified.validate import Validation
 from orbident.preprocessing.cut_off import CutOff
 from orbident.robot.description import Robot
 from orbident.studies import tables
-from orbident.studies.comparison import Row
+from orbident.studies.comparison import PaperRow
 from orbident.studies.filters import Filters
 from orbident.studies.planar import planar_robot, planar_trajectory
 from orbident.studies.planar_figures import Figure, Measured, planar_figures
@@ -27,9 +27,9 @@ from orbident.studies.planar_flights import Flights, fly_planar
 from orbident.studies.planar_run import (
     SCORED,
     PaperFilters,
-    Reading,
+    PlanarReading,
+    PlanarRun,
     Records,
-    Run,
     Table6,
     run_ideal,
     run_noisy,
@@ -41,7 +41,7 @@ EXACT = 1e-4
 1e-5: between two rows of a burn the base does not turn evenly."""
 
 
-class Scores(NamedTuple):
+class PredictionScores(NamedTuple):
     """How well the validation run was predicted."""
 
     first: Validation | None
@@ -60,22 +60,22 @@ class Scores(NamedTuple):
         }
 
 
-class Method(NamedTuple):
+class MethodResult(NamedTuple):
     """What one way of signal processing comes to."""
 
-    rows: tuple[Row, ...]
+    rows: tuple[PaperRow, ...]
     """Table 6's parameters; the last is M by Eq. 32."""
     result: Result
     """Of the first seed."""
-    validation: Scores
+    validation: PredictionScores
 
 
 class Weighed(NamedTuple):
     """The mass by the burn."""
 
-    row: Row
+    row: PaperRow
     """By least squares over all samples."""
-    slopes: Row
+    slopes: PaperRow
     """By the paper's two slopes."""
     weighing: Weighing
     """Of the first seed."""
@@ -95,7 +95,7 @@ class Weighed(NamedTuple):
 class PlanarStudy:
     """Table 6 and Figs. 6 to 13, and everything they were made from."""
 
-    methods: Mapping[str, Method]
+    methods: Mapping[str, MethodResult]
     """The paper's first; with ideal sensors least squares alone."""
     mass: Weighed
     condition_number: dict[str, float]
@@ -115,12 +115,12 @@ class PlanarStudy:
     elapsed_s: float
 
     @property
-    def main(self) -> Method:
+    def main(self) -> MethodResult:
         """The first of the methods."""
         return next(iter(self.methods.values()))
 
     @property
-    def rows(self) -> tuple[Row, ...]:
+    def rows(self) -> tuple[PaperRow, ...]:
         """Table 6's parameters, and M by the burn."""
         return (*self.main.rows[:-1], self.mass.row)
 
@@ -188,7 +188,7 @@ def run_planar(
         seeds, first = 1, run_ideal(robot, flights, method)
         errors = Errors(first.quantities(table)[None])
     else:
-        noisy = _Noisy(robot, flights, filters, method, table)
+        noisy = _NoisyFlights(robot, flights, filters, method, table)
         first = noisy.run(first_seed)
         all_seeds = range(first_seed, first_seed + seeds)
         series = Series(noisy.quantities, all_seeds, (first.quantities(table),))
@@ -213,7 +213,7 @@ def run_planar(
     )
 
 
-class _Noisy(NamedTuple):
+class _NoisyFlights(NamedTuple):
     """The same flights, measured anew with every seed."""
 
     robot: Robot
@@ -222,7 +222,7 @@ class _Noisy(NamedTuple):
     method: Estimator
     table: Table6
 
-    def run(self, seed: int) -> Run:
+    def run(self, seed: int) -> PlanarRun:
         return run_noisy(self.robot, self.flights, self.filters, seed, self.method)
 
     def quantities(self, seed: int) -> Float[np.ndarray, " quantities"]:
@@ -252,11 +252,13 @@ class _Columns(NamedTuple):
         return rms, worst
 
 
-def _method(reading: Reading, table: Table6, columns: _Columns, k: int) -> Method:
+def _method(
+    reading: PlanarReading, table: Table6, columns: _Columns, k: int
+) -> MethodResult:
     parameters, scores = columns.of_method(k)
     rms, worst = columns.over(parameters)
     rows = tuple(
-        Row(name, None, None, *map(float, numbers))
+        PaperRow(name, None, None, *map(float, numbers))
         for name, *numbers in zip(
             tables.PLANAR_IDENTIFIED,
             table.true,
@@ -268,17 +270,19 @@ def _method(reading: Reading, table: Table6, columns: _Columns, k: int) -> Metho
     )
     first = reading.scores
     rms_nrmse, worst_nrmse = (_by_name(part) for part in columns.over(scores))
-    return Method(rows, reading.result, Scores(first, rms_nrmse, worst_nrmse))
+    return MethodResult(
+        rows, reading.result, PredictionScores(first, rms_nrmse, worst_nrmse)
+    )
 
 
 def _by_name(scores: Float[np.ndarray, " scores"]) -> dict[str, float]:
     return {name: float(score) for name, score in zip(SCORED, scores, strict=True)}
 
 
-def _weighed(first: Run, table: Table6, columns: _Columns) -> Weighed:
+def _weighed(first: PlanarRun, table: Table6, columns: _Columns) -> Weighed:
     rms, worst = columns.over(slice(-2, None))
     rows = [
-        Row(
+        PaperRow(
             name="M",
             paper_true=tables.PLANAR_MASS_WEIGHED,
             paper_error_percent=tables.PLANAR_MASS_ERROR,
@@ -292,7 +296,7 @@ def _weighed(first: Run, table: Table6, columns: _Columns) -> Weighed:
     return Weighed(*rows, weighing=first.weighing)
 
 
-def _condition_numbers(first: Run, table: Table6) -> dict[str, float]:
+def _condition_numbers(first: PlanarRun, table: Table6) -> dict[str, float]:
     reading = next(iter(first.readings.values()))
     assert reading.result.fits is not None
     pi, phi = reading.result.fits.pi.factor, reading.result.fits.phi.factor
@@ -303,7 +307,7 @@ def _condition_numbers(first: Run, table: Table6) -> dict[str, float]:
     return {**numbers, "Y_paper": tables.PLANAR_CONDITION}
 
 
-def _figures(robot: Robot, first: Run) -> dict[str, Figure]:
+def _figures(robot: Robot, first: PlanarRun) -> dict[str, Figure]:
     reading = next(iter(first.readings.values()))
     if reading.scores is None:
         return {}
@@ -317,5 +321,5 @@ def _figures(robot: Robot, first: Run) -> dict[str, Figure]:
     )
 
 
-def _row_json(row: Row) -> dict[str, Any]:
+def _row_json(row: PaperRow) -> dict[str, Any]:
     return {**row.to_json(), "paper_estimate": tables.PLANAR_IDENTIFIED[row.name]}

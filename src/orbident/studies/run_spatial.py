@@ -11,7 +11,7 @@ from jaxtyping import Float
 from orbident.campaigns.executors import Executors, InThisProcess
 from orbident.campaigns.seeds import Errors, Series, check_seeds, over_seeds
 from orbident.estimation.bound import cramer_rao
-from orbident.estimation.found import Found
+from orbident.estimation.found import EstimatedParameters
 from orbident.estimation.identify import Method, identify
 from orbident.estimation.quantities import nulled
 from orbident.estimation.result import Result
@@ -23,9 +23,9 @@ from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.simulation.free_floating import FreeFloating
 from orbident.simulation.measure import measure
-from orbident.simulation.simulate import float_along, recorded
+from orbident.simulation.simulate import float_along, motion_recording
 from orbident.studies import tables
-from orbident.studies.comparison import Row
+from orbident.studies.comparison import PaperRow
 from orbident.studies.filters import Filters
 from orbident.studies.imu_method import from_imu
 from orbident.studies.noise import sensors_alone
@@ -47,7 +47,7 @@ SEEDS_BY_SENSOR = 20
 class SpatialStudy:
     """Table 4 and everything it was made from."""
 
-    rows: tuple[Row, ...]
+    rows: tuple[PaperRow, ...]
     by_sensor: Mapping[str, Float[np.ndarray, " parameters"]]
     """RMS error (%) with the noise of one sensor alone, by the paper's method."""
     cut_offs: Mapping[str, CutOff]
@@ -119,10 +119,10 @@ def run_spatial(
     motion = float_along(robot, trajectory, tables.SPATIAL_RATE)
     table = _Table.of(robot)
     filters = Filters()
-    noisy = _Noisy(robot, trajectory, motion, table, filters, method)
+    noisy = _NoisyMotion(robot, trajectory, motion, table, filters, method)
     bound, by_sensor = None, {}
     if noise == "none":
-        recording = recorded(robot, motion)
+        recording = motion_recording(robot, motion)
         result, errors = noisy.identified(recording), None
     else:
         recording, result = noisy.run(first_seed)
@@ -180,7 +180,7 @@ class _Table(NamedTuple):
         pi, phi = self.basis.pi(result.pi.values), self.basis.phi(result.phi.values)
         return np.concatenate([pi, phi, [result.mass.value]])
 
-    def bounds(self, bound: Found) -> Float[np.ndarray, " parameters"]:
+    def bounds(self, bound: EstimatedParameters) -> Float[np.ndarray, " parameters"]:
         """In percent."""
         pi = self.basis.pi_of_pi, bound.pi.covariance
         phi = self.basis.phi_of_phi, bound.phi.covariance
@@ -189,8 +189,8 @@ class _Table(NamedTuple):
         return 100 * np.abs(np.concatenate(std) / self.true)
 
     def rows(
-        self, result: Result, errors: Errors | None, bound: Found | None
-    ) -> tuple[Row, ...]:
+        self, result: Result, errors: Errors | None, bound: EstimatedParameters | None
+    ) -> tuple[PaperRow, ...]:
         # The paper prints no true value of M; Table 1's masses add up to it.
         printed = {**tables.SPATIAL_TRUE, "M": (None, None, tables.SPATIAL_MASS_ERROR)}
         unknown = np.full(self.true.size, np.nan)
@@ -198,7 +198,7 @@ class _Table(NamedTuple):
         worst = unknown if errors is None else errors.worst
         least = unknown if bound is None else self.bounds(bound)
         return tuple(
-            Row(
+            PaperRow(
                 name=name,
                 paper_true=paper_true,
                 paper_error_percent=exact if errors is None else noisy,
@@ -222,7 +222,7 @@ class _Table(NamedTuple):
         return dict(zip(names, (*Y, *W), strict=True))
 
 
-class _Noisy(NamedTuple):
+class _NoisyMotion(NamedTuple):
     """The same motion, measured anew with every seed."""
 
     robot: Robot
@@ -232,7 +232,7 @@ class _Noisy(NamedTuple):
     filters: Filters
     method: Literal["paper"] | Method
 
-    def alone(self, sensor: str) -> "_Noisy":
+    def alone(self, sensor: str) -> "_NoisyMotion":
         sensors = sensors_alone(self.robot.sensors, sensor)
         return self._replace(robot=replace(self.robot, sensors=sensors))
 

@@ -27,14 +27,14 @@ from orbident.studies.table import (
     table_robot,
     truly_acting,
 )
-from orbident.studies.table_run import PAPER, WITH, WITHOUT, Run, read_table
+from orbident.studies.table_run import PAPER, WITH, WITHOUT, TableRun, read_table
 from orbident.trajectories.trajectory import Trajectory
 
 FAR = 5.0
 """Deviations that a parameter may be off."""
 
 
-class Row(NamedTuple):
+class MethodParameter(NamedTuple):
     """A parameter as one way of reading has it."""
 
     name: str
@@ -81,7 +81,7 @@ class Acted(NamedTuple):
 class TableStudy:
     """What a tilted, uneven table with an air film does to three ways of reading."""
 
-    methods: Mapping[str, tuple[Row, ...]]
+    methods: Mapping[str, tuple[MethodParameter, ...]]
     """`paper`, maximum likelihood `without` what acts, and `with` it."""
     acted: tuple[Acted, ...]
     """What the first result says that acted."""
@@ -143,7 +143,7 @@ def run_table(
     robot = table_robot()
     trajectory = replace(planar_trajectory(robot), environment=table_environment(robot))
     flight = fly_table(robot, trajectory)
-    noisy = _Noisy(robot, flight, Table6.of(robot), Filters())
+    noisy = _NoisyTable(robot, flight, Table6.of(robot), Filters())
     table, first = noisy.table, noisy.run(first_seed)
     every = range(first_seed, first_seed + seeds)
     series = Series(noisy.quantities, every, (noisy.quantities_of(first),))
@@ -166,7 +166,7 @@ def run_table(
     )
 
 
-class _Noisy(NamedTuple):
+class _NoisyTable(NamedTuple):
     """The same flight, measured anew with every seed."""
 
     robot: Robot
@@ -174,14 +174,14 @@ class _Noisy(NamedTuple):
     table: Table6
     filters: Filters
 
-    def run(self, seed: int) -> Run:
+    def run(self, seed: int) -> TableRun:
         recording = measured_record(self.robot, self.flight, seed)
         return read_table(self.robot, recording, self.table, self.filters)
 
     def quantities(self, seed: int) -> Float[np.ndarray, " quantities"]:
         return self.quantities_of(self.run(seed))
 
-    def quantities_of(self, run: Run) -> Float[np.ndarray, " quantities"]:
+    def quantities_of(self, run: TableRun) -> Float[np.ndarray, " quantities"]:
         """Whether it is refused, then the errors of each way of reading."""
         readings = run.readings.values()
         errors = (self.table.errors(reading.values) for reading in readings)
@@ -189,12 +189,12 @@ class _Noisy(NamedTuple):
 
 
 def _rows(
-    first: Run, method: str, table: Table6, rms: Float[np.ndarray, " parameters"]
-) -> tuple[Row, ...]:
+    first: TableRun, method: str, table: Table6, rms: Float[np.ndarray, " parameters"]
+) -> tuple[MethodParameter, ...]:
     reading = first.readings[method]
     names, columns = tables.PLANAR_IDENTIFIED, (table.true, *reading, rms)
     return tuple(
-        Row(name, *map(float, numbers))
+        MethodParameter(name, *map(float, numbers))
         for name, *numbers in zip(names, *columns, strict=True)
     )
 

@@ -7,7 +7,7 @@ from jaxtyping import Float
 
 from orbident.estimation.criteria import judge
 from orbident.estimation.estimate import Estimate
-from orbident.estimation.found import Found, found_beta
+from orbident.estimation.found import EstimatedParameters, found_beta
 from orbident.estimation.least_squares import LeastSquares
 from orbident.estimation.maximum_likelihood import estimate_of
 from orbident.estimation.obstacles import obstacles
@@ -26,14 +26,16 @@ from orbident.studies.planar_run import Table6
 PAPER, WITHOUT, WITH = "paper", "without", "with"
 
 
-class Reading(NamedTuple):
+class TableReading(NamedTuple):
     """Table 6's parameters as one way of reading has them, `M` last."""
 
     values: Float[np.ndarray, " parameters"]
     std: Float[np.ndarray, " parameters"]
 
     @classmethod
-    def of(cls, found: Found, M: tuple[float, float], table: Table6) -> "Reading":
+    def of(
+        cls, found: EstimatedParameters, M: tuple[float, float], table: Table6
+    ) -> "TableReading":
         """The found sets in the basis of the table."""
         pi, phi = table.basis.pi(found.pi.values), table.basis.phi(found.phi.values)
         C_pi = table.basis.pi_of_pi @ found.pi.covariance @ table.basis.pi_of_pi.T
@@ -42,11 +44,11 @@ class Reading(NamedTuple):
         return cls(np.array([*pi, *phi, M[0]]), np.array([*np.sqrt(variances), M[1]]))
 
 
-class Run(NamedTuple):
+class TableRun(NamedTuple):
     """One seed."""
 
     recording: Recording
-    readings: dict[str, Reading]
+    readings: dict[str, TableReading]
     """The parameters that each way of reading has: `paper`, `without` and `with`."""
     result: Result
     """Of maximum likelihood that looks for what acts."""
@@ -54,7 +56,9 @@ class Run(NamedTuple):
     """Why the paper's method refuses its result; empty where it does not."""
 
 
-def read_table(robot: Robot, flight: Recording, table: Table6, filters: Filters) -> Run:
+def read_table(
+    robot: Robot, flight: Recording, table: Table6, filters: Filters
+) -> TableRun:
     """Read a recording by the paper's method, and by maximum likelihood twice.
 
     Args:
@@ -71,12 +75,14 @@ def read_table(robot: Robot, flight: Recording, table: Table6, filters: Filters)
     plain = estimate_of(estimate.solution, prior_std(robot, sets))
     readings = {
         PAPER: _reading(paper, table),
-        WITHOUT: Reading.of(found_beta(robot, sets, plain), plain.mass, table),
+        WITHOUT: TableReading.of(found_beta(robot, sets, plain), plain.mass, table),
         WITH: _reading(estimate, table),
     }
     result = _judged(solved, "maximum-likelihood")
     rejected = paper_result.status == "rejected"
-    return Run(flight, readings, result, paper_result.warnings[0] if rejected else "")
+    return TableRun(
+        flight, readings, result, paper_result.warnings[0] if rejected else ""
+    )
 
 
 def _by_paper(robot: Robot, recording: Recording) -> tuple[Estimate, Result]:
@@ -95,6 +101,6 @@ def _judged(solved: Solved, name: str) -> Result:
     )
 
 
-def _reading(estimate: Estimate, table: Table6) -> Reading:
+def _reading(estimate: Estimate, table: Table6) -> TableReading:
     M = estimate.mass.value, estimate.mass.std
-    return Reading.of(estimate.found, M, table)
+    return TableReading.of(estimate.found, M, table)

@@ -5,7 +5,12 @@ from typing import Annotated
 from pydantic import BeforeValidator, Field, model_validator
 
 from orbident.errors import InputError
-from orbident.files.schema_parts import Positive, Section, Vector3, WrongValueError
+from orbident.files.schema_parts import (
+    MappingSchema,
+    Positive,
+    Vector3,
+    WrongValueError,
+)
 from orbident.robot.sensor_schema import Lasting, Time, each_of, measure_of
 from orbident.robot.units import quantity
 
@@ -40,21 +45,21 @@ Angle = Annotated[float, _signed("angle")]
 Slope = Annotated[float, _signed("slope")]
 
 
-class SlowTorque(Section):
+class SlowTorque(MappingSchema):
     """A Gauss-Markov process along each inertial axis."""
 
     std: Annotated[float, measure_of("torque")]
     correlation_time: Lasting
 
 
-class SlowForce(Section):
+class SlowForce(MappingSchema):
     """The same of a force, at S."""
 
     std: Annotated[float, measure_of("force")]
     correlation_time: Lasting
 
 
-class Burst(Section):
+class Burst(MappingSchema):
     """A constant force at S for a while, base axes, which nobody recorded."""
 
     start: Time
@@ -62,7 +67,7 @@ class Burst(Section):
     force: Force
 
 
-class Firing(Section):
+class Firing(MappingSchema):
     """When a thruster is on, and the force that the recording says."""
 
     on: Time
@@ -70,7 +75,7 @@ class Firing(Section):
     force: Annotated[float, measure_of("force")]
 
 
-class Thrust(Section):
+class Thrust(MappingSchema):
     """A thruster of the robot file, whose force is recorded."""
 
     pulses: tuple[Firing, ...]
@@ -78,7 +83,7 @@ class Thrust(Section):
     """The true force over that which is recorded."""
 
 
-class Uneven(Section):
+class Uneven(MappingSchema):
     """A symmetric pull: `a = [[xx, xy], [xy, yy]] r`, 1/s^2, `r` from the origin."""
 
     xx: Slope = 0.0
@@ -86,7 +91,7 @@ class Uneven(Section):
     yy: Slope = 0.0
 
 
-class Film(Section):
+class Film(MappingSchema):
     """Drag of the air film below a body's pads."""
 
     c: Annotated[float, measure_of("drag")] = 0.0
@@ -95,7 +100,7 @@ class Film(Section):
     """N m s."""
 
 
-class Orbit(Section):
+class Orbit(MappingSchema):
     """A circular orbit; inertial z is the Earth's axis, angles are at the first row."""
 
     altitude: Annotated[float, BeforeValidator(_altitude)]
@@ -106,7 +111,7 @@ class Orbit(Section):
     """Of latitude: from the ascending node."""
 
 
-class AirDrag(Section):
+class AirDrag(MappingSchema):
     """Drag of the thin air in an orbit, at a point of the base."""
 
     density: Annotated[float, measure_of("density")]
@@ -116,7 +121,7 @@ class AirDrag(Section):
     """The centre of pressure in the base link's frame."""
 
 
-class SolarPressure(Section):
+class SolarPressure(MappingSchema):
     """The pressure of the sun's light, at a point of the base; no shadow is cast."""
 
     sun: Vector3
@@ -134,7 +139,7 @@ class SolarPressure(Section):
         return self
 
 
-class Environment(Section):
+class Environment(MappingSchema):
     """What acts from outside; what is absent does not."""
 
     torque: Torque | None = None

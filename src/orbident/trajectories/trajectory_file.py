@@ -11,7 +11,13 @@ from pydantic import Field, model_validator
 
 from orbident.errors import InputError
 from orbident.files.schema_errors import validated
-from orbident.files.schema_parts import Number, Positive, Section, Vector3, Vector4
+from orbident.files.schema_parts import (
+    MappingSchema,
+    Number,
+    Positive,
+    Vector3,
+    Vector4,
+)
 from orbident.files.text import read_text, write_text
 from orbident.files.yaml_mapping import read_yaml_mapping
 from orbident.trajectories.environment import Environment
@@ -22,7 +28,7 @@ MOST_HARMONICS = 1000
 SCHEMA = "orbident/trajectory/1"
 
 
-class _State(Section):
+class _State(MappingSchema):
     position: Number = 0.0
     velocity: Number = 0.0
     acceleration: Number = 0.0
@@ -31,7 +37,7 @@ class _State(Section):
         return [self.position, self.velocity, self.acceleration]
 
 
-class _Joint(Section):
+class _Joint(MappingSchema):
     a: tuple[Number, ...] = ()
     b: tuple[Number, ...] = ()
     start: _State = _State()
@@ -51,14 +57,14 @@ class _Joint(Section):
         return self
 
 
-class _Initial(Section):
+class _Initial(MappingSchema):
     angular_velocity: Vector3 = (0.0, 0.0, 0.0)
     attitude: Vector4 = (0.0, 0.0, 0.0, 1.0)
     velocity: Vector3 = (0.0, 0.0, 0.0)
     wheel_speed: dict[str, Number] = Field(default_factory=dict)
 
 
-class _TrajectoryFile(Section):
+class _TrajectoryFile(MappingSchema):
     schema_: Literal["orbident/trajectory/1"] = Field(alias="schema")
     duration: Positive
     joints: dict[str, _Joint]

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from orbident.scene.motion import Momentum
+from orbident.scene.motion import CentroidalMomentum
 from orbident.scene.shapes import Colour
 
 LONGEST = 1.1
@@ -22,7 +22,7 @@ LINEAR: Colour = (34, 136, 51)
 class Arrows:
     """Angular momentum about the CM, in all and in parts, and linear momentum."""
 
-    def __init__(self, server: Any, momentum: Momentum, size: float):
+    def __init__(self, server: Any, momentum: CentroidalMomentum, size: float):
         """Nothing is drawn yet.
 
         Args:

@@ -4,13 +4,13 @@ from typing import Any
 
 import numpy as np
 
-from orbident.scene.motion import Motion, momentum, placed
+from orbident.scene.motion import MotionHistory, centroidal_momentum, placed
 from orbident.scene.replay import Replay
 from orbident.scene.scene import Scene
 from orbident.viewer.arrows import Arrows
 from orbident.viewer.drawn_robot import DrawnRobot
 from orbident.viewer.plots import Plot
-from orbident.viewer.stage import Stage, heading
+from orbident.viewer.stage import Floor, heading
 
 MOST_TIMES = 5000
 """Kept for playing."""
@@ -43,10 +43,10 @@ class ReplayPage:
         if predicted:
             ghost = DrawnRobot(server, "/predicted", scene, ghost=True)
             self._robots.append((ghost, placed(scene, predicted, angles)))
-        found = momentum(replay.model, measured) if replay.model else None
+        found = centroidal_momentum(replay.model, measured) if replay.model else None
         if found:
             self._origins = found.r_cm
-        self._stage = Stage(server, scene, at.R[0], at.p[0] - self._origins[0])
+        self._stage = Floor(server, scene, at.R[0], at.p[0] - self._origins[0])
         self._arrows = found and Arrows(server, found, self._stage.size)
         notes = [f"wheels are drawn {slowed:g} times slower"] if slowed > 1 else []
         heading(server, title, *notes, *replay.warnings)
@@ -122,7 +122,7 @@ class ReplayPage:
             self._arrows.show(vectors)
 
 
-def slow_motion(motion: Motion) -> float:
+def slow_motion(motion: MotionHistory) -> float:
     """By how much wheels turn slower than they did, so that an eye can follow them."""
     fastest = float(np.abs(motion.qd_rw).max(initial=0.0))
     return 10.0 ** max(0, np.ceil(np.log10(max(fastest / FASTEST_TURN, 1.0))))
@@ -132,8 +132,8 @@ def _plots(
     server: Any,
     scene: Scene,
     replay: Replay,
-    measured: Motion,
-    predicted: Motion | None,
+    measured: MotionHistory,
+    predicted: MotionHistory | None,
 ) -> list[Plot]:
     t, xyz = measured.t, ("x", "y", "z")
     dashed = predicted and predicted.w

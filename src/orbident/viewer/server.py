@@ -71,7 +71,7 @@ def _address(host: str, port: int, gate: Gate) -> str:
     return f"http://{in_address(name)}:{port}{gate.path}"
 
 
-def run(page: Page) -> None:
+def keep_moving(page: Page) -> None:
     """Let the page move until the process is interrupted."""
     before = time.monotonic()
     with _silent():

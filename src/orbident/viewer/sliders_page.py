@@ -6,12 +6,12 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.robot.description import Joint, Robot
-from orbident.scene.motion import Motion, momentum, placed
+from orbident.scene.motion import MotionHistory, centroidal_momentum, placed
 from orbident.scene.reaction import BasePose, reaction
 from orbident.scene.scene import Scene
 from orbident.viewer.arrows import TOTAL
 from orbident.viewer.drawn_robot import DrawnRobot
-from orbident.viewer.stage import Stage, heading
+from orbident.viewer.stage import Floor, heading
 
 FREE = np.pi
 """How far a slider goes where the joint has no stops, rad or m."""
@@ -37,7 +37,7 @@ class SlidersPage:
         self._answer = server.gui.add_html("")
         self._sliders = [_slider(server.gui, joint) for joint in scene.robot.joints]
         self._start_again()
-        Stage(server, scene, *self._places())
+        Floor(server, scene, *self._places())
         again = server.gui.add_button("Start again")
         again.on_click(lambda _: setattr(self, "_again", True))
         self._again = False
@@ -58,7 +58,7 @@ class SlidersPage:
             slider.value = _range(joint).start
         self._q = self._at_sliders()
         self._base = BasePose(UNTURNED, np.zeros(3))
-        r_cm = momentum(self._model, self._still()).r_cm[0]
+        r_cm = centroidal_momentum(self._model, self._still()).r_cm[0]
         self._base = self._first = BasePose(UNTURNED, -r_cm)
         self._show()
 
@@ -69,12 +69,12 @@ class SlidersPage:
             [_range(joint).nearest(slider.value) for slider, joint in pairs]
         )
 
-    def _still(self) -> Motion:
+    def _still(self) -> MotionHistory:
         none = np.zeros((1, 3))
         wheels = np.zeros((1, len(self._scene.robot.wheels)))
         x_WB, r_S = self._base.x_WB[None], self._base.r_S[None]
         q = self._q[None]
-        return Motion(np.zeros(1), q, 0 * q, x_WB, none, r_S, none, wheels)
+        return MotionHistory(np.zeros(1), q, 0 * q, x_WB, none, r_S, none, wheels)
 
     def _places(
         self,

@@ -12,7 +12,7 @@ CELLS = 40
 """Of the floor, in each direction."""
 
 
-class Stage:
+class Floor:
     """A floor that shows where the page's origin is in the inertial frame."""
 
     def __init__(

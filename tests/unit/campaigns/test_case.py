@@ -6,12 +6,12 @@ from instruments import Errors, shown_with
 from small_campaigns import begun
 
 from orbident.campaigns.case import Case, Draws
-from orbident.campaigns.instruments import moved_joints, shown
+from orbident.campaigns.instruments import moved_joints, with_instrument_errors
 from orbident.errors import InputError
 from orbident.robot.description import Robot
 from orbident.robot.parameters import inertia_about_com
 from orbident.simulation.free_floating import BaseState, free_floating
-from orbident.simulation.simulate import recorded
+from orbident.simulation.simulate import motion_recording
 from orbident.simulation.truth import truth_of
 
 ALL = {
@@ -123,8 +123,10 @@ def test_instruments_err_as_the_reference_has_it(tmp_path: Path):
     w, ahead = np.array([0.01, 0.02, 0.03]), np.array([0.0, 0.0, 0.0, 1.0])
     start = BaseState(w, ahead, np.ones(3), 100 * np.ones(3))
     flight = free_floating(robot, motion, t, start, 1e-9)
-    reference = shown_with(errors, robot, recorded(robot, flight))
-    seen = shown(robot, t, truth_of(robot, flight, motion), names).columns(robot)
+    reference = shown_with(errors, robot, motion_recording(robot, flight))
+    seen = with_instrument_errors(
+        robot, t, truth_of(robot, flight, motion), names
+    ).columns(robot)
     for name, column in reference.columns.items():
         if name.startswith("wheel."):
             continue

@@ -11,10 +11,10 @@ import pytest
 from small_campaigns import begun, no_paper_motion, rows, write_campaign
 
 from orbident.campaigns import conduct as conducting
-from orbident.campaigns.conduct import Done, conduct, failed_runs, status
+from orbident.campaigns.conduct import Done, campaign_progress, conduct, failed_runs
 from orbident.campaigns.executors import InThisProcess
 from orbident.campaigns.folder import Campaign, begin, opened
-from orbident.campaigns.rerun import rerun
+from orbident.campaigns.rerun import repeat_run
 from orbident.campaigns.run import run_chunk
 from orbident.campaigns.spec import load_spec
 from orbident.campaigns.table import path_of
@@ -44,7 +44,7 @@ def test_what_is_done_is_not_done_again(tmp_path: Path, monkeypatch):
     table = rows(campaign, out)
     made = []
     path_of(out, range(1, 2)).unlink()
-    assert status(campaign, out) == (2, 3, 0)
+    assert campaign_progress(campaign, out) == (2, 3, 0)
 
     def watched(campaign: Campaign, runs: range):
         made.append(runs)
@@ -103,7 +103,7 @@ def test_workers_that_always_die_are_given_up(tmp_path: Path):
     campaign, out = begun(tmp_path, runs=2)
     with pytest.raises(InputError, match="workers ended 3 times in a row"):
         conduct(campaign, out, lambda: _Dying([99]))
-    assert status(campaign, out) == (0, 2, 0)
+    assert campaign_progress(campaign, out) == (0, 2, 0)
 
 
 def test_a_full_disk_loses_nothing(tmp_path: Path, monkeypatch):
@@ -119,7 +119,7 @@ def test_a_full_disk_loses_nothing(tmp_path: Path, monkeypatch):
     monkeypatch.setattr(conducting, "write_rows", full)
     with pytest.raises(InputError, match="free some space"):
         conduct(campaign, out, InThisProcess)
-    assert status(campaign, out) == (1, 2, 0)
+    assert campaign_progress(campaign, out) == (1, 2, 0)
     monkeypatch.setattr(conducting, "write_rows", write)
     assert conduct(campaign, out, InThisProcess) == (2, 2, 0)
 
@@ -184,14 +184,14 @@ def test_a_folder_of_another_kind_is_left_alone(tmp_path: Path):
 def test_one_run_again(tmp_path: Path):
     campaign, out = begun(tmp_path, runs=2)
     conduct(campaign, out, InThisProcess)
-    again = rerun(campaign, out, 1)
+    again = repeat_run(campaign, out, 1)
     assert again.same
     assert again.path == out / "rerun" / "1" / "recording.parquet"
     assert again.results["least-squares"].input["seed"] == campaign.case(1).seed
     path_of(out, range(1, 2)).unlink()
-    assert rerun(campaign, out, 1).same is None
+    assert repeat_run(campaign, out, 1).same is None
     with pytest.raises(InputError, match="has runs 0 to 1"):
-        rerun(campaign, out, 2)
+        repeat_run(campaign, out, 2)
 
 
 def test_a_file_that_a_campaign_names_is_missing(tmp_path: Path):

@@ -5,7 +5,7 @@ import pyarrow as pa
 import pyarrow.compute as pc
 from scipy import stats
 
-from orbident.campaigns.statistics import groups
+from orbident.campaigns.statistics import method_statistics
 
 N = 200
 
@@ -37,7 +37,7 @@ def table(seed: int = 0) -> pa.Table:
 
 
 def test_errors_and_coverage():
-    (group,) = groups(table())
+    (group,) = method_statistics(table())
     assert group.accepted.num_rows == N - N // 10
     M, sigma = group.parameters
     assert (M.name, sigma.name) == ("M", "sigma_1")
@@ -56,7 +56,7 @@ def test_errors_and_coverage():
 
 
 def test_the_worst_and_what_errors_depend_on():
-    (group,) = groups(table())
+    (group,) = method_statistics(table())
     worst = group.worst(5)
     assert [abs(z) for *_, z in worst] == sorted((abs(z) for *_, z in worst))[::-1]
     assert worst[0][1] == "sigma_1"
@@ -73,6 +73,6 @@ def test_the_worst_and_what_errors_depend_on():
 
 def test_nothing_accepted():
     refused = table().filter(pc.field("level") == "do not trust")
-    (group,) = groups(refused)
+    (group,) = method_statistics(refused)
     assert group.parameters == ()
     assert group.worst(3) == group.dependences(3) == []

@@ -6,10 +6,16 @@ from pydantic import Field, model_validator
 
 from orbident.errors import InputError
 from orbident.files.schema_errors import validated
-from orbident.files.schema_parts import Number, Positive, Section, Vector3, Vector4
+from orbident.files.schema_parts import (
+    MappingSchema,
+    Number,
+    Positive,
+    Vector3,
+    Vector4,
+)
 
 
-class Part(Section):
+class Part(MappingSchema):
     label: str = "x"
     lower: Number = 0.0
     upper: Number = 1.0
@@ -21,7 +27,7 @@ class Part(Section):
         return self
 
 
-class Whole(Section):
+class Whole(MappingSchema):
     schema_: Literal["whole/1"] = Field("whole/1", alias="schema")
     number: Number = 0.0
     size: Positive = 1.0
@@ -138,7 +144,7 @@ def test_an_unknown_key_of_the_whole():
 
 
 def test_a_missing_key():
-    class Needy(Section):
+    class Needy(MappingSchema):
         part: Part
 
     with pytest.raises(InputError, match=r"^a\.yaml: part: this key is missing; add"):

@@ -7,7 +7,7 @@ import pytest
 from made_results import exact_result, known, made_result
 from random_robots import DUAL_ARM, random_planar_robot, random_robot
 
-from orbident.identified.difference import difference_of, shown
+from orbident.identified.difference import determined_combinations, difference_of
 from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.description import Robot, Structure
 
@@ -75,8 +75,8 @@ def test_white():
 def test_shown():
     """A column of its own, two that are equal, one of zeros."""
     X = np.array([[1e3, 2.0, 2.0, 0.0], [0.0, 1e-3, 1e-3, 0.0], [0, 0, 0, 0]])
-    V, alone = shown(X)
+    V, alone = determined_combinations(X)
     assert alone.tolist() == [True, False, False, False]
     assert V.shape == (4, 2)
     assert np.linalg.matrix_rank(X @ V) == 2
-    assert shown(np.zeros((0, 3))).alone.tolist() == [False] * 3
+    assert determined_combinations(np.zeros((0, 3))).alone.tolist() == [False] * 3

@@ -8,7 +8,7 @@ from random_robots import DUAL_ARM, random_planar_robot, random_robot
 
 from orbident.errors import InputError
 from orbident.model.minimal_sets import minimal_sets
-from orbident.model.momentum import momentum
+from orbident.model.momentum import momentum_regressors
 from orbident.robot.description import Robot
 from orbident.robot.robot_file import load_robot
 
@@ -24,7 +24,7 @@ def check_momentum(robot: Robot) -> None:
     w = random.standard_normal((20, 3))
     if robot.motion == "planar":
         w[:, :2] = 0.0
-    sets, at = minimal_sets(robot), momentum(robot, q, qd, w)
+    sets, at = minimal_sets(robot), momentum_regressors(robot, q, qd, w)
     theta = robot.theta.copy()
     free = list(robot.free_parameters)
     theta.flat[free] *= random.uniform(0.8, 1.2, len(free))

@@ -5,7 +5,7 @@
 
 import pytest
 
-from orbident.report.numbers import interval, short, signed, with_std
+from orbident.report.numbers import interval_text, short, signed, with_std
 
 NAN = float("nan")
 
@@ -32,8 +32,8 @@ def test_value(value: float, std: float, text: str):
 
 
 def test_interval():
-    assert interval(10.0, 0.5) == "9.02 to 10.98"
-    assert interval(NAN, 0.5) == interval(1.0, NAN) == "–"
+    assert interval_text(10.0, 0.5) == "9.02 to 10.98"
+    assert interval_text(NAN, 0.5) == interval_text(1.0, NAN) == "–"
 
 
 @pytest.mark.parametrize(

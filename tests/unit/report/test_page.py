@@ -15,7 +15,7 @@ import report_runs
 from orbident.estimation.result import Result
 from orbident.report.charts import label, numbers
 from orbident.report.page import embedded
-from orbident.report.write import report
+from orbident.report.write import report_page
 
 SECTIONS = (
     "parameters",
@@ -61,7 +61,7 @@ def _figures(page: str) -> dict:
 
 @pytest.fixture(scope="module")
 def page() -> str:
-    return report(report_runs.result())
+    return report_page(report_runs.result())
 
 
 def test_sections(page: str):
@@ -96,7 +96,7 @@ def test_charts_are_what_plotly_takes(page: str):
 
 
 def test_hostile_names_are_text():
-    page = report(report_runs.hostile())
+    page = report_page(report_runs.hostile())
     seen = _seen(page)
     # Of the page itself: figures, plotly and its own.
     assert seen.tags.count("script") == 3
@@ -113,7 +113,7 @@ def test_hostile_names_are_text():
 
 
 def test_rejected_has_a_report_too():
-    seen = _seen(report(report_runs.rejected()))
+    seen = _seen(report_page(report_runs.rejected()))
     assert "Do not trust it" in seen.text
     assert "record one of them" in seen.text
     assert "record one of them" in seen.text
@@ -126,7 +126,7 @@ def test_a_result_that_says_little_has_one():
     found: Result = replace(
         report_runs.result(), signals=tuple, motion={}, input={}, residual={}
     )
-    ids = _seen(report(found)).ids
+    ids = _seen(report_page(found)).ids
     assert "parameters" in ids
     assert not {"fit", "excitation"} & set(ids)
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from orbident.report.paper_figures import draw_errors, draw_figures
-from orbident.studies.comparison import Row
+from orbident.studies.comparison import PaperRow
 from orbident.studies.planar_figures import Figure
 
 T = np.linspace(0, 1, 50)
@@ -49,8 +49,8 @@ def test_figures(tmp_path):
 @pytest.mark.parametrize("rms", [float("nan"), 0.2])
 def test_errors(tmp_path, rms: float):
     rows = [
-        Row("pi_1", 843.15, 0.04, 843.15, 843.15, rms),
-        Row("M", None, None, 1110.0, 1111.0, rms),
+        PaperRow("pi_1", 843.15, 0.04, 843.15, 843.15, rms),
+        PaperRow("M", None, None, 1110.0, 1111.0, rms),
     ]
     picture = draw_errors(rows, tmp_path / "table4", "Table 4")
     texts = _texts(picture.svg)

@@ -18,7 +18,7 @@ from orbident.report.replay_figure import (
     write_replay,
 )
 from orbident.robot.robot_file import load_robot
-from orbident.scene.motion import momentum, placed
+from orbident.scene.motion import centroidal_momentum, placed
 from orbident.scene.replay import recorded_motion
 from orbident.scene.scene import scene_of
 from orbident.simulation.simulate import simulate
@@ -52,7 +52,7 @@ def test_bodies_are_where_they_were(robot, flight: Recording):
     figure = replay_figure(scene, motion)
     shown = motion.thinned(FRAMES)
     at = placed(scene, shown, np.zeros_like(shown.qd_rw))
-    cm = momentum(robot, shown).r_cm
+    cm = centroidal_momentum(robot, shown).r_cm
     k, last = 7, max(i for i, s in enumerate(scene.shapes) if s.frame == 7)
     before = sum(len(shape.vertices) for shape in scene.shapes[:last])
     shape = scene.shapes[last]

@@ -4,11 +4,11 @@ import pytest
 
 from orbident.errors import InputError
 from orbident.robot.sensor_suites import SUITES
-from orbident.simulation.sensors import sensors_of
+from orbident.simulation.sensors import sensor_models
 
 
 def test_every_key_of_a_sensor_may_stand_in_the_file(load_yaml):
-    found = sensors_of(
+    found = sensor_models(
         load_yaml(
             """
 sensors:
@@ -62,7 +62,7 @@ sensors:
     assert found["attitude"]["random_walk"] == (2e-6, 2e-6, 2e-6)
     assert found["position"]["markov_std"] == pytest.approx((19e-6, 11e-6, 0.0))
     assert found["position"]["correlation_time"] == pytest.approx((2.0, 0.1, 1.0))
-    position = sensors_of(found).position
+    position = sensor_models(found).position
     assert position is not None
     assert position.coloured.random_walk == pytest.approx(3e-6)
 

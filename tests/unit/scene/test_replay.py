@@ -11,7 +11,7 @@ from orbident.errors import InputError
 from orbident.estimation.identify import identify
 from orbident.recordings.recording import Recording
 from orbident.robot.robot_file import load_robot
-from orbident.scene.motion import momentum
+from orbident.scene.motion import centroidal_momentum
 from orbident.scene.replay import predicted_motion, recorded_motion
 from orbident.simulation.simulate import simulate
 
@@ -48,14 +48,14 @@ def test_without_positions_velocities_are_integrated(robot, flight: Recording):
 def test_without_velocities_the_cm_rests(robot, flight: Recording):
     replay = recorded_motion(robot, without(flight, "position", "velocity"))
     assert not replay.velocity_known
-    found = momentum(robot, replay.measured)
+    found = centroidal_momentum(robot, replay.measured)
     assert np.abs(found.r_cm).max() < 1e-12
     # N s, of a robot of 1110 kg.
     assert np.abs(found.p).max() < 1e-9
 
 
 def test_momentum_is_conserved(robot, flight: Recording):
-    found = momentum(robot, recorded_motion(robot, flight).measured)
+    found = centroidal_momentum(robot, recorded_motion(robot, flight).measured)
     h = found.h_rs + found.h_rw
     # The simulated attitude is right to 1e-9 rad.
     assert np.abs(h - h[0]).max() < 1e-7 * np.abs(h[0]).max()
@@ -72,8 +72,8 @@ def test_the_ghost_goes_where_the_robot_went(robot, flight: Recording):
     assert np.abs(replay.predicted.r_S - replay.measured.r_S).max() < 1e-3
     # The identified inertia alone has the same momentum as the true one.
     assert replay.model is not None
-    theirs = momentum(robot, replay.measured)
-    ours = momentum(replay.model, replay.measured)
+    theirs = centroidal_momentum(robot, replay.measured)
+    ours = centroidal_momentum(replay.model, replay.measured)
     assert np.abs(ours.h_rs - theirs.h_rs).max() < 1e-6 * np.abs(theirs.h_rs).max()
 
     rejected = replace(result, checks=(REFUSED,))

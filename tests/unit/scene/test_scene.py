@@ -10,7 +10,7 @@ from random_robots import DUAL_ARM, random_robot, random_wheels
 from orbident.robot.parameters import PER_BODY, from_mass_com_inertia
 from orbident.robot.robot_file import bundled_robots, load_robot
 from orbident.scene.made_shapes import made_shapes, robot_size
-from orbident.scene.motion import Motion, placed
+from orbident.scene.motion import MotionHistory, placed
 from orbident.scene.scene import Scene, scene_of
 from orbident.scene.shapes import BASE
 
@@ -90,7 +90,7 @@ def test_a_wheel_that_is_a_joint_turns_with_what_is_fixed_to_it(tmp_path: Path):
     none = np.zeros((2, 3))
     x_WB = np.tile([0.0, 0.0, 0.0, 1.0], (2, 1))
     q, qd_rw = np.zeros((2, 0)), np.zeros((2, 1))
-    still = Motion(np.arange(2.0), q, q, x_WB, none, none, none, qd_rw)
+    still = MotionHistory(np.arange(2.0), q, q, x_WB, none, none, none, qd_rw)
     at = placed(scene, still, np.array([[0.0], [np.pi / 2]]))
     mark = next(s for s in scene.shapes if s.frame == 1 and len(s.vertices) == 8)
     middle = mark.vertices.mean(axis=0)

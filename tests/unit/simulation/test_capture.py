@@ -10,7 +10,7 @@ from orbident.errors import InputError
 from orbident.robot.parameters import inertia_about_com
 from orbident.robot.robot_file import load_robot
 from orbident.simulation.capture import (
-    Target,
+    CapturedBody,
     holding,
     simulate_change,
     truth_through_change,
@@ -19,7 +19,7 @@ from orbident.simulation.free_floating import BaseState, free_floating
 from orbident.simulation.simulate import float_along, sample_times
 from orbident.simulation.truth import truth_of
 
-TARGET = Target(50.0, np.array([1.0, 0.2, -0.3]), np.diag([3.0, 4.0, 5.0]))
+TARGET = CapturedBody(50.0, np.array([1.0, 0.2, -0.3]), np.diag([3.0, 4.0, 5.0]))
 T = sample_times(10.0, 20.0)
 
 
@@ -42,7 +42,7 @@ def test_masses_and_moments_add_up():
 
 def test_a_release_undoes_a_capture():
     robot = load_robot("paper-spatial")
-    gone = Target(-50.0, TARGET.com, -TARGET.I_com)
+    gone = CapturedBody(-50.0, TARGET.com, -TARGET.I_com)
     back = holding(holding(robot, TARGET), gone)
     np.testing.assert_allclose(back.theta, robot.theta, atol=1e-11)
 

@@ -6,8 +6,8 @@ from random_robots import random_planar_robot, random_robot, random_wheels
 from orbident.model.equations_of_motion import equations_of_motion
 from orbident.robot.description import Robot, Wheel
 from orbident.simulation.forward_inverse import (
-    accelerations,
     forward_dynamics,
+    hybrid_dynamics,
     inverse_dynamics,
 )
 
@@ -95,7 +95,7 @@ def test_mixed_dynamics_keeps_what_is_known():
     q, v, vd = some_state(ROBOT)
     _, _, Q = some_state(ROBOT)
     free = np.array([1, 1, 1, 1, 1, 1, 0, 1, 0, 1, 0.0])
-    found, _ = accelerations(ROBOT, q, v, Q, vd, free)
+    found, _ = hybrid_dynamics(ROBOT, q, v, Q, vd, free)
     np.testing.assert_array_equal(found[0, free == 0], vd[0, free == 0])
     force = inverse_dynamics(ROBOT, q, v, found)
     moved = free == 1

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from orbident.robot.robot_file import load_robot
-from orbident.simulation.environment.moving import Acting, at_rest
+from orbident.simulation.environment.moving import Load, at_rest
 from orbident.simulation.environment.orbit import place
 from orbident.simulation.environment.orbital import air_drag, dipole, solar_pressure
 from orbident.trajectories.environment import Environment, Orbit
@@ -18,7 +18,7 @@ def given(**what) -> Environment:
     return Environment.model_validate({"orbit": orbit, **what})
 
 
-def moment_about_S(acting: Acting) -> np.ndarray:
+def moment_about_S(acting: Load) -> np.ndarray:
     return acting.moment[0] + np.cross(acting.point, acting.force[0])
 
 

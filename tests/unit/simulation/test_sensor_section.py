@@ -7,17 +7,17 @@ from random_motions import random_motion
 from orbident.errors import InputError
 from orbident.robot.robot_file import load_robot
 from orbident.robot.sensor_suites import SUITES, sensor_suite
-from orbident.simulation.sensors import Sensors, sensors_of
+from orbident.simulation.sensors import SensorModels, sensor_models
 from orbident.simulation.simulate import simulate
 
 
 def test_nothing_declared_is_nothing_measured():
-    assert sensors_of({}) == Sensors()
-    assert sensors_of({"rate": 20.0}) == Sensors()
+    assert sensor_models({}) == SensorModels()
+    assert sensor_models({"rate": 20.0}) == SensorModels()
 
 
 def test_sensors_of_a_robot_file():
-    found = sensors_of(load_robot("paper-spatial").sensors)
+    found = sensor_models(load_robot("paper-spatial").sensors)
     assert found.gyro is not None
     assert found.gyro.angle_random_walk == pytest.approx(np.deg2rad(0.01) / 60)
     assert found.gyro.bias_instability == pytest.approx(np.deg2rad(0.3) / 3600)
@@ -42,7 +42,7 @@ def test_sensors_of_a_robot_file():
 )
 def test_bad_sections_are_refused(section, message):
     with pytest.raises(InputError, match=message):
-        sensors_of(section)
+        sensor_models(section)
 
 
 @pytest.mark.parametrize("name", SUITES)

@@ -13,7 +13,7 @@ from orbident.errors import InputError
 from orbident.recordings.recording import Recording
 from orbident.recordings.tables import write_recording
 from orbident.robot.robot_file import load_robot
-from orbident.scene.motion import momentum, placed
+from orbident.scene.motion import centroidal_momentum, placed
 from orbident.scene.reaction import BasePose, reaction
 from orbident.scene.replay import recorded_motion
 from orbident.scene.scene import scene_of
@@ -58,7 +58,7 @@ def test_playing_moves_the_robot_and_stops_at_the_end(server: Any, replay):
     assert np.linalg.norm(moved - before) > 0.01
     # As computed; the page follows the CM.
     found = placed(scene_of(load_robot(ROBOT)), replay.measured, np.zeros((501, 1)))
-    r_cm = momentum(load_robot(ROBOT), replay.measured).r_cm
+    r_cm = centroidal_momentum(load_robot(ROBOT), replay.measured).r_cm
     assert np.allclose(moved, found.p[150, 2] - r_cm[150], atol=1e-12)
     control(server, "Speed").value = "10"
     page.advance(1.0)
@@ -80,7 +80,7 @@ def test_scrubbing_and_hiding(server: Any, replay):
     there = at(server, "/robot/0")
     follow.value = False
     page.advance(0.03)
-    r_cm = momentum(load_robot(ROBOT), replay.measured).r_cm
+    r_cm = centroidal_momentum(load_robot(ROBOT), replay.measured).r_cm
     moved = at(server, "/robot/0") - there
     assert np.allclose(moved, r_cm[300] - r_cm[0], atol=1e-12)
 
@@ -90,7 +90,7 @@ def test_the_arrows_are_the_momentum(server: Any, replay):
     page = ReplayPage(server, scene_of(robot), replay, "title")
     control(server, "Time, s").value = 2.0
     page.advance(0.03)
-    found = momentum(robot, replay.measured)
+    found = centroidal_momentum(robot, replay.measured)
     points = server.scene.get_handle_by_name("/momentum").points
     lengths = np.linalg.norm(points[:, 1] - points[:, 0], axis=1)
     h, h_rs, h_rw = (

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from orbident.errors import InputError
-from orbident.viewer.server import Served, close, open_server, run
+from orbident.viewer.server import Served, close, keep_moving, open_server
 
 
 def test_it_serves_a_page_here_only(served: Served, capsys: pytest.CaptureFixture[str]):
@@ -58,7 +58,7 @@ def test_an_interrupt_ends_the_movement():
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        run(Once())
+        keep_moving(Once())
     assert len(told) == 1
 
 

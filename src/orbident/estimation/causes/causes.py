@@ -10,8 +10,12 @@ from orbident.estimation.causes.events import event
 from orbident.estimation.causes.frames import beside, missing_wheel
 from orbident.estimation.causes.instruments import freed, kinds
 from orbident.estimation.causes.jumps import jumps, steps
-from orbident.estimation.causes.linear_test import FALLS, Tried, tried_conventions
-from orbident.estimation.causes.noise import noise, wandering
+from orbident.estimation.causes.linear_test import (
+    FALLS,
+    CorrectedConvention,
+    tried_conventions,
+)
+from orbident.estimation.causes.noise import noisier_sensors, wandering
 from orbident.estimation.causes.outlying import spikes
 from orbident.estimation.causes.shifts import drifts, soft_joints
 from orbident.estimation.causes.stale import stale
@@ -64,7 +68,10 @@ def causes(solved: Solved) -> Iterator[Check]:
 
 
 def _by_trials(
-    solved: Solved, shown: Estimate, conventions: list[Tried], jumped: list[Trial]
+    solved: Solved,
+    shown: Estimate,
+    conventions: list[CorrectedConvention],
+    jumped: list[Trial],
 ) -> Iterator[Check]:
     """What output error finds, or what may have happened."""
     now, corrected = misfit(shown), already_corrected(solved.problem)
@@ -115,14 +122,16 @@ def _explained(best: Trial, before: float) -> Check:
     )
 
 
-def _tried(solved: Solved, conventions: list[Tried], before: float) -> list[Trial]:
+def _tried(
+    solved: Solved, conventions: list[CorrectedConvention], before: float
+) -> list[Trial]:
     """The plainest first: where one of these explains all, the rest need not be.
 
     All others are tried in the order of what they would explain to first order.
     """
     problem, trials = solved.problem, list[Trial]()
     for some in (
-        noise,
+        noisier_sensors,
         spikes,
         partial(_written, conventions),
         lambda _: _likeliest(solved),
@@ -144,7 +153,9 @@ def _sure(one: Trial, before: float) -> Trial:
     return one._replace(accepted=one.accepted and explains)
 
 
-def _written(conventions: list[Tried], problem: MomentumProblem) -> Iterator[Trial]:
+def _written(
+    conventions: list[CorrectedConvention], problem: MomentumProblem
+) -> Iterator[Trial]:
     """The best of joints and wheels, which output error sees though Eq. 24 does not."""
     first = [one.convention for one in conventions if one.falls > HARDLY]
     for convention in [each for each in first if each.columns][:LIKELIEST]:

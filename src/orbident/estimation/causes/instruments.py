@@ -26,7 +26,7 @@ EACH = "(.+)"
 """In a pattern: any joint or wheel."""
 
 
-class Kind(NamedTuple):
+class ErrorKind(NamedTuple):
     """Errors of one kind, as unknowns."""
 
     words: str
@@ -45,7 +45,7 @@ class Kind(NamedTuple):
         return re.fullmatch(self.names, name) is not None
 
 
-def freed(problem: MomentumProblem, kind: Kind) -> Iterator[Trial]:
+def freed(problem: MomentumProblem, kind: ErrorKind) -> Iterator[Trial]:
     """Identify again, with one kind of error as an unknown."""
     robot = problem.robot
     loose = replace(robot, tolerances=replace(robot.tolerances, **kind.tolerance))
@@ -64,7 +64,7 @@ def freed(problem: MomentumProblem, kind: Kind) -> Iterator[Trial]:
         yield found._replace(cause=words, misfit=found.misfit + price)
 
 
-def kinds(robot: Robot) -> Iterator[Kind]:
+def kinds(robot: Robot) -> Iterator[ErrorKind]:
     """The kinds of errors that a robot's instruments may have, with wide tolerances."""
     zeros = {joint.name: ANGLE for joint in robot.joints}
     scales = dict.fromkeys(robot.joint_names, PART)
@@ -72,8 +72,10 @@ def kinds(robot: Robot) -> Iterator[Kind]:
         "the place of joint {} on its link in the robot file, so the geometry or "
         "length of that link,"
     )
-    yield Kind("the zero of joint {}", rf"joint\.{EACH}\.zero", {"joint_zero": zeros})
-    yield Kind(
+    yield ErrorKind(
+        "the zero of joint {}", rf"joint\.{EACH}\.zero", {"joint_zero": zeros}
+    )
+    yield ErrorKind(
         "the scale of joint {}", rf"joint\.{EACH}\.scale", {"joint_scale": scales}
     )
     for name in robot.joint_names:
@@ -83,9 +85,9 @@ def kinds(robot: Robot) -> Iterator[Kind]:
             ("the tilt of the axis of joint {} in the robot file", "direction", ANGLE),
         ):
             tolerance = {f"joint_{error}": {name: size}}
-            yield Kind(words, rf"joint\.({own})\.{error}\.[xyz]", tolerance)
+            yield ErrorKind(words, rf"joint\.({own})\.{error}\.[xyz]", tolerance)
     wheels = {"wheel_inertia": PART}
-    yield Kind("the inertia of wheel {}", rf"wheel\.{EACH}\.inertia", wheels)
+    yield ErrorKind("the inertia of wheel {}", rf"wheel\.{EACH}\.inertia", wheels)
     for words, name, tolerance in (
         ("the offset of the tracked marker from S", "feature_point", LENGTH),
         ("the misalignment of the attitude sensor", "attitude.misalignment", ANGLE),
@@ -94,10 +96,10 @@ def kinds(robot: Robot) -> Iterator[Kind]:
         ("the scale of the position", "position.scale", PART),
     ):
         own = rf"{re.escape(name)}(\.[xyz])?"
-        yield Kind(words, own, {name.replace(".", "_"): tolerance})
+        yield ErrorKind(words, own, {name.replace(".", "_"): tolerance})
 
 
-def _in_words(kind: Kind, errors: Mapping[str, CalibrationFit]) -> str:
+def _in_words(kind: ErrorKind, errors: Mapping[str, CalibrationFit]) -> str:
     """With the error that stands out most."""
     name = max(errors, key=lambda name: abs(errors[name].value) / errors[name].std)
     named = name.split(".")

@@ -32,7 +32,7 @@ FARTHEST = 5.0
 """Times: bodies are known better than that before they are built."""
 
 
-class Tried(NamedTuple):
+class CorrectedConvention(NamedTuple):
     """A convention, put right."""
 
     convention: Convention
@@ -40,7 +40,7 @@ class Tried(NamedTuple):
     """The residuals as recorded, over those with the convention put right."""
 
 
-def tried_conventions(problem: MomentumProblem) -> list[Tried]:
+def tried_conventions(problem: MomentumProblem) -> list[CorrectedConvention]:
     """Each convention with the factor by which it lowers the residuals, best first.
 
     A later one counts only where it is plainly better than all before.
@@ -50,7 +50,9 @@ def tried_conventions(problem: MomentumProblem) -> list[Tried]:
     found = []
     for convention in conventions(part):
         left = _misfit(part, convention)
-        found.append(Tried(convention, before / left if left > 0 else 0.0))
+        found.append(
+            CorrectedConvention(convention, before / left if left > 0 else 0.0)
+        )
     best, worth = 0.0, {}
     for k, one in enumerate(found):
         if one.falls > PLAINLY * best:

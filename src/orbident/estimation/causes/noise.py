@@ -18,7 +18,7 @@ WANDERS = 100.0
 """Times the declared walk of a bias: what it needs is found by the fit."""
 
 
-def noise(problem: MomentumProblem) -> Iterator[Trial]:
+def noisier_sensors(problem: MomentumProblem) -> Iterator[Trial]:
     """Identify again with the noise that neighbouring samples show."""
     tables = shown_by(problem.robot, problem.recording)
     joints = [x for name, x in tables.items() if name.startswith("joint.")]

@@ -14,7 +14,7 @@ from scipy.linalg import solve_triangular
 from orbident import _core
 from orbident.estimation.overflow import check_finite
 from orbident.estimation.recursive.noise import Noise
-from orbident.estimation.recursive.prior import Prior, factor_of
+from orbident.estimation.recursive.prior import GaussianPrior, factor_of
 from orbident.estimation.recursive.state import Info, Sample, State, packed
 from orbident.model.core_robot import core_robot
 from orbident.model.derivatives import derivatives_of_beta, sets_of_beta
@@ -62,7 +62,10 @@ class Extended:
         return len(own.momentum_axes) + len(own.velocity_axes)
 
     def start(
-        self, prior: Prior, sample: Sample, h_cm: Float[np.ndarray, "3"] | None = None
+        self,
+        prior: GaussianPrior,
+        sample: Sample,
+        h_cm: Float[np.ndarray, "3"] | None = None,
     ) -> State:
         """Nothing is known but the prior; the sample itself is not used up.
 
@@ -75,7 +78,7 @@ class Extended:
 
     def begun(
         self,
-        prior: Prior,
+        prior: GaussianPrior,
         sample: Float[np.ndarray, " all"],
         h_cm: Float[np.ndarray, "3"] | None,
     ) -> State:

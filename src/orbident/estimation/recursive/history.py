@@ -55,7 +55,7 @@ class History(NamedTuple):
     """Of the sensors, at the end: `value` and `std`."""
 
 
-class Filtered(NamedTuple):
+class FilterHistory(NamedTuple):
     """What the filter makes of every sample, with or without a scale."""
 
     beta: Float[np.ndarray, "n beta"]
@@ -91,7 +91,7 @@ def recursive_history(
     prior, t = cad_prior(robot), given.t
     kalman = Extended.of(robot, given.noise)
     detector = Detector(kalman.rows, false_alarms=false_alarms, samples=t.size)
-    at = filtered(robot, kalman, detector, given, h_cm, progress)
+    at = filter_history(robot, kalman, detector, given, h_cm, progress)
     unknown = 0.0 if at.scale else np.nan
     nis, dof, statistic = at.tests.T
     pi, phi = zip(*(sets_of_beta(kalman.sets, row) for row in at.beta), strict=True)
@@ -116,14 +116,14 @@ def recursive_history(
     )
 
 
-def filtered(
+def filter_history(
     robot: Robot,
     kalman: Extended,
     detector: Detector,
     given: Given,
     h_cm: Float[np.ndarray, "3"] | None,
     progress: Callable[[float], object] = lambda _: None,
-) -> Filtered:
+) -> FilterHistory:
     """Take all samples in, one by one, and open up after every change.
 
     Args:
@@ -154,4 +154,4 @@ def filtered(
             std[count - 1] = np.sqrt(np.diag(state.covariance))
     beta, std, tests = map(np.concatenate, zip(*parts, strict=True))
     scale |= kalman.core.scaled(state.core, robot.mass)
-    return Filtered(beta, std, tests, tuple(changes), scale, state)
+    return FilterHistory(beta, std, tests, tuple(changes), scale, state)

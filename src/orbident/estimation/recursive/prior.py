@@ -15,7 +15,7 @@ UNCERTAINTY = 0.3
 """Of CAD values, relative."""
 
 
-class Prior(NamedTuple):
+class GaussianPrior(NamedTuple):
     """Gaussian; `root^T root` is the inverse of the covariance."""
 
     beta: Float[np.ndarray, " beta"]
@@ -25,7 +25,7 @@ class Prior(NamedTuple):
 
 def prior_from(
     beta: Float[np.ndarray, " beta"], covariance: Float[np.ndarray, "beta beta"]
-) -> Prior:
+) -> GaussianPrior:
     """From a mean and a covariance.
 
     Raises:
@@ -34,7 +34,7 @@ def prior_from(
     L = factor_of(covariance)
     inverse = solve_triangular(L, np.eye(len(L)), lower=True)
     root = np.linalg.qr(inverse, mode="r")
-    return Prior(beta, np.ascontiguousarray(root))
+    return GaussianPrior(beta, np.ascontiguousarray(root))
 
 
 def factor_of(
@@ -57,7 +57,7 @@ def factor_of(
     return np.ascontiguousarray(std[:, None] * L)
 
 
-def cad_prior(robot: Robot, uncertainty: float = UNCERTAINTY) -> Prior:
+def cad_prior(robot: Robot, uncertainty: float = UNCERTAINTY) -> GaussianPrior:
     """The nominal values, wrong by so much.
 
     Of a body of mass `m` and size `l` the standard deviations are `uncertainty` times

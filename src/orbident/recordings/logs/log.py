@@ -17,7 +17,7 @@ from orbident.recordings.logs.ulog_file import MAGIC, cut_off, read_ulog
 
 
 @dataclass(frozen=True)
-class Kind:
+class FileKind:
     """A kind of file."""
 
     name: str
@@ -30,12 +30,12 @@ class Kind:
 
 
 KINDS = (
-    Kind("MATLAB", (".mat",), read_mat, (b"MATLAB",)),
-    Kind("HDF5", (".h5", ".hdf5", ".hdf", ".he5"), read_hdf5, (HDF5_MAGIC,)),
-    Kind("PX4 ULog", (".ulg", ".ulog"), read_ulog, (MAGIC,), cut_off),
-    Kind("NumPy", (".npz",), read_npz, (b"PK\x03\x04",)),
-    Kind("Parquet", (".parquet",), read_parquet_log, (b"PAR1",)),
-    Kind("CSV", (".csv", ".tsv"), read_csv_log),
+    FileKind("MATLAB", (".mat",), read_mat, (b"MATLAB",)),
+    FileKind("HDF5", (".h5", ".hdf5", ".hdf", ".he5"), read_hdf5, (HDF5_MAGIC,)),
+    FileKind("PX4 ULog", (".ulg", ".ulog"), read_ulog, (MAGIC,), cut_off),
+    FileKind("NumPy", (".npz",), read_npz, (b"PK\x03\x04",)),
+    FileKind("Parquet", (".parquet",), read_parquet_log, (b"PAR1",)),
+    FileKind("CSV", (".csv", ".tsv"), read_csv_log),
 )
 _BY_SUFFIX = {suffix: kind for kind in KINDS for suffix in kind.suffixes}
 
@@ -101,7 +101,7 @@ def open_log(path: Path) -> Iterator[Log]:
         yield Log(path, found, kind.notes(path))
 
 
-def _check_start(path: Path, kind: Kind) -> None:
+def _check_start(path: Path, kind: FileKind) -> None:
     """Refuse what is not what its suffix says."""
     with path.open("rb") as file:
         start = file.read(16)
@@ -120,7 +120,7 @@ def _check_start(path: Path, kind: Kind) -> None:
         )
 
 
-def _damaged(path: Path, kind: Kind, error: Exception) -> str:
+def _damaged(path: Path, kind: FileKind, error: Exception) -> str:
     return (
         f"{path}: is damaged or no {kind.name} file ({one_line(error)}); copy or write "
         "it again"

@@ -9,14 +9,14 @@ from jaxtyping import Float
 from pydantic import BeforeValidator, Field, model_validator
 
 from orbident.errors import InputError
-from orbident.files.schema_parts import Section, finite_vector
+from orbident.files.schema_parts import MappingSchema, finite_vector
 from orbident.recordings.columns import VECTORS
 from orbident.recordings.topics.quaternions import (
     Quaternions,
     Vectors,
     conjugate,
     product,
-    rotate,
+    rotate_by_quaternion,
 )
 
 Name = Annotated[str, Field(min_length=1)]
@@ -26,7 +26,7 @@ AT_S = {"accelerometer", "position", "velocity", "torque"}
 """What is of the feature point, or about it."""
 
 
-class Sample(NamedTuple):
+class Extraction(NamedTuple):
     """What an entry takes from one message."""
 
     stamp: int | None
@@ -40,7 +40,7 @@ def header_stamp(header: Any) -> int:
     return header.stamp.sec * 1_000_000_000 + header.stamp.nanosec
 
 
-class Take(Section):
+class Take(MappingSchema):
     """What is taken from a message, each with its unit."""
 
     @model_validator(mode="after")
@@ -57,7 +57,7 @@ class Take(Section):
         return tuple(key for key, value in self if value is not None)
 
 
-class Entry(Section):
+class Entry(MappingSchema):
     """One entry: how a topic's messages become columns."""
 
     topic: Name
@@ -91,7 +91,7 @@ class Entry(Section):
         del message
         return ()
 
-    def samples(self, message: Any) -> Iterator[Sample]:
+    def samples(self, message: Any) -> Iterator[Extraction]:
         """What a message holds; nothing of a table, whose rows come as arrays."""
         del message
         return iter(())
@@ -144,7 +144,7 @@ class Placed(Entry):
     def in_base(self, v_S: Vectors) -> Vectors:
         """`v_B = R_BS v_S`."""
         # Turning by nothing would let a NaN of one axis into the others.
-        return v_S if self.rotation is None else rotate(self._x_BS, v_S)
+        return v_S if self.rotation is None else rotate_by_quaternion(self._x_BS, v_S)
 
     def of_base(self, x_WS: Quaternions) -> Quaternions:
         """`R_WB = R_WS R_BS^T`."""

@@ -11,7 +11,7 @@ from pydantic import BeforeValidator, Field, model_validator
 from orbident.errors import InputError
 from orbident.files.schema_parts import WrongValueError
 from orbident.recordings.logs.group import Group
-from orbident.recordings.topics.entry import Name, Placed, Sample
+from orbident.recordings.topics.entry import Extraction, Name, Placed
 from orbident.recordings.topics.slots import Slot, slots_of
 from orbident.recordings.topics.targets import Target, target_of
 from orbident.recordings.topics.units import TIMES
@@ -145,11 +145,11 @@ class Number(Fields):
                 )
         return self
 
-    def samples(self, message: Any) -> Iterator[Sample]:
+    def samples(self, message: Any) -> Iterator[Extraction]:
         """The number, wherever it is wanted."""
         x = message.data
         values = [s.factor * x if s.field else s.factor for s in self.slots]
-        yield Sample(None, values)
+        yield Extraction(None, values)
 
 
 def _time_unit(value: object) -> dict[str, str]:

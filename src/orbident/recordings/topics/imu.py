@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from jaxtyping import Float
 
-from orbident.recordings.topics.entry import PlacedEntry, Sample, Take, header_stamp
+from orbident.recordings.topics.entry import Extraction, PlacedEntry, Take, header_stamp
 from orbident.recordings.topics.units import Unit, unit
 
 
@@ -26,14 +26,14 @@ class Imu(PlacedEntry[ImuTake]):
         """The sensor's orientation, which many units leave zero."""
         return slice(0, 4) if self.take.attitude else None
 
-    def samples(self, message: Any) -> Iterator[Sample]:
+    def samples(self, message: Any) -> Iterator[Extraction]:
         """Orientation, angular velocity, specific force."""
         x, w, f = (
             message.orientation,
             message.angular_velocity,
             message.linear_acceleration,
         )
-        yield Sample(
+        yield Extraction(
             header_stamp(message.header),
             (x.x, x.y, x.z, x.w, w.x, w.y, w.z, f.x, f.y, f.z),
         )

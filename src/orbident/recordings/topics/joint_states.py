@@ -9,7 +9,7 @@ from jaxtyping import Float
 from pydantic import Field, model_validator
 
 from orbident.errors import InputError
-from orbident.recordings.topics.entry import Entry, Name, Sample, Take, header_stamp
+from orbident.recordings.topics.entry import Entry, Extraction, Name, Take, header_stamp
 from orbident.recordings.topics.units import Unit, unit
 
 _RATE_OF = {"angle": "angular rate", "length": "velocity"}
@@ -77,7 +77,7 @@ class JointStates(Entry):
         """The joints' names."""
         return tuple(message.name)
 
-    def samples(self, message: Any) -> Iterator[Sample]:
+    def samples(self, message: Any) -> Iterator[Extraction]:
         """One, in the order of the columns; NaN where there is no value."""
         place = {name: k for k, name in enumerate(message.name)}
         values = []
@@ -86,7 +86,7 @@ class JointStates(Entry):
             for name in self._sources:
                 k = place.get(name, len(given))
                 values.append(given[k] if k < len(given) else nan)
-        yield Sample(header_stamp(message.header), values)
+        yield Extraction(header_stamp(message.header), values)
 
     def table(self, raw: Float[np.ndarray, "n K"]) -> Float[np.ndarray, "n columns"]:
         """In SI."""

@@ -8,9 +8,9 @@ from jaxtyping import Float
 from pydantic import model_validator
 
 from orbident.errors import InputError
-from orbident.recordings.topics.entry import PlacedEntry, Sample, Take, header_stamp
+from orbident.recordings.topics.entry import Extraction, PlacedEntry, Take, header_stamp
 from orbident.recordings.topics.poses import pose_values
-from orbident.recordings.topics.quaternions import conjugate, rotate
+from orbident.recordings.topics.quaternions import conjugate, rotate_by_quaternion
 from orbident.recordings.topics.units import Unit, unit
 
 
@@ -45,11 +45,11 @@ class Odometry(PlacedEntry[OdometryTake]):
         )
         return slice(0, 4) if self.take.attitude or turned else None
 
-    def samples(self, message: Any) -> Iterator[Sample]:
+    def samples(self, message: Any) -> Iterator[Extraction]:
         """Orientation, position, velocity, angular velocity."""
         pose, twist = message.pose.pose, message.twist.twist
         v, w = twist.linear, twist.angular
-        yield Sample(
+        yield Extraction(
             header_stamp(message.header),
             (
                 *pose_values(pose.orientation, pose.position),
@@ -61,9 +61,9 @@ class Odometry(PlacedEntry[OdometryTake]):
         """In SI; `v_W = R_WS v_S` and `w_B = R_BS w_S` of a twist in child axes."""
         x_WS, p, v, w = np.split(raw, [4, 7, 10], axis=1)
         if self.twist == "child":
-            v = rotate(x_WS, v) if self.take.velocity else v
+            v = rotate_by_quaternion(x_WS, v) if self.take.velocity else v
         else:
-            w = rotate(conjugate(x_WS), w) if self.take.gyro else w
+            w = rotate_by_quaternion(conjugate(x_WS), w) if self.take.gyro else w
         parts = []
         if self.take.position:
             parts.append(p * self.take.position.si)

@@ -7,13 +7,13 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.recordings.topics.entry import (
+    Extraction,
     Name,
     PlacedEntry,
-    Sample,
     Take,
     header_stamp,
 )
-from orbident.recordings.topics.quaternions import conjugate, rotate
+from orbident.recordings.topics.quaternions import conjugate, rotate_by_quaternion
 from orbident.recordings.topics.units import Unit, unit
 
 
@@ -35,12 +35,12 @@ class Pose(PlacedEntry[PoseTake]):
         inverted = self.pose == "inertial-in-base"
         return slice(0, 4) if self.take.attitude or inverted else None
 
-    def samples(self, message: Any) -> Iterator[Sample]:
+    def samples(self, message: Any) -> Iterator[Extraction]:
         """Orientation, position."""
         pose = message.pose
         # PoseWithCovarianceStamped has the pose in its pose.
         pose = getattr(pose, "pose", pose)
-        yield Sample(
+        yield Extraction(
             header_stamp(message.header), pose_values(pose.orientation, pose.position)
         )
 
@@ -49,7 +49,7 @@ class Pose(PlacedEntry[PoseTake]):
         x_WS, p_WS = raw[:, :4], raw[:, 4:7]
         if self.pose == "inertial-in-base":
             x_WS = conjugate(x_WS)
-            p_WS = -rotate(x_WS, p_WS)
+            p_WS = -rotate_by_quaternion(x_WS, p_WS)
         parts = []
         if self.take.position:
             parts.append(p_WS * self.take.position.si)
@@ -77,12 +77,12 @@ class Transform(Pose):
             for each in _transforms(message)
         )
 
-    def samples(self, message: Any) -> Iterator[Sample]:
+    def samples(self, message: Any) -> Iterator[Extraction]:
         """Rotation, translation of each that is between the two frames."""
         for each in _transforms(message):
             frames = each.header.frame_id, each.child_frame_id
             if frames == (self.parent, self.child):
-                yield Sample(
+                yield Extraction(
                     header_stamp(each.header),
                     pose_values(each.transform.rotation, each.transform.translation),
                 )

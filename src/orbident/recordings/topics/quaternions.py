@@ -21,7 +21,7 @@ def conjugate(x: Quaternions) -> Quaternions:
     return x * np.array([-1.0, -1.0, -1.0, 1.0])
 
 
-def rotate(x: Quaternions, v: Vectors) -> Vectors:
+def rotate_by_quaternion(x: Quaternions, v: Vectors) -> Vectors:
     """`R(x) v = v + 2 u x (u x v + a v)`, with `x = (u, a)`."""
     u, a = x[:, :3], x[:, 3:]
     return v + 2 * np.cross(u, np.cross(u, v) + a * v)

@@ -9,7 +9,7 @@ from pydantic import Field
 from orbident.errors import InputError
 from orbident.files.names import suggestion
 from orbident.files.schema_errors import validated
-from orbident.files.schema_parts import Section
+from orbident.files.schema_parts import MappingSchema
 from orbident.files.text import read_text
 from orbident.files.yaml_mapping import read_yaml_mapping
 from orbident.recordings.topics.entry import Entry
@@ -18,7 +18,7 @@ from orbident.recordings.topics.imu import Imu
 from orbident.recordings.topics.joint_states import JointStates
 from orbident.recordings.topics.odometry import Odometry
 from orbident.recordings.topics.poses import Pose, Transform
-from orbident.recordings.topics.wrench import Wrench
+from orbident.recordings.topics.wrench import WrenchStamped
 
 SCHEMA = "orbident/topic-map/1"
 
@@ -30,7 +30,7 @@ MESSAGE_TYPES: Mapping[str, type[Entry]] = {
     "geometry_msgs/TransformStamped": Transform,
     "tf2_msgs/TFMessage": Transform,
     "nav_msgs/Odometry": Odometry,
-    "geometry_msgs/WrenchStamped": Wrench,
+    "geometry_msgs/WrenchStamped": WrenchStamped,
     "std_msgs/Float64": Number,
 }
 """The messages that can be mapped."""
@@ -38,7 +38,7 @@ TYPES: Mapping[str, type[Entry]] = {**MESSAGE_TYPES, "table": Table}
 """These, and the tables of files that hold no messages."""
 
 
-class _TopicMap(Section):
+class _TopicMap(MappingSchema):
     schema_: Literal["orbident/topic-map/1"] = Field(alias="schema")
     topics: tuple[dict[str, Any], ...] = Field(min_length=1)
 

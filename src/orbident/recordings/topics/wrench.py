@@ -6,7 +6,7 @@ from typing import Annotated, Any
 import numpy as np
 from jaxtyping import Float
 
-from orbident.recordings.topics.entry import PlacedEntry, Sample, Take, header_stamp
+from orbident.recordings.topics.entry import Extraction, PlacedEntry, Take, header_stamp
 from orbident.recordings.topics.units import Unit, unit
 
 
@@ -17,13 +17,13 @@ class WrenchTake(Take):
     torque: Annotated[Unit, unit("torque")] | None = None
 
 
-class Wrench(PlacedEntry[WrenchTake]):
+class WrenchStamped(PlacedEntry[WrenchTake]):
     """`f_B = R_BS f_S`, `n_B = R_BS n_S`, the moment about S."""
 
-    def samples(self, message: Any) -> Iterator[Sample]:
+    def samples(self, message: Any) -> Iterator[Extraction]:
         """Force, torque."""
         f, n = message.wrench.force, message.wrench.torque
-        yield Sample(header_stamp(message.header), (f.x, f.y, f.z, n.x, n.y, n.z))
+        yield Extraction(header_stamp(message.header), (f.x, f.y, f.z, n.x, n.y, n.z))
 
     def table(self, raw: Float[np.ndarray, "n K"]) -> Float[np.ndarray, "n columns"]:
         """In SI and base axes."""

@@ -18,12 +18,12 @@ from orbident.model.rotations import (
 )
 from orbident.robot.description import Robot
 from orbident.robot.parameters import FIRST_MOMENT, MASS
-from orbident.simulation.flight_steps import Shown
+from orbident.simulation.flight_steps import FlightStates
 
 Vectors = Float[np.ndarray, "n 3"]
 
 
-class Acting(NamedTuple):
+class Load(NamedTuple):
     """A force on a point of a body, and a moment; inertial axes."""
 
     body: int
@@ -97,10 +97,10 @@ class Moving:
         point: Float[np.ndarray, "3"],
         force: Vectors | None = None,
         moment: Vectors | None = None,
-    ) -> Acting:
+    ) -> Load:
         """What acts on a body at a point of it; inertial axes, nothing by default."""
         nothing = np.zeros((self.t.size, 3))
-        return Acting(
+        return Load(
             body,
             point,
             nothing if force is None else force,
@@ -116,7 +116,7 @@ def at_rest(robot: Robot) -> Moving:
     return Moving(robot, t, t, joints, joints, level, nothing, nothing, nothing)
 
 
-Force = Callable[[Moving], Sequence[Acting]]
+Force = Callable[[Moving], Sequence[Load]]
 """What acts as the robot moves: always on the same points of the same bodies."""
 
 
@@ -137,7 +137,7 @@ class Path(NamedTuple):
 
     @classmethod
     def through(
-        cls, robot: Robot, t: Float[np.ndarray, " steps"], seen: Shown
+        cls, robot: Robot, t: Float[np.ndarray, " steps"], seen: FlightStates
     ) -> "Path":
         """The path of what was seen at the starts `t` (s) of steps."""
         joints = len(robot.joints)

@@ -15,7 +15,7 @@ import numpy as np
 
 from orbident.model.rotations import rotate, rotate_back
 from orbident.robot.parameters import inertia_about_com
-from orbident.simulation.environment.moving import Acting, Moving, heavy_bodies
+from orbident.simulation.environment.moving import Load, Moving, heavy_bodies
 from orbident.simulation.environment.orbit import MU, place
 from orbident.trajectories.environment import AirDrag, Orbit, SolarPressure
 
@@ -23,7 +23,7 @@ SUNLIGHT = 4.54e-6
 """The pressure of light that is absorbed, at the Earth, N/m^2."""
 
 
-def gravity_gradient(orbit: Orbit, start: float, moving: Moving) -> list[Acting]:
+def tidal_loads(orbit: Orbit, start: float, moving: Moving) -> list[Load]:
     """Tidal force and moment on each body; the flight starts at `start`, s."""
     at, robot = place(orbit, moving.t - start), moving.robot
     tide, n = MU / at.R**3, at.up
@@ -40,9 +40,7 @@ def gravity_gradient(orbit: Orbit, start: float, moving: Moving) -> list[Acting]
     return acting
 
 
-def air_drag(
-    given: AirDrag, orbit: Orbit, start: float, moving: Moving
-) -> list[Acting]:
+def air_drag(given: AirDrag, orbit: Orbit, start: float, moving: Moving) -> list[Load]:
     """Drag at the centre of pressure of the base."""
     v = place(orbit, moving.t - start).wind
     size = given.density * given.coefficient * given.area / 2
@@ -50,7 +48,7 @@ def air_drag(
     return [_at(given.centre, force, moving)]
 
 
-def solar_pressure(given: SolarPressure, moving: Moving) -> list[Acting]:
+def solar_pressure(given: SolarPressure, moving: Moving) -> list[Load]:
     """The pressure of the sun's light at the centre of pressure of the base."""
     s = np.array(given.sun) / np.linalg.norm(given.sun)
     force = -SUNLIGHT * given.coefficient * given.area * s
@@ -59,13 +57,13 @@ def solar_pressure(given: SolarPressure, moving: Moving) -> list[Acting]:
 
 def dipole(
     moment: tuple[float, ...], orbit: Orbit, start: float, moving: Moving
-) -> list[Acting]:
+) -> list[Load]:
     """The torque of the Earth's field on a magnet in the base, base axes, A m^2."""
     m = moving.R_WB @ np.array(moment)
     field = place(orbit, moving.t - start).field
     return [moving.acting(0, np.zeros(3), moment=np.cross(m, field))]
 
 
-def _at(centre: tuple[float, ...], force: np.ndarray, moving: Moving) -> Acting:
+def _at(centre: tuple[float, ...], force: np.ndarray, moving: Moving) -> Load:
     """A force on the base, at a point in the frame of its link."""
     return moving.acting(0, np.array(centre) - moving.robot.feature_point, force)

@@ -13,7 +13,7 @@ from orbident.model.rotations import rotate_back
 from orbident.robot.description import Robot
 from orbident.simulation.environment import orbital, steady, table
 from orbident.simulation.environment.moving import Force, Path, Vectors, at_rest
-from orbident.simulation.flight_steps import Shown, WrenchPoint
+from orbident.simulation.flight_steps import FlightStates, WrenchPoint
 from orbident.simulation.streams import stream
 from orbident.simulation.thrusters import Pulse
 from orbident.trajectories.environment import Environment, Firing, Orbit
@@ -28,7 +28,7 @@ Wrenches = Callable[[Float[np.ndarray, "steps 3"]], Float[np.ndarray, "steps 3 w
 
 
 @dataclass(frozen=True)
-class Outside:
+class ExternalForces:
     """What acts on one flight."""
 
     robot: Robot
@@ -59,11 +59,11 @@ class Outside:
 
     def settled(
         self,
-        fly: Callable[[Wrenches], Shown],
+        fly: Callable[[Wrenches], FlightStates],
         t: Float[np.ndarray, " steps"],
         path: Path | None,
         tolerance: float,
-    ) -> tuple[Shown, Path | None]:
+    ) -> tuple[FlightStates, Path | None]:
         """Fly until what acts is that of the motion which it makes.
 
         What acts changes motions little, so that each flight is far nearer than the
@@ -111,7 +111,7 @@ def outside_of(
     environment: Environment | None,
     t: Float[np.ndarray, " rows"],
     seed: int,
-) -> Outside:
+) -> ExternalForces:
     """All that acts on a flight.
 
     Args:
@@ -132,7 +132,7 @@ def outside_of(
         for force in forces
         for acting in force(still)
     ]
-    return Outside(robot, environment, forces, tuple(points))
+    return ExternalForces(robot, environment, forces, tuple(points))
 
 
 def check_environment(robot: Robot, environment: Environment) -> None:
@@ -237,7 +237,7 @@ def _on_table(given: Environment) -> Iterator[Force]:
 
 def _in_orbit(given: Environment, orbit: Orbit, start: float) -> Iterator[Force]:
     if given.gravity_gradient:
-        yield partial(orbital.gravity_gradient, orbit, start)
+        yield partial(orbital.tidal_loads, orbit, start)
     if given.air_drag:
         yield partial(orbital.air_drag, given.air_drag, orbit, start)
     if given.dipole:

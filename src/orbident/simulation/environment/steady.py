@@ -11,7 +11,7 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.model.rotations import rotate
-from orbident.simulation.environment.moving import Acting, Moving, Vectors
+from orbident.simulation.environment.moving import Load, Moving, Vectors
 from orbident.simulation.noise import markov
 from orbident.trajectories.environment import Burst
 
@@ -44,27 +44,27 @@ class Slow:
         return np.stack([np.interp(t, self.t, x) for x in self.drawn.T], axis=1)
 
 
-def constant_torque(torque: tuple[float, ...], moving: Moving) -> list[Acting]:
+def constant_torque(torque: tuple[float, ...], moving: Moving) -> list[Load]:
     """The same torque all the time, inertial axes, N m."""
     return [moving.acting(0, S, moment=np.tile(torque, (moving.t.size, 1)))]
 
 
-def constant_force(force: tuple[float, ...], moving: Moving) -> list[Acting]:
+def constant_force(force: tuple[float, ...], moving: Moving) -> list[Load]:
     """The same force at S all the time, inertial axes, N."""
     return [moving.acting(0, S, force=np.tile(force, (moving.t.size, 1)))]
 
 
-def slow_torque(slow: Slow, moving: Moving) -> list[Acting]:
+def slow_torque(slow: Slow, moving: Moving) -> list[Load]:
     """A torque that was drawn, inertial axes."""
     return [moving.acting(0, S, moment=slow.at(moving.t))]
 
 
-def slow_force(slow: Slow, moving: Moving) -> list[Acting]:
+def slow_force(slow: Slow, moving: Moving) -> list[Load]:
     """A force at S that was drawn, inertial axes."""
     return [moving.acting(0, S, force=slow.at(moving.t))]
 
 
-def burst(given: Burst, moving: Moving) -> list[Acting]:
+def burst(given: Burst, moving: Moving) -> list[Load]:
     """A force at S for a while, base axes."""
     end = given.start + given.duration
     on = (given.start <= moving.inside) & (moving.inside < end)

@@ -11,7 +11,7 @@ from jaxtyping import Float
 
 from orbident.robot.units import STANDARD_GRAVITY
 from orbident.simulation.environment.moving import (
-    Acting,
+    Load,
     Moving,
     Vectors,
     heavy_bodies,
@@ -32,7 +32,7 @@ def pull(environment: Environment, r: Float[np.ndarray, "n 3"]) -> Vectors:
     return a
 
 
-def pulls(environment: Environment, moving: Moving) -> list[Acting]:
+def pulls(environment: Environment, moving: Moving) -> list[Load]:
     """The pull of the table on each body, at its CM."""
     return [
         moving.acting(i, com, force=m * pull(environment, moving.point(i, com).r))
@@ -40,7 +40,7 @@ def pulls(environment: Environment, moving: Moving) -> list[Acting]:
     ]
 
 
-def film_drag(body: str, film: Film, moving: Moving) -> list[Acting]:
+def film_drag(body: str, film: Film, moving: Moving) -> list[Load]:
     """The drag of the air film under the pads of a body."""
     i, pad = moving.robot.bodies.index(body), moving.robot.pads[body]
     force = -film.c * moving.point(i, pad).v * IN_PLANE

@@ -5,7 +5,7 @@ import re
 import numpy as np
 from cause_problems import clean, fitted, problem_with, with_joint
 
-from orbident.estimation.causes.instruments import Kind, freed, kinds
+from orbident.estimation.causes.instruments import ErrorKind, freed, kinds
 
 CLOCK = re.compile(r"\.clock$")
 
@@ -21,7 +21,7 @@ def test_every_error_is_of_one_kind():
     assert sorted([*found, *own]) == [*range(len(names))]
 
 
-def _kind(tolerance: str) -> Kind:
+def _kind(tolerance: str) -> ErrorKind:
     """The first one, so that of the first joint."""
     return next(each for each in kinds(clean().robot) if tolerance in each.tolerance)
 

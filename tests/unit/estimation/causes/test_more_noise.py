@@ -3,16 +3,16 @@
 import numpy as np
 from cause_problems import problem_with
 
-from orbident.estimation.causes.noise import noise, wandering
+from orbident.estimation.causes.noise import noisier_sensors, wandering
 
 
 def test_declared_noise_is_not_suspected():
-    assert [*noise(problem_with())] == []
+    assert [*noisier_sensors(problem_with())] == []
 
 
 def test_encoders_that_are_noisier():
     random = np.random.default_rng(3)
-    (found,) = noise(
+    (found,) = noisier_sensors(
         problem_with(
             {
                 f"joint.joint{k}.position": lambda q: (

@@ -26,7 +26,7 @@ from scipy.spatial.transform import Rotation
 
 from orbident.estimation.recursive.filter import Extended
 from orbident.estimation.recursive.noise import Noise, noise_of
-from orbident.estimation.recursive.prior import Prior, cad_prior
+from orbident.estimation.recursive.prior import GaussianPrior, cad_prior
 from orbident.estimation.recursive.state import Info, Sample, State, packed
 from orbident.estimation.stretches import smoothed_rate
 from orbident.model.derivatives import derivatives_of_beta, sets_of_beta
@@ -381,7 +381,7 @@ def test_any_tree(
     kalman, sets = Extended.of(robot, stds), minimal_sets(robot)
     every = random_samples(robot, len(sets.pi_of_beta) + 4)
     beta = sets.beta(robot.theta)
-    prior = Prior(beta, np.diag(1.0 / (0.3 * np.abs(beta) + 0.1)))
+    prior = GaussianPrior(beta, np.diag(1.0 / (0.3 * np.abs(beta) + 0.1)))
     state = kalman.start(prior, every[0])
     # One estimate more would wander off: nothing here is true.
     t, rows = np.array([s.t for s in every]), np.array([packed(s) for s in every])
