@@ -28,8 +28,9 @@ style: .venv/tested
 	$(BIN)/lint-imports
 types: style
 	$(BIN)/pyright --pythonpath $(BIN)/python
+# Neighbours share fixtures: they stay in one process as long as there is other work.
 suite: style
-	$(BIN)/pytest -n 2
+	$(BIN)/pytest -n 2 --dist worksteal
 
 # The tests of the numerical core under AddressSanitizer and UBSan.
 SANITIZED := build/sanitized/bin/python
