@@ -12,11 +12,11 @@ from scipy.integrate import solve_ivp
 
 from orbident.model.inertia import inertia_at
 from orbident.model.rotations import quaternion_matrix, quaternion_rate
-from orbident.model.wheels import wheels_of
+from orbident.model.wheel_arrays import wheels_of
 from orbident.simulation.free_floating import BaseState, FreeFloating, free_floating
 from orbident.simulation.simulate import sample_times
+from orbident.studies.paper_tables import SPATIAL_DURATION, SPATIAL_RATE
 from orbident.studies.spatial import spatial_robot, spatial_trajectory
-from orbident.studies.tables import SPATIAL_DURATION, SPATIAL_RATE
 
 FASTER = 10
 MOST_STEPS = 24

@@ -10,7 +10,7 @@ from edited_recordings import changed
 
 from orbident.estimation.estimate import Estimate
 from orbident.estimation.estimators import estimator_of
-from orbident.estimation.problem import MomentumProblem, momentum_problems
+from orbident.estimation.momentum_problem import MomentumProblem, momentum_problems
 from orbident.estimation.solve import Solved
 from orbident.robot.description import Robot
 

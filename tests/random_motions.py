@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 
 from orbident.model.inertia import inertia_at
-from orbident.model.wheels import wheels_of
+from orbident.model.wheel_arrays import wheels_of
 from orbident.robot.description import Robot
 from orbident.trajectories.trajectory import InitialState, Trajectory
 

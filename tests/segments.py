@@ -13,13 +13,13 @@ from orbident.estimation.output_error.problem import (
     OUTSIDE,
     SENSORS,
     Linear,
-    State,
+    Unknowns,
 )
 from orbident.model.core_robot import core_tree
 from orbident.model.inertia import inertia_at
 from orbident.model.minimal_sets import minimal_sets
 from orbident.model.rotations import quaternion_matrix
-from orbident.model.wheels import wheels_of
+from orbident.model.wheel_arrays import wheels_of
 from orbident.robot.description import Robot
 from orbident.simulation.accelerations import accelerations
 from orbident.simulation.free_floating import free_floating
@@ -35,15 +35,15 @@ class Segment(NamedTuple):
 
     recorded: _core.Recorded
     weights: dict[str, np.ndarray]
-    state: State
+    state: Unknowns
 
-    def residuals(self, state: State | None = None) -> dict[str, np.ndarray]:
+    def residuals(self, state: Unknowns | None = None) -> dict[str, np.ndarray]:
         """Of every sensor."""
         *_, tables = _core.linearised(self.recorded, *self._at(state, *SENSORS))
         return dict(zip(SENSORS, tables, strict=True))
 
     def equations(
-        self, *sensors: str, state: State | None = None, interval: int = 0
+        self, *sensors: str, state: Unknowns | None = None, interval: int = 0
     ) -> np.ndarray:
         """Of these sensors, then of continuity and of encoders."""
         at = self._at(state, *sensors)
@@ -57,7 +57,7 @@ class Segment(NamedTuple):
         return Linear(factor, links, cost, dict(zip(SENSORS, tables, strict=True)))
 
     def _at(
-        self, state: State | None, *sensors: str
+        self, state: Unknowns | None, *sensors: str
     ) -> tuple[
         list[np.ndarray],
         np.ndarray,
@@ -154,7 +154,7 @@ def segment_of(
     common = np.concatenate([*outside, sets.beta(robot.theta)])
     assert common.size == OUTSIDE + sets.base.theta_of.shape[1]
     meets = 2 * np.minimum(edges.astype(int), rows - 1)
-    state = State(np.ascontiguousarray(motion.attitude[meets]), local, common)
+    state = Unknowns(np.ascontiguousarray(motion.attitude[meets]), local, common)
     if errors is not None:
         state = state.selecting(np.arange(by.vector.size, dtype=float))
         state = state._replace(common=np.append(common, by.vector))

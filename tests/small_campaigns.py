@@ -8,9 +8,9 @@ import pyarrow as pa
 import yaml
 from random_motions import random_motion
 
+from orbident.campaigns.campaign_table import read_rows
 from orbident.campaigns.folder import Campaign, begin
 from orbident.campaigns.spec import load_spec
-from orbident.campaigns.table import read_rows
 from orbident.robot.robot_file import load_robot
 from orbident.trajectories.trajectory_file import save_trajectory
 

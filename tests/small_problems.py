@@ -11,7 +11,7 @@ from orbident.estimation.output_error.beforehand import prior_of
 from orbident.estimation.output_error.problem import (
     NOTHING,
     Problem,
-    State,
+    Unknowns,
     problem_of,
     start_of,
 )
@@ -40,7 +40,7 @@ class Small(NamedTuple):
 
     problem: Problem
     prior: Prior
-    state: State
+    state: Unknowns
     beta: np.ndarray
 
 

@@ -234,7 +234,7 @@ def test_validate_predicts_another_motion(
 @pytest.fixture(scope="module")
 def truth() -> dict[str, float]:
     """Table 4's true values, to the two decimals that it prints."""
-    from orbident.studies.tables import SPATIAL_TRUE
+    from orbident.studies.paper_tables import SPATIAL_TRUE
 
     return {name: row[0] for name, row in SPATIAL_TRUE.items()}
 

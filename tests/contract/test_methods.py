@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 
 from orbident.estimation.estimators import METHODS, Method, estimator_of
 from orbident.estimation.identify import identify
-from orbident.estimation.problem import momentum_problems
+from orbident.estimation.momentum_problem import momentum_problems
 from orbident.estimation.quantities import Parameters
 from orbident.estimation.result import Identified, Result
 from orbident.identified.run_folder import load_result, save_result

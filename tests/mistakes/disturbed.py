@@ -13,7 +13,7 @@ from recordings import Clean
 
 from orbident.model.inertia import inertia
 from orbident.model.rotations import quaternion_matrix, quaternion_rate
-from orbident.model.wheels import wheels_of
+from orbident.model.wheel_arrays import wheels_of
 from orbident.simulation.truth import Truth
 
 STEP = 0.05

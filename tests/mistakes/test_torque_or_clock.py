@@ -8,7 +8,7 @@ from wrong_motions import torque
 
 from orbident.estimation.estimators import Method, estimator_of
 from orbident.estimation.evidence import evidence
-from orbident.estimation.problem import MomentumProblem, momentum_problems
+from orbident.estimation.momentum_problem import MomentumProblem, momentum_problems
 from orbident.recordings.recording import Recording
 
 

@@ -18,7 +18,7 @@ from spoiled import Spoil, Spoiled
 
 from orbident.model.inertia import inertia_at
 from orbident.model.minimal_sets import minimal_sets
-from orbident.model.wheels import wheels_of
+from orbident.model.wheel_arrays import wheels_of
 from orbident.robot.description import Robot
 from orbident.robot.parameters import PER_BODY
 from orbident.simulation.free_floating import BaseState, JointState, free_floating

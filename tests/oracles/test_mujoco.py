@@ -20,7 +20,7 @@ from random_robots import DUAL_ARM, random_quaternion, random_robot, random_whee
 from scipy.interpolate import CubicHermiteSpline
 
 from orbident.model.inertia import inertia_at
-from orbident.model.wheels import wheels_of
+from orbident.model.wheel_arrays import wheels_of
 from orbident.robot.description import Robot
 from orbident.simulation.free_floating import BaseState, FreeFloating, free_floating
 

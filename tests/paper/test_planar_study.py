@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from orbident.errors import InputError
 from orbident.simulation.thrusters import thrust
-from orbident.studies import tables
+from orbident.studies import paper_tables
 from orbident.studies.flight_record import measured_record
 from orbident.studies.planar import (
     burn_pulses,
@@ -63,32 +63,32 @@ def test_the_arm_follows_but_not_ideally(flights: Flights):
         error = np.abs(flight.q - command.at(flight.t)[0]).max(axis=0)
         assert (error > 2e-3).all()
         assert (error < 0.04).all()
-    assert flights.identification.t[-1] == tables.PLANAR_DURATION
-    assert flights.validation.t[-1] == tables.VALIDATION_DURATION
+    assert flights.identification.t[-1] == paper_tables.PLANAR_DURATION
+    assert flights.validation.t[-1] == paper_tables.VALIDATION_DURATION
 
 
 def test_the_burn_is_the_papers(flights: Flights):
-    on = np.array([tables.BURN_START])
+    on = np.array([paper_tables.BURN_START])
     net = thrust(ROBOT, burn_pulses(ROBOT), on)[0]
     # Directions in the robot file have six digits.
-    np.testing.assert_allclose(net[:2], tables.BURN_FORCE, atol=1e-12)
+    np.testing.assert_allclose(net[:2], paper_tables.BURN_FORCE, atol=1e-12)
     np.testing.assert_allclose(net[2:], 0.0, atol=1e-12)
     burn = flights.burn
     fired = (burn.force != 0).any(axis=1)
-    assert fired.sum() == tables.BURN_LASTS * tables.PLANAR_RATE
-    assert burn.t[fired][0] == tables.BURN_START
+    assert fired.sum() == paper_tables.BURN_LASTS * paper_tables.PLANAR_RATE
+    assert burn.t[fired][0] == paper_tables.BURN_START
     # The wheel keeps the attitude, and stiff joints the arm.
     assert np.degrees(2 * np.abs(burn.attitude[:, 2])).max() < 1.0
     assert np.ptp(burn.q, axis=0).max() < 2e-3
     # Eq. 37, along the base's axes then: the base turned by 0.5 deg at most.
     gained = ROBOT.mass * (burn.v_cm[-1] - burn.v_cm[0])[:2]
-    pushed = np.array(tables.BURN_FORCE) * tables.BURN_LASTS
+    pushed = np.array(paper_tables.BURN_FORCE) * paper_tables.BURN_LASTS
     np.testing.assert_allclose(gained, pushed, atol=np.radians(0.5) * 0.3)
 
 
 def test_eq_40_of_the_papers_figures():
     """Its printed velocities are rounded: 13.58, not 13.56."""
-    mass = tables.BURN_FORCE[1] * tables.BURN_LASTS / (-0.0195 - 0.0024)
+    mass = paper_tables.BURN_FORCE[1] * paper_tables.BURN_LASTS / (-0.0195 - 0.0024)
     assert mass == pytest.approx(13.58, abs=0.005)
 
 

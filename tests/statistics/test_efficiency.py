@@ -13,7 +13,7 @@ from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.description import Robot
 from orbident.simulation.measure import measure
 from orbident.simulation.simulate import float_along
-from orbident.studies import tables
+from orbident.studies import paper_tables
 from orbident.studies.run_spatial import spatial_robot, spatial_trajectory
 
 OFF = 0.2
@@ -52,7 +52,7 @@ def campaign(runs: int, method: Method) -> Campaign:
     """Section 4's motion with Section 3.5's noise."""
     robot = spatial_robot()
     trajectory = spatial_trajectory(robot)
-    motion = float_along(robot, trajectory, tables.SPATIAL_RATE)
+    motion = float_along(robot, trajectory, paper_tables.SPATIAL_RATE)
     sets, theta = minimal_sets(robot), robot.theta
     true, beta = np.concatenate([sets.pi(theta), sets.phi(theta)]), sets.beta(theta)
     errors, std, nees = [], [], []

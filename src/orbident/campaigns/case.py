@@ -14,7 +14,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from orbident.campaigns.distributions import Distribution
-from orbident.campaigns.instruments import moved_joints, with_instrument_errors
+from orbident.campaigns.instrument_errors import moved_joints, with_instrument_errors
 from orbident.campaigns.spec import Disperse, Spec
 from orbident.estimation.output_error.calibration import calibrations_of
 from orbident.model.minimal_sets import conserved_axes
@@ -27,8 +27,8 @@ from orbident.robot.parameters import (
     inertia_about_com,
 )
 from orbident.simulation.measure import measure_truth
-from orbident.simulation.simulate import RATE, made_along, with_columns
-from orbident.simulation.streams import stream
+from orbident.simulation.random_streams import stream
+from orbident.simulation.simulate import RATE, made_along
 from orbident.trajectories.trajectory import InitialState, Trajectory
 
 NOISES = (
@@ -149,7 +149,7 @@ class Case:
         robot, rate = self.robot, float(self.robot.sensors.get("rate", RATE))
         t, true, known = made_along(robot, self.trajectory, rate, seed=self.seed)
         seen = with_instrument_errors(robot, t, true, self._of("instruments"))
-        return with_columns(measure_truth(robot, t, seen, self.seed), known)
+        return measure_truth(robot, t, seen, self.seed).with_columns(known)
 
 
 def _names_of_inertia(robot: Robot) -> tuple[str, ...]:

@@ -15,10 +15,10 @@ from typing import NamedTuple
 
 import pyarrow as pa
 
+from orbident.campaigns.campaign_table import path_of, schema_of, write_rows
 from orbident.campaigns.executors import Executors, computed
 from orbident.campaigns.folder import FAILED, Campaign, check_versions, working
 from orbident.campaigns.run import Chunk, run_chunk
-from orbident.campaigns.table import path_of, schema_of, write_rows
 from orbident.errors import InputError
 from orbident.files.text import write_text
 

@@ -7,10 +7,16 @@ from typing import NamedTuple
 
 import pyarrow.compute as pc
 
+from orbident.campaigns.campaign_table import (
+    Row,
+    arrow_table,
+    path_of,
+    read_chunk,
+    schema_of,
+)
 from orbident.campaigns.case import Case
 from orbident.campaigns.folder import RERUN, Campaign
 from orbident.campaigns.run import identified_by_method, result_rows
-from orbident.campaigns.table import Row, arrow_table, path_of, read_chunk, schema_of
 from orbident.errors import InputError
 from orbident.estimation.result import Result
 from orbident.files.checksum import sha256

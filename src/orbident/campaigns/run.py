@@ -8,9 +8,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from jaxtyping import Float
 
+from orbident.campaigns.campaign_table import Row
 from orbident.campaigns.case import Case
 from orbident.campaigns.folder import Campaign, versions
-from orbident.campaigns.table import Row
 from orbident.estimation.identify import identify
 from orbident.estimation.result import Result
 from orbident.model.minimal_sets import minimal_sets

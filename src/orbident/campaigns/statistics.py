@@ -10,7 +10,7 @@ import pyarrow.compute as pc
 from jaxtyping import Float
 from scipy import stats
 
-from orbident.campaigns.table import column
+from orbident.campaigns.campaign_table import column
 
 NINETY_FIVE = 1.96
 """Standard deviations: the 95 % interval."""

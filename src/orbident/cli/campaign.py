@@ -171,7 +171,7 @@ def _report(begun: Any, folder: Path) -> list[str]:
         A warning where it could not be made.
     """
     from orbident.extras import MissingLibraryError
-    from orbident.report.campaign import write_campaign_report
+    from orbident.report.campaign_page import write_campaign_report
 
     try:
         write_campaign_report(begun, folder)

@@ -5,8 +5,8 @@ from pathlib import Path
 
 from rich.table import Table
 
+from orbident.campaigns.campaign_table import read_rows
 from orbident.campaigns.folder import Campaign
-from orbident.campaigns.table import read_rows
 from orbident.estimation.check import LEVELS
 
 

@@ -238,7 +238,7 @@ def _draw(
     """Write report and pictures."""
     from orbident.report.cut_off_figure import draw_cut_off
     from orbident.report.cut_offs import unit_of_signal
-    from orbident.report.study import write_study_report
+    from orbident.report.study_page import write_study_report
 
     write_study_report(done, result, title, folder)
     if cut_offs:

@@ -119,7 +119,7 @@ def _sensor_table(done: Any) -> Table:
 
 
 def _identified_table(rows: Iterable[Any]) -> Table:
-    from orbident.studies.tables import PLANAR_IDENTIFIED
+    from orbident.studies.paper_tables import PLANAR_IDENTIFIED
 
     names = ("paper: identified", "true", "estimate", "error (%)")
     table = _table("parameter", *names, "RMS error (%)", "worst (%)")

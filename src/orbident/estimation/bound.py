@@ -24,7 +24,7 @@ from orbident.estimation.output_error.problem import (
 )
 from orbident.estimation.output_error.sensors import Sensors, sensors_of
 from orbident.estimation.output_error.solver import Solution
-from orbident.estimation.prior import prior_std
+from orbident.estimation.prior_std import prior_std
 from orbident.model.minimal_sets import minimal_sets
 from orbident.preprocessing.delays import SENSORS
 from orbident.preprocessing.samples import Samples

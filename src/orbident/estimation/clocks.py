@@ -17,7 +17,7 @@ from orbident.estimation.linear_fits import (
     known_momentum,
 )
 from orbident.model.minimal_sets import MinimalSets
-from orbident.model.wheels import wheels_of
+from orbident.model.wheel_arrays import wheels_of
 from orbident.preprocessing.attitude_delay import attitude_delay
 from orbident.preprocessing.base_motion import AXES as GYRO
 from orbident.preprocessing.base_motion import QUATERNION as ATTITUDE

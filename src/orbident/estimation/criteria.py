@@ -10,9 +10,9 @@ from orbident.estimation.check import Check, Level
 from orbident.estimation.estimate import Estimate
 from orbident.estimation.kinetic_energy import positive_energy
 from orbident.estimation.mass_routes import agreement_of_routes
+from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.obstacles import surprise
 from orbident.estimation.output_error.forms import IN_WORDS
-from orbident.estimation.problem import MomentumProblem
 from orbident.estimation.quantities import Quantity
 from orbident.estimation.recursive.changes import changes_in_words
 from orbident.estimation.residual_checks import CAUSES, residual_checks

@@ -23,7 +23,7 @@ from orbident.estimation.linear_fits import (
 )
 from orbident.estimation.triangular import Layout
 from orbident.model.minimal_sets import Regressors
-from orbident.model.wheels import Wheels
+from orbident.model.wheel_arrays import Wheels
 from orbident.preprocessing.samples import Batch, Samples
 
 STRETCHES = 20

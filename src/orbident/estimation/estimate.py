@@ -8,12 +8,12 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.estimation.found import BetaEstimate, EstimatedParameters, found_beta
+from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.output_error.disturbances import DisturbanceFit
 from orbident.estimation.output_error.sensitivity import CalibrationFit, Sensitivity
 from orbident.estimation.output_error.shared import Shared
 from orbident.estimation.output_error.solver import Solution
 from orbident.estimation.predicted import Signals
-from orbident.estimation.problem import MomentumProblem
 from orbident.estimation.quantities import Quantity
 from orbident.estimation.recursive.history import History
 from orbident.preprocessing.histories import MEASURED

@@ -6,7 +6,7 @@ from orbident.errors import InputError
 from orbident.estimation.estimate import Estimator
 from orbident.estimation.least_squares import LeastSquares
 from orbident.estimation.output_error.estimator import OutputError
-from orbident.estimation.recursive.estimator import Recursive
+from orbident.estimation.recursive.recursive_estimator import Recursive
 from orbident.estimation.structured import Structured
 
 Method = Literal["maximum-likelihood", "structured", "least-squares", "recursive"]

@@ -13,8 +13,8 @@ import numpy as np
 
 from orbident.estimation.estimate import Estimate, Estimator, Progress
 from orbident.estimation.found import EstimatedParameters, Known
+from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.output_error.estimator import OutputError
-from orbident.estimation.problem import MomentumProblem
 from orbident.estimation.quantities import Quantity
 
 MOST = 2**13

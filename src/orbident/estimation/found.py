@@ -8,7 +8,7 @@ from scipy.linalg import block_diag
 
 from orbident.estimation.linear_fits import Fits
 from orbident.estimation.mass import Mass
-from orbident.estimation.prior import WIDE, prior_std
+from orbident.estimation.prior_std import WIDE, prior_std
 from orbident.estimation.propagation import base_parameters
 from orbident.estimation.triangular import UNSEEN
 from orbident.model.derivatives import derivatives_of_beta, sets_of_beta

@@ -8,7 +8,7 @@ from jaxtyping import Float
 
 from orbident.estimation.check import Check
 from orbident.estimation.found import Known
-from orbident.estimation.problem import MomentumProblem
+from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.model.inertia import inertia
 
 CONFIGURATIONS = 32

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from orbident.estimation.estimate import Estimate, Progress, rms_of_equations
 from orbident.estimation.found import found_linear
-from orbident.estimation.problem import MomentumProblem
+from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.quantities import Quantity
 
 

@@ -20,7 +20,7 @@ from orbident.errors import InputError
 from orbident.estimation.triangular import Layout, LinearFit, fold, solve_factor
 from orbident.model.minimal_sets import MinimalSets, Regressors
 from orbident.model.rotations import quaternion_matrix
-from orbident.model.wheels import Wheels, wheels_of
+from orbident.model.wheel_arrays import Wheels, wheels_of
 from orbident.preprocessing.samples import Batch, Samples
 from orbident.robot.description import Robot
 

@@ -12,7 +12,7 @@ from dataclasses import replace
 from orbident.estimation.clocks import base_clocks, joint_clocks
 from orbident.estimation.extent import Extent
 from orbident.estimation.linear_fits import InitialMomentum, fit
-from orbident.estimation.problem import MomentumProblem
+from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.stretches import Stretches, cut
 from orbident.model.minimal_sets import minimal_sets
 from orbident.model.regularity import check_regular

@@ -36,7 +36,7 @@ from orbident.estimation.output_error.problem import (
     OUTSIDE,
     Linear,
     Problem,
-    State,
+    Unknowns,
     linear,
     problem_of,
     start_of,
@@ -50,7 +50,7 @@ from orbident.estimation.output_error.sensors import Sensors, sensors_of
 from orbident.estimation.output_error.shared import Shared, shared_of
 from orbident.estimation.output_error.solver import STEPS, Prior, Solution, solved
 from orbident.estimation.predicted import Signals, sensor_signals
-from orbident.estimation.prior import prior_std
+from orbident.estimation.prior_std import prior_std
 from orbident.model.minimal_sets import MinimalSets, conserved_axes
 from orbident.preprocessing.delays import delays
 from orbident.preprocessing.samples import Samples
@@ -150,7 +150,7 @@ def maximum_likelihood(
 
 
 class _Start(NamedTuple):
-    state: State
+    state: Unknowns
     here: Linear
 
 

@@ -14,7 +14,7 @@ from scipy.optimize import least_squares
 from orbident.estimation.found import BetaEstimate, hidden_of
 from orbident.estimation.linear_fits import Fits
 from orbident.estimation.overflow import check_finite
-from orbident.estimation.prior import prior_std
+from orbident.estimation.prior_std import prior_std
 from orbident.model.derivatives import derivatives_of_beta, sets_of_beta
 from orbident.model.minimal_sets import MinimalSets
 from orbident.robot.description import Robot

@@ -4,7 +4,7 @@ import numpy as np
 
 from orbident.estimation.check import Check
 from orbident.estimation.clocks import NAMES
-from orbident.estimation.problem import MomentumProblem
+from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.preprocessing.delays import LONGEST
 
 # The known term of the momentum equation, nuisance apart, beside the whole of it:

@@ -15,7 +15,7 @@ from orbident.estimation.output_error.noise_scaling import Fitted
 from orbident.estimation.output_error.problem import Problem
 from orbident.estimation.output_error.sensors import Sensors
 from orbident.model.minimal_sets import MinimalSets
-from orbident.model.wheels import wheels_of
+from orbident.model.wheel_arrays import wheels_of
 from orbident.preprocessing.samples import Samples
 from orbident.robot.description import Robot
 

@@ -7,7 +7,7 @@ from typing import Any, TypeVar
 import numpy as np
 from jaxtyping import Float
 
-from orbident.files.frames import frame
+from orbident.files.data_frames import frame
 
 
 @dataclass(frozen=True)

@@ -16,9 +16,9 @@ from orbident.estimation.extent import Extent
 from orbident.estimation.found import Known
 from orbident.estimation.linear_fits import Fits
 from orbident.estimation.mass_routes import is_a_mass, sigmas_apart
+from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.motion import motion_of
 from orbident.estimation.predicted import Signals, equation_signals
-from orbident.estimation.problem import MomentumProblem
 from orbident.estimation.quantities import (
     NO_ROUTES,
     EstimatedSet,

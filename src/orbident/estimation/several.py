@@ -18,7 +18,7 @@ from orbident.estimation.check import Check
 from orbident.estimation.estimate import Progress
 from orbident.estimation.output_error.estimator import OutputError
 from orbident.estimation.output_error.shared import Shared, together
-from orbident.estimation.prior import exact_std
+from orbident.estimation.prior_std import exact_std
 from orbident.estimation.solve import Solved
 from orbident.files.names import listed
 from orbident.recordings.recording import Recording

@@ -9,9 +9,9 @@ from orbident.estimation.evidence import MOST, difference, evidence, widened
 from orbident.estimation.least_squares import LeastSquares
 from orbident.estimation.linear_fits import InitialMomentum
 from orbident.estimation.long_problem import long_problems
+from orbident.estimation.momentum_problem import MomentumProblem, momentum_problems
 from orbident.estimation.obstacles import obstacles
 from orbident.estimation.output_error.estimator import OutputError
-from orbident.estimation.problem import MomentumProblem, momentum_problems
 from orbident.recordings.long_recording import LongRecording
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot

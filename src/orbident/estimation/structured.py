@@ -16,9 +16,9 @@ from orbident.estimation.estimate import (
     estimate_of_beta,
     rms_of_equations,
 )
+from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.nonlinear_fit import beta_of_fits, nonlinear_fit
-from orbident.estimation.prior import prior_std
-from orbident.estimation.problem import MomentumProblem
+from orbident.estimation.prior_std import prior_std
 from orbident.estimation.recursive.filter import Extended
 from orbident.estimation.recursive.given import pieces_of
 from orbident.estimation.recursive.prior import GaussianPrior

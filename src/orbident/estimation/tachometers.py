@@ -5,7 +5,7 @@ from jaxtyping import Float
 
 from orbident.model.inertia import inertia_at
 from orbident.model.minimal_sets import conserved_axes
-from orbident.model.wheels import wheels_of
+from orbident.model.wheel_arrays import wheels_of
 from orbident.robot.description import Robot
 
 

@@ -16,7 +16,7 @@ from orbident.model.core_robot import core_robot
 from orbident.model.inertia import Inertia, inertia
 from orbident.model.minimal_sets import MinimalSets
 from orbident.model.rotations import quaternion_matrix
-from orbident.model.wheels import Wheels, wheels_of
+from orbident.model.wheel_arrays import Wheels, wheels_of
 from orbident.robot.description import Robot
 from orbident.threads import processors
 from orbident.trajectories.trajectory import InitialState

@@ -20,8 +20,8 @@ from orbident.errors import InputError
 from orbident.excitation.floating import Gradient, NodalMotion, axial, block
 from orbident.model.derivatives import derivatives_of_beta
 from orbident.model.minimal_sets import MinimalSets
-from orbident.model.rotations import cross_matrix
 from orbident.robot.description import Robot
+from orbident.robot.parameters import cross_matrix
 
 RATE = 20.0
 """Hz, where the robot file does not say: the paper's."""

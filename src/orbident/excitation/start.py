@@ -5,7 +5,7 @@ from jaxtyping import Float
 
 from orbident.model.inertia import inertia_at
 from orbident.model.rotations import quaternion_matrix
-from orbident.model.wheels import wheels_of
+from orbident.model.wheel_arrays import wheels_of
 from orbident.robot.description import Robot
 from orbident.trajectories.trajectory import InitialState
 

@@ -20,8 +20,9 @@ from orbident.identified.prediction import Prediction, momentum_terms, parts_of
 from orbident.model.derivatives import derivatives_of_beta
 from orbident.model.minimal_sets import Regressors, minimal_sets
 from orbident.model.reconstruction import root_of
-from orbident.model.rotations import cross_matrix, quaternion_matrix, rotate
-from orbident.model.wheels import wheels_of
+from orbident.model.rotations import quaternion_matrix, rotate
+from orbident.model.wheel_arrays import wheels_of
+from orbident.robot.parameters import cross_matrix
 
 
 class PredictionDeviations(NamedTuple):

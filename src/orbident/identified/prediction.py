@@ -17,7 +17,7 @@ from orbident.estimation.result import Result
 from orbident.files.names import joined
 from orbident.model.minimal_sets import MinimalSets, Regressors, minimal_sets
 from orbident.model.rotations import quaternion_matrix, rotate
-from orbident.model.wheels import wheels_of
+from orbident.model.wheel_arrays import wheels_of
 from orbident.preprocessing.delays import corrections
 from orbident.preprocessing.samples import Batch, samples_of
 from orbident.recordings.recording import Recording

@@ -15,7 +15,7 @@ from jaxtyping import Float
 from scipy.special import chdtrc
 
 from orbident.estimation.identify import identify
-from orbident.estimation.prior import exact_std
+from orbident.estimation.prior_std import exact_std
 from orbident.estimation.quantities import nulled
 from orbident.estimation.result import Result
 from orbident.identified.intervals import prediction_deviations

@@ -5,7 +5,7 @@ from functools import lru_cache
 import numpy as np
 
 from orbident import _core
-from orbident.model.wheels import wheels_of
+from orbident.model.wheel_arrays import wheels_of
 from orbident.robot.description import Robot
 
 KEPT = 64

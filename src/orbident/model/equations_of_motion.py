@@ -13,8 +13,8 @@ from jaxtyping import Bool, Float
 from orbident import _core
 from orbident.model.core_robot import core_robot
 from orbident.model.inertia import inertia_at
-from orbident.model.rotations import cross_matrix
 from orbident.robot.description import Robot
+from orbident.robot.parameters import cross_matrix
 from orbident.threads import processors
 
 OUT_OF_PLANE = [2, 3, 4]

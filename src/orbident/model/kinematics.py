@@ -7,8 +7,8 @@ from jaxtyping import Float
 
 from orbident import _core
 from orbident.model.core_robot import core_tree
-from orbident.model.rotations import cross_matrix
 from orbident.robot.description import Robot
+from orbident.robot.parameters import cross_matrix
 from orbident.threads import processors
 
 

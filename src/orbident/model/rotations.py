@@ -3,12 +3,7 @@
 import numpy as np
 from jaxtyping import Float
 
-
-def cross_matrix(v: Float[np.ndarray, "*n 3"]) -> Float[np.ndarray, "*n 3 3"]:
-    """`[v]x`, so that `[v]x u = v x u`."""
-    m = np.zeros((*v.shape, 3))
-    m[..., 2, 1], m[..., 0, 2], m[..., 1, 0] = np.moveaxis(v, -1, 0)
-    return m - np.swapaxes(m, -1, -2)
+from orbident.robot.parameters import cross_matrix
 
 
 def rotate(

@@ -1,7 +1,7 @@
 """The recording as plain frozen data: what was measured, and when."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -9,7 +9,7 @@ from jaxtyping import Float
 
 from orbident.errors import InputError
 from orbident.files.bounds import FAINTEST, LARGEST, SHORTEST
-from orbident.files.frames import frame
+from orbident.files.data_frames import frame
 from orbident.files.names import closest, listed
 from orbident.recordings.columns import (
     counted,
@@ -75,6 +75,12 @@ class Recording:
             MissingLibraryError: pandas is not installed.
         """
         return frame(self.columns, self.t, "t")
+
+    def with_columns(
+        self, columns: Mapping[str, Float[np.ndarray, " samples"]]
+    ) -> "Recording":
+        """The recording with these columns in the place of its own, or beside them."""
+        return replace(self, columns={**self.columns, **columns})
 
     def has(self, *names: str) -> bool:
         """Whether every one of these columns is there."""

@@ -7,7 +7,7 @@ import numpy as np
 
 from orbident.report.drawing import Axes, Drawing, kept
 from orbident.report.section import Picture
-from orbident.studies.comparison import PaperRow
+from orbident.studies.paper_comparison import PaperRow
 from orbident.studies.planar_figures import Figure
 
 COLORS = "#4477aa", "#ee6677", "#228833", "#ccbb44"

@@ -14,7 +14,7 @@ from orbident.recordings.recording import Recording
 from orbident.report.charts import ERROR, Figure, numbers
 from orbident.report.section import Chart, Section
 from orbident.robot.description import Robot
-from orbident.scene.motion import MotionHistory, centroidal_momentum, placed
+from orbident.scene.motion_history import MotionHistory, centroidal_momentum, placed
 from orbident.scene.replay import recorded_motion
 from orbident.scene.scene import Scene, scene_of
 from orbident.scene.shapes import Shape, box

@@ -11,7 +11,7 @@ from orbident.report.conditioning import conditioning
 from orbident.report.fit import fits
 from orbident.report.limits import excitation, identifiability
 from orbident.report.page import page
-from orbident.report.parameters import masses, parameters
+from orbident.report.parameter_section import masses, parameters
 from orbident.report.provenance import provenance, references
 from orbident.report.recursion import Trail, read_trail, recursion
 from orbident.report.replay_figure import replay_sections

@@ -12,7 +12,7 @@ from orbident.files.names import suggestion
 from orbident.robot.contradictions import contradictions
 from orbident.robot.description import Joint, Robot, Structure, Thruster, Wheel
 from orbident.robot.fusing import Bodies, about_feature_point, fused
-from orbident.robot.physical import nonphysical
+from orbident.robot.physical_inertia import nonphysical
 from orbident.robot.schema import LimitEntry, RobotFile, ThrusterEntry, WheelEntry
 from orbident.robot.tree import LinkTree, link_tree
 from orbident.robot.urdf import Urdf

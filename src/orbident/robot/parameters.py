@@ -16,10 +16,11 @@ INERTIA = slice(4, 10)
 INERTIA_ENTRIES = ((0, 0), (0, 1), (1, 1), (0, 2), (1, 2), (2, 2))
 
 
-def cross_matrix(v: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3 3"]:
+def cross_matrix(v: Float[np.ndarray, "*n 3"]) -> Float[np.ndarray, "*n 3 3"]:
     """`[v]x`, so that `[v]x u = v x u`."""
-    x, y, z = v
-    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    m = np.zeros((*v.shape, 3))
+    m[..., 2, 1], m[..., 0, 2], m[..., 1, 0] = np.moveaxis(v, -1, 0)
+    return m - np.swapaxes(m, -1, -2)
 
 
 def inertia_matrix(theta_i: Float[np.ndarray, "10"]) -> Float[np.ndarray, "3 3"]:

@@ -14,7 +14,7 @@ from orbident.model.rotations import quaternion_matrix, rotate
 from orbident.preprocessing.samples import Batch, samples_of
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
-from orbident.scene.motion import MotionHistory
+from orbident.scene.motion_history import MotionHistory
 
 
 class Replay(NamedTuple):

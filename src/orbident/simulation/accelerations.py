@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.model.equations_of_motion import movable
-from orbident.model.wheels import wheels_of
+from orbident.model.wheel_arrays import wheels_of
 from orbident.robot.description import Robot
 from orbident.simulation import forward_inverse
 from orbident.simulation.free_floating import FreeFloating

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from orbident.simulation.noise import gaussian, quantised
+from orbident.simulation.noise_processes import gaussian, quantised
 from orbident.simulation.sensor import Sensor, require
 
 

@@ -9,7 +9,7 @@ from jaxtyping import Bool, Float
 from orbident import _core
 from orbident.model.core_robot import core_robot
 from orbident.model.equations_of_motion import movable
-from orbident.model.wheels import wheels_of
+from orbident.model.wheel_arrays import wheels_of
 from orbident.robot.description import Robot
 from orbident.simulation.control_laws import (
     AttitudeHold,

@@ -10,7 +10,7 @@ from orbident.errors import InputError
 from orbident.model.core_robot import core_robot
 from orbident.model.inertia import inertia_at
 from orbident.model.rotations import quaternion_matrix
-from orbident.model.wheels import wheels_of
+from orbident.model.wheel_arrays import wheels_of
 from orbident.robot.description import Robot
 from orbident.simulation.attitude import RateLaw, float_attitude
 from orbident.threads import processors

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 from orbident.errors import InputError
 from orbident.model.rotations import quaternion_matrix, rotate_back
 from orbident.robot.sensor_bias import CORRELATION_TIME
-from orbident.simulation.noise import bias_drift, gaussian, random_walk_rate
+from orbident.simulation.noise_processes import bias_drift, gaussian, random_walk_rate
 from orbident.simulation.sensor import Sensor, require
 
 Vector = tuple[float, float, float]
@@ -23,7 +23,8 @@ class InertialSensor(Sensor):
 
     `shown = (1 + scale) (R_BS^T true) + constant_bias + turn_on + drift(t) + white`,
     by axis, `R_BS = exp [misalignment]x`, `turn_on ~ N(0, turn_on_bias^2)`. What
-    `turn_on`, `drift` and `white` are drawn from is in `orbident.simulation.noise`.
+    `turn_on`, `drift` and `white` are drawn from is in
+    `orbident.simulation.noise_processes`.
 
     Raises:
         InputError: a value is negative, not a number, or not three numbers.

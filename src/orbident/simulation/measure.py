@@ -10,9 +10,9 @@ from orbident.errors import InputError
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.simulation.free_floating import FreeFloating, JointMotion
+from orbident.simulation.random_streams import stream
 from orbident.simulation.sensor import Reading, Sensor
-from orbident.simulation.sensors import SensorModels, sensor_models
-from orbident.simulation.streams import stream
+from orbident.simulation.sensor_models import SensorModels, sensor_models
 from orbident.simulation.truth import Truth, truth_of
 from orbident.trajectories.trajectory import Trajectory
 

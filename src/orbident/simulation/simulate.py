@@ -63,11 +63,9 @@ def simulate(
     rate = float(robot.sensors.get("rate", RATE) if rate is None else rate)
     if noise == "none":
         motion, known = _moved_along(robot, trajectory, rate, tolerance, seed)
-        return with_columns(motion_recording(robot, motion), known)
+        return motion_recording(robot, motion).with_columns(known)
     made = made_along(robot, trajectory, rate, tolerance, seed)
-    return with_columns(
-        measure_truth(robot, made.t, made.true, seed, truth), made.known
-    )
+    return measure_truth(robot, made.t, made.true, seed, truth).with_columns(made.known)
 
 
 class Made(NamedTuple):
@@ -119,12 +117,6 @@ def _moved_along(
         **recorded_thrust(trajectory.environment, flight.t),
         **seen_from_base(trajectory.environment, flight.t, R_WB),
     }
-
-
-def with_columns(recording: Recording, more: Columns) -> Recording:
-    """The recording with columns that no sensor measured."""
-    columns = {**recording.columns, **more}
-    return Recording(recording.t, columns, source=recording.source)
 
 
 def float_along(

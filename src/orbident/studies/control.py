@@ -34,7 +34,7 @@ from orbident.simulation.free_floating import BaseState, FreeFloating
 from orbident.simulation.free_flying import free_flying
 from orbident.simulation.measure import measure
 from orbident.simulation.simulate import float_along, motion_recording, sample_times
-from orbident.studies import tables
+from orbident.studies import paper_tables
 from orbident.studies.control_law import Slew
 from orbident.studies.spatial import spatial_robot, spatial_trajectory
 from orbident.trajectories.trajectory import Trajectory
@@ -123,7 +123,7 @@ def run_control(
     started = time.perf_counter()
     robot = spatial_robot()
     trajectory = spatial_trajectory(robot)
-    motion = float_along(robot, trajectory, tables.SPATIAL_RATE)
+    motion = float_along(robot, trajectory, paper_tables.SPATIAL_RATE)
     task = _Task(robot, trajectory, motion, noise)
     recording, result = task.identified(first_seed)
     series = Series(

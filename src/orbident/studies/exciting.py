@@ -17,7 +17,7 @@ from orbident.model.paper_bases import (
     spatial_columns,
 )
 from orbident.robot.description import Robot
-from orbident.studies import tables
+from orbident.studies import paper_tables
 from orbident.studies.planar import planar_trajectory
 from orbident.studies.spatial import spatial_trajectory
 from orbident.trajectories.trajectory import Trajectory
@@ -69,5 +69,5 @@ def _planar(robot: Robot) -> _Case:
     printed = planar_trajectory(robot)
     speeds = dict(printed.initial.wheel_speed)
     spinning = replace(printed, initial=spun_up(robot, speeds, printed.start))
-    columns = planar_columns(tables.PLANAR_JOINT1)
-    return spinning, columns, tables.PLANAR_CONDITION
+    columns = planar_columns(paper_tables.PLANAR_JOINT1)
+    return spinning, columns, paper_tables.PLANAR_CONDITION

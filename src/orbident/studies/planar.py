@@ -9,7 +9,7 @@ from orbident.robot.description import Robot
 from orbident.robot.robot_file import load_robot
 from orbident.simulation.control_laws import JointPD, WheelLimits, WheelSpeed
 from orbident.simulation.thrusters import Pulse
-from orbident.studies import tables
+from orbident.studies import paper_tables
 from orbident.trajectories.trajectory import InitialState, Trajectory
 
 # The paper gives neither gains nor motors: what such a robot would have. The arm
@@ -17,7 +17,7 @@ from orbident.trajectories.trajectory import InitialState, Trajectory
 FOLLOWING = JointPD(Kp=np.array([1.0, 0.4]), Kd=np.array([0.2, 0.04]))
 LOCKED = JointPD(Kp=np.array([5.0, 5.0]), Kd=np.array([0.2, 0.2]))
 WHEEL = WheelSpeed(
-    k=np.array([0.05]), speed=np.array([float(tables.PLANAR_WHEEL_SPEED)])
+    k=np.array([0.05]), speed=np.array([float(paper_tables.PLANAR_WHEEL_SPEED)])
 )
 MOTOR = WheelLimits(torque=np.array([0.05]), speed=np.array([np.inf]))
 
@@ -58,12 +58,12 @@ def planar_robot() -> Robot:
 def planar_trajectory(robot: Robot) -> Trajectory:
     """Table 5's exciting trajectory, with the wheel at the speed of Eq. 45."""
     at_rest = np.zeros((len(robot.joints), 3))
-    speeds = dict.fromkeys(robot.wheel_names, tables.PLANAR_WHEEL_SPEED)
+    speeds = dict.fromkeys(robot.wheel_names, paper_tables.PLANAR_WHEEL_SPEED)
     return Trajectory(
-        duration=tables.PLANAR_DURATION,
+        duration=paper_tables.PLANAR_DURATION,
         joints=robot.joint_names,
-        a=np.array(tables.PLANAR_A),
-        b=np.array(tables.PLANAR_B),
+        a=np.array(paper_tables.PLANAR_A),
+        b=np.array(paper_tables.PLANAR_B),
         start=at_rest,
         end=at_rest,
         initial=InitialState(wheel_speed=speeds),
@@ -74,7 +74,8 @@ def planar_trajectory(robot: Robot) -> Trajectory:
 def validation_command() -> Sines:
     """Eq. 47."""
     return Sines(
-        np.array(tables.VALIDATION_AMPLITUDES), period=tables.VALIDATION_DURATION
+        np.array(paper_tables.VALIDATION_AMPLITUDES),
+        period=paper_tables.VALIDATION_DURATION,
     )
 
 
@@ -89,8 +90,8 @@ def burn_pulses(robot: Robot) -> tuple[Pulse, ...]:
         arm = by_name[name].position - robot.feature_point
         unit = by_name[name].direction
         wrenches.append([*unit[:2], np.cross(arm, unit)[2]])
-    forces = np.linalg.solve(np.transpose(wrenches), [*tables.BURN_FORCE, 0.0])
-    on, off = tables.BURN_START, tables.BURN_START + tables.BURN_LASTS
+    forces = np.linalg.solve(np.transpose(wrenches), [*paper_tables.BURN_FORCE, 0.0])
+    on, off = paper_tables.BURN_START, paper_tables.BURN_START + paper_tables.BURN_LASTS
     return tuple(
         Pulse(name, on, off, float(force))
         for name, force in zip(THRUSTERS, forces, strict=True)

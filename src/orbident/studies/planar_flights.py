@@ -10,7 +10,7 @@ from orbident.simulation.control_laws import Hold, attitude_hold
 from orbident.simulation.flight import FlyingState, FreeFlying, standing
 from orbident.simulation.free_floating import BaseState, JointMotion
 from orbident.simulation.free_flying import free_flying
-from orbident.studies import tables
+from orbident.studies import paper_tables
 from orbident.studies.planar import (
     FOLDED,
     FOLLOWING,
@@ -101,8 +101,10 @@ def _following(
 
 
 def _burn(robot: Robot) -> FreeFlying:
-    base = _at_rest(yaw=0.0, drift=tables.BURN_DRIFT)
-    hold = attitude_hold(robot, tables.HOLD_KP, tables.HOLD_KD, base.attitude)
+    base = _at_rest(yaw=0.0, drift=paper_tables.BURN_DRIFT)
+    hold = attitude_hold(
+        robot, paper_tables.HOLD_KP, paper_tables.HOLD_KD, base.attitude
+    )
     return free_flying(
         robot,
         _times(0.0, BURN_RECORD),
@@ -122,5 +124,5 @@ def _at_rest(yaw: float, drift: float = 0.0) -> BaseState:
 
 
 def _times(start: float, end: float) -> Float[np.ndarray, " n"]:
-    first, last = (round(edge * tables.PLANAR_RATE) for edge in (start, end))
-    return np.arange(first, last + 1) / tables.PLANAR_RATE
+    first, last = (round(edge * paper_tables.PLANAR_RATE) for edge in (start, end))
+    return np.arange(first, last + 1) / paper_tables.PLANAR_RATE

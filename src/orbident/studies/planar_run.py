@@ -13,7 +13,7 @@ from orbident.model.minimal_sets import minimal_sets
 from orbident.model.paper_bases import PaperBasis, paper_basis, planar_columns
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
-from orbident.studies import tables
+from orbident.studies import paper_tables
 from orbident.studies.filters import Filters
 from orbident.studies.flight_record import ideal_record, measured_record
 from orbident.studies.mocap_method import from_mocap
@@ -42,7 +42,7 @@ class Table6(NamedTuple):
     def of(cls, robot: Robot) -> "Table6":
         """In the paper's planar basis, of the robot's nominal inertia."""
         sets = minimal_sets(robot)
-        basis = paper_basis(sets, planar_columns(tables.PLANAR_JOINT1))
+        basis = paper_basis(sets, planar_columns(paper_tables.PLANAR_JOINT1))
         pi, phi = basis.pi(sets.pi(robot.theta)), basis.phi(sets.phi(robot.theta))
         return cls(basis, np.concatenate([pi, phi, [robot.mass]]))
 

@@ -18,9 +18,9 @@ from orbident.estimation.weigh import Weighing
 from orbident.identified.validate import Validation
 from orbident.preprocessing.cut_off import CutOff
 from orbident.robot.description import Robot
-from orbident.studies import tables
-from orbident.studies.comparison import PaperRow
+from orbident.studies import paper_tables
 from orbident.studies.filters import Filters
+from orbident.studies.paper_comparison import PaperRow
 from orbident.studies.planar import planar_robot, planar_trajectory
 from orbident.studies.planar_figures import Figure, Measured, planar_figures
 from orbident.studies.planar_flights import Flights, fly_planar
@@ -260,7 +260,7 @@ def _method(
     rows = tuple(
         PaperRow(name, None, None, *map(float, numbers))
         for name, *numbers in zip(
-            tables.PLANAR_IDENTIFIED,
+            paper_tables.PLANAR_IDENTIFIED,
             table.true,
             table.found(reading.result),
             rms,
@@ -284,8 +284,8 @@ def _weighed(first: PlanarRun, table: Table6, columns: _Columns) -> Weighed:
     rows = [
         PaperRow(
             name="M",
-            paper_true=tables.PLANAR_MASS_WEIGHED,
-            paper_error_percent=tables.PLANAR_MASS_ERROR,
+            paper_true=paper_tables.PLANAR_MASS_WEIGHED,
+            paper_error_percent=paper_tables.PLANAR_MASS_ERROR,
             true=float(table.true[-1]),
             estimate=estimate,
             rms_error_percent=float(rms[k]),
@@ -304,7 +304,7 @@ def _condition_numbers(first: PlanarRun, table: Table6) -> dict[str, float]:
     W = condition_numbers(phi @ np.linalg.inv(table.basis.phi_of_phi))
     names = ("Y", "Y_normalised", "W", "W_normalised")
     numbers = dict(zip(names, (*Y, *W), strict=True))
-    return {**numbers, "Y_paper": tables.PLANAR_CONDITION}
+    return {**numbers, "Y_paper": paper_tables.PLANAR_CONDITION}
 
 
 def _figures(robot: Robot, first: PlanarRun) -> dict[str, Figure]:
@@ -322,4 +322,4 @@ def _figures(robot: Robot, first: PlanarRun) -> dict[str, Figure]:
 
 
 def _row_json(row: PaperRow) -> dict[str, Any]:
-    return {**row.to_json(), "paper_estimate": tables.PLANAR_IDENTIFIED[row.name]}
+    return {**row.to_json(), "paper_estimate": paper_tables.PLANAR_IDENTIFIED[row.name]}

@@ -24,11 +24,11 @@ from orbident.robot.description import Robot
 from orbident.simulation.free_floating import FreeFloating
 from orbident.simulation.measure import measure
 from orbident.simulation.simulate import float_along, motion_recording
-from orbident.studies import tables
-from orbident.studies.comparison import PaperRow
+from orbident.studies import paper_tables
 from orbident.studies.filters import Filters
 from orbident.studies.imu_method import from_imu
-from orbident.studies.noise import sensors_alone
+from orbident.studies.noise_sources import sensors_alone
+from orbident.studies.paper_comparison import PaperRow
 from orbident.studies.paper_method import paper_method
 from orbident.studies.spatial import spatial_robot, spatial_trajectory
 from orbident.trajectories.trajectory import Trajectory
@@ -116,7 +116,7 @@ def run_spatial(
     check_seeds(seeds)
     robot = spatial_robot()
     trajectory = spatial_trajectory(robot)
-    motion = float_along(robot, trajectory, tables.SPATIAL_RATE)
+    motion = float_along(robot, trajectory, paper_tables.SPATIAL_RATE)
     table = _Table.of(robot)
     filters = Filters()
     noisy = _NoisyMotion(robot, trajectory, motion, table, filters, method)
@@ -192,7 +192,10 @@ class _Table(NamedTuple):
         self, result: Result, errors: Errors | None, bound: EstimatedParameters | None
     ) -> tuple[PaperRow, ...]:
         # The paper prints no true value of M; Table 1's masses add up to it.
-        printed = {**tables.SPATIAL_TRUE, "M": (None, None, tables.SPATIAL_MASS_ERROR)}
+        printed = {
+            **paper_tables.SPATIAL_TRUE,
+            "M": (None, None, paper_tables.SPATIAL_MASS_ERROR),
+        }
         unknown = np.full(self.true.size, np.nan)
         rms = unknown if errors is None else errors.rms
         worst = unknown if errors is None else errors.worst

@@ -16,7 +16,7 @@ from orbident.preprocessing.cut_off import CutOff
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.simulation.flight import FreeFlying
-from orbident.studies import tables
+from orbident.studies import paper_tables
 from orbident.studies.filters import Filters
 from orbident.studies.flight_record import measured_record
 from orbident.studies.planar import planar_trajectory
@@ -192,7 +192,7 @@ def _rows(
     first: TableRun, method: str, table: Table6, rms: Float[np.ndarray, " parameters"]
 ) -> tuple[MethodParameter, ...]:
     reading = first.readings[method]
-    names, columns = tables.PLANAR_IDENTIFIED, (table.true, *reading, rms)
+    names, columns = paper_tables.PLANAR_IDENTIFIED, (table.true, *reading, rms)
     return tuple(
         MethodParameter(name, *map(float, numbers))
         for name, *numbers in zip(names, *columns, strict=True)

@@ -4,7 +4,7 @@ import numpy as np
 
 from orbident.robot.description import Robot
 from orbident.robot.robot_file import load_robot
-from orbident.studies import tables
+from orbident.studies import paper_tables
 from orbident.trajectories.trajectory import InitialState, Trajectory
 
 PRINTED = 0.005
@@ -22,19 +22,19 @@ def spatial_trajectory(robot: Robot) -> Trajectory:
     speeds = {
         wheel.name: momentum / wheel.inertia
         for wheel, momentum in zip(
-            robot.wheels, tables.SPATIAL_WHEEL_MOMENTUM, strict=True
+            robot.wheels, paper_tables.SPATIAL_WHEEL_MOMENTUM, strict=True
         )
     }
     return Trajectory(
-        duration=tables.SPATIAL_DURATION,
+        duration=paper_tables.SPATIAL_DURATION,
         joints=robot.joint_names,
-        a=np.array(tables.SPATIAL_A),
-        b=np.array(tables.SPATIAL_B),
+        a=np.array(paper_tables.SPATIAL_A),
+        b=np.array(paper_tables.SPATIAL_B),
         start=at_rest,
         end=at_rest,
         initial=InitialState(
-            angular_velocity=np.array(tables.SPATIAL_ANGULAR_VELOCITY),
-            attitude=np.array(tables.SPATIAL_ATTITUDE),
+            angular_velocity=np.array(paper_tables.SPATIAL_ANGULAR_VELOCITY),
+            attitude=np.array(paper_tables.SPATIAL_ATTITUDE),
             wheel_speed=speeds,
         ),
         source="Table 2",

@@ -13,7 +13,7 @@ from orbident.simulation.control_laws import OpenLoop
 from orbident.simulation.flight import FreeFlying, standing
 from orbident.simulation.free_floating import BaseState
 from orbident.simulation.free_flying import free_flying
-from orbident.studies import tables
+from orbident.studies import paper_tables
 from orbident.studies.planar import FOLLOWING, planar_robot
 from orbident.trajectories.environment import Environment
 from orbident.trajectories.trajectory import Trajectory
@@ -128,6 +128,6 @@ def fly_table(robot: Robot, trajectory: Trajectory) -> FreeFlying:
 
 def _spinning_up(robot: Robot, t: Float[np.ndarray, " n"]) -> Float[np.ndarray, "n 1"]:
     """The torque `2 h / T sin^2(pi t / T)` on the rotor, until it has its momentum."""
-    h = robot.wheels[0].inertia * tables.PLANAR_WHEEL_SPEED
+    h = robot.wheels[0].inertia * paper_tables.PLANAR_WHEEL_SPEED
     during = np.sin(np.pi * np.minimum(t / SPIN_UP, 1.0)) ** 2
     return (2 * h / SPIN_UP * during)[:, None]

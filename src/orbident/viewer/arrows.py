@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from orbident.scene.motion import CentroidalMomentum
+from orbident.scene.motion_history import CentroidalMomentum
 from orbident.scene.shapes import Colour
 
 LONGEST = 1.1

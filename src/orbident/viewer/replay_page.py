@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from orbident.scene.motion import MotionHistory, centroidal_momentum, placed
+from orbident.scene.motion_history import MotionHistory, centroidal_momentum, placed
 from orbident.scene.replay import Replay
 from orbident.scene.scene import Scene
 from orbident.viewer.arrows import Arrows

@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.robot.description import Joint, Robot
-from orbident.scene.motion import MotionHistory, centroidal_momentum, placed
+from orbident.scene.motion_history import MotionHistory, centroidal_momentum, placed
 from orbident.scene.reaction import BasePose, reaction
 from orbident.scene.scene import Scene
 from orbident.viewer.arrows import TOTAL

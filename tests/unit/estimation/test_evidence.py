@@ -11,8 +11,8 @@ from orbident.estimation.estimate import Estimate
 from orbident.estimation.evidence import difference, evidence, widened
 from orbident.estimation.found import Known
 from orbident.estimation.least_squares import LeastSquares
+from orbident.estimation.momentum_problem import MomentumProblem, momentum_problems
 from orbident.estimation.output_error.estimator import OutputError
-from orbident.estimation.problem import MomentumProblem, momentum_problems
 from orbident.estimation.quantities import Quantity
 from orbident.model.derivatives import sets_of_beta
 from orbident.recordings.recording import Recording

@@ -5,7 +5,7 @@ import pytest
 
 import orbident as oi
 from orbident.estimation.found import BetaEstimate, found_beta, hidden_of
-from orbident.estimation.prior import WIDE, prior_std
+from orbident.estimation.prior_std import WIDE, prior_std
 from orbident.model.derivatives import sets_of_beta
 from orbident.model.minimal_sets import minimal_sets
 

@@ -10,7 +10,7 @@ import orbident as oi
 from orbident.estimation.check import Check
 from orbident.estimation.found import Known
 from orbident.estimation.kinetic_energy import positive_energy
-from orbident.estimation.problem import MomentumProblem, momentum_problems
+from orbident.estimation.momentum_problem import MomentumProblem, momentum_problems
 
 
 @pytest.fixture(scope="module", params=["paper-spatial", "cepheus-like"])

@@ -15,7 +15,7 @@ import pytest
 from orbident.estimation.identify import identify
 from orbident.estimation.linear_fits import Fits, fit
 from orbident.estimation.long_problem import long_problems
-from orbident.estimation.problem import MomentumProblem
+from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.structured import Structured
 from orbident.preprocessing.samples import samples_of
 from orbident.preprocessing.screening import screened

@@ -12,9 +12,9 @@ from orbident.estimation.criteria import judge
 from orbident.estimation.extent import Extent
 from orbident.estimation.least_squares import LeastSquares
 from orbident.estimation.linear_fits import fit
+from orbident.estimation.momentum_problem import MomentumProblem, momentum_problems
 from orbident.estimation.motion import motion_of
 from orbident.estimation.obstacles import obstacles
-from orbident.estimation.problem import MomentumProblem, momentum_problems
 from orbident.estimation.solve import Solved
 from orbident.preprocessing.samples import samples_of
 from orbident.preprocessing.screening import screened

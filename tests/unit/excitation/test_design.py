@@ -17,7 +17,7 @@ from orbident.excitation.design_problem import STEPS, steps_for
 from orbident.excitation.plausible_robots import plausible_robots
 from orbident.excitation.start import was_at_rest
 from orbident.robot.parameters import inertia_about_com
-from orbident.robot.physical import nonphysical
+from orbident.robot.physical_inertia import nonphysical
 from orbident.studies.exciting import paper_case
 
 

@@ -11,7 +11,7 @@ from orbident.excitation.information import Information, sensing_of
 from orbident.model.inertia import inertia
 from orbident.model.minimal_sets import minimal_sets
 from orbident.model.rotations import quaternion_matrix
-from orbident.model.wheels import wheels_of
+from orbident.model.wheel_arrays import wheels_of
 from orbident.simulation.free_floating import BaseState, free_floating
 
 NODES = 81

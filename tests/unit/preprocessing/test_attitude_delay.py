@@ -6,7 +6,7 @@ from scipy.spatial.transform import Rotation
 
 from orbident.preprocessing.attitude_delay import attitude_delay
 from orbident.robot.robot_file import load_robot
-from orbident.simulation.noise import random_walk_rate
+from orbident.simulation.noise_processes import random_walk_rate
 from orbident.simulation.simulate import simulate
 
 ROBOT = load_robot("paper-spatial")

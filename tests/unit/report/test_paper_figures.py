@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from orbident.report.paper_figures import draw_errors, draw_figures
-from orbident.studies.comparison import PaperRow
+from orbident.studies.paper_comparison import PaperRow
 from orbident.studies.planar_figures import Figure
 
 T = np.linspace(0, 1, 50)

@@ -5,7 +5,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from orbident.errors import InputError
-from orbident.simulation.noise import markov, random_walk
+from orbident.simulation.noise_processes import markov, random_walk
 from orbident.simulation.tracking import AttitudeTracker, PositionTracker
 
 DRAWS = 20_000

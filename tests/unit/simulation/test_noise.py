@@ -3,7 +3,7 @@ import pytest
 from allan import allan_deviation
 
 from orbident.robot.sensor_bias import FLICKER_FLOOR, MARKOV_PEAK
-from orbident.simulation.noise import (
+from orbident.simulation.noise_processes import (
     MARKOV_PEAK_AT,
     bias_drift,
     gaussian,

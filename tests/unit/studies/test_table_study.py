@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from orbident.cli.real_table_lines import real_table_lines
-from orbident.report.study import write_study_report
+from orbident.report.study_page import write_study_report
 from orbident.robot.units import STANDARD_GRAVITY
 from orbident.studies import table
 from orbident.studies.planar import planar_trajectory

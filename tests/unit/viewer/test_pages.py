@@ -13,7 +13,7 @@ from orbident.errors import InputError
 from orbident.recordings.recording import Recording
 from orbident.recordings.tables import write_recording
 from orbident.robot.robot_file import load_robot
-from orbident.scene.motion import centroidal_momentum, placed
+from orbident.scene.motion_history import centroidal_momentum, placed
 from orbident.scene.reaction import BasePose, reaction
 from orbident.scene.replay import recorded_motion
 from orbident.scene.scene import scene_of

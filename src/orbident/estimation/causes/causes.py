@@ -5,17 +5,17 @@ from functools import partial
 
 import numpy as np
 
-from orbident.estimation.causes.clocks import already_corrected, clocks
 from orbident.estimation.causes.events import event
 from orbident.estimation.causes.frames import beside, missing_wheel
 from orbident.estimation.causes.instruments import freed, kinds
 from orbident.estimation.causes.jumps import jumps, steps
+from orbident.estimation.causes.late_clocks import already_corrected, clocks
 from orbident.estimation.causes.linear_test import (
     FALLS,
     CorrectedConvention,
     tried_conventions,
 )
-from orbident.estimation.causes.noise import noisier_sensors, wandering
+from orbident.estimation.causes.noisier_sensors import noisier_sensors, wandering
 from orbident.estimation.causes.outlying import spikes
 from orbident.estimation.causes.shifts import drifts, soft_joints
 from orbident.estimation.causes.stale import stale
@@ -25,7 +25,7 @@ from orbident.estimation.causes.trial import Trial, amended_trial
 from orbident.estimation.check import Check
 from orbident.estimation.estimate import Estimate
 from orbident.estimation.evidence import WORTH, misfit
-from orbident.estimation.problem import MomentumProblem
+from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.residual_checks import NOISY
 from orbident.estimation.solve import Solved
 

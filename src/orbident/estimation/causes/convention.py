@@ -6,8 +6,7 @@ from itertools import combinations
 
 import numpy as np
 
-from orbident.estimation.causes.shown import with_columns
-from orbident.estimation.problem import MomentumProblem
+from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.preprocessing.samples import Samples
 from orbident.recordings.recording import Recording
 
@@ -37,7 +36,7 @@ class Convention:
             for name, (source, factor) in self.columns.items()
             if recording.has(source)
         }
-        return with_columns(recording, right)
+        return recording.with_columns(right)
 
 
 def scaled(names: Sequence[str], factor: float, cause: str) -> Convention:

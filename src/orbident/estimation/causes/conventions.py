@@ -13,8 +13,8 @@ from jaxtyping import Float
 from scipy.spatial.transform import Rotation
 
 from orbident.estimation.causes.convention import DEGREE, Convention, of_all, scaled
-from orbident.estimation.causes.shown import of_vector, with_columns
-from orbident.estimation.problem import MomentumProblem
+from orbident.estimation.causes.shown import of_vector
+from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.preprocessing.delays import corrections
 from orbident.preprocessing.samples import Samples, samples_of
 from orbident.robot.description import Robot
@@ -121,7 +121,7 @@ def _quaternion(change: Change) -> Callable[[MomentumProblem], Samples]:
         x = recording.vector("attitude", "xyzw")
         seen = np.isfinite(x).all(axis=1)
         x[seen] = change(x[seen])
-        written = with_columns(recording, of_vector("attitude", x))
+        written = recording.with_columns(of_vector("attitude", x))
         return samples_of(problem.robot, written, corrections(problem.clocks))
 
     return amended

@@ -7,7 +7,7 @@ import numpy as np
 from orbident.estimation.causes.shown import without
 from orbident.estimation.causes.trial import Trial, amended_trial
 from orbident.estimation.linear_fits import InitialMomentum
-from orbident.estimation.problem import MomentumProblem
+from orbident.estimation.momentum_problem import MomentumProblem
 
 HALVINGS = 4
 """How often the stretch of time in which the event may lie is halved."""

@@ -8,13 +8,13 @@ from jaxtyping import Float
 from scipy.spatial.transform import Rotation
 
 from orbident.estimation.causes.linear_test import FALLS, ROWS
-from orbident.estimation.causes.shown import of_vector, with_columns
+from orbident.estimation.causes.shown import of_vector
 from orbident.estimation.causes.suspects import Numbers, Score, Suspect, tried
 from orbident.estimation.causes.trial import Trial
 from orbident.estimation.linear_fits import rows_of
-from orbident.estimation.problem import MomentumProblem
+from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.model.minimal_sets import conserved_axes
-from orbident.model.wheels import wheels_of
+from orbident.model.wheel_arrays import wheels_of
 from orbident.robot.description import Wheel
 
 SMALL = 1e-4
@@ -100,7 +100,7 @@ def _inertial_axes(axes: Float[np.ndarray, "n 3"]) -> Suspect:
         R = Rotation.from_rotvec(c @ axes)
         turned = R.apply(problem.recording.vector("position"))
         columns = of_vector("position", turned)
-        return replace(problem, recording=with_columns(problem.recording, columns))
+        return replace(problem, recording=problem.recording.with_columns(columns))
 
     return Suspect(words, np.full(len(axes), SMALL), corrected)
 
@@ -186,7 +186,7 @@ def _with_momentum(
             problem,
             robot=replace(robot, wheels=(*robot.wheels, *wheels)),
             samples=replace(samples, qd_rw=(*samples.qd_rw, *speeds)),
-            recording=with_columns(problem.recording, columns),
+            recording=problem.recording.with_columns(columns),
         )
 
     return Suspect(words, small, corrected)

@@ -12,8 +12,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from orbident.estimation.causes.trial import Trial, amended_trial
+from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.output_error.sensitivity import CalibrationFit
-from orbident.estimation.problem import MomentumProblem
 from orbident.robot.description import Robot
 
 ANGLE, LENGTH, PART = 0.2, 0.2, 0.1

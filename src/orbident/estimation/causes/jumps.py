@@ -19,7 +19,7 @@ from orbident.estimation.causes.suspects import Numbers, Score, Suspect, score, 
 from orbident.estimation.causes.trial import Trial
 from orbident.estimation.estimate import Estimate
 from orbident.estimation.evidence import misfit
-from orbident.estimation.problem import MomentumProblem
+from orbident.estimation.momentum_problem import MomentumProblem
 
 HALF, DEGREE = 10, 4
 """Samples before and after, and of the polynomial through them."""

@@ -9,7 +9,7 @@ from orbident.errors import InputError
 from orbident.estimation.causes.convention import Convention
 from orbident.estimation.causes.conventions import conventions
 from orbident.estimation.linear_fits import fit
-from orbident.estimation.problem import MomentumProblem
+from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.preprocessing.samples import Samples
 
 ROWS = 1000

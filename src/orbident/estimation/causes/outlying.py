@@ -13,8 +13,8 @@ from scipy.ndimage import maximum_filter1d, median_filter
 from orbident import _core
 from orbident.estimation.causes.shown import shown_by, without
 from orbident.estimation.causes.trial import Trial, amended_trial
+from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.output_error.sensors import NORMAL
-from orbident.estimation.problem import MomentumProblem
 from orbident.threads import processors
 
 OFF = 8.0

@@ -9,7 +9,7 @@ from scipy.interpolate import CubicSpline
 
 from orbident.estimation.causes.shown import less
 from orbident.estimation.causes.suspects import Numbers, Suspect
-from orbident.estimation.problem import MomentumProblem
+from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.model.minimal_sets import conserved_axes
 
 SMALL = 1e-5

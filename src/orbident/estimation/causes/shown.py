@@ -1,8 +1,5 @@
 """What the sensors of a recording show, and the same changed."""
 
-from collections.abc import Mapping
-from dataclasses import replace
-
 import numpy as np
 from jaxtyping import Bool, Float
 from scipy.spatial.transform import Rotation
@@ -37,13 +34,6 @@ def _continuous(x: Float[np.ndarray, "n 4"]) -> Float[np.ndarray, "n 4"]:
     return x
 
 
-def with_columns(
-    recording: Recording, columns: Mapping[str, Float[np.ndarray, " n"]]
-) -> Recording:
-    """A recording with these columns in the place of its own, or beside them."""
-    return replace(recording, columns={**recording.columns, **columns})
-
-
 def of_vector(
     sensor: str, x: Float[np.ndarray, "n axes"]
 ) -> dict[str, Float[np.ndarray, " n"]]:
@@ -62,7 +52,7 @@ def without(
         for name, column in recording.columns.items()
         if name.startswith(f"{sensor}.")
     }
-    return with_columns(recording, left_out)
+    return recording.with_columns(left_out)
 
 
 def less(
@@ -77,12 +67,12 @@ def less(
     """
     if sensor.startswith("joint."):
         name = f"{sensor}.position"
-        return with_columns(recording, {name: recording.columns[name] - error[:, 0]})
+        return recording.with_columns({name: recording.columns[name] - error[:, 0]})
     if sensor != "attitude":
         right = recording.vector(sensor) - error
-        return with_columns(recording, of_vector(sensor, right))
+        return recording.with_columns(of_vector(sensor, right))
     x = recording.vector(sensor, "xyzw").copy()
     seen = np.isfinite(x).all(axis=1)
     right = Rotation.from_quat(x[seen]) * Rotation.from_rotvec(-error[seen])
     x[seen] = right.as_quat()
-    return with_columns(recording, of_vector(sensor, x))
+    return recording.with_columns(of_vector(sensor, x))

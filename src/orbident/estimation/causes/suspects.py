@@ -15,10 +15,10 @@ from jaxtyping import Float
 from orbident.errors import InputError
 from orbident.estimation.causes.trial import Trial, trial
 from orbident.estimation.evidence import WORTH
+from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.output_error.problem import linear, problem_of
 from orbident.estimation.output_error.sensors import sensors_of
 from orbident.estimation.output_error.solver import Solution
-from orbident.estimation.problem import MomentumProblem
 from orbident.preprocessing.delays import delays
 
 ROUNDS = 4

@@ -9,9 +9,9 @@ from orbident.estimation.check import worst
 from orbident.estimation.criteria import judge
 from orbident.estimation.estimate import Estimate
 from orbident.estimation.evidence import misfit
+from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.obstacles import obstacles
 from orbident.estimation.output_error.estimator import OutputError
-from orbident.estimation.problem import MomentumProblem
 from orbident.estimation.solve import Solved
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot

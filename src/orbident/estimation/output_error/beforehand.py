@@ -9,7 +9,7 @@ from orbident.estimation.output_error.calibration import Calibration
 from orbident.estimation.output_error.problem import NOTHING, OUTSIDE, Outside
 from orbident.estimation.output_error.shared import Shared
 from orbident.estimation.output_error.solver import Prior
-from orbident.estimation.prior import prior_std
+from orbident.estimation.prior_std import prior_std
 from orbident.model.minimal_sets import MinimalSets
 from orbident.preprocessing.samples import Samples
 from orbident.robot.description import Robot

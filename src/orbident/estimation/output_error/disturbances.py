@@ -15,7 +15,7 @@ from scipy.special import chdtri
 from orbident.errors import InputError
 from orbident.estimation.output_error.forms import IN_WORDS, NEEDS, Disturbance
 from orbident.estimation.output_error.noise_scaling import Fitted
-from orbident.estimation.output_error.problem import OUTSIDE, Problem, State
+from orbident.estimation.output_error.problem import OUTSIDE, Problem, Unknowns
 from orbident.estimation.output_error.sensitivity import TakenForZero, fall
 from orbident.estimation.output_error.solver import Prior, Solution
 
@@ -179,8 +179,8 @@ def _hopeless(problem: Problem, cost: float, before: float) -> bool:
 
 
 def start_with(
-    problem: Problem, prior: Prior, state: State, more: Collection[str]
-) -> tuple[Prior, State]:
+    problem: Problem, prior: Prior, state: Unknowns, more: Collection[str]
+) -> tuple[Prior, Unknowns]:
     """Where a search starts with these among the unknowns, all of them zero.
 
     Args:
@@ -252,7 +252,7 @@ def _likely(zeros: TakenForZero, names: Collection[str]) -> list[str]:
     return likely[:TRIED]
 
 
-def _selected(problem: Problem, state: State, group: str) -> Int[np.ndarray, " n"]:
+def _selected(problem: Problem, state: Unknowns, group: str) -> Int[np.ndarray, " n"]:
     """Where the numbers of a group are among those selected."""
     return np.flatnonzero(np.isin(state.selected, _places(problem, [group])))
 

@@ -7,10 +7,10 @@ from jaxtyping import Float
 
 from orbident.estimation.estimate import Estimate, Progress, estimate_of_beta
 from orbident.estimation.maximum_likelihood import maximum_likelihood
+from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.nonlinear_fit import beta_of_fits
 from orbident.estimation.output_error.shared import Shared
 from orbident.estimation.output_error.solver import STEPS
-from orbident.estimation.problem import MomentumProblem
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.estimation.output_error.lasting import at_level, innovated
-from orbident.estimation.output_error.problem import BySensor, Problem, State
+from orbident.estimation.output_error.problem import BySensor, Problem, Unknowns
 from orbident.estimation.output_error.shooting import TURN_AND_BIASES
 from orbident.estimation.output_error.solver import Solution, solved
 
@@ -175,7 +175,7 @@ def _level(found: float, least: float, declared: bool) -> float:
     return 1.0 if declared and TAKEN < found < 1 else max(found, least)
 
 
-def _unknowns(problem: Problem, state: State) -> Mapping[str, float]:
+def _unknowns(problem: Problem, state: Unknowns) -> Mapping[str, float]:
     """About how many each sensor's residuals were made small with.
 
     Of the joints' corrections half: there are twice as many as their motion needs.

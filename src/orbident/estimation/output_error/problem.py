@@ -33,7 +33,7 @@ from orbident.estimation.output_error.shooting import (
 )
 from orbident.model.core_robot import core_tree
 from orbident.model.minimal_sets import MinimalSets
-from orbident.model.wheels import wheels_of
+from orbident.model.wheel_arrays import wheels_of
 from orbident.preprocessing.samples import Samples
 from orbident.robot.description import Robot
 from orbident.threads import processors
@@ -91,7 +91,7 @@ class Problem(NamedTuple):
         return tuple(each for each in self.calibrations if each.std)
 
 
-class State(NamedTuple):
+class Unknowns(NamedTuple):
     """Where the equations are linearised."""
 
     x_WB: Float[np.ndarray, "boundaries 4"]
@@ -114,7 +114,7 @@ class State(NamedTuple):
         """Errors of instruments, SI or relative, and sizes of disturbances."""
         return self.common[self.common.size - self.selected.size :]
 
-    def selecting(self, places: Float[np.ndarray, " selected"]) -> "State":
+    def selecting(self, places: Float[np.ndarray, " selected"]) -> "Unknowns":
         """The state with these as unknowns too, at zero."""
         return self._replace(
             common=np.append(self.common, np.zeros(places.size)),
@@ -123,7 +123,7 @@ class State(NamedTuple):
 
     def moved(
         self, z: Float[np.ndarray, "boundaries local"], g: Float[np.ndarray, " common"]
-    ) -> "State":
+    ) -> "Unknowns":
         """The state after a step."""
         turn, v, s = z[:, :3], self.x_WB[:, :3], self.x_WB[:, 3:]
         vector = v + (s * turn + np.cross(v, turn)) / 2
@@ -182,7 +182,7 @@ class Linear(NamedTuple):
         return C[:n, :n]
 
 
-def linear(problem: Problem, weights: BySensor, state: State) -> Linear:
+def linear(problem: Problem, weights: BySensor, state: Unknowns) -> Linear:
     """Linearise all intervals and eliminate what belongs to one of them alone."""
     factor, links, cost, residuals = _core.linearised(
         problem.recorded,
@@ -282,7 +282,7 @@ def start_of(
     samples: Samples,
     outside: Outside,
     beta: Float[np.ndarray, " beta"],
-) -> State:
+) -> Unknowns:
     """The state with the measured attitude, without biases, corrections and errors."""
     x = np.column_stack(samples.x_WB)
     known = np.isfinite(x).all(axis=1)
@@ -290,5 +290,7 @@ def start_of(
     between = Slerp(at, Rotation.from_quat(x[known]))
     x_WB = between(np.clip(problem.boundaries, at[0], at[-1])).as_quat()
     local = np.zeros((len(x_WB), problem.recorded.local))
-    state = State(np.ascontiguousarray(x_WB), local, np.concatenate([*outside, beta]))
+    state = Unknowns(
+        np.ascontiguousarray(x_WB), local, np.concatenate([*outside, beta])
+    )
     return state.selecting(np.array([float(each.place) for each in problem.declared]))

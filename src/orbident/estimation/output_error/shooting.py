@@ -11,7 +11,7 @@ from orbident.estimation.output_error.sensors import Sensors, between, scatter
 from orbident.estimation.tachometers import momentum_noise
 from orbident.model.inertia import inertia_at
 from orbident.model.minimal_sets import conserved_axes
-from orbident.model.wheels import wheels_of
+from orbident.model.wheel_arrays import wheels_of
 from orbident.preprocessing.histories import MEASURED
 from orbident.preprocessing.samples import Samples
 from orbident.robot.description import Robot

@@ -14,7 +14,7 @@ from orbident.estimation.output_error.problem import (
     BySensor,
     Linear,
     Problem,
-    State,
+    Unknowns,
     linear,
 )
 from orbident.estimation.overflow import check_finite
@@ -51,7 +51,7 @@ class Prior(NamedTuple):
         )
 
     def added(
-        self, factor: Float[np.ndarray, "n n"], state: State
+        self, factor: Float[np.ndarray, "n n"], state: Unknowns
     ) -> Float[np.ndarray, "n n"]:
         """To a triangular factor over changes of `[g, rhs]`."""
         rhs = (self.values - state.common) / self.std
@@ -63,12 +63,12 @@ class Prior(NamedTuple):
         rows[:, :first], rows[:, -1] = self.others[:, :-1], self._unexplained(state)
         return fold(factor, rows)
 
-    def cost(self, state: State) -> float:
+    def cost(self, state: Unknowns) -> float:
         """Squared, whitened."""
         own = (state.common - self.values) / self.std
         return float(np.sum(own**2) + np.sum(self._unexplained(state) ** 2))
 
-    def _unexplained(self, state: State) -> Float[np.ndarray, " rows"]:
+    def _unexplained(self, state: Unknowns) -> Float[np.ndarray, " rows"]:
         A, b = self.others[:, :-1], self.others[:, -1]
         return b - A @ state.common[: A.shape[1]]
 
@@ -76,7 +76,7 @@ class Prior(NamedTuple):
 class Solution(NamedTuple):
     """Where the cost is least."""
 
-    state: State
+    state: Unknowns
     linear: Linear
     """At a state within a hundredth of a deviation of it."""
     prior: Prior
@@ -103,7 +103,7 @@ def solved(
     problem: Problem,
     weights: BySensor,
     prior: Prior,
-    state: State,
+    state: Unknowns,
     progress: Callable[[], object] = lambda: None,
     steps: int = STEPS,
     here: Linear | None = None,

@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.errors import InputError
-from orbident.estimation.problem import MomentumProblem
+from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.recursive.noise import Noise, noise_of
 from orbident.estimation.stretches import smoothed_rate
 from orbident.preprocessing.histories import DERIVED

@@ -15,10 +15,14 @@ from orbident.recordings.logs.log import Log
 from orbident.recordings.table_writer import write_blocks
 from orbident.recordings.tables import check_writable
 from orbident.recordings.topics.common_rows import common_rows
+from orbident.recordings.topics.conversion_report import (
+    ConversionReport,
+    apart,
+    topic_report,
+)
 from orbident.recordings.topics.entry import Entry
 from orbident.recordings.topics.fields import Table
 from orbident.recordings.topics.presets import preset_path, presets
-from orbident.recordings.topics.report import ConversionReport, apart, topic_report
 from orbident.recordings.topics.sources import open_source
 from orbident.recordings.topics.timing import Timed, check_times, timed
 from orbident.recordings.topics.topic_map import load_topic_map

@@ -11,10 +11,10 @@ from pydantic import BeforeValidator, Field, model_validator
 from orbident.errors import InputError
 from orbident.files.schema_parts import WrongValueError
 from orbident.recordings.logs.group import Group
+from orbident.recordings.topics.declared_units import TIMES
 from orbident.recordings.topics.entry import Extraction, Name, Placed
 from orbident.recordings.topics.slots import Slot, slots_of
 from orbident.recordings.topics.targets import Target, target_of
-from orbident.recordings.topics.units import TIMES
 
 
 class Fields(Placed):

@@ -6,8 +6,8 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from jaxtyping import Float
 
+from orbident.recordings.topics.declared_units import Unit, unit
 from orbident.recordings.topics.entry import Extraction, PlacedEntry, Take, header_stamp
-from orbident.recordings.topics.units import Unit, unit
 
 
 class ImuTake(Take):

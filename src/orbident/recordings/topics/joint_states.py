@@ -9,8 +9,8 @@ from jaxtyping import Float
 from pydantic import Field, model_validator
 
 from orbident.errors import InputError
+from orbident.recordings.topics.declared_units import Unit, unit
 from orbident.recordings.topics.entry import Entry, Extraction, Name, Take, header_stamp
-from orbident.recordings.topics.units import Unit, unit
 
 _RATE_OF = {"angle": "angular rate", "length": "velocity"}
 

@@ -8,10 +8,10 @@ from jaxtyping import Float
 from pydantic import model_validator
 
 from orbident.errors import InputError
+from orbident.recordings.topics.declared_units import Unit, unit
 from orbident.recordings.topics.entry import Extraction, PlacedEntry, Take, header_stamp
 from orbident.recordings.topics.poses import pose_values
 from orbident.recordings.topics.quaternions import conjugate, rotate_by_quaternion
-from orbident.recordings.topics.units import Unit, unit
 
 
 class OdometryTake(Take):

@@ -6,6 +6,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from jaxtyping import Float
 
+from orbident.recordings.topics.declared_units import Unit, unit
 from orbident.recordings.topics.entry import (
     Extraction,
     Name,
@@ -14,7 +15,6 @@ from orbident.recordings.topics.entry import (
     header_stamp,
 )
 from orbident.recordings.topics.quaternions import conjugate, rotate_by_quaternion
-from orbident.recordings.topics.units import Unit, unit
 
 
 class PoseTake(Take):

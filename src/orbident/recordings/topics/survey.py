@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 from orbident.recordings.logs.group import Group, listed_fields
 from orbident.recordings.logs.log import Log
+from orbident.recordings.topics.declared_units import TIMES
 from orbident.recordings.topics.sources import open_source
 from orbident.recordings.topics.topic_map import MESSAGE_TYPES
-from orbident.recordings.topics.units import TIMES
 
 if TYPE_CHECKING:
     from orbident.recordings.bags.bag import Bag

@@ -14,9 +14,9 @@ from orbident.recordings.columns import (
     thruster_of,
     wheel_of,
 )
+from orbident.recordings.topics.declared_units import DIMENSIONS, unit_of
 from orbident.recordings.topics.entry import TURNED
 from orbident.recordings.topics.quaternions import product
-from orbident.recordings.topics.units import DIMENSIONS, unit_of
 
 _DIMENSION_OF = {
     "gyro": "angular rate",

@@ -11,10 +11,10 @@ from orbident.errors import InputError
 from orbident.files.names import listed, suggestion
 from orbident.model.rotations import rotate_back
 from orbident.robot.description import Robot
-from orbident.simulation.environment import orbital, steady, table
+from orbident.simulation.environment import air_table, orbital, steady
 from orbident.simulation.environment.moving import Force, Path, Vectors, at_rest
 from orbident.simulation.flight_steps import FlightStates, WrenchPoint
-from orbident.simulation.streams import stream
+from orbident.simulation.random_streams import stream
 from orbident.simulation.thrusters import Pulse
 from orbident.trajectories.environment import Environment, Firing, Orbit
 
@@ -103,7 +103,7 @@ class ExternalForces:
 
     def pull_at_S(self, r_S: Vectors) -> Vectors:
         """The pull that an accelerometer at S does not feel, inertial axes, m/s^2."""
-        return table.pull(self.environment, r_S)
+        return air_table.pull(self.environment, r_S)
 
 
 def outside_of(
@@ -230,9 +230,9 @@ def _forces(
 
 def _on_table(given: Environment) -> Iterator[Force]:
     if given.tilt or given.uneven:
-        yield partial(table.pulls, given)
+        yield partial(air_table.pulls, given)
     for body, film in given.film_drag.items():
-        yield partial(table.film_drag, body, film)
+        yield partial(air_table.film_drag, body, film)
 
 
 def _in_orbit(given: Environment, orbit: Orbit, start: float) -> Iterator[Force]:

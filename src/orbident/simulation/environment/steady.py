@@ -12,7 +12,7 @@ from jaxtyping import Float
 
 from orbident.model.rotations import rotate
 from orbident.simulation.environment.moving import Load, Moving, Vectors
-from orbident.simulation.noise import markov
+from orbident.simulation.noise_processes import markov
 from orbident.trajectories.environment import Burst
 
 S = np.zeros(3)

@@ -2,8 +2,8 @@
 
 from cause_problems import clean
 
-from orbident.estimation.causes.clocks import clocks
-from orbident.estimation.problem import momentum_problems
+from orbident.estimation.causes.late_clocks import clocks
+from orbident.estimation.momentum_problem import momentum_problems
 from orbident.recordings.recording import Recording
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 from cause_problems import problem_with
 
-from orbident.estimation.causes.noise import noisier_sensors, wandering
+from orbident.estimation.causes.noisier_sensors import noisier_sensors, wandering
 
 
 def test_declared_noise_is_not_suspected():

@@ -6,7 +6,7 @@ from cause_problems import clean, fitted, problem_with
 from orbident.estimation.causes.shifts import drifts, soft_joints, step
 from orbident.estimation.causes.shown import less
 from orbident.estimation.causes.suspects import Suspect, score
-from orbident.estimation.problem import MomentumProblem
+from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.recordings.recording import Recording
 
 

@@ -8,7 +8,7 @@ from edited_recordings import changed
 
 from orbident.estimation.causes.frames import beside, missing_wheel
 from orbident.estimation.causes.suspects import Score, Suspect, score
-from orbident.estimation.problem import MomentumProblem, momentum_problems
+from orbident.estimation.momentum_problem import MomentumProblem, momentum_problems
 
 
 def best(problem: MomentumProblem, suspects) -> tuple[Suspect, Score]:

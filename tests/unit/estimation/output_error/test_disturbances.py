@@ -21,12 +21,12 @@ from orbident import _core
 from orbident.errors import InputError
 from orbident.estimation.estimate import Estimate
 from orbident.estimation.identify import identify
+from orbident.estimation.momentum_problem import momentum_problems
 from orbident.estimation.output_error.disturbances import DisturbanceFit
 from orbident.estimation.output_error.estimator import OutputError
 from orbident.estimation.output_error.forms import IN_WORDS, NEEDS
 from orbident.estimation.output_error.lasting import at_level
-from orbident.estimation.output_error.problem import NO_ROWS, SENSORS, Problem, State
-from orbident.estimation.problem import momentum_problems
+from orbident.estimation.output_error.problem import NO_ROWS, SENSORS, Problem, Unknowns
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot, Thruster
 from orbident.robot.disturbance_groups import DisturbanceGroup
@@ -158,7 +158,7 @@ def test_slopes_are_those_of_the_predictions(motion):
         np.testing.assert_allclose(slopes[:, k], change, atol=1e-6 * scale)
 
 
-def equations(problem: Problem, state: State, interval: int) -> np.ndarray:
+def equations(problem: Problem, state: Unknowns, interval: int) -> np.ndarray:
     return _core.interval_equations(
         problem.recorded,
         [

@@ -14,8 +14,8 @@ import pytest
 import orbident as oi
 from orbident.errors import InputError
 from orbident.simulation.measure import measure_truth
-from orbident.simulation.simulate import Made, made_along, with_columns
-from orbident.studies import tables
+from orbident.simulation.simulate import Made, made_along
+from orbident.studies import paper_tables
 from orbident.studies.spatial import spatial_robot, spatial_trajectory
 from orbident.trajectories.environment import Environment
 
@@ -45,12 +45,12 @@ def made(*names: str) -> Made:
         spatial_trajectory(robot),
         environment=Environment.model_validate(ORBIT | acting),
     )
-    return made_along(robot, trajectory, tables.SPATIAL_RATE)
+    return made_along(robot, trajectory, paper_tables.SPATIAL_RATE)
 
 
 def recorded(flown: Made, seed: int) -> oi.Recording:
     seen = measure_truth(spatial_robot(), flown.t, flown.true, seed)
-    return with_columns(seen, flown.known)
+    return seen.with_columns(flown.known)
 
 
 def errors(result: oi.Result) -> np.ndarray:

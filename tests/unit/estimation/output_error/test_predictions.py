@@ -15,7 +15,7 @@ from random_robots import (
 )
 from segments import Segment, segment_of
 
-from orbident.estimation.output_error.problem import SENSORS, State
+from orbident.estimation.output_error.problem import SENSORS, Unknowns
 from orbident.robot.description import Robot
 
 ROBOTS = {
@@ -33,7 +33,7 @@ def segment(request) -> Segment:
     return segment_of(ROBOTS[request.param], seed=3, rows=33)
 
 
-def changed(state: State, z: np.ndarray, g: np.ndarray) -> State:
+def changed(state: Unknowns, z: np.ndarray, g: np.ndarray) -> Unknowns:
     """The state with other unknowns; a turn of any size, in one step."""
     moved = state.moved(z, g)
     return moved._replace(local=np.ascontiguousarray(moved.local))

@@ -19,7 +19,7 @@ from orbident.estimation.output_error.problem import (
     NO_ROWS,
     SENSORS,
     Problem,
-    State,
+    Unknowns,
     linear,
 )
 from orbident.estimation.output_error.solver import _damped, solved
@@ -57,7 +57,7 @@ class Dense(NamedTuple):
         return root @ (Q.T @ self.b), root @ root.T
 
 
-def dense(problem: Problem, state: State) -> Dense:
+def dense(problem: Problem, state: Unknowns) -> Dense:
     """First what is known beforehand of the first boundary, then all intervals."""
     boundaries, local = state.local.shape
     common, chain = state.common.size, state.local.size

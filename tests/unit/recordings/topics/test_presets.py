@@ -11,10 +11,10 @@ from scipy.spatial.transform import Rotation
 from orbident.errors import InputError
 from orbident.recordings.recording import Recording
 from orbident.recordings.tables import read_recording
+from orbident.recordings.topics.conversion_report import ConversionReport
 from orbident.recordings.topics.convert import convert_file
 from orbident.recordings.topics.presets import preset_path, presets
 from orbident.recordings.topics.proposal import proposed_map
-from orbident.recordings.topics.report import ConversionReport
 from orbident.recordings.topics.survey import survey_file
 from orbident.recordings.topics.topic_map import load_topic_map
 

@@ -8,8 +8,8 @@ import numpy as np
 
 from orbident.estimation.causes.shown import shown_by
 from orbident.estimation.causes.trial import Trial, amended_trial
+from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.output_error.sensors import INERTIAL, POINTS, scatter
-from orbident.estimation.problem import MomentumProblem
 
 NOISIER = 1.5
 """Times the declared noise."""

@@ -16,12 +16,12 @@ from orbident.report.real_table import real_table
 from orbident.report.section import ReportTable, Section, TableRow
 from orbident.report.verdict import verdict_of
 from orbident.report.write import sections_of, seen
-from orbident.studies import comparison
+from orbident.studies import paper_comparison
 from orbident.studies.control import ControlStudy
+from orbident.studies.paper_tables import PLANAR_IDENTIFIED
 from orbident.studies.run_planar import PlanarStudy
 from orbident.studies.run_spatial import SpatialStudy
 from orbident.studies.run_table import TableStudy
-from orbident.studies.tables import PLANAR_IDENTIFIED
 
 Study = SpatialStudy | PlanarStudy | TableStudy | ControlStudy
 
@@ -144,7 +144,7 @@ def _control(done: ControlStudy) -> Sequence[Section]:
 
 
 def _columns(
-    rows: Sequence[comparison.PaperRow], paper: str = "true", decimals: int = 2
+    rows: Sequence[paper_comparison.PaperRow], paper: str = "true", decimals: int = 2
 ) -> tuple[tuple[str, ...], tuple[TableRow, ...]]:
     """Head and rows of a table, without columns in which nothing stands."""
     head = (
@@ -176,7 +176,7 @@ def _method(name: str) -> str:
     return "the paper's method" if name == "paper" else name.replace("-", " ")
 
 
-def _beside_table6(row: comparison.PaperRow) -> comparison.PaperRow:
+def _beside_table6(row: paper_comparison.PaperRow) -> paper_comparison.PaperRow:
     """With what the paper identified; its M is that of the burn."""
     paper = None if row.name == "M" else PLANAR_IDENTIFIED[row.name]
     return replace(row, paper_true=paper)

@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import pyarrow as pa
 
+from orbident.campaigns.campaign_table import read_rows
 from orbident.campaigns.conduct import failed_runs
 from orbident.campaigns.folder import REPORT, Campaign
 from orbident.campaigns.statistics import MethodStatistics, Parameter, method_statistics
-from orbident.campaigns.table import read_rows
 from orbident.errors import InputError
 from orbident.estimation.bound import cramer_rao
 from orbident.estimation.check import Check, Level, worst

@@ -9,7 +9,7 @@ import numpy as np
 from orbident.errors import InputError
 from orbident.estimation.causes.linear_test import ROWS, linear_misfit
 from orbident.estimation.causes.trial import Trial, trial
-from orbident.estimation.problem import MomentumProblem
+from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.preprocessing.delays import corrections
 
 UNKNOWN = 0.1

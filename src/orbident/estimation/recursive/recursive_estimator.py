@@ -14,7 +14,7 @@ from orbident.estimation.estimate import (
     rms_of_equations,
 )
 from orbident.estimation.found import BetaEstimate
-from orbident.estimation.problem import MomentumProblem
+from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.recursive.history import recursive_history
 from orbident.robot.coloured_noise import coloured_noise
 

@@ -8,7 +8,7 @@ from jaxtyping import Float
 from orbident.model.inertia import inertia
 from orbident.model.kinematics import poses
 from orbident.model.rotations import axis_rotation, quaternion_matrix, rotate
-from orbident.model.wheels import wheels_of
+from orbident.model.wheel_arrays import wheels_of
 from orbident.robot.description import Robot
 from orbident.scene.scene import Scene
 
