@@ -9,7 +9,7 @@ from jaxtyping import Float
 
 from orbident.estimation.found import BetaEstimate, EstimatedParameters, found_beta
 from orbident.estimation.momentum_problem import MomentumProblem
-from orbident.estimation.output_error.disturbances import DisturbanceFit
+from orbident.estimation.output_error.disturbance_sizes import DisturbanceFit
 from orbident.estimation.output_error.sensitivity import CalibrationFit, Sensitivity
 from orbident.estimation.output_error.shared import Shared
 from orbident.estimation.output_error.solver import Solution

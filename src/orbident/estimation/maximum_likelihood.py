@@ -23,9 +23,11 @@ from orbident.estimation.output_error.beforehand import (
     prior_of,
     with_others,
 )
-from orbident.estimation.output_error.disturbances import (
+from orbident.estimation.output_error.disturbance_sizes import (
     DisturbanceFit,
     identified,
+)
+from orbident.estimation.output_error.disturbances import (
     requested,
     start_with,
     with_disturbances,

@@ -7,7 +7,7 @@ from typing import Any, Literal
 from orbident.errors import InputError
 from orbident.estimation.check import Check, Level, worst
 from orbident.estimation.linear_fits import Fits, InitialMomentum
-from orbident.estimation.output_error.disturbances import DisturbanceFit
+from orbident.estimation.output_error.disturbance_sizes import DisturbanceFit
 from orbident.estimation.output_error.sensitivity import CalibrationFit
 from orbident.estimation.parameter_table import short_table
 from orbident.estimation.predicted import Signals

@@ -12,7 +12,7 @@ import numpy as np
 
 from orbident.errors import InputError
 from orbident.estimation.check import Check
-from orbident.estimation.output_error.disturbances import DisturbanceFit
+from orbident.estimation.output_error.disturbance_sizes import DisturbanceFit
 from orbident.estimation.output_error.sensitivity import CalibrationFit
 from orbident.estimation.predicted import Signals
 from orbident.estimation.quantities import (

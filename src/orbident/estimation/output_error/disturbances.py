@@ -1,21 +1,25 @@
-"""Tests for what acts from outside, and what was identified of it.
+"""Tests for what acts from outside.
 
 A disturbance that is taken for zero is tested by how far chi-square would fall to first
 order if it were an unknown (score test); one that is among the unknowns by its size in
 its own deviations (Wald, 1943). Both are chi-square where nothing acts.
 """
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection
 from typing import NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
-from jaxtyping import Float, Int
 from scipy.special import chdtri
 
 from orbident.errors import InputError
-from orbident.estimation.output_error.forms import IN_WORDS, NEEDS, Disturbance
+from orbident.estimation.output_error.disturbance_sizes import (
+    members,
+    places_of,
+    sizes_of,
+)
+from orbident.estimation.output_error.forms import IN_WORDS, NEEDS
 from orbident.estimation.output_error.noise_scaling import Fitted
-from orbident.estimation.output_error.problem import OUTSIDE, Problem, Unknowns
+from orbident.estimation.output_error.problem import Problem, Unknowns
 from orbident.estimation.output_error.sensitivity import TakenForZero, fall
 from orbident.estimation.output_error.solver import Prior, Solution
 
@@ -43,18 +47,6 @@ LEFT = 0.7
 
 LONGEST = 2**15
 """Rows of a recording that is tested: tables of what acts take some 3 kB a row."""
-
-
-class DisturbanceFit(NamedTuple):
-    """One number of what acted from outside, identified with the parameters; SI."""
-
-    group: str
-    unit: str
-    value: float
-    std: float
-    shift: float
-    """How far off the base parameter that it concerns most would be, in its deviations,
-    had the group been left out."""
 
 
 class Fit(NamedTuple):
@@ -161,7 +153,7 @@ def _best(
     for group in _likely(zeros, {*zeros.groups} - {*groups}):
         more = search.first((*groups, group))
         if not _impossible(problem, more, group):
-            size = _places(problem, [group]).size
+            size = places_of(problem, [group]).size
             tried.append((more.cost + chdtri(size, CHANCE), more, (*groups, group)))
     if not tried:
         return None
@@ -189,81 +181,21 @@ def start_with(
         state: of these.
         more: names of groups, or of errors of instruments.
     """
-    places = _places(problem, more)
+    places = places_of(problem, more)
     return prior.extended(places.size, FREE), state.selecting(places)
-
-
-def identified(
-    problem: Problem, solution: Solution, groups: Collection[str]
-) -> dict[str, DisturbanceFit]:
-    """What was freed, by its name.
-
-    Args:
-        problem: a recording's equations.
-        solution: of these.
-        groups: that were freed.
-    """
-    fits = {}
-    for group in groups:
-        value, C = _sizes(problem, solution, group)
-        std, shift = np.sqrt(np.diag(C)), _shift(problem, solution, group)
-        for k, each in enumerate(_members(problem, group)):
-            fits[each.name] = DisturbanceFit(
-                group, each.unit, float(value[k]), float(std[k]), shift
-            )
-    return fits
-
-
-def _shift(problem: Problem, solution: Solution, group: str) -> float:
-    """If `g` is zero, `beta` changes by `-C_bg C_gg^-1 g`."""
-    value, C_gg = _sizes(problem, solution, group)
-    C, state = solution.covariance, solution.state
-    first = len(C) - state.common.size + OUTSIDE
-    beta = np.arange(first, first + state.beta.size)
-    here = len(C) - state.selected.size + _selected(problem, state, group)
-    change = C[np.ix_(beta, here)] @ np.linalg.solve(C_gg, value)
-    return float(np.max(np.abs(change) / np.sqrt(np.diag(C)[beta])))
-
-
-def _members(problem: Problem, group: str) -> Iterator[Disturbance]:
-    return (each for each in problem.acting.disturbances if each.group == group)
-
-
-def _places(problem: Problem, names: Collection[str]) -> Float[np.ndarray, " n"]:
-    """The places of what has these names, among all that can be an unknown.
-
-    A name is that of a group of disturbances or of an instrument's error.
-    """
-    acting = zip(problem.acting.disturbances, problem.acting.places, strict=True)
-    errors = [each.place for each in problem.calibrations if each.name in names]
-    return np.array([*errors, *(k for each, k in acting if each.group in names)], float)
 
 
 def _likely(zeros: TakenForZero, names: Collection[str]) -> list[str]:
     """Those by which chi-square falls beyond what chance does, most of all."""
     beyond = {}
     for name in sorted(names):
-        places = _places(zeros.problem, [name])
+        places = places_of(zeros.problem, [name])
         fallen = fall(zeros.equations(places), np.arange(places.size))
         beyond[name] = fallen - chdtri(places.size, CHANCE / len(names))
     likely = sorted(
         (name for name in beyond if beyond[name] > 0), key=lambda name: -beyond[name]
     )
     return likely[:TRIED]
-
-
-def _selected(problem: Problem, state: Unknowns, group: str) -> Int[np.ndarray, " n"]:
-    """Where the numbers of a group are among those selected."""
-    return np.flatnonzero(np.isin(state.selected, _places(problem, [group])))
-
-
-def _sizes(
-    problem: Problem, solution: Solution, group: str
-) -> tuple[Float[np.ndarray, " n"], Float[np.ndarray, "n n"]]:
-    state = solution.state
-    which = _selected(problem, state, group)
-    here = len(solution.covariance) - state.selected.size + which
-    return state.calibration[which], solution.covariance[np.ix_(here, here)]
 
 
 def _unneeded(
@@ -275,7 +207,7 @@ def _unneeded(
     """The group of least size in its deviations, where that is no more than chance."""
 
     def beyond_chance(group: str) -> float:
-        value, C = _sizes(problem, solution, group)
+        value, C = sizes_of(problem, solution, group)
         return float(value @ np.linalg.solve(C, value) - chdtri(value.size, CHANCE))
 
     freed = (group for group in groups if group not in asked)
@@ -285,6 +217,6 @@ def _unneeded(
 
 def _impossible(problem: Problem, solution: Solution, group: str) -> bool:
     """Whether it pushes where it can only brake."""
-    value, C = _sizes(problem, solution, group)
-    positive = np.array([each.positive for each in _members(problem, group)])
+    value, C = sizes_of(problem, solution, group)
+    positive = np.array([each.positive for each in members(problem, group)])
     return bool((positive & (value < -IMPOSSIBLE * np.sqrt(np.diag(C)))).any())

@@ -21,6 +21,7 @@ from jaxtyping import Float, Int
 from scipy.linalg import solve_triangular
 
 from orbident.estimation.output_error.calibration import Calibration
+from orbident.estimation.output_error.disturbance_sizes import places_of
 from orbident.estimation.output_error.problem import OUTSIDE, Problem, linear
 from orbident.estimation.output_error.solver import Solution
 
@@ -108,13 +109,10 @@ class TakenForZero:
     @cached_property
     def places(self) -> Float[np.ndarray, " zeros"]:
         """Where the core has them: errors first."""
-        acting, selected = self.problem.acting, self.solution.state.selected
-        named = (
-            zip(acting.disturbances, acting.places, strict=True) if self.groups else ()
-        )
-        acts = [place for each, place in named if each.group in self.groups]
+        acts = places_of(self.problem, self.groups) if self.groups else []
         of_errors = [each.place for each in self.errors]
-        return np.array([*of_errors, *np.setdiff1d(acts, selected)], float)
+        unselected = np.setdiff1d(acts, self.solution.state.selected)
+        return np.array([*of_errors, *unselected], float)
 
     @cached_property
     def factor(self) -> Float[np.ndarray, "n n"]:

@@ -22,7 +22,7 @@ from orbident.errors import InputError
 from orbident.estimation.estimate import Estimate
 from orbident.estimation.identify import identify
 from orbident.estimation.momentum_problem import momentum_problems
-from orbident.estimation.output_error.disturbances import DisturbanceFit
+from orbident.estimation.output_error.disturbance_sizes import DisturbanceFit
 from orbident.estimation.output_error.estimator import OutputError
 from orbident.estimation.output_error.forms import IN_WORDS, NEEDS
 from orbident.estimation.output_error.lasting import at_level
