@@ -1,5 +1,6 @@
 """`export`: the identified model as a URDF, and its matrices in one configuration."""
 
+import csv
 import json
 from pathlib import Path
 
@@ -48,13 +49,46 @@ def test_matrices(orbident: Orbident, run: str):
     assert {np.array(J).shape for J in document["jacobians"].values()} == {(6, 12)}
 
 
+def test_parameters_for_a_spreadsheet(orbident: Orbident, run: str):
+    words = orbident("export", run, "-o", "p.csv").done().out
+    result = json.loads(Path(f"{run}/result.json").read_text())
+    with Path("p.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert f"p.csv: {len(rows)} parameters" in words
+    for name in ("base", "phi", "pi"):
+        own = [row for row in rows if row["set"] == name]
+        assert [row["parameter"] for row in own] == result[name]["names"]
+        assert [row["formula"] for row in own] == result[name]["formulas"]
+        for key, column in (("values", "estimate"), ("std", "std")):
+            read = [float(row[column]) if row[column] else None for row in own]
+            assert read == result[name][key]
+
+
+def test_parameters_for_a_paper(orbident: Orbident, run: str):
+    orbident("export", run, "-o", "p.tex").done()
+    text = Path("p.tex").read_text()
+    result = json.loads(Path(f"{run}/result.json").read_text())
+    rows = [line for line in text.splitlines() if line.endswith(r"\\")]
+    count = sum(len(result[name]["names"]) for name in ("base", "phi", "pi"))
+    assert len(rows) == 1 + count
+    assert {row.count("&") for row in rows} == {4}
+    assert rows[1].startswith("$M$ & $1110.")
+    assert rows[1].endswith(r"& kg \\")
+    assert text.count("$") % 2 == 0
+    for k, row in enumerate(rows[1 : 1 + len(result["base"]["names"])]):
+        _, estimate, std, *_ = (cell.strip(" $") for cell in row.split("&"))
+        off = abs(float(estimate) - result["base"]["values"][k])
+        assert off <= 0.051 * result["base"]["std"][k]
+        assert float(std) == pytest.approx(result["base"]["std"][k], rel=0.051)
+
+
 def test_refusals(orbident: Orbident, run: str):
     def refused(*arguments: str, words: str):
         orbident("export", *arguments).refused(words)
 
-    refused(run, "-o", "a.xml", words="a.xml: give a name that ends in .urdf or .json")
+    refused(run, "-o", "a.xml", words="a.xml: give a name that ends in .urdf, .json")
     refused(run, "-o", "a.json", words="give it with --q")
-    refused(run, "-o", "a.urdf", "--q", "0,0,0", words="a URDF holds in every position")
+    refused(run, "-o", "a.urdf", "--q", "0,0,0", words="hold in every position")
     refused(run, "-o", "a.json", "--q", "0,0", words="expected 3 finite numbers")
     refused(run, "-o", "a.json", "--q", "0,nan,0", words="expected 3 finite numbers")
     refused(run, "-o", "a.json", "--q", "0;0", words="--q: found '0;0'")

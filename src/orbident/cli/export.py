@@ -22,8 +22,9 @@ def export(
         typer.Option(
             "-o",
             metavar="FILE",
-            help="A .urdf with the identified inertias, or a .json with H+ and the "
-            "Jacobians at --q.",
+            help="A .urdf with the identified inertias, a .json with H+ and the "
+            "Jacobians at --q, or the parameters with their deviations as .csv or, for "
+            "a paper, .tex.",
         ),
     ] = None,
     q: Annotated[
@@ -52,7 +53,7 @@ def export(
     json: Json = None,
     quiet: Quiet = False,
 ) -> None:
-    """Write the identified model as a URDF, its matrices, or a filter for flight."""
+    """Write the identified model, its parameters, or a filter for flight."""
     from orbident.cli.output import Output
     from orbident.files.replacing import check_place
     from orbident.identified.run_folder import load_result
@@ -66,10 +67,12 @@ def export(
     _check_kind(out, q)
     check_place(out)
     result = load_result(run)
-    if q is None:
+    if q is not None:
+        _export_matrices(output, result, out, _numbers(q))
+    elif out.suffix.lower() == ".urdf":
         _export_urdf(output, result, out)
     else:
-        _export_matrices(output, result, out, _numbers(q))
+        _export_parameters(output, result, out)
 
 
 def _check_what(
@@ -119,10 +122,12 @@ def _export_flight(output: Any, run: Path, folder: Path, recording: Path) -> Non
 
 def _check_kind(out: Path, q: str | None) -> None:
     kind = out.suffix.lower()
-    if kind not in {".urdf", ".json"}:
-        raise InputError(f"{out}: give a name that ends in .urdf or .json")
-    if kind == ".urdf" and q is not None:
-        raise InputError(f"{out}: --q is for .json; a URDF holds in every position")
+    if kind not in {".urdf", ".json", ".csv", ".tex"}:
+        raise InputError(f"{out}: give a name that ends in .urdf, .json, .csv or .tex")
+    if kind != ".json" and q is not None:
+        raise InputError(
+            f"{out}: --q is for .json; a URDF and the parameters hold in every position"
+        )
     if kind == ".json" and q is None:
         raise InputError(f"{out}: matrices are of one configuration; give it with --q")
 
@@ -181,3 +186,17 @@ def _export_matrices(output: Any, result: Any, out: Path, q: list[float]) -> Non
     write_text(out, dumps(document, indent=1, allow_nan=False) + "\n")
     output.say(f"{out}: H+ over {', '.join(document['speeds'])}")
     output.write_json({"file": str(out)})
+
+
+def _export_parameters(output: Any, result: Any, out: Path) -> None:
+    from orbident.files.text import write_text
+    from orbident.identified.parameter_files import (
+        parameters_as_csv,
+        parameters_as_latex,
+    )
+
+    latex = out.suffix.lower() == ".tex"
+    write_text(out, parameters_as_latex(result) if latex else parameters_as_csv(result))
+    count = sum(len(found.names) for found in (result.base, result.phi, result.pi))
+    output.say(f"{out}: {count} parameters: M, sigma and iota, then phi, then pi")
+    output.write_json({"file": str(out), "parameters": count})

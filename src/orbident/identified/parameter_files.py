@@ -1,0 +1,77 @@
+"""Identified parameters as tables for a spreadsheet (CSV) or a paper (LaTeX)."""
+
+import csv
+import io
+import math
+
+from orbident.estimation.result import Result
+
+COLUMNS = ("set", "parameter", "estimate", "std", "nominal", "unit", "formula")
+"""Of a CSV file. SI; empty where a parameter is not determined."""
+
+SETS = ("base", "phi", "pi")
+"""The sets of a result, in the order of its tables."""
+
+
+def parameters_as_csv(result: Result) -> str:
+    """All parameters with their standard deviations, to the last digit.
+
+    Raises:
+        InputError: the result is rejected.
+    """
+    result.check_accepted()
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(COLUMNS)
+    for name in SETS:
+        found = getattr(result, name)
+        for k, parameter in enumerate(found.names):
+            numbers = (found.values[k], found.std[k], found.nominal[k])
+            cells = ["" if math.isnan(x) else repr(float(x)) for x in numbers]
+            row = (name, parameter, *cells, found.units[k], found.formulas[k])
+            writer.writerow(row)
+    return text.getvalue()
+
+
+def parameters_as_latex(result: Result) -> str:
+    """A `tabular` that needs no package, rounded to two digits of the deviation.
+
+    Raises:
+        InputError: the result is rejected.
+    """
+    result.check_accepted()
+    lines = [
+        rf"% {result.robot.name}, {result.method}",
+        r"\begin{tabular}{lrrrl}",
+        r"\hline",
+        r"parameter & estimate & std & nominal & unit \\",
+    ]
+    for name in SETS:
+        found = getattr(result, name)
+        lines.append(r"\hline")
+        for k, parameter in enumerate(found.names):
+            std = float(found.std[k])
+            numbers = (found.values[k], std, found.nominal[k])
+            cells = [_rounded(float(x), std) for x in numbers]
+            row = [_symbol(parameter), *cells, _unit(found.units[k])]
+            lines.append(" & ".join(row) + r" \\")
+    return "\n".join([*lines, r"\hline", r"\end{tabular}", ""])
+
+
+def _rounded(x: float, std: float) -> str:
+    """With so many decimals as two digits of the deviation have; a dash for NaN."""
+    if math.isnan(x):
+        return "--"
+    known = math.isfinite(std) and std > 0
+    decimals = max(0, 1 - math.floor(math.log10(std))) if known else 6
+    return f"${x:.{decimals}f}$"
+
+
+def _symbol(parameter: str) -> str:
+    r"""`sigma_1` as `\sigma_{1}`; the mass `M` has no number."""
+    letter, _, number = parameter.partition("_")
+    return rf"$\{letter}_{{{number}}}$" if number else f"${letter}$"
+
+
+def _unit(unit: str) -> str:
+    return unit.replace(" ", r"\,").replace("^2", "$^2$")
