@@ -20,16 +20,16 @@ REQUIRED = $$($(BIN)/python -c "import sys, tomllib; \
 demo: .venv/libraries .venv/core
 	$(BIN)/orbident study spatial
 
-# Pyright has one thread: it runs beside the tests.
-test: types suite
+test: style types suite
 style: .venv/tested
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/lint-imports
-types: style
+types: .venv/tested
 	$(BIN)/pyright --pythonpath $(BIN)/python
 # Neighbours share fixtures: they stay in one process as long as there is other work.
-suite: style
+# Some tests have limits of time: nothing runs beside them.
+suite: style types
 	$(BIN)/pytest -n 2 --dist worksteal
 
 # The tests of the numerical core under AddressSanitizer and UBSan.

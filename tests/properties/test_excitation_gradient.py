@@ -95,5 +95,9 @@ def test_gradients_by_differences(recipe):
         (candidate.gradient * direction).sum(),
         (candidate.used_gradient * direction).sum(axis=(1, 2)),
     )
-    # Eigenvalues of the information spread over 1e10: six digits are left.
-    assert found == pytest.approx(expected, rel=1e-6, abs=1e-7)
+    # Of eigenvalues that spread over 1e10 six digits are left; the condition number is
+    # the root of the spread, and some random robots have far more.
+    spread = np.exp(2 * candidate.smooth) if recipe.objective == "cond" else 1e10
+    left = max(1e-6, 1e-16 * spread)
+    assert found[:1] == pytest.approx(expected[:1], rel=left, abs=1e-7)
+    assert found[1:] == pytest.approx(expected[1:], rel=1e-6, abs=1e-7)
