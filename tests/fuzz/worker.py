@@ -31,7 +31,9 @@ def _show_pages_for_a_moment() -> None:
     """`orbident view` would serve until it is interrupted."""
     import orbident.viewer.server as server
 
-    patch.object(server, "keep_moving", lambda page: page.advance(server.PERIOD)).start()
+    patch.object(
+        server, "keep_moving", lambda page: page.advance(server.PERIOD)
+    ).start()
 
 
 def _answer(request: dict[str, Any]) -> dict[str, Any]:
