@@ -1,7 +1,7 @@
 # The only two commands a newcomer needs: make demo, make test.
 PYTHON ?= python3.11
 BIN := .venv/bin
-# Bytecode is kept, whatever the shell has been told: without it every start of the
+# Bytecode is kept, whatever the shell's environment says: without it every start of the
 # command compiles its libraries anew, and the tests start it some hundred times.
 export PYTHONDONTWRITEBYTECODE =
 CORE := CMakeLists.txt $(shell find src/core -name '*.[ch]pp')
