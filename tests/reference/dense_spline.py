@@ -53,7 +53,7 @@ class DenseSpline:
         return self._cross(a, at) @ self.weights
 
     def std(self, a, at):
-        """Of derivative a.
+        """Standard deviations of derivative a at these times.
 
         What samples explain is nearly all that there is: one step of refinement in
         longer numbers gives the digits that the difference of the two needs.

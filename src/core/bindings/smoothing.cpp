@@ -28,9 +28,8 @@ auto smooth_columns(const Array& t_, const Array& x_, const Array& density_, con
   {
     nb::gil_scoped_release release;
     const auto smooth = [&](std::ptrdiff_t c) {
-      const SampledColumn column{t.data(),         x.data() + c,     n,
-                                         columns,          h.data()[c],      noise_std.data()[c],
-                                         offset.data()[c], density.data()[c]};
+      const SampledColumn column{t.data(),           x.data() + c,     columns,          h.data()[c],
+                                 noise_std.data()[c], offset.data()[c], density.data()[c]};
       std::ptrdiff_t first = 0, last = n - 1;
       while (first < n && !column.sampled(first)) ++first;
       while (last > first && !column.sampled(last)) --last;

@@ -7,7 +7,7 @@ import math
 from orbident.estimation.result import Result
 
 COLUMNS = ("set", "parameter", "estimate", "std", "nominal", "unit", "formula")
-"""Of a CSV file. SI; empty where a parameter is not determined."""
+"""The columns of the CSV file, in SI; numbers that are not determined are empty."""
 
 SETS = ("base", "phi", "pi")
 """The sets of a result, in the order of its tables."""

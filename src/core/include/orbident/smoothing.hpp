@@ -10,7 +10,6 @@ namespace orbident {
 struct SampledColumn {
   const double* t;
   const double* x;
-  std::ptrdiff_t rows;
   // Between two rows of x, whose columns lie side by side.
   std::ptrdiff_t stride;
   // Units of time (s) and noise, and what is taken off the samples.

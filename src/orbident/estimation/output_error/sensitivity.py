@@ -96,11 +96,11 @@ class TakenForZero:
     problem: Problem
     solution: Solution
     groups: Collection[str] = ()
-    """Of disturbances, those that are asked about."""
+    """The groups of disturbances whose zeros are considered too."""
 
     @cached_property
     def errors(self) -> tuple[Calibration, ...]:
-        """Of the instruments."""
+        """The errors of instruments that the solution takes for zero."""
         selected = self.solution.state.selected
         return tuple(
             each for each in self.problem.calibrations if each.place not in selected
