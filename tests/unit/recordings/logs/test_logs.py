@@ -225,7 +225,7 @@ REST = Path(__file__).parents[5] / "shared" / "data" / "cepheus-vicon-rest.mat"
 
 @pytest.mark.skipif(
     not REST.exists(),
-    reason="the laboratory's recording is not ours to copy, and is not beside this checkout",
+    reason="the laboratory's recording is not ours to copy, and is not here",
 )
 def test_a_real_file_of_a_laboratory(tmp_path: Path):
     """Beside the same numbers as the laboratory's CSV has them."""
