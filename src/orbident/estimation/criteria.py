@@ -1,6 +1,6 @@
 """May the numbers be trusted? Every rule of acceptance is one check."""
 
-from collections.abc import Collection, Iterator
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -19,6 +19,7 @@ from orbident.estimation.residual_checks import CAUSES, residual_checks
 from orbident.estimation.reweighting import unsettled_weights
 from orbident.estimation.solve import Solved
 from orbident.files.names import joined, listed
+from orbident.robot.description import Robot
 
 # Deviations between two estimates of the same recording that are no chance.
 FAR = 3.0
@@ -69,7 +70,7 @@ def judge(solved: Solved, masses: dict[str, Quantity]) -> Judgement:
             *_mass(problem, estimate, shown or estimate),
             *positive_energy(problem, found.base),
             *_changes(estimate),
-            *_disturbances(estimate, problem.robot.disturbances),
+            *_disturbances(estimate, problem.robot),
             *agreement_of_routes(masses),
         ]
     return Judgement(tuple(checks), pi, phi, base)
@@ -134,25 +135,26 @@ def _mass(
     """Whether the mass is determined, and its forms of Eq. 32 agree."""
     M, std = estimate.mass.value, estimate.mass.std
     yield from _forms(problem, shown)
+    # Another method's deviations hold how far it is from what the sensors show.
+    own = estimate is shown
+    level: Level = "do not trust" if own else "with care"
+    richer = "record a richer or longer motion, with more momentum in the wheels"
+    remedy = richer if own else "identify by maximum-likelihood"
     history = estimate.history
     if history is not None and not history.determined[0]:
         yield Check(
             "mass",
-            "do not trust",
-            "mass: the recording tells hardly more than the nominal value that the "
-            "recursion starts from",
-            "record a richer or longer motion, with more momentum in the wheels",
+            level,
+            "mass: the recursion has learnt hardly more of it than the nominal value "
+            "that it starts from",
+            remedy,
         )
     elif not std < VAGUE * M:
-        # Another method's deviations hold how far it is from what the sensors show.
-        level: Level = "do not trust" if estimate is shown else "with care"
         yield Check(
             "mass",
             level,
             f"mass: found {M:.4g} kg with a standard deviation of {std:.2g} kg",
-            "record a richer or longer motion, with more momentum in the wheels"
-            if estimate is shown
-            else "identify by maximum-likelihood",
+            remedy,
             std / M,
             VAGUE,
         )
@@ -197,8 +199,11 @@ def _changes(estimate: Estimate) -> Iterator[Check]:
         yield Check("changes", "with care", words)
 
 
-def _disturbances(estimate: Estimate, asked: Collection[str]) -> Iterator[Check]:
-    """Care is needed where nobody had said that something acts."""
+def _disturbances(estimate: Estimate, robot: Robot) -> Iterator[Check]:
+    """Care is needed where nobody had said that something acts.
+
+    Momentum that wheels lose unseen looks like a torque, and gives another scale.
+    """
     fits = estimate.disturbances
     for group in dict.fromkeys(fit.group for fit in fits.values()):
         own = {name: fit for name, fit in fits.items() if fit.group == group}
@@ -209,9 +214,16 @@ def _disturbances(estimate: Estimate, asked: Collection[str]) -> Iterator[Check]
                 f"{name} = {fit.value:.3g} +- {fit.std:.1g} {fit.unit}"
                 for name, fit in own.items()
             )
+        asked = group in robot.disturbances
+        by_wheels = not asked and "torque" in group and robot.wheels
         yield Check(
             f"{group} from outside",
-            "trust" if group in asked else "with care",
+            "trust" if asked else "with care",
             f"{IN_WORDS[group]}: {sizes}; it was identified with the parameters, one "
             f"of which would be off by {largest.shift:.2g} sigmas without it",
+            "see that wheel speeds were measured and not commanded only: a wheel that "
+            "slows down unseen looks the same, and pi and M are then wrong by the part "
+            "of the speed that is lost"
+            if by_wheels
+            else "",
         )

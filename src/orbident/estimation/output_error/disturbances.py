@@ -17,7 +17,7 @@ from orbident.estimation.output_error.disturbance_sizes import (
     places_of,
     sizes_of,
 )
-from orbident.estimation.output_error.forms import IN_WORDS, NEEDS
+from orbident.estimation.output_error.forms import IN_WORDS, NEEDS, SLOW
 from orbident.estimation.output_error.noise_scaling import Fitted
 from orbident.estimation.output_error.problem import Problem, Unknowns
 from orbident.estimation.output_error.sensitivity import TakenForZero, fall
@@ -98,7 +98,7 @@ def with_disturbances(
         cost = solution.cost
     zeros = first = TakenForZero(problem, solution, every - {*excluded})
     for _ in range(ROUNDS):
-        more = _best(zeros, groups, search)
+        more = _best(zeros, groups, asked, cost, search)
         if more is None or _hopeless(problem, more[0].cost, cost):
             break
         solution, groups = more
@@ -140,10 +140,28 @@ def _without(groups: tuple[str, ...], group: str) -> tuple[str, ...]:
     return tuple(each for each in groups if each != group)
 
 
+def _with(
+    groups: tuple[str, ...], group: str, asked: tuple[str, ...]
+) -> tuple[str, ...]:
+    """One more, but of those that change slowly one only, beside what is asked for.
+
+    Two of them, in inertial and in base axes, follow whatever changes slowly, such as a
+    wheel's speed that is not as recorded.
+    """
+    others = [each for each in SLOW if group in SLOW and each not in asked]
+    return (*(each for each in groups if each not in others), group)
+
+
 def _best(
-    zeros: TakenForZero, groups: tuple[str, ...], search: Search
+    zeros: TakenForZero,
+    groups: tuple[str, ...],
+    asked: tuple[str, ...],
+    cost: float,
+    search: Search,
 ) -> tuple[Solution, tuple[str, ...]] | None:
     """The solution with the group that explains most; None where none is likely.
+
+    It explains more than those before it, of which it may take the place of one.
 
     An instrument that is off may look like a torque that changes slowly. Where its
     error, one number, explains the recording better than all numbers of a group do,
@@ -151,10 +169,11 @@ def _best(
     """
     tried, problem = [], zeros.problem
     for group in _likely(zeros, {*zeros.groups} - {*groups}):
-        more = search.first((*groups, group))
-        if not _impossible(problem, more, group):
-            size = places_of(problem, [group]).size
-            tried.append((more.cost + chdtri(size, CHANCE), more, (*groups, group)))
+        together = _with(groups, group, asked)
+        more = search.first(together)
+        worth = more.cost + chdtri(places_of(problem, [group]).size, CHANCE)
+        if worth < cost and not _impossible(problem, more, group):
+            tried.append((worth, more, together))
     if not tried:
         return None
     least, *best = min(tried, key=lambda each: each[0])
