@@ -19,6 +19,7 @@ sys.path.insert(0, str(Path(__file__).parents[1]))  # for random_robots
 import numpy as np
 from random_flights import SEEDS, flight, flights, flyers, recorded
 from recordings import Clean, designed
+from scoring import fits_remembered
 from table import lines
 
 import orbident as oi
@@ -100,8 +101,9 @@ def of_robot(name: str, seeds: int = SEEDS) -> ByMethod:
     """All recordings of one robot."""
     done: ByMethod = {method: Runs() for method in METHODS}
     for seed in range(seeds):
-        for method in METHODS:
-            done[method].take(flight(name), seed, method)
+        with fits_remembered():
+            for method in METHODS:
+                done[method].take(flight(name), seed, method)
     return done
 
 
