@@ -9,7 +9,7 @@ from jaxtyping import Bool
 from orbident.estimation.check import Check, Level
 from orbident.estimation.estimate import Estimate
 from orbident.estimation.kinetic_energy import positive_energy
-from orbident.estimation.mass_routes import agreement_of_routes
+from orbident.estimation.mass_routes import agreement_of_routes, beside_nominal
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.obstacles import surprise
 from orbident.estimation.output_error.forms import IN_WORDS
@@ -72,6 +72,7 @@ def judge(solved: Solved, masses: dict[str, Quantity]) -> Judgement:
             *_changes(estimate),
             *_disturbances(estimate, problem.robot),
             *agreement_of_routes(masses),
+            *beside_nominal(estimate.mass, problem.robot.mass),
         ]
     return Judgement(tuple(checks), pi, phi, base)
 

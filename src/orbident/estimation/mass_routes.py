@@ -1,5 +1,6 @@
 """The total mass by several routes: which count, and whether they agree."""
 
+import math
 from collections.abc import Iterator
 
 import numpy as np
@@ -18,6 +19,20 @@ DISAGREE = 5.0
 
 MATTERS = 0.03
 """and this part of the mass: Eq. 32's deviation counts white noise only."""
+
+TIMES = 3.0
+"""So many times the nominal mass is no error of a CAD model."""
+
+WHEEL_UNITS = {
+    "degrees per second": 180 / math.pi,
+    "turns per minute": 30 / math.pi,
+    "turns per second": 0.5 / math.pi,
+}
+"""What a speed of 1 rad/s is in other units: pi and M are so many times too large where
+wheel speeds in them are taken for rad/s."""
+
+NEAR = 1.5
+"""Times: nominal masses are hardly further off."""
 
 
 def is_a_mass(value: float, std: float, M: Quantity) -> bool:
@@ -74,3 +89,33 @@ def agreement_of_routes(masses: dict[str, Quantity]) -> Iterator[Check]:
             "of Eq. 32 count white noise only"
         )
     yield Check("routes to the mass", level, reason, remedy, max(over.values()), 1.0)
+
+
+def beside_nominal(M: Quantity, nominal: float) -> Iterator[Check]:
+    """Whether the mass is far from the nominal one, as it is with a wrong scale.
+
+    Wheels alone give the scale, so nothing else in a recording shows that their speeds
+    are in another unit, or their inertia is wrong.
+
+    Args:
+        M: the identified mass, kg.
+        nominal: the mass in the robot file, kg.
+    """
+    times = M.value / nominal
+    if not (times > TIMES or times < 1 / TIMES):
+        return
+    units = [
+        unit for unit, factor in WHEEL_UNITS.items() if 1 / NEAR < times / factor < NEAR
+    ]
+    yield Check(
+        "mass beside the nominal one",
+        "with care",
+        f"mass: {M.value:.4g} kg is {times:.2g} times the nominal {nominal:.4g} kg, "
+        "and only the wheels say how large pi and M are",
+        f"see whether wheel speeds are in {units[0]} and not in rad/s"
+        if units
+        else "check the unit of wheel speeds and the wheels' inertia, unless the robot "
+        "holds or has lost a load",
+        times,
+        TIMES,
+    )

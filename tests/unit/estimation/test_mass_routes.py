@@ -6,6 +6,7 @@ import pytest
 from orbident.estimation.mass import mass_of
 from orbident.estimation.mass_routes import (
     agreement_of_routes,
+    beside_nominal,
     is_a_mass,
     sigmas_apart,
 )
@@ -110,3 +111,30 @@ def test_the_check_says_how_far():
     assert check.level == "with care"
     assert "weigh the robot" in check.remedy
     assert check.statistic > check.limit
+
+
+@pytest.mark.parametrize("times", [0.4, 0.7, 1.0, 1.3, 2.9])
+def test_a_mass_that_cad_may_be_off_by(times: float):
+    assert not [*beside_nominal(Quantity(13.0 * times, 0.1), 13.0)]
+
+
+@pytest.mark.parametrize(
+    ("times", "words"),
+    [
+        (57.3, "degrees per second"),
+        (48.0, "degrees per second"),
+        (9.55, "turns per minute"),
+        (0.159, "turns per second"),
+        (1e3, "the unit of wheel speeds"),
+        (-2.0, "the unit of wheel speeds"),
+        (4.0, "the unit of wheel speeds"),
+    ],
+)
+def test_a_mass_that_only_a_wrong_scale_gives(times: float, words: str):
+    (check,) = beside_nominal(Quantity(13.0 * times, 0.1), 13.0)
+    assert check.level == "with care"
+    assert words in check.words
+
+
+def test_a_mass_that_is_not_determined_is_not_compared():
+    assert not [*beside_nominal(Quantity(NAN, NAN), 13.0)]

@@ -6,6 +6,7 @@ from functools import partial
 import numpy as np
 
 from orbident.estimation.causes.events import event
+from orbident.estimation.causes.fast_clocks import fast_clocks
 from orbident.estimation.causes.frames import beside, missing_wheel
 from orbident.estimation.causes.instruments import freed, kinds
 from orbident.estimation.causes.jumps import jumps, steps
@@ -65,6 +66,11 @@ def causes(solved: Solved) -> Iterator[Check]:
         )
     elif shown:
         yield from _by_trials(solved, shown, conventions, jumped)
+    else:
+        # Without a fit nothing else can be scored.
+        for one in missing_wheel(problem):
+            if one.accepted:
+                yield _explained(one, now)
 
 
 def _by_trials(
@@ -117,7 +123,9 @@ def _explained(best: Trial, before: float) -> Check:
     return _found(
         f"{best.cause}: with that put right the recording is accepted "
         f"(chi-square falls by {falls:.2g})",
-        "correct it, or declare its tolerance in the robot file",
+        "correct it, or declare its tolerance in the robot file"
+        if best.tolerable
+        else "correct it",
         falls,
     )
 
@@ -125,7 +133,7 @@ def _explained(best: Trial, before: float) -> Check:
 def _tried(
     solved: Solved, conventions: list[CorrectedConvention], before: float
 ) -> list[Trial]:
-    """The plainest first: where one of these explains all, the rest need not be.
+    """The plainest first: where some of these explain all, the rest need not be.
 
     All others are tried in the order of what they would explain to first order.
     """
@@ -140,10 +148,9 @@ def _tried(
         clocks,
         wandering,
     ):
-        for one in some(problem):
-            trials.append(_sure(one, before))
-            if trials[-1].accepted:
-                return trials
+        trials += [_sure(one, before) for one in some(problem)]
+        if any(one.accepted for one in trials):
+            break
     return trials
 
 
@@ -182,6 +189,7 @@ def _likeliest(solved: Solved) -> Iterator[Trial]:
         *steps(problem, shown),
         *drifts(problem),
         *soft_joints(problem),
+        *fast_clocks(problem),
     ):
         first = score(problem, shown.solution, suspect)
         gain = first.falls - price * first.numbers.size

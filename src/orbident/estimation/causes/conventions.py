@@ -51,11 +51,13 @@ def conventions(problem: MomentumProblem) -> Iterator[Convention]:
 
 def _vector(robot: Robot, name: str, vector: str) -> Iterator[Convention]:
     for words, R in _other_axes(robot):
-        what = "the signs" if words == "sign" else f"the axes ({words})"
+        what = words if words.startswith("the sign") else f"the axes ({words})"
         # A rotation of the position is one of the inertial axes the other way round.
         inertial = vector == "v_S" and np.linalg.det(R) > 0
-        of = f"{name}, or the inertial axes of the attitude" if inertial else name
-        yield Convention(f"{what} of the {of} differ", _turned(vector, R))
+        of = f"{name}, or the inertial axes of the attitude," if inertial else name
+        one = what.startswith("the sign of") and not inertial
+        verb = "differs" if one else "differ"
+        yield Convention(f"{what} of the {of} {verb}", _turned(vector, R))
 
 
 def _attitude(robot: Robot) -> Iterator[Convention]:
@@ -95,9 +97,10 @@ def _other_axes(robot: Robot) -> Iterator[tuple[str, Matrix]]:
                 )
                 yield f"the order: x, y, z are its {', '.join(used)}", R
             elif len(flipped) == 3:
-                yield "sign", R
+                yield "the signs", R
             elif flipped:
-                yield f"the sign of {' and '.join(flipped)}", R
+                signs_of = "the sign of" if len(flipped) == 1 else "the signs of"
+                yield f"{signs_of} {' and '.join(flipped)}", R
 
 
 def _rates(problem: MomentumProblem) -> tuple[str, ...]:

@@ -61,7 +61,7 @@ def freed(problem: MomentumProblem, kind: ErrorKind) -> Iterator[Trial]:
         # As many unknowns explain so much by chance (Schwarz 1978).
         price = len(errors) * np.log(problem.samples.t.size)
         words = _in_words(kind, errors)
-        yield found._replace(cause=words, misfit=found.misfit + price)
+        yield found._replace(cause=words, misfit=found.misfit + price, tolerable=True)
 
 
 def kinds(robot: Robot) -> Iterator[ErrorKind]:

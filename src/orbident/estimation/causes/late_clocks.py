@@ -95,7 +95,7 @@ def clocks(problem: MomentumProblem) -> Iterator[Trial]:
                 for name, error in errors.items()
             }
         )
-        found = found._replace(cause=words)
+        found = found._replace(cause=words, tolerable=True)
         changes = [abs(error.value) for error in errors.values()]
         if found.accepted or not SETTLED < max(changes, default=0.0) < UNKNOWN:
             break

@@ -30,6 +30,8 @@ class Trial(NamedTuple):
     estimate: Estimate | None = None
     seen: bool = False
     """Whether samples show it by themselves: then no fall in the misfit is wanted."""
+    tolerable: bool = False
+    """Whether the robot file can declare a tolerance that covers it."""
 
 
 def trial(cause: str, problem: MomentumProblem) -> Trial:
