@@ -9,12 +9,11 @@ from orbident.estimation.causes.suspects import Numbers, Suspect
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.recordings.recording import Recording
 
-SMALL_RATE = 1e-5
+SMALL = 1e-5
 """A clock that is so much too fast is a millisecond off after 100 s."""
 
 CLOCKS = {
     "joints": ("joint.", "wheel."),
-    "attitude": ("attitude.",),
     "position": ("position.",),
 }
 """Sensors that may have a clock of their own, and what their columns begin with."""
@@ -36,17 +35,21 @@ def fast_clocks(problem: MomentumProblem) -> Iterator[Suspect]:
             recording = problem.recording
             return problem.amended(recording=_slower(recording, columns, c[0]))
 
-        yield Suspect(words, np.array([SMALL_RATE]), corrected)
+        yield Suspect(words, np.array([SMALL]), corrected)
 
 
 def _slower(recording: Recording, columns: tuple[str, ...], part: float) -> Recording:
-    """What is recorded at `t` is what was so at `(1 + part) t`; rates go with it."""
+    """What is recorded at `t` is what was so at `(1 + part) t`; `t_0` is zero.
+
+    A row beyond the ends of the recording is still near enough.
+    """
     t = recording.t
-    at = t[0] + (t - t[0]) / (1 + part)
+    at, row = t[0] + (t - t[0]) / (1 + part), float(np.median(np.diff(t)))
     right = {}
     for name, column in recording.columns.items():
         seen = np.isfinite(column)
         if name.startswith(columns) and np.count_nonzero(seen) > 1:
-            between = CubicSpline(t[seen], column[seen], extrapolate=False)
-            right[name] = between(at)
+            first, last = t[seen][[0, -1]]
+            near = (at > first - row) & (at < last + row)
+            right[name] = np.where(near, CubicSpline(t[seen], column[seen])(at), np.nan)
     return recording.with_columns(right)
