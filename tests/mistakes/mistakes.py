@@ -20,8 +20,10 @@ QUICK = (
     "one wheel negated",
     "attitude sensor turned 5 deg",
     "joint2 zero off 20 mrad",
+    "wheels lose 1 %, recorded as constant",
 )
-"""A wrong sign, a wrong frame and a wrong zero; the long test has all."""
+"""A wrong sign, frame and zero, and what looks like a slow torque; the long test has
+all."""
 
 
 MOST_GROUPS = 3

@@ -42,7 +42,7 @@ class Burn(NamedTuple):
     carried: Float[np.ndarray, "n 3 4"]
     """Its integral."""
     rows: Int[np.ndarray, " n"]
-    """Of the recording."""
+    """Rows of the recording."""
 
 
 class Rows(NamedTuple):

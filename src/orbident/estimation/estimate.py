@@ -78,9 +78,9 @@ class Estimate:
     settled: bool = True
     """Whether the weights of the residuals no longer changed from round to round."""
     history: History | None = None
-    """Of a recursion."""
+    """The course of a recursion; None for other methods."""
     signals: Signals = ()
-    """Of the sensors, where these are what is fitted."""
+    """What sensors showed and what was predicted, where sensors are what is fitted."""
     solution: Solution | None = None
     """Where the search ended, where these are what is fitted."""
     shared: Callable[[], Shared] | None = None

@@ -89,7 +89,7 @@ def difference(one: Known, other: Known) -> float:
 
 
 def widened(estimate: Estimate, shown: Estimate, whole: bool) -> Estimate:
-    """With deviations that include how far it is from what the sensors show.
+    """Widen deviations by how far an estimate is from what the sensors show.
 
     Maximum likelihood has the least variance, so that a difference from it has no part
     in common with its error (Hausman 1978): the mean square error of another estimate

@@ -66,7 +66,7 @@ class EstimatedParameters(NamedTuple):
     phi: Known
     base: Known
     covariance: Float[np.ndarray, "n n"]
-    """Of `[pi, phi]`."""
+    """The covariance of `[pi, phi]`."""
 
 
 def found_linear(sets: MinimalSets, fits: Fits, mass: Mass) -> EstimatedParameters:

@@ -167,7 +167,7 @@ def _in_stretches(recording: Opened, estimator: Estimator) -> Opened:
 
 
 def _masses(weighing: Weighing | None, estimate: Estimate) -> dict[str, Quantity]:
-    """By every route that gives one, the method's own last."""
+    """The mass by every route that gives one, the method's own last."""
     masses = dict(estimate.masses)
     if weighing is not None and weighing.status == "ok":
         masses = {BURN: weighing.mass, **masses}

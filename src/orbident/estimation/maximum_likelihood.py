@@ -70,7 +70,7 @@ class Likelihood:
     """What acted from outside."""
     sensors: dict[str, SensorFit]
     goodness: Goodness
-    """Of all residuals over the declared noise, or that found where none is."""
+    """The fit of all residuals over declared noise, or over estimated noise."""
     converged: bool
     settled: bool
     """Whether noise and weights of outliers no longer changed from round to round."""

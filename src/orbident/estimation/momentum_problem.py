@@ -38,11 +38,11 @@ class MomentumProblem:
     recording: Recording
     """Without samples that cannot be true."""
     rejected: Mapping[str, Mapping[str, int]]
-    """By column and reason, how many samples were left out."""
+    """How many samples were left out, by column and reason."""
     notes: tuple[str, ...]
     """What is odd about it, and was left as it is."""
     clocks: Mapping[str, Delay]
-    """By sensor, by how much its clock is behind that of the base rate."""
+    """How far each sensor's clock is behind that of the base rate."""
     samples: Samples
     initial_momentum: InitialMomentum
     fits: Fits
@@ -54,7 +54,7 @@ class MomentumProblem:
 
     @property
     def late(self) -> dict[str, float]:
-        """By sensor, by how much its clock is taken to be behind, s."""
+        """How far each sensor's clock is taken to be behind, s."""
         return corrections(self.clocks)
 
     @cached_property
@@ -77,7 +77,7 @@ class MomentumProblem:
         return all(fit.unexplained <= ROUNDING * fit.explained for fit in fits)
 
     def beginning(self, samples: int) -> "MomentumProblem":
-        """Of so many samples at most."""
+        """The problem of its first samples, so many at most."""
         recording = self.recording
         if recording.t.size <= samples:
             return self
@@ -89,7 +89,7 @@ class MomentumProblem:
     def amended(
         self, robot: Robot | None = None, recording: Recording | None = None
     ) -> "MomentumProblem":
-        """With another robot file, or another recording; on the same clocks."""
+        """The same problem with another robot file or recording, on the same clocks."""
         robot = robot or self.robot
         same = robot.joints is self.robot.joints
         changed = replace(

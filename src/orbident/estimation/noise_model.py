@@ -234,7 +234,7 @@ def _starts(
 
 
 def _hessian(f, x: Float[np.ndarray, " n"]) -> Float[np.ndarray, "n n"]:
-    """By central differences."""
+    """The Hessian by central differences."""
     n = x.size
     H = np.empty((n, n))
     e = STEP * np.eye(n)

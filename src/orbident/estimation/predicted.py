@@ -169,7 +169,7 @@ def _fitted(
     t: Float[np.ndarray, " n"],
     batches: list[_Sides],
 ) -> Signal:
-    """With the nuisances that fit best."""
+    """The prediction with the nuisances that fit best."""
     known, predicted, N = (
         np.concatenate(parts) for parts in zip(*batches, strict=True)
     )

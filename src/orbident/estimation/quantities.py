@@ -145,9 +145,9 @@ class Identified:
     base: EstimatedSet
     """The free-flying base parameters `M, sigma, iota`."""
     base_covariance: Float[np.ndarray, "beta beta"] = field(repr=False)
-    """Of `M, sigma, iota`; NaN where one is not determined."""
+    """The covariance of `M, sigma, iota`; NaN where one is not determined."""
     covariance: Float[np.ndarray, "n n"] = field(compare=False, repr=False)
-    """Of `[pi, phi]`; NaN where one is not determined."""
+    """The covariance of `[pi, phi]`; NaN where one is not determined."""
 
     def nothing(self) -> "Identified":
         """The same parameters, none of them determined."""

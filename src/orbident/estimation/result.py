@@ -44,7 +44,7 @@ class Result(Identified):
     condition_number: dict[str, float]
     residual: dict[str, Any]
     biases: Mapping[str, Mapping[str, float]]
-    """Of sensors, with their standard deviations; SI."""
+    """Biases of sensors, with their standard deviations; SI."""
     calibration: Mapping[str, CalibrationFit] = field(default_factory=dict)
     """The errors of instruments that have a tolerance."""
     disturbances: Mapping[str, DisturbanceFit] = field(default_factory=dict)
@@ -58,9 +58,9 @@ class Result(Identified):
     )
     """What explains a refusal once it is put right; it takes some seconds."""
     clocks: Mapping[str, Delay]
-    """By sensor, by how much its clock is behind that of the base rate."""
+    """How far each sensor's clock is behind that of the base rate."""
     rejected: Mapping[str, Mapping[str, int]]
-    """By column and reason, how many samples were left out."""
+    """How many samples were left out, by column and reason."""
     origins: dict[str, str]
     """How rates and velocities were obtained: measured, or derived."""
     samples: int

@@ -185,7 +185,7 @@ def _residual(estimate: Estimate) -> dict[str, Any]:
 def _sensitivity(
     estimate: Estimate, identified: Identified, refused: bool
 ) -> SensitivityTable | None:
-    """Of exact data deviations are rounding, and shifts over them say nothing."""
+    """For exact data deviations are rounding, and shifts over them say nothing."""
     if estimate.sensitivity is None or refused:
         return None
     found = estimate.sensitivity()
@@ -202,7 +202,7 @@ def _sensitivity(
 
 
 def _signals(problem: MomentumProblem, estimate: Estimate) -> Callable[[], Signals]:
-    """Of a million samples the equations' would take memory that few want."""
+    """For a million samples the equations' would take memory that few want."""
     if estimate.signals:
         return lambda: estimate.signals
     return partial(

@@ -17,7 +17,7 @@ class SensitivityTable:
     errors: tuple[str, ...]
     """Such as `joint.elbow.zero`."""
     units: tuple[str, ...]
-    """Of each error: the shifts are for one mrad, mm or %."""
+    """The unit of each error: shifts are for one mrad, mm or %."""
     shifts: Float[np.ndarray, "parameters errors"]
     """NaN for a parameter that is not determined."""
 

@@ -52,7 +52,7 @@ class LinearFit(NamedTuple):
     """The unknowns that are no parameters."""
     nuisances_std: Float[np.ndarray, " m"]
     rms: float
-    """Of the residual, per row that was not needed to fix an unknown."""
+    """The root mean square of the residual, per row not needed to fix an unknown."""
     explained: float
     """Norm of what the parameters explain of it, nuisance apart."""
     unexplained: float
@@ -138,7 +138,7 @@ def _explained_freed(R: Float[np.ndarray, "all all"], layout: Layout) -> float:
 
 
 def condition_numbers(factor: Float[np.ndarray, "n n"]) -> tuple[float, float]:
-    """Of the columns as they are, and of the columns scaled to unit norm."""
+    """The condition of the columns as they are, and scaled to unit norm."""
     if factor.size == 0:
         return 1.0, 1.0
     norms = np.linalg.norm(factor, axis=0)

@@ -23,7 +23,7 @@ class LowFrequencies(NamedTuple):
     """The power of residuals at low frequencies, over that of white noise."""
 
     ratio: float
-    """Of the axis on which it is largest."""
+    """The power of the axis on which it is largest."""
     limit: float
 
 

@@ -14,7 +14,7 @@ DEGREE = np.pi / 180
 
 
 FIELDS = {"joint": ("q", "qd"), "wheel": ("qd_rw",)}
-"""Of the samples."""
+"""Fields of `Samples` that hold joints and wheels."""
 RATES = {"joint": "velocity", "wheel": "speed"}
 """Beside positions."""
 
@@ -27,10 +27,10 @@ class Convention:
     """What is wrong, if it is this: a clause."""
     amended: Callable[[MomentumProblem], Samples]
     columns: Mapping[str, tuple[str, float]] = field(default_factory=dict)
-    """By name of a joint or wheel column: the column that replaces it, and a factor."""
+    """The column that replaces a joint or wheel column, and a factor, by its name."""
 
     def recording(self, recording: Recording) -> Recording:
-        """With its columns put right."""
+        """The recording with its columns put right."""
         right = {
             name: factor * recording.columns[source]
             for name, (source, factor) in self.columns.items()

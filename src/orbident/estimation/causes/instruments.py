@@ -30,7 +30,7 @@ class ErrorKind(NamedTuple):
     """Errors of one kind, as unknowns."""
 
     words: str
-    """With the joint or wheel in the place of `{}`."""
+    """The cause, with the joint or wheel in the place of `{}`."""
     names: str
     """A pattern that the names of its errors match; its group is a joint or wheel."""
     tolerance: Mapping[str, Any]
@@ -100,7 +100,7 @@ def kinds(robot: Robot) -> Iterator[ErrorKind]:
 
 
 def _in_words(kind: ErrorKind, errors: Mapping[str, CalibrationFit]) -> str:
-    """With the error that stands out most."""
+    """The words of a kind, with its error that stands out most."""
     name = max(errors, key=lambda name: abs(errors[name].value) / errors[name].std)
     named = name.split(".")
     axis = f" along {named[-1]}" if named[-1] in "xyz" else ""

@@ -120,7 +120,7 @@ def _roughly(problem: MomentumProblem) -> dict[str, float]:
 
 
 def _behind(problem: MomentumProblem, late: Late) -> MomentumProblem:
-    """With later clocks than the robot file says."""
+    """The problem with later clocks than the robot file says."""
     sensors = dict(problem.robot.sensors)
     for name, seconds in late.items():
         for each in SHARED[name]:

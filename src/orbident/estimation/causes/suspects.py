@@ -22,7 +22,7 @@ from orbident.estimation.output_error.solver import Solution
 from orbident.preprocessing.delays import delays
 
 ROUNDS = 4
-"""Of a trial and a better guess, as long as it explains more."""
+"""Most rounds of a trial and a better guess, as long as it explains more."""
 
 SETTLED = 0.3
 """Deviations: a change of the guess that is less brings nothing."""
@@ -36,7 +36,7 @@ class Suspect(NamedTuple):
     words: Callable[[Numbers], str]
     """What is wrong, with the numbers: a clause."""
     small: Numbers
-    """Of each number, a change whose effect is in proportion to it."""
+    """A change of each number whose effect is in proportion to it."""
     corrected: Callable[[MomentumProblem, Numbers], MomentumProblem]
     """Robot and recording with these numbers put right; not yet fitted again."""
 
@@ -47,7 +47,7 @@ class Score(NamedTuple):
     numbers: Numbers
     std: Numbers
     falls: float
-    """By so much the sum of squares would fall."""
+    """How much the sum of squares would fall."""
 
 
 NOTHING = Score(np.zeros(0), np.zeros(0), 0.0)

@@ -73,6 +73,6 @@ def prior_of(
 def with_others(
     prior: Prior, others: Shared, calibrations: Sequence[Calibration]
 ) -> Prior:
-    """With what other recordings of the robot say of `beta` and of its instruments."""
+    """Add what other recordings of the robot say of `beta` and its instruments."""
     rows = others.over(calibrations)
     return prior._replace(others=np.hstack([np.zeros((len(rows), OUTSIDE)), rows]))

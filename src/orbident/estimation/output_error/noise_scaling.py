@@ -23,7 +23,7 @@ LEAST = 1e-3
 ROUNDS = 6
 
 TAKEN = 0.5
-"""Of a sensor's noise that unknowns take up, at most: what is less was not there."""
+"""The most of a sensor's noise that unknowns take up: what is less was not there."""
 
 LOST = 2
 """Rounds without a solution, one after another: other weights bring none."""
@@ -76,7 +76,7 @@ def rescaled(weights: BySensor, scales: Mapping[str, float]) -> BySensor:
 
 
 def robust(weights: BySensor, residuals: BySensor) -> BySensor:
-    """With Huber's weights for outliers among the whitened residuals."""
+    """Lower the weights of outliers among the whitened residuals (Huber 1964)."""
     return {
         name: weight * np.sqrt(HUBER / np.maximum(np.abs(residuals[name]), HUBER))
         for name, weight in weights.items()
@@ -171,7 +171,7 @@ def fitted(
 
 
 def _level(found: float, least: float, declared: bool) -> float:
-    """Of noise, over what is assumed: declared noise that is there is no less."""
+    """The noise over what is assumed: declared noise that is there is no less."""
     return 1.0 if declared and TAKEN < found < 1 else max(found, least)
 
 

@@ -31,7 +31,7 @@ SMALL_ERROR = {
     "1": ("%", 1e-2),
     "s": ("ms", 1e-3),
 }
-"""By SI unit: what a table counts errors in."""
+"""What a table counts errors in, by their SI unit."""
 
 
 class CalibrationFit(NamedTuple):
@@ -51,7 +51,7 @@ class Freed(NamedTuple):
     """SI or relative."""
     std: float
     chi2_drop: float
-    """By so much chi-square would fall; of one degree of freedom without an error."""
+    """How much chi-square would fall; chi-square of one degree without an error."""
 
 
 class Sensitivity(NamedTuple):
@@ -59,7 +59,7 @@ class Sensitivity(NamedTuple):
 
     names: tuple[str, ...]
     units: tuple[str, ...]
-    """Of the errors: mrad, mm, % or ms."""
+    """Units of the errors: mrad, mm, % or ms."""
     shift: Float[np.ndarray, "beta errors"]
     """Of the estimated `[M, sigma, iota]` by an error of one unit, SI."""
     covariance: Float[np.ndarray, "beta beta"]

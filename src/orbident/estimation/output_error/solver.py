@@ -44,7 +44,7 @@ class Prior(NamedTuple):
     """Whitened equations over the first unknowns, `[A, b]`: of other recordings."""
 
     def extended(self, more: int, std: float) -> "Prior":
-        """With so many unknowns more, which are about zero."""
+        """The prior with so many unknowns more, which are about zero."""
         return self._replace(
             values=np.append(self.values, np.zeros(more)),
             std=np.append(self.std, np.full(more, std)),

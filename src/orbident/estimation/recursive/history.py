@@ -39,10 +39,10 @@ class History(NamedTuple):
     """Normalised innovation squared: chi-square with `dof` degrees of freedom."""
     dof: Float[np.ndarray, " n"]
     statistic: Float[np.ndarray, " n"]
-    """Of the detector, over its threshold."""
+    """The detector's statistic over its threshold."""
     changes: tuple[Change, ...]
     covariance: Float[np.ndarray, "beta beta"]
-    """Of the last `beta`."""
+    """The covariance of the last `beta`."""
     determined: Bool[np.ndarray, " beta"]
     """Whether the samples, and not the prior, tell the last `beta`: without a wheel
     nothing tells the scale."""
@@ -52,7 +52,7 @@ class History(NamedTuple):
     declared: bool
     """Whether the noise of all sensors is, that the innovations are whitened with."""
     biases: dict[str, dict[str, float]]
-    """Of the sensors, at the end: `value` and `std`."""
+    """Biases of the sensors at the end: `value` and `std`."""
 
 
 class FilterHistory(NamedTuple):

@@ -34,25 +34,25 @@ class Noise(NamedTuple):
     """Standard deviations; SI."""
 
     gyro: float
-    """Of a sample, white, rad/s."""
+    """White noise of a rate sample, rad/s."""
     velocity: float
-    """Of a sample, white, m/s."""
+    """White noise of a velocity sample, m/s."""
     gyro_bias: float = LEAST
-    """Beforehand, rad/s."""
+    """Deviation of the gyro's bias beforehand, rad/s."""
     gyro_walk: float = 0.0
-    """Of the bias, rad/s/sqrt(s)."""
+    """Random walk of the gyro's bias, rad/s/sqrt(s)."""
     integrated: float = 0.0
     """1 where the attitude is the integrated gyro, and drifts with it; else 0."""
     attitude: float = 0.0
-    """Of a sample, white, rad."""
+    """White noise of an attitude sample, rad."""
     velocity_walk: float = 0.0
-    """Of a velocity that is integrated from an accelerometer, m/s/sqrt(s)."""
+    """Random walk of a velocity integrated from an accelerometer, m/s/sqrt(s)."""
     accelerometer_bias: float = LEAST
-    """Beforehand, m/s^2."""
+    """Deviation of the accelerometer's bias beforehand, m/s^2."""
     accelerometer_walk: float = 0.0
-    """Of the bias, m/s^2/sqrt(s)."""
+    """Random walk of the accelerometer's bias, m/s^2/sqrt(s)."""
     joint_rates: float = 0.0
-    """Of a sample, white, rad/s or m/s."""
+    """White noise of a joint rate sample, rad/s or m/s."""
     accelerometer: bool = False
     """Whether the velocity is integrated from one, and its bias an unknown."""
     declared: bool = True

@@ -12,7 +12,7 @@ from orbident.robot.description import Robot
 from orbident.robot.parameters import INERTIA, MASS, PER_BODY
 
 UNCERTAINTY = 0.3
-"""Of CAD values, relative."""
+"""The relative uncertainty of CAD values."""
 
 
 class GaussianPrior(NamedTuple):
@@ -72,7 +72,7 @@ def cad_prior(robot: Robot, uncertainty: float = UNCERTAINTY) -> GaussianPrior:
 
 
 def cad_covariance(robot: Robot, uncertainty: float) -> Float[np.ndarray, "beta beta"]:
-    """Of `beta`, as `cad_prior` has it."""
+    """The covariance of `beta`, as `cad_prior` has it."""
     m = robot.theta[:, MASS]
     trace = robot.theta[:, INERTIA][:, [0, 2, 5]].sum(axis=1)
     # A body's trace is twice its second moment, m l^2.
