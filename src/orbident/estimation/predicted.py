@@ -39,13 +39,13 @@ class Signal(NamedTuple):
     name: str
     axes: tuple[str, ...]
     units: tuple[str, ...]
-    """Of each axis."""
+    """Units of the axes."""
     t: Float[np.ndarray, " n"]
     """s."""
     measured: Float[np.ndarray, "n axes"]
     predicted: Float[np.ndarray, "n axes"]
     std: float
-    """Of the noise that the residuals show."""
+    """Deviation of the noise that the residuals show."""
 
     @property
     def sensor(self) -> str:
@@ -146,7 +146,7 @@ def equation_signals(
 
 
 class _Sides(NamedTuple):
-    """Of an equation, `known = predicted + nuisances n`."""
+    """Both sides of an equation, `known = predicted + nuisances n`."""
 
     known: Float[np.ndarray, "n axes"]
     predicted: Float[np.ndarray, "n axes"]

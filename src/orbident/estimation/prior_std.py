@@ -28,7 +28,7 @@ def prior_std(robot: Robot, sets: MinimalSets) -> Float[np.ndarray, " beta"]:
 
 
 EXACT = 1e-6
-"""Of the robot's own scale: smaller differences are interpolation's."""
+"""Differences below this part of the robot's own scale are interpolation's."""
 
 
 def exact_std(robot: Robot, sets: MinimalSets) -> Float[np.ndarray, " beta"]:

@@ -45,9 +45,9 @@ class Weighing:
     samples: int
     """In which that was measured."""
     impulse: Float[np.ndarray, "3"]
-    """Of the thrusters, inertial axes, N s."""
+    """Impulse of the thrusters, inertial axes, N s."""
     rms: float
-    """Of the residual: m, or m/s."""
+    """Root mean square of the residual: m, or m/s."""
     status: Literal["ok", "rejected"]
     warnings: tuple[str, ...]
 

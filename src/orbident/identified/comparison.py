@@ -31,7 +31,7 @@ class Comparison:
     status: Literal["changed", "no change", "rejected"]
     warnings: tuple[str, ...]
     change: ChiSquare | None = None
-    """Of the difference of the base parameters; None of rejected results."""
+    """Chi-square of the base parameters' difference; None for rejected results."""
     explanations: tuple[Explanation, ...] = ()
     """By one body that joined another, the most probable first."""
     body: str | None = None

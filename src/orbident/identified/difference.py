@@ -28,10 +28,10 @@ from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.description import Robot, Structure
 
 FLOOR = 1e-12
-"""Of a correlation matrix: its eigenvalues are known to rounding."""
+"""Eigenvalues of a correlation matrix below this are rounding."""
 
 ZERO = 1e-8
-"""Of singular values with columns of length one: dependent ones have 1e-13."""
+"""Singular values below this are zero: dependent columns of length one have 1e-13."""
 
 
 class Difference(NamedTuple):

@@ -43,7 +43,7 @@ class Flight(NamedTuple):
     """A folder that was written."""
 
     steps: int
-    """Of the recording, that `replay` takes."""
+    """How many steps of the recording `replay` takes."""
     memory: int
     """Numbers of a filter: 8 bytes each with double, 4 with float."""
     state: int

@@ -24,7 +24,7 @@ from orbident.recordings.recording import Recording
 from orbident.simulation.attitude import RateLaw, float_attitude, rate_law
 
 TOLERANCE = 1e-8
-"""Of the predicted attitude, rad: below what any sensor sees."""
+"""The error of the predicted attitude, rad: below what any sensor sees."""
 
 
 PART = 512

@@ -10,7 +10,7 @@ from jaxtyping import Float
 from orbident.extras import extra
 
 SMALLEST = 1e-3
-"""Of a matrix that could not stay near 1: its eigenvalues are at least this."""
+"""The least eigenvalue of a matrix that could not stay near 1."""
 ROOM = 1.05
 """So much further from the equations than need be may the nearest matrices lie."""
 TOLERANCE = 1e-10

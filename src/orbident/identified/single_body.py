@@ -35,13 +35,13 @@ class Explanation(NamedTuple):
     """About the origin of `body`'s frame, its axes; NaN where not determined."""
     covariance: Float[np.ndarray, "10 10"]
     left: ChiSquare
-    """Of what it leaves unexplained."""
+    """Chi-square of what it leaves unexplained."""
     probability: float
     """That it is this body, if it is one (Akaike's weight)."""
 
 
 def total(difference: Difference) -> ChiSquare:
-    """Of the difference itself: nothing but noise where nothing changed."""
+    """Chi-square of the difference itself: only noise where nothing changed."""
     return ChiSquare(
         float(np.sum((difference.W @ difference.d) ** 2)), difference.d.size
     )
@@ -65,7 +65,7 @@ def explanations(difference: Difference, robot: Robot) -> tuple[Explanation, ...
 
 
 def free_columns(robot: Robot, i: int) -> Int[np.ndarray, " free"]:
-    """Of `theta`: what the structure of body `i` leaves free."""
+    """The columns of `theta` that the structure of body `i` leaves free."""
     zero = robot.structure.get(robot.bodies[i], Structure()).zero_parameters()
     return np.array([k for k in range(PER_BODY) if SYMBOLS[k] not in zero])
 

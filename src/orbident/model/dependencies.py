@@ -30,7 +30,7 @@ FEWEST = 30
 then well conditioned."""
 
 ZERO = 1e-9
-"""Of the largest of a column: smaller parameters are rounding."""
+"""Parameters below this part of the largest of a column are rounding."""
 
 ROUNDING = 1e-16
 """Of a combination of length one. Without this, rounding of rounding of sixty bodies
@@ -49,7 +49,7 @@ class Columns:
 
     @property
     def count(self) -> int:
-        """Of all columns."""
+        """How many columns there are."""
         return self.theta_of.shape[1] + len(self.pairs)
 
     def bodies(self) -> Int[np.ndarray, " columns"]:

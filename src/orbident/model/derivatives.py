@@ -9,7 +9,7 @@ from orbident.model.minimal_sets import MinimalSets
 def derivatives_of_beta(
     sets: MinimalSets, beta: Float[np.ndarray, " beta"]
 ) -> tuple[Float[np.ndarray, "pi beta"], Float[np.ndarray, "phi beta"]]:
-    """Of `pi` and of `phi = sigma / M`, by `beta`."""
+    """The derivatives of `pi` and of `phi = sigma / M` by `beta`."""
     M, sigma, iota = sets.split(beta)
     n = sigma.size
     dphi = np.hstack([-sigma[:, None] / M**2, np.eye(n) / M, np.zeros((n, iota.size))])

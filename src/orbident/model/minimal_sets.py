@@ -33,9 +33,10 @@ from orbident.robot.parameters import MASS, PER_BODY
 from orbident.threads import one_blas_thread, processors
 
 MOST_PRODUCTS = 8000
-"""Of first moments: `pi` has nearly as many parameters, which takes some seconds."""
+"""Most products of first moments: `pi` has nearly as many parameters, which takes
+some seconds."""
 ROUNDING = 1e-12
-"""Of the largest coefficient of a relation between columns: smaller ones are zero."""
+"""Coefficients of a relation between columns below this part of the largest are 0."""
 MOST_JOINTS = 125
 """A joint shows one first moment at least, and products of so many are `MOST_PRODUCTS`.
 Random motion of more joints is not tried: its table grows with their square."""

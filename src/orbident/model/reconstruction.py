@@ -30,7 +30,7 @@ from orbident.robot.description import Robot
 from orbident.robot.parameters import PER_BODY
 
 TILT = [3, 4]
-"""Of the speeds: the rates about x and y, whose rows no planar motion shows."""
+"""The rates about x and y among the speeds, whose rows no planar motion shows."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -29,7 +29,7 @@ UNKNOWN_ATTITUDE = np.pi
 """Std of `phi` beforehand, rad."""
 
 GAUSS = np.sqrt(3) / 6
-"""Of a step, from its middle to each of the two Gauss points."""
+"""The part of a step from its middle to each of the two Gauss points."""
 
 
 class GyroNoise(NamedTuple):
@@ -46,9 +46,9 @@ class Fused(NamedTuple):
 
     x_WB: Float[np.ndarray, "n 4"]
     std: Float[np.ndarray, "n 3"]
-    """Of a small turn about each inertial axis, rad."""
+    """Deviation of a small turn about each inertial axis, rad."""
     bias: Float[np.ndarray, "n 3"]
-    """Of the gyro, base axes, rad/s."""
+    """Bias of the gyro, base axes, rad/s."""
     bias_std: Float[np.ndarray, "n 3"]
 
 
@@ -133,7 +133,7 @@ class _FusionPass(NamedTuple):
 
     x_WB: Float[np.ndarray, "n 4"]
     variance: Float[np.ndarray, "n 6"]
-    """Of `[phi, b]`."""
+    """Variances and covariances of `[phi, b]`."""
     bias: Float[np.ndarray, "n 3"]
 
 

@@ -12,13 +12,13 @@ TRIED = 100
 """Cut-off frequencies."""
 
 LOWEST, HIGHEST = 1e-4, 0.9
-"""Of those tried, over half the sampling rate."""
+"""The lowest and highest that are tried, over half the sampling rate."""
 
 NOISE_BAND = 0.75
 """Above so much of half the sampling rate there is taken to be nothing but noise."""
 
 ROUNDING = 1e-10
-"""Of the samples' RMS: less noise than that is none."""
+"""Noise below this part of the samples' RMS is none."""
 
 
 class CutOff(NamedTuple):
@@ -27,11 +27,11 @@ class CutOff(NamedTuple):
     frequency: float
     """Chosen, Hz."""
     noise_std: float
-    """Of the samples."""
+    """Noise of the samples."""
     f: Float[np.ndarray, " lines"]
-    """Of the spectrum, Hz; without zero."""
+    """Frequencies of the spectrum, Hz; without zero."""
     amplitude: Float[np.ndarray, " lines"]
-    """Of the sine at each line, in the unit of `x`."""
+    """Amplitude of the sine at each line, in the unit of `x`."""
     noise_amplitude: float
     """What noise alone has at each line, RMS."""
     cut_offs: Float[np.ndarray, " tried"]
@@ -114,7 +114,7 @@ def choose_cut_off(
 def _gain(
     f: np.ndarray, cut_off: float, rate: float, order: int
 ) -> Float[np.ndarray, " lines"]:
-    """Of the filter there and back; the bilinear transform bends frequencies."""
+    """The filter's gain there and back; the bilinear transform bends frequencies."""
     bent = np.tan(np.pi * np.minimum(f / rate, 0.4999)) / np.tan(np.pi * cut_off / rate)
     return 1 / (1 + bent ** (2 * order))
 

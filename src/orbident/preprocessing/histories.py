@@ -32,7 +32,7 @@ FULL_TURN = 2 * np.pi + 1e-6
 
 
 class Histories(NamedTuple):
-    """Of all joints, or of all wheels, in the robot's order."""
+    """Histories of all joints, or of all wheels, in the robot's order."""
 
     positions: Columns
     """Empty where they are not recorded."""

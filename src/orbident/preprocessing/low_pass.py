@@ -7,7 +7,7 @@ from orbident.errors import InputError
 from orbident.preprocessing.smoothing import Smoothed, smooth
 
 UNEVEN = 0.05
-"""Of a step: times printed with few digits stay inside."""
+"""Unevenness in parts of a step: times printed with few digits stay inside."""
 
 SETTLED = 5.0
 """Periods of the cut-off frequency after which a start is forgotten."""

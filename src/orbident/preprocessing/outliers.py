@@ -40,7 +40,7 @@ SIGMA = 1.4826
 """Std over median absolute value, of Gaussian noise."""
 
 BIT = 1e-14
-"""Of the largest sample: rounding of the predictions."""
+"""Rounding of the predictions, over the largest sample."""
 
 
 @dataclass(frozen=True, eq=False)

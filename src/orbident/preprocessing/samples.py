@@ -49,7 +49,7 @@ class Samples:
     x_WB: Columns
     qd_rw: Columns
     v_S: Columns
-    """Of S, inertial axes, m/s; empty where it cannot be had."""
+    """Velocity of S, inertial axes, m/s; empty where it cannot be had."""
     drift: Columns
     """What an accelerometer's bias adds to that, row-major; empty without one."""
     wrenches: tuple[RecordedWrench, ...]

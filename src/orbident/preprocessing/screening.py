@@ -19,7 +19,7 @@ MOVED = 1e-3
 """rad or m: a joint that moved more turns the base."""
 
 MARGIN = 0.05
-"""Of a joint's range: beyond its stops by so much it cannot have been."""
+"""Part of a joint's range: beyond its stops by so much it cannot have been."""
 
 
 FARTHER = 2.0
@@ -37,7 +37,7 @@ TILTED = 0.2
 """Sine of a tilt: no table is so steep, nor motion capture mounted so badly."""
 
 MOSTLY = 0.9
-"""Of the samples: single ones may be wrong."""
+"""Part of the samples that counts as all: single ones may be wrong."""
 
 
 @dataclass(frozen=True)

@@ -46,7 +46,7 @@ class Smoothed(NamedTuple):
     std_x: Float[np.ndarray, "m columns"]
     std_rate: Float[np.ndarray, "m columns"]
     noise_std: Float[np.ndarray, " columns"]
-    """Of the samples: what was given, or what was found; NaN where 4 tell nothing."""
+    """Noise of the samples, as given or as estimated; NaN where 4 say nothing."""
 
 
 class Column(NamedTuple):
@@ -67,7 +67,7 @@ class Roughness(NamedTuple):
     ratio: float
     """`q h^7 / noise_std^2`, `q` the two-sided spectral density of the snap."""
     noise_std: float
-    """Of the samples, in the unit of the column; NaN where only 4 tell nothing."""
+    """Noise of the samples, in the unit of the column; NaN where only 4 say nothing."""
     h: float
     """As the column's."""
     offset: float
@@ -246,7 +246,7 @@ def _searched(column: Column, std: float | None) -> Roughness:
 
 
 def _vertex(x: np.ndarray, y: np.ndarray) -> float:
-    """Of the parabola through the least `y` and its neighbours; `x` is even."""
+    """Vertex of the parabola through the least `y` and its neighbours; `x` is even."""
     k = int(np.argmin(y))
     if k in {0, x.size - 1}:
         return float(x[k])

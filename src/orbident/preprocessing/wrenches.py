@@ -27,7 +27,7 @@ class RecordedWrench(NamedTuple):
 
 
 def recorded_wrenches(robot: Robot, recording: Recording) -> tuple[RecordedWrench, ...]:
-    """Of thrusters, and of all together; without those that never act.
+    """Wrenches of thrusters, and of all together, without those that never act.
 
     Raises:
         InputError: a thruster's duty is not within 0 and 1, or its thrust is not in the

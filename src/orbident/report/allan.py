@@ -98,7 +98,7 @@ def figure_of(each: AxisNoise) -> Figure:
 
 
 def allan_deviation(x: Float[np.ndarray, " n"], m: int) -> float:
-    """Of means of `m` samples, overlapping; samples count as if they came evenly."""
+    """The deviation of overlapping means of `m` samples, as if these came evenly."""
     total = np.append(0.0, np.cumsum(x))
     change = total[2 * m :] - 2 * total[m:-m] + total[: -2 * m]
     return float(np.sqrt(np.mean(change**2) / 2)) / m

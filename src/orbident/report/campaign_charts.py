@@ -22,7 +22,7 @@ REACH = 4.0
 
 BARS = 32
 POINTS = 400
-"""Of a normal plot or a scatter: more would not be seen."""
+"""Points of a normal plot or a scatter: more would not be seen."""
 
 
 def histogram(z: Float[np.ndarray, " n"]) -> Figure:

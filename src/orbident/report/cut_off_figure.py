@@ -15,7 +15,7 @@ SIGNAL, NOISE, ERROR, CHOSEN = "#4477aa", "#ee6677", "#228833", "#333333"
 """Told apart by the colour-blind too (Tol 2021, bright)."""
 
 MOST_POINTS = 4000
-"""Of the spectrum: more than a picture has columns."""
+"""Most points of the spectrum: more than a picture has columns."""
 
 
 def draw_cut_off(cut_off: CutOff, path: str | Path, title: str, unit: str) -> None:
@@ -92,7 +92,7 @@ def _mark(axes: Axes, cut_off: CutOff) -> None:
 
 
 def _thinned(f: np.ndarray, amplitude: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Of many lines the largest in each of as many bands as can be seen."""
+    """The largest line in each of as many bands as can be seen."""
     if f.size <= MOST_POINTS:
         return f, amplitude
     starts = np.unique(np.searchsorted(f, np.geomspace(f[0], f[-1], MOST_POINTS)))

@@ -52,7 +52,7 @@ def cut_offs(found: Mapping[str, CutOff]) -> Section | None:
 
 
 def unit_of_signal(signal: str) -> str:
-    """Of the signal's samples."""
+    """The unit of the signal's samples."""
     return UNITS.get(signal.split(".", 1)[0], "rad")
 
 

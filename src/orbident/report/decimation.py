@@ -1,10 +1,10 @@
-"""Of many samples those that a picture shows: extremes of every column of pixels."""
+"""The samples that a picture shows: extremes of every column of pixels."""
 
 import numpy as np
 from jaxtyping import Float, Int
 
 COLUMNS = 600
-"""Of a chart: as wide as two of them are on a page."""
+"""Columns of pixels of a chart: as wide as two of them are on a page."""
 
 GAP = 5.0
 """Times the usual distance of samples: no line is drawn across,"""

@@ -98,7 +98,7 @@ def _tables(result: Result) -> Iterator[ReportTable]:
 
 
 def _unit_of(name: str) -> str:
-    """Of a sensor, or of one of its axes."""
+    """The unit of a sensor, or of one of its axes."""
     return UNITS[sensor_of(name).split(".")[0]]
 
 

@@ -42,7 +42,7 @@ ROUNDING = 1e-4
 """Relative: a chart is at least so much to either side."""
 
 SMALL = 1e-3
-"""Of the largest of its kind: beside a CAD value so small, percent say nothing."""
+"""A CAD value below this part of the largest of its kind: percent say nothing."""
 
 
 def parameters(result: Result, known_as: str) -> Section | None:

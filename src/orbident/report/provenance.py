@@ -36,7 +36,7 @@ def provenance(result: Result) -> Section:
 
 
 def references(result: Result) -> Section:
-    """Of the methods that were used."""
+    """References of the methods that were used."""
     smoothed = any("smooth" in origin for origin in result.origins.values())
     return Section(
         name="references",

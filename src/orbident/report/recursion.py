@@ -44,7 +44,7 @@ class Trail(NamedTuple):
     surprise: Float[np.ndarray, " n"]
     """Squared innovation over what is expected of it."""
     statistic: Float[np.ndarray, " n"]
-    """Of the detector of changes, over its threshold."""
+    """Statistic of the detector of changes, over its threshold."""
 
 
 def read_trail(path: Path) -> Trail | None:

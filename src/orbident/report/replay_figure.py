@@ -21,7 +21,7 @@ from orbident.scene.shapes import Shape, box
 
 FRAMES = 40
 MOST_VERTICES = 60
-"""Of a shape; a finer one is shown as the box around it."""
+"""Most vertices of a shape; a finer one is shown as the box around it."""
 
 
 def replay_figure(scene: Scene, motion: MotionHistory) -> Figure:

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 
 class TableRow(NamedTuple):
-    """Of a table."""
+    """One row of a table."""
 
     cells: tuple[str, ...]
     note: str = ""
@@ -13,7 +13,7 @@ class TableRow(NamedTuple):
 
 
 class ReportTable(NamedTuple):
-    """Of numbers, with units in its head."""
+    """A table of numbers, with units in its head."""
 
     title: str
     head: tuple[str, ...]

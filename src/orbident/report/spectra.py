@@ -11,14 +11,14 @@ LAGS = 40
 """Samples."""
 
 LINES = 2048
-"""Of a spectrum, before it is thinned."""
+"""Lines of a spectrum, before it is thinned."""
 
 DRAWN = 160
 """Bands of a spectrum, evenly spaced by logarithm."""
 
 
 class AmplitudeSpectrum(NamedTuple):
-    """Of one axis's residuals."""
+    """The spectrum of one axis's residuals."""
 
     f: Float[np.ndarray, " lines"]
     """Hz."""

@@ -11,23 +11,23 @@ class Tolerances:
     joint_zero: Mapping[str, float] = field(default_factory=dict)
     """By joint: of the angle or position where the encoder shows zero, rad or m."""
     joint_scale: Mapping[str, float] = field(default_factory=dict)
-    """By joint: relative."""
+    """Scale of the encoder by joint, relative."""
     joint_place: Mapping[str, float] = field(default_factory=dict)
     """By joint: of where it is, along each of its parent's axes, m."""
     joint_direction: Mapping[str, float] = field(default_factory=dict)
     """By joint: of its axis, about each of its parent's axes, rad."""
     wheel_inertia: float = 0.0
-    """Of each wheel's polar moment of inertia, relative."""
+    """Polar moment of inertia of each wheel, relative."""
     feature_point: float = 0.0
-    """Of the tracked point from `S`, along each base axis, m."""
+    """Distance of the tracked point from `S`, along each base axis, m."""
     attitude_misalignment: float = 0.0
-    """Of the attitude sensor's axes from the base's, about each axis, rad."""
+    """Turn of the attitude sensor's axes from the base's, about each axis, rad."""
     gyro_misalignment: float = 0.0
-    """Of the gyro's axes from the base's, about each axis, rad."""
+    """Turn of the gyro's axes from the base's, about each axis, rad."""
     gyro_scale: float = 0.0
-    """Of each axis, relative."""
+    """Scale of each axis of the gyro, relative."""
     position_scale: float = 0.0
-    """Of the position, relative."""
+    """Scale of the position, relative."""
     joint_clock: float = 0.0
     """By how much joints and wheels are shown late, s."""
     attitude_clock: float = 0.0

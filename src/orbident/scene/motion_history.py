@@ -52,9 +52,9 @@ class CentroidalMomentum(NamedTuple):
     r_cm: Float[np.ndarray, "n 3"]
     """m."""
     h_rs: Float[np.ndarray, "n 3"]
-    """Of the bodies (Eq. 3), N m s."""
+    """Momentum of the bodies (Eq. 3), N m s."""
     h_rw: Float[np.ndarray, "n 3"]
-    """Of the wheels' relative spin (Eq. 5), N m s."""
+    """Momentum of the wheels' relative spin (Eq. 5), N m s."""
     p: Float[np.ndarray, "n 3"]
     """Linear momentum, N s."""
 

@@ -75,7 +75,7 @@ class WheelJoint(NamedTuple):
     links: frozenset[str]
     """That turn with it."""
     p: Float[np.ndarray, "3"]
-    """Of its joint from S, base axes, m."""
+    """Where its joint is from S, base axes, m."""
 
 
 def rotors(robot: Robot) -> dict[int, WheelJoint]:

@@ -12,17 +12,17 @@ LINKS: tuple[Colour, ...] = ((68, 119, 170), (204, 187, 68), (34, 136, 51))
 """By turns along an arm; told apart by the colour-blind too (Tol 2021, bright)."""
 WHEEL: Colour = (70, 70, 78)
 MARK: Colour = (238, 102, 119)
-"""Of what shows that a wheel turns."""
+"""The colour of what shows that a wheel turns."""
 
 SIDES = 20
-"""Of a cylinder that stands for a round one."""
+"""How many sides a cylinder has that stands for a round one."""
 
 
 class Shape(NamedTuple):
     """A closed surface, fixed in one frame."""
 
     frame: int
-    """Of the scene: bodies come first, base first, then wheels."""
+    """Its number in the scene: bodies come first, base first, then wheels."""
     vertices: Float[np.ndarray, "v 3"]
     """In that frame, m."""
     faces: Int[np.ndarray, "f 3"]

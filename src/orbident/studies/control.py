@@ -73,7 +73,7 @@ class ControlStudy:
     """By how much the identified model is better: of joints and base, of all seeds,
     where it is least."""
     trajectory: Trajectory
-    """Of the identification."""
+    """The trajectory of the identification."""
     recording: Recording
     result: Result
     seeds: int

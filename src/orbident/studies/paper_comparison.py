@@ -18,7 +18,7 @@ class PaperRow:
     paper_error_percent: float | None
     true: float
     estimate: float
-    """Of the first seed."""
+    """The estimate of the first seed."""
     rms_error_percent: float = NAN
     """Over the seeds; NaN without noise."""
     worst_error_percent: float = NAN

@@ -25,7 +25,7 @@ FOLDED = np.array([2.5, -2.09])
 """Joints at those of Eq. 46's limits that fold the arm over the base, rad."""
 
 THRUSTERS = ("t2", "t3", "t6")
-"""Of all those that push down the table, with no moment about S together."""
+"""The thrusters that push down the table, with no moment about S together."""
 
 
 class Sines(NamedTuple):

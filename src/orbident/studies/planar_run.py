@@ -88,7 +88,7 @@ class PlanarRun(NamedTuple):
     """M from two slopes, kg."""
 
     def quantities(self, table: Table6) -> Float[np.ndarray, " quantities"]:
-        """Of each reading, and the errors of M from the burn, percent."""
+        """The quantities of each reading, and the errors of M from the burn, percent."""
         M = np.array([self.weighing.mass.value, self.by_slopes])
         readings = [reading.quantities(table) for reading in self.readings.values()]
         return np.concatenate([*readings, 100 * (M / table.true[-1] - 1)])

@@ -45,7 +45,7 @@ class PredictionScores(NamedTuple):
     """How well the validation run was predicted."""
 
     first: Validation | None
-    """Of the first seed; None where its result could not predict."""
+    """Validation of the first seed; None where its result could not predict."""
     rms_nrmse: dict[str, float]
     """Over the seeds."""
     worst_nrmse: dict[str, float]
@@ -66,7 +66,7 @@ class MethodResult(NamedTuple):
     rows: tuple[PaperRow, ...]
     """Table 6's parameters; the last is M by Eq. 32."""
     result: Result
-    """Of the first seed."""
+    """The result of the first seed."""
     validation: PredictionScores
 
 
@@ -78,7 +78,7 @@ class Weighed(NamedTuple):
     slopes: PaperRow
     """By the paper's two slopes."""
     weighing: Weighing
-    """Of the first seed."""
+    """The weighing of the first seed."""
 
     def to_json(self) -> dict[str, Any]:
         """As `weigh --json`, with errors."""
@@ -102,11 +102,11 @@ class PlanarStudy:
     """In the paper's basis, by the first of the methods."""
     trajectory: Trajectory
     recordings: Records
-    """Of the first seed."""
+    """The recordings of the first seed."""
     figures: Mapping[str, Figure]
-    """Of the first seed, by the first of the methods."""
+    """Figures of the first seed, by the first of the methods."""
     cut_offs: Mapping[str, CutOff]
-    """Of the paper's method's filters, by signal; empty without noise."""
+    """Cut-offs of the filters of the paper's method, by signal; empty without noise."""
     noisy: bool
     """Whether the sensors had noise."""
     seeds: int
@@ -126,7 +126,7 @@ class PlanarStudy:
 
     @property
     def result(self) -> Result:
-        """Of the first seed, by the first of the methods."""
+        """The result of the first seed, by the first of the methods."""
         return self.main.result
 
     @property

@@ -51,16 +51,16 @@ class SpatialStudy:
     by_sensor: Mapping[str, Float[np.ndarray, " parameters"]]
     """RMS error (%) with the noise of one sensor alone, by the paper's method."""
     cut_offs: Mapping[str, CutOff]
-    """Of the paper's filters, by signal; empty without noise."""
+    """Cut-offs of the paper's filters, by signal; empty without noise."""
     condition_number: dict[str, float]
     method: str
     noisy: bool
     """Whether the sensors had noise."""
     trajectory: Trajectory
     recording: Recording
-    """Of the first seed, as the sensors recorded it."""
+    """The recording of the first seed, as the sensors have it."""
     result: Result
-    """Of the first seed."""
+    """The result of the first seed."""
     seeds: int
     rejected: int
     """Seeds whose result was."""

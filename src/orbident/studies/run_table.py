@@ -40,7 +40,7 @@ class MethodParameter(NamedTuple):
     name: str
     true: float
     estimate: float
-    """Of the first seed, as `std` is."""
+    """The estimate of the first seed, as `std` is."""
     std: float
     rms_error_percent: float
     """Over the seeds."""
@@ -89,11 +89,11 @@ class TableStudy:
     """Why the paper's method refuses the first recording; empty where it does not."""
     trajectory: Trajectory
     recording: Recording
-    """Of the first seed."""
+    """The recording of the first seed."""
     result: Result
-    """Of maximum likelihood with what acts, of the first seed."""
+    """Maximum likelihood's result with what acts, of the first seed."""
     cut_offs: Mapping[str, CutOff]
-    """Of the paper's method's filters, by signal."""
+    """Cut-offs of the filters of the paper's method, by signal."""
     seeds: int
     rejected: int
     """Seeds whose maximum likelihood result was refused."""

@@ -51,7 +51,7 @@ class TableRun(NamedTuple):
     readings: dict[str, TableReading]
     """The parameters that each way of reading has: `paper`, `without` and `with`."""
     result: Result
-    """Of maximum likelihood that looks for what acts."""
+    """The result of maximum likelihood that looks for what acts."""
     refused: str
     """Why the paper's method refuses its result; empty where it does not."""
 

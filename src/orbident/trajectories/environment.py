@@ -106,9 +106,9 @@ class Orbit(MappingSchema):
     altitude: Annotated[float, BeforeValidator(_altitude)]
     inclination: Angle
     node: Angle = 0.0
-    """Of the ascending node, from inertial x."""
+    """Angle of the ascending node, from inertial x."""
     argument: Angle = 0.0
-    """Of latitude: from the ascending node."""
+    """Argument of latitude: the angle from the ascending node."""
 
 
 class AirDrag(MappingSchema):

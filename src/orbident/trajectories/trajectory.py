@@ -32,13 +32,13 @@ class InitialState:
     angular_velocity: Float[np.ndarray, "3"] = field(
         default_factory=lambda: np.zeros(3)
     )
-    """Of the base, base axes, rad/s."""
+    """Angular velocity of the base, base axes, rad/s."""
     attitude: Float[np.ndarray, "4"] = field(
         default_factory=lambda: np.array([0.0, 0.0, 0.0, 1.0])
     )
-    """Of the base in the inertial frame, unit quaternion, scalar last."""
+    """Attitude of the base in the inertial frame, unit quaternion, scalar last."""
     velocity: Float[np.ndarray, "3"] = field(default_factory=lambda: np.zeros(3))
-    """Of S, inertial axes, m/s."""
+    """Velocity of S, inertial axes, m/s."""
     wheel_speed: Mapping[str, float] = field(default_factory=dict)
     """Relative to the base, rad/s; a wheel that is absent stands still."""
 

@@ -65,7 +65,7 @@ class Gate:
 
     @property
     def path(self) -> str:
-        """Of the page."""
+        """The path of the page."""
         return f"/{self.token}/" if self.token else "/"
 
     def admits(

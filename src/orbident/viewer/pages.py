@@ -73,7 +73,7 @@ def _identified(result: Result, shown: str) -> Robot:
 
 
 def _folder(shown: str, robot: Robot) -> Path | None:
-    """Of the URDF, where the robot came from a file."""
+    """The folder of the URDF, where the robot came from a file."""
     path = Path(shown)
     if not path.is_file():
         return None

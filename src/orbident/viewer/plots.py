@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float
 
 MOST_POINTS = 400
-"""Of a curve: the panel is not wider."""
+"""Most points of a curve: the panel is not wider."""
 COLOURS = ("#ee6677", "#228833", "#4477aa", "#aa3377", "#ccbb44", "#66ccee")
 NOW = "#222222"
 

@@ -9,7 +9,7 @@ from jaxtyping import Float
 from orbident.scene.scene import Scene
 
 CELLS = 40
-"""Of the floor, in each direction."""
+"""Cells of the floor, in each direction."""
 
 
 class Floor:

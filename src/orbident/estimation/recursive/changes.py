@@ -50,7 +50,7 @@ class Detector:
     """The test, and how often it may be wrong."""
 
     rows: int
-    """Of an innovation."""
+    """Size of an innovation."""
     window: int = 20
     """Samples that the onset may lie back."""
     false_alarms: float = 1e-4

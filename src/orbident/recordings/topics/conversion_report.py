@@ -27,7 +27,7 @@ class TopicReport:
     rejected: dict[str, int]
     """Samples, and messages that could not be decoded, by reason."""
     duplicate_differs: int
-    """Of the rejected duplicates, how many held other values."""
+    """How many of the rejected duplicates held other values."""
     incomplete: int
     not_finite: int
     out_of_order: int

@@ -110,7 +110,7 @@ def _rotation(value: object) -> tuple[float, ...]:
 
 
 class Placed(Entry):
-    """Of a sensor that is turned against the base, `x_BS`, and may be at S."""
+    """A sensor that is turned against the base, `x_BS`, and may be at S."""
 
     frame: Literal["base"] | None = None
     rotation: (

@@ -32,7 +32,7 @@ class Timed:
     duplicate: int
     """Samples rejected because another has the same stamp."""
     duplicate_differs: int
-    """Of these, how many are not the same as the one that is kept."""
+    """How many of the rejected are not the same as the one that is kept."""
     out_of_order: int
     """Samples that came after one with a later stamp; they are used."""
 

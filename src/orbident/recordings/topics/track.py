@@ -40,7 +40,7 @@ class Arrived:
 
     values: Values
     stamps: Int[np.ndarray, " n"]
-    """Of the headers, ns; 0 where there is none."""
+    """Stamps of the headers, ns; 0 where there is none."""
     received: Int[np.ndarray, " n"]
     """When recorded, ns."""
 
