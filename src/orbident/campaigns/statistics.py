@@ -182,6 +182,6 @@ def _rank_correlation(
 
 
 def _chance(rho: float, n: int, pairs: int) -> float:
-    """By Student's t of a rank correlation, times the pairs (Bonferroni)."""
+    """The chance of a rank correlation by Student's t, times the pairs (Bonferroni)."""
     t = abs(rho) * np.sqrt((n - 2) / max(1 - rho**2, 1e-300))
     return float(min(1.0, pairs * 2 * stats.t.sf(t, n - 2)))

@@ -42,7 +42,7 @@ class MovingJoints(NamedTuple):
 
     @classmethod
     def of(cls, samples: Samples) -> "MovingJoints":
-        """By cubic splines through the samples."""
+        """Joints that move along cubic splines through the samples."""
         table = np.column_stack([*samples.q, *samples.qd, *samples.qd_rw])
         known = np.isfinite(table).all(axis=1)
         spline = CubicSpline(samples.t[known], table[known], extrapolate=False)

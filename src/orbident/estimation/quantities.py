@@ -40,7 +40,7 @@ UNITS = {
     "phi": "m",
     "pi": "kg m^2",
 }
-"""By what a parameter's name begins with."""
+"""Units by what a parameter's name begins with."""
 
 
 @dataclass(frozen=True)

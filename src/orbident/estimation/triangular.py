@@ -83,7 +83,7 @@ class Layout(NamedTuple):
 
     @property
     def columns(self) -> int:
-        """With the right-hand side."""
+        """How many columns there are, with the right-hand side."""
         return sum(self) + 1
 
 

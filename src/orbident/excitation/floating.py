@@ -124,7 +124,7 @@ class Craft:
     """A robot with one plausible inertia, floating with a constant momentum."""
 
     robot: Robot
-    """With that inertia."""
+    """The robot with that inertia."""
     sets: MinimalSets
     wheels: Wheels
     spin: Float[np.ndarray, " wheels"]

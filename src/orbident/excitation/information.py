@@ -34,7 +34,7 @@ class Sensing:
     """What is measured how well, and what of."""
 
     weights: dict[str, float]
-    """By sensor that is there: 1 over the variance of a second of it, SI."""
+    """One over the variance of a second of each sensor that is there, SI."""
     pi_of: Float[np.ndarray, "pi unknowns"]
     """`d pi` of a change of the unknowns."""
     phi_of: Float[np.ndarray, "phi unknowns"]

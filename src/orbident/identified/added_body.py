@@ -52,7 +52,7 @@ class AddedBody(NamedTuple):
     """Why no body can be like this, its covariance considered; None where one can."""
 
     def to_json(self) -> dict[str, Any]:
-        """With 95 % intervals, and the covariance of the ten parameters."""
+        """The body with 95 % intervals and the covariance of its ten parameters."""
         sets = {
             "com": self.com,
             "inertia_about_com": self.I_com,

@@ -33,7 +33,7 @@ class Comparison:
     change: ChiSquare | None = None
     """Chi-square of the base parameters' difference; None for rejected results."""
     explanations: tuple[Explanation, ...] = ()
-    """By one body that joined another, the most probable first."""
+    """Explanations by one body that joined another, the most probable first."""
     body: str | None = None
     """What the captured body is attached to; None where there is none."""
     added: AddedBody | None = None

@@ -59,7 +59,7 @@ def parameters_as_latex(result: Result) -> str:
 
 
 def _rounded(x: float, std: float) -> str:
-    """With so many decimals as two digits of the deviation have; a dash for NaN."""
+    """The number to two digits of its deviation; a dash for NaN."""
     if math.isnan(x):
         return "--"
     known = math.isfinite(std) and std > 0

@@ -33,8 +33,7 @@ from orbident.robot.parameters import MASS, PER_BODY
 from orbident.threads import one_blas_thread, processors
 
 MOST_PRODUCTS = 8000
-"""Most products of first moments: `pi` has nearly as many parameters, which takes
-some seconds."""
+"""Most products of first moments: with so many in `pi` it takes some seconds."""
 ROUNDING = 1e-12
 """Coefficients of a relation between columns below this part of the largest are 0."""
 MOST_JOINTS = 125

@@ -38,7 +38,7 @@ def attitude_delay(
     fixes: Float[np.ndarray, "n 4"],
     declared: float = 0.0,
 ) -> Delay | None:
-    """By how much the times of attitude fixes are behind the gyro's.
+    """How much the times of attitude fixes are behind the gyro's.
 
     Args:
         t: times, s.

@@ -1,4 +1,4 @@
-"""By how much each sensor's times are behind those of the base rate."""
+"""How much each sensor's times are behind those of the base rate."""
 
 from collections.abc import Mapping
 from typing import NamedTuple
@@ -28,7 +28,7 @@ SETTLED = 1e-6
 
 
 class Delay(NamedTuple):
-    """By how much the times of a sensor are behind those of the base rate."""
+    """How much the times of a sensor are behind those of the base rate."""
 
     late: float
     """s."""

@@ -55,7 +55,7 @@ class Samples:
     wrenches: tuple[RecordedWrench, ...]
     """What is known to act on the base."""
     surroundings: Surroundings
-    """By `nadir`, `flow`, `sun` and `field`, what was recorded of them."""
+    """What was recorded of `nadir`, `flow`, `sun` and `field`."""
     locked: tuple[str, ...]
     """Joints that did not move: held at their mean, with zero rate."""
     shares: tuple[float, ...]

@@ -46,7 +46,7 @@ class Screened:
 
     recording: Recording
     rejected: Mapping[str, Mapping[str, int]]
-    """By column and reason, how many samples."""
+    """How many samples were rejected, by column and reason."""
     notes: tuple[str, ...] = ()
     """What cannot quite be true, and was left as it is."""
 

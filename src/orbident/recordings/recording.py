@@ -42,7 +42,7 @@ class Recording:
     t: Float[np.ndarray, " samples"]
     """Time, s."""
     columns: Mapping[str, Float[np.ndarray, " samples"]]
-    """By name, as in the file; without `t`."""
+    """Columns by name, as in the file; without `t`."""
     source: str = "recording"
     """Where it came from, for messages."""
 

@@ -45,7 +45,7 @@ def _first_of_each(hit: np.ndarray, column: np.ndarray) -> Int[np.ndarray, " col
 def with_gaps(
     t: Float[np.ndarray, " n"], x: Float[np.ndarray, " n"]
 ) -> tuple[Float[np.ndarray, " m"], Float[np.ndarray, " m"]]:
-    """With a NaN wherever a sensor was silent for long."""
+    """The samples with a NaN wherever a sensor was silent for long."""
     dt = np.diff(t)
     if not dt.size:
         return t, x

@@ -52,7 +52,7 @@ def embedded(data: object) -> str:
 
 
 def _drawable(data: object) -> object:
-    """With gaps, which plotly knows as null, for what is not finite."""
+    """The data with gaps, plotly's null, for what is not finite."""
     if isinstance(data, dict):
         return {key: _drawable(value) for key, value in data.items()}
     if isinstance(data, list | tuple):

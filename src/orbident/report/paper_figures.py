@@ -20,7 +20,7 @@ QUANTITIES = {
     "m/s": "velocity (m/s)",
     "N": "force (N)",
 }
-"""By unit."""
+"""The words on an axis, by unit."""
 
 PREDICTED = " predicted"
 """How the names of predicted curves end."""

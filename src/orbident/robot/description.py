@@ -103,7 +103,7 @@ class Robot:
     wheels: tuple[Wheel, ...] = ()
     thrusters: tuple[Thruster, ...] = ()
     structure: Mapping[str, Structure] = field(default_factory=dict)
-    """By body name; a body that is absent is arbitrary."""
+    """Structure of bodies by name; a body that is absent is arbitrary."""
     pads: Mapping[str, Float[np.ndarray, "3"]] = field(default_factory=dict)
     """The middle of each body's air bearings, in the body's frame, m, by its name."""
     disturbances: tuple[str, ...] = ()

@@ -31,7 +31,7 @@ class Bodies:
     joints: tuple[Joint, ...]
     theta: Float[np.ndarray, "bodies 10"]
     placements: dict[str, Placement]
-    """By link name."""
+    """Where each link is, by its name."""
 
 
 def fused(

@@ -207,7 +207,7 @@ class SensorsSpec(MappingSchema):
         return names
 
     def in_si(self) -> dict[str, Any]:
-        """By sensor, what is said of it."""
+        """What is said of each sensor."""
         sensors: dict[str, Any] = {}
         for name in self.suites:
             sensors |= sensor_suite(name)

@@ -9,13 +9,13 @@ class Tolerances:
     """Standard deviations of calibration errors; zero where there are none."""
 
     joint_zero: Mapping[str, float] = field(default_factory=dict)
-    """By joint: of the angle or position where the encoder shows zero, rad or m."""
+    """Angle or position where the encoder shows zero, by joint, rad or m."""
     joint_scale: Mapping[str, float] = field(default_factory=dict)
     """Scale of the encoder by joint, relative."""
     joint_place: Mapping[str, float] = field(default_factory=dict)
-    """By joint: of where it is, along each of its parent's axes, m."""
+    """Place of a joint along each of its parent's axes, by joint, m."""
     joint_direction: Mapping[str, float] = field(default_factory=dict)
-    """By joint: of its axis, about each of its parent's axes, rad."""
+    """Direction of a joint's axis about each of its parent's axes, by joint, rad."""
     wheel_inertia: float = 0.0
     """Polar moment of inertia of each wheel, relative."""
     feature_point: float = 0.0
@@ -29,8 +29,8 @@ class Tolerances:
     position_scale: float = 0.0
     """Scale of the position, relative."""
     joint_clock: float = 0.0
-    """By how much joints and wheels are shown late, s."""
+    """How much joints and wheels are shown late, s."""
     attitude_clock: float = 0.0
-    """By how much the attitude is shown late, s."""
+    """How much the attitude is shown late, s."""
     position_clock: float = 0.0
-    """By how much the position is shown late, s."""
+    """How much the position is shown late, s."""

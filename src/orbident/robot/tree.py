@@ -18,7 +18,7 @@ class LinkTree:
     base: str
     links: dict[str, UrdfLink]
     children: dict[str, tuple[UrdfJoint, ...]]
-    """By parent link: the joints below it, in the URDF's order."""
+    """Joints below each parent link, in the URDF's order."""
     place: str
     """The URDF's name, for messages."""
 

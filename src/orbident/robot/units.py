@@ -68,7 +68,7 @@ UNITS: dict[str, dict[str, float]] = {
         "ug/sqrt(Hz)": 1e-6 * STANDARD_GRAVITY,
     },
 }
-"""By dimension: each accepted unit's value in SI; the first one is SI's own."""
+"""Each accepted unit's value in SI, by dimension; the first one is SI's own."""
 UNITS["angle or length"] = UNITS["angle"] | UNITS["length"]
 
 

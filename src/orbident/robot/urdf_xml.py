@@ -20,7 +20,7 @@ _JOINT = {
     "axis": {"xyz": 3},
     "limit": {"lower": 1, "upper": 1, "velocity": 1},
 }
-"""By element and attribute: how many numbers."""
+"""How many numbers an element's attribute has."""
 
 
 def checked_xml(text: str, place: str) -> ET.Element:

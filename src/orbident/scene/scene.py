@@ -79,7 +79,7 @@ class WheelJoint(NamedTuple):
 
 
 def rotors(robot: Robot) -> dict[int, WheelJoint]:
-    """By index of the wheel, those that the URDF has as joints."""
+    """Wheels that the URDF has as joints, by the index of the wheel."""
     entries = enumerate(robot.document.get("wheels", ()))
     joints = {entry["joint"]: k for k, entry in entries if "joint" in entry}
     if not joints:

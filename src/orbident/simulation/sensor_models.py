@@ -19,7 +19,7 @@ KINDS: dict[str, type[Sensor]] = {
     "attitude": AttitudeTracker,
     "position": PositionTracker,
 }
-"""By the section's keys."""
+"""Trackers by the keys of their sections."""
 
 
 @dataclass(frozen=True)

@@ -68,7 +68,7 @@ class ControlStudy:
     """How well the same task was tracked with either model."""
 
     errors: Mapping[str, Tracked]
-    """By model; RMS over the seeds."""
+    """RMS errors over the seeds, by model."""
     factor: float
     """By how much the identified model is better: of joints and base, of all seeds,
     where it is least."""

@@ -30,7 +30,7 @@ class Filters:
     """
 
     cut_offs: dict[str, CutOff] = field(default_factory=dict)
-    """By signal."""
+    """Cut-offs of the filters, by signal."""
 
     def smooth(
         self, t: Float[np.ndarray, " n"], x: Float[np.ndarray, " n"], name: str

@@ -11,7 +11,7 @@ COEFFICIENTS = {
     "attitude": ("angle",),
     "position": ("std",),
 }
-"""By sensor, what its section must give even where it is zero."""
+"""What a sensor's section must give even where it is zero."""
 
 
 def sensors_alone(sensors: Mapping[str, Any], noisy: str) -> dict[str, Any]:

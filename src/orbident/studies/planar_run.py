@@ -82,13 +82,13 @@ class PlanarRun(NamedTuple):
 
     records: Records
     readings: dict[str, PlanarReading]
-    """By method, the paper's first."""
+    """Readings by method, the paper's first."""
     weighing: Weighing
     by_slopes: float
     """M from two slopes, kg."""
 
     def quantities(self, table: Table6) -> Float[np.ndarray, " quantities"]:
-        """The quantities of each reading, and the errors of M from the burn, percent."""
+        """Quantities of each reading, and the errors of M from the burn, percent."""
         M = np.array([self.weighing.mass.value, self.by_slopes])
         readings = [reading.quantities(table) for reading in self.readings.values()]
         return np.concatenate([*readings, 100 * (M / table.true[-1] - 1)])

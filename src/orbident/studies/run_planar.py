@@ -74,9 +74,9 @@ class Weighed(NamedTuple):
     """The mass by the burn."""
 
     row: PaperRow
-    """By least squares over all samples."""
+    """The mass by least squares over all samples."""
     slopes: PaperRow
-    """By the paper's two slopes."""
+    """The mass by the paper's two slopes."""
     weighing: Weighing
     """The weighing of the first seed."""
 

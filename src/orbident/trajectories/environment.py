@@ -150,12 +150,12 @@ class Environment(MappingSchema):
     slow_force: SlowForce | None = None
     bursts: tuple[Burst, ...] = ()
     thrusters: dict[str, Thrust] = Field(default_factory=dict)
-    """By the names of the robot file."""
+    """Thrusters by the names of the robot file."""
     tilt: Annotated[tuple[float, float], each_of("angle", 2)] | None = None
     """How far the table falls along inertial x and y."""
     uneven: Uneven | None = None
     film_drag: dict[str, Film] = Field(default_factory=dict)
-    """By body."""
+    """Drag of the air film, by body."""
     orbit: Orbit | None = None
     gravity_gradient: bool = False
     air_drag: AirDrag | None = None

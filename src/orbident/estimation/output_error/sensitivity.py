@@ -69,7 +69,7 @@ class Sensitivity(NamedTuple):
     """`[R_c, z]`: the equations of the errors after those of all other unknowns."""
 
     def falls(self, which: Sequence[int]) -> float:
-        """By so much chi-square would fall if all of these were unknowns."""
+        """How much chi-square would fall if all of these were unknowns."""
         return fall(self.left, np.array(which))
 
     def in_deviations(

@@ -205,7 +205,7 @@ def groups(tree: Tree) -> dict[str, Group]:
 
 
 def _group(name: str, fields: Mapping[str, LogField]) -> Group:
-    """With the time of every field along the same axis as its name says."""
+    """The group with the time of every field along the same axis as its name says."""
     time = Group(name, fields).time
     samples = fields[time].count if time else 0
     return Group(name, {key: each.along(samples) for key, each in fields.items()})
