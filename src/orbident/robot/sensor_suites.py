@@ -92,7 +92,7 @@ SUITES: Mapping[str, Mapping[str, Mapping[str, Any]]] = {
         },
     },
 }
-"""Suites of sensors, SI. Rates are those of the recording's rows where none is given."""
+"""Suites of sensors, SI. Rates not given are those of the recording's rows."""
 
 
 def sensor_suite(name: str) -> dict[str, dict[str, Any]]:
