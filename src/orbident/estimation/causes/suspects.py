@@ -127,8 +127,9 @@ def _left(changed: MomentumProblem, solution: Solution) -> Float[np.ndarray, " n
     # The places of calibrations are others where there are other wheels.
     places = np.array([float(each.place) for each in equations.declared])
     same = equations.boundaries.size == len(solution.state.x_WB)
+    same &= all(len(each) == equations.t.size for each in solution.weights.values())
     if not same or places.size != solution.state.selected.size:
-        raise InputError("other intervals or calibration errors: not comparable")
+        raise InputError("other rows, intervals or calibration errors: not comparable")
     state = solution.state._replace(selected=places)
     here = linear(equations, solution.weights, state)
     # After one step of all other unknowns.
