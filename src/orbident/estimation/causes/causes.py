@@ -89,7 +89,7 @@ def _by_trials(
     trials = [*jumped, *_tried(solved, conventions, before)]
     if corrected and now < before:
         trials.append(Trial(corrected.cause, False, now))
-    best = min(trials, key=_rank, default=None)
+    best = _best(trials)
     if best is not None and best.accepted:
         if corrected and before - now > MOST * (before - best.misfit):
             best = best._replace(cause=f"{corrected.cause}, and {best.cause}")
@@ -204,6 +204,15 @@ def _as_small_as_noise(trial: Trial) -> bool:
     """Then no event is left to explain, though the residuals may not be white."""
     goodness = trial.estimate and trial.estimate.goodness
     return bool(goodness and goodness.per_dof < NOISY**2)
+
+
+def _best(trials: list[Trial]) -> Trial | None:
+    """The best trial; of those that explain alike the one that was likelier."""
+    best = min(trials, key=_rank, default=None)
+    if best is None or not best.accepted:
+        return best
+    alike = best.misfit + WORTH
+    return next(one for one in trials if one.accepted and one.misfit < alike)
 
 
 def _rank(trial: Trial) -> tuple[bool, float]:
