@@ -97,9 +97,7 @@ def with_disturbances(
         solution = search.first(asked)
         cost = solution.cost
     zeros = first = TakenForZero(problem, solution, every - {*excluded})
-    # Tests to first order hold at a minimum; a bad fit that has none is none of theirs.
-    lost = not start.converged and cost > _bad(problem)
-    for _ in range(0 if lost else ROUNDS):
+    for _ in range(ROUNDS):
         more = _best(zeros, groups, asked, cost, search)
         if more is None or _hopeless(problem, more[0].cost, cost):
             break
@@ -187,12 +185,8 @@ def _best(
 
 def _hopeless(problem: Problem, cost: float, before: float) -> bool:
     """Whether the fit is bad, and a group more explains hardly any of it."""
-    return cost > max(_bad(problem), LEFT * before)
-
-
-def _bad(problem: Problem) -> float:
-    """The chi-square beyond which a fit is bad."""
-    return BAD * sum(int((weight > 0).sum()) for weight in problem.weights.values())
+    samples = sum(int((weight > 0).sum()) for weight in problem.weights.values())
+    return cost > max(BAD * samples, LEFT * before)
 
 
 def start_with(
