@@ -1,6 +1,7 @@
 """`python tests/mistakes/clean.py`: recordings without a mistake, by every method.
 
-How many are refused, and how often the 95 % intervals hold what is true.
+How many are refused, and how often the 95 % intervals hold what is true. The seconds of
+the first method include the fit of the sensors by which the others are judged too.
 """
 
 import argparse
@@ -19,7 +20,7 @@ sys.path.insert(0, str(Path(__file__).parents[1]))  # for random_robots
 import numpy as np
 from random_flights import SEEDS, flight, flights, flyers, recorded
 from recordings import Clean, designed
-from scoring import fits_remembered
+from remembered_fits import fits_remembered
 from table import lines
 
 import orbident as oi

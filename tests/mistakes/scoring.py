@@ -1,23 +1,18 @@
 """What a method made of a recording, beside what is true."""
 
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple
-from unittest.mock import patch
 
 import numpy as np
 from mistake import Mistake
 from mistakes import names_cause
 from recordings import clean
+from remembered_fits import fits_remembered
 from spoiled import Spoiled
 
 import orbident as oi
-from orbident.estimation.estimate import Estimate, Progress
 from orbident.estimation.estimators import METHODS, Method
-from orbident.estimation.momentum_problem import MomentumProblem
-from orbident.estimation.output_error.estimator import OutputError
 from orbident.estimation.result import Result
 
 MOST = 5.0
@@ -135,37 +130,6 @@ class Row(NamedTuple):
     def excused(self, method: Method) -> bool:
         """Whether what is accepted and wrong could not have been known."""
         return self.unobservable and self.scores[method].outcome == "wrong"
-
-
-@contextmanager
-def fits_remembered() -> Iterator[None]:
-    """Fit the sensors of a recording once, for all methods that are judged by it.
-
-    They make the same problem of the same recording, but for its clocks.
-    """
-    fit = OutputError.estimate
-    # With the problem: a robot that is gone leaves its `id` to another one.
-    known = dict[tuple, tuple[MomentumProblem, Estimate]]()
-
-    def remembered(
-        self: OutputError, problem: MomentumProblem, progress: Progress
-    ) -> Estimate:
-        recording = problem.recording
-        columns = {name: x.tobytes() for name, x in recording.columns.items()}
-        key = (
-            self.steps,
-            id(problem.robot),
-            problem.initial_momentum,
-            recording.t.tobytes(),
-            tuple(sorted(columns.items())),
-            tuple(sorted(problem.late.items())),
-        )
-        if key not in known:
-            known[key] = problem, fit(self, problem, progress)
-        return known[key][1]
-
-    with patch.object(OutputError, "estimate", remembered):
-        yield
 
 
 def row(

@@ -50,6 +50,7 @@ def judge(solved: Solved, masses: dict[str, Quantity]) -> Judgement:
         masses: by every route.
     """
     problem, hindered, estimate, shown, _ = solved
+    robot = problem.robot
     names = {check.name for check in hindered}
     found, none = estimate.found, not hindered
     pi = found.pi.determined & (not names & {"scale", "at rest"})
@@ -70,9 +71,9 @@ def judge(solved: Solved, masses: dict[str, Quantity]) -> Judgement:
             *_mass(problem, estimate, shown or estimate),
             *positive_energy(problem, found.base),
             *_changes(estimate),
-            *_disturbances(estimate, problem.robot),
+            *_disturbances(estimate, robot),
             *agreement_of_routes(masses),
-            *beside_nominal(estimate.mass, problem.robot.mass),
+            *beside_nominal(estimate.mass, robot.mass, len(robot.wheels)),
         ]
     return Judgement(tuple(checks), pi, phi, base)
 
@@ -223,8 +224,8 @@ def _disturbances(estimate: Estimate, robot: Robot) -> Iterator[Check]:
             f"{IN_WORDS[group]}: {sizes}; it was identified with the parameters, one "
             f"of which would be off by {largest.shift:.2g} sigmas without it",
             "see that wheel speeds were measured and not commanded only: a wheel that "
-            "slows down unseen looks the same, and pi and M are then wrong by the part "
-            "of the speed that is lost"
+            "slows down unseen looks the same, and pi and M are then wrong by up to the "
+            "part of the speed that is lost"
             if by_wheels
             else "",
         )

@@ -32,7 +32,8 @@ WHEEL_UNITS = {
 wheel speeds in them are taken for rad/s."""
 
 NEAR = 1.5
-"""Times: nominal masses are hardly further off."""
+"""Times that an identified mass may be off a unit's factor: CAD values are hardly
+further off."""
 
 
 def is_a_mass(value: float, std: float, M: Quantity) -> bool:
@@ -91,15 +92,16 @@ def agreement_of_routes(masses: dict[str, Quantity]) -> Iterator[Check]:
     yield Check("routes to the mass", level, reason, remedy, max(over.values()), 1.0)
 
 
-def beside_nominal(M: Quantity, nominal: float) -> Iterator[Check]:
+def beside_nominal(M: Quantity, nominal: float, wheels: int) -> Iterator[Check]:
     """Whether the mass is far from the nominal one, as it is with a wrong scale.
 
-    Wheels alone give the scale, so nothing else in a recording shows that their speeds
-    are in another unit, or their inertia is wrong.
+    Wheels or known thrust alone give the scale, so nothing else in a recording shows
+    that wheel speeds are in another unit, or that inertia or thrust is wrong.
 
     Args:
         M: the identified mass, kg.
         nominal: the mass in the robot file, kg.
+        wheels: how many wheels the robot has.
     """
     times = M.value / nominal
     if not (times > TIMES or times < 1 / TIMES):
@@ -107,15 +109,15 @@ def beside_nominal(M: Quantity, nominal: float) -> Iterator[Check]:
     units = [
         unit for unit, factor in WHEEL_UNITS.items() if 1 / NEAR < times / factor < NEAR
     ]
+    known = "wheel speeds and the wheels' inertia" if wheels else "the thrust"
     yield Check(
         "mass beside the nominal one",
         "with care",
         f"mass: {M.value:.4g} kg is {times:.2g} times the nominal {nominal:.4g} kg, "
-        "and only the wheels say how large pi and M are",
+        f"and only {'wheels' if wheels else 'thrust'} can say how large pi and M are",
         f"see whether wheel speeds are in {units[0]} and not in rad/s"
-        if units
-        else "check the unit of wheel speeds and the wheels' inertia, unless the robot "
-        "holds or has lost a load",
+        if wheels and units
+        else f"check the unit of {known}, unless the robot holds or has lost a load",
         times,
         TIMES,
     )

@@ -89,7 +89,7 @@ class MomentumProblem:
     def amended(
         self, robot: Robot | None = None, recording: Recording | None = None
     ) -> "MomentumProblem":
-        """The same problem with another robot file or recording, on the same clocks."""
+        """This problem with another robot file or recording; its clocks stay."""
         robot = robot or self.robot
         same = robot.joints is self.robot.joints
         changed = replace(

@@ -22,7 +22,8 @@ class Shape(NamedTuple):
     """A closed surface, fixed in one frame."""
 
     frame: int
-    """Its number in the scene: bodies come first, base first, then wheels."""
+    """The number of the frame that the shape is fixed in: 0 is the base's, then those
+    of the other bodies follow in their order, then those of the wheels."""
     vertices: Float[np.ndarray, "v 3"]
     """In that frame, m."""
     faces: Int[np.ndarray, "f 3"]

@@ -24,7 +24,8 @@ from orbident.trajectories.environment import Environment
 from orbident.trajectories.trajectory import InitialState, Trajectory
 
 MOST_HARMONICS = 1000
-"""Harmonics of a joint: no motion needs a hundred; a table takes 0.1 GB."""
+"""Most harmonics of a joint. No motion needs a hundred, and a table of a thousand over
+time takes 0.1 GB."""
 SCHEMA = "orbident/trajectory/1"
 
 

@@ -115,7 +115,7 @@ def test_the_check_says_how_far():
 
 @pytest.mark.parametrize("times", [0.4, 0.7, 1.0, 1.3, 2.9])
 def test_a_mass_that_cad_may_be_off_by(times: float):
-    assert not [*beside_nominal(Quantity(13.0 * times, 0.1), 13.0)]
+    assert not [*beside_nominal(Quantity(13.0 * times, 0.1), 13.0, 1)]
 
 
 @pytest.mark.parametrize(
@@ -131,10 +131,16 @@ def test_a_mass_that_cad_may_be_off_by(times: float):
     ],
 )
 def test_a_mass_that_only_a_wrong_scale_gives(times: float, words: str):
-    (check,) = beside_nominal(Quantity(13.0 * times, 0.1), 13.0)
+    (check,) = beside_nominal(Quantity(13.0 * times, 0.1), 13.0, 1)
     assert check.level == "with care"
     assert words in check.words
 
 
 def test_a_mass_that_is_not_determined_is_not_compared():
-    assert not [*beside_nominal(Quantity(NAN, NAN), 13.0)]
+    assert not [*beside_nominal(Quantity(NAN, NAN), 13.0, 1)]
+
+
+def test_without_wheels_the_thrust_gives_the_scale():
+    (check,) = beside_nominal(Quantity(13.0 * 57.3, 0.1), 13.0, 0)
+    assert "wheel" not in check.words
+    assert "the unit of the thrust" in check.words
