@@ -224,8 +224,8 @@ def _disturbances(estimate: Estimate, robot: Robot) -> Iterator[Check]:
             f"{IN_WORDS[group]}: {sizes}; it was identified with the parameters, one "
             f"of which would be off by {largest.shift:.2g} sigmas without it",
             "see that wheel speeds were measured and not commanded only: a wheel that "
-            "slows down unseen looks the same, and pi and M are then wrong by up to the "
-            "part of the speed that is lost"
+            "slows down unseen looks the same, and pi and M are then wrong by up to "
+            "the part of the speed that is lost"
             if by_wheels
             else "",
         )
