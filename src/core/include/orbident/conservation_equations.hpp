@@ -1,4 +1,4 @@
-// Both conservation laws of one sample, linear in all unknowns, whitened.
+// Both conservation laws of one sample, linear in all unknowns, and the noise of these equations.
 //
 // In base axes, with the rate w = w_gyro - b_g - n,
 //
@@ -7,8 +7,7 @@
 //
 // with D = d h_rs / dw and U = d (velocity of the CM relative to S) / dw = -[r_cm]x at the parameters
 // known so far. The gyro's noise n adds D n and -U n on the right; the noise of attitude and joint
-// rates adds to that. The noise of each law counts as if it were independent of the other's: what
-// they share depends on D and U, which are wrong by some ten percent at first.
+// rates adds to that.
 //
 // Y and W are evaluated at a smoothed rate, and D, U take them to the gyro's: noise in a regressor is
 // mistaken for excitation, and while the base hardly changes its rate, least squares would conclude
@@ -112,63 +111,43 @@ inline Vector wheel_momentum(const Robot& robot, const Real* qd_rw) {
   return h_rw;
 }
 
-// Covariance of the momentum equation's noise: the gyro's times D, the joint rates' times D_q, and a
-// turn of the attitude, which turns R_0^T h_cm.
-inline Matrix momentum_noise(const ConservationModel& model, const Bodies<Real>& at,
-                             const SystemInertia<Real>& all, const Matrix& R_WB,
-                             const Vector& h_cm) {
+// The noise of one law's rows, in base axes.
+struct LawNoise {
+  Matrix of_gyro;    // what noise of unit variance on each conserved axis of the gyro adds
+  Matrix of_others;  // covariance of what all else adds
+};
+
+struct EquationNoise {
+  LawNoise momentum;
+  LawNoise velocity;
+};
+
+// The gyro's noise times [D; -U]. The others: the joint rates' times D_q and J_cm, a turn of the attitude,
+// which turns R_0^T h_cm, and the velocity's own.
+inline EquationNoise equation_noise(const ConservationModel& model, const Bodies<Real>& at,
+                                    const SystemInertia<Real>& all, const Matrix& U,
+                                    const Matrix& R_WB, const Vector& h_cm) {
   const SensorNoise& noise = model.noise;
-  Matrix C = Matrix::Zero();
-  for (int k = 0; k < model.axes.momenta; ++k) {
-    const Vector gain = noise.gyro * all.D.col(model.axes.momentum[k]);
-    C += gain * gain.transpose();
-  }
-  for (int k = 0; k < model.robot.tree.joints; ++k) {
-    const Vector D_q = at.momentum[k].h - all.r_cm.cross(at.momentum[k].p);
-    C += (noise.joint_rates * D_q) * (noise.joint_rates * D_q).transpose();
-  }
   const Matrix turn = noise.attitude * (R_WB.transpose() * cross_matrix(h_cm));
-  return C + turn * turn.transpose();
-}
-
-// Covariance of the velocity equation's noise: the gyro's times U, the joint rates' times J_cm.
-inline Matrix velocity_noise(const ConservationModel& model, const Bodies<Real>& at,
-                             const SystemInertia<Real>& all, const Matrix& U) {
-  const SensorNoise& noise = model.noise;
-  Matrix C = noise.velocity * noise.velocity * Matrix::Identity();
+  EquationNoise of{{Matrix::Zero(), turn * turn.transpose()},
+                   {Matrix::Zero(), noise.velocity * noise.velocity * Matrix::Identity()}};
   for (int k = 0; k < model.axes.momenta; ++k) {
-    const Vector gain = noise.gyro * U.col(model.axes.momentum[k]);
-    C += gain * gain.transpose();
+    const int axis = model.axes.momentum[k];
+    of.momentum.of_gyro.col(k) = noise.gyro * all.D.col(axis);
+    of.velocity.of_gyro.col(k) = -noise.gyro * U.col(axis);
   }
   for (int k = 0; k < model.robot.tree.joints; ++k) {
-    const Vector gain = (noise.joint_rates / all.M) * at.momentum[k].p;
-    C += gain * gain.transpose();
+    const Vector D_q = noise.joint_rates * (at.momentum[k].h - all.r_cm.cross(at.momentum[k].p));
+    const Vector J_cm = (noise.joint_rates / all.M) * at.momentum[k].p;
+    of.momentum.of_others += D_q * D_q.transpose();
+    of.velocity.of_others += J_cm * J_cm.transpose();
   }
-  return C;
-}
-
-// L^-1 rows in place, with L L^T = C over the given axes.
-inline void whiten(const Matrix& C, const int* axis, int count, Real* rows, int stride, int width) {
-  Matrix L = Matrix::Zero();
-  for (int i = 0; i < count; ++i) {
-    Real* const row = rows + i * stride;
-    for (int j = 0; j < i; ++j) {
-      Real rest = C(axis[i], axis[j]);
-      for (int k = 0; k < j; ++k) rest -= L(i, k) * L(j, k);
-      L(i, j) = rest / L(j, j);
-      for (int c = 0; c < width; ++c) row[c] -= L(i, j) * rows[j * stride + c];
-    }
-    Real rest = C(axis[i], axis[i]);
-    for (int k = 0; k < i; ++k) rest -= L(i, k) * L(i, k);
-    L(i, i) = std::sqrt(rest);
-    const Real inverse = 1 / L(i, i);
-    for (int c = 0; c < width; ++c) row[c] *= inverse;
-  }
+  return of;
 }
 
 // The rows [h_cm, v_cm, b_g, b_a, pi, phi | right-hand side], momentum first; the velocity's are zero
 // where v_S was not measured. D, U and the noise's gains are evaluated at beta and h_cm.
-inline void conservation_equations(const ConservationModel& model, const Real* beta,
+inline EquationNoise conservation_equations(const ConservationModel& model, const Real* beta,
                                    const Vector& h_cm, const Measurement& at, const Matrix& R_WB,
                                    EquationMemory& memory, Real* rows, int stride) {
   const Tree& tree = model.robot.tree;
@@ -221,10 +200,7 @@ inline void conservation_equations(const ConservationModel& model, const Real* b
       row[rhs] = told[axis];
     }
   }
-  whiten(momentum_noise(model, bodies, all, R_WB, h_cm), axes.momentum, axes.momenta, rows, stride,
-         rhs + 1);
-  whiten(velocity_noise(model, bodies, all, U), axes.velocity, axes.velocities, moving, stride,
-         rhs + 1);
+  return equation_noise(model, bodies, all, U, R_WB, h_cm);
 }
 
 }  // namespace orbident

@@ -14,6 +14,7 @@
 #pragma once
 
 #include "orbident/hand_over.hpp"
+#include "orbident/sample_whitening.hpp"
 
 namespace orbident {
 
@@ -80,12 +81,20 @@ inline Innovation take_in(const FilterModel& model, FilterState& state, Real t,
   const Real dt = std::isnan(*state.t) ? Real(0) : t - *state.t;
   const Eigen::Map<Eigen::Matrix<Real, 3, 3, Eigen::RowMajor>> R_before(state.R_WB);
   const Matrix integral = dt / 2 * (R_before + R_WB);
-  conservation_equations(model.laws, state.beta, h_cm, at, R_WB, room.equations, room.rows, stride);
+  const EquationNoise noise = conservation_equations(model.laws, state.beta, h_cm, at, R_WB, room.equations,
+                                                     room.rows, stride);
   const int top_stride = size.top_stride();
-  predict_nuisances(model.laws, state.top, top_stride, n + y + 1, integral, h_cm, dt, room.kick,
-                    room.covariance);
+  const Matrix of_gyro = predict_nuisances(model.laws, state.top, top_stride, n + y + 1, integral, h_cm,
+                                           dt, room.kick, room.covariance);
   const int R_stride = reduced ? size.beta_stride() : size.R_stride();
   if (reduced) rows_of_beta(model, state, room.rows + n, stride, size.rows, R_stride, room);
+  const ConservedAxes& axes = model.laws.axes;
+  const bool moving = Vector(at.v_S[0], at.v_S[1], at.v_S[2]).allFinite();
+  whiten_law(noise.momentum, axes.momentum, axes.momenta, of_gyro, axes.momenta, state.top, top_stride,
+             room.rows, stride, n + y + 1);
+  if (moving)
+    whiten_law(noise.velocity, axes.velocity, axes.velocities, of_gyro, axes.momenta, state.top,
+               top_stride, room.rows + axes.momenta * stride, stride, n + y + 1);
   fold(state.top, top_stride, room.rows, stride, size.rows, padded(n + y + 1), n);
   fold(reduced ? state.root : state.R, R_stride, room.rows + n, stride, size.rows, R_stride, y);
   *state.t = t;
@@ -96,8 +105,7 @@ inline Innovation take_in(const FilterModel& model, FilterState& state, Real t,
     const Real white = innovation.white[i * stride];
     innovation.nis += white * white;
   }
-  if (!Vector(at.v_S[0], at.v_S[1], at.v_S[2]).allFinite())
-    innovation.dof = model.laws.axes.momenta;
+  if (!moving) innovation.dof = axes.momenta;
   return innovation;
 }
 

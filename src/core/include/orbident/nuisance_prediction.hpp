@@ -67,12 +67,15 @@ ORBIDENT_WIDEST inline void covariance_of(const Real* kicks, int count, int n, R
 // whitened: the noise of the right-hand side has the covariance 1 + K K^T = U U^T, K = N kick. N back
 // and U are upper triangular, and so is U^-1 N back.
 //
+// Returns what unit noise of each axis of the gyro adds to the whitened rows: the columns of U^-1 K that
+// are its own. Only the rows of h_cm come first in N, so that all others are zero.
+//
 //   integral  of R_0 over dt
 //   h_cm      the momentum known so far, N m s
 //   K, C      room for n x n each; K's columns are stored as rows
-inline void predict_nuisances(const ConservationModel& model, Real* top, int stride, int width,
-                              const Matrix& integral, const Vector& h_cm, Real dt, Real* K,
-                              Real* C) {
+inline Matrix predict_nuisances(const ConservationModel& model, Real* top, int stride, int width,
+                                const Matrix& integral, const Vector& h_cm, Real dt, Real* K,
+                                Real* C) {
   const ConservedAxes& axes = model.axes;
   const SensorNoise& noise = model.noise;
   const int n = model.nuisances(), b_g = model.gyro_bias(), b_a = model.accelerometer_bias();
@@ -104,6 +107,14 @@ inline void predict_nuisances(const ConservationModel& model, Real* top, int str
   covariance_of(K, n, n, C);
   factor_upper(C, n);
   solve_upper(C, n, top, stride, padded(width));
+  Matrix of_gyro = Matrix::Zero();
+  for (int j = 0; j < axes.momenta; ++j)
+    for (int i = axes.momenta - 1; i >= 0; --i) {
+      Real rest = K[j * n + i];
+      for (int k = i + 1; k < axes.momenta; ++k) rest -= C[k * n + i] * of_gyro(k, j);
+      of_gyro(i, j) = C[i * n + i] * rest;
+    }
+  return of_gyro;
 }
 
 }  // namespace orbident

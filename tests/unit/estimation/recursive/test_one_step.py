@@ -144,8 +144,19 @@ def rotation(sample: Sample) -> np.ndarray:
     return Rotation.from_quat(sample.x_WB).as_matrix()
 
 
-def laws(case: Case, axes: Axes) -> np.ndarray:
-    """Both conservation laws, whitened: `[h_cm, v_cm, b_g, b_a, pi, phi | rhs]`."""
+class Laws(NamedTuple):
+    """Both conservation laws of a sample, momentum first."""
+
+    rows: np.ndarray
+    """`[h_cm, v_cm, b_g, b_a, pi, phi | rhs]`."""
+    of_gyro: np.ndarray
+    """What noise of unit variance on each axis of the gyro adds."""
+    covariance: np.ndarray
+    """The covariance of their noise, each law's as if it were independent."""
+
+
+def laws(case: Case, axes: Axes) -> Laws:
+    """The rows by textbook formulas."""
     robot, state, sample = case.robot, case.state, case.sample
     noise, sets = case.kalman.noise, minimal_sets(robot)
     h, v = axes
@@ -172,11 +183,34 @@ def laws(case: Case, axes: Axes) -> np.ndarray:
     velocity = np.hstack([none_v, R_v, U, b_v, no_pi, W, rhs_v[:, None]])
     turn = (R_BW @ cross_matrix(spread(state.nuisances[: h.size], h)))[h]
     D_q, J_cm = D_q[h], J_cm[v]
-    C_h = [noise.gyro * D, noise.joint_rates * D_q, noise.attitude * turn]
-    C_v = [noise.gyro * U, noise.joint_rates * J_cm, noise.velocity * np.eye(v.size)]
-    roots = (np.linalg.cholesky(G @ G.T) for G in map(np.hstack, (C_h, C_v)))
-    root = np.asarray(block_diag(*roots))
-    return np.linalg.solve(root, np.vstack([momentum, velocity]))
+    G_h, G_v = noise.gyro * D, -noise.gyro * U
+    C_h = np.hstack([G_h, noise.joint_rates * D_q, noise.attitude * turn])
+    C_v = np.hstack([G_v, noise.joint_rates * J_cm, noise.velocity * np.eye(v.size)])
+    return Laws(
+        np.vstack([momentum, velocity]),
+        np.vstack([G_h, G_v]),
+        np.asarray(block_diag(C_h @ C_h.T, C_v @ C_v.T)),
+    )
+
+
+def white_equations(
+    top: np.ndarray, kick: np.ndarray, own: Laws, momenta: int
+) -> np.ndarray:
+    """The rows of the nuisances and of a sample, by the covariance of all their noise.
+
+    Args:
+        top: rows of the nuisances, with noise of unit variance,
+        kick: and what noise of unit variance adds to them, that of the gyro first.
+        own: the sample's, over the same unknowns.
+        momenta: how many axes of the gyro count.
+    """
+    C = np.eye(len(top)) + kick @ kick.T
+    shared = own.of_gyro @ kick[:, :momenta].T
+    # What the laws share beyond this is left out.
+    between = shared @ np.linalg.solve(C, shared.T)
+    between[:momenta, :momenta] = between[momenta:, momenta:] = 0.0
+    joint = np.block([[C, shared.T], [shared, own.covariance + between]])
+    return np.linalg.solve(np.linalg.cholesky(joint), np.vstack([top, own.rows]))
 
 
 def inertia(robot: Robot, q: np.ndarray) -> tuple[np.ndarray, ...]:
@@ -233,30 +267,28 @@ def test_what_is_known_of_the_parameters(case: Case):
     """All equations since the start in one least-squares problem, one step after."""
     axes = axes_of(minimal_sets(case.robot))
     back, kick = transition(case, axes)
-    n, w = len(back), kick.shape[1]
+    n, y = len(back), len(case.state.R_z)
     N, rest = case.state.top[:, :n], case.state.top[:, n:]
-    y = len(case.state.R_z)
     own = laws(case, axes)
+    top = np.hstack([N @ back, rest])
     stacked = np.vstack(
         [
-            np.eye(w, w + n + y + 1),
-            np.hstack([-N @ kick, N @ back, rest]),
-            np.hstack([np.zeros((len(own), w)), own]),
-            np.hstack([np.zeros((y, w + n)), case.state.R_z]),
+            white_equations(top, N @ kick, own, axes.h.size),
+            np.hstack([np.zeros((y, n)), case.state.R_z]),
         ]
     )
     after = case.after
-    expected = information(stacked, w + n)
+    expected = information(stacked, n)
     found = after.R_z.T @ after.R_z
     # The last entry is the residual, which the innovation has the new part of.
     check_close(found[:-1, :-1], expected[:-1, :-1])
     np.testing.assert_allclose(found[:-1, -1], expected[:-1, -1], rtol=1e-6)
     total = found[-1, -1] + case.info.nis
     np.testing.assert_allclose(total, expected[-1, -1], rtol=1e-9)
-    assert case.info.dof == len(own)
+    assert case.info.dof == len(own.rows)
 
     both = np.vstack([after.top, np.hstack([np.zeros((y, n)), after.R_z])])
-    check_close((both.T @ both)[:-1, :-1], information(stacked, w)[:-1, :-1])
+    check_close((both.T @ both)[:-1, :-1], information(stacked, 0)[:-1, :-1])
 
 
 def test_the_estimate(case: Case):
@@ -284,25 +316,24 @@ def test_a_step_over_beta(late: Case):
     state, after, sets = late.state, late.after, late.kalman.sets
     axes = axes_of(sets)
     back, kick = transition(late, axes)
-    n, w, k = len(back), kick.shape[1], state.beta.size
+    n, k = len(back), state.beta.size
     y = np.concatenate(sets_of_beta(sets, state.beta))
     J = np.vstack(derivatives_of_beta(sets, state.beta))
     own = laws(late, axes)
-    X, Y, z = own[:, :n], own[:, n:-1], own[:, -1]
-    own = np.column_stack([X, Y @ J, z - Y @ (y - J @ state.beta)])
+    X, Y, z = own.rows[:, :n], own.rows[:, n:-1], own.rows[:, -1]
+    linear = np.column_stack([X, Y @ J, z - Y @ (y - J @ state.beta)])
     N, rest = state.top[:, :n], state.top[:, n:]
+    top, own = np.hstack([N @ back, rest]), own._replace(rows=linear)
     root_z = np.column_stack([state.root, state.root @ state.beta])
     stacked = np.vstack(
         [
-            np.eye(w, w + n + k + 1),
-            np.hstack([-N @ kick, N @ back, rest]),
-            np.hstack([np.zeros((len(own), w)), own]),
-            np.hstack([np.zeros((k, w + n)), root_z]),
+            white_equations(top, N @ kick, own, axes.h.size),
+            np.hstack([np.zeros((k, n)), root_z]),
         ]
     )
     root_z = np.column_stack([after.root, after.root @ after.beta])
     both = np.vstack([after.top, np.hstack([np.zeros((k, n)), root_z])])
-    expected = information(stacked, w)
+    expected = information(stacked, 0)
     check_close((both.T @ both)[:-1, :-1], expected[:-1, :-1])
     solution = np.linalg.solve(both[:, :-1], both[:, -1])
     x, beta = solution[:n], solution[n:]
