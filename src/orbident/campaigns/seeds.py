@@ -33,7 +33,7 @@ class Errors:
 
     @property
     def worst(self) -> Float[np.ndarray, " quantities"]:
-        """Of the seed with the largest error, unsigned."""
+        """The largest error of any seed, unsigned."""
         return np.max(np.abs(self.runs), axis=0)
 
 
@@ -41,7 +41,7 @@ class Series(NamedTuple):
     """One run a seed."""
 
     run: Callable[[int], Row]
-    """From a seed to the errors of one run; goes to the workers."""
+    """Function from a seed to the errors of one run; it is sent to the workers."""
     seeds: range
     known: tuple[Row, ...] = ()
     """The errors of the first seeds, where they are known already."""

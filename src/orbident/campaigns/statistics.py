@@ -148,7 +148,7 @@ class Dependence(NamedTuple):
     rho: float
     """Spearman's rank correlation."""
     chance: float
-    """Of any of all pairs being so strongly correlated by chance."""
+    """Probability that any of all pairs is so strongly correlated by chance."""
     x: Float[np.ndarray, " results"]
     y: Float[np.ndarray, " results"]
     """The error over its deviation, or its size."""

@@ -1,1 +1,1 @@
-"""From recordings to parameters."""
+"""Estimation of parameters from recordings."""

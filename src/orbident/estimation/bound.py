@@ -42,7 +42,7 @@ SIZES = {
     "attitude": "angle",
     "position": "std",
 }
-"""Of the noise of the base's sensors."""
+"""The key under which each sensor of the base has the size of its noise."""
 
 TIMING = ("rate", "correlation_time")
 """What a sensor without noise keeps."""

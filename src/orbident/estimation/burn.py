@@ -94,7 +94,7 @@ def burn_of(robot: Robot, recording: Recording, late: float) -> Burn:
 
 
 def position_rows(burn: Burn, recording: Recording, late: float) -> Rows:
-    """Of the position of S.
+    """The rows that the position of S gives.
 
     Args:
         burn: the thrust along the attitude.
@@ -108,7 +108,7 @@ def position_rows(burn: Burn, recording: Recording, late: float) -> Rows:
 
 
 def velocity_rows(burn: Burn, recording: Recording, late: float) -> Rows:
-    """Of the velocity of S.
+    """The rows that the velocity of S gives.
 
     Args:
         burn: the thrust along the attitude.
@@ -121,10 +121,11 @@ def velocity_rows(burn: Burn, recording: Recording, late: float) -> Rows:
 
 
 def accelerometer_rows(burn: Burn, recording: Recording) -> Rows:
-    """Of what the velocity of S changed by from row to row, its constant bias unknown.
+    """The rows that an accelerometer gives, its constant bias unknown.
 
-    From row to row, because the noise of an integral adds up. Force and specific force
-    are integrated alike: between two rows both are anyone's guess.
+    They hold changes of the velocity of S from one sample to the next, because the
+    noise of an integral adds up. Force and specific force are integrated alike: between
+    two rows both are anyone's guess.
 
     Args:
         burn: the thrust along the attitude.

@@ -8,7 +8,7 @@ from orbident.estimation.quantities import nulled
 
 Level = Literal["trust", "with care", "do not trust"]
 LEVELS: tuple[Level, ...] = ("trust", "with care", "do not trust")
-"""From the best to the worst."""
+"""The levels, from the best to the worst."""
 
 
 @dataclass(frozen=True)

@@ -28,7 +28,7 @@ from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 
 NUMBERS = 2**20
-"""Of all equations together; of a longer recording the middle is enough."""
+"""Most numbers in all equations; the middle of a longer recording is enough."""
 
 MOST = 2**13
 """Samples."""
@@ -41,8 +41,8 @@ GAP = 10.0
 """Times the usual step from sample to sample."""
 
 LONGEST = 0.25
-"""Of the stretch that is looked at: a search that goes beyond has lost its way, and too
-little would be left for both clocks to show."""
+"""Longest delay, over the duration of the stretch that is looked at: a search that goes
+beyond has lost its way, and too little would be left for both clocks to show."""
 
 ROUNDS = 8
 

@@ -27,7 +27,7 @@ from orbident.model.wheel_arrays import Wheels
 from orbident.preprocessing.samples import Batch, Samples
 
 STRETCHES = 20
-"""Of a recording, each taken to err for itself."""
+"""Number of stretches of a recording; each is taken to err for itself."""
 
 NOMINAL = 0.3
 """Std of `pi` about its nominal value, over its size."""
@@ -38,7 +38,7 @@ class MovingJoints(NamedTuple):
 
     samples: Samples
     history: CubicSpline
-    """Of `[q, qd, qd_rw]`."""
+    """Spline of `[q, qd, qd_rw]` over time."""
 
     @classmethod
     def of(cls, samples: Samples) -> "MovingJoints":
@@ -149,7 +149,7 @@ class DelayEquations(NamedTuple):
 def _solution(
     R: Float[np.ndarray, "n n"], z: Float[np.ndarray, " n"]
 ) -> Float[np.ndarray, " n"]:
-    """Of `R x = z`; the shortest where the motion leaves some of it open."""
+    """The solution of `R x = z`; the shortest where the motion leaves parts open."""
     return np.linalg.lstsq(R, z, rcond=None)[0]
 
 
@@ -158,7 +158,7 @@ def _std(
     R: Float[np.ndarray, "columns columns"],
     x: Float[np.ndarray, " unknowns"],
 ) -> float:
-    """Of the last unknown, where residuals resemble their neighbours.
+    """Deviation of the last unknown, where residuals resemble their neighbours.
 
     With `g` what is left of its column once the others are projected out, an estimate
     is off by `g.r / g.g`: the variance of `g.r` is taken from its parts over stretches

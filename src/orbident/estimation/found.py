@@ -70,7 +70,7 @@ class EstimatedParameters(NamedTuple):
 
 
 def found_linear(sets: MinimalSets, fits: Fits, mass: Mass) -> EstimatedParameters:
-    """From separate fits of `pi` and `phi`, and the mass that follows from both."""
+    """Combine separate fits of `pi` and `phi`, and the mass that follows from both."""
     pi, phi = (
         Known(fit.values, fit.covariance, fit.determined) for fit in (fits.pi, fits.phi)
     )
@@ -82,7 +82,7 @@ def found_linear(sets: MinimalSets, fits: Fits, mass: Mass) -> EstimatedParamete
 def found_beta(
     robot: Robot, sets: MinimalSets, estimate: BetaEstimate
 ) -> EstimatedParameters:
-    """From the base parameters that `pi` and `phi` are made of."""
+    """Derive `pi` and `phi` from the base parameters that they are made of."""
     beta, C, hidden = estimate
     scale = prior_std(robot, sets)
     prior = np.square(scale)

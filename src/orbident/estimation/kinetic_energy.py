@@ -70,7 +70,7 @@ def _energy(
     beta: Float[np.ndarray, " beta"],
     q: Float[np.ndarray, "n joints"],
 ) -> Float[np.ndarray, "n all all"]:
-    """In the axes in which momentum is conserved."""
+    """Matrices of the kinetic energy, in the axes in which momentum is conserved."""
     robot, sets = problem.robot, problem.sets
     theta = (sets.base.theta_of @ beta).reshape(robot.theta.shape)
     axes = list(sets.regressors.momentum_axes)

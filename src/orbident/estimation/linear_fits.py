@@ -44,8 +44,8 @@ class Fits(NamedTuple):
     h_rw: float
     """Norm of the wheels' momentum over these samples, N m s."""
     surprise: float
-    """By how much the first sample, with nominal inertia, contradicts a momentum that
-    was taken as known; over the wheels' momentum."""
+    """How much the first sample, with nominal inertia, contradicts a momentum that was
+    taken as known; over the wheels' momentum."""
 
 
 class KnownMomentum(NamedTuple):

@@ -29,7 +29,7 @@ class ProductForms(NamedTuple):
     """`pi_i = M g_i(phi)` for those `pi` that hold no inertia."""
 
     g: Float[np.ndarray, " pi"]
-    """For every `pi`: the part of it over `M` that `phi` makes up."""
+    """The part of every `pi` that `M` and `phi` make up, over `M`."""
     dg: Float[np.ndarray, "pi phi"]
 
 

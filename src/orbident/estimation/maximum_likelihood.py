@@ -216,7 +216,7 @@ def estimate_of(solution: Solution, scale: Float[np.ndarray, " beta"]) -> BetaEs
 def _biases(
     robot: Robot, sensors: Sensors, found: Fitted
 ) -> dict[str, dict[str, float]]:
-    """At the end of the recording, with what all of it tells."""
+    """The biases at the end of the recording, estimated from all of it."""
     turning, moving = conserved_axes(robot)
     solution = found.solution
     C = solution.linear.covariance_at_the_end(solution.covariance)

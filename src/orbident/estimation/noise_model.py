@@ -29,24 +29,25 @@ FEWEST = 200
 """Samples: with less the parts cannot be told apart."""
 
 STEP = 1e-3
-"""Of a logarithm, for second differences of the likelihood: it is smooth, and rounding
-is below 1e-9."""
+"""Step of a logarithm, for second differences of the likelihood: the likelihood is
+smooth, and rounding is below 1e-9."""
 
 STARTS = 8
 """Correlation times that are tried first, from some samples to a tenth of all time."""
 
 AT_A_LIMIT = 1e-6
-"""Of a logarithm."""
+"""Distance of a logarithm from its limit that counts as none."""
 
 MOST = 300.0
-"""Of a logarithm: what the samples say nothing of may be any number."""
+"""Half of the longest interval of a logarithm: where samples say nothing, any number
+may be true."""
 
 SEEN = 1e-6
 """Least information of a logarithm: with less its deviation is unknown."""
 
 MARKOV, WALK = ("markov_std", "correlation_time"), ("random_walk",)
 PARTS = ((), MARKOV, WALK, MARKOV + WALK)
-"""Of the noise, beside its white part."""
+"""The parts that noise may have beside its white part."""
 
 
 class Level(NamedTuple):
@@ -57,7 +58,7 @@ class Level(NamedTuple):
 
     @property
     def std(self) -> float:
-        """To first order."""
+        """Standard deviation of the value, to first order."""
         return self.value * self.log_std
 
     @property

@@ -33,7 +33,7 @@ def most_different(found: EstimatedSet, most: int) -> Int[np.ndarray, " rows"]:
 
 
 def short_table(found: EstimatedSet) -> list[str]:
-    """At most `MOST` parameters, and how far the others are from CAD."""
+    """Lines of at most `MOST` parameters, and how far the others are from CAD."""
     shown = most_different(found, MOST)
     lines = [HEAD, *_rows(found, shown.tolist())]
     left = np.setdiff1d(np.arange(len(found.names)), shown)

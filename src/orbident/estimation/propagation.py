@@ -1,4 +1,4 @@
-"""From `(pi, phi, M)` to the free-flying base parameters, with their covariance."""
+"""The free-flying base parameters from `(pi, phi, M)`, with their covariance."""
 
 from typing import NamedTuple
 

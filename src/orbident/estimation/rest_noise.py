@@ -64,7 +64,7 @@ class AxisNoise:
         return Check("noise", "with care", reason, remedy, *found)
 
     def unit(self, parameter: str) -> str:
-        """Of a parameter of the model."""
+        """The unit of a parameter of the model."""
         unit = UNITS[self.sensor]
         if parameter == "correlation_time":
             return "s"

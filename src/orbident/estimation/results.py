@@ -1,4 +1,4 @@
-"""From an estimate and its checks to the result."""
+"""The result of an estimate and its checks."""
 
 from collections.abc import Callable
 from functools import cache, partial
@@ -202,7 +202,11 @@ def _sensitivity(
 
 
 def _signals(problem: MomentumProblem, estimate: Estimate) -> Callable[[], Signals]:
-    """For a million samples the equations' would take memory that few want."""
+    """A function that gives the signals.
+
+    Where they come from the equations, those of a million samples would take memory
+    that few want.
+    """
     if estimate.signals:
         return lambda: estimate.signals
     return partial(

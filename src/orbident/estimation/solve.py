@@ -1,4 +1,4 @@
-"""From a robot and a recording to an estimate, and to what judges it."""
+"""The estimate from a robot and a recording, and what judges it."""
 
 from typing import NamedTuple
 

@@ -14,7 +14,7 @@ OUTLYING = 6.0
 ROUNDING = 1e-14
 
 ROUNDS = 4
-"""In which outlying samples are left out: after a jump there is always another."""
+"""Rounds that leave out outlying samples: after a jump there is always another."""
 
 
 class CleanModel(NamedTuple):

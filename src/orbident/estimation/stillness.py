@@ -17,15 +17,15 @@ from orbident.recordings.columns import joint_of
 from orbident.recordings.recording import Recording
 
 DEGREE = 5
-"""Of the polynomial that slow motion is looked for with."""
+"""Degree of the polynomial with which slow motion is looked for."""
 
 CHANCE = 1e-6
 """Probability that the noise of one axis looks like slow motion."""
 
 POWER = 2.0
-"""Of innovations at the lowest twentieth of all frequencies, over white noise: a real
-motion capture system at rest on its table, which shakes, has 1.5; flights have 4 to 20.
-"""
+"""Most power of innovations at rest, at the lowest twentieth of all frequencies, over
+white noise: a real motion capture system at rest on its table, which shakes, has 1.5;
+flights have 4 to 20."""
 
 MOVED = 5e-3
 """rad or m: the play and the counts of a joint that is held are less."""
@@ -83,9 +83,9 @@ def check_still(
 def drift(
     t: Float[np.ndarray, " n"], x: Float[np.ndarray, " n"], model: NoiseModel
 ) -> float:
-    """By how much a polynomial lowers chi-square: at rest it is chi-square itself.
+    """How much a polynomial lowers chi-square; at rest this is chi-square distributed.
 
-    Of a straight line alone it is the square of its slope over the slope's deviation.
+    A straight line alone lowers it by the square of the slope over its deviation.
     """
     at = 2 * (t - t[0]) / (t[-1] - t[0]) - 1
     rows = np.column_stack([np.polynomial.legendre.legvander(at, DEGREE), x])

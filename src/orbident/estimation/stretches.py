@@ -46,7 +46,7 @@ class Stretches:
     def _with_others(
         self,
     ) -> Iterator[tuple[Samples, slice, Mapping[str, Mapping[str, int]]]]:
-        """With samples beside a stretch's own."""
+        """Samples of a stretch and beside it; which are its own; what was rejected."""
         moved = self._moved()
         for recording, own in self.recording.stretches(
             lambda name: moved + self.settings.beside(name), self.size

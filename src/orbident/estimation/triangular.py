@@ -129,7 +129,7 @@ def solve_factor(
 
 
 def _explained_freed(R: Float[np.ndarray, "all all"], layout: Layout) -> float:
-    """With the checked columns in front: what is left for the parameters."""
+    """Norm of what the checked columns, put in front, leave for the parameters."""
     own = np.arange(layout.nuisances, layout.nuisances + layout.parameters)
     rest = np.setdiff1d(np.arange(layout.columns), own)
     order = [*rest[:-1], *own, rest[-1]]

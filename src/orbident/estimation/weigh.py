@@ -43,7 +43,7 @@ class Weighing:
     signal: str
     """What of S it was found from."""
     samples: int
-    """In which that was measured."""
+    """How many samples were used."""
     impulse: Float[np.ndarray, "3"]
     """Impulse of the thrusters, inertial axes, N s."""
     rms: float

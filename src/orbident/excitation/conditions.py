@@ -33,7 +33,7 @@ class Limits:
     excursion: float = INFINITE
     """Angle of the base from its first attitude, rad."""
     wheel_speed: float = INFINITE
-    """Of every wheel relative to the base, rad/s."""
+    """Speed of every wheel relative to the base, rad/s."""
 
 
 def limits_of(

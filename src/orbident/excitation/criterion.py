@@ -122,17 +122,17 @@ class EigenSpectrum(NamedTuple):
 
     l: Float[np.ndarray, " n"]
     vectors: Float[np.ndarray, "n n"]
-    """In the rows."""
+    """The eigenvectors, in the rows."""
 
 
 def spectrum_of_rows(rows: Float[np.ndarray, "m n"]) -> EigenSpectrum:
-    """Of `rows^T rows`, by the singular values, whose digits it would halve."""
+    """The spectrum of `rows^T rows`, by singular values: the product halves digits."""
     _, s, Vt = np.linalg.svd(np.linalg.qr(rows, mode="r"))
     return EigenSpectrum(2 * np.log(np.maximum(s[::-1], SMALLEST)), Vt[::-1])
 
 
 def spectrum_of(F: Float[np.ndarray, "n n"]) -> EigenSpectrum:
-    """Of a symmetric matrix."""
+    """The spectrum of a symmetric matrix."""
     s, V = np.linalg.eigh(F)
     return EigenSpectrum(np.log(np.maximum(s, SMALLEST)), V.T)
 

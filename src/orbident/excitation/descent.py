@@ -13,19 +13,20 @@ from orbident.excitation.joint_limits import Polytope
 MOST_STEPS = 100
 
 TOLERANCE = 1e-4
-"""Of the criterion's logarithm: a step that gains less ends a descent."""
+"""Least gain of the criterion's logarithm: a step that gains less ends a descent."""
 
 OUTSIDE = 1e-6
-"""Of a limit: rounding in SLSQP's steps, and far less than limits are kept back."""
+"""Share of a limit by which a motion may exceed it: rounding in SLSQP's steps, and far
+less than limits are kept back."""
 
 
 class DescentStage(NamedTuple):
     """Descents of one kind."""
 
     power: float
-    """Of the means that stand for extreme eigenvalues: smooth if low, exact if high."""
+    """Power of the means for extreme eigenvalues: smooth if low, exact if high."""
     near: float
-    """Of a limit: those that are farther at the start are not given to SLSQP."""
+    """Share of a limit: limits farther off at the start are not given to SLSQP."""
     until: float
     """Share of a budget after which the stage ends."""
 

@@ -44,7 +44,8 @@ MOST_STEPS = 8192
 """More would need minutes a start; what is then wrong shows in the final score."""
 
 LIMITS_POWER = 2000.0
-"""Of the mean that stands for the largest use of a limit: 0.5 % above it at most."""
+"""Power of the mean that stands for the largest use of a limit: it is 0.5 % above it at
+most."""
 
 
 class Candidate(NamedTuple):
@@ -65,7 +66,7 @@ class DesignProblem:
     crafts: tuple[Craft, ...]
     """Every plausible robot; the first is the nominal one."""
     motions: JointMotions
-    """At nodes and mid-nodes."""
+    """The joint motions at nodes and mid-nodes."""
     limits: Limits
     objective: Objective
     basis: Basis

@@ -60,7 +60,7 @@ class BaseExtremes(NamedTuple):
     excursion: float
     """Angle from the first attitude, rad; at most pi."""
     wheel_speed: float
-    """Of the fastest wheel, rad/s."""
+    """Speed of the fastest wheel, rad/s."""
 
 
 class _Norms(NamedTuple):

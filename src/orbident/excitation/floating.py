@@ -38,7 +38,7 @@ class NodalMotion:
     """Base rate, rad/s."""
     x_WB: Float[np.ndarray, "n 4"]
     laws: _core.RateLaws | None = None
-    """Of the base rate, for gradients: only of a motion that `along` found."""
+    """Laws of the base rate, for gradients; only of a motion that `along` made."""
 
     @cached_property
     def R(self) -> Float[np.ndarray, "n 3 3"]:
@@ -62,7 +62,7 @@ class NodalMotion:
 
     @property
     def r_cm(self) -> Float[np.ndarray, "n 3"]:
-        """From S to the system CM, m."""
+        """Vector from S to the system CM, m."""
         return self._inertia.r_cm
 
     @cached_property
@@ -89,12 +89,12 @@ class Gradient:
 
     @property
     def turn(self) -> Float[np.ndarray, "n 3"]:
-        """With respect to a small rotation of the base: `dR = R [turn]x`."""
+        """Gradient with respect to a small rotation of the base, `dR = R [turn]x`."""
         return axial(np.swapaxes(self.motion.R, 1, 2) @ self.R)
 
     @property
     def D(self) -> Float[np.ndarray, "n 3 3"]:
-        """With respect to `D`: `dE = -E dD E`."""
+        """Gradient with respect to `D`, by `dE = -E dD E`."""
         if not self.E.any():
             return self.E
         E_T = np.swapaxes(self.motion.E, 1, 2)

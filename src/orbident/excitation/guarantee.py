@@ -20,10 +20,10 @@ from orbident.simulation.free_floating import BaseState, FreeFloating, free_floa
 from orbident.trajectories.trajectory import Trajectory
 
 ACCURATE = 1e-6
-"""Of the attitude, rad: bounds and scores need no more."""
+"""Accuracy of the attitude, rad: bounds and scores need no better one."""
 
 SHARES = (1.0, 0.999, 0.998, 0.995, 0.99, 0.98, 0.95, 0.9, 0.8, 0.6, 0.3, 0.0)
-"""Of the amplitude, tried until the limits are proven to hold."""
+"""Shares of the amplitude, tried until the limits are proven to hold."""
 
 
 class Proven(NamedTuple):
@@ -34,7 +34,7 @@ class Proven(NamedTuple):
     joints: Extremes
     base: BaseExtremes
     share: float
-    """Of the amplitude that was asked for."""
+    """Share of the amplitude that was asked for."""
 
 
 def proven_within(

@@ -243,7 +243,7 @@ def _add(
 
 
 def _integral(X: Rows, dt: float) -> Rows:
-    """From the first node, by the trapezoidal rule."""
+    """The integral from the first node on, by the trapezoidal rule."""
     steps = dt / 2 * (X[1:] + X[:-1])
     return np.concatenate([np.zeros_like(X[:1]), np.cumsum(steps, axis=0)])
 

@@ -30,9 +30,9 @@ class JointMotions(NamedTuple):
 
     t: Float[np.ndarray, " n"]
     offset: Histories
-    """Of each joint with all `a` and `b` zero."""
+    """Histories of each joint with all `a` and `b` zero."""
     basis: Histories
-    """Of a joint whose rate limit is 1, for each coordinate of `y`."""
+    """Histories of a joint whose rate limit is 1, for each coordinate of `y`."""
     scale: Float[np.ndarray, " joints"]
     """The rate limits."""
     ab_of_y: Float[np.ndarray, "2harmonics m"]

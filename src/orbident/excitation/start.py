@@ -20,10 +20,10 @@ NO_MOMENTUM = 1e-6
 
 
 def usual_initial(robot: Robot, start: Float[np.ndarray, "joints 3"]) -> InitialState:
-    """In space a little tumbling and all wheels spinning; on a table spun up from rest.
+    """A state of slow tumbling, all wheels spinning; on a table, spun up from rest.
 
     Args:
-        robot: with its nominal inertia.
+        robot: the robot with its nominal inertia.
         start: position, velocity and acceleration of each joint.
     """
     speeds = dict.fromkeys(robot.wheel_names, WHEEL_SPEED)

@@ -38,12 +38,12 @@ class AddedBody(NamedTuple):
     """
 
     theta: Float[np.ndarray, "10"]
-    """In the order of `robot.parameters`."""
+    """The ten parameters, in the order of `robot.parameters`."""
     covariance: Float[np.ndarray, "10 10"]
     mass: Quantity
     """kg."""
     com: Parameters
-    """From the origin of the body's frame, m."""
+    """Position of its CM from the origin of the body's frame, m."""
     I_com: Parameters
     """About its own CM, kg m^2."""
     I_origin: Parameters

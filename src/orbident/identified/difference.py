@@ -44,7 +44,7 @@ class Difference(NamedTuple):
     T: Float[np.ndarray, "rows theta"]
     W: Float[np.ndarray, "rows rows"]
     T_c: Float[np.ndarray, "beta theta"]
-    """With what one of the results does not determine."""
+    """All of `T_c`, including what one of the results does not determine."""
 
 
 class DeterminedCombinations(NamedTuple):

@@ -33,7 +33,7 @@ class Links(NamedTuple):
 
     tree: LinkTree
     placements: dict[str, Placement]
-    """In frames of links: the base's is the base link's, not at S."""
+    """Where each link is in its body; the base's frame is the base link's, not at S."""
     rotors: frozenset[str]
     """Links that turn with a wheel."""
 

@@ -29,8 +29,8 @@ CHANCE = 0.005
 """Probability that a right result is called wrong."""
 
 MISSED = 0.1
-"""Of the squared signal: of a recording that tells too little to judge by, an error
-that large is still no noise."""
+"""Share of the squared signal: even where a recording tells too little to judge by, a
+larger squared error is no noise."""
 
 ROUNDING = 1e-12
 """Directions of the combined covariance with less of the largest are rounding."""

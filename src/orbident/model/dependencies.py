@@ -33,8 +33,8 @@ ZERO = 1e-9
 """Parameters below this part of the largest of a column are rounding."""
 
 ROUNDING = 1e-16
-"""Of a combination of length one. Without this, rounding of rounding of sixty bodies
-ends in numbers near 1e-308, which processors are slow at."""
+"""Rounding in a combination of length one. Without this, rounding of rounding of sixty
+bodies ends in numbers near 1e-308, which processors are slow at."""
 
 
 @dataclass(frozen=True)

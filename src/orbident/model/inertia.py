@@ -22,7 +22,7 @@ class Inertia(NamedTuple):
     D_q: Float[np.ndarray, "n 3 joints"]
     D_qq: Float[np.ndarray, "n joints joints"]
     r_cm: Float[np.ndarray, "n 3"]
-    """From S to the system CM, m."""
+    """Vector from S to the system CM, m."""
     J_cm: Float[np.ndarray, "n 3 joints"]
     """Velocity of the CM relative to S is `w x r_cm + J_cm qd`."""
 

@@ -42,7 +42,7 @@ class Dynamics:
     """
 
     robot: Robot
-    """With a `theta` that has the identified momentum; the nominal one is gone."""
+    """The robot with a `theta` of the identified momentum; the nominal one is gone."""
     root: Float[np.ndarray, "beta beta"]
     """A square root of the covariance of the base parameters."""
 
@@ -234,7 +234,7 @@ class Dynamics:
         return deviations(self.robot, directions, q, v)
 
     def _shown(self, entries: Any, rows: int) -> Any:
-        """With NaN for what a planar motion does not tell."""
+        """The entries, with NaN for what a planar motion does not tell."""
         if self.robot.motion == "planar":
             entries[..., TILT] = np.nan
             if rows == 2:

@@ -1,1 +1,1 @@
-"""From a recording to samples: screening, clocks, smoothing, fusion of attitudes."""
+"""Samples from a recording: screening, clocks, smoothing, fusion of attitudes."""

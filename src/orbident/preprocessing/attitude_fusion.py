@@ -173,7 +173,7 @@ def _start(
 
 
 def _span(measured: Bool[np.ndarray, " n"]) -> slice:
-    """From the first row with a sample to the last."""
+    """The rows from the first with a sample to the last."""
     first, last = np.flatnonzero(measured)[[0, -1]]
     return slice(first, last + 1)
 

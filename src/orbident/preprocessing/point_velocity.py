@@ -29,7 +29,7 @@ class PointVelocity(NamedTuple):
     v_S: Columns
     """Inertial axes, m/s; but for a constant where it is derived from forces."""
     drift: Columns
-    """By a bias of the accelerometer, row-major, s; empty without one."""
+    """What an accelerometer's bias adds to `v_S`, row-major, s; empty without one."""
     origin: str
 
 

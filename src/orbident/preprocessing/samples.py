@@ -31,7 +31,8 @@ class Batch(NamedTuple):
     qd_rw: Float[np.ndarray, "n wheels"]
     v_S: Float[np.ndarray, "n 3"]
     drift: Float[np.ndarray, "n 3 3"]
-    """By an accelerometer's bias, inertial axes, s; zero where it does not show."""
+    """What an accelerometer's bias adds to `v_S`, inertial axes, s; zero where it does
+    not show."""
     turning: Bool[np.ndarray, " n"]
     """Whether all that the momentum equation needs was measured."""
     moving: Bool[np.ndarray, " n"]
@@ -59,8 +60,8 @@ class Samples:
     locked: tuple[str, ...]
     """Joints that did not move: held at their mean, with zero rate."""
     shares: tuple[float, ...]
-    """Of each joint: variance of the smoothed position over that of a sample; NaN where
-    the rate was measured."""
+    """Variance of each joint's smoothed position over that of a sample; NaN where the
+    rate was measured."""
     origins: dict[str, str]
     """How joint rates, wheel speeds and the velocity of S were obtained."""
     source: str
@@ -96,7 +97,7 @@ class Samples:
         return np.reshape([column[rows] for column in self.q], (-1, rows.size)).T
 
     def batch(self, start: int, size: int) -> Batch:
-        """At most `size` samples from `start` on."""
+        """The samples from `start` on, at most `size` of them."""
         rows = slice(start, min(start + size, self.t.size))
         names = ("q", "qd", "w", "x_WB", "qd_rw", "v_S", "drift")
         tables = [_table(getattr(self, name), rows) for name in names]

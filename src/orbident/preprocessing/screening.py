@@ -30,8 +30,9 @@ NO_SENSORS = {"force", "torque", "nadir", "flow", "sun", "field"}
 """Columns of what acts: it may change at once, and is not measured on the robot."""
 
 UNITS = {"revolute": ("rad", "degrees", 2 * np.pi), "prismatic": ("m", "mm", 1.0)}
-"""By kind of joint: its unit, what it is mistaken for, and a motion in that which is
-nothing much, but farther than joints with stops go in the right one."""
+"""The unit of each kind of joint, the unit it is mistaken for, and a motion that is
+nothing much in the wrong unit, but farther than joints with stops go in the right one.
+"""
 
 TILTED = 0.2
 """Sine of a tilt: no table is so steep, nor motion capture mounted so badly."""

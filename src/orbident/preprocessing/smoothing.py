@@ -32,7 +32,7 @@ LARGEST = 1e12
 millionths of what that differs from its prediction; beyond, rounding takes over."""
 
 SMALLEST = 1e-100
-"""In any unit: what a column of zeros is known to."""
+"""Size that even a column of zeros is taken to have, in any unit."""
 
 
 class Smoothed(NamedTuple):

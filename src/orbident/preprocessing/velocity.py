@@ -91,7 +91,7 @@ def _integral(
     rate: Float[np.ndarray, "m columns"],
     at: Float[np.ndarray, " n"],
 ) -> Float[np.ndarray, "n columns"]:
-    """From `at[0]`, of the cubic spline; constant rates before and after the samples.
+    """Integral of the cubic spline from `at[0]`; rates are constant beyond the samples.
 
     A spline that is extrapolated runs away; samples missing at an end are few.
     """

@@ -128,7 +128,7 @@ class _Held:
         self.ended = False
 
     def filled(self, rows: int) -> Columns:
-        """At least so many rows, as far as there are any."""
+        """Return at least so many rows, as far as there are any."""
         count = sum(part["t"].size for part in self._parts)
         while count < rows and not self.ended:
             batch = next(self._batches, None)

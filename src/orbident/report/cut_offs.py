@@ -21,7 +21,7 @@ from orbident.report.numbers import short
 from orbident.report.section import Chart, Section
 
 UNITS = {"gyro": "rad/s", "position": "m"}
-"""By how a signal's name begins; angles but for these."""
+"""Units by the beginning of a signal's name; all other signals are angles."""
 
 
 def cut_offs(found: Mapping[str, CutOff]) -> Section | None:

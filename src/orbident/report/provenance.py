@@ -1,4 +1,4 @@
-"""From what, with what and by what the numbers came about."""
+"""The settings, input, signals and versions from which the numbers came about."""
 
 from collections.abc import Iterator
 

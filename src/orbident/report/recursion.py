@@ -48,7 +48,7 @@ class Trail(NamedTuple):
 
 
 def read_trail(path: Path) -> Trail | None:
-    """From a RUN's `history.csv`; None where there is none.
+    """Read a RUN's `history.csv`; None where there is none.
 
     Raises:
         InputError: it is not what `identify` writes.

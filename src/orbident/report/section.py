@@ -9,7 +9,7 @@ class TableRow(NamedTuple):
 
     cells: tuple[str, ...]
     note: str = ""
-    """In small letters below it: a formula."""
+    """Note in small letters below the row: a formula."""
 
 
 class ReportTable(NamedTuple):

@@ -32,7 +32,7 @@ def residuals(signal: Signal) -> Float[np.ndarray, "n axes"]:
 
 
 def autocorrelation(x: Float[np.ndarray, " n"]) -> Float[np.ndarray, " lags"]:
-    """At lags of 1, 2, .. samples, of what is about zero."""
+    """Autocorrelation, at lags of 1, 2, .. samples, of what is about zero."""
     lags = min(LAGS, x.size - 1)
     power = float(x @ x) or 1.0
     return np.array([x[:-k] @ x[k:] for k in range(1, lags + 1)]) / power

@@ -177,7 +177,7 @@ def _method(name: str) -> str:
 
 
 def _beside_table6(row: paper_comparison.PaperRow) -> paper_comparison.PaperRow:
-    """With what the paper identified; its M is that of the burn."""
+    """The row with what the paper identified, but for M: the paper's is the burn's."""
     paper = None if row.name == "M" else PLANAR_IDENTIFIED[row.name]
     return replace(row, paper_true=paper)
 

@@ -20,7 +20,7 @@ class Verdict(NamedTuple):
 
     level: Level
     mass: str
-    """In words; empty where there is none."""
+    """The mass in words; empty where there is none."""
     checks: tuple[Check, ...]
     notes: tuple[str, ...]
     """What was done to the recording."""

@@ -29,7 +29,7 @@ class Joint:
     R_PJ: Float[np.ndarray, "3 3"]
     """Rotates vectors from the joint's axes at q = 0 into the parent body's axes."""
     p_PJ: Float[np.ndarray, "3"]
-    """From the parent body's origin to the joint at q = 0, parent's axes, m."""
+    """Vector from the parent body's origin to the joint at q = 0, parent's axes, m."""
     position: tuple[float, float] | None = None
     """Lower and upper limit, rad or m; None where the joint turns freely."""
     velocity: float | None = None
@@ -46,7 +46,7 @@ class Wheel:
     inertia: float
     """Polar moment of inertia `I_rw`, kg m^2."""
     mode: Literal["held", "free"] = "held"
-    """In free flight: held at its relative speed, or motor off without friction."""
+    """Held at its relative speed in free flight, or motor off without friction."""
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,7 @@ class Thruster:
 
     name: str
     position: Float[np.ndarray, "3"]
-    """In the base link's frame, m."""
+    """Position in the base link's frame, m."""
     direction: Float[np.ndarray, "3"]
     """Unit vector of the force on the base, base axes."""
     gain: float = 0.1
@@ -128,12 +128,12 @@ class Robot:
 
     @property
     def joint_names(self) -> tuple[str, ...]:
-        """In the order of `q`."""
+        """Names of the joints, in the order of `q`."""
         return tuple(joint.name for joint in self.joints)
 
     @property
     def wheel_names(self) -> tuple[str, ...]:
-        """In the order of `qd_rw`."""
+        """Names of the wheels, in the order of `qd_rw`."""
         return tuple(wheel.name for wheel in self.wheels)
 
     @property

@@ -20,7 +20,7 @@ class Placement:
     R: Float[np.ndarray, "3 3"]
     """Rotates vectors from the link's axes into the body's."""
     p: Float[np.ndarray, "3"]
-    """From the body's origin to the link's, body axes, m."""
+    """Vector from the body's origin to the link's, body axes, m."""
 
 
 @dataclass(frozen=True)

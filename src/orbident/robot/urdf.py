@@ -20,7 +20,7 @@ class UrdfLink:
     name: str
     mass: float
     com: Float[np.ndarray, "3"]
-    """In the link's frame, m."""
+    """Position of the CM in the link's frame, m."""
     I_com: Float[np.ndarray, "3 3"]
     """About the CM, link's axes, kg m^2."""
 
@@ -44,7 +44,7 @@ class UrdfJoint:
     R: Float[np.ndarray, "3 3"]
     """Rotates vectors from the child link's axes at q = 0 into the parent link's."""
     p: Float[np.ndarray, "3"]
-    """From the parent link's origin to the child's at q = 0, parent's axes, m."""
+    """Position of the child link's origin at q = 0 in the parent link's frame, m."""
     axis: Float[np.ndarray, "3"]
     """Unit vector, child link's axes."""
     position: tuple[float, float] | None = None

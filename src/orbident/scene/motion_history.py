@@ -28,7 +28,7 @@ class MotionHistory(NamedTuple):
     qd_rw: Float[np.ndarray, "n wheels"]
 
     def thinned(self, most: int) -> "MotionHistory":
-        """At no more than so many of the times, evenly chosen."""
+        """The motion at no more than `most` of its times, evenly chosen."""
         chosen = np.arange(0, self.t.size, -(-self.t.size // most))
         return MotionHistory(*(column[chosen] for column in self))
 

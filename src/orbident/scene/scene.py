@@ -30,7 +30,7 @@ class Scene:
     shapes: tuple[Shape, ...]
     R_BWheel: Float[np.ndarray, "wheels 3 3"]
     p_BWheel: Float[np.ndarray, "wheels 3"]
-    """From S, base axes, m."""
+    """Position of each wheel from S, base axes, m."""
     size: float
     """The longest way from S along the joints, m."""
     missing: tuple[str, ...]

@@ -9,7 +9,8 @@ Colour = tuple[int, int, int]
 
 BASE: Colour = (176, 180, 190)
 LINKS: tuple[Colour, ...] = ((68, 119, 170), (204, 187, 68), (34, 136, 51))
-"""By turns along an arm; told apart by the colour-blind too (Tol 2021, bright)."""
+"""Colours of an arm's links in turn, distinct for the colour-blind too (Tol 2021,
+bright)."""
 WHEEL: Colour = (70, 70, 78)
 MARK: Colour = (238, 102, 119)
 """The colour of what shows that a wheel turns."""
@@ -25,7 +26,7 @@ class Shape(NamedTuple):
     """The number of the frame that the shape is fixed in: 0 is the base's, then those
     of the other bodies follow in their order, then those of the wheels."""
     vertices: Float[np.ndarray, "v 3"]
-    """In that frame, m."""
+    """Corners of the faces in that frame, m."""
     faces: Int[np.ndarray, "f 3"]
     colour: Colour
 

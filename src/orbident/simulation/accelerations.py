@@ -16,9 +16,9 @@ class Accelerations(NamedTuple):
     """Accelerations of the base and the wheels at the samples of a motion."""
 
     w_dot: Float[np.ndarray, "n 3"]
-    """Of the base rate, base axes, rad/s^2."""
+    """Derivative of the base rate, base axes, rad/s^2."""
     qdd_rw: Float[np.ndarray, "n wheels"]
-    """Of the wheels relative to the base, rad/s^2."""
+    """Accelerations of the wheels relative to the base, rad/s^2."""
     f_S: Float[np.ndarray, "n 3"]
     """Specific force at S, `R_0^T dv_S/dt`, base axes, m/s^2: no gravity is felt."""
 
@@ -26,13 +26,13 @@ class Accelerations(NamedTuple):
 def accelerations(
     robot: Robot, motion: FreeFloating, qdd: Float[np.ndarray, "n joints"]
 ) -> Accelerations:
-    """By the equations of motion (Eq. 13), where no force acts on the whole.
+    """Solve the equations of motion (Eq. 13), where no force acts on the whole.
 
     Known are the joints' accelerations and those of held wheels, which are zero; no
     motor drives the free ones. The CM's constant velocity is seen by no sensor here.
 
     Args:
-        robot: with its nominal inertia.
+        robot: the robot with its nominal inertia.
         motion: the free-floating motion.
         qdd: joint accelerations at its samples, rad/s^2 or m/s^2.
     """

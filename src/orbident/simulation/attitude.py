@@ -80,7 +80,7 @@ class AttitudeHistory(NamedTuple):
 
     x_WB: Float[np.ndarray, "n 4"]
     law: RateLaw
-    """At the samples."""
+    """The law of the base rate at the samples."""
     error: float
     """Estimate of the largest error, rad."""
     substeps: int

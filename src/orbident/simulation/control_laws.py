@@ -67,7 +67,7 @@ class OpenLoop(NamedTuple):
     """Torques that depend on time alone."""
 
     torque: Callable[[Float[np.ndarray, " n"]], Float[np.ndarray, "n actuators"]]
-    """At given times (s): of each joint (N m or N), or on each rotor (N m)."""
+    """Torque at given times (s): of each joint (N m or N), or on each rotor (N m)."""
 
 
 @runtime_checkable

@@ -36,7 +36,7 @@ class WrenchPoint(NamedTuple):
     body: int
     """Index of the body."""
     point: Float[np.ndarray, "3"]
-    """In the body's frame, m."""
+    """Point where the wrench acts, in the body's frame, m."""
 
 
 AT_S = (WrenchPoint(0, np.zeros(3)),)

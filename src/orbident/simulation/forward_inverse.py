@@ -1,4 +1,4 @@
-"""From forces to accelerations, and back (Eq. 13)."""
+"""Accelerations that follow from forces, and forces from accelerations (Eq. 13)."""
 
 import numpy as np
 from jaxtyping import Float

@@ -41,7 +41,7 @@ class BaseState(NamedTuple):
     attitude: Float[np.ndarray, "4"]
     """Unit quaternion, scalar last; rotates base vectors into inertial axes."""
     velocity: Float[np.ndarray, "3"]
-    """Of S, inertial axes, m/s."""
+    """Velocity of S, inertial axes, m/s."""
     wheel_speed: Float[np.ndarray, " wheels"]
     """Relative to the base, rad/s."""
 

@@ -33,7 +33,7 @@ class InertialSensor(Sensor):
     bias_instability: float = 0.0
     """`B`, rad/s or m/s^2: the floor of the Allan deviation over 0.664."""
     correlation_time: float = CORRELATION_TIME
-    """Of the bias's drift, s; infinite for a bias that stays."""
+    """Correlation time of the bias's drift, s; infinite for a bias that stays."""
     turn_on_bias: float | None = None
     """Std of the bias at the first sample, in B's unit; B where it is not given."""
     constant_bias: Vector = NONE

@@ -90,11 +90,11 @@ class Channel(NamedTuple):
     """What one sensor, or one of several encoders, is there to see."""
 
     key: str
-    """Of the sensor section."""
+    """Name of the section of the sensor."""
     name: str
-    """Of the columns, before the dot."""
+    """What the columns' names have before the dot."""
     components: Sequence[str]
-    """Of the columns, after the dot."""
+    """What the columns' names have after the dot."""
     true: Float[np.ndarray, "rows true"]
     """The noise-free values."""
     read: Reading | None = None

@@ -23,7 +23,7 @@ class Tracker(Sensor):
     markov_std: PerAxis = 0.0
     """Std of a first-order Gauss-Markov process, rad or m."""
     correlation_time: PerAxis = 0.0
-    """Of that process, s; above zero where there is one."""
+    """Correlation time of that process, s; above zero where there is one."""
     random_walk: PerAxis = 0.0
     """Density, rad/sqrt(s) or m/sqrt(s); the walk is zero at the first sample."""
 
@@ -112,7 +112,7 @@ class PositionTracker(Tracker):
     """
 
     std: float
-    """Of the white noise on each axis, m."""
+    """Standard deviation of the white noise on each axis, m."""
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -89,7 +89,7 @@ def _integrated(
     speed: Float[np.ndarray, "n axes"],
     acceleration: Float[np.ndarray, "n axes"],
 ) -> Float[np.ndarray, "n axes"]:
-    """From zero, by the trapezoidal rule with end corrections: of fourth order."""
+    """Integral from zero by the trapezoidal rule with end corrections: fourth order."""
     h = np.diff(t)[:, None]
     steps = h / 2 * (speed[1:] + speed[:-1])
     steps -= h**2 / 12 * np.diff(acceleration, axis=0)

@@ -49,7 +49,7 @@ RATE = 10.0
 REACH = (1.0, -0.8, 1.2)
 """Where the joints go, rad."""
 SLEW = 0.3
-"""By how much the base turns, rad, about the diagonal of its axes."""
+"""Angle by which the base turns about the diagonal of its axes, rad."""
 KP, KD = 1.0, 2.0
 """A closed loop of 1 rad/s, critically damped."""
 
@@ -70,8 +70,8 @@ class ControlStudy:
     errors: Mapping[str, Tracked]
     """RMS errors over the seeds, by model."""
     factor: float
-    """By how much the identified model is better: of joints and base, of all seeds,
-    where it is least."""
+    """How many times better the identified model is, where this is least: of joints and
+    base, of all seeds."""
     trajectory: Trajectory
     """The trajectory of the identification."""
     recording: Recording

@@ -1,4 +1,4 @@
-"""From encoders and an IMU to regressors the paper's way (Sections 3.5 and 4)."""
+"""Regressors' inputs from encoders and an IMU, the paper's way (Sections 3.5 and 4)."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""From encoders and motion capture to regressors the paper's way (Section 5.3)."""
+"""Inputs of regressors from encoders and motion capture (the paper's Section 5.3)."""
 
 import numpy as np
 from jaxtyping import Float

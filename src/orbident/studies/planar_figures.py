@@ -23,7 +23,7 @@ class Figure(NamedTuple):
 
     title: str
     columns: Mapping[str, Column]
-    """By name with unit; time first."""
+    """Columns by name with unit; time comes first."""
 
 
 class Measured(NamedTuple):
@@ -31,7 +31,7 @@ class Measured(NamedTuple):
 
     raw: Recording
     ready: Recording
-    """With rates of joints and base, and the velocity of S."""
+    """The recording with rates of joints and base, and the velocity of S."""
 
 
 def planar_figures(
@@ -41,14 +41,14 @@ def planar_figures(
     validation: Measured,
     result: Result,
 ) -> dict[str, Figure]:
-    """By name, `fig06` to `fig13`.
+    """The figures by name, `fig06` to `fig13`.
 
     Args:
-        robot: that flew.
-        identification: Table 5's trajectory.
-        burn: Section 5.5's.
-        validation: Eq. 47's.
-        result: of the identification: what predicts the validation.
+        robot: the robot that flew.
+        identification: what was measured on Table 5's trajectory.
+        burn: the recording of Section 5.5's burn.
+        validation: what was measured on Eq. 47's trajectory.
+        result: the result of the identification, which predicts the validation.
     """
     predicted = _predicted(result, validation)
     return {

@@ -67,7 +67,7 @@ def fly_planar(robot: Robot, trajectory: Trajectory) -> Flights:
 
 
 def _spun_up(robot: Robot, q: Float[np.ndarray, " joints"], yaw: float) -> FlyingState:
-    """From rest to the wheel's speed (Eq. 25): all momentum is still zero."""
+    """State after the wheel's spin-up from rest (Eq. 25): momentum is still zero."""
     start = standing(_at_rest(yaw), q)
     flight = free_flying(
         robot,

@@ -40,7 +40,7 @@ class Table6(NamedTuple):
 
     @classmethod
     def of(cls, robot: Robot) -> "Table6":
-        """In the paper's planar basis, of the robot's nominal inertia."""
+        """The table in the paper's planar basis, of the robot's nominal inertia."""
         sets = minimal_sets(robot)
         basis = paper_basis(sets, planar_columns(paper_tables.PLANAR_JOINT1))
         pi, phi = basis.pi(sets.pi(robot.theta)), basis.phi(sets.phi(robot.theta))
@@ -102,7 +102,7 @@ class PaperFilters(NamedTuple):
 
 
 def run_ideal(robot: Robot, flights: Flights, method: Method) -> PlanarRun:
-    """With ideal sensors of everything: there is nothing to be filtered."""
+    """Run with ideal sensors of everything: there is nothing to be filtered."""
     records = Records(*(ideal_record(robot, flight) for flight in flights))
     result = identify(robot, records.identification, method, "at-rest")
     reading = _read(result, records.identification, records.validation)
@@ -112,14 +112,14 @@ def run_ideal(robot: Robot, flights: Flights, method: Method) -> PlanarRun:
 def run_noisy(
     robot: Robot, flights: Flights, filters: PaperFilters, seed: int, method: Method
 ) -> PlanarRun:
-    """With the sensors of the robot's file; each recording has a noise of its own.
+    """Run with the sensors of the robot's file; each recording has a noise of its own.
 
     Args:
-        robot: that flew.
-        flights: all of Section 5.
-        filters: of the paper's method.
-        seed: of the three recordings' noise.
-        method: of `identify`, on the recordings as they are.
+        robot: the robot that flew.
+        flights: all flights of Section 5.
+        filters: the filters of the paper's method.
+        seed: the seed of the three recordings' noise.
+        method: the method of `identify`, on the recordings as they are.
     """
     seeds = (len(flights) * seed + k for k in range(len(flights)))
     records = Records(

@@ -99,7 +99,7 @@ class PlanarStudy:
     """The paper's first; with ideal sensors least squares alone."""
     mass: Weighed
     condition_number: dict[str, float]
-    """In the paper's basis, by the first of the methods."""
+    """Condition numbers in the paper's basis, by the first of the methods."""
     trajectory: Trajectory
     recordings: Records
     """The recordings of the first seed."""

@@ -40,7 +40,8 @@ INTEGRATED = 1e-5
 """and where the motion between samples was integrated."""
 
 SEEDS_BY_SENSOR = 20
-"""At most: which sensor an error comes from is told by less than its exact size."""
+"""Most seeds with one sensor's noise alone: they show which sensor an error comes from,
+which takes fewer than its exact size."""
 
 
 @dataclass(frozen=True)
@@ -181,7 +182,7 @@ class _Table(NamedTuple):
         return np.concatenate([pi, phi, [result.mass.value]])
 
     def bounds(self, bound: EstimatedParameters) -> Float[np.ndarray, " parameters"]:
-        """In percent."""
+        """Bounds of the parameters' deviations, in percent."""
         pi = self.basis.pi_of_pi, bound.pi.covariance
         phi = self.basis.phi_of_phi, bound.phi.covariance
         M = np.eye(1), bound.base.covariance[:1, :1]

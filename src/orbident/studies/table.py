@@ -102,7 +102,7 @@ def truly_acting(robot: Robot, flight: FreeFlying) -> dict[str, float]:
 
 
 def fly_table(robot: Robot, trajectory: Trajectory) -> FreeFlying:
-    """From rest: the wheel spins up, then the arm moves.
+    """Fly from rest: the wheel spins up, then the arm moves.
 
     Args:
         robot: `table_robot`.

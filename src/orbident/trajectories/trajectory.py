@@ -67,7 +67,7 @@ class Trajectory:
     duration: float
     """t_f, s."""
     joints: tuple[str, ...]
-    """In the order of the rows below."""
+    """Names of the joints, in the order of the rows below."""
     a: Float[np.ndarray, "joints harmonics"]
     """Cosine amplitudes of the rate, rad/s or m/s."""
     b: Float[np.ndarray, "joints harmonics"]

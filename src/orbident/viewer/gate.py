@@ -35,7 +35,7 @@ class Gate:
     """Decides which requests reach the viewer."""
 
     names: frozenset[str]
-    """By which the viewer may be called in `Host`; empty where by any."""
+    """Names by which `Host` may call the viewer; empty where any name is good."""
     token: str
     """Must begin the path; empty where only this machine can connect."""
 

@@ -123,7 +123,7 @@ class ReplayPage:
 
 
 def slow_motion(motion: MotionHistory) -> float:
-    """By how much wheels turn slower than they did, so that an eye can follow them."""
+    """How many times slower wheels turn than they did, for an eye to follow them."""
     fastest = float(np.abs(motion.qd_rw).max(initial=0.0))
     return 10.0 ** max(0, np.ceil(np.log10(max(fastest / FASTEST_TURN, 1.0))))
 

@@ -15,7 +15,7 @@ from orbident.extras import extra
 from orbident.viewer.gate import Gate, gated, in_address
 
 PERIOD = 1 / 30
-"""From one picture to the next, s."""
+"""Time from one picture to the next, s."""
 
 
 @runtime_checkable

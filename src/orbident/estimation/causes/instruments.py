@@ -23,7 +23,7 @@ CLEAR = 5.0
 """Deviations by which an error is none of chance."""
 
 EACH = "(.+)"
-"""In a pattern: any joint or wheel."""
+"""The part of a pattern that matches the name of any joint or wheel."""
 
 
 class ErrorKind(NamedTuple):

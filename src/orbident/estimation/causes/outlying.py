@@ -24,7 +24,7 @@ AROUND, NEIGHBOURS = 101, 5
 """Samples that tell the scatter, and that one spike spoils."""
 
 ROUNDS = 8
-"""In each the worst of its neighbours is left out."""
+"""Rounds, at most; each leaves out samples that are the worst of their neighbours."""
 
 MOST = 0.1
 """Part of a sensor's samples: more are no exceptions."""

@@ -20,7 +20,7 @@ SMALL_BEND = 1e-4
 
 
 def step(problem: MomentumProblem, sensor: str, row: int) -> Suspect:
-    """From a row on, the sensor is off by so much."""
+    """The suspect that a sensor is off by a constant from one row on."""
     t, axes = problem.recording.t, _axes(problem, sensor)
     joint = sensor.partition(".")[2]
 

@@ -17,7 +17,7 @@ from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 
 STEPS = 12
-"""From where what is put right is right, the search needs fewer."""
+"""Steps of the search, at most: where the right thing is amended, it needs fewer."""
 
 
 class Trial(NamedTuple):

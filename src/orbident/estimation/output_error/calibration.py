@@ -28,7 +28,7 @@ class Calibration(NamedTuple):
     std: float
     """The tolerance that the robot file declares; zero where the error is zero."""
     place: int = 0
-    """In the order of the core's `calibration.hpp`."""
+    """Place in the order of the core's `calibration.hpp`."""
 
 
 def calibrations_of(robot: Robot, recorded: Collection[str]) -> tuple[Calibration, ...]:

@@ -15,12 +15,12 @@ from orbident.model.minimal_sets import conserved_axes
 from orbident.robot.description import Robot
 
 TRACKERS = ("attitude", "position")
-"""In the core's order."""
+"""The sensors whose noise may last, in the core's order."""
 
 MARKOV_STD, CORRELATION_TIME, RANDOM_WALK = range(3)
 
 Lasting = Float[np.ndarray, "2 3 3"]
-"""By tracker and axis: the three above; zero where the noise is white."""
+"""The three parameters above by tracker and axis; zero where the noise is white."""
 
 Tables = Mapping[str, Float[np.ndarray, "rows axes"]]
 
@@ -47,7 +47,7 @@ def first_lasting(lasting: Lasting, dt: float) -> Float[np.ndarray, " parts"]:
 
 
 def at_level(lasting: Lasting, assumed: Tables, weights: Tables) -> Lasting:
-    """With the level of noise that the weights of sensors have.
+    """The lasting noise, at the level of noise that the weights of sensors have.
 
     All parts of a sensor's noise are as many times as large as assumed as the white
     one; the largest weight is that of samples which are no outliers.

@@ -71,7 +71,7 @@ def whitened(
 
 
 def rescaled(weights: BySensor, scales: Mapping[str, float]) -> BySensor:
-    """For noise so many times as large."""
+    """The weights of sensors whose noise is `scales` times as large."""
     return {name: weight / scales[name] for name, weight in weights.items()}
 
 

@@ -39,7 +39,7 @@ from orbident.robot.description import Robot
 from orbident.threads import processors
 
 SENSORS = ("gyro", "accelerometer", "attitude", "joints", "position", "velocity")
-"""In the core's order."""
+"""The sensors, in the core's order."""
 
 NO_ROWS = np.zeros((0, 3))
 """The samples of a sensor that was not recorded."""
@@ -140,7 +140,7 @@ class Linear(NamedTuple):
     factor: Float[np.ndarray, "n n"]
     """Triangular, over `[z, g, rhs]` with the `z` of the meeting boundary."""
     links: Float[np.ndarray, "intervals local columns"]
-    """Of each interval: rows over `[z, z of the side of the meeting one, g, rhs]`."""
+    """Rows of each interval over `[z, z on the meeting boundary's side, g, rhs]`."""
     cost: float
     """Sum of the squared whitened residuals and defects."""
     residuals: dict[str, Float[np.ndarray, "rows axes"]]

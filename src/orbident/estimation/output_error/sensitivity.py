@@ -61,9 +61,9 @@ class Sensitivity(NamedTuple):
     units: tuple[str, ...]
     """Units of the errors: mrad, mm, % or ms."""
     shift: Float[np.ndarray, "beta errors"]
-    """Of the estimated `[M, sigma, iota]` by an error of one unit, SI."""
+    """Change of the estimated `[M, sigma, iota]` by an error of one unit, SI."""
     covariance: Float[np.ndarray, "beta beta"]
-    """Of the estimate."""
+    """Covariance of the estimated `[M, sigma, iota]`."""
     freed: tuple[Freed, ...]
     left: Float[np.ndarray, "rows columns"]
     """`[R_c, z]`: the equations of the errors after those of all other unknowns."""

@@ -22,7 +22,7 @@ COMPONENTS = {
     "position": "xyz",
     "velocity": "xyz",
 }
-"""Of the base's sensors; encoders are beside them."""
+"""Components of the base's sensors; encoders are not among them."""
 
 INCREMENTS = tuple(f"velocity_increment.{k}" for k in "xyz")
 
@@ -36,9 +36,9 @@ TOGETHER = 1e-6
 """s: samples this close are of one time; clocks and their latencies are rounded."""
 
 LEAST = 3e-8
-"""Of a signal's size, or rad: the least noise of a sensor. Splines and integration err
-by some 1e-9, alike from sample to sample: some thousand samples of so much noise are
-as far off together."""
+"""Least noise of a sensor, over its signal's size or in rad. Splines and integration
+err by some 1e-9, alike from sample to sample: some thousand samples of so much noise
+are as far off together."""
 
 NORMAL = 1.4826
 """Std over median absolute value, of Gaussian noise."""
@@ -50,7 +50,7 @@ class Sensed:
 
     values: Float[np.ndarray, "rows axes"]
     std: float
-    """Of the white noise of a sample, and of what tachometers add to it, SI."""
+    """Standard deviation of a sample's noise: white, and what tachometers add, SI."""
     least: float
     """Smaller noise is the integration's and the splines'."""
     declared: bool

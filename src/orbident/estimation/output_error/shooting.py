@@ -143,11 +143,11 @@ class Looseness(NamedTuple):
     corrected: Float[np.ndarray, " corrected"]
     """Indices of the joints that have corrections."""
     first: Float[np.ndarray, " local"]
-    """At the recording's start."""
+    """Deviations of all unknowns of the boundary at the recording's start."""
     corrections: Float[np.ndarray, " corrections"]
-    """Of the joints, rad or m, and of their rates, per second, anywhere."""
+    """Deviations of corrections anywhere: joints, rad or m; their rates, per second."""
     walk: Float[np.ndarray, "9"]
-    """Of attitude and biases, per square root of a second."""
+    """Random walk of attitude and biases, per square root of a second."""
 
 
 def looseness(

@@ -53,7 +53,7 @@ class Prior(NamedTuple):
     def added(
         self, factor: Float[np.ndarray, "n n"], state: Unknowns
     ) -> Float[np.ndarray, "n n"]:
-        """To a triangular factor over changes of `[g, rhs]`."""
+        """Add the prior to a triangular factor over changes of `[g, rhs]`."""
         rhs = (self.values - state.common) / self.std
         factor = fold(factor, np.column_stack([np.diag(1 / self.std), rhs]))
         if not len(self.others):
@@ -78,7 +78,7 @@ class Solution(NamedTuple):
 
     state: Unknowns
     linear: Linear
-    """At a state within a hundredth of a deviation of it."""
+    """The equations at a state within a hundredth of a deviation of `state`."""
     prior: Prior
     weights: BySensor
     converged: bool
@@ -108,15 +108,15 @@ def solved(
     steps: int = STEPS,
     here: Linear | None = None,
 ) -> Solution:
-    """From a state to the least cost, in so many steps at most.
+    """Search for the least cost from a given state.
 
     Args:
         problem: a recording's equations.
-        weights: of its samples.
+        weights: the weights of its samples.
         prior: what is known beforehand.
         state: where the search starts.
         progress: is called at every step.
-        steps: at most.
+        steps: the most steps to take.
         here: the equations at that state, where they are at hand.
 
     Raises:

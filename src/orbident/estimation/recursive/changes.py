@@ -59,7 +59,7 @@ class Detector:
 
     @cached_property
     def threshold(self) -> float:
-        """Of `g`."""
+        """Threshold of `g`."""
         each = self.false_alarms / (self.samples * self.window)
         return COLOUR * float(chdtri(self.rows, each))
 

@@ -86,7 +86,7 @@ def _packed(
 
 
 def _trusted(samples: Samples, start: float, end: float) -> tuple[float, float]:
-    """From when to when rates are as good as they are said to be, s."""
+    """First and last time at which rates are as good as they are said to be, s."""
     derived = DERIVED in samples.origins["joint_rates"]
     margin = ENDS if derived and end - start > 4 * ENDS else 0.0
     return start + margin, end - margin

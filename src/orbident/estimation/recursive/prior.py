@@ -26,7 +26,7 @@ class GaussianPrior(NamedTuple):
 def prior_from(
     beta: Float[np.ndarray, " beta"], covariance: Float[np.ndarray, "beta beta"]
 ) -> GaussianPrior:
-    """From a mean and a covariance.
+    """The prior with this mean and covariance.
 
     Raises:
         InputError: the covariance is not positive definite.

@@ -32,7 +32,7 @@ def _stream(file: BinaryIO, names: Collection[str] | None = None) -> Iterator:
 
 
 def _indexed(file: BinaryIO) -> list[Topic]:
-    """From the summary at the end of the file; nothing where it has none."""
+    """The topics in the summary that ends the file; none where it has no summary."""
     summary = McapIndex(file).get_summary()
     if summary is None or summary.statistics is None:
         return []

@@ -29,7 +29,7 @@ def common_rows(stamps: Sequence[Stamps]) -> tuple[Stamps, list[Stamps]]:
 
 
 def _row_times(rows: Stamps, stamps: Stamps) -> Stamps:
-    """For each stamp the nearest row's time if that is close enough, else its own."""
+    """The nearest row's time for each stamp if that is close enough, else its own."""
     if not rows.size:
         return stamps
     after = np.minimum(np.searchsorted(rows, stamps), rows.size - 1)

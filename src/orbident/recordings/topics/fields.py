@@ -64,7 +64,7 @@ class Fields(Placed):
         return None
 
     def table(self, raw: Float[np.ndarray, "n K"]) -> Float[np.ndarray, "n columns"]:
-        """In SI and base axes."""
+        """The columns in SI and base axes."""
         parts, start = [], 0
         for target in self.targets:
             values = target.in_si(raw[:, start : start + target.width])

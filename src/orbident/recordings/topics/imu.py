@@ -39,7 +39,7 @@ class Imu(PlacedEntry[ImuTake]):
         )
 
     def table(self, raw: Float[np.ndarray, "n K"]) -> Float[np.ndarray, "n columns"]:
-        """In SI and base axes."""
+        """The columns in SI and base axes."""
         parts = []
         if self.take.gyro:
             parts.append(self.in_base(raw[:, 4:7]) * self.take.gyro.si)

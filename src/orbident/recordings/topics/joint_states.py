@@ -89,5 +89,5 @@ class JointStates(Entry):
         yield Extraction(header_stamp(message.header), values)
 
     def table(self, raw: Float[np.ndarray, "n K"]) -> Float[np.ndarray, "n columns"]:
-        """In SI."""
+        """The columns in SI."""
         return raw * np.repeat([u.si for u in self._units], len(self._sources))

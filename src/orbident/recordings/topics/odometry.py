@@ -58,7 +58,7 @@ class Odometry(PlacedEntry[OdometryTake]):
         )
 
     def table(self, raw: Float[np.ndarray, "n K"]) -> Float[np.ndarray, "n columns"]:
-        """In SI; `v_W = R_WS v_S` and `w_B = R_BS w_S` of a twist in child axes."""
+        """Columns, SI; `v_W = R_WS v_S`, `w_B = R_BS w_S` of a twist in child axes."""
         x_WS, p, v, w = np.split(raw, [4, 7, 10], axis=1)
         if self.twist == "child":
             v = rotate_by_quaternion(x_WS, v) if self.take.velocity else v

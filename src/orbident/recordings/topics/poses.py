@@ -45,7 +45,7 @@ class Pose(PlacedEntry[PoseTake]):
         )
 
     def table(self, raw: Float[np.ndarray, "n K"]) -> Float[np.ndarray, "n columns"]:
-        """In m, inertial axes; `p_WS = -R_SW^T p_SW` where the pose is inverted."""
+        """Columns in m, inertial axes; `p_WS = -R_SW^T p_SW` of an inverted pose."""
         x_WS, p_WS = raw[:, :4], raw[:, 4:7]
         if self.pose == "inertial-in-base":
             x_WS = conjugate(x_WS)

@@ -57,7 +57,7 @@ class Target:
         return self.name not in VECTORS and self.name.split(".")[0] in TURNED
 
     def in_si(self, raw: Float[np.ndarray, "n width"]) -> Float[np.ndarray, "n K"]:
-        """In SI; an attitude as a unit quaternion, scalar last."""
+        """The values in SI; an attitude as a unit quaternion, scalar last."""
         if self.name != "attitude" or self.unit == "quaternion":
             return raw * self.si
         if self.unit == "mrp":

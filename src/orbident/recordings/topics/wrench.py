@@ -26,7 +26,7 @@ class WrenchStamped(PlacedEntry[WrenchTake]):
         yield Extraction(header_stamp(message.header), (f.x, f.y, f.z, n.x, n.y, n.z))
 
     def table(self, raw: Float[np.ndarray, "n K"]) -> Float[np.ndarray, "n columns"]:
-        """In SI and base axes."""
+        """The columns in SI and base axes."""
         parts = []
         if self.take.force:
             parts.append(self.in_base(raw[:, :3]) * self.take.force.si)

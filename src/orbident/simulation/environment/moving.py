@@ -29,7 +29,7 @@ class Load(NamedTuple):
     body: int
     """Index of the body."""
     point: Float[np.ndarray, "3"]
-    """In the body's frame, m."""
+    """Point where the force acts, in the body's frame, m."""
     force: Vectors
     """N."""
     moment: Vectors

@@ -20,12 +20,12 @@ from orbident.trajectories.environment import Orbit
 MU = 3.986004418e14
 """m^3/s^2."""
 R_E = 6378137.0
-"""At the equator, m."""
+"""Radius of the Earth at the equator, m."""
 J2 = 1.08262668e-3
 DAY = np.array([0.0, 0.0, 7.2921159e-5])
 """The rate of the Earth and of its air, rad/s."""
 FIELD = 2.98e-5
-"""At the equator, on the ground, T."""
+"""Magnetic field at the equator, on the ground, T."""
 AXIS = np.array([0.0, 0.0, 1.0])
 
 
@@ -35,7 +35,7 @@ class Place(NamedTuple):
     up: Vectors
     """Unit vectors away from the Earth."""
     R: float
-    """From the middle of the Earth, m."""
+    """Distance from the middle of the Earth, m."""
     v: Vectors
     """m/s."""
 

@@ -43,7 +43,10 @@ class ExternalForces:
         return [edge for b in bursts for edge in (b.start, b.start + b.duration)]
 
     def wrenches(self, path: Path | None) -> Wrenches:
-        """From nodes to force and moment at the points, base axes; first, nothing."""
+        """A function that gives force and moment at the points, at any nodes.
+
+        They are in base axes, and zero where there is no path.
+        """
 
         def at(nodes: Float[np.ndarray, "steps 3"]) -> Float[np.ndarray, "..."]:
             net = np.zeros((nodes.size, len(self.points), 6))
