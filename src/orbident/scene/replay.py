@@ -4,7 +4,6 @@ from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
-from scipy.integrate import cumulative_trapezoid
 
 from orbident.errors import InputError
 from orbident.estimation.result import Result
@@ -67,8 +66,16 @@ def predicted_motion(result: Result, recording: Recording) -> Replay:
     predicted = motion._replace(
         x_WB=prediction.x_WB, w=prediction.w, v_S=prediction.v_S
     )
-    r_S = motion.r_S[0] + cumulative_trapezoid(prediction.v_S, t, axis=0, initial=0)
+    r_S = motion.r_S[0] + _integral(t, prediction.v_S)
     return Replay(motion, predicted._replace(r_S=r_S), model, known, ())
+
+
+def _integral(
+    t: Float[np.ndarray, " n"], v: Float[np.ndarray, "n 3"]
+) -> Float[np.ndarray, "n 3"]:
+    """The integral from the first time on, by the trapezoidal rule."""
+    steps = np.diff(t)[:, None] * (v[1:] + v[:-1]) / 2
+    return np.vstack([np.zeros(3), np.cumsum(steps, axis=0)])
 
 
 def _measured(
@@ -76,7 +83,7 @@ def _measured(
 ) -> MotionHistory:
     if batch.moving.any():
         v_S = _between(t, t[batch.moving], batch.v_S[batch.moving])
-        r_S = cumulative_trapezoid(v_S, t, axis=0, initial=0)
+        r_S = _integral(t, v_S)
     else:
         r_S, v_S = _about_resting_cm(robot, batch)
     if recording.has(*(f"position.{k}" for k in "xyz")):

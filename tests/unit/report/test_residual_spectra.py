@@ -1,9 +1,11 @@
 """White noise is white, and what is not is seen."""
 
 import numpy as np
+import pytest
+from scipy.signal import welch
 
 from orbident.estimation.estimate import whiteness
-from orbident.report.spectra import autocorrelation, spectrum
+from orbident.report.spectra import LINES, autocorrelation, power_density, spectrum
 
 RANDOM = np.random.default_rng(3)
 WHITE = RANDOM.standard_normal(20_000)
@@ -31,3 +33,12 @@ def test_a_sine_has_a_line_where_it_belongs():
     found = spectrum(t, np.sin(2 * np.pi * 0.5 * t))
     # A band is 5 % wide.
     assert abs(found.f[found.density.argmax()] / 0.5 - 1) < 0.06
+
+
+@pytest.mark.parametrize("samples", [2, 7, 1601, 2 * LINES, 5 * LINES + 3])
+def test_power_is_that_of_welch(samples: int):
+    x = 0.3 + WHITE[:samples]
+    f, power = power_density(x, 10.0)
+    lines, expected = welch(x, 10.0, nperseg=min(samples, 2 * LINES))
+    np.testing.assert_allclose(f, lines, rtol=1e-12)
+    np.testing.assert_allclose(power, expected, rtol=1e-10, atol=1e-25)
