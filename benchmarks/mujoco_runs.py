@@ -98,7 +98,7 @@ class MujocoFlight:
         self.wheels = [self.model.joint(n).dofadr[0] for n in robot.wheel_names]
 
     def reset(self, steps: int) -> None:
-        """To the start of the flight, with so many steps a sample."""
+        """Go back to the start of the flight, with so many steps a sample."""
         model, data, flight = self.model, self.data, self.flight
         mujoco.mj_resetData(model, data)
         model.opt.timestep = (flight.t[1] - flight.t[0]) / steps

@@ -36,7 +36,7 @@ class Recorded:
 
     @property
     def gyro_std(self) -> float:
-        """Of a sample, rad/s."""
+        """Standard deviation of the gyro's white noise in a sample, rad/s."""
         return self.robot.sensors["gyro"]["angle_random_walk"] * math.sqrt(RATE)
 
     def z(self, result: oi.Result) -> np.ndarray:

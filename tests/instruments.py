@@ -26,7 +26,7 @@ class Errors:
     clock: np.ndarray
     """How late joints and wheels, the attitude and the position are shown."""
     place: np.ndarray
-    """Of each joint, three numbers."""
+    """Displacement of the joints in their parents' axes, three numbers each."""
     direction: np.ndarray
 
     @property
@@ -84,7 +84,7 @@ class Errors:
 
 @dataclass(frozen=True)
 class TrueMotion:
-    """Of joints that are shown to move in this way."""
+    """The true motion of joints whose encoders show the motion `shown`."""
 
     errors: Errors
     shown: JointMotion
@@ -117,7 +117,7 @@ def rotation(m: np.ndarray) -> Rotation:
 
 
 def _delayed(t: np.ndarray, x: np.ndarray, late: float) -> np.ndarray:
-    """By the quintic through all samples."""
+    """`x` as it was `late` before, by the quintic through all samples."""
     return make_interp_spline(t, x, k=5)(t - late)
 
 

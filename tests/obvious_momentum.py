@@ -35,7 +35,7 @@ class Motion(NamedTuple):
 
 
 def rotation(axis: Vector, angle: float) -> np.ndarray:
-    """By turning each unit vector about the axis."""
+    """The rotation matrix, by turning each unit vector about the axis."""
     c, s = np.cos(angle), np.sin(angle)
     columns = [
         c * e + s * np.cross(axis, e) + (1 - c) * axis * (axis @ e) for e in np.eye(3)

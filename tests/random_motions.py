@@ -74,7 +74,7 @@ def _usual(stops: tuple[float, float] | None) -> float:
 
 
 def _room(robot: Robot, free: Trajectory) -> np.ndarray:
-    """By how much each joint must move less to stay within its range."""
+    """The part of each joint's motion that keeps it within its range; 1 at most."""
     q, _, _ = free.at(np.linspace(0.0, free.duration, 1000))
     room = np.ones(len(robot.joints))
     for k, joint in enumerate(robot.joints):

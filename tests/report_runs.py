@@ -32,7 +32,7 @@ def flown() -> tuple[Robot, Recording]:
 
 @cache
 def result() -> Result:
-    """By least squares."""
+    """The result of least squares for the flown recording."""
     return identify(*flown(), "least-squares")
 
 

@@ -38,19 +38,19 @@ class Segment(NamedTuple):
     state: Unknowns
 
     def residuals(self, state: Unknowns | None = None) -> dict[str, np.ndarray]:
-        """Of every sensor."""
+        """The residuals of every sensor."""
         *_, tables = _core.linearised(self.recorded, *self._at(state, *SENSORS))
         return dict(zip(SENSORS, tables, strict=True))
 
     def equations(
         self, *sensors: str, state: Unknowns | None = None, interval: int = 0
     ) -> np.ndarray:
-        """Of these sensors, then of continuity and of encoders."""
+        """The equations of these sensors, then of continuity and of encoders."""
         at = self._at(state, *sensors)
         return _core.interval_equations(self.recorded, *at, interval)
 
     def eliminated(self, threads: int = 1) -> Linear:
-        """With all sensors."""
+        """The equations of all sensors, after elimination."""
         factor, links, cost, tables = _core.linearised(
             self.recorded, *self._at(None, *SENSORS), threads
         )
@@ -85,7 +85,7 @@ def segment_of(
     intervals: int = 1,
     errors: Errors | None = None,
 ) -> Segment:
-    """From the simulator, at every node; nothing is interpolated.
+    """A segment from the simulator, at every node; nothing is interpolated.
 
     With errors of the instruments, these are shown, and all are unknowns.
     """
@@ -162,7 +162,8 @@ def segment_of(
 
 
 def rate_at_rows(t: np.ndarray) -> np.ndarray:
-    """By the parabola through a row, half-way and the next row; zero half-way."""
+    """The matrix that takes values to their rates: by the parabola through a row,
+    half-way and the next row; zero half-way."""
     rate = np.zeros((t.size, t.size))
     for node in range(0, t.size - 2, 2):
         rate[node, node : node + 3] = np.array([-3, 4, -1]) / (t[node + 2] - t[node])

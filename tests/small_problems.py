@@ -56,12 +56,12 @@ def small_robot_in_space() -> Robot:
 
 
 def small_recording_in_space(robot: Robot) -> Recording:
-    """From rest: the base tumbles because the wheels spun up."""
+    """A recording from rest: the base tumbles because the wheels spun up."""
     return simulate(robot, random_motion(robot, 1, 10.0, 50.0, "spun up"))
 
 
 def small_recording(robot: Robot, duration: float = 20.0) -> Recording:
-    """From rest: the base turns because the wheel spun up."""
+    """A recording from rest: the base turns because the wheel spun up."""
     motion = random_motion(robot, 1, duration, SPIN, "spun up")
     return simulate(robot, motion)
 
@@ -73,7 +73,7 @@ def small_flight(robot: Robot) -> Recording:
 
 
 def noisy(recording: Recording, seed: int) -> Recording:
-    """With white noise on the sensors of the base, about z and in x and y."""
+    """The recording with white noise on the base's sensors, about z and in x and y."""
     random = np.random.default_rng(seed)
     columns = dict(recording.columns)
     for name in ("gyro.z", "position.x", "position.y", "velocity.x", "velocity.y"):
@@ -86,7 +86,7 @@ def noisy(recording: Recording, seed: int) -> Recording:
 
 
 def noisy_in_space(recording: Recording, seed: int) -> Recording:
-    """With white noise on all axes of the sensors of the base."""
+    """The recording with white noise on all axes of the base's sensors."""
     random = np.random.default_rng(seed)
     columns = dict(recording.columns)
     for sensor in ("gyro", "position", "velocity"):
@@ -101,7 +101,7 @@ def noisy_in_space(recording: Recording, seed: int) -> Recording:
 
 
 def small_problem(robot: Robot, recording: Recording, off: float = 0.0) -> Small:
-    """With momentum known to be zero; `beta` is so far off at the start, relative."""
+    """A problem with momentum known to be zero; `beta` starts so far off, relative."""
     sets = minimal_sets(robot)
     sensors = sensors_of(robot, recording, dict.fromkeys(SENSORS, 0.0))
     samples = samples_of(robot, recording)

@@ -7,7 +7,7 @@ import pytest
 
 TESTS = Path(__file__).parent
 WAITING = {"wait", "communicate", "urlopen"}
-"""Of processes and servers."""
+"""Calls that wait for processes and servers."""
 STARTING = {"processes.py", "watcher.py"}
 """What may start processes: the one limits how long a command may take; the other, of
 the fuzzer, watches time and memory of a worker that runs thousands of commands."""

@@ -1,4 +1,4 @@
-"""From a bag to a recording that is identified, by the command."""
+"""A bag is converted to a recording and identified, by the command."""
 
 import sys
 from pathlib import Path
@@ -205,7 +205,7 @@ def test_zero_quaternions(orbident: Orbident):
 
 
 def test_a_long_bag_takes_little_memory():
-    """In a process of its own: 30 000 messages of 0.3 kB."""
+    """30 000 messages of 0.3 kB are converted in a process of their own."""
     bag = write_bag("mcap-ros2", Path(), sent(count=30_000))
     Path("map.yaml").write_text(HEAD + IMU)
     script = (

@@ -1,4 +1,4 @@
-"""From files of other tools to a recording that is identified, by the command."""
+"""Files of other tools are converted to a recording and identified, by the command."""
 
 from pathlib import Path
 

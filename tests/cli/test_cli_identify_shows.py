@@ -12,7 +12,7 @@ from orbident.robot.robot_file import load_robot
 from orbident.simulation.simulate import simulate
 
 LINES, COLUMNS = 24, 80
-"""Of a terminal, as it opens nearly everywhere."""
+"""Size of a terminal, as it opens nearly everywhere."""
 
 LONG = (
     "4 m(link3) + Ixx(link1) - Iyy(link1) + Izz(link2) + Izz(link3) "
@@ -31,7 +31,7 @@ def rows(words: str) -> dict[str, list[str]]:
 def test_one_screen(
     orbident: Orbident, robot: str, flight: Recording, table_run: Recording
 ):
-    """With CAD, sigmas and percent; 14 joints have 108 parameters."""
+    """The table has CAD, sigmas and percent; 14 joints have 108 parameters."""
     momentum = "at-rest" if robot == "cepheus-like" else "unknown"
     if robot == "dual-arm":
         described = load_robot(robot)

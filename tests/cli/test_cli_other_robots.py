@@ -15,7 +15,7 @@ from orbident.trajectories.trajectory_file import save_trajectory
 
 EXACT = 1e-9
 PREDICTED = 1e-6
-"""Of the predicted signals, as the issue asks: the spline between samples."""
+"""Limit of errors of predicted signals, as the issue asks: splines between samples."""
 
 SHARED = Path(__file__).parents[2].parent / "shared" / "robots"
 needs_shared = pytest.mark.skipif(

@@ -275,7 +275,7 @@ def test_force_spares_what_is_no_run(orbident: Orbident, run: Path):
 
 
 def test_what_a_killed_identification_left(orbident: Orbident, run: Path):
-    """Of this version, and of one that wrote in place."""
+    """What this version leaves is replaced, and what one that wrote in place left."""
     left = Path("left") / ".orbident-unfinished"
     left.mkdir(parents=True)
     (left / "robot.urdf").write_text("<robot")

@@ -166,7 +166,7 @@ def test_velocity_with_the_wrong_sign(orbident: Orbident, flight: Recording):
 
 
 def test_attitude_the_other_way_round(orbident: Orbident, flight: Recording):
-    """Of inertial axes in base axes: the residual is 56 % of the wheels' momentum."""
+    """Inertial axes in base axes: the residual is 56 % of the wheels' momentum."""
     wrong = {f"attitude.{k}": -flight.columns[f"attitude.{k}"] for k in "xyz"}
     written(flight, "r.csv", replace=wrong)
     result, said = identified(orbident, "paper-spatial", "r.csv")

@@ -65,7 +65,7 @@ def fly(robot: Robot, given: dict, seed: int = 0, rate: float = 0.3) -> FreeFlyi
 
 
 def integral(values: np.ndarray) -> np.ndarray:
-    """By Simpson's rule over all samples."""
+    """The integral over all samples, by Simpson's rule."""
     weights = np.full(T.size, 2.0)
     weights[1::2] = 4.0
     weights[[0, -1]] = 1.0
@@ -220,7 +220,7 @@ def test_film_drag_of_one_body_decays():
 
 
 def test_film_drag_of_two_bodies():
-    """By the velocity of each pad, link by link."""
+    """The drag is integrated from the velocity of each pad, link by link."""
     pads = {TABLE.bodies[0]: np.zeros(3), TABLE.bodies[2]: np.array([0.1, -0.2, 0.0])}
     table = replace(TABLE, pads=pads)
     films = {TABLE.bodies[0]: {"c": 0.4, "c_r": 0.1}, TABLE.bodies[2]: {"c": 0.2}}

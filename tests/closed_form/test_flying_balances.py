@@ -62,7 +62,7 @@ class Flown(NamedTuple):
 
 @pytest.fixture(scope="module")
 def flown() -> Flown:
-    """At the start, at the Gauss nodes between the edges, and at the end."""
+    """The flight at its start, at the Gauss nodes between the edges, and at its end."""
     nodes, weights = np.polynomial.legendre.leggauss(24)
     t, w = [0.0], [0.0]
     for first, last in ((0.0, ON), (ON, OFF), (OFF, END)):
@@ -113,7 +113,7 @@ def energy(run: FreeFlying, k: int) -> float:
 
 
 def test_accelerations_are_derivatives_of_the_velocities():
-    """At S, off the CM, with thrusters, wheels and joints at work."""
+    """S is off the CM; thrusters, wheels and joints are at work."""
     h = 5e-3
     run = fly(np.array([0.0, *(0.8 + h * np.arange(-3, 4)), END]))
     weights = np.array([-1, 9, -45, 0, 45, -9, 1]) / (60 * h)

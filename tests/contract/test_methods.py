@@ -39,8 +39,8 @@ UNEVEN: dict[Method, float] = {
 likelihood predicts from row to row with splines: (0.3 s)^4 of a radian."""
 
 FROM_AFAR: dict[Method, float] = {**dict.fromkeys(METHODS, EXACT), "recursive": 1e-7}
-"""From CAD values a fifth too large: what the recursive filter starts from weighs as
-much as its declared noise, 1e-5 rad/s, lets it."""
+"""Tolerance where CAD values are a fifth too large: what the recursive filter starts
+from weighs as much as its declared noise, 1e-5 rad/s, lets it."""
 
 
 LINEAR: tuple[Method, ...] = ("structured", "least-squares")
@@ -48,7 +48,7 @@ LINEAR: tuple[Method, ...] = ("structured", "least-squares")
 
 @pytest.fixture(scope="module")
 def identified(robot: Robot, recording: Recording) -> Callable[[Method], Result]:
-    """Of the exact recording, once by each method."""
+    """Identify the exact recording, once by each method."""
     return cache(lambda method: identify(robot, recording, method))
 
 

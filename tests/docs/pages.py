@@ -23,7 +23,7 @@ class Block(NamedTuple):
     title: str
     text: str
     line: int
-    """Of its first line in the page."""
+    """Number of the text's first line in the page."""
 
 
 def name_of(page: Path) -> str:

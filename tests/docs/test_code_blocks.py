@@ -34,7 +34,7 @@ def spatial_study() -> None:
 
 
 def three_flights() -> None:
-    """Of the robot on its table, each with noise of its own."""
+    """Write three recordings of the robot on its table, each with noise of its own."""
     robot = load_robot("cepheus-like")
     trajectory = random_motion(robot, 1, 20.0, 50.0, "spun up")
     motion = float_along(robot, trajectory, robot.sensors["rate"])
@@ -46,7 +46,7 @@ BEFORE = {
     "README.md": spatial_study,
     "docs/how-to/several-recordings.md": three_flights,
 }
-"""By page, what its reader has already."""
+"""What makes the files that a page's reader has already, by page."""
 
 
 @pytest.mark.parametrize("page", RUNNING, ids=name_of)

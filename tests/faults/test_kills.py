@@ -33,7 +33,10 @@ def test_before_every_call_of_the_file_system():
 
 
 def kill(name: str, folder: Path, numbers: random.Random) -> bool:
-    """At a random moment, or just after the verb has begun to write; if in time."""
+    """Kill a verb at a random moment, or just after it has begun to write.
+
+    Return whether it was killed before its end.
+    """
     with started(name, folder) as process:
         if numbers.random() < 0.5:
             end = time.monotonic() + numbers.uniform(0.0, SECONDS)

@@ -58,7 +58,7 @@ class Summary:
         return sum(tally.statuses.total() for tally in self.groups.values())
 
     def table(self) -> str:
-        """For people: a line for each group, and one for each kind of fault."""
+        """A table for people: a line for each group, and one for each kind of fault."""
         lines = [
             f"{'group':<14}{'cases':>7}{'status 0':>10}{'1':>7}{'2':>7}{'other':>7}"
             f"{'faults':>8}{'worst s':>9}{'worst MB':>10}"

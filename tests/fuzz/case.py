@@ -17,7 +17,8 @@ class Case:
     group: str
     arguments: tuple[str, ...]
     files: Mapping[str, bytes]
-    """By relative path; a name that is not UTF-8 has surrogates, as Python reads it."""
+    """Contents by relative path; a name that is not UTF-8 has surrogates, as Python
+    reads it."""
 
     def write(self, folder: Path) -> None:
         """Put the files into a folder that exists."""

@@ -63,7 +63,7 @@ def emptied(random: Random, content: bytes) -> bytes:
 
 
 def recoded(random: Random, content: bytes) -> bytes:
-    """In another encoding."""
+    """The text in another encoding."""
     text = content.decode(errors="replace")
     return text.encode(random.choice(("utf-16", "utf-32", "utf-8-sig", "utf-7")))
 

@@ -117,5 +117,5 @@ def word(random: Random) -> str:
 
 
 def value(random: Random) -> Any:
-    """Of a JSON or YAML document."""
+    """A value for a place in a JSON or YAML document."""
     return random.choice(VALUES)

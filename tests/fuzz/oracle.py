@@ -9,7 +9,7 @@ from watcher import MOST_MEMORY, Outcome
 
 INTERNAL_ERROR = 70
 INTERRUPTED = {130, 143}
-"""By Ctrl-C or SIGTERM, which no case is sent."""
+"""Exit statuses after Ctrl-C or SIGTERM, which no case is sent."""
 LONGEST_LINE = 1000
 """Characters: names are cut before they are quoted."""
 

@@ -23,7 +23,7 @@ class Robot:
     rate: float
     """Samples per second that keep a recording short, Hz."""
     wheel_speed: float
-    """At the start, rad/s."""
+    """Speed of every wheel at the start, rad/s."""
 
 
 ROBOTS = (
@@ -84,7 +84,7 @@ topics:
 BAGS = ("ros1", "ros2-sqlite3", "ros2-mcap", "mcap-ros2")
 MESSAGES = 20
 PERIOD = 50_000_000
-"""From one message to the next, ns."""
+"""Time from one message to the next, ns."""
 
 
 @dataclass(frozen=True)
@@ -92,12 +92,12 @@ class Seeds:
     """The valid files, by what they are."""
 
     robots: dict[str, dict[str, bytes]]
-    """By name: robot file and URDF."""
+    """Robot file and URDF of every bundled robot, by its name."""
     trajectories: dict[str, bytes]
     csv: dict[str, bytes]
     parquet: dict[str, bytes]
     run: dict[str, bytes]
-    """Of `paper-spatial`."""
+    """Files of the folder that an identification of `paper-spatial` writes."""
     bags: dict[str, dict[str, bytes]]
     logs: dict[str, tuple[str, bytes]]
     """Files of other tools: suffix and content."""

@@ -7,7 +7,7 @@ from typing import TypeVar
 from case import Case
 
 MOST_RUNS = 200
-"""Of the command, for one case."""
+"""How often the command may run for one case."""
 TEXT = 50_000
 """Bytes: longer files are shortened by halves, not line by line."""
 

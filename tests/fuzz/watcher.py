@@ -42,7 +42,7 @@ class Outcome:
     out: str
     err: str
     seconds: float
-    """Of the processor."""
+    """Time of the processor."""
     peak: int
     """Bytes."""
     stopped: str = ""
@@ -159,10 +159,10 @@ class Watcher:
 
 
 class _Look(NamedTuple):
-    """At a process."""
+    """What a process has used when it is looked at."""
 
     seconds: float
-    """Of the processor, since it started."""
+    """Time of the processor since the process started."""
     held: int
     """Memory, bytes."""
 

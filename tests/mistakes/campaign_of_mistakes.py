@@ -11,11 +11,11 @@ from scoring import Row, row
 def all_rows(
     workers: int, names: Sequence[str] = (), progress: Callable[[str], object] = str
 ) -> list[Row]:
-    """In the order of the table.
+    """The rows of all mistakes, in the order of the table.
 
     Args:
         workers: processes.
-        names: of mistakes, where not all.
+        names: the mistakes' names, where not all.
         progress: is called with what is done.
     """
     asked = [

@@ -32,7 +32,7 @@ INTERVAL = 1.959964
 
 @dataclass
 class Runs:
-    """Of one method, on one robot or on several."""
+    """What came of the runs of one method, on one robot or on several."""
 
     z: list[float] = field(default_factory=list)
     """Errors of the base parameters over their deviations, all runs in a row."""
@@ -114,7 +114,7 @@ def of_robots(
     seeds: int = SEEDS,
     progress: Callable[[str], object] = str,
 ) -> dict[str, ByMethod]:
-    """By robot."""
+    """The runs of every method, grouped by robot."""
     found: dict[str, ByMethod] = {}
     # A fresh interpreter: threads of the core do not survive a fork.
     with ProcessPoolExecutor(workers, get_context("spawn")) as pool:
@@ -127,7 +127,7 @@ def of_robots(
 
 
 def pooled(found: dict[str, ByMethod], method: Method) -> Runs:
-    """Of one method, all robots."""
+    """The runs of one method on all robots together."""
     total = Runs()
     for by_method in found.values():
         total.add(by_method[method])

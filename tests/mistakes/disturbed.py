@@ -32,7 +32,7 @@ class Now(NamedTuple):
     v_S: np.ndarray
     """Inertial axes, m/s."""
     to_cm: np.ndarray
-    """From S to the system CM, base axes, m."""
+    """Vector from S to the system CM, base axes, m."""
     mass: float
 
 
@@ -59,7 +59,7 @@ class Terms(NamedTuple):
 
 Push = Callable[[Now], Wrench]
 Spin = Callable[[np.ndarray], np.ndarray]
-"""From times to the factors of all wheels' first speeds."""
+"""A function from times to the factors of all wheels' first speeds."""
 
 NOTHING = np.zeros(3)
 

@@ -51,7 +51,7 @@ def middle(clean: Clean, random: Random) -> float:
 
 
 def direction(clean: Clean, random: Random) -> np.ndarray:
-    """In space any, on a table in the plane."""
+    """A random unit vector: any in space, one in the plane on a table."""
     v = random.standard_normal(3) * (1.0, 1.0, 1.0 if clean.space else 0.0)
     return v / np.linalg.norm(v)
 

@@ -107,12 +107,12 @@ def all_rows(
     names: Sequence[str] = (),
     progress: Callable[[str], object] = str,
 ) -> list[Row]:
-    """In the order of the kinds.
+    """The rows of a draw, in the order of its cases.
 
     Args:
         draw: its number: a seed.
         workers: processes.
-        names: of kinds, where not all.
+        names: the kinds' names, where not all.
         progress: is called with what is done.
     """
     asked = [case for case in cases(draw) if not names or case.kind in names]
@@ -132,7 +132,7 @@ def _line(row: Row) -> str:
 
 
 class Count:
-    """Of all rows."""
+    """How often each outcome occurs in all rows."""
 
     def __init__(self, rows: Sequence[Row]):
         self.runs = len(rows)

@@ -30,11 +30,11 @@ PRISMATIC = 5
 WHEEL_SPEED = 200.0
 """rad/s."""
 SHARE = 1e-3
-"""Of a wheel's inertia in the base's: from rest it turns the base at 0.2 rad/s."""
+"""A wheel's inertia over the base's: from rest it turns the base at 0.2 rad/s."""
 
 
 def flights() -> Iterator[str]:
-    """By name: every second robot is on a table."""
+    """The names of the flights: every second robot is on a table."""
     return (f"{'table' if k % 2 else 'space'} {k}" for k in range(ROBOTS))
 
 
@@ -65,7 +65,7 @@ def flight(name: str) -> Clean:
 
 
 def recorded(clean: Clean, seed: int) -> Recording:
-    """With the noise of this seed."""
+    """The recording of a flight, with the noise of this seed."""
     return measure_truth(clean.robot, clean.t, clean.true, seed)
 
 

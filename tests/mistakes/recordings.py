@@ -36,7 +36,7 @@ SENSORS: Mapping[str, Mapping[str, Any]] = {
         "position": {"std": 1e-4},
     },
 }
-"""By robot, SI."""
+"""The declared sensors by robot, SI."""
 
 
 DESIGN = 0.1
@@ -59,7 +59,7 @@ class Clean:
     start: BaseState
     t: np.ndarray
     true: Truth
-    """At the times `t`."""
+    """What is true at the times `t`."""
     initial_momentum: Literal["unknown", "at-rest"]
 
     @property

@@ -26,7 +26,7 @@ class Misses(NamedTuple):
     """The worst errors over their deviations; NaN where nothing is determined."""
 
     base: float
-    """Of `M, sigma, iota`."""
+    """The worst of `M, sigma, iota`."""
     mass: float
     pi: float
     phi: float
@@ -37,11 +37,11 @@ UNKNOWN = Misses(*[float("nan")] * 4)
 
 @dataclass(frozen=True)
 class Score:
-    """Of one method on one recording."""
+    """What one method made of one recording."""
 
     outcome: Outcome
     misses: Misses
-    """Of what is accepted."""
+    """The misses of what is accepted; NaN where nothing is."""
     reasons: tuple[str, ...]
     """Why it is refused, or what is warned of; the first one first."""
     seconds: float
@@ -88,7 +88,7 @@ def scored(spoiled: Spoiled, method: Method, causes: bool = False) -> Score:
 
 
 def misses_of(result: Result, true: oi.Robot) -> Misses:
-    """Of the formulas that the result tells, evaluated for the true bodies."""
+    """The misses from the result's own formulas, evaluated for the true bodies."""
     sets = oi.minimal_sets(result.robot)
 
     def worst(values: np.ndarray, std: np.ndarray, expected: np.ndarray) -> float:

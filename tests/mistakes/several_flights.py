@@ -16,7 +16,7 @@ FLIGHTS = 3
 
 
 def flights_of(name: str) -> list[Clean]:
-    """Of the robot of this name, the first as `flight` has it."""
+    """Flights of the robot of this name, the first as `flight` has it."""
     return [flight(name), *(_another(flight(name), k) for k in range(1, FLIGHTS))]
 
 
@@ -52,7 +52,7 @@ def with_payload(clean: Clean, share: float) -> Clean:
 
 
 def recorded(flights: list[Clean], seed: int) -> list[Recording]:
-    """With noise of their own, named `first`, `second` and `third`."""
+    """Recordings with noise of their own, named `first`, `second` and `third`."""
     names = ("first", "second", "third")
     return [
         replace(

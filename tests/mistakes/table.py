@@ -21,7 +21,7 @@ def lines(header: Sequence[str], body: Iterable[Sequence[str]]) -> str:
 
 
 class Count:
-    """Of one method's scores."""
+    """How often each outcome occurs in one method's scores."""
 
     def __init__(self, rows: Sequence[Row], method: Method):
         scores = [(row, row.scores[method]) for row in rows]
@@ -40,7 +40,7 @@ class Count:
 
 
 def totals(rows: Sequence[Row]) -> str:
-    """By method."""
+    """The totals by method, as a table."""
     body = []
     for method in METHODS:
         n = Count(rows, method)
@@ -61,7 +61,8 @@ def totals(rows: Sequence[Row]) -> str:
 
 
 def table(rows: Sequence[Row]) -> str:
-    """By mistake and robot; how many deviations the worst base parameter is off."""
+    """The outcomes by mistake and robot, with how many deviations the worst base
+    parameter is off."""
     body = (
         [
             row.mistake.group,

@@ -43,7 +43,7 @@ def test_nothing_wrong_is_accepted(robot: str, name: str):
     "name", ["all joints negated", "quaternion scalar first", "joint2 zero off 20 mrad"]
 )
 def test_a_refusal_names_the_cause(name: str):
-    """Of each kind one; for all of them see the long test."""
+    """One mistake of each kind is made; for all of them see the long test."""
     found = row(ROBOTS[0], by_name(name), ("maximum-likelihood",), causes=True)
     assert found.named("maximum-likelihood"), found
 

@@ -12,14 +12,15 @@ REFUSED = 0.01
 """Of good recordings, at most this part is refused."""
 
 COVERAGE = (0.94, 0.96)
-"""Of the 95 % intervals, pooled over robots, seeds and base parameters."""
+"""Limits of the part of the 95 % intervals that hold what is true, pooled over robots,
+seeds and base parameters."""
 
 FEW = ("space 0", "table 1", "free-flyer 0", "free-flyer 3")
 
 
 @pytest.mark.parametrize("name", FEW)
 def test_a_good_recording_is_accepted(name: str):
-    """By the default method; for the others see the table of `clean.py`."""
+    """The method is the default; for the others see the table of `clean.py`."""
     runs = Runs()
     runs.take(flight(name), 0, "maximum-likelihood")
     assert runs.refused == 0, runs.reasons

@@ -41,7 +41,7 @@ def alone(robot: oi.Robot, recordings: list[oi.Recording]) -> list[oi.Result]:
 def test_it_is_the_mean_of_each_alone_weighted_by_information(
     one: oi.Result, alone: list[oi.Result]
 ):
-    """To first order, by matrices nobody factorised."""
+    """It is so to first order; the mean is made of matrices nobody factorised."""
     information = [np.linalg.inv(each.base_covariance) for each in alone]
     C = np.linalg.inv(sum(information))
     mean = C @ sum(

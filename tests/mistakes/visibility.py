@@ -33,7 +33,7 @@ SETTLED = 1e-3
 
 
 class Visibility(NamedTuple):
-    """Of a mistake."""
+    """How well a mistake can be seen, and what harm it does."""
 
     remains: float
     """Deviations that no parameters explain."""
@@ -55,12 +55,12 @@ class Measured(NamedTuple):
 
 
 def visibility(name: str, spoil: Spoil) -> Visibility:
-    """Of a mistake on the robot of this name."""
+    """The visibility of a mistake on the robot of this name."""
     return visibility_of(clean(name), spoil)
 
 
 def visibility_of(noisy: Clean, spoil: Spoil) -> Visibility:
-    """Of a mistake in the recording of any motion."""
+    """The visibility of a mistake in the recording of any motion."""
     return Fit(noisy, spoil(_without_noise(noisy))).solve()
 
 
@@ -77,8 +77,8 @@ def _without_noise(noisy: Clean) -> Clean:
 
 
 class Fit:
-    """Of `x = [beta, rotation, position, velocity, rate, gyro bias]`; the rate is not
-    there where the momentum is known to be zero, nor the bias without a gyro."""
+    """The fit of `x = [beta, rotation, position, velocity, rate, gyro bias]`; the rate
+    is not there where the momentum is known to be zero, nor the bias without a gyro."""
 
     def __init__(self, noisy: Clean, spoiled: Spoiled):
         self.robot, self.recording = spoiled.robot, spoiled.recording
@@ -103,7 +103,7 @@ class Fit:
         return CubicSpline(self.recording.t[measured], q[measured])
 
     def solve(self) -> Visibility:
-        """By Gauss-Newton, with steps that may only lessen what is left."""
+        """Fit by Gauss-Newton, with steps that may only lessen what is left."""
         axes = 3 if self.space else 1
         states = axes + 2 * (3 if self.space else 2) + (0 if self.at_rest else axes)
         biases = 3 if "gyro" in self.weights else 0
@@ -131,7 +131,8 @@ class Fit:
         return Visibility(float(np.linalg.norm(r)), self._harm(J, (x - first) / scale))
 
     def _gain(self) -> float:
-        """Of the wheels' momentum: all base parameters are in proportion to it."""
+        """The wheels' momentum as shown, over the true one: all base parameters are in
+        proportion to it."""
         said = wheels_of(self.robot).A_rw @ self.speed
         h_rw = wheels_of(self.true.robot).A_rw @ self.start.wheel_speed
         return float(np.linalg.norm(said) / np.linalg.norm(h_rw))
@@ -148,7 +149,7 @@ class Fit:
         return scale
 
     def _derivative(self, x: np.ndarray, scale: np.ndarray) -> np.ndarray:
-        """By central differences."""
+        """The derivative of the residual by `x / scale`, by central differences."""
         h, columns = 1e-5, []
         for k in range(x.size):
             d = np.zeros(x.size)

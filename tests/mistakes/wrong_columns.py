@@ -56,7 +56,7 @@ def turned(axis: str, angle: float) -> np.ndarray:
 
 
 def quaternion(change: Callable[[np.ndarray], np.ndarray]) -> Spoil:
-    """From scalar-last quaternions to what the attitude's columns hold."""
+    """The attitude's columns hold what `change` makes of scalar-last quaternions."""
 
     def spoil(clean: Clean) -> Spoiled:
         recording = clean.recorded()

@@ -127,7 +127,7 @@ class WithLoose(NamedTuple):
     """rad/s."""
 
     def at(self, t: np.ndarray) -> JointState:
-        """From rest: `size sin^2(rate t / 2)`."""
+        """The joints' state; the last starts from rest: `size sin^2(rate t / 2)`."""
         A, w = self.size / 2, self.rate
         loose = (
             A * (1 - np.cos(w * t)),

@@ -108,7 +108,7 @@ class Controller:
 
 
 def mujoco_run(robot: Robot, dt: float) -> MujocoRun:
-    """From a tumbling start with spinning wheels, the joints off their command."""
+    """A run from a tumbling start with spinning wheels, joints off their command."""
     random = np.random.default_rng(5)
     model = mujoco_model(robot, 0.3 * random.standard_normal((len(robot.wheels), 3)))
     model.opt.timestep = dt

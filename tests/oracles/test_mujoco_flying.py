@@ -148,7 +148,7 @@ def mujoco_run(dt: float) -> MujocoRun:
 
 @pytest.fixture(scope="module")
 def flown() -> FreeFlying:
-    """At the finest of MuJoCo's steps."""
+    """Our flight, sampled at the finest of MuJoCo's steps."""
     t = np.arange(round(END / STEPS[-1]) + 1) * STEPS[-1]
     return free_flying(
         ROBOT, t, start(), SWING, JOINTS, WHEELS, pulses=PULSES, tolerance=1e-11

@@ -211,7 +211,7 @@ def test_momentum_regressors(cases):
 
 
 def test_point_jacobian_of_every_body(cases):
-    """Of the base, of bodies in the middle, and of all tips."""
+    """The bodies are the base, those in the middle, and all tips."""
     points = np.random.default_rng(1).standard_normal((len(cases), 3))
     for case, point in zip(cases, points, strict=True):
         q = case.q[case.theirs.rows[6:] + 1]

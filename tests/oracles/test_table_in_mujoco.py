@@ -32,7 +32,7 @@ TILT = G * np.array([40e-6, -70e-6])
 """m/s^2: 80 urad."""
 
 DRAG = {"base": (8e-3, 2e-4), "link2": (5e-3, 5e-5)}
-"""By body with pads: N s/m, and N m s."""
+"""Drag coefficients of each body with pads: N s/m, and N m s."""
 
 SPIN = 150.0
 """rad/s."""
@@ -117,7 +117,7 @@ class Hands:
 
 @pytest.fixture(scope="module")
 def flown() -> Flown:
-    """From rest, for 20 s."""
+    """MuJoCo's flight from rest, for 20 s."""
     robot = table_robot()
     model = mujoco_model(robot, np.zeros((1, 3)))
     model.opt.timestep = STEP

@@ -63,7 +63,7 @@ class Model(NamedTuple):
         return self.seen(A - np.cross(S, P) / M, P / M)
 
     def jacobian(self, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Of the same, by `theta`."""
+        """The derivatives of `h_rs` and `P theta / M` by `theta`."""
         S, P = (self.S @ theta)[..., None], (self.P @ theta)[..., None]
         M, mass = theta[::PER_BODY].sum(), np.zeros(theta.size)
         mass[::PER_BODY] = 1.0
@@ -116,7 +116,7 @@ def test_counts(name):
 
 @pytest.mark.parametrize("name", ROBOTS)
 def test_base_parameters_are_as_many_as_the_rank_of_the_nonlinear_model(name):
-    """Of the Jacobian of `[h_rs; P theta / M]` with respect to `theta`."""
+    """The rank is that of the Jacobian of `[h_rs; P theta / M]` by `theta`."""
     robot, counts = ROBOTS[name]
     model = model_of(robot)
     assert rank(np.concatenate(model.jacobian(robot.theta.ravel()))) == counts.base

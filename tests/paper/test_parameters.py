@@ -285,7 +285,7 @@ def test_A_4_gives_the_planar_momentum(planar):
 
 
 def test_change_of_basis_gives_table_4(spatial):
-    """In the paper's order and with its signs."""
+    """The values are in the paper's order and have its signs."""
     basis, theta = paper_basis(spatial.sets, spatial_columns), spatial.robot.theta
     pi = basis.pi(spatial.sets.pi(theta))
     phi = basis.phi(spatial.sets.phi(theta))

@@ -17,10 +17,10 @@ from orbident.robot.description import Robot
 pytestmark = pytest.mark.core
 
 STEP = 1e-3
-"""Of the criterion, which is smooth; rounding of information is 1e-10."""
+"""Step for the criterion, which is smooth; rounding of information is 1e-10."""
 
 LIMITS_STEP = 1e-6
-"""Of the largest use of a limit, which bends where another node uses more of it."""
+"""Step for the largest use of a limit, which bends where another node uses more."""
 
 
 class Recipe(NamedTuple):

@@ -72,7 +72,7 @@ def test_rate_laws_are_floating_laws(shape):
 
 @given(SHAPES)
 def test_attitudes_are_runge_kuttas(shape):
-    """With a momentum that is another at each node."""
+    """The momentum is another at each node."""
     _, random = tree_of(**shape)
     substeps = int(random.choice([2, 4, 6]))
     t = np.cumsum(random.uniform(0.0, 0.1, int(random.integers(1, 7))))

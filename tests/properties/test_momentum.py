@@ -114,7 +114,7 @@ def test_a_chain_of_massless_links_with_a_tip():
 
 @pytest.mark.parametrize("parameter", range(10))
 def test_each_column_is_the_momentum_of_one_parameter(parameter):
-    """Of each body in turn: nothing cancels between the columns."""
+    """The parameter is each body's in turn: nothing cancels between the columns."""
     robot = random_robot(0, (0, 1, 1, 0, 4), (2,))
     q, qd, w = random_state(robot)
     _, regressors, _ = everything(robot, q, qd, w)

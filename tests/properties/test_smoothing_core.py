@@ -13,7 +13,8 @@ pytestmark = pytest.mark.core
 
 SEEDS = st.integers(0, 2**32 - 1)
 DENSITIES = st.floats(-6.0, 3.0).map(lambda power: 10.0**power)
-"""From next to a cubic to a spline through every sample, at steps of about one."""
+"""Densities that give anything from nearly a cubic to a spline through every sample, at
+steps of about one."""
 
 
 def columns(seed, rows, count):

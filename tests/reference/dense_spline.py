@@ -8,7 +8,7 @@ NODES, WEIGHTS = np.polynomial.legendre.leggauss(4)
 
 
 def covariance(a, s, b, t):
-    """Of the derivatives a and b of white snap integrated four times from zero.
+    """Covariance of derivatives a and b of white snap integrated four times from zero.
 
     int_0^min(s, t) (s - u)^(3 - a) / (3 - a)! (t - u)^(3 - b) / (3 - b)! du, of which
     four Gauss nodes make no error: its degree is 6 at most.
@@ -49,7 +49,7 @@ class DenseSpline:
         return np.hstack([self.q * covariance(a, at, 0, self.t), cubics(a, at)])
 
     def mean(self, a, at):
-        """Of derivative a."""
+        """Mean of derivative a at these times."""
         return self._cross(a, at) @ self.weights
 
     def std(self, a, at):

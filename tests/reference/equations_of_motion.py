@@ -36,7 +36,7 @@ class Body(NamedTuple):
 
 
 def bodies(robot: Robot, q: Array) -> list[Body]:
-    """From the base to the tips."""
+    """All bodies, from the base to the tips."""
     none = np.zeros((3, len(robot.joints)), dtype=q.dtype)
     found = [Body(np.eye(3), np.zeros(3), none, none)]
     for k, joint in enumerate(robot.joints):
@@ -105,7 +105,7 @@ def H_plus(robot: Robot, q: Array) -> Array:
 
 
 STEP = 1e-30
-"""Of complex steps: its square is lost in rounding."""
+"""Size of complex steps: its square is lost in rounding."""
 
 
 def lagrange(robot: Robot, q: Array, v: Array, vd: Array) -> Array:

@@ -26,7 +26,7 @@ class Laws(NamedTuple):
 
 
 class Commanded(NamedTuple):
-    """At one time."""
+    """What is commanded at one time."""
 
     q: np.ndarray
     qd: np.ndarray
@@ -43,7 +43,7 @@ def conjugate_product(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 
 def torques(laws: Laws, commanded: Commanded, q, x_WB, w, qd, qd_rw) -> np.ndarray:
-    """Of the joints, and on the rotors within their motors' limits."""
+    """The torques of the joints, and on the rotors within their motors' limits."""
     tau = laws.Kp * (commanded.q - q) + laws.Kd * (commanded.qd - qd) + commanded.tau
     turned = conjugate_product(laws.x_WD, x_WB)
     e = 2 * turned[:3] * (-1 if turned[3] < 0 else 1)

@@ -22,7 +22,7 @@ class Accelerated(NamedTuple):
     w: np.ndarray
     alpha: np.ndarray
     a: np.ndarray
-    """Of its origin."""
+    """Acceleration of the body's origin."""
 
 
 def inertia_of(theta_i: np.ndarray, R: np.ndarray) -> tuple:
@@ -114,7 +114,7 @@ def unit_motions(robot: Robot, q) -> list[list[tuple[np.ndarray, np.ndarray]]]:
 
 
 def power(moving, loads) -> float:
-    """Of a force at each body's origin and a moment."""
+    """The power of a force at each body's origin and a moment."""
     pairs = zip(loads, moving, strict=True)
     return float(sum(f @ u + n @ w for (f, n), (u, w) in pairs))
 

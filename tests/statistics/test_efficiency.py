@@ -20,25 +20,25 @@ OFF = 0.2
 """Every entry of `theta` is off by this part of itself, up or down."""
 
 CHANCE = 0.01
-"""Of a right covariance failing here, had the seeds not been chosen."""
+"""The chance of a right covariance failing here, had the seeds not been chosen."""
 
 LONG = 100
 
 RUNS = [6, pytest.param(LONG, marks=pytest.mark.long)]
 
 LAZY = 0.7
-"""Of what `structured` says of its squared errors, they are at least so much: it takes
-some noise that neighbouring samples share for white."""
+"""Squared errors of `structured` are at least this part of what it says of them: it
+takes some noise that neighbouring samples share for white."""
 
 
 class Campaign(NamedTuple):
-    """Of runs that differ in their noise and CAD values."""
+    """What came of runs that differ in their noise and CAD values."""
 
     errors: np.ndarray
-    """Of `[pi, phi, M]`, a row each run."""
+    """Errors of `[pi, phi, M]`, a row each run."""
     std: np.ndarray
     nees: np.ndarray
-    """Of the base parameters: squared errors whitened by their covariance."""
+    """Squared errors of the base parameters, whitened by their covariance."""
     dof: int
 
 

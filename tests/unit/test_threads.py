@@ -17,7 +17,7 @@ def blas_threads() -> set[int]:
 
 
 def test_causes_are_searched_for_with_one_blas_thread(monkeypatch: pytest.MonkeyPatch):
-    """With as many as there are processors a search took ten times as long."""
+    """With as many threads as processors a search took ten times as long."""
     used = list[set[int]]()
 
     def causes(_: object) -> list[object]:

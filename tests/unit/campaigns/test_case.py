@@ -136,7 +136,7 @@ def test_instruments_err_as_the_reference_has_it(tmp_path: Path):
 
 
 def test_what_acts_flies_with_the_run(tmp_path: Path):
-    """By the same noise of sensors, the base turns otherwise."""
+    """The noise of the sensors is the same, and the base turns otherwise."""
     slow = {"std": 0.1, "correlation_time": 5}
     robots = [MOTION | {"environment": {"slow_torque": slow}}]
     turned = case(tmp_path / "one", disperse={}, robots=robots).recording()

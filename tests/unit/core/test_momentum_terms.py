@@ -19,7 +19,7 @@ pytestmark = pytest.mark.core
 
 SYMMETRIC = ([0, 0, 0, 1, 1, 2], [0, 1, 2, 1, 2, 2])
 STEP = 1e-4
-"""Of central differences with an error of its fourth power."""
+"""Step of central differences with an error of its fourth power."""
 
 
 def obvious(robot: Robot, theta: np.ndarray, q: np.ndarray, qd: np.ndarray):

@@ -65,7 +65,7 @@ def test_clocks_that_agree_are_left_alone(robot, noise):
 
 
 def test_a_fast_logger():
-    """Of samples at 1000 Hz, a few thousand show too little motion to tell."""
+    """A few thousand samples at 1000 Hz show too little motion to tell."""
     robot = spatial_robot()
     flight = simulate(robot, spatial_trajectory(robot), 1000.0, noise="sensors")
     part = changed(flight, rows=slice(25_000, 55_000))

@@ -1,4 +1,4 @@
-"""By what sensors show: deviations of other methods, and how much is looked at."""
+"""Deviations of other methods by what sensors show, and how much is looked at."""
 
 from dataclasses import replace
 

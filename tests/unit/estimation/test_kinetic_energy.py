@@ -24,7 +24,7 @@ def problem(request: pytest.FixtureRequest) -> MomentumProblem:
 
 
 def check(problem: MomentumProblem, factor: float, std: float) -> Check:
-    """With the last inertia so many times as large."""
+    """The check of the energy, with the last inertia so many times as large."""
     beta = problem.sets.beta(problem.robot.theta)
     off = np.where(np.arange(beta.size) == beta.size - 1, factor, 1.0) * beta
     C = np.diag((std * np.abs(beta) + 1e-12) ** 2)

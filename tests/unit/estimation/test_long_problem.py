@@ -49,7 +49,7 @@ def robot() -> Robot:
 
 @pytest.fixture(scope="module")
 def recording(robot: Robot) -> Recording:
-    """With noise, gaps, and a spike."""
+    """A recording with noise, gaps, and a spike."""
     clean = again(robot)
     random, columns = np.random.default_rng(0), {}
     for name, x in clean.columns.items():

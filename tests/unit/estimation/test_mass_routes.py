@@ -41,7 +41,7 @@ def known(values: np.ndarray, std: np.ndarray) -> LinearFit:
 
 
 def test_forms_are_a_deviation_apart():
-    """Of many draws with the declared covariance, each form's sigmas scatter by one."""
+    """Each form's sigmas scatter by one in many draws with the declared covariance."""
     robot = load_robot("paper-spatial")
     sets = minimal_sets(robot)
     pi, phi = sets.pi(robot.theta), sets.phi(robot.theta)

@@ -11,7 +11,7 @@ def weights_of(result: oi.Result) -> list[str]:
 
 
 def test_weights_that_still_change_are_said(monkeypatch):
-    """Of a heavy-tailed gyro, after one round; silent where they have settled."""
+    """One round is too few for a heavy-tailed gyro; weights that settle are silent."""
     flown = clean_space(seed=4, duration=40.0)
     random = np.random.default_rng(0)
     noise = {

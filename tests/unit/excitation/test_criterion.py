@@ -33,7 +33,7 @@ def test_singular_values_are_the_roots(rows):
 
 @pytest.mark.parametrize("objective", ["d", "a", "e"])
 def test_information_criteria(rows, objective):
-    """From the covariance itself, which information is the inverse of."""
+    """Expected values are from the covariance, which information is the inverse of."""
     C = np.linalg.inv(rows.T @ rows)
     stds = np.sqrt(np.linalg.eigvalsh(C))
     expected = {

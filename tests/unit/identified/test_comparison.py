@@ -26,7 +26,7 @@ DRAWS = 100
 
 
 def drawn(result: Result, random: np.random.Generator) -> Result:
-    """With an error of its covariance."""
+    """The result with an error drawn from its covariance."""
     values = random.multivariate_normal(
         result.base.values, result.base_covariance, method="cholesky"
     )

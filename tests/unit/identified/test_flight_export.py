@@ -94,7 +94,7 @@ def test_nothing_of_a_heap_or_an_exception(built: Path):
 
 
 def test_single_precision_compiles_without_a_double(spatial: Path):
-    """With warnings for every number that would become one."""
+    """The compiler warns of every number that would become a double."""
     paths = [f"-I{spatial}", f"-I{spatial / 'include'}", "-isystem", spatial / "eigen"]
     flags = ["-std=c++17", "-fsyntax-only", "-fno-exceptions", "-fno-rtti", *WARNINGS]
     ran("c++", *flags, "-DORBIDENT_REAL=float", *paths, spatial / "flight.cpp")
@@ -131,7 +131,7 @@ def test_every_header_that_is_included_is_there(spatial: Path):
 
 @pytest.mark.long
 def test_20_recordings(built: Path, tmp_path: Path):
-    """Of every bundled robot, with other motions and other noise."""
+    """The recordings are of every bundled robot, with other motions and other noise."""
     for seed in range(20):
         name = ROBOTS[seed % 3]
         duration, rate = (30.0, 20.0) if name != "dual-arm" else (20.0, 20.0)

@@ -38,7 +38,8 @@ def with_base(result: Result, values: np.ndarray, std: np.ndarray) -> Result:
 
 
 def smallest_eigenvalue(theta_i: np.ndarray) -> float:
-    """Of the pseudo-inertia, with first moments over lengths of a metre."""
+    """Smallest eigenvalue of the pseudo-inertia, with first moments over lengths of a
+    metre."""
     I = inertia_matrix(theta_i)
     P = np.zeros((4, 4))
     P[:3, :3] = np.trace(I) / 2 * np.eye(3) - I

@@ -13,8 +13,9 @@ from orbident.robot.description import Robot
 from orbident.robot.robot_file import load_robot
 
 TOLERANCE = 1e-10
-"""Of the sum of the terms' sizes. Coefficients of the sets reach 1e4 where axes are
-nearly parallel, and two eliminations follow each other: the worst observed is 2e-12."""
+"""Part of the sum of the terms' sizes. Coefficients of the sets reach 1e4 where axes
+are nearly parallel, and two eliminations follow each other: the worst observed is
+2e-12."""
 
 
 def check_momentum(robot: Robot) -> None:

@@ -35,7 +35,8 @@ def momentum(robot: Robot, q: np.ndarray, v: np.ndarray) -> np.ndarray:
 
 
 def derivative(function, h: float = 1e-3):
-    """At zero, by the central formula of sixth order: to h^6, and rounding over h."""
+    """The derivative at zero by the central formula of sixth order: to h^6, and
+    rounding over h."""
     weights = np.array([45, -9, 1]) / (60 * h)
     return sum(
         weight * (function(k * h) - function(-k * h))

@@ -57,7 +57,8 @@ def test_spectrum_of_white_noise_is_flat_at_the_coefficient_squared():
 
 
 def markov_allan_deviation(x):
-    """Of a unit first-order Gauss-Markov process, over tau / T (IEEE 952, C.1.5)."""
+    """Allan deviation of a unit first-order Gauss-Markov process, over tau / T (IEEE
+    952, C.1.5)."""
     return np.sqrt(2 / x * (1 - (3 - 4 * np.exp(-x) + np.exp(-2 * x)) / (2 * x)))
 
 

@@ -1,4 +1,4 @@
-"""At which times a motion is sampled."""
+"""The times at which a motion is sampled."""
 
 import numpy as np
 import pytest

@@ -13,7 +13,7 @@ from orbident.simulation.free_floating import BaseState
 from orbident.simulation.free_flying import free_flying
 
 TAPER = 0.02
-"""Of the top speed: over this last part the torque falls to zero."""
+"""Last part of the top speed, over which the torque falls to zero."""
 LIMITS = WheelLimits(torque=np.array([0.1]), speed=np.array([100.0]))
 NONE = WheelLimits(torque=np.array([np.inf]), speed=np.array([np.inf]))
 WHEEL = Wheel("rw", np.array([0.0, 0.0, 1.0]), 0.05)

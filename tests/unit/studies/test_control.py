@@ -24,7 +24,7 @@ def test_every_cad_value_is_off():
 
 
 def test_tracking_is_better_with_the_identified_model():
-    """By far more than was asked for: noise-free, the torques are the true ones."""
+    """It is far better than asked for: noise-free, the torques are the true ones."""
     done = run_control("none", seeds=1, first_seed=1)
     assert done.trusted
     assert done.factor > 1e3 * FACTOR

@@ -21,7 +21,7 @@ EVIL = "evil.example"
 
 
 def status(served: Served, path: str = "/", **headers: str | None) -> int:
-    """Of a plain request; `Host` is the right one where it is not given."""
+    """Status of a plain request; `Host` is the right one where it is not given."""
     port = served.server.get_port()
     connection = http.client.HTTPConnection("127.0.0.1", port, timeout=10)
     with closing(connection):

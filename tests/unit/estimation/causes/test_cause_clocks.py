@@ -8,7 +8,7 @@ from orbident.recordings.recording import Recording
 
 
 def test_a_position_that_is_a_row_early():
-    """Of 0.1 s; what is shown at a time is what was there a row later."""
+    """A row is 0.1 s; what is shown at a time is what was there a row later."""
     recording = clean().recording
     columns = {
         name: column[1:] if name.startswith("position") else column[:-1]

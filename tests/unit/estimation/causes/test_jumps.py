@@ -46,7 +46,7 @@ def test_a_joint_that_slips_is_put_right():
 
 
 def test_a_gyro_that_jumps_by_less_than_it_shows():
-    """In what is left of it the step stands out, and its row and size are found."""
+    """In the gyro's residuals the step stands out, and its row and size are found."""
     later = np.arange(301) >= 150
     problem = problem_with({"gyro.y": lambda w: w + 5e-4 * later[: w.size]})
     shown = fitted(problem)

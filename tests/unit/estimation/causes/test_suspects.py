@@ -37,7 +37,8 @@ def test_inertial_axes():
 
 
 def test_a_wheel_that_the_robot_file_lacks():
-    """Of three; what it has along the other two together is another scale."""
+    """One of three is missing; what it has along the other two together is another
+    scale."""
     robot, gone = clean().robot, clean().robot.wheels[0]
     recording = changed(
         clean().recording,

@@ -157,7 +157,7 @@ def most_likely(small: Small) -> Solution:
 
 
 def ratio(small: Small, solution: Solution) -> float:
-    """By how much chi-square is larger where `beta` is the true one."""
+    """Chi-square where `beta` is the true one, less that of the solution."""
     problem, prior, _, beta = small
     std = prior.std.copy()
     std[OUTSIDE : OUTSIDE + beta.size] *= 1e-9
@@ -252,7 +252,7 @@ def test_without_tolerances_nothing_is_an_unknown(robot, recording):
 
 
 def test_which_errors_act():
-    """In the order of the core; in the plane those about z, or along x and y."""
+    """Errors are in the core's order; in the plane those about z, or along x and y."""
     robot = load_robot("cepheus-like")
     found = {c.name: c for c in calibrations_of(robot, {"attitude", "position"})}
     assert list(found) == [

@@ -96,7 +96,7 @@ def under_a_couple(torque: float) -> Recording:
 
 @pytest.mark.parametrize("torque", [1e-4, 2e-3])
 def test_a_torque_is_identified(torque):
-    """Of two thrusters that make a couple, on a robot of some kg m^2; nothing else."""
+    """Two thrusters make a couple, on a robot of some kg m^2; nothing else is named."""
     found = identified(noisy(under_a_couple(torque), 0))
     assert set(found) == {"torque.z"}
     group, unit, value, std, shift = found["torque.z"]
@@ -125,13 +125,13 @@ def test_a_pull_is_identified(size):
 
 @pytest.mark.parametrize("seed", range(8))
 def test_none_is_found_where_there_is_none(seed):
-    """By chance in one run of ten thousand."""
+    """One run of ten thousand would show something by chance."""
     assert identified(noisy(small_recording(small_robot()), seed)) == {}
 
 
 @pytest.mark.parametrize("motion", ["planar", "spatial"])
 def test_slopes_are_those_of_the_predictions(motion):
-    """By sizes and by `beta`, with everything acting at once, by differences."""
+    """Slopes by sizes and by `beta` equal differences, everything acting at once."""
     if motion == "planar":
         robot, recording = small_robot(), noisy(small_recording(small_robot()), 0)
     else:

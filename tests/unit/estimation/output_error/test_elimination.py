@@ -18,7 +18,7 @@ close = partial(np.testing.assert_allclose, rtol=1e-7, atol=1e-8)
 
 
 def chain_of(intervals: int) -> Segment:
-    """At a state that is off by random numbers, so that nothing vanishes."""
+    """A chain at a state that is off by random numbers, so that nothing vanishes."""
     exact = segment_of(ROBOT, 3, rows=8 * intervals, intervals=intervals)
     random = np.random.default_rng(intervals)
     local = exact.state.local + 0.01 * random.standard_normal(exact.state.local.shape)

@@ -54,7 +54,7 @@ def recorded(flown: Made, seed: int) -> oi.Recording:
 
 
 def errors(result: oi.Result) -> np.ndarray:
-    """Of the base parameters, in their deviations."""
+    """Errors of the base parameters, in their deviations."""
     robot = spatial_robot()
     true = oi.minimal_sets(robot).beta(robot.theta)
     return (result.base.values - true) / result.base.std
@@ -82,7 +82,7 @@ def test_without_the_earth_it_is_seen_as_a_slow_torque():
 @pytest.mark.parametrize("runs", [1, pytest.param(MANY, marks=pytest.mark.long)])
 @pytest.mark.parametrize(("acts", "group"), [("air", "air"), ("magnet", "dipole")])
 def test_what_acts_is_identified(acts: str, group: str, runs: int):
-    """By itself; of the magnet the moment too."""
+    """Air and magnet act one at a time; of the magnet the moment is identified too."""
     z = []
     for seed in range(runs):
         result = oi.identify(spatial_robot(), recorded(made("tide", acts), seed))

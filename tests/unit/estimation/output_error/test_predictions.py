@@ -120,7 +120,7 @@ def test_badly_calibrated_instruments(robot):
 
 @pytest.mark.core
 def test_a_selected_calibration_has_the_column_that_it_has_among_all():
-    """In any order; what is not selected is exact."""
+    """Calibrations are selected in any order; what is not selected is exact."""
     robot = ROBOTS["spatial"]
     perfect = segment_of(robot, 3, 9)
     count = random_errors(robot, 0, 1.0).vector.size

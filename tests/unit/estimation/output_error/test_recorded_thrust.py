@@ -76,7 +76,7 @@ def flight(robot) -> FreeFlying:
 
 
 def recorded(robot: Robot, flight: FreeFlying, seed: int) -> Recording:
-    """With what the thrusters were asked for."""
+    """A recording of the flight, with what the thrusters were asked for."""
     seen = measure_truth(robot, flight.t, truth_of_flight(flight), seed)
     columns = dict(seen.columns)
     for thruster in robot.thrusters:

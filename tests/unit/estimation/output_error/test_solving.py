@@ -50,7 +50,7 @@ class Dense(NamedTuple):
         return Dense(np.vstack([self.A, rows]), np.append(self.b, rhs), self.common)
 
     def solution(self) -> tuple[np.ndarray, np.ndarray]:
-        """Of least squares, and its covariance; columns scaled to one size."""
+        """Solution of least squares, and its covariance; columns scaled to one size."""
         size = np.linalg.norm(self.A, axis=0)
         Q, R = np.linalg.qr(self.A / size)
         root = np.linalg.inv(R) / size[:, None]
@@ -101,7 +101,7 @@ def test_elimination_gives_the_stacked_solution(small):
 
 
 def test_covariance_of_boundaries_and_of_the_common_unknowns(small):
-    """Of the meeting boundary, and of the last one, where biases are reported."""
+    """The boundaries are the meeting one, and the last, where biases are reported."""
     problem, prior, state, _ = small
     solution = solved(problem, problem.weights, prior, state)
     assert solution.converged

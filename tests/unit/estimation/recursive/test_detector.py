@@ -32,7 +32,7 @@ def test_its_statistic_is_the_largest_over_all_onsets():
 
 
 def test_white_noise_raises_alarms_as_seldom_as_was_asked():
-    """At one in a hundred, and without the margin for coloured noise."""
+    """One in a hundred is asked for, without the margin for coloured noise."""
     detector = Detector(rows=6, false_alarms=COLOUR * 0.01, samples=200)
     each = 0.01 / (200 * detector.window)
     detector.__dict__["threshold"] = float(chi2.isf(each, 6))

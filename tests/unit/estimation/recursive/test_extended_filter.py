@@ -204,7 +204,7 @@ def test_float32_samples_are_taken(
 
 
 def test_a_robot_of_many_parameters():
-    """Of few rows and many columns, what rounding leaves underflows on the way."""
+    """What rounding leaves of few rows and many columns underflows on the way."""
     robot = load_robot("dual-arm")
     every = list(
         stream(samples_of(robot, simulate(robot, random_motion(robot, 0, 4.0))))

@@ -26,7 +26,7 @@ RNG = np.random.default_rng(20)
 X_WS = Rotation.random(N, RNG)
 GYRO = RNG.normal(size=(N, 3))
 SENSOR = Rotation.from_quat([0.5, 0.5, 0.5, 0.5])
-"""From the sensor's axes to the base's."""
+"""Rotation from the sensor's axes to the base's."""
 
 
 def flight() -> dict[str, dict[str, np.ndarray]]:
