@@ -19,7 +19,8 @@ def dual_arm() -> Robot:
     """
     robot = load_robot("dual-arm")
     joints = tuple(replace(joint, position=None) for joint in robot.joints)
-    return replace(robot, joints=joints)
+    turning = robot.urdf.replace('type="revolute"', 'type="continuous"')
+    return replace(robot, joints=joints, urdf=turning)
 
 
 def excitation(robot: Robot, duration: float = 60.0, harmonics: int = 5) -> Trajectory:

@@ -12,7 +12,7 @@ from orbident.estimation.kinetic_energy import positive_energy
 from orbident.estimation.mass_routes import agreement_of_routes, beside_nominal
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.obstacles import surprise
-from orbident.estimation.output_error.forms import IN_WORDS
+from orbident.estimation.output_error.forms import IN_WORDS, SLOW
 from orbident.estimation.quantities import Quantity
 from orbident.estimation.recursive.changes import changes_in_words
 from orbident.estimation.residual_checks import CAUSES, residual_checks
@@ -218,6 +218,12 @@ def _disturbances(estimate: Estimate, robot: Robot) -> Iterator[Check]:
             )
         asked = group in robot.disturbances
         by_wheels = not asked and "torque" in group and robot.wheels
+        held = (
+            f"; their deviations hold that. If it acts, say so (--disturbance {group}), "
+            "and they are narrower"
+            if group in SLOW
+            else ""
+        )
         yield Check(
             f"{group} from outside",
             "trust" if asked else "with care",
@@ -225,7 +231,7 @@ def _disturbances(estimate: Estimate, robot: Robot) -> Iterator[Check]:
             f"of which would be off by {largest.shift:.2g} sigmas without it",
             "see that wheel speeds were measured and not commanded only: a wheel that "
             "slows down unseen looks the same, and pi and M are then wrong by up to "
-            "the part of the speed that is lost"
+            f"the part of the speed that is lost{held}"
             if by_wheels
             else "",
         )
