@@ -72,6 +72,7 @@ def judge(solved: Solved, masses: dict[str, Quantity]) -> Judgement:
             *positive_energy(problem, found.base),
             *_changes(estimate),
             *_disturbances(estimate, robot),
+            *_two_explanations(problem, shown or estimate),
             *agreement_of_routes(masses),
             *beside_nominal(estimate.mass, robot.mass, len(robot.wheels)),
         ]
@@ -201,6 +202,22 @@ def _changes(estimate: Estimate) -> Iterator[Check]:
         yield Check("changes", "with care", words)
 
 
+def _two_explanations(problem: MomentumProblem, shown: Estimate) -> Iterator[Check]:
+    """A clock that seems late and a slow torque may both stand for something else."""
+    groups = {fit.group for fit in shown.disturbances.values()}
+    slow = groups & {*SLOW} - {*problem.robot.disturbances}
+    if problem.late and slow:
+        yield Check(
+            "clock and torque",
+            "do not trust",
+            "the recording fits only with a clock corrected and with a torque that "
+            "changes slowly: together they can follow what is neither",
+            f"if such a torque acts, say so (--disturbance {min(slow)}); if the clock "
+            "is late, declare its latency in the robot file; else see that wheel "
+            "speeds were measured and not commanded only",
+        )
+
+
 def _disturbances(estimate: Estimate, robot: Robot) -> Iterator[Check]:
     """Care is needed where nobody had said that something acts.
 
@@ -219,8 +236,8 @@ def _disturbances(estimate: Estimate, robot: Robot) -> Iterator[Check]:
         asked = group in robot.disturbances
         by_wheels = not asked and "torque" in group and robot.wheels
         held = (
-            f"; their deviations hold that. If it acts, say so (--disturbance {group}), "
-            "and they are narrower"
+            "; their deviations hold that: if such a torque acts, say so, and they are "
+            f"narrower (--disturbance {group})"
             if group in SLOW
             else ""
         )

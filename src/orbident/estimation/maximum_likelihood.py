@@ -51,7 +51,7 @@ from orbident.estimation.output_error.sensitivity import (
 from orbident.estimation.output_error.sensors import Sensors, sensors_of
 from orbident.estimation.output_error.shared import Shared, shared_of
 from orbident.estimation.output_error.solver import STEPS, Prior, Solution, solved
-from orbident.estimation.output_error.unseen_losses import with_unseen_losses
+from orbident.estimation.output_error.unseen_losses import unseen_losses
 from orbident.estimation.predicted import Signals, sensor_signals
 from orbident.estimation.prior_std import prior_std
 from orbident.model.minimal_sets import MinimalSets, conserved_axes
@@ -138,8 +138,10 @@ def maximum_likelihood(
     zeros, found, groups, plain = with_disturbances(problem, search, excluded, asked)
     estimate = estimate_of(found.solution, prior_std(robot, sets))
     unsaid = [group for group in groups if group not in asked]
+    lost = unseen_losses(problem, found.solution, unsaid)
+    covariance = estimate.covariance + np.outer(lost, lost)
     return Likelihood(
-        estimate=with_unseen_losses(estimate, problem, found.solution, unsaid),
+        estimate=estimate._replace(covariance=covariance),
         biases=_biases(robot, sensors, found),
         disturbances=identified(problem, found.solution, groups),
         sensors={name: _sensor_fit(sensors, found, name) for name in found.parts},
@@ -150,7 +152,7 @@ def maximum_likelihood(
         calibration=_calibration(problem, found.solution),
         sensitivity=partial(sensitivity, zeros),
         solution=plain.solution,
-        shared=partial(shared_of, problem, found.solution),
+        shared=partial(shared_of, problem, found.solution, lost),
     )
 
 

@@ -96,9 +96,11 @@ def with_disturbances(
     if asked:
         solution = search.first(asked)
         cost = solution.cost
-    zeros = first = TakenForZero(problem, solution, every - {*excluded})
+    # Beside a slow torque that is known to act another one would follow anything.
+    slow = SLOW if {*SLOW} & {*asked} else ()
+    zeros = first = TakenForZero(problem, solution, every - {*excluded, *slow})
     for _ in range(ROUNDS):
-        more = _best(zeros, groups, asked, cost, search)
+        more = _best(zeros, groups, cost, search)
         if more is None or _hopeless(problem, more[0].cost, cost):
             break
         solution, groups = more
@@ -140,22 +142,19 @@ def _without(groups: tuple[str, ...], group: str) -> tuple[str, ...]:
     return tuple(each for each in groups if each != group)
 
 
-def _with(
-    groups: tuple[str, ...], group: str, asked: tuple[str, ...]
-) -> tuple[str, ...]:
-    """One more, but of those that change slowly one only, beside what is asked for.
+def _with(groups: tuple[str, ...], group: str) -> tuple[str, ...]:
+    """One more, but of those that change slowly one only.
 
     Two of them, in inertial and in base axes, follow whatever changes slowly, such as a
     wheel's speed that is not as recorded.
     """
-    others = [each for each in SLOW if group in SLOW and each not in asked]
+    others = SLOW if group in SLOW else ()
     return (*(each for each in groups if each not in others), group)
 
 
 def _best(
     zeros: TakenForZero,
     groups: tuple[str, ...],
-    asked: tuple[str, ...],
     cost: float,
     search: Search,
 ) -> tuple[Solution, tuple[str, ...]] | None:
@@ -169,7 +168,7 @@ def _best(
     """
     tried, problem = [], zeros.problem
     for group in _likely(zeros, {*zeros.groups} - {*groups}):
-        together = _with(groups, group, asked)
+        together = _with(groups, group)
         more = search.first(together)
         worth = more.cost + chdtri(places_of(problem, [group]).size, CHANCE)
         if worth < cost and not _impossible(problem, more, group):

@@ -54,12 +54,15 @@ def _triangular(rows: Float[np.ndarray, "rows n"]) -> Float[np.ndarray, "_ n"]:
     return np.asarray(np.linalg.qr(rows, mode="r"))
 
 
-def shared_of(problem: Problem, solution: Solution) -> Shared:
+def shared_of(
+    problem: Problem, solution: Solution, lost: Float[np.ndarray, " beta"]
+) -> Shared:
     """What a recording says of what it shares, its own unknowns eliminated.
 
     Args:
         problem: a recording's equations.
         solution: of these.
+        lost: the deviation of `beta` that its equations do not know of.
     """
     state, prior, errors = solution.state, solution.prior, problem.declared
     here = linear(problem, solution.weights, state)
@@ -73,6 +76,10 @@ def shared_of(problem: Problem, solution: Solution) -> Shared:
     factor = alone.added(here.common, state)
     left = _triangular(factor[:, [*own, *shared, -1]])[len(own) : -1, len(own) :]
     left[:, -1] += left[:, :-1] @ state.common[shared]
+    if lost.any():
+        # `beta` is off by `lost` times an unknown of unit variance.
+        rows = np.column_stack([left[:, : lost.size] @ lost, left])
+        left = _triangular(np.vstack([np.eye(1, rows.shape[1]), rows]))[1:, 1:]
     return Shared(state.beta, errors, left)
 
 
