@@ -24,8 +24,8 @@ from orbident.estimation.recursive.given import pieces_of
 from orbident.estimation.recursive.prior import GaussianPrior
 from orbident.model.derivatives import sets_of_beta
 
-PASSES = 10
-"""Through the recording, at most."""
+PASSES = 30
+"""Passes through the recording, at most: those of small free-flyers took 4 to 12."""
 
 SETTLED = 0.01
 """Standard deviations: an estimate that moved less has settled."""
