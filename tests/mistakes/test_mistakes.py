@@ -6,6 +6,7 @@ import pytest
 from campaign_of_mistakes import all_rows
 from mistakes import MISTAKES, QUICK, by_name
 from recordings import ROBOTS, clean
+from remembered_fits import fits_remembered
 from scoring import Row, row, scored
 from spoiled import nothing, tolerating
 from table import Count, markdown
@@ -73,6 +74,28 @@ def test_refusals_name_the_true_cause(rows: list[Row]):
     counts = [Count(rows, method) for method in METHODS]
     named, refused = sum(n.named for n in counts), sum(n.refused for n in counts)
     assert named >= NAMED * refused, markdown(rows)
+
+
+TOLERABLE = [
+    pytest.param(robot, mistake.name, id=f"{robot}, {mistake.name}")
+    for mistake in MISTAKES
+    for robot in mistake.robots
+    if mistake.tolerance
+]
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(("robot", "name"), TOLERABLE)
+def test_with_its_tolerance_declared_nothing_is_wrong(robot: str, name: str):
+    """What cannot be seen is no excuse then."""
+    mistake = by_name(name)
+    assert mistake.tolerance
+    covered = tolerating(mistake.spoil(clean(robot)), mistake.tolerance)
+    with fits_remembered():
+        scores = {method: scored(covered, method) for method in METHODS}
+    outcomes = {method: score.outcome for method, score in scores.items()}
+    assert {*outcomes.values()} <= {"right", "refused"}, scores
+    print(outcomes)
 
 
 HIDDEN = [
