@@ -224,6 +224,8 @@ def _disturbances(estimate: Estimate, robot: Robot) -> Iterator[Check]:
     Momentum that wheels lose unseen looks like a torque, and gives another scale.
     """
     fits = estimate.disturbances
+    # Who says that a torque acts has been asked to look at the wheels.
+    vouched = any("torque" in group for group in robot.disturbances)
     for group in dict.fromkeys(fit.group for fit in fits.values()):
         own = {name: fit for name, fit in fits.items() if fit.group == group}
         largest = max(own.values(), key=lambda fit: abs(fit.value))
@@ -234,11 +236,11 @@ def _disturbances(estimate: Estimate, robot: Robot) -> Iterator[Check]:
                 for name, fit in own.items()
             )
         asked = group in robot.disturbances
-        by_wheels = not asked and "torque" in group and robot.wheels
+        by_wheels = not vouched and "torque" in group and robot.wheels
         held = (
             "; their deviations hold that: if such a torque acts, say so, and they are "
             f"narrower (--disturbance {group})"
-            if group in SLOW
+            if group in SLOW or robot.motion == "spatial"
             else ""
         )
         yield Check(

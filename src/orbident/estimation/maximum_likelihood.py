@@ -137,8 +137,7 @@ def maximum_likelihood(
     asked = requested(problem, robot.disturbances)
     zeros, found, groups, plain = with_disturbances(problem, search, excluded, asked)
     estimate = estimate_of(found.solution, prior_std(robot, sets))
-    unsaid = [group for group in groups if group not in asked]
-    lost = unseen_losses(problem, found.solution, unsaid)
+    lost = unseen_losses(problem, found.solution, groups, asked)
     covariance = estimate.covariance + np.outer(lost, lost)
     return Likelihood(
         estimate=estimate._replace(covariance=covariance),

@@ -1,10 +1,12 @@
 """A torque that nobody said acts may be momentum that wheels lost unseen.
 
 A wheel that slows down while its recorded speed stays gives its momentum to the rest of
-the robot, as a torque from outside would. Torques that change slowly follow it closely.
-With them the wheels' momentum at the start counts for the whole recording, and all of
-`beta`, which is in proportion to it, is wrong by up to the part that was lost. Nothing
-in a recording says which of the two it was, so deviations hold both.
+the robot, as a torque from outside would. About the vertical of a table the two are the
+same, and a steady torque gives the right result. In space, and by a torque that changes
+slowly, the loss is followed nearly: the wheels' momentum at the start then counts for
+the whole recording, and all of `beta`, which is in proportion to it, is wrong by up to
+the part that was lost. Nothing in a recording says which of the two it was, so
+deviations hold both, unless the user says that a torque acts.
 """
 
 from collections.abc import Collection
@@ -21,20 +23,24 @@ from orbident.model.wheel_arrays import wheels_of
 
 
 def unseen_losses(
-    problem: Problem, solution: Solution, freed: Collection[str]
+    problem: Problem,
+    solution: Solution,
+    freed: Collection[str],
+    asked: Collection[str],
 ) -> Float[np.ndarray, " beta"]:
-    """Deviation of `beta` by what wheels may have lost; zero without a slow torque.
+    """Deviation of `beta` by what wheels may have lost; zero without such a torque.
 
     Args:
         problem: a recording's equations.
         solution: of these.
-        freed: the groups that were freed though nobody said that they act.
+        freed: the groups that it has among its unknowns.
+        asked: the groups of these that the user says act.
     """
-    beta = solution.state.beta
+    followed, beta = problem.acting.followed, solution.state.beta
     torques = [group for group in freed if "torque" in group]
-    if not any(group in SLOW for group in torques):
+    same = followed.robot.motion == "planar" and not {*torques} & {*SLOW}
+    if same or not torques or {*torques} & {*asked}:
         return np.zeros(beta.size)
-    followed = problem.acting.followed
     by_torque = np.zeros((followed.t.size, 3))
     for group in torques:
         sizes, _ = sizes_of(problem, solution, group)
