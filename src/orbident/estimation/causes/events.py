@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+from scipy.special import chdtri
 
 from orbident.estimation.causes.shown import without
 from orbident.estimation.causes.trial import Trial, amended_trial
@@ -15,8 +16,8 @@ HALVINGS = 4
 FEWEST = 20
 """Samples of a part that may be identified for itself."""
 
-CLEAR = 5.0
-"""Deviations by which parameters of two bodies differ."""
+CHANCE = 5.7e-7
+"""Probability that parameters of one body differ so much: that of five deviations."""
 
 MASKED = ("position", "attitude")
 """Sensors that may jump or drift for themselves."""
@@ -95,7 +96,8 @@ def _differ(one: Trial, other: Trial) -> bool:
     assert one.estimate is not None
     assert other.estimate is not None
     a, b = one.estimate.found.base, other.estimate.found.base
-    off = np.abs(a.values - b.values)
-    std = np.sqrt(np.diag(a.covariance) + np.diag(b.covariance))
-    both = a.determined & b.determined
-    return bool(np.any(off[both] > CLEAR * std[both]))
+    both = np.flatnonzero(a.determined & b.determined)
+    off = (a.values - b.values)[both]
+    C = (a.covariance + b.covariance)[np.ix_(both, both)]
+    # With their correlations: in space all may share a doubt about the scale.
+    return bool(off @ np.linalg.solve(C, off) > chdtri(both.size, CHANCE))
