@@ -13,6 +13,7 @@ from orbident.estimation.mass_routes import agreement_of_routes, beside_nominal
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.obstacles import surprise
 from orbident.estimation.output_error.forms import IN_WORDS, SLOW
+from orbident.estimation.output_error.unseen_losses import may_be_losses
 from orbident.estimation.quantities import Quantity
 from orbident.estimation.recursive.changes import changes_in_words
 from orbident.estimation.residual_checks import CAUSES, residual_checks
@@ -224,9 +225,11 @@ def _disturbances(estimate: Estimate, robot: Robot) -> Iterator[Check]:
     Momentum that wheels lose unseen looks like a torque, and gives another scale.
     """
     fits = estimate.disturbances
+    groups = dict.fromkeys(fit.group for fit in fits.values())
     # Who says that a torque acts has been asked to look at the wheels.
     vouched = any("torque" in group for group in robot.disturbances)
-    for group in dict.fromkeys(fit.group for fit in fits.values()):
+    held = may_be_losses(robot.motion, groups, robot.disturbances)
+    for group in groups:
         own = {name: fit for name, fit in fits.items() if fit.group == group}
         largest = max(own.values(), key=lambda fit: abs(fit.value))
         sizes = f"up to {abs(largest.value):.2g} {largest.unit}"
@@ -237,11 +240,9 @@ def _disturbances(estimate: Estimate, robot: Robot) -> Iterator[Check]:
             )
         asked = group in robot.disturbances
         by_wheels = not vouched and "torque" in group and robot.wheels
-        held = (
+        narrower = (
             "; their deviations hold that: if such a torque acts, say so, and they are "
             f"narrower (--disturbance {group})"
-            if group in SLOW or robot.motion == "spatial"
-            else ""
         )
         yield Check(
             f"{group} from outside",
@@ -250,7 +251,7 @@ def _disturbances(estimate: Estimate, robot: Robot) -> Iterator[Check]:
             f"of which would be off by {largest.shift:.2g} sigmas without it",
             "see that wheel speeds were measured and not commanded only: a wheel that "
             "slows down unseen looks the same, and pi and M are then wrong by up to "
-            f"the part of the speed that is lost{held}"
+            f"the part of the speed that is lost{narrower if held else ''}"
             if by_wheels
             else "",
         )

@@ -29,7 +29,7 @@ def test_those_that_differ_most_come_first():
 
 
 def test_the_rest_is_counted():
-    """Of 18 parameters, the mass and the last 11 that are determined are shown."""
+    """Twelve of 18 parameters have a line, the mass among them; the rest is counted."""
     found = far_from_cad("paper-spatial")
     *_, words = short_table(without(found, "iota_12", "sigma_1").base)
     assert MOST == 12

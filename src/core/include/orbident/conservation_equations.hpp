@@ -146,10 +146,12 @@ inline EquationNoise equation_noise(const ConservationModel& model, const Bodies
 }
 
 // The rows [h_cm, v_cm, b_g, b_a, pi, phi | right-hand side], momentum first; the velocity's are zero
-// where v_S was not measured. D, U and the noise's gains are evaluated at beta and h_cm.
+// where v_S was not measured. D, U and the noise's gains are evaluated at beta and h_cm. Returns the
+// noise of these rows, which are not yet whitened.
 inline EquationNoise conservation_equations(const ConservationModel& model, const Real* beta,
-                                   const Vector& h_cm, const Measurement& at, const Matrix& R_WB,
-                                   EquationMemory& memory, Real* rows, int stride) {
+                                            const Vector& h_cm, const Measurement& at,
+                                            const Matrix& R_WB, EquationMemory& memory, Real* rows,
+                                            int stride) {
   const Tree& tree = model.robot.tree;
   const ConservedAxes& axes = model.axes;
   Bodies<Real>& bodies = memory.bodies;

@@ -68,7 +68,7 @@ ORBIDENT_WIDEST inline void covariance_of(const Real* kicks, int count, int n, R
 // and U are upper triangular, and so is U^-1 N back.
 //
 // Returns what unit noise of each axis of the gyro adds to the whitened rows: the columns of U^-1 K that
-// are its own. Only the rows of h_cm come first in N, so that all others are zero.
+// are its own. They are zero but in the rows of h_cm, which come first in N.
 //
 //   integral  of R_0 over dt
 //   h_cm      the momentum known so far, N m s

@@ -22,6 +22,19 @@ from orbident.estimation.output_error.solver import Solution
 from orbident.model.wheel_arrays import wheels_of
 
 
+def may_be_losses(motion: str, freed: Collection[str], asked: Collection[str]) -> bool:
+    """Whether torques among the freed groups may be what wheels lost.
+
+    Args:
+        motion: the robot's, `"planar"` or `"spatial"`.
+        freed: groups of what acts from outside, which are unknowns.
+        asked: the groups of these that the user says act.
+    """
+    torques = {group for group in freed if "torque" in group}
+    same = motion == "planar" and not torques & {*SLOW}
+    return bool(torques) and not same and not torques & {*asked}
+
+
 def unseen_losses(
     problem: Problem,
     solution: Solution,
@@ -37,12 +50,10 @@ def unseen_losses(
         asked: the groups of these that the user says act.
     """
     followed, beta = problem.acting.followed, solution.state.beta
-    torques = [group for group in freed if "torque" in group]
-    same = followed.robot.motion == "planar" and not {*torques} & {*SLOW}
-    if same or not torques or {*torques} & {*asked}:
+    if not may_be_losses(followed.robot.motion, freed, asked):
         return np.zeros(beta.size)
     by_torque = np.zeros((followed.t.size, 3))
-    for group in torques:
+    for group in (each for each in freed if "torque" in each):
         sizes, _ = sizes_of(problem, solution, group)
         for size, each in zip(sizes, members(problem, group), strict=True):
             by_torque += size * integral(followed.t, each.effect.torque)
