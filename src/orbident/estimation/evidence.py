@@ -10,6 +10,9 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
+from jaxtyping import Float
+from scipy.optimize import brentq
+from scipy.special import ndtr, ndtri
 
 from orbident.estimation.estimate import Estimate, Estimator, Progress
 from orbident.estimation.found import EstimatedParameters, Known
@@ -20,6 +23,10 @@ from orbident.estimation.quantities import Quantity
 MOST = 2**13
 """Samples of a recording that other methods are judged by: its beginning. A longer one
 is what they are for."""
+
+WITHIN = 0.95
+"""So often an interval of 95 % holds what is true; `BESIDE` deviations to either side."""
+BESIDE = float(ndtri((1 + WITHIN) / 2))
 
 WORTH = 25.0
 """Fall in chi-square, five deviations squared, that a clock's correction must bring."""
@@ -93,28 +100,33 @@ def widened(estimate: Estimate, shown: Estimate, whole: bool) -> Estimate:
 
     Maximum likelihood has the least variance, so that a difference from it has no part
     in common with its error (Hausman 1978): the mean square error of another estimate
-    is that variance and the square of the difference.
+    is that variance and the square of the difference. Intervals by that variance would
+    hold more than they say, because the difference is known: a part of its square is
+    enough, by which those of the base parameters hold 95 % in the mean.
 
     Args:
         estimate: by any method.
         shown: by output error.
         whole: whether of the same samples; where of a part of them, the method's own
-            variance counts.
+            variance and the whole square count.
     """
     mine, theirs = estimate.found, shown.found
     both = np.concatenate([_off(mine.pi, theirs.pi), _off(mine.phi, theirs.phi)])
     least = shown if whole else estimate
+    part = 1.0
+    if whole:
+        part = _part(_off(mine.base, theirs.base), theirs.base.covariance)
 
     def known(one: Known, other: Known, variance: Known) -> Known:
         off = _off(one, other)
         return Known(
             one.values,
-            variance.covariance + np.outer(off, off),
+            variance.covariance + part * np.outer(off, off),
             one.determined & other.determined,
         )
 
     M = estimate.mass.value
-    std = float(np.hypot(least.mass.std, M - shown.mass.value))
+    std = float(np.hypot(least.mass.std, np.sqrt(part) * (M - shown.mass.value)))
     mass, routes = Quantity(M, std), list(estimate.masses)
     return replace(
         estimate,
@@ -122,7 +134,7 @@ def widened(estimate: Estimate, shown: Estimate, whole: bool) -> Estimate:
             known(mine.pi, theirs.pi, least.found.pi),
             known(mine.phi, theirs.phi, least.found.phi),
             known(mine.base, theirs.base, least.found.base),
-            least.found.covariance + np.outer(both, both),
+            least.found.covariance + part * np.outer(both, both),
         ),
         mass=mass,
         masses={**estimate.masses, routes[-1]: mass},
@@ -132,3 +144,25 @@ def widened(estimate: Estimate, shown: Estimate, whole: bool) -> Estimate:
 
 def _off(one: Known, other: Known) -> np.ndarray:
     return np.where(one.determined & other.determined, one.values - other.values, 0.0)
+
+
+def _part(off: Float[np.ndarray, " n"], C: Float[np.ndarray, "n n"]) -> float:
+    """The part of squared differences by which intervals hold 95 % in the mean.
+
+    Errors are normal about `off`, with the covariance `C`; an interval of
+
+        1.96 sqrt(1 + part r^2)   deviations,   r = off / deviation,
+
+    holds too much with all of the square, and a quarter is enough where `r` is large.
+    """
+    std = np.sqrt(np.diag(C))
+    r = off[std > 0] / std[std > 0]
+
+    def more(part: float) -> float:
+        half = BESIDE * np.sqrt(1 + part * r**2)
+        return float(np.mean(ndtr(half - r) - ndtr(-half - r)) - WITHIN)
+
+    # Differences of rounding size change no interval.
+    if more(0.0) >= 0 or more(1.0) <= 0:
+        return 1.0
+    return float(brentq(more, 0.0, 1.0))
