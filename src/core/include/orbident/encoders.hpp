@@ -11,7 +11,8 @@ constexpr int FUNCTIONS = 4;
 constexpr int JOINT_WIDTH = padded(FUNCTIONS + 1);
 
 // Writes each joint's triangle into R, over [z near | z far | g | right-hand side], whose rows and
-// columns of the corrections are empty. Returns the sum of squared residuals.
+// columns of the corrections are empty; what no correction explains adds to R's last entry. Returns the
+// sum of squared residuals.
 template <class T>
 T add_encoders(const Recorded<T>& recorded, const LinearisedAt<T>& at, int interval, bool start_near,
                T* R) {
@@ -21,13 +22,14 @@ T add_encoders(const Recorded<T>& recorded, const LinearisedAt<T>& at, int inter
   const T duration = recorded.t[end] - recorded.t[first];
   const int stride = recorded.stride(), right_hand_side = recorded.width() - 1;
   const auto corrections = [&](int boundary) { return at.local + boundary * L + recorded.corrections(); };
-  T cost = T(0), rows[BLOCK * JOINT_WIDTH];
+  T cost = T(0), left = T(0), rows[BLOCK * JOINT_WIDTH];
   for (int k = 0, c = 0; k < K; ++k) {
     const bool corrected = c < C && recorded.corrected[c] == k;
+    const T before = cost;
     T triangle[JOINT_WIDTH * JOINT_WIDTH] = {};
     int count = 0;
     const auto folded = [&] {
-      fold(triangle, JOINT_WIDTH, rows, JOINT_WIDTH, count, JOINT_WIDTH, FUNCTIONS);
+      fold(triangle, JOINT_WIDTH, rows, JOINT_WIDTH, count, JOINT_WIDTH, FUNCTIONS + 1);
       count = 0;
     };
     const auto add = [&](const T& error) {
@@ -50,13 +52,17 @@ T add_encoders(const Recorded<T>& recorded, const LinearisedAt<T>& at, int inter
       for (int f = 0; f < FUNCTIONS; ++f)
         row[start_near ? f : (f + 2) % FUNCTIONS] = weight * functions.value[f];
     }
-    if (!corrected) continue;
+    if (!corrected) {
+      left += cost - before;
+      continue;
+    }
     for (int f = 0; f < 2; ++f) {
       const T weight = 1 / recorded.prior[f * C + c];
       T* row = add(-weight * corrections(interval + 1)[f * C + c]);
       row[start_near ? 2 + f : f] = weight;
     }
     folded();
+    left += triangle[FUNCTIONS * JOINT_WIDTH + FUNCTIONS] * triangle[FUNCTIONS * JOINT_WIDTH + FUNCTIONS];
     const auto place = [&](int f) { return f / 2 * L + recorded.corrections() + f % 2 * C + c; };
     for (int f = 0; f < FUNCTIONS; ++f) {
       T* row = R + std::ptrdiff_t(place(f)) * stride;
@@ -66,6 +72,8 @@ T add_encoders(const Recorded<T>& recorded, const LinearisedAt<T>& at, int inter
     }
     ++c;
   }
+  T& last_entry = R[std::ptrdiff_t(right_hand_side) * stride + right_hand_side];
+  last_entry = std::sqrt(last_entry * last_entry + left);
   return cost;
 }
 

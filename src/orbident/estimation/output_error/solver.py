@@ -83,11 +83,8 @@ class Solution(NamedTuple):
     weights: BySensor
     converged: bool
     steps: int
-
-    @property
-    def cost(self) -> float:
-        """The sum of the squares of all whitened residuals and priors."""
-        return self.linear.cost + self.prior.cost(self.state)
+    cost: float
+    """The sum of the squares of all whitened residuals and priors."""
 
     @property
     def covariance(self) -> Float[np.ndarray, "n n"]:
@@ -134,7 +131,9 @@ def solved(
         change = factor[:-1, :-1] @ g
         # What nothing shows would take an undamped step too far, again and again.
         if np.linalg.norm(change) < SMALL and damping <= DAMPING:
-            return Solution(moved, here, prior, weights, True, step + 1)
+            # The last step may take much of the defects away: what is left is known.
+            left = float(factor[-1, -1] ** 2)
+            return Solution(moved, here, prior, weights, True, step + 1, left)
         # A step too far may overflow; its cost is not less.
         with np.errstate(over="ignore", invalid="ignore"):
             there = linear(problem, weights, moved)
@@ -157,7 +156,7 @@ def solved(
             break
         else:
             damping, raised = max(raised * damping, DAMPING), 2 * raised
-    return Solution(state, here, prior, weights, False, steps)
+    return Solution(state, here, prior, weights, False, steps, cost)
 
 
 def _damped(
