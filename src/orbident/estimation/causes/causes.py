@@ -56,7 +56,9 @@ def causes(solved: Solved) -> Iterator[Check]:
         yield _explained(min(jumped, key=_rank), now)
         return
     wrong, *_ = conventions = tried_conventions(problem)
-    if wrong.falls > FALLS:
+    # That parameters are of a likelier sign is not enough where it can be tried.
+    told = wrong.residuals_alone > FALLS or not (shown and wrong.convention.columns)
+    if wrong.falls > FALLS and told:
         times = f"{wrong.falls:.2g}"
         yield _found(
             f"{wrong.convention.cause}: with that put right the residuals of Eqs. 24 "
@@ -99,7 +101,7 @@ def _by_trials(
     small = best is not None and _as_small_as_noise(best)
     happened = None if small else event(solved.problem)
     if happened is not None:
-        yield _found(happened, "identify the part that fits, or remove what acts")
+        yield _found(happened.reason, happened.remedy)
     elif best is not None and falls > EXPLAINS:
         yield _found(
             f"perhaps {best.cause}: with that put right chi-square falls by "

@@ -1,6 +1,7 @@
 """Whether a recording is good until something happens, and what that may have been."""
 
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 from scipy.special import chdtri
@@ -22,9 +23,18 @@ CHANCE = 5.7e-7
 MASKED = ("position", "attitude")
 """Sensors that may jump or drift for themselves."""
 
+BY_PART = "identify the part that fits, or remove what acts"
 
-def event(problem: MomentumProblem) -> str | None:
-    """What happened, in words; None where no part of the recording fits.
+
+class Event(NamedTuple):
+    """What happened in the course of a recording, in words."""
+
+    reason: str
+    remedy: str = BY_PART
+
+
+def event(problem: MomentumProblem) -> Event | None:
+    """What happened; None where no part of the recording fits.
 
     Only what is said to fit was tried: what stands in brackets after "perhaps" are
     usual reasons, which nothing here tests.
@@ -38,30 +48,34 @@ def event(problem: MomentumProblem) -> str | None:
         later = np.arange(problem.recording.t.size) >= good
         rest = without(problem.recording, sensor, later)
         if amended_trial("", problem, recording=rest).accepted:
-            return (
+            return Event(
                 f"the {sensor} drifts, or has a jump (a step) {at}: without its "
                 "samples from then on the recording is accepted"
             )
     after = _part(problem, slice(bad, None), "unknown")
-    if not after.accepted and problem.initial_momentum == "at-rest":
-        return (
+    if not after.fits and problem.initial_momentum == "at-rest":
+        return Event(
             f"the recording fits up to an event {at} (perhaps a push, such as a "
             "thruster's burst, or the robot changed by a capture)"
         )
-    if not after.accepted:
-        return (
+    if not after.fits:
+        return Event(
             f"the recording stops to fit {at}, and what follows does not fit either "
             "(perhaps an external torque acts, by drag or friction, or a wheel's speed "
             "is not as recorded)"
         )
     if _differ(before, after):
-        return (
+        return Event(
             f"the robot changed {at} (a capture or a release): before and after the "
-            "recording fits, with different parameters"
+            "recording fits, with different parameters",
+            "identify the rows before and those after each by themselves, and compare "
+            "the two results: that says what was captured",
         )
-    return (
+    return Event(
         f"an event {at}: before and after the recording fits, with the same parameters "
-        "(perhaps a push, such as a thruster's burst)"
+        "(perhaps a push, such as a thruster's burst)",
+        "give the rows before and those after as two recordings of one robot: each has "
+        "a momentum of its own",
     )
 
 
@@ -72,7 +86,7 @@ def _until(problem: MomentumProblem) -> tuple[int, int, Trial | None]:
     for _ in range(HALVINGS):
         middle = (good + bad) // 2
         tried = _part(problem, slice(middle), problem.initial_momentum)
-        if tried.accepted:
+        if tried.fits:
             good, found = middle, tried
         else:
             bad = middle
@@ -99,5 +113,7 @@ def _differ(one: Trial, other: Trial) -> bool:
     both = np.flatnonzero(a.determined & b.determined)
     off = (a.values - b.values)[both]
     C = (a.covariance + b.covariance)[np.ix_(both, both)]
-    # With their correlations: in space all may share a doubt about the scale.
-    return bool(off @ np.linalg.solve(C, off) > chdtri(both.size, CHANCE))
+    # With their correlations: all may share a doubt about the scale.
+    std = np.sqrt(np.diag(C))
+    z, C = off / std, C / np.outer(std, std)
+    return bool(z @ np.linalg.solve(C, z) > chdtri(both.size, CHANCE))
