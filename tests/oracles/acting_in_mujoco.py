@@ -5,15 +5,13 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Literal, NamedTuple, Protocol
+from types import MappingProxyType
+from typing import ClassVar, Literal, NamedTuple, Protocol
 
 import mujoco
 import numpy as np
 
 from orbident.robot.parameters import PER_BODY, from_mass_com_inertia
-
-WAVES = 6
-"""Half waves of a slow torque that have names."""
 
 NOWHERE = np.zeros(3)
 
@@ -60,15 +58,21 @@ class Acts(Protocol):
         """Add its generalised forces."""
         ...
 
-    def sizes(self, duration: float) -> Mapping[str, float]:
-        """What it is in the words and units of a result; empty for what has none."""
+    @property
+    def group(self) -> str:
+        """What a result calls it; empty for what happens at one time."""
+        ...
+
+    @property
+    def sizes(self) -> Mapping[str, float]:
+        """Its numbers, by the names of a result; those that are not there are zero."""
         ...
 
 
-def _named(group: str, vector: np.ndarray, after: str = "") -> dict[str, float]:
+def _named(group: str, vector: np.ndarray) -> dict[str, float]:
     """The components that are not zero, by the names of a result."""
     parts = zip("xyz", vector, strict=True)
-    return {f"{group}.{axis}{after}": float(x) for axis, x in parts if x}
+    return {f"{group}.{axis}": float(x) for axis, x in parts if x}
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,17 +87,20 @@ class Torque:
         torque = stage.turned("base", self.vector) if on_base else self.vector
         stage.push(outside, NOWHERE, torque, "base")
 
-    def sizes(self, duration: float) -> dict[str, float]:
-        group = "base_torque" if self.axes == "base" else "torque"
-        return _named(group, self.vector)
+    @property
+    def group(self) -> str:
+        return "base_torque" if self.axes == "base" else "torque"
+
+    @property
+    def sizes(self) -> dict[str, float]:
+        return _named(self.group, self.vector)
 
 
 @dataclass(frozen=True, eq=False)
 class Swell:
     """A torque that comes and goes as a sine, inertial axes.
 
-    Its period is no multiple of the recording: half waves of it follow the torque, they
-    are not what it was made of.
+    A result follows it by half waves in the recording, which are not what it is made of.
     """
 
     vector: np.ndarray
@@ -102,22 +109,16 @@ class Swell:
     """s."""
     phase: float
 
-    def _wave(self, t: np.ndarray | float) -> np.ndarray:
-        return np.asarray(np.sin(2 * np.pi * t / self.period + self.phase))
+    def at(self, t: np.ndarray) -> np.ndarray:
+        """The torque, N m, axes last."""
+        return np.sin(2 * np.pi * t / self.period + self.phase)[:, None] * self.vector
 
     def __call__(self, stage: Stage, outside: np.ndarray) -> None:
-        torque = self.vector * self._wave(stage.data.time)
+        (torque,) = self.at(np.array([stage.data.time]))
         stage.push(outside, NOWHERE, torque, "base")
 
-    def sizes(self, duration: float) -> dict[str, float]:
-        """Fourier coefficients of cosines with half waves in the recording."""
-        t = np.linspace(0.0, duration, 10_001)
-        waves = np.cos(np.outer(np.arange(1, WAVES + 1), np.pi * t / duration))
-        parts = 2 / duration * np.trapezoid(waves * self._wave(t), t)
-        named: dict[str, float] = {}
-        for m, part in enumerate(parts, start=1):
-            named |= _named("slow_torque", part * self.vector, f".{m}")
-        return named
+    group: ClassVar[str] = "slow_torque"
+    sizes: ClassVar[Mapping[str, float]] = MappingProxyType({})
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,8 +138,8 @@ class Burst:
             force = stage.turned("base", self.force)
             stage.push(outside, force, NOWHERE, "base", self.point)
 
-    def sizes(self, duration: float) -> dict[str, float]:
-        return {}
+    group: ClassVar[str] = ""
+    sizes: ClassVar[Mapping[str, float]] = MappingProxyType({})
 
 
 @dataclass(frozen=True, eq=False)
@@ -160,7 +161,10 @@ class Film:
             force, torque = -c * linear @ data.qvel, -c_r * angular @ data.qvel
             stage.push(outside, force, torque, name, pad)
 
-    def sizes(self, duration: float) -> dict[str, float]:
+    group: ClassVar[str] = "drag"
+
+    @property
+    def sizes(self) -> dict[str, float]:
         return {
             **{f"drag.{body}": c for body, (c, _) in self.drag.items()},
             **{f"drag.{body}.turning": c_r for body, (_, c_r) in self.drag.items()},
@@ -177,7 +181,10 @@ class Tilt:
     def __call__(self, stage: Stage, outside: np.ndarray) -> None:
         stage.model.opt.gravity = self.pull
 
-    def sizes(self, duration: float) -> dict[str, float]:
+    group: ClassVar[str] = "pull"
+
+    @property
+    def sizes(self) -> dict[str, float]:
         return _named("pull", self.pull)
 
 
@@ -198,8 +205,8 @@ class Capture:
     def __call__(self, stage: Stage, outside: np.ndarray) -> None:
         pass
 
-    def sizes(self, duration: float) -> dict[str, float]:
-        return {}
+    group: ClassVar[str] = ""
+    sizes: ClassVar[Mapping[str, float]] = MappingProxyType({})
 
     def onto(self, theta: np.ndarray, bodies: tuple[str, ...]) -> np.ndarray:
         """The parameters of all bodies with what was captured."""

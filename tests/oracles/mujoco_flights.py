@@ -36,6 +36,8 @@ class Flight:
     """As it is at the start."""
     motion: Trajectory
     acts: Acts
+    breath: float = 0.0
+    """The wheels' speeds rise and fall once, by this part of them."""
 
     def recorded(self, seed: int) -> Recording:
         """What the robot's sensors show of it, with the noise of this seed."""
@@ -50,10 +52,11 @@ class Flight:
         mujoco.set_mjcb_control(plant)
         try:
             plant.start()
-            for k in range(round(self.motion.duration / STEP) + 1):
-                if k % every == 0:
-                    rows.append(plant.row())
+            rows.append(plant.row())
+            for k in range(round(self.motion.duration / STEP)):
                 plant.step(k)
+                if (k + 1) % every == 0:
+                    rows.append(plant.row())
         finally:
             mujoco.set_mjcb_control(None)
         t, *columns = (np.array(column) for column in zip(*rows, strict=True))
@@ -85,10 +88,13 @@ class _Plant:
         self.M = np.zeros((model.nv, model.nv))
         # RK4 asks at the ends and in the middle of a step.
         halves = 2 * round(flight.motion.duration / STEP)
-        nodes = np.linspace(0.0, flight.motion.duration, halves + 1)
+        nodes = np.arange(halves + 1) * STEP / 2
         self.commanded = flight.motion.for_robot(robot).at(nodes)
         speeds = flight.motion.initial.wheel_speeds(robot.wheel_names)
-        self.speeds = np.asarray(speeds)
+        angle = 2 * np.pi * nodes[:, None] / flight.motion.duration
+        turning = 2 * np.pi / flight.motion.duration
+        self.speeds = speeds * (1 + flight.breath * np.sin(angle))
+        self.slopes = speeds * flight.breath * turning * np.cos(angle)
         self.inside = STEP / 2
 
     def start(self) -> None:
@@ -96,7 +102,7 @@ class _Plant:
         data, initial = self.data, self.flight.motion.initial
         q, qd, _ = (history[0] for history in self.commanded)
         data.qpos[self.places[: q.size]] = q
-        data.qvel[self.driven] = np.append(qd, self.speeds)
+        data.qvel[self.driven] = np.append(qd, self.speeds[0])
         if self.planar:
             x, y, z, w = initial.attitude
             assert x == y == 0.0
@@ -132,15 +138,13 @@ class _Plant:
     def __call__(self, model: mujoco.MjModel, data: mujoco.MjData) -> None:
         """Torques for the commanded accelerations, as if nothing acted; what acts."""
         node = round(data.time * 2 / STEP)
-        q, qd, qdd = (
-            history[min(node, len(history) - 1)] for history in self.commanded
-        )
+        q, qd, qdd = (history[node] for history in self.commanded)
         left, driven, n = self.left, self.driven, q.size
         rate = data.qvel[driven]
         a = np.zeros(model.nv)
         a[driven[:n]] = qdd + KD * (qd - rate[:n])
         a[driven[:n]] += KP * (q - data.qpos[self.places[:n]])
-        a[driven[n:]] = WHEEL_KD * (self.speeds - rate[n:])
+        a[driven[n:]] = self.slopes[node] + WHEEL_KD * (self.speeds[node] - rate[n:])
         mujoco.mj_fullM(model, data, self.M)
         M, bias = self.M, data.qfrc_bias
         force = -bias[left] - M[np.ix_(left, driven)] @ a[driven]

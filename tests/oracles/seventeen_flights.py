@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cache, cached_property
 
 import numpy as np
 from acting_in_mujoco import Acts, Burst, Capture, Film, Swell, Tilt, Torque
@@ -43,11 +43,14 @@ class Case:
 
     name: str
     number: int
-    """Of the robot and its motion; even ones are in space."""
+    """Of the robot and its motion: even ones are in space."""
     acting: Callable[[Robot], Acts]
     """What acts on this robot."""
     longer: float = 1.0
     """The flight's duration over the usual one."""
+    breath: float = 0.0
+    """The wheels' speeds change by this part: on a table nothing else tells the scale
+    where the momentum is unknown, as after a capture."""
 
     @cached_property
     def flight(self) -> Flight:
@@ -56,7 +59,7 @@ class Case:
         duration = self.longer * (ON_TABLE if planar else IN_SPACE)
         start = "spun up" if planar else "turning"
         motion = random_motion(robot, 3000 + self.number, duration, SPEED, start)
-        return Flight(robot, motion, self.acting(robot))
+        return Flight(robot, motion, self.acting(robot), self.breath)
 
     @property
     def known(self) -> Robot:
@@ -153,7 +156,7 @@ def _milli(*vector: float) -> np.ndarray:
 
 EAST = np.array([0.8, 0.6, 0.0])
 
-CASES = (
+KINDS = (
     Case("constant torque, 2 mN m", 2, _always(Torque(_milli(1.2, -1.0, 1.2)))),
     Case("constant torque, 20 mN m", 4, _always(Torque(_milli(-8.0, 16.0, 9.0)))),
     Case("slow torque, 3 mN m", 6, _always(Swell(_milli(2.0, 1.0, -2.0), 47.0, 0.4))),
@@ -186,6 +189,17 @@ CASES = (
         15,
         _always(Burst(8.0, 0.2, -EAST, np.array([0.2, 0.2, 0.0]))),
     ),
-    Case("capture of 5 kg", 17, _capture(23.0, 5.0), 2.0),
+    Case("capture of 5 kg", 17, _capture(23.0, 5.0), 2.0, breath=0.5),
 )
-"""In space and on a table."""
+"""What acts, in space and on a table, on the first robots."""
+
+OTHERS = 20
+"""Robots of a draw have numbers from so many times its own on."""
+
+
+@cache
+def cases(draw: int) -> tuple[Case, ...]:
+    """The seventeen flights of a draw: other robots, motions and noise, the same acts."""
+    return tuple(
+        replace(kind, number=OTHERS * draw + kind.number) for kind in KINDS
+    )

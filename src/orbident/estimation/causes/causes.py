@@ -98,8 +98,11 @@ def _by_trials(
         yield _explained(best, before)
         return
     falls = before - best.misfit if best else -np.inf
-    small = best is not None and _as_small_as_noise(best)
-    happened = None if small else event(solved.problem)
+    # Then no event is left to explain, though the residuals may not be white.
+    shrunk = best is not None and _as_noise(best.estimate) and not _as_noise(shown)
+    # As an event, too, makes clocks seem late, parts are on the clocks as recorded.
+    problem = corrected.recorded if corrected else solved.problem
+    happened = None if shrunk else event(problem)
     if happened is not None:
         yield _found(happened.reason, happened.remedy)
     elif best is not None and falls > EXPLAINS:
@@ -202,9 +205,9 @@ def _likeliest(solved: Solved) -> Iterator[Trial]:
             yield from put()
 
 
-def _as_small_as_noise(trial: Trial) -> bool:
-    """Then no event is left to explain, though the residuals may not be white."""
-    goodness = trial.estimate and trial.estimate.goodness
+def _as_noise(estimate: Estimate | None) -> bool:
+    """Whether the residuals are as small as noise."""
+    goodness = estimate and estimate.goodness
     return bool(goodness and goodness.per_dof < NOISY**2)
 
 

@@ -44,16 +44,21 @@ def event(problem: MomentumProblem) -> Event | None:
     if before is None:
         return None
     at = f"between t = {t[good - 1]:.3g} and {t[bad - 1]:.3g} s"
+    after = _part(problem, slice(bad, None), "unknown")
+    same = after.fits and not _differ(before, after)
+    # A push through the CM shows in positions alone, which then drift evenly.
+    untold = not after.fits and problem.initial_momentum == "at-rest"
+    pushed = ", or the robot was pushed (perhaps by a thruster's burst),"
+    pushed = pushed if same or untold else ""
     for sensor in MASKED:
         later = np.arange(problem.recording.t.size) >= good
         rest = without(problem.recording, sensor, later)
         if amended_trial("", problem, recording=rest).accepted:
             return Event(
-                f"the {sensor} drifts, or has a jump (a step) {at}: without its "
-                "samples from then on the recording is accepted"
+                f"the {sensor} drifts, or has a jump (a step){pushed} {at}: without "
+                "its samples from then on the recording is accepted"
             )
-    after = _part(problem, slice(bad, None), "unknown")
-    if not after.fits and problem.initial_momentum == "at-rest":
+    if untold:
         return Event(
             f"the recording fits up to an event {at} (perhaps a push, such as a "
             "thruster's burst, or the robot changed by a capture)"
@@ -64,7 +69,7 @@ def event(problem: MomentumProblem) -> Event | None:
             "(perhaps an external torque acts, by drag or friction, or a wheel's speed "
             "is not as recorded)"
         )
-    if _differ(before, after):
+    if not same:
         return Event(
             f"the robot changed {at} (a capture or a release): before and after the "
             "recording fits, with different parameters",
@@ -80,17 +85,27 @@ def event(problem: MomentumProblem) -> Event | None:
 
 
 def _until(problem: MomentumProblem) -> tuple[int, int, Trial | None]:
-    """Rows of the longest beginning that fits, and of the shortest that does not."""
+    """Rows of the longest beginning that fits, and of the shortest that does not.
+
+    What acts must act from the first beginning on: an event that is not long ago may
+    pass for a disturbance.
+    """
     rows = problem.recording.t.size
     good, bad, found = 0, rows, None
     for _ in range(HALVINGS):
         middle = (good + bad) // 2
         tried = _part(problem, slice(middle), problem.initial_momentum)
-        if tried.fits:
+        if tried.fits and (found is None or _acting(tried) <= _acting(found)):
             good, found = middle, tried
         else:
             bad = middle
     return good, bad, found
+
+
+def _acting(tried: Trial) -> set[str]:
+    """The groups of what acts from outside."""
+    assert tried.estimate is not None
+    return {fit.group for fit in tried.estimate.disturbances.values()}
 
 
 def _part(
