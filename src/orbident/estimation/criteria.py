@@ -73,7 +73,6 @@ def judge(solved: Solved, masses: dict[str, Quantity]) -> Judgement:
             *positive_energy(problem, found.base),
             *_changes(estimate),
             *_disturbances(estimate, robot),
-            *_suspected(estimate),
             *_two_explanations(problem, shown or estimate),
             *agreement_of_routes(masses),
             *beside_nominal(estimate.mass, robot.mass, len(robot.wheels)),
@@ -217,21 +216,6 @@ def _two_explanations(problem: MomentumProblem, shown: Estimate) -> Iterator[Che
             f"if such a torque acts, say so (--disturbance {min(slow)}); if the clock "
             "is late, declare its latency in the robot file; else see that wheel "
             "speeds were measured and not commanded only",
-        )
-
-
-def _suspected(estimate: Estimate) -> Iterator[Check]:
-    """Care is needed where something may act, and deviations hold that it does."""
-    for group, falls in estimate.suspected.items():
-        yield Check(
-            f"{group} suspected",
-            "with care",
-            f"perhaps {IN_WORDS[group]}: chi-square would fall by {falls:.3g} if that "
-            "were among the unknowns, as by chance it does in fewer than one of a "
-            "hundred recordings; deviations hold that it acts and that it does not",
-            f"if it acts, say so (--disturbance {group}); else see whether other "
-            "recordings show it too",
-            falls,
         )
 
 

@@ -13,7 +13,7 @@ and the mean square error of an estimate that takes them for zero is, beside `C`
     B (C_c + c c') B'                                   (as in Hausman 1978)
 """
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterator, Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -22,6 +22,7 @@ from scipy.linalg import solve_triangular
 from scipy.special import chdtri
 
 from orbident.estimation.output_error.disturbance_sizes import places_of
+from orbident.estimation.output_error.forms import IN_WORDS
 from orbident.estimation.output_error.problem import OUTSIDE
 from orbident.estimation.output_error.sensitivity import TakenForZero, fall
 
@@ -60,3 +61,14 @@ def suspected(zeros: TakenForZero, groups: Collection[str]) -> dict[str, Suspect
         off = B @ np.column_stack([inverse, inverse @ left[:, -1]])
         found[group] = Suspected(falls, off)
     return found
+
+
+def suspects_in_words(falls: Mapping[str, float]) -> Iterator[str]:
+    """Notes on what may act, by its group: how far chi-square would fall."""
+    for group, each in falls.items():
+        yield (
+            f"perhaps {IN_WORDS[group]}: chi-square would fall by {each:.3g} if that "
+            "were among the unknowns, as by chance it does in fewer than one of a "
+            "hundred recordings; deviations hold that it acts and that it does not: "
+            f"if it acts, say so (--disturbance {group})"
+        )
