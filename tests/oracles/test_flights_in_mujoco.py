@@ -172,9 +172,12 @@ def _size(case: Case, result: Result) -> float:
 
 def _refused(case: Case, recording: Recording, result: Result) -> Score:
     """Go on as the cause says: identify what comes before and after an event."""
-    cause, acts = result.causes()[0].reason, case.flight.acts
+    cause, acts = result.with_causes().warnings[0], case.flight.acts
     found = re.search(r"between t = (\S+) and (\S+) s", cause)
     far = np.nan
+    if f"--disturbance {acts.group})" in cause:
+        robot = replace(case.known, disturbances=(acts.group,))
+        far = off(case, identified(case, recording, robot))
     if found and isinstance(acts, Burst | Capture):
         begin, end = map(float, found.groups())
         before = _part(recording, recording.t < begin, "before")

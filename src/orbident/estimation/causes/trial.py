@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from orbident.errors import InputError
+from orbident.estimation.check import only_vague, worst
 from orbident.estimation.criteria import judge
 from orbident.estimation.estimate import Estimate
 from orbident.estimation.evidence import misfit
@@ -49,8 +50,9 @@ def trial(cause: str, problem: MomentumProblem) -> Trial:
     except InputError:  # Equations that overflow.
         return Trial(cause, False, np.inf)
     judgement = judge(Solved(problem, [], shown, shown), dict(shown.masses))
-    refused = {one.name for one in judgement.checks if one.level == "do not trust"}
-    return Trial(cause, not refused, misfit(shown), shown, fits=refused <= {"mass"})
+    accepted = worst(judgement.checks) != "do not trust"
+    fits = only_vague(judgement.checks)
+    return Trial(cause, accepted, misfit(shown), shown, fits=fits)
 
 
 def amended_trial(

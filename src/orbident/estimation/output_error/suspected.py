@@ -27,7 +27,7 @@ from orbident.estimation.output_error.problem import OUTSIDE
 from orbident.estimation.output_error.sensitivity import TakenForZero, fall
 
 SUSPICIOUS = 1e-2
-"""Probability that noise alone looks as much like a group."""
+"""Probability that noise alone looks as much like any of the groups."""
 
 
 class Suspected(NamedTuple):
@@ -52,7 +52,7 @@ def suspected(zeros: TakenForZero, groups: Collection[str]) -> dict[str, Suspect
         places = places_of(zeros.problem, [group])
         left = zeros.equations(places)
         falls = fall(left, np.arange(places.size))
-        if falls < chdtri(places.size, SUSPICIOUS):
+        if falls < chdtri(places.size, SUSPICIOUS / len(groups)):
             continue
         columns = size + np.flatnonzero(np.isin(zeros.places, places))
         R_x, R_xc = zeros.factor[:size, :size], zeros.factor[:size, columns]
