@@ -6,7 +6,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import ClassVar, Literal, NamedTuple, Protocol
+from typing import Literal, NamedTuple, Protocol
 
 import mujoco
 import numpy as np
@@ -14,6 +14,8 @@ import numpy as np
 from orbident.robot.parameters import PER_BODY, from_mass_com_inertia
 
 NOWHERE = np.zeros(3)
+
+UNSIZED: Mapping[str, float] = MappingProxyType({})
 
 
 class Stage(NamedTuple):
@@ -100,7 +102,7 @@ class Torque:
 class Swell:
     """A torque that comes and goes as a sine, inertial axes.
 
-    A result follows it by half waves in the recording, which are not what it is made of.
+    A result follows it by half waves in the recording; it is not made of these.
     """
 
     vector: np.ndarray
@@ -117,8 +119,8 @@ class Swell:
         (torque,) = self.at(np.array([stage.data.time]))
         stage.push(outside, NOWHERE, torque, "base")
 
-    group: ClassVar[str] = "slow_torque"
-    sizes: ClassVar[Mapping[str, float]] = MappingProxyType({})
+    group = "slow_torque"
+    sizes = UNSIZED
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,8 +140,8 @@ class Burst:
             force = stage.turned("base", self.force)
             stage.push(outside, force, NOWHERE, "base", self.point)
 
-    group: ClassVar[str] = ""
-    sizes: ClassVar[Mapping[str, float]] = MappingProxyType({})
+    group = ""
+    sizes = UNSIZED
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,7 +163,7 @@ class Film:
             force, torque = -c * linear @ data.qvel, -c_r * angular @ data.qvel
             stage.push(outside, force, torque, name, pad)
 
-    group: ClassVar[str] = "drag"
+    group = "drag"
 
     @property
     def sizes(self) -> dict[str, float]:
@@ -181,7 +183,7 @@ class Tilt:
     def __call__(self, stage: Stage, outside: np.ndarray) -> None:
         stage.model.opt.gravity = self.pull
 
-    group: ClassVar[str] = "pull"
+    group = "pull"
 
     @property
     def sizes(self) -> dict[str, float]:
@@ -205,8 +207,8 @@ class Capture:
     def __call__(self, stage: Stage, outside: np.ndarray) -> None:
         pass
 
-    group: ClassVar[str] = ""
-    sizes: ClassVar[Mapping[str, float]] = MappingProxyType({})
+    group = ""
+    sizes = UNSIZED
 
     def onto(self, theta: np.ndarray, bodies: tuple[str, ...]) -> np.ndarray:
         """The parameters of all bodies with what was captured."""

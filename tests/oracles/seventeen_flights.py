@@ -16,6 +16,7 @@ from random_robots import (
     random_unit_vector,
 )
 
+from orbident.estimation.linear_fits import InitialMomentum
 from orbident.robot.description import Robot, Wheel
 from orbident.robot.parameters import inertia_about_com
 
@@ -70,7 +71,7 @@ class Case:
         return replace(robot, theta=off * robot.theta)
 
     @property
-    def initial_momentum(self) -> str:
+    def initial_momentum(self) -> InitialMomentum:
         """On the table the robot was at rest before its wheels spun up."""
         return "unknown" if self.number % 2 == 0 else "at-rest"
 
@@ -139,9 +140,7 @@ def _always(acts: Acts) -> Callable[[Robot], Acts]:
 
 def _film(*drag: tuple[float, float]) -> Callable[[Robot], Acts]:
     """Under the robot's pads, N s/m and N m s."""
-    return lambda robot: Film(
-        robot.pads, dict(zip(robot.pads, drag, strict=True))
-    )
+    return lambda robot: Film(robot.pads, dict(zip(robot.pads, drag, strict=True)))
 
 
 def _capture(at: float, mass: float) -> Callable[[Robot], Acts]:
@@ -199,7 +198,5 @@ OTHERS = 20
 
 @cache
 def cases(draw: int) -> tuple[Case, ...]:
-    """The seventeen flights of a draw: other robots, motions and noise, the same acts."""
-    return tuple(
-        replace(kind, number=OTHERS * draw + kind.number) for kind in KINDS
-    )
+    """The flights of a draw: other robots, motions and noise, the same acts."""
+    return tuple(replace(kind, number=OTHERS * draw + kind.number) for kind in KINDS)

@@ -115,8 +115,8 @@ def with_disturbances(
         groups = _without(groups, weak)
         found = search.whole(search.first(groups)) if groups else plain
     if groups:
-        others = zeros.groups - {*groups, *(SLOW if {*SLOW} & {*groups} else ())}
-        zeros = TakenForZero(problem, found.solution, others)
+        beside = {*first.groups} - {*groups, *(SLOW if {*SLOW} & {*groups} else ())}
+        zeros = TakenForZero(problem, found.solution, beside)
     else:
         zeros = first
     return Fit(zeros, found, groups, plain)

@@ -1,4 +1,4 @@
-"""What is too faint to be sure of: deviations hold that it acts and that it does not."""
+"""Deviations hold that what is too faint to be sure of acts, and that it does not."""
 
 from dataclasses import replace
 
