@@ -46,10 +46,10 @@ def event(problem: MomentumProblem) -> Event | None:
     at = f"between t = {t[good - 1]:.3g} and {t[bad - 1]:.3g} s"
     after = _part(problem, slice(bad, None), "unknown")
     same = after.fits and not _differ(before, after)
-    # A push through the CM shows in positions alone, which then drift evenly.
     untold = not after.fits and problem.initial_momentum == "at-rest"
-    pushed = ", or the robot was pushed (perhaps by a thruster's burst),"
-    pushed = pushed if same or untold else ""
+    # A push through the CM shows in positions alone, which then drift evenly.
+    pushed = ", or the robot was pushed (perhaps by a thruster's burst)"
+    pushed = f"{pushed}," if same else f"{pushed} or changed," if untold else ""
     for sensor in MASKED:
         later = np.arange(problem.recording.t.size) >= good
         rest = without(problem.recording, sensor, later)
