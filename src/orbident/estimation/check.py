@@ -43,6 +43,11 @@ class Check:
         return {"name": self.name, "level": self.level, **words, **numbers}
 
 
+def only_vague(checks: Iterable[Check]) -> bool:
+    """Whether nothing refuses a result, or no more than that its mass is vague."""
+    return {one.name for one in checks if one.level == "do not trust"} <= {"mass"}
+
+
 def worst(checks: Iterable[Check]) -> Level:
     """The level of a result with these checks."""
     return LEVELS[max((LEVELS.index(check.level) for check in checks), default=0)]

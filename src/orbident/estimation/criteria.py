@@ -133,6 +133,14 @@ def _agreement(solved: Solved) -> Iterator[Check]:
     yield Check("agreement", level, reason, remedy if far else "", off, FAR)
 
 
+def torques_or_losses(estimate: Estimate, robot: Robot) -> list[str]:
+    """Groups of torques that may be what wheels lost: deviations hold that."""
+    groups = dict.fromkeys(fit.group for fit in estimate.disturbances.values())
+    if not may_be_losses(robot.motion, groups, robot.disturbances):
+        return []
+    return [group for group in groups if "torque" in group]
+
+
 def _mass(
     problem: MomentumProblem, estimate: Estimate, shown: Estimate
 ) -> Iterator[Check]:
@@ -143,6 +151,12 @@ def _mass(
     own = estimate is shown
     level: Level = "do not trust" if own else "with care"
     richer = "record a richer or longer motion, with more momentum in the wheels"
+    torques = torques_or_losses(estimate, problem.robot)
+    if torques:
+        richer = (
+            "a torque was identified, and wheels may have lost unseen what it explains:"
+            f" if it acts, say so (--disturbance {torques[0]})"
+        )
     remedy = richer if own else "identify by maximum-likelihood"
     history = estimate.history
     if history is not None and not history.determined[0]:
@@ -228,7 +242,7 @@ def _disturbances(estimate: Estimate, robot: Robot) -> Iterator[Check]:
     groups = dict.fromkeys(fit.group for fit in fits.values())
     # Who says that a torque acts has been asked to look at the wheels.
     vouched = any("torque" in group for group in robot.disturbances)
-    held = may_be_losses(robot.motion, groups, robot.disturbances)
+    held = torques_or_losses(estimate, robot)
     for group in groups:
         own = {name: fit for name, fit in fits.items() if fit.group == group}
         largest = max(own.values(), key=lambda fit: abs(fit.value))

@@ -70,6 +70,9 @@ class Estimate:
     """The biases of sensors, with their standard deviations; SI."""
     disturbances: Mapping[str, DisturbanceFit] = field(default_factory=dict)
     """What acted from outside, where that was an unknown."""
+    suspected: Mapping[str, float] = field(default_factory=dict)
+    """What may act too and is not sure, by its group: the fall in chi-square if it were
+    an unknown."""
     calibration: Mapping[str, CalibrationFit] = field(default_factory=dict)
     """The errors of instruments that have a tolerance."""
     sensitivity: Callable[[], Sensitivity] | None = None

@@ -8,7 +8,8 @@ from typing import get_args
 
 from orbident.errors import InputError
 from orbident.estimation.causes.causes import causes
-from orbident.estimation.criteria import judge
+from orbident.estimation.check import only_vague
+from orbident.estimation.criteria import judge, torques_or_losses
 from orbident.estimation.estimate import Estimate, Estimator, Progress
 from orbident.estimation.estimators import IN_STRETCHES, Method, estimator_of
 from orbident.estimation.linear_fits import INITIAL_MOMENTA, InitialMomentum
@@ -150,7 +151,10 @@ def _judged(
         weighing,
         elapsed_s,
     )
-    if result.status == "ok":
+    known = only_vague(judgement.checks) and torques_or_losses(
+        solved.estimate, solved.problem.robot
+    )
+    if result.status == "ok" or known:
         return result
     # They are searched for after this verb has returned, and its limit with it.
     return replace(result, causes=one_blas_thread(lambda: tuple(causes(solved))))

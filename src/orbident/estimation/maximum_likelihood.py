@@ -51,6 +51,7 @@ from orbident.estimation.output_error.sensitivity import (
 from orbident.estimation.output_error.sensors import Sensors, sensors_of
 from orbident.estimation.output_error.shared import Shared, shared_of
 from orbident.estimation.output_error.solver import STEPS, Prior, Solution, solved
+from orbident.estimation.output_error.suspected import suspected
 from orbident.estimation.output_error.unseen_losses import unseen_losses
 from orbident.estimation.predicted import Signals, sensor_signals
 from orbident.estimation.prior_std import prior_std
@@ -69,6 +70,8 @@ class Likelihood:
     biases: dict[str, dict[str, float]]
     disturbances: dict[str, DisturbanceFit]
     """What acted from outside."""
+    suspected: dict[str, float]
+    """What may act too, by its group: how far chi-square would fall."""
     sensors: dict[str, SensorFit]
     goodness: Goodness
     """The fit of all residuals over declared noise, or over estimated noise."""
@@ -137,8 +140,10 @@ def maximum_likelihood(
     asked = requested(problem, robot.disturbances)
     zeros, found, groups, plain = with_disturbances(problem, search, excluded, asked)
     estimate = estimate_of(found.solution, prior_std(robot, sets))
+    suspects = suspected(zeros, zeros.groups)
     lost = unseen_losses(problem, found.solution, groups, asked)
-    covariance = estimate.covariance + np.outer(lost, lost)
+    unseen = np.column_stack([lost, *(each.off for each in suspects.values())])
+    covariance = estimate.covariance + unseen @ unseen.T
     return Likelihood(
         estimate=estimate._replace(covariance=covariance),
         biases=_biases(robot, sensors, found),
@@ -151,7 +156,8 @@ def maximum_likelihood(
         calibration=_calibration(problem, found.solution),
         sensitivity=partial(sensitivity, zeros),
         solution=plain.solution,
-        shared=partial(shared_of, problem, found.solution, lost),
+        shared=partial(shared_of, problem, found.solution, unseen),
+        suspected={group: each.falls for group, each in suspects.items()},
     )
 
 

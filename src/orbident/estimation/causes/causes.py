@@ -56,7 +56,9 @@ def causes(solved: Solved) -> Iterator[Check]:
         yield _explained(min(jumped, key=_rank), now)
         return
     wrong, *_ = conventions = tried_conventions(problem)
-    if wrong.falls > FALLS:
+    # That parameters are of a likelier sign is not enough where it can be tried.
+    told = wrong.residuals_alone > FALLS or not (shown and wrong.convention.columns)
+    if wrong.falls > FALLS and told:
         times = f"{wrong.falls:.2g}"
         yield _found(
             f"{wrong.convention.cause}: with that put right the residuals of Eqs. 24 "
@@ -96,10 +98,13 @@ def _by_trials(
         yield _explained(best, before)
         return
     falls = before - best.misfit if best else -np.inf
-    small = best is not None and _as_small_as_noise(best)
-    happened = None if small else event(solved.problem)
+    # Then no event is left to explain, though the residuals may not be white.
+    shrunk = best is not None and _as_noise(best.estimate) and not _as_noise(shown)
+    # As an event, too, makes clocks seem late, parts are on the clocks as recorded.
+    problem = corrected.recorded if corrected else solved.problem
+    happened = None if shrunk else event(problem)
     if happened is not None:
-        yield _found(happened, "identify the part that fits, or remove what acts")
+        yield _found(happened.reason, happened.remedy)
     elif best is not None and falls > EXPLAINS:
         yield _found(
             f"perhaps {best.cause}: with that put right chi-square falls by "
@@ -200,9 +205,9 @@ def _likeliest(solved: Solved) -> Iterator[Trial]:
             yield from put()
 
 
-def _as_small_as_noise(trial: Trial) -> bool:
-    """Then no event is left to explain, though the residuals may not be white."""
-    goodness = trial.estimate and trial.estimate.goodness
+def _as_noise(estimate: Estimate | None) -> bool:
+    """Whether the residuals are as small as noise."""
+    goodness = estimate and estimate.goodness
     return bool(goodness and goodness.per_dof < NOISY**2)
 
 

@@ -1,6 +1,7 @@
 """Whether a recording is good until something happens, and what that may have been."""
 
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 from scipy.special import chdtri
@@ -22,9 +23,18 @@ CHANCE = 5.7e-7
 MASKED = ("position", "attitude")
 """Sensors that may jump or drift for themselves."""
 
+BY_PART = "identify the part that fits, or remove what acts"
 
-def event(problem: MomentumProblem) -> str | None:
-    """What happened, in words; None where no part of the recording fits.
+
+class Event(NamedTuple):
+    """What happened in the course of a recording, in words."""
+
+    reason: str
+    remedy: str = BY_PART
+
+
+def event(problem: MomentumProblem) -> Event | None:
+    """What happened; None where no part of the recording fits.
 
     Only what is said to fit was tried: what stands in brackets after "perhaps" are
     usual reasons, which nothing here tests.
@@ -34,49 +44,68 @@ def event(problem: MomentumProblem) -> str | None:
     if before is None:
         return None
     at = f"between t = {t[good - 1]:.3g} and {t[bad - 1]:.3g} s"
+    after = _part(problem, slice(bad, None), "unknown")
+    same = after.fits and not _differ(before, after)
+    untold = not after.fits and problem.initial_momentum == "at-rest"
+    # A push through the CM shows in positions alone, which then drift evenly.
+    pushed = ", or the robot was pushed (perhaps by a thruster's burst)"
+    pushed = f"{pushed}," if same else f"{pushed} or changed," if untold else ""
     for sensor in MASKED:
         later = np.arange(problem.recording.t.size) >= good
         rest = without(problem.recording, sensor, later)
         if amended_trial("", problem, recording=rest).accepted:
-            return (
-                f"the {sensor} drifts, or has a jump (a step) {at}: without its "
-                "samples from then on the recording is accepted"
+            return Event(
+                f"the {sensor} drifts, or has a jump (a step){pushed} {at}: without "
+                "its samples from then on the recording is accepted"
             )
-    after = _part(problem, slice(bad, None), "unknown")
-    if not after.accepted and problem.initial_momentum == "at-rest":
-        return (
+    if untold:
+        return Event(
             f"the recording fits up to an event {at} (perhaps a push, such as a "
             "thruster's burst, or the robot changed by a capture)"
         )
-    if not after.accepted:
-        return (
+    if not after.fits:
+        return Event(
             f"the recording stops to fit {at}, and what follows does not fit either "
             "(perhaps an external torque acts, by drag or friction, or a wheel's speed "
             "is not as recorded)"
         )
-    if _differ(before, after):
-        return (
+    if not same:
+        return Event(
             f"the robot changed {at} (a capture or a release): before and after the "
-            "recording fits, with different parameters"
+            "recording fits, with different parameters",
+            "identify the rows before and those after each by themselves, and compare "
+            "the two results: that says what was captured",
         )
-    return (
+    return Event(
         f"an event {at}: before and after the recording fits, with the same parameters "
-        "(perhaps a push, such as a thruster's burst)"
+        "(perhaps a push, such as a thruster's burst)",
+        "give the rows before and those after as two recordings of one robot: each has "
+        "a momentum of its own",
     )
 
 
 def _until(problem: MomentumProblem) -> tuple[int, int, Trial | None]:
-    """Rows of the longest beginning that fits, and of the shortest that does not."""
+    """Rows of the longest beginning that fits, and of the shortest that does not.
+
+    What acts must act from the first beginning on: an event that is not long ago may
+    pass for a disturbance.
+    """
     rows = problem.recording.t.size
     good, bad, found = 0, rows, None
     for _ in range(HALVINGS):
         middle = (good + bad) // 2
         tried = _part(problem, slice(middle), problem.initial_momentum)
-        if tried.accepted:
+        if tried.fits and (found is None or _acting(tried) <= _acting(found)):
             good, found = middle, tried
         else:
             bad = middle
     return good, bad, found
+
+
+def _acting(tried: Trial) -> set[str]:
+    """The groups of what acts from outside."""
+    assert tried.estimate is not None
+    return {fit.group for fit in tried.estimate.disturbances.values()}
 
 
 def _part(
@@ -99,5 +128,7 @@ def _differ(one: Trial, other: Trial) -> bool:
     both = np.flatnonzero(a.determined & b.determined)
     off = (a.values - b.values)[both]
     C = (a.covariance + b.covariance)[np.ix_(both, both)]
-    # With their correlations: in space all may share a doubt about the scale.
-    return bool(off @ np.linalg.solve(C, off) > chdtri(both.size, CHANCE))
+    # With their correlations: all may share a doubt about the scale.
+    std = np.sqrt(np.diag(C))
+    z, C = off / std, C / np.outer(std, std)
+    return bool(z @ np.linalg.solve(C, z) > chdtri(both.size, CHANCE))

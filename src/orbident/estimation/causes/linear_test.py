@@ -38,6 +38,8 @@ class CorrectedConvention(NamedTuple):
     convention: Convention
     falls: float
     """The residuals as recorded, over those with the convention put right."""
+    residuals_alone: float
+    """The same, whether or not parameters are of a likely sign and size."""
 
 
 def tried_conventions(problem: MomentumProblem) -> list[CorrectedConvention]:
@@ -46,13 +48,13 @@ def tried_conventions(problem: MomentumProblem) -> list[CorrectedConvention]:
     A later one counts only where it is plainly better than all before.
     """
     part = problem.beginning(ROWS)
-    before = linear_misfit(part, part.samples)
+    before = _left(part, part.samples)
     found = []
     for convention in conventions(part):
         left = _misfit(part, convention)
-        found.append(
-            CorrectedConvention(convention, before / left if left > 0 else 0.0)
-        )
+        falls = before.misfit / left.misfit if left.misfit > 0 else 0.0
+        alone = before.residuals / left.residuals if left.residuals > 0 else 0.0
+        found.append(CorrectedConvention(convention, falls, alone))
     best, worth = 0.0, {}
     for k, one in enumerate(found):
         if one.falls > PLAINLY * best:
@@ -63,15 +65,28 @@ def tried_conventions(problem: MomentumProblem) -> list[CorrectedConvention]:
     return [*first[:1], *sorted([*first[1:], *others], key=lambda one: -one.falls)]
 
 
-def _misfit(problem: MomentumProblem, convention: Convention) -> float:
+class _Left(NamedTuple):
+    """What the linear equations leave."""
+
+    residuals: float
+    """Over all that there is to explain, of both equations."""
+    far: int = 0
+    """How many of `pi` and `phi` are of an unlikely sign or size."""
+
+    @property
+    def misfit(self) -> float:
+        return self.residuals * UNLIKELY**self.far
+
+
+def _misfit(problem: MomentumProblem, convention: Convention) -> _Left:
     try:
-        return linear_misfit(problem, convention.amended(problem))
+        return _left(problem, convention.amended(problem))
     except InputError:
-        return np.inf
+        return _Left(np.inf)
 
 
 def linear_misfit(problem: MomentumProblem, samples: Samples) -> float:
-    """Residuals over all that there is to explain, of both equations.
+    """Residuals over all that there is to explain, more where parameters are unlikely.
 
     Args:
         problem: whose minimal sets count.
@@ -80,6 +95,10 @@ def linear_misfit(problem: MomentumProblem, samples: Samples) -> float:
     Raises:
         InputError: there are fewer equations than unknowns.
     """
+    return _left(problem, samples).misfit
+
+
+def _left(problem: MomentumProblem, samples: Samples) -> _Left:
     robot, sets = problem.robot, problem.sets
     fits = fit(robot, sets, samples, problem.initial_momentum, lambda _: None)
     left = [
@@ -88,11 +107,11 @@ def linear_misfit(problem: MomentumProblem, samples: Samples) -> float:
         if each.explained > 0
     ]
     if not np.isfinite(left).all():
-        return np.inf
+        return _Left(np.inf)
     far = _far(fits.pi.values, sets.pi(robot.theta)) + _far(
         fits.phi.values, sets.phi(robot.theta)
     )
-    return float(np.prod(left)) * UNLIKELY**far
+    return _Left(float(np.prod(left)), far)
 
 
 def _far(values: Float[np.ndarray, " n"], nominal: Float[np.ndarray, " n"]) -> bool:

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from orbident.errors import InputError
-from orbident.estimation.check import worst
+from orbident.estimation.check import only_vague, worst
 from orbident.estimation.criteria import judge
 from orbident.estimation.estimate import Estimate
 from orbident.estimation.evidence import misfit
@@ -32,6 +32,8 @@ class Trial(NamedTuple):
     """Whether samples show it by themselves: then no fall in the misfit is wanted."""
     tolerable: bool = False
     """Whether the robot file can declare a tolerance that covers it."""
+    fits: bool = False
+    """Whether it is accepted, or shows too little of the mass and nothing wrong."""
 
 
 def trial(cause: str, problem: MomentumProblem) -> Trial:
@@ -49,7 +51,8 @@ def trial(cause: str, problem: MomentumProblem) -> Trial:
         return Trial(cause, False, np.inf)
     judgement = judge(Solved(problem, [], shown, shown), dict(shown.masses))
     accepted = worst(judgement.checks) != "do not trust"
-    return Trial(cause, accepted, misfit(shown), shown)
+    fits = only_vague(judgement.checks)
+    return Trial(cause, accepted, misfit(shown), shown, fits=fits)
 
 
 def amended_trial(

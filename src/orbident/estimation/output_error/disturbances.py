@@ -114,7 +114,11 @@ def with_disturbances(
     while weak := _unneeded(problem, found.solution, groups, asked):
         groups = _without(groups, weak)
         found = search.whole(search.first(groups)) if groups else plain
-    zeros = TakenForZero(problem, found.solution) if groups else first
+    if groups:
+        beside = {*first.groups} - {*groups, *(SLOW if {*SLOW} & {*groups} else ())}
+        zeros = TakenForZero(problem, found.solution, beside)
+    else:
+        zeros = first
     return Fit(zeros, found, groups, plain)
 
 

@@ -59,6 +59,7 @@ class OutputError:
             sensors=sensors,
             biases=likelihood.biases,
             disturbances=likelihood.disturbances,
+            suspected=likelihood.suspected,
             calibration=likelihood.calibration,
             sensitivity=likelihood.sensitivity,
             converged=likelihood.converged,

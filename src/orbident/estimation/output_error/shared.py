@@ -55,14 +55,14 @@ def _triangular(rows: Float[np.ndarray, "rows n"]) -> Float[np.ndarray, "_ n"]:
 
 
 def shared_of(
-    problem: Problem, solution: Solution, lost: Float[np.ndarray, " beta"]
+    problem: Problem, solution: Solution, unseen: Float[np.ndarray, "beta n"]
 ) -> Shared:
     """What a recording says of what it shares, its own unknowns eliminated.
 
     Args:
         problem: a recording's equations.
         solution: of these.
-        lost: the deviation of `beta` that its equations do not know of.
+        unseen: deviations of `beta` that its equations do not know of.
     """
     state, prior, errors = solution.state, solution.prior, problem.declared
     here = linear(problem, solution.weights, state)
@@ -76,10 +76,10 @@ def shared_of(
     factor = alone.added(here.common, state)
     left = _triangular(factor[:, [*own, *shared, -1]])[len(own) : -1, len(own) :]
     left[:, -1] += left[:, :-1] @ state.common[shared]
-    if lost.any():
-        # `beta` is off by `lost` times an unknown of unit variance.
-        rows = np.column_stack([left[:, : lost.size] @ lost, left])
-        left = _triangular(np.vstack([np.eye(1, rows.shape[1]), rows]))[1:, 1:]
+    # `beta` is off by each of `unseen` times an unknown of unit variance.
+    n, m = unseen.shape
+    rows = np.column_stack([left[:, :n] @ unseen, left])
+    left = _triangular(np.vstack([np.eye(m, rows.shape[1]), rows]))[m:, m:]
     return Shared(state.beta, errors, left)
 
 

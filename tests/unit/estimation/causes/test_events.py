@@ -8,9 +8,9 @@ from orbident.estimation.causes.events import event
 
 def test_a_position_that_drifts_from_the_middle_on():
     later = np.maximum(np.arange(301) - 150, 0)
-    words = event(problem_with({"position.y": lambda x: x + 1e-3 * later[: x.size]}))
-    assert words is not None
-    assert "the position drifts, or has a jump" in words
+    happened = event(problem_with({"position.y": lambda x: x + 1e-3 * later[: x.size]}))
+    assert happened is not None
+    assert "the position drifts, or has a jump" in happened.reason
 
 
 def test_no_part_of_a_recording_with_a_wrong_sign():
