@@ -25,8 +25,9 @@ MOST = 2**13
 is what they are for."""
 
 WITHIN = 0.95
-"""So often an interval of 95 % holds what is true; `BESIDE` deviations to either side."""
+"""So often an interval of 95 % holds what is true."""
 BESIDE = float(ndtri((1 + WITHIN) / 2))
+"""Deviations to either side of such an interval."""
 
 WORTH = 25.0
 """Fall in chi-square, five deviations squared, that a clock's correction must bring."""

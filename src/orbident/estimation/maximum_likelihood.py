@@ -51,7 +51,7 @@ from orbident.estimation.output_error.sensitivity import (
 from orbident.estimation.output_error.sensors import Sensors, sensors_of
 from orbident.estimation.output_error.shared import Shared, shared_of
 from orbident.estimation.output_error.solver import STEPS, Prior, Solution, solved
-from orbident.estimation.output_error.suspected import suspected
+from orbident.estimation.output_error.suspected import taken_for_zero, with_unseen
 from orbident.estimation.output_error.unseen_losses import unseen_losses
 from orbident.estimation.predicted import Signals, sensor_signals
 from orbident.estimation.prior_std import prior_std
@@ -140,7 +140,8 @@ def maximum_likelihood(
     asked = requested(problem, robot.disturbances)
     zeros, found, groups, plain = with_disturbances(problem, search, excluded, asked)
     estimate = estimate_of(found.solution, prior_std(robot, sets))
-    suspects = suspected(zeros, zeros.groups)
+    faint = taken_for_zero(zeros)
+    suspects = {group: each for group, each in faint.items() if each.suspected}
     lost = unseen_losses(problem, found.solution, groups, asked)
     unseen = np.column_stack([lost, *(each.off for each in suspects.values())])
     covariance = estimate.covariance + unseen @ unseen.T
@@ -154,7 +155,7 @@ def maximum_likelihood(
         settled=found.settled,
         signals=sensor_signals(robot, problem, sensors, found),
         calibration=_calibration(problem, found.solution),
-        sensitivity=partial(sensitivity, zeros),
+        sensitivity=lambda: with_unseen(sensitivity(zeros), faint),
         solution=plain.solution,
         shared=partial(shared_of, problem, found.solution, unseen),
         suspected={group: each.falls for group, each in suspects.items()},

@@ -1,4 +1,4 @@
-"""What errors of instruments that are taken as exact would shift."""
+"""What is taken for zero would shift: errors of instruments, and what acts unseen."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
+from orbident.estimation.output_error.sensitivity import UNSEEN
 from orbident.estimation.quantities import nulled
 
 
@@ -15,18 +16,28 @@ class SensitivityTable:
 
     parameters: tuple[str, ...]
     errors: tuple[str, ...]
-    """Such as `joint.elbow.zero`."""
+    """Such as `joint.elbow.zero`; or a group of what acts from outside."""
     units: tuple[str, ...]
-    """The unit of each error: shifts are for one mrad, mm or %."""
+    """The unit of each error: shifts are for one mrad, mm or %. For what acts from
+    outside it is `unseen`: shifts are the largest by what is too faint to be seen."""
     shifts: Float[np.ndarray, "parameters errors"]
     """NaN for a parameter that is not determined."""
 
-    def worst(self) -> tuple[str, str, str, float]:
-        """The error that shifts most, its unit, which parameter, and by how much."""
-        size = np.nan_to_num(np.abs(self.shifts))
+    @property
+    def instruments(self) -> int:
+        """How many errors are of instruments."""
+        return sum(unit != UNSEEN for unit in self.units)
+
+    def worst(self, unseen: bool = False) -> tuple[str, str, str, float]:
+        """The error that shifts most, its unit, which parameter, and by how much.
+
+        With `unseen` it is what may act from outside, else an instrument's error.
+        """
+        own = np.array([(unit == UNSEEN) == unseen for unit in self.units])
+        size = np.where(own, np.nan_to_num(np.abs(self.shifts)), -1.0)
         row, column = np.unravel_index(size.argmax(), size.shape)
         where = self.errors[column], self.units[column], self.parameters[row]
-        return *where, float(size[row, column])
+        return *where, max(float(size[row, column]), 0.0)
 
     def to_json(self) -> dict[str, Any]:
         """As in `result.json`."""

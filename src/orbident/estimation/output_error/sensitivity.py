@@ -33,6 +33,9 @@ SMALL_ERROR = {
 }
 """What a table counts errors in, by their SI unit."""
 
+UNSEEN = "unseen"
+"""In place of a unit: as large as may act from outside and not be seen."""
+
 
 class CalibrationFit(NamedTuple):
     """A calibration error; SI or relative."""
@@ -59,9 +62,10 @@ class Sensitivity(NamedTuple):
 
     names: tuple[str, ...]
     units: tuple[str, ...]
-    """Units of the errors: mrad, mm, % or ms."""
+    """Units of the errors: mrad, mm, % or ms; or `UNSEEN`."""
     shift: Float[np.ndarray, "beta errors"]
-    """Change of the estimated `[M, sigma, iota]` by an error of one unit, SI."""
+    """Change of the estimated `[M, sigma, iota]` by an error of one unit, SI; the
+    largest one, without its sign, by what acts unseen."""
     covariance: Float[np.ndarray, "beta beta"]
     """Covariance of the estimated `[M, sigma, iota]`."""
     freed: tuple[Freed, ...]

@@ -11,9 +11,11 @@ that it does not. If its numbers `c` were unknowns, the others would change by `
 and the mean square error of an estimate that takes them for zero is, beside `C`,
 
     B (C_c + c c') B'                                   (as in Hausman 1978)
+
+What is fainter is in no deviation; the sensitivity table says how far off it could be.
 """
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -24,43 +26,74 @@ from scipy.special import chdtri
 from orbident.estimation.output_error.disturbance_sizes import places_of
 from orbident.estimation.output_error.forms import IN_WORDS
 from orbident.estimation.output_error.problem import OUTSIDE
-from orbident.estimation.output_error.sensitivity import TakenForZero, fall
+from orbident.estimation.output_error.sensitivity import (
+    UNSEEN,
+    Sensitivity,
+    TakenForZero,
+    fall,
+)
 
 SUSPICIOUS = 1e-2
 """Probability that noise alone looks as much like any of the groups."""
 
 
-class Suspected(NamedTuple):
-    """A group that may act, though nothing is sure."""
+class Faint(NamedTuple):
+    """A group that is taken for zero."""
 
     falls: float
     """How far chi-square would fall if it were among the unknowns."""
+    limit: float
+    """Beyond which it is suspected."""
     off: Float[np.ndarray, "beta n"]
-    """Deviations of `beta` by it, which are independent of each other."""
+    """Deviations of `beta` by it, which are independent of each other; the last is by
+    what it seems to be, the others are of that."""
+
+    @property
+    def suspected(self) -> bool:
+        """Whether chance hardly explains what it seems to be."""
+        return self.falls >= self.limit
+
+    @property
+    def unseen(self) -> Float[np.ndarray, " beta"]:
+        """How far `beta` could be off by it while it is not suspected.
+
+        The largest of `B c` with `|R_c c|` at its limit.
+        """
+        return np.sqrt(self.limit) * np.linalg.norm(self.off[:, :-1], axis=1)
 
 
-def suspected(zeros: TakenForZero, groups: Collection[str]) -> dict[str, Suspected]:
-    """The groups, of those taken for zero, that chance hardly explains.
-
-    Args:
-        zeros: of the solution.
-        groups: that may act.
-    """
+def taken_for_zero(zeros: TakenForZero) -> dict[str, Faint]:
+    """Every group of disturbances that a solution takes for zero, by its name."""
     found, state = {}, zeros.solution.state
     size, of_beta = state.common.size, slice(OUTSIDE, OUTSIDE + state.beta.size)
-    for group in sorted(groups):
+    for group in sorted(zeros.groups):
         places = places_of(zeros.problem, [group])
         left = zeros.equations(places)
-        falls = fall(left, np.arange(places.size))
-        if falls < chdtri(places.size, SUSPICIOUS / len(groups)):
-            continue
         columns = size + np.flatnonzero(np.isin(zeros.places, places))
         R_x, R_xc = zeros.factor[:size, :size], zeros.factor[:size, columns]
         B = -solve_triangular(R_x, R_xc)[of_beta]
         inverse = np.linalg.pinv(left[:, :-1])
-        off = B @ np.column_stack([inverse, inverse @ left[:, -1]])
-        found[group] = Suspected(falls, off)
+        found[group] = Faint(
+            fall(left, np.arange(places.size)),
+            float(chdtri(places.size, SUSPICIOUS / len(zeros.groups))),
+            B @ np.column_stack([inverse, inverse @ left[:, -1]]),
+        )
     return found
+
+
+def with_unseen(table: Sensitivity, groups: Mapping[str, Faint]) -> Sensitivity:
+    """The sensitivity table with how far what acts unseen could shift parameters.
+
+    Args:
+        table: of errors of instruments.
+        groups: that are taken for zero; what is suspected is in the deviations.
+    """
+    unseen = {name: each.unseen for name, each in groups.items() if not each.suspected}
+    return table._replace(
+        names=(*table.names, *unseen),
+        units=(*table.units, *(UNSEEN for _ in unseen)),
+        shift=np.column_stack([table.shift, *unseen.values()]),
+    )
 
 
 def suspects_in_words(falls: Mapping[str, float]) -> Iterator[str]:

@@ -4,13 +4,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.special import chdtri
 from small_problems import noisy, small_recording, small_robot
 from test_disturbances import under_a_couple, with_sensors
 
 from orbident.estimation.estimate import Estimate
 from orbident.estimation.momentum_problem import momentum_problems
 from orbident.estimation.output_error.estimator import OutputError
-from orbident.estimation.output_error.suspected import suspects_in_words
+from orbident.estimation.output_error.sensitivity import UNSEEN
+from orbident.estimation.output_error.suspected import SUSPICIOUS, suspects_in_words
 from orbident.recordings.recording import Recording
 
 FAINT = 6e-6
@@ -38,3 +40,25 @@ def test_mean_square_errors_are_those_of_a_fit_with_it_and_the_difference():
 
 def test_nothing_is_suspected_where_nothing_acts():
     assert not estimated(noisy(small_recording(small_robot()), 0)).suspected
+
+
+def test_what_hides_shifts_as_much_as_the_table_says():
+    """Deviations grow by as much where the group is among the unknowns."""
+    recording = noisy(small_recording(small_robot()), 0)
+    plain = estimated(recording)
+    assert plain.sensitivity is not None
+    table = plain.sensitivity()
+    unseen = {
+        name: shift
+        for name, unit, shift in zip(
+            table.names, table.units, table.shift.T, strict=True
+        )
+        if unit == UNSEEN
+    }
+    for group, numbers in (("torque", 1), ("pull", 2), ("uneven", 3)):
+        free = estimated(recording, group)
+        C, D = (np.diag(each.found.base.covariance) for each in (plain, free))
+        # The largest that it can be while chi-square would fall by no more than that.
+        limit = chdtri(numbers, SUSPICIOUS / len(unseen))
+        # The noise is estimated with the parameters, and differs by some percent.
+        np.testing.assert_allclose(C + unseen[group] ** 2 / limit, D, rtol=0.05)
