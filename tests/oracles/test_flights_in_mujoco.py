@@ -53,7 +53,8 @@ HIDDEN = 9
 recordings of it that differ in their noise 15 are accepted though a parameter is off by
 30 deviations: see the decision on what acts from outside."""
 
-Verdict = Literal["identified", "not named", "refused", "wrong"]
+Verdict = Literal["identified", "not named", "refused", "hidden", "wrong"]
+"""Hidden is what a result says it could not see, and that it could do so much harm."""
 
 
 @dataclass(frozen=True)
@@ -104,16 +105,26 @@ def scored(case: Case) -> Score:
         robot = replace(case.known, disturbances=tuple(sorted(groups)))
         said = off(case, identified(case, recording, robot))
     size = _size(case, result) if named else np.nan
-    right: Verdict = "identified" if named and size < FAR else "not named"
+    verdict: Verdict = "identified" if named and size < FAR else "not named"
+    if max(far, said) > WRONG:
+        verdict = "hidden" if not named and far < _unseen(result, group) else "wrong"
     return Score(
         case,
-        "wrong" if max(far, said) > WRONG else right,
+        verdict,
         far,
         said,
         _acting(result),
         size,
         "",
     )
+
+
+def _unseen(result: Result, group: str) -> float:
+    """How far a group could shift a parameter unseen, in its deviations."""
+    table = result.sensitivity()
+    assert table is not None
+    own = [name == group for name in table.errors]
+    return float(np.max(table.shifts[:, own], initial=0.0))
 
 
 def identified(
@@ -210,24 +221,18 @@ def _part(recording: Recording, rows: np.ndarray, name: str) -> Recording:
     return Recording(recording.t[rows], columns, source=name)
 
 
-LONG = (pytest.mark.long,)
-UNSEEN = pytest.mark.xfail(reason="a slow torque on a table may hide in the motion")
-
-
 @pytest.mark.parametrize(
     "k",
-    [
-        k
-        if k in QUICK
-        else pytest.param(k, marks=(*LONG, UNSEEN) if k == HIDDEN else LONG)
-        for k in range(17)
-    ],
+    [k if k in QUICK else pytest.param(k, marks=pytest.mark.long) for k in range(17)],
 )
 def test_a_flight_ends_well(k: int):
     """What acts steadily is identified with the robot; of what happens at one time the
     cause is named, and the robot is identified before and after it."""
     case = cases(0)[k]
     score, acts = scored(case), case.flight.acts
+    if k == HIDDEN:
+        assert score.verdict in {"hidden", "identified"}
+        return
     assert score.far < FAR, score.row()
     if isinstance(acts, Capture):
         assert "the robot changed" in score.cause
