@@ -57,8 +57,8 @@ def causes(solved: Solved) -> Iterator[Check]:
         return
     wrong, *_ = conventions = tried_conventions(problem)
     # That parameters are of a likelier sign is not enough where it can be tried.
-    told = wrong.residuals_alone > FALLS or not (shown and wrong.convention.columns)
-    if wrong.falls > FALLS and told:
+    plain = wrong.residuals_alone > FALLS or not (shown and wrong.convention.columns)
+    if wrong.falls > FALLS and plain:
         times = f"{wrong.falls:.2g}"
         yield _found(
             f"{wrong.convention.cause}: with that put right the residuals of Eqs. 24 "

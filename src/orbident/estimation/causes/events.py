@@ -46,10 +46,10 @@ def event(problem: MomentumProblem) -> Event | None:
     at = f"between t = {t[good - 1]:.3g} and {t[bad - 1]:.3g} s"
     after = _part(problem, slice(bad, None), "unknown")
     same = after.fits and not _differ(before, after)
-    untold = not after.fits and problem.initial_momentum == "at-rest"
+    unclear = not after.fits and problem.initial_momentum == "at-rest"
     # A push through the CM shows in positions alone, which then drift evenly.
     pushed = ", or the robot was pushed (perhaps by a thruster's burst)"
-    pushed = f"{pushed}," if same else f"{pushed} or changed," if untold else ""
+    pushed = f"{pushed}," if same else f"{pushed} or changed," if unclear else ""
     for sensor in MASKED:
         later = np.arange(problem.recording.t.size) >= good
         rest = without(problem.recording, sensor, later)
@@ -58,7 +58,7 @@ def event(problem: MomentumProblem) -> Event | None:
                 f"the {sensor} drifts, or has a jump (a step){pushed} {at}: without "
                 "its samples from then on the recording is accepted"
             )
-    if untold:
+    if unclear:
         return Event(
             f"the recording fits up to an event {at} (perhaps a push, such as a "
             "thruster's burst, or the robot changed by a capture)"
