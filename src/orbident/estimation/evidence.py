@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
-from scipy.optimize import brentq
+from scipy.optimize import root_scalar
 from scipy.special import ndtr, ndtri
 
 from orbident.estimation.estimate import Estimate, Estimator, Progress
@@ -166,4 +166,4 @@ def _part(off: Float[np.ndarray, " n"], C: Float[np.ndarray, "n n"]) -> float:
     # Differences of rounding size change no interval.
     if more(0.0) >= 0 or more(1.0) <= 0:
         return 1.0
-    return float(brentq(more, 0.0, 1.0))
+    return float(root_scalar(more, bracket=(0.0, 1.0)).root)
