@@ -1,5 +1,6 @@
 """Random robots and motions, with nothing special about any of their numbers."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Literal, NamedTuple
@@ -159,3 +160,19 @@ def random_start(seed: int, robot: Robot, rate: float = 0.3) -> BaseState:
         w[:2], v_S[2], x_WB[:2] = 0.0, 0.0, 0.0
         x_WB /= np.linalg.norm(x_WB)
     return BaseState(w, x_WB, v_S, 200.0 * random.standard_normal(len(robot.wheels)))
+
+
+def sensors_in_space(random: np.random.Generator) -> dict:
+    """A tactical gyro, a star tracker and a camera, better or worse; SI."""
+    worse = float(random.uniform(1.0, 5.0))
+    return {
+        "rate": 10.0,
+        "gyro": {
+            "angle_random_walk": worse * math.radians(0.01) / 60,
+            "bias_instability": worse * math.radians(0.3) / 3600,
+        },
+        "joints": {"position": worse * 2.5e-5},
+        "wheels": {"position": 2.5e-5},
+        "attitude": {"angle": worse * math.radians(0.01)},
+        "position": {"std": worse * 1e-4},
+    }

@@ -12,6 +12,7 @@ from random_robots import (
     random_planar_robot,
     random_robot,
     random_unit_vector,
+    sensors_in_space,
 )
 from recordings import Clean, motion_of
 
@@ -89,24 +90,8 @@ def _random(number: int) -> Robot:
             Wheel(f"rw{k + 1}", z if planar else random_unit_vector(random), size)
             for k in range(wheels)
         ),
-        sensors=_on_table(random) if planar else _in_space(random),
+        sensors=_on_table(random) if planar else sensors_in_space(random),
     )
-
-
-def _in_space(random: np.random.Generator) -> dict:
-    """A tactical gyro, a star tracker and a camera, better or worse; SI."""
-    worse = float(random.uniform(1.0, 5.0))
-    return {
-        "rate": 10.0,
-        "gyro": {
-            "angle_random_walk": worse * math.radians(0.01) / 60,
-            "bias_instability": worse * math.radians(0.3) / 3600,
-        },
-        "joints": {"position": worse * 2.5e-5},
-        "wheels": {"position": 2.5e-5},
-        "attitude": {"angle": worse * math.radians(0.01)},
-        "position": {"std": worse * 1e-4},
-    }
 
 
 def _on_table(random: np.random.Generator) -> dict:

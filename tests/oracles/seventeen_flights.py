@@ -1,6 +1,5 @@
 """Random robots in space and on a table, each with one thing acting from outside."""
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
@@ -14,6 +13,7 @@ from random_robots import (
     random_planar_robot,
     random_robot,
     random_unit_vector,
+    sensors_in_space,
 )
 
 from orbident.estimation.linear_fits import InitialMomentum
@@ -98,24 +98,8 @@ def robot_of(number: int) -> Robot:
         robot.bodies[k]: np.append(0.05 * random.standard_normal(2), 0.0)
         for k in sorted(bodies)
     }
-    sensors = _motion_capture(random) if planar else _in_space(random)
+    sensors = _motion_capture(random) if planar else sensors_in_space(random)
     return replace(robot, theta=theta, wheels=wheels, pads=pads, sensors=sensors)
-
-
-def _in_space(random: np.random.Generator) -> dict:
-    """A tactical gyro, a star tracker and a camera, better or worse; SI."""
-    worse = float(random.uniform(1.0, 5.0))
-    return {
-        "rate": 10.0,
-        "gyro": {
-            "angle_random_walk": worse * math.radians(0.01) / 60,
-            "bias_instability": worse * math.radians(0.3) / 3600,
-        },
-        "joints": {"position": worse * 2.5e-5},
-        "wheels": {"position": 2.5e-5},
-        "attitude": {"angle": worse * math.radians(0.01)},
-        "position": {"std": worse * 1e-4},
-    }
 
 
 def _motion_capture(random: np.random.Generator) -> dict:
