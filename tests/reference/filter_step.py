@@ -49,17 +49,21 @@ def transition(
     turn = noise.integrated * (-cross_matrix(h_cm) @ integral)[np.ix_(h, h)]
     back, bias = np.eye(n), np.arange(n_h + n_v, 2 * n_h + n_v)
     back[np.ix_(np.arange(n_h), bias)] -= turn
-    kick = np.zeros((n, 2 * n_h))
-    kick[:n_h, :n_h] = noise.gyro * turn
-    kick[bias, n_h:] = noise.gyro_walk * np.sqrt(dt) * np.eye(n_h)
+    speeds, last = np.arange(n_h, n_h + n_v), np.arange(n - n_v, n)
+    kicks = [
+        (np.arange(n_h), noise.gyro * turn),
+        (np.arange(n_h), noise.momentum_walk * np.sqrt(dt) * np.eye(n_h)),
+        (speeds, noise.velocity_walk * np.sqrt(dt) * np.eye(n_v)),
+        (bias, noise.gyro_walk * np.sqrt(dt) * np.eye(n_h)),
+    ]
     if noise.accelerometer:
-        speeds, last = np.arange(n_h, n_h + n_v), np.arange(n - n_v, n)
         back[np.ix_(speeds, last)] -= integral[np.ix_(v, v)]
-        more = np.zeros((n, 2 * n_v))
-        more[speeds, :n_v] = noise.velocity_walk * np.sqrt(dt) * np.eye(n_v)
-        more[last, n_v:] = noise.accelerometer_walk * np.sqrt(dt) * np.eye(n_v)
-        kick = np.hstack([kick, more])
-    return back, kick
+        kicks.append((last, noise.accelerometer_walk * np.sqrt(dt) * np.eye(n_v)))
+    every = []
+    for rows, of in kicks:
+        every.append(np.zeros((n, of.shape[1])))
+        every[-1][rows] = of
+    return back, np.hstack(every)
 
 
 def rotation(sample: Sample) -> np.ndarray:

@@ -7,9 +7,9 @@ namespace orbident::python {
 namespace {
 
 SensorNoise make_noise(const Array& noise_) {
-  const auto noise = input<1>("noise", noise_, {11});
+  const auto noise = input<1>("noise", noise_, {12});
   const double* const n = noise.data();
-  return {n[0], n[1], n[2], n[3], n[4], n[5], n[6], n[7], n[8], n[9], n[10] != 0.0};
+  return {n[0], n[1], n[2], n[3], n[4], n[5], n[6], n[7], n[8], n[9], n[10], n[11] != 0.0};
 }
 
 std::vector<int> whole_numbers(const char* name, const In<1>& given, double below) {

@@ -136,7 +136,7 @@ def _agreement(solved: Solved) -> Iterator[Check]:
 def torques_or_losses(estimate: Estimate, robot: Robot) -> list[str]:
     """Groups of torques that may be what wheels lost: deviations hold that."""
     groups = dict.fromkeys(fit.group for fit in estimate.disturbances.values())
-    if not may_be_losses(robot.motion, groups, robot.disturbances):
+    if not may_be_losses(robot.motion, groups, robot.said_to_act):
         return []
     return [group for group in groups if "torque" in group]
 
@@ -220,7 +220,7 @@ def _changes(estimate: Estimate) -> Iterator[Check]:
 def _two_explanations(problem: MomentumProblem, shown: Estimate) -> Iterator[Check]:
     """A clock that seems late and a slow torque may both stand for something else."""
     groups = {fit.group for fit in shown.disturbances.values()}
-    slow = groups & {*SLOW} - {*problem.robot.disturbances}
+    slow = groups & {*SLOW} - {*problem.robot.said_to_act}
     if problem.late and slow:
         yield Check(
             "clock and torque",
@@ -241,7 +241,7 @@ def _disturbances(estimate: Estimate, robot: Robot) -> Iterator[Check]:
     fits = estimate.disturbances
     groups = dict.fromkeys(fit.group for fit in fits.values())
     # Who says that a torque acts has been asked to look at the wheels.
-    vouched = any("torque" in group for group in robot.disturbances)
+    vouched = any("torque" in group for group in robot.said_to_act)
     held = torques_or_losses(estimate, robot)
     for group in groups:
         own = {name: fit for name, fit in fits.items() if fit.group == group}
@@ -252,7 +252,7 @@ def _disturbances(estimate: Estimate, robot: Robot) -> Iterator[Check]:
                 f"{name} = {fit.value:.3g} +- {fit.std:.1g} {fit.unit}"
                 for name, fit in own.items()
             )
-        asked = group in robot.disturbances
+        asked = group in robot.said_to_act
         by_wheels = not vouched and "torque" in group and robot.wheels
         narrower = (
             "; their deviations hold that: if such a torque acts, say so, and they are "

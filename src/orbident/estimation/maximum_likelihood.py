@@ -8,7 +8,7 @@ solution gives the covariance.
 """
 
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import NamedTuple
 
@@ -53,6 +53,7 @@ from orbident.estimation.output_error.shared import Shared, shared_of
 from orbident.estimation.output_error.solver import STEPS, Prior, Solution, solved
 from orbident.estimation.output_error.suspected import taken_for_zero, with_unseen
 from orbident.estimation.output_error.unseen_losses import unseen_losses
+from orbident.estimation.output_error.walk_density import with_densities
 from orbident.estimation.predicted import Signals, sensor_signals
 from orbident.estimation.prior_std import prior_std
 from orbident.model.minimal_sets import MinimalSets, conserved_axes
@@ -137,7 +138,11 @@ def maximum_likelihood(
     )
     # Without declared noise, what splines leave between samples may look slow too.
     excluded = () if declared == set(sensors.by_name) else SLOW
-    asked = requested(problem, robot.disturbances)
+    asked = requested(problem, robot.said_to_act)
+    problem, density_std = with_densities(
+        problem, asked, lambda problem: replace(search, problem=problem).first(asked)
+    )
+    search = replace(search, problem=problem)
     zeros, found, groups, plain = with_disturbances(problem, search, excluded, asked)
     estimate = estimate_of(found.solution, prior_std(robot, sets))
     faint = taken_for_zero(zeros)
@@ -148,7 +153,7 @@ def maximum_likelihood(
     return Likelihood(
         estimate=estimate._replace(covariance=covariance),
         biases=_biases(robot, sensors, found),
-        disturbances=identified(problem, found.solution, groups),
+        disturbances=identified(problem, found.solution, groups, density_std),
         sensors={name: _sensor_fit(sensors, found, name) for name in found.parts},
         goodness=_goodness(sensors, found),
         converged=found.solution.converged,

@@ -62,6 +62,12 @@ def solve(
             f"{estimator.name} cannot identify it: its result would be wrong; use "
             "--method maximum-likelihood"
         )
+    if any(robot.momentum_walk) and isinstance(estimator, LeastSquares):
+        raise InputError(
+            f"{robot.name}: momentum_walk says that momentum changes at random, and "
+            "least-squares takes it to be constant: its deviations would be too small; "
+            "use --method structured or maximum-likelihood"
+        )
     clear = [problem for problem in problems if not obstacles(problem)]
     if not clear:
         problem = problems[0]

@@ -66,7 +66,7 @@ def robot_header(
         f"{sparse['theta_of_linear']}, {sparse['theta_of_sigma']}",
         f"ROBOT_PRODUCT, {len(tables['product']) // 2}, {sparse['theta_of_beta']}",
         f"{_axes(own.momentum_axes)}, {_axes(own.velocity_axes)}",
-        f"{{{_reals(kalman.noise[:10])}}}, {int(kalman.noise.accelerometer)}",
+        f"{{{_reals(kalman.noise[:11])}}}, {int(kalman.noise.accelerometer)}",
         f"{sparse['pi_of_shown']}, {sparse['pi_of_products']}",
         f"ROBOT_PAIR, {len(sets.pi_of_beta)}, {sigmas}, {iotas}",
         "ROBOT_BETA, ROBOT_ROOT, ROBOT_OPENING",

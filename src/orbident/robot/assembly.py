@@ -10,7 +10,14 @@ from jaxtyping import Float
 from orbident.errors import InputError
 from orbident.files.names import suggestion
 from orbident.robot.contradictions import contradictions
-from orbident.robot.description import Joint, Robot, Structure, Thruster, Wheel
+from orbident.robot.description import (
+    Joint,
+    MomentumWalk,
+    Robot,
+    Structure,
+    Thruster,
+    Wheel,
+)
 from orbident.robot.fusing import Bodies, about_feature_point, fused
 from orbident.robot.physical_inertia import nonphysical
 from orbident.robot.schema import LimitEntry, RobotFile, ThrusterEntry, WheelEntry
@@ -54,6 +61,7 @@ def assembled(
         thrusters=tuple(_thruster(entry) for entry in file.thrusters),
         pads=_pads(file, bodies),
         disturbances=tuple(map(str, file.disturbances)),
+        momentum_walk=MomentumWalk(file.momentum_walk.torque, file.momentum_walk.force),
         structure=structure,
         sensors=file.sensors.in_si(),
         tolerances=file.tolerances.in_si(bodies.joints, place),

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from jaxtyping import Float
@@ -64,6 +64,19 @@ class Thruster:
     """Its force at a duty of one, N."""
 
 
+class MomentumWalk(NamedTuple):
+    """White torque and force from outside: momentum is a random walk.
+
+    After a time `t` its standard deviation along each axis is the density times the
+    square root of `t`. Zero is none.
+    """
+
+    torque: float = 0.0
+    """About the system CM, N m/sqrt(Hz)."""
+    force: float = 0.0
+    """N/sqrt(Hz)."""
+
+
 @dataclass(frozen=True)
 class Structure:
     """What is known of one body's mass distribution; nothing by default."""
@@ -108,6 +121,8 @@ class Robot:
     """The middle of each body's air bearings, in the body's frame, m, by its name."""
     disturbances: tuple[str, ...] = ()
     """What is known to act from outside, by `disturbance_groups`."""
+    momentum_walk: MomentumWalk = field(default_factory=MomentumWalk)
+    """How strong unknown torques and forces are that change quickly."""
     sensors: Mapping[str, Any] = field(default_factory=dict)
     """The robot file's sensor section, in SI units."""
     tolerances: Tolerances = field(default_factory=Tolerances)
@@ -140,6 +155,14 @@ class Robot:
     def mass(self) -> float:
         """Nominal total mass, kg."""
         return float(self.theta[:, 0].sum())
+
+    @property
+    def said_to_act(self) -> tuple[str, ...]:
+        """The groups of disturbances that act for certain."""
+        walks = (
+            f"{name}_walk" for name, q in self.momentum_walk._asdict().items() if q
+        )
+        return tuple(dict.fromkeys((*self.disturbances, *walks)))
 
     @property
     def free_parameters(self) -> tuple[int, ...]:

@@ -16,3 +16,5 @@ class DisturbanceGroup(StrEnum):
     air = "air"
     sunlight = "sunlight"
     dipole = "dipole"
+    torque_walk = "torque_walk"
+    force_walk = "force_walk"

@@ -17,7 +17,7 @@ from orbident.files.schema_parts import (
 )
 from orbident.robot.description import Axis
 from orbident.robot.disturbance_groups import DisturbanceGroup
-from orbident.robot.sensor_schema import SensorsSpec, Share
+from orbident.robot.sensor_schema import SensorsSpec, Share, measure_of
 from orbident.robot.tolerance_schema import TolerancesEntry
 
 
@@ -87,6 +87,13 @@ class ThrusterEntry(MappingSchema):
     thrust: Positive | None = None
 
 
+class MomentumWalkEntry(MappingSchema):
+    """Densities of white torque and force from outside."""
+
+    torque: Annotated[float, measure_of("torque density")] = 0.0
+    force: Annotated[float, measure_of("force density")] = 0.0
+
+
 class LimitEntry(MappingSchema):
     """Limits of one joint, instead of the URDF's."""
 
@@ -126,6 +133,7 @@ class RobotFile(MappingSchema):
     thrusters: tuple[ThrusterEntry, ...] = ()
     pads: dict[str, Vector3] = Field(default_factory=dict)
     disturbances: tuple[DisturbanceGroup, ...] = ()
+    momentum_walk: MomentumWalkEntry = MomentumWalkEntry()
     limits: dict[str, LimitEntry] = Field(default_factory=dict)
     structure: dict[str, StructureEntry] = Field(default_factory=dict)
     sensors: SensorsSpec = SensorsSpec()

@@ -31,6 +31,8 @@ UNITS: dict[str, dict[str, float]] = {
     "density": {"kg/m^3": 1.0, "g/cm^3": 1e3},
     "force": {"N": 1.0, "mN": 1e-3, "uN": 1e-6},
     "torque": {"Nm": 1.0, "mNm": 1e-3, "uNm": 1e-6},
+    "force density": {"N/sqrt(Hz)": 1.0, "mN/sqrt(Hz)": 1e-3, "uN/sqrt(Hz)": 1e-6},
+    "torque density": {"Nm/sqrt(Hz)": 1.0, "mNm/sqrt(Hz)": 1e-3, "uNm/sqrt(Hz)": 1e-6},
     "slope": {"1/s^2": 1.0, "urad/m": 1e-6 * STANDARD_GRAVITY},
     "drag": {"Ns/m": 1.0, "mNs/m": 1e-3},
     "turning drag": {"Nms": 1.0, "mNms": 1e-3},

@@ -27,10 +27,11 @@ struct SensorNoise {
   Real gyro_walk;           // of the bias, rad/s/sqrt(s)
   Real integrated;          // 1 where the attitude is the integrated gyro and drifts with it, else 0
   Real attitude;            // white, rad
-  Real velocity_walk;       // of a velocity integrated from an accelerometer, m/s/sqrt(s)
+  Real velocity_walk;       // of v_cm, or of a velocity integrated from an accelerometer, m/s/sqrt(s)
   Real accelerometer_bias;  // beforehand, m/s^2
   Real accelerometer_walk;  // of the bias, m/s^2/sqrt(s)
   Real joint_rates;         // white, rad/s or m/s
+  Real momentum_walk;       // of h_cm, N m s/sqrt(s)
   bool accelerometer;         // whether the velocity is integrated, and the bias an unknown
 };
 

@@ -80,7 +80,7 @@ constexpr FilterState state_in(const FilterSizes& size, Memory& memory) {
 struct FilterRoom {
   EquationMemory equations;
   Real* rows;        // of a sample
-  Real* kick;        // x by x
+  Real* kick;        // x and momenta by x
   Real* covariance;  // x by x
   Real* x;
   Real* y;
@@ -103,7 +103,7 @@ constexpr FilterRoom room_in(const FilterModel& model, const Bodies<Real>& bodie
   room.equations.W = memory.take(3, model.laws.sets.phis());
   room.rows = memory.take(size.rows + 1, size.row_stride());
   if (room.rows) room.rows += size.row_start();
-  room.kick = memory.take(size.nuisances, size.nuisances);
+  room.kick = memory.take(size.nuisances + model.laws.axes.momenta, size.nuisances);
   room.covariance = memory.take(size.nuisances, size.nuisances);
   room.x = memory.take(size.nuisances);
   room.y = memory.take(size.parameters);

@@ -87,7 +87,7 @@ typedef struct orbident_robot {
   orbident_sparse theta_of_beta;
   int momentum[3], momenta;               /* base axes in which momentum is conserved, how many */
   int velocity[3], velocities;            /* and linear momentum */
-  orbident_real noise[10];                /* SensorNoise of conservation_equations.hpp, in its order */
+  orbident_real noise[11];                /* SensorNoise of conservation_equations.hpp, in its order */
   int accelerometer;                      /* whether the velocity is integrated from one */
   orbident_sparse pi_of_shown, pi_of_products; /* parameters_of_beta.hpp */
   const int* pair;

@@ -27,7 +27,7 @@ constexpr FilterModel model_of(const orbident_robot& robot, const Joint* joints,
                            {robot.velocity[0], robot.velocity[1], robot.velocity[2]},
                            robot.velocities};
   const SensorNoise noise{n[0], n[1], n[2], n[3], n[4], n[5],
-                          n[6], n[7], n[8], n[9], robot.accelerometer != 0};
+                          n[6], n[7], n[8], n[9], n[10], robot.accelerometer != 0};
   const MinimalSets sets{view(robot.theta_of_linear), view(robot.theta_of_sigma), robot.product,
                          robot.products};
   const ParametersOfBeta of_beta{view(robot.pi_of_shown), view(robot.pi_of_products), robot.pair,

@@ -1,11 +1,13 @@
 // How the unknowns that are no parameters change from sample to sample.
 //
 //   h_cm' = (integral of R_0) (b_g + n) x h_cm    where the attitude is integrated
-//   v_cm' = (integral of R_0) b_a + white         where the velocity is
+//         + white                                 where torques act at random
+//   v_cm' = (integral of R_0) b_a                 where the velocity is integrated
+//         + white                                 there, and where forces act at random
 //   b_g' = white,   b_a' = white
 //
 // The axes in which momentum and velocity are known drift with the sensors; in these axes both are
-// constant.
+// constant, but for what acts from outside.
 #pragma once
 
 #include "orbident/conservation_equations.hpp"
@@ -72,7 +74,7 @@ ORBIDENT_WIDEST inline void covariance_of(const Real* kicks, int count, int n, R
 //
 //   integral  of R_0 over dt
 //   h_cm      the momentum known so far, N m s
-//   K, C      room for n x n each; K's columns are stored as rows
+//   K, C      room for (n + momenta) x n and n x n; K's columns are stored as rows
 inline Matrix predict_nuisances(const ConservationModel& model, Real* top, int stride, int width,
                                 const Matrix& integral, const Vector& h_cm, Real dt, Real* K,
                                 Real* C) {
@@ -80,13 +82,15 @@ inline Matrix predict_nuisances(const ConservationModel& model, Real* top, int s
   const SensorNoise& noise = model.noise;
   const int n = model.nuisances(), b_g = model.gyro_bias(), b_a = model.accelerometer_bias();
   const int integrated = noise.accelerometer ? axes.velocities : 0;
-  for (int k = 0; k < n * n; ++k) K[k] = 0.0;
+  const int kicks = n + axes.momenta;
+  for (int k = 0; k < kicks * n; ++k) K[k] = 0.0;
   const auto walk = [&](Real std, int unknown, int column, int count) {
     for (int i = 0; i < n; ++i)
       for (int j = 0; j < count; ++j)
         K[(column + j) * n + i] = std * std::sqrt(dt) * top[i * stride + unknown + j];
   };
-  walk(noise.velocity_walk, axes.momenta, axes.momenta, integrated);
+  walk(noise.momentum_walk, 0, n, axes.momenta);
+  walk(noise.velocity_walk, axes.momenta, axes.momenta, axes.velocities);
   walk(noise.gyro_walk, b_g, b_g, axes.momenta);
   walk(noise.accelerometer_walk, b_a, b_a, integrated);
   for (int j = 0; j < axes.momenta; ++j) {
@@ -104,7 +108,7 @@ inline Matrix predict_nuisances(const ConservationModel& model, Real* top, int s
         top[i * stride + b_a + j] -=
             top[i * stride + axes.momenta + k] * integral(axes.velocity[k], axes.velocity[j]);
 
-  covariance_of(K, n, n, C);
+  covariance_of(K, kicks, n, C);
   factor_upper(C, n);
   solve_upper(C, n, top, stride, padded(width));
   Matrix of_gyro = Matrix::Zero();

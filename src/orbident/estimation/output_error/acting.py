@@ -7,7 +7,8 @@ With `F`, `tau` (about S) and the pull `a` in inertial axes, and `r` from S to t
 An accelerometer feels `F / M`.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -27,6 +28,8 @@ from orbident.estimation.output_error.forms import (
     nothing,
     recorded,
 )
+from orbident.estimation.output_error.walks import WALKS, walks
+from orbident.robot.description import MomentumWalk
 
 ROWS = 15
 """A node has so many: h_cm, its rate, r_cm, v_cm and what is felt, three axes each."""
@@ -52,7 +55,16 @@ class Acting:
     @cached_property
     def disturbances(self) -> tuple[Disturbance, ...]:
         """All that may act besides."""
-        return tuple(disturbances(self.followed))
+        return (*disturbances(self.followed), *walks(self.followed))
+
+    def walking(self, found: Mapping[str, float]) -> "Acting":
+        """The same with these densities of walks, by their groups."""
+        robot = self.followed.robot
+        walk = dict(zip(WALKS, robot.momentum_walk, strict=True)) | dict(found)
+        walking = replace(
+            robot, momentum_walk=MomentumWalk(*(walk[name] for name in WALKS))
+        )
+        return Acting(replace(self.followed, robot=walking), self.first)
 
     @property
     def places(self) -> Float[np.ndarray, " disturbances"]:

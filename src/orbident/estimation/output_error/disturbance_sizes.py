@@ -3,7 +3,7 @@
 Its numbers are among the common unknowns that a solution selects.
 """
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -12,6 +12,7 @@ from jaxtyping import Float, Int
 from orbident.estimation.output_error.forms import Disturbance
 from orbident.estimation.output_error.problem import OUTSIDE, Problem, Unknowns
 from orbident.estimation.output_error.solver import Solution
+from orbident.estimation.output_error.walks import WALKS
 
 
 class DisturbanceFit(NamedTuple):
@@ -27,19 +28,28 @@ class DisturbanceFit(NamedTuple):
 
 
 def identified(
-    problem: Problem, solution: Solution, groups: Collection[str]
+    problem: Problem,
+    solution: Solution,
+    groups: Collection[str],
+    density_std: Mapping[str, float],
 ) -> dict[str, DisturbanceFit]:
-    """What was freed, by its name.
+    """What was freed, by its name; a walk by its density.
 
     Args:
         problem: a recording's equations.
         solution: of these.
         groups: that were freed.
+        density_std: the deviations of densities that were estimated, by their groups.
     """
     fits = {}
     for group in groups:
         value, C = sizes_of(problem, solution, group)
         std, shift = np.sqrt(np.diag(C)), _shift(problem, solution, group)
+        if group in WALKS:
+            wave = next(members(problem, group))
+            deviation = density_std.get(group, 0.0)
+            fits[group] = DisturbanceFit(group, wave.unit, wave.std, deviation, shift)
+            continue
         for k, each in enumerate(members(problem, group)):
             fits[each.name] = DisturbanceFit(
                 group, each.unit, float(value[k]), float(std[k]), shift

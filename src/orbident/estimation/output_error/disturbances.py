@@ -22,6 +22,7 @@ from orbident.estimation.output_error.noise_scaling import Fitted
 from orbident.estimation.output_error.problem import Problem, Unknowns
 from orbident.estimation.output_error.sensitivity import TakenForZero, fall
 from orbident.estimation.output_error.solver import Prior, Solution
+from orbident.estimation.output_error.walks import WALKS
 
 CHANCE = 1e-4
 """Probability that a disturbance is seen in noise alone."""
@@ -97,7 +98,7 @@ def with_disturbances(
         solution = search.first(asked)
         cost = solution.cost
     # Beside a slow torque that is known to act another one would follow anything.
-    slow = SLOW if {*SLOW} & {*asked} else ()
+    slow = SLOW if {*SLOW, *WALKS} & {*asked} else ()
     zeros = first = TakenForZero(problem, solution, every - {*excluded, *slow})
     for _ in range(ROUNDS):
         more = _best(zeros, groups, cost, search)
@@ -126,9 +127,15 @@ def requested(problem: Problem, names: Collection[str]) -> tuple[str, ...]:
     """Groups that the robot file says act, each once.
 
     Raises:
-        InputError: there is none of this name, or nothing of it shows in this
-            recording.
+        InputError: there is none of this name, nothing of it shows in this recording,
+            or the recording is too long for it.
     """
+    if {*WALKS} & {*names} and problem.t.size > LONGEST:
+        raise InputError(
+            f"momentum that walks at random needs 20 kB a row by maximum likelihood, "
+            f"and the recording has {problem.t.size} rows of at most {LONGEST}; "
+            "declare momentum_walk and use --method structured"
+        )
     every = {each.group for each in problem.acting.disturbances} if names else set()
     for name in names:
         if name not in IN_WORDS:
@@ -204,7 +211,14 @@ def start_with(
         more: names of groups, or of errors of instruments.
     """
     places = places_of(problem, more)
-    return prior.extended(places.size, FREE), state.selecting(places)
+    std = [_beforehand(problem, place) for place in places]
+    return prior.extended(np.array(std)), state.selecting(places)
+
+
+def _beforehand(problem: Problem, place: float) -> float:
+    which = np.flatnonzero(problem.acting.places == place)
+    known = problem.acting.disturbances[which[0]].std if which.size else 0.0
+    return known or FREE
 
 
 def _likely(zeros: TakenForZero, names: Collection[str]) -> list[str]:

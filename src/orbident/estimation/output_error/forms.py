@@ -49,6 +49,8 @@ IN_WORDS: dict[str, str] = {
     "air": "a force acts along the flow of the air",
     "sunlight": "a force acts away from the sun",
     "dipole": "a torque acts across the magnetic field, as on a magnet in the base",
+    "torque_walk": "torques act that change at random: angular momentum walks",
+    "force_walk": "forces act that change at random: linear momentum walks",
 }
 """What acts, by the name of its group."""
 
@@ -61,6 +63,7 @@ NEEDS: dict[str, str] = {
     "air": "position or velocity of S, and flow.x, flow.y and flow.z",
     "sunlight": "position or velocity of S, and sun.x, sun.y and sun.z",
     "dipole": "field.x, field.y and field.z",
+    "force_walk": "position or velocity of S",
 }
 """Without which nothing shows of a group."""
 
@@ -103,7 +106,7 @@ class Disturbance(NamedTuple):
     acts: float = 0.0
     """Its size where the number is zero: 1 for what was recorded."""
     std: float = 0.0
-    """How uncertain the number of recorded thrust is beforehand; zero is exact."""
+    """Its deviation beforehand: zero for recorded thrust is exact, else unknown."""
 
 
 def disturbances(followed: Followed) -> Iterator[Disturbance]:

@@ -123,7 +123,7 @@ class TakenForZero:
         """Triangular, over changes of the solution's unknowns, of these, and rhs."""
         state = self.solution.state.selecting(self.places)
         here = linear(self.problem, self.solution.weights, state)
-        prior = self.solution.prior.extended(self.places.size, np.inf)
+        prior = self.solution.prior.extended(np.full(self.places.size, np.inf))
         return prior.added(here.common, state)
 
     def equations(

@@ -43,11 +43,11 @@ class Prior(NamedTuple):
     others: Float[np.ndarray, "rows columns"] = NO_EQUATIONS
     """Whitened equations over the first unknowns, `[A, b]`: of other recordings."""
 
-    def extended(self, more: int, std: float) -> "Prior":
-        """The prior with so many unknowns more, which are about zero."""
+    def extended(self, std: Float[np.ndarray, " more"]) -> "Prior":
+        """The prior with more unknowns, which are zero with these deviations."""
         return self._replace(
-            values=np.append(self.values, np.zeros(more)),
-            std=np.append(self.std, np.full(more, std)),
+            values=np.append(self.values, np.zeros(std.size)),
+            std=np.append(self.std, std),
         )
 
     def added(

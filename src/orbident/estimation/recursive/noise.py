@@ -46,13 +46,16 @@ class Noise(NamedTuple):
     attitude: float = 0.0
     """White noise of an attitude sample, rad."""
     velocity_walk: float = 0.0
-    """Random walk of a velocity integrated from an accelerometer, m/s/sqrt(s)."""
+    """Random walk of the CM's velocity, or of one integrated from an accelerometer,
+    m/s/sqrt(s)."""
     accelerometer_bias: float = LEAST
     """Deviation of the accelerometer's bias beforehand, m/s^2."""
     accelerometer_walk: float = 0.0
     """Random walk of the accelerometer's bias, m/s^2/sqrt(s)."""
     joint_rates: float = 0.0
     """White noise of a joint rate sample, rad/s or m/s."""
+    momentum_walk: float = 0.0
+    """Random walk of the angular momentum, N m s/sqrt(s)."""
     accelerometer: bool = False
     """Whether the velocity is integrated from one, and its bias an unknown."""
     declared: bool = True
@@ -100,10 +103,11 @@ def noise_of(robot: Robot, samples: Samples, seen: float = 0.0) -> Noise:
         gyro_walk=bias_walk(gyro) if measured else 0.0,
         integrated=float(integrated),
         attitude=0.0 if integrated or not measured else angle,
-        velocity_walk=walk,
+        velocity_walk=float(np.hypot(walk, robot.momentum_walk.force / robot.mass)),
         accelerometer_bias=max(bias_std("accelerometer", force), LEAST),
         accelerometer_walk=bias_walk(force),
         joint_rates=joints.get("position", 0.0) / MEMORY if derived else 0.0,
+        momentum_walk=robot.momentum_walk.torque,
         accelerometer=bool(samples.drift),
         declared=bool(velocity),
     )

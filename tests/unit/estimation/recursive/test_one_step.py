@@ -250,6 +250,7 @@ def test_any_tree(
         accelerometer_bias=0.3,
         accelerometer_walk=0.1,
         joint_rates=0.1,
+        momentum_walk=0.2,
         accelerometer=accelerometer,
     )
     kalman, sets = Extended.of(robot, stds), minimal_sets(robot)
