@@ -46,6 +46,7 @@ class Acting:
             first: the place of the first disturbance among the core's calibrations.
         """
         self.followed, self.first = followed, first
+        self._still: tuple[tuple[int, ...], np.ndarray] | None = None
 
     @cached_property
     def recorded(self) -> tuple[Disturbance, ...]:
@@ -98,21 +99,41 @@ class Acting:
         r = by_step(self.followed.moments @ beta / beta[0])
         tide = by_step(gravity_gradient(self.followed, beta))
         total = nothing(self.followed)._replace(torque=tide)
-        for k in {*range(len(self.recorded)), *sizes}:
+        pushing = [k for k in sizes if every[k].effect.force.any()]
+        for k in {*range(len(self.recorded)), *pushing}:
             size = every[k].acts + sizes.get(k, 0.0)
             if size:
                 total = total.plus(every[k].effect.times(size))
-        effects = [total, *(every[k].effect for k in sizes)]
-        table = self._moved(effects, r, beta[0])
+        own = self._moved([total, *(every[k].effect for k in pushing)], r, beta[0])
+        still = [k for k in sizes if k not in pushing]
+        columns = self._without_force(tuple(still))
+        own[..., 0] += columns @ np.array([sizes[k] for k in still])
+        table = np.concatenate([own, columns], axis=2)
+        if pushing:
+            order = [[*pushing, *still].index(k) for k in sizes]
+            table = table[..., [0, *(1 + place for place in order)]]
         if not total.force.any():
             return table
         return np.concatenate([table, self._by_beta(total, r, beta[0])], axis=2)
+
+    def _without_force(
+        self, which: tuple[int, ...]
+    ) -> Float[np.ndarray, "nodes rows effects"]:
+        """What torques and pulls of size one do: the same at all parameters."""
+        if self._still is None or self._still[0] != which:
+            every = (*self.recorded, *self.disturbances) if which else ()
+            effects = [every[k].effect for k in which]
+            nowhere = np.zeros((self.followed.t.size // 2, 3, 3))
+            self._still = which, self._moved(effects, nowhere, 1.0)
+        return self._still[1]
 
     def _moved(
         self, effects: Sequence[Effect], r: Float[np.ndarray, "steps 3 3"], M: float
     ) -> Float[np.ndarray, "nodes rows effects"]:
         t = self.followed.t
         table = np.zeros((t.size, ROWS, len(effects)))
+        if not effects:
+            return table
         rate = np.stack([each.torque for each in effects], axis=-1)
         pushing = [k for k, each in enumerate(effects) if each.accelerates]
         if pushing:

@@ -9,6 +9,11 @@ unknowns `x`, are
 An error `c` therefore shifts an estimate that takes it for zero by `R_x^-1 R_xc c`. If
 one error alone were an unknown, it would be `r z / |r|^2` with `r` its column of `R_c`,
 and chi-square would fall by `(r z)^2 / |r|^2` (score test).
+
+An error of scale may seem likely only because it makes all momentum smaller, and with
+it the waves `w` of a walk, which are about zero (`walks.py`). That less of a walk is
+left to be explained too is not in these equations; so what `|w|^2` falls by does not
+count.
 """
 
 from collections.abc import Collection, Sequence
@@ -24,6 +29,7 @@ from orbident.estimation.output_error.calibration import Calibration
 from orbident.estimation.output_error.disturbance_sizes import places_of
 from orbident.estimation.output_error.problem import OUTSIDE, Problem, linear
 from orbident.estimation.output_error.solver import Solution
+from orbident.estimation.output_error.walks import WALKS
 
 SMALL_ERROR = {
     "rad": ("mrad", 1e-3),
@@ -149,17 +155,43 @@ def sensitivity(zeros: TakenForZero) -> Sensitivity:
     by = solve_triangular(R_x, zeros.factor[x, size : size + len(errors)])
     root = solve_triangular(R_x, np.eye(size))[of_beta]
     small = [SMALL_ERROR[each.unit] for each in errors]
+    freed = [
+        _freed(each.name, column, left[:, -1])
+        for each, column in zip(errors, left[:, :-1].T, strict=True)
+    ]
+    by_walks = _fall_of_walks(zeros, by, np.array([each.value for each in freed]))
     return Sensitivity(
         names=tuple(each.name for each in errors),
         units=tuple(unit for unit, _ in small),
         shift=by[of_beta] * np.array([one for _, one in small]),
         covariance=root @ root.T,
         freed=tuple(
-            _freed(each.name, column, left[:, -1])
-            for each, column in zip(errors, left[:, :-1].T, strict=True)
+            each._replace(chi2_drop=each.chi2_drop - fallen)
+            for each, fallen in zip(freed, by_walks, strict=True)
         ),
         left=left,
     )
+
+
+def _fall_of_walks(
+    zeros: TakenForZero,
+    by: Float[np.ndarray, "unknowns errors"],
+    values: Float[np.ndarray, " errors"],
+) -> Float[np.ndarray, " errors"]:
+    """How much smaller the waves of walks would be, in squared deviations, not below 0.
+
+    Args:
+        zeros: of the solution.
+        by: the change of all unknowns by each error, with the other sign.
+        values: of the errors.
+    """
+    solution = zeros.solution
+    walks = np.isin(solution.state.selected, places_of(zeros.problem, WALKS))
+    here = solution.state.common.size - walks.size + np.flatnonzero(walks)
+    std = solution.prior.std[here, None]
+    waves = solution.state.common[here, None] / std
+    after = waves - by[here] * values / std
+    return np.maximum(np.sum(waves**2 - after**2, axis=0), 0.0)
 
 
 def _freed(
