@@ -1,10 +1,11 @@
 """Tables of what acts from outside, for the core's `acting.hpp`.
 
-With `F`, `tau` (about S) and the pull `a` in inertial axes, and `r` from S to the CM,
+With `F`, `tau` (about S), the pull `a` and the push `b` in inertial axes, and `r` from
+S to the CM,
 
-    dh_cm/dt = tau - r x F,    M dv_cm/dt = F + M a,    M r = moments beta.
+    dh_cm/dt = tau - r x F,    M dv_cm/dt = F + M (a + b),    M r = moments beta.
 
-An accelerometer feels `F / M`.
+An accelerometer feels `F / M + b`.
 """
 
 from collections.abc import Mapping, Sequence
@@ -140,10 +141,11 @@ class Acting:
             force = np.stack([effects[k].force for k in pushing], axis=-1)
             pull = np.stack([effects[k].pull for k in pushing], axis=-1)
             rate[..., pushing] -= np.cross(r[..., None], force, axis=2)
-            v = integral(t, force / M + pull)
+            push = np.stack([effects[k].push for k in pushing], axis=-1)
+            v = integral(t, force / M + pull + push)
             table[:, 6:9, pushing] = integral(t, by_step(v))
             table[:, 9:12, pushing] = v
-            table[:, 12:15, pushing] = at_nodes(force / M)
+            table[:, 12:15, pushing] = at_nodes(force / M + push)
         table[:, 0:3], table[:, 3:6] = integral(t, rate), at_nodes(rate)
         return table
 

@@ -76,12 +76,14 @@ class Effect(NamedTuple):
     torque: Float[np.ndarray, "steps 3 3"]
     """About S, N m."""
     pull: Float[np.ndarray, "steps 3 3"]
-    """m/s^2."""
+    """Acceleration of all parts that an accelerometer does not feel, m/s^2."""
+    push: Float[np.ndarray, "steps 3 3"]
+    """The same of all parts that it feels, m/s^2."""
 
     @property
     def accelerates(self) -> bool:
         """Whether the system CM is accelerated by it, or only turned."""
-        return bool(self.force.any() or self.pull.any())
+        return any(x.any() for x in (self.force, self.pull, self.push))
 
     def times(self, size: float) -> "Effect":
         """So many times as large."""
@@ -149,7 +151,7 @@ def recorded(followed: Followed) -> Iterator[Disturbance]:
 def nothing(followed: Followed) -> Effect:
     """Nothing acts."""
     zero = np.zeros((followed.t.size // 2, 3, 3))
-    return Effect(zero, zero, zero)
+    return Effect(zero, zero, zero, zero)
 
 
 def _torques(followed: Followed) -> Iterator[Disturbance]:

@@ -166,7 +166,7 @@ def sensitivity(zeros: TakenForZero) -> Sensitivity:
         shift=by[of_beta] * np.array([one for _, one in small]),
         covariance=root @ root.T,
         freed=tuple(
-            each._replace(chi2_drop=each.chi2_drop - fallen)
+            each._replace(chi2_drop=each.chi2_drop - float(fallen))
             for each, fallen in zip(freed, by_walks, strict=True)
         ),
         left=left,

@@ -42,7 +42,7 @@ class Density(NamedTuple):
 
 
 def most_likely(
-    R: Sequence[Float[np.ndarray, "n waves"]],
+    R: Sequence[Float[np.ndarray, "n _"]],
     z: Float[np.ndarray, " n"],
     noise: Float[np.ndarray, "n n"],
     guess: Sequence[float],

@@ -6,7 +6,7 @@ White noise of the density `q` over a time `T`, as waves whose sizes are indepen
 
 Its integral is a random walk with the deviation `q sqrt(t)` (the cosines are
 orthonormal; Karhunen 1947). The first `WAVES` of them leave out a part of
-`1 / (pi^2 WAVES)` of its variance. A force moves the system CM, and has no lever arm.
+`1 / (pi^2 WAVES)` of its variance. A force acts through the system CM.
 """
 
 from collections.abc import Iterator
@@ -56,7 +56,7 @@ def walks(followed: Followed) -> Iterator[Disturbance]:
                 effect = (
                     none._replace(torque=by_step(along))
                     if group == "torque_walk"
-                    else none._replace(pull=by_step(along / robot.mass))
+                    else none._replace(push=by_step(along / robot.mass))
                 )
                 name = f"{group}.{AXES[k]}.{m}"
                 unit = f"{'N m' if group == 'torque_walk' else 'N'}/sqrt(Hz)"
