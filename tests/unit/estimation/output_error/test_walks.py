@@ -9,7 +9,9 @@ import pytest
 from small_problems import small_problem, small_recording, small_robot
 
 from orbident.errors import InputError
+from orbident.estimation.estimators import Method
 from orbident.estimation.identify import identify
+from orbident.estimation.linear_fits import InitialMomentum
 from orbident.estimation.output_error.followed import at_nodes, by_step, integral
 from orbident.estimation.output_error.walk_density import most_likely
 from orbident.estimation.output_error.walks import WAVES
@@ -19,6 +21,7 @@ from orbident.recordings.recording import Recording
 from orbident.robot.description import MomentumWalk, Robot
 from orbident.robot.robot_file import load_robot
 from orbident.simulation.simulate import simulate
+from orbident.studies.spatial import spatial_trajectory
 from orbident.trajectories.environment import Environment
 from orbident.trajectories.trajectory import Trajectory
 from orbident.trajectories.trajectory_file import load_trajectory
@@ -27,18 +30,6 @@ FAR = 4.0
 """Deviations."""
 
 SEEDS = 40
-
-SPATIAL = """
-schema: orbident/trajectory/1
-duration: 80.0
-joints:
-  joint1: {a: [0.2, -0.1], b: [0.1, 0.1]}
-  joint2: {a: [-0.1, 0.2], b: [0.2, 0.1]}
-  joint3: {a: [0.1, 0.1], b: [-0.2, 0.1]}
-initial:
-  angular_velocity: [0.01, 0.03, 0.025]
-  wheel_speed: {rw_x: 278, rw_y: 278, rw_z: 278}
-"""
 
 PLANAR = """
 schema: orbident/trajectory/1
@@ -59,7 +50,7 @@ class Walking(NamedTuple):
     walk: MomentumWalk
     rate: float
     """Hz."""
-    known: str
+    known: InitialMomentum
     """What is known of the momentum at the start."""
 
     def recorded(self, seed: int) -> Recording:
@@ -86,15 +77,16 @@ class Walking(NamedTuple):
         return replace(self.robot, disturbances=("torque_walk", "force_walk"))
 
     def identified(
-        self, robot: Robot, seed: int, method="maximum-likelihood"
+        self, robot: Robot, seed: int, method: Method = "maximum-likelihood"
     ) -> Result:
         return identify(robot, self.recorded(seed), method, self.known)
 
     def off(self, result: Result) -> np.ndarray:
-        """Errors of the base parameters in their deviations."""
+        """Errors in their deviations of the base parameters that are determined."""
         true = minimal_sets(self.robot).beta(self.robot.theta)
         base = result.base
-        return (base.values - true) / base.std
+        off = (base.values - true) / base.std
+        return off[np.isfinite(off)]
 
 
 def written(folder: Path, text: str) -> Trajectory:
@@ -104,10 +96,10 @@ def written(folder: Path, text: str) -> Trajectory:
 
 
 @pytest.fixture(scope="module")
-def space(tmp_path_factory) -> Walking:
-    trajectory = written(tmp_path_factory.mktemp("space"), SPATIAL)
+def space() -> Walking:
+    robot = load_robot("paper-spatial")
     walk = MomentumWalk(torque=2e-3, force=2e-3)
-    return Walking(load_robot("paper-spatial"), trajectory, walk, 20.0, "unknown")
+    return Walking(robot, spatial_trajectory(robot), walk, 20.0, "unknown")
 
 
 @pytest.fixture(scope="module")
@@ -160,17 +152,17 @@ def test_the_most_likely_density():
 @pytest.mark.parametrize("where", ["space", "table"])
 def test_a_declared_walk(where, request):
     flown = request.getfixturevalue(where)
-    results = [
-        flown.identified(flown.declared(), 1, method)
-        for method in ("maximum-likelihood", "structured", "recursive")
-    ]
+    methods: tuple[Method, ...] = ("maximum-likelihood", "structured", "recursive")
+    results = [flown.identified(flown.declared(), 1, method) for method in methods]
     for result in results:
         assert (result.status, result.level) == ("ok", "trust")
         assert np.abs(flown.off(result)).max() < FAR
     # All methods know the same: deviations are nearly equal.
     likeliest = results[0].base.std
     for result in results[1:]:
-        np.testing.assert_allclose(result.base.std, likeliest, rtol=0.25)
+        own = result.base.std
+        known = np.isfinite(own)
+        np.testing.assert_allclose(own[known], likeliest[known], rtol=0.25)
 
 
 @pytest.mark.parametrize("where", ["space", "table"])
@@ -210,7 +202,7 @@ def test_intervals(where, said, method, request):
     robot = getattr(flown, said)()
     results = [flown.identified(robot, seed, method) for seed in range(SEEDS)]
     kept = [result for result in results if result.status == "ok"]
-    off = np.array([flown.off(result) for result in kept])
+    off = np.concatenate([flown.off(result) for result in kept])
     held = float(np.mean(np.abs(off) < 1.96))
     print(f"{where}, {said}, {method}: {len(kept)} of {SEEDS}, {held:.3f} held")
     assert len(kept) >= SEEDS - 1
