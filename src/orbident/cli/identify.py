@@ -7,11 +7,14 @@ from typing import Annotated, Any
 import typer
 
 from orbident.cli.options import (
+    End,
     InitialMomentum,
     Json,
     MomentumKnown,
     Quiet,
     RobotName,
+    Start,
+    cut,
 )
 from orbident.robot.disturbance_groups import DisturbanceGroup
 
@@ -59,6 +62,8 @@ def identify(
             "tested for. The how-to 'What acts from outside' has their names.",
         ),
     ] = None,
+    start: Start = None,
+    end: End = None,
     burn: Annotated[
         Path | None,
         typer.Option(
@@ -102,7 +107,7 @@ def identify(
     asked = (*described.disturbances, *map(str, disturbance or ()))
     described = replace(described, disturbances=asked)
     with progress("reading"):
-        tables = [open_recording(recording) for recording in recordings]
+        tables = [cut(open_recording(each), start, end) for each in recordings]
         pushed = None if burn is None else read_recording(burn)
     with progress("identifying") as done:
         result = identified(
@@ -116,8 +121,10 @@ def identify(
     if result.status == "rejected":
         with progress("looking for the cause"):
             result = result.with_causes()
+    used = {"from": start, "to": end}
     files = [
         {"file": name_of(recording), "sha256": sha256(recording)}
+        | {key: value for key, value in used.items() if value is not None}
         for recording in recordings
     ]
     origin = files[0] if len(files) == 1 else {"recordings": files}

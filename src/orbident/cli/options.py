@@ -1,10 +1,13 @@
 """Arguments and options that several verbs share."""
 
 from enum import StrEnum
+from math import inf
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
+
+from orbident.errors import InputError
 
 RobotName = Annotated[
     str,
@@ -43,6 +46,22 @@ Preset = Annotated[
         "px4-spacecraft.",
     ),
 ]
+Start = Annotated[
+    float | None,
+    typer.Option(
+        "--from",
+        metavar="SECONDS",
+        help="Use only what was recorded at this time (column t) or later.",
+    ),
+]
+End = Annotated[
+    float | None,
+    typer.Option(
+        "--to",
+        metavar="SECONDS",
+        help="Use only what was recorded at this time (column t) or earlier.",
+    ),
+]
 RunFolder = Annotated[
     Path, typer.Argument(metavar="RUN", help="A folder that 'identify -o' wrote.")
 ]
@@ -65,3 +84,20 @@ MomentumKnown = Annotated[
         "first sample is subtracted (Eq. 24).",
     ),
 ]
+
+
+def cut(table: Any, start: float | None, end: float | None) -> Any:
+    """Only the rows of a recording from --from to --to, if either is given.
+
+    Raises:
+        InputError: --from does not come before --to, or hardly a row is left.
+    """
+    if start is None and end is None:
+        return table
+    start, end = -inf if start is None else start, inf if end is None else end
+    if not start < end:
+        raise InputError(
+            f"--from {start:g} does not come before --to {end:g}; give two times "
+            "in seconds, the earlier one as --from"
+        )
+    return table.between(start, end)

@@ -1,11 +1,21 @@
 """`orbident validate RUN REC`."""
 
-from orbident.cli.options import Json, Quiet, RecordingFile, RunFolder
+from orbident.cli.options import (
+    End,
+    Json,
+    Quiet,
+    RecordingFile,
+    RunFolder,
+    Start,
+    cut,
+)
 
 
 def validate(
     run: RunFolder,
     recording: RecordingFile,
+    start: Start = None,
+    end: End = None,
     json: Json = None,
     quiet: Quiet = False,
 ) -> None:
@@ -22,7 +32,7 @@ def validate(
 
     output = Output(json, quiet)
     result = load_result(run)
-    table = read_recording(recording)
+    table = cut(read_recording(recording), start, end)
     with progress("predicting"):
         scores = validated(result, table)
     output.say(f"{scores.samples} samples predicted by {run}")
