@@ -5,7 +5,7 @@ from typing import Annotated, Any
 
 import typer
 
-from orbident.cli.options import Json, LogFile, Preset, Quiet
+from orbident.cli.options import Force, Json, LogFile, Preset, Quiet
 
 
 def convert(
@@ -18,13 +18,14 @@ def convert(
         typer.Option("--map", metavar="MAP", help="What each topic feeds (YAML)."),
     ] = None,
     preset: Preset = None,
+    force: Force = False,
     json: Json = None,
     quiet: Quiet = False,
 ) -> None:
     """Make a recording of a file of another tool: a bag, MATLAB, HDF5, PX4, ..."""
     from orbident.cli.output import Output, progress
     from orbident.errors import InputError
-    from orbident.files.replacing import check_place
+    from orbident.files.replacing import check_free
     from orbident.recordings.topics.convert import convert_file
     from orbident.recordings.topics.presets import known_preset
 
@@ -35,7 +36,7 @@ def convert(
             "give either '--map MAP', which 'orbident topics' proposes, or "
             "'--preset NAME'"
         )
-    check_place(out)
+    check_free(out, force)
     with progress("converting") as done:
         report = convert_file(file, chosen, out, done)
     output.warn(report.warnings)

@@ -16,7 +16,7 @@ from orbident.cli.excite_tables import (
     was_interrupted,
     written,
 )
-from orbident.cli.options import Json, Quiet, RobotName
+from orbident.cli.options import Force, Json, Quiet, RobotName
 from orbident.errors import InputError
 
 DURATION = 60.0
@@ -87,22 +87,23 @@ def excite(
     limit: Limit = None,
     compare: Compare = None,
     seed: Seed = 0,
+    force: Force = False,
     json: Json = None,
     quiet: Quiet = False,
 ) -> None:
     """Design a trajectory that excites every parameter, or compare some."""
     from orbident.cli.output import Output, progress
-    from orbident.files.replacing import check_place
+    from orbident.files.replacing import check_free
     from orbident.robot.robot_file import load_robot
 
     output = Output(json, quiet)
-    described = load_robot(robot)
     if compare:
-        _compare(described, compare, like_paper, output)
+        _compare(load_robot(robot), compare, like_paper, output)
         return
     if out is None:
         raise InputError("-o is missing; say where the trajectory is to be written")
-    check_place(out)
+    check_free(out, force)
+    described = load_robot(robot)
     limits = _limits(limit or [])
     given, paper = _conditions(
         described, (duration, harmonics), like, like_paper, limits

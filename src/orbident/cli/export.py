@@ -5,7 +5,7 @@ from typing import Annotated, Any
 
 import typer
 
-from orbident.cli.options import Json, Quiet
+from orbident.cli.options import Force, Json, Quiet
 from orbident.errors import InputError
 
 
@@ -50,22 +50,23 @@ def export(
             "sensors are.",
         ),
     ] = None,
+    force: Force = False,
     json: Json = None,
     quiet: Quiet = False,
 ) -> None:
     """Write the identified model, its parameters, or a filter for flight."""
     from orbident.cli.output import Output
-    from orbident.files.replacing import check_place
+    from orbident.files.replacing import check_free
     from orbident.identified.run_folder import load_result
 
     output = Output(json, quiet)
     _check_what(out, q, flight, recording)
     if flight is not None and recording is not None:
-        _export_flight(output, run, flight, recording)
+        _export_flight(output, run, flight, recording, force)
         return
     assert out is not None
     _check_kind(out, q)
-    check_place(out)
+    check_free(out, force)
     result = load_result(run)
     if q is not None:
         _export_matrices(output, result, out, _numbers(q))
@@ -91,7 +92,9 @@ def _check_what(
         raise InputError("--q: is for a .json; leave it out")
 
 
-def _export_flight(output: Any, run: Path, folder: Path, recording: Path) -> None:
+def _export_flight(
+    output: Any, run: Path, folder: Path, recording: Path, force: bool
+) -> None:
     from orbident.cli.output import progress
     from orbident.identified.flight_export import check_empty, export_flight
     from orbident.identified.flight_samples import samples_for_flight
@@ -99,11 +102,11 @@ def _export_flight(output: Any, run: Path, folder: Path, recording: Path) -> Non
     from orbident.recordings.tables import read_recording
     from orbident.robot.robot_file import load_robot
 
-    check_empty(folder)
+    check_empty(folder, force)
     source = load_result(run) if run.is_dir() else load_robot(str(run))
     with progress("filtering"):
         given = samples_for_flight(source, read_recording(recording))
-        written = export_flight(*given, folder)
+        written = export_flight(*given, folder, force)
     if not written.scale:
         output.warn(
             [

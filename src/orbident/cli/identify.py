@@ -8,6 +8,7 @@ import typer
 
 from orbident.cli.options import (
     End,
+    Force,
     InitialMomentum,
     Json,
     MomentumKnown,
@@ -80,9 +81,7 @@ def identify(
             "of every sensor too.",
         ),
     ] = False,
-    force: Annotated[
-        bool, typer.Option("--force", help="Overwrite an existing RUN.")
-    ] = False,
+    force: Force = False,
     json: Json = None,
     quiet: Quiet = False,
 ) -> None:

@@ -5,7 +5,7 @@ from typing import Annotated, Any
 
 import typer
 
-from orbident.cli.options import Json, Quiet
+from orbident.cli.options import Force, Json, Quiet
 
 
 def noise(
@@ -27,6 +27,7 @@ def noise(
             "--plot", metavar="FILE", help="Write Allan deviations there, as HTML."
         ),
     ] = None,
+    force: Force = False,
     json: Json = None,
     quiet: Quiet = False,
 ) -> None:
@@ -37,13 +38,13 @@ def noise(
     """
     from orbident.cli.output import Output, progress
     from orbident.estimation.rest_noise import rest_noise, sensor_section
-    from orbident.files.replacing import check_place
+    from orbident.files.replacing import check_free
     from orbident.recordings.tables import read_recording
 
     output = Output(json, quiet)
     for place in (out, plot):
         if place is not None:
-            check_place(place)
+            check_free(place, force)
     recording = read_recording(rest)
     with progress("learning the noise"):
         found = rest_noise(recording)

@@ -15,7 +15,12 @@ RobotName = Annotated[
 ]
 Json = Annotated[
     str | None,
-    typer.Option("--json", metavar="FILE|-", help="Write the result there as JSON."),
+    typer.Option(
+        "--json",
+        metavar="FILE|-",
+        help="Write the result there as JSON; - is standard output. A FILE that is "
+        "there already is replaced.",
+    ),
 ]
 Quiet = Annotated[bool, typer.Option("--quiet", help="Print warnings only.")]
 Workers = Annotated[
@@ -62,6 +67,7 @@ End = Annotated[
         help="Use only what was recorded at this time (column t) or earlier.",
     ),
 ]
+Force = Annotated[bool, typer.Option("--force", help="Replace what is there already.")]
 RunFolder = Annotated[
     Path, typer.Argument(metavar="RUN", help="A folder that 'identify -o' wrote.")
 ]

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from orbident.cli.options import Json, Quiet
+from orbident.cli.options import Force, Json, Quiet
 
 
 class Format(StrEnum):
@@ -35,6 +35,7 @@ def sample(
             "trajectory_msgs/JointTrajectory.",
         ),
     ] = Format.table,
+    force: Force = False,
     json: Json = None,
     quiet: Quiet = False,
 ) -> None:
@@ -45,14 +46,14 @@ def sample(
         sampled,
         write_joint_trajectory,
     )
-    from orbident.files.replacing import check_place
+    from orbident.files.replacing import check_free
     from orbident.recordings.tables import check_writable, write_recording
     from orbident.trajectories.trajectory_file import load_trajectory
 
     output = Output(json, quiet)
     if format_ is Format.table:
         check_writable(out)
-    check_place(out)
+    check_free(out, force)
     motion = load_trajectory(trajectory)
     samples = sampled(motion, rate)
     if format_ is Format.table:

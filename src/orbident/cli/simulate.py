@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from orbident.cli.options import Json, Quiet, RobotName
+from orbident.cli.options import Force, Json, Quiet, RobotName
 
 
 class NoiseChoice(StrEnum):
@@ -42,12 +42,13 @@ def simulate(
     truth: Annotated[
         bool, typer.Option("--truth", help="Add noise-free columns truth.*.")
     ] = False,
+    force: Force = False,
     json: Json = None,
     quiet: Quiet = False,
 ) -> None:
     """Float the robot along a trajectory and record it."""
     from orbident.cli.output import Output, progress
-    from orbident.files.replacing import check_place
+    from orbident.files.replacing import check_free
     from orbident.recordings.tables import check_writable, write_recording
     from orbident.robot.robot_file import load_robot
     from orbident.simulation.simulate import simulate as simulated
@@ -55,7 +56,7 @@ def simulate(
 
     output = Output(json, quiet)
     check_writable(out)
-    check_place(out)
+    check_free(out, force)
     described = load_robot(robot)
     motion = load_trajectory(trajectory)
     with progress("floating"):

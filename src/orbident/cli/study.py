@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 import typer
 
-from orbident.cli.options import Json, Quiet, Workers
+from orbident.cli.options import Force, Json, Quiet, Workers
 from orbident.errors import InputError
 
 TRAJECTORY = "trajectory.yaml"
@@ -88,9 +88,7 @@ def study(
             "how the filters' cut-offs were chosen.",
         ),
     ] = None,
-    force: Annotated[
-        bool, typer.Option("--force", help="Overwrite what DIR holds of it.")
-    ] = False,
+    force: Force = False,
     json: Json = None,
     quiet: Quiet = False,
 ) -> None:

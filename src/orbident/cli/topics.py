@@ -5,7 +5,7 @@ from typing import Annotated, Any
 
 import typer
 
-from orbident.cli.options import Json, LogFile, Preset, Quiet
+from orbident.cli.options import Force, Json, LogFile, Preset, Quiet
 
 
 def topics(
@@ -15,12 +15,13 @@ def topics(
         typer.Option("-o", metavar="MAP", help="Write the proposed map there."),
     ] = None,
     preset: Preset = None,
+    force: Force = False,
     json: Json = None,
     quiet: Quiet = False,
 ) -> None:
     """List what a file holds, and propose a topic map (or give a preset)."""
     from orbident.cli.output import Output, progress
-    from orbident.files.replacing import check_place
+    from orbident.files.replacing import check_free
     from orbident.files.text import read_text, write_text
     from orbident.recordings.topics.presets import known_preset, preset_path
     from orbident.recordings.topics.proposal import proposed_map
@@ -28,7 +29,7 @@ def topics(
 
     output = Output(json, quiet)
     if out is not None:
-        check_place(out)
+        check_free(out, force)
     with progress("reading") as done:
         surveyed = survey_file(file, done)
     if preset is None:
