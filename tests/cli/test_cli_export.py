@@ -23,7 +23,7 @@ def run(orbident: Orbident, flight: Recording) -> str:
 def test_urdf(orbident: Orbident, run: str):
     """It is a robot with the identified parameters, for every other verb."""
     words = orbident("export", run, "-o", "identified.urdf").done().out
-    assert "identified.urdf: 4 bodies, base parameters" in words
+    assert "identified.urdf, 4 bodies, base parameters" in words
     text = Path(f"{run}/robot.yaml").read_text()
     Path("identified.yaml").write_text(text.replace("robot.urdf", "identified.urdf"))
     inspected = orbident("inspect", "identified.yaml", "--json", "-").done().json
@@ -58,7 +58,7 @@ def test_parameters_for_a_spreadsheet(orbident: Orbident, run: str):
     result = json.loads(Path(f"{run}/result.json").read_text())
     with Path("p.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
-    assert f"p.csv: {len(rows)} parameters" in words
+    assert f"p.csv, {len(rows)} parameters" in words
     for name in ("base", "phi", "pi"):
         own = [row for row in rows if row["set"] == name]
         assert [row["parameter"] for row in own] == result[name]["names"]

@@ -42,15 +42,18 @@ def identify(
     out: Annotated[
         Path | None,
         typer.Option(
-            "-o", metavar="RUN", help="Keep the result there, and a report of it."
+            "-o",
+            metavar="RUN",
+            help="The folder to write: result, robot, signals and report.html.",
         ),
     ] = None,
     method: Annotated[
         MethodChoice,
         typer.Option(
-            help="maximum-likelihood: all sensors at once; structured: Eqs. 24 and 31 "
-            "for the base parameters; least-squares: the paper's; recursive: sample by "
-            "sample, watching for changes (RUN has history.csv)."
+            help="maximum-likelihood: fits all sensors at once. structured: solves "
+            "Eqs. 24 and 31 for the base parameters. least-squares: the paper's. "
+            "recursive: a filter, sample by sample, that watches for changes (RUN has "
+            "history.csv)."
         ),
     ] = MethodChoice.maximum_likelihood,
     initial_momentum: MomentumKnown = InitialMomentum.unknown,
@@ -60,7 +63,7 @@ def identify(
             metavar="GROUP",
             help="Something that is known to act from outside, such as `pull` on a "
             "table that is not level; may be given several times. All others are "
-            "tested for. The how-to 'What acts from outside' has their names.",
+            "tested for. The how-to 'What acts from outside' explains the names.",
         ),
     ] = None,
     start: Start = None,
@@ -85,7 +88,11 @@ def identify(
     json: Json = None,
     quiet: Quiet = False,
 ) -> None:
-    """Identify all that free floating shows, beside CAD, from recordings."""
+    """Identify a robot's inertial parameters from recordings.
+
+    Prints the total mass and the parameters that free floating can identify, with
+    standard deviations, beside the nominal (CAD) values.
+    """
     from dataclasses import replace
 
     from orbident.cli.identify_tables import summary

@@ -9,9 +9,26 @@ import typer
 
 from orbident.errors import InputError
 
+
+def _bundled(incomplete: str) -> list[str]:
+    from orbident.robot.robot_file import bundled_robots
+
+    return [name for name in bundled_robots() if name.startswith(incomplete)]
+
+
+def _presets(incomplete: str) -> list[str]:
+    from orbident.recordings.topics.presets import presets
+
+    return [name for name in presets() if name.startswith(incomplete)]
+
+
 RobotName = Annotated[
     str,
-    typer.Argument(metavar="ROBOT", help="A bundled name, a URDF, or a robot file."),
+    typer.Argument(
+        metavar="ROBOT",
+        help="A bundled name, a URDF, or a robot file.",
+        autocompletion=_bundled,
+    ),
 ]
 Json = Annotated[
     str | None,
@@ -22,13 +39,13 @@ Json = Annotated[
         "there already is replaced.",
     ),
 ]
-Quiet = Annotated[bool, typer.Option("--quiet", help="Print warnings only.")]
+Quiet = Annotated[bool, typer.Option("--quiet", help="Print nothing but warnings.")]
 Workers = Annotated[
     int | None,
     typer.Option(
         "--workers",
         min=1,
-        help="Processes on this machine; by default the processors at hand.",
+        help="Number of processes (default: one for each processor).",
     ),
 ]
 RecordingFile = Annotated[
@@ -49,6 +66,7 @@ Preset = Annotated[
         metavar="NAME",
         help="A map that comes with Orbident: astrobee, basilisk, cepheus, "
         "px4-spacecraft.",
+        autocompletion=_presets,
     ),
 ]
 Start = Annotated[
@@ -85,9 +103,9 @@ MomentumKnown = Annotated[
     InitialMomentum,
     typer.Option(
         "--initial-momentum",
-        help="How the momentum is known. unknown: it is estimated; at-rest: the robot "
-        "was at rest before its wheels spun up; first-sample: as in the paper, the "
-        "first sample is subtracted (Eq. 24).",
+        help="How the momentum is known. unknown: it is estimated. at-rest: it is "
+        "zero, as the robot was at rest before its wheels spun up. first-sample: as in "
+        "the paper, the first sample is subtracted (Eq. 24).",
     ),
 ]
 

@@ -9,7 +9,7 @@ def report(
     json: Json = None,
     quiet: Quiet = False,
 ) -> None:
-    """Write RUN/report.html: one page to look at, which needs no network."""
+    """Write RUN/report.html, one page that needs no network."""
     from orbident.cli.output import Output
     from orbident.files.locking import locked
     from orbident.files.replacing import check_free

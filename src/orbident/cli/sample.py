@@ -23,7 +23,9 @@ def sample(
     out: Annotated[
         Path,
         typer.Option(
-            "-o", metavar="TABLE", help="The table: .csv or .parquet; else .yaml."
+            "-o",
+            metavar="TABLE",
+            help="The table to write, .csv or .parquet; or .yaml with --format.",
         ),
     ],
     rate: Annotated[float, typer.Option(help="Samples per second, Hz.")],
@@ -31,8 +33,8 @@ def sample(
         Format,
         typer.Option(
             "--format",
-            help="table: CSV or Parquet by suffix; joint-trajectory: YAML of a ROS "
-            "trajectory_msgs/JointTrajectory.",
+            help="table: CSV or Parquet, by suffix. joint-trajectory: a ROS "
+            "trajectory_msgs/JointTrajectory as YAML.",
         ),
     ] = Format.table,
     force: Force = False,
@@ -61,7 +63,10 @@ def sample(
     else:
         write_joint_trajectory(samples, out)
     count = samples.t.size
-    output.say(f"{out}: {count} samples over {motion.duration:g} s, {format_}")
+    output.say(
+        f"sampled {trajectory}: {count} samples over {motion.duration:g} s, {format_}",
+        f"written: {out}",
+    )
     output.write_json(
         {
             "table": str(out),

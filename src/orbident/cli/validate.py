@@ -19,9 +19,10 @@ def validate(
     json: Json = None,
     quiet: Quiet = False,
 ) -> None:
-    """Predict a recording that was not used, score the errors, and judge them.
+    """Predict a recording that was not used, and judge the errors.
 
-    Exit status 1 where the parameters' deviations and the sensors do not explain them.
+    The exit status is 1 if the standard deviations of the parameters and the noise of
+    the sensors do not explain the errors.
     """
     import typer
 
