@@ -51,7 +51,8 @@ wheels: .venv/tested
 
 # The documentation, in build/site.
 site: .venv/tested
-	$(BIN)/mkdocs build --quiet
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet
+	@echo "the site is in build/site"
 
 .venv/bare:
 	@command -v c++ > /dev/null || \

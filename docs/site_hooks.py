@@ -13,10 +13,8 @@ def on_config(config: Any) -> Any:
     """List every decision, in order; a new one needs no other place."""
     notes = sorted((Path(config.docs_dir) / "decisions").glob("*.md"))
     decisions = [f"decisions/{note.name}" for note in notes]
-    config.nav = [
-        {"Decisions": decisions} if "Decisions" in entry else entry
-        for entry in config.nav
-    ]
+    background = next(entry for entry in config.nav if "Background" in entry)
+    background["Background"][-1] = {"Decisions": decisions}
     return config
 
 

@@ -11,7 +11,6 @@ oi.validate(result, oi.read_recording("other.csv"))
 """
 
 import importlib
-import importlib.metadata
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -79,7 +78,9 @@ _PUBLIC = {
 def __getattr__(name: str) -> Any:
     # Late, so that importing orbident costs nothing.
     if name == "__version__":
-        return importlib.metadata.version("orbident")
+        from importlib.metadata import version
+
+        return version("orbident")
     if name not in _PUBLIC:
         raise AttributeError(f"module 'orbident' has no attribute '{name}'")
     return getattr(importlib.import_module(_PUBLIC[name]), name)

@@ -113,16 +113,18 @@ def test_what_is_said(orbident: Orbident):
     Path("map.yaml").write_text(HEAD + IMU)
     ran = orbident("convert", bag, "--map", "map.yaml", "-o", "r.csv", "--json", "j")
     lines = ran.done().out.splitlines()
-    heads = " ".join(lines[0].split())
+    assert lines[0] == f"converted {bag}: 20 samples over 0.19 s"
+    heads = " ".join(lines[1].split())
     assert heads == "topic messages used rate (Hz) from (s) to (s) time"
-    assert " ".join(lines[1].split()) == "/imu 21 20 100 0.000 0.190 header"
-    assert lines[2:] == [
+    assert " ".join(lines[2].split()) == "/imu 21 20 100 0.000 0.190 header"
+    assert lines[3:] == [
         "/imu: 1 repeated a stamp, rejected (0 differ)",
         "/imu: 1 came late, sorted",
         "/imu: 1 held NaN or no number, left empty",
-        "r.csv: 20 samples over 0.19 s",
+        "written: r.csv",
     ]
-    ran = orbident("convert", bag, "--map", "map.yaml", "-o", "r.csv", "--quiet")
+    again = ("convert", bag, "--map", "map.yaml", "-o", "r.csv", "--force", "--quiet")
+    ran = orbident(*again)
     assert ran.done().out == ""
 
 

@@ -24,7 +24,16 @@ TABLE = """\
 
 def simulated(orbident: Orbident, environment: str, *options: object):
     Path("m.yaml").write_text(MOTION + environment)
-    command = ("simulate", "cepheus-like", "m.yaml", "-o", "r.csv", "--rate", 20)
+    command = (
+        "simulate",
+        "cepheus-like",
+        "m.yaml",
+        "-o",
+        "r.csv",
+        "--rate",
+        20,
+        "--force",
+    )
     return orbident(*command, *options)
 
 

@@ -23,13 +23,17 @@ def run(orbident: Orbident, flight: Recording) -> str:
 def test_urdf(orbident: Orbident, run: str):
     """It is a robot with the identified parameters, for every other verb."""
     words = orbident("export", run, "-o", "identified.urdf").done().out
-    assert "identified.urdf: 4 bodies, base parameters" in words
+    assert "identified.urdf, 4 bodies, base parameters" in words
     text = Path(f"{run}/robot.yaml").read_text()
     Path("identified.yaml").write_text(text.replace("robot.urdf", "identified.urdf"))
     inspected = orbident("inspect", "identified.yaml", "--json", "-").done().json
     result = json.loads(Path(f"{run}/result.json").read_text())
     assert worst_error(result["base"], inspected["base"]) < 1e-9
-    told = orbident("export", run, "-o", "identified.urdf", "--json", "-").done().json
+    told = (
+        orbident("export", run, "-o", "identified.urdf", "--force", "--json", "-")
+        .done()
+        .json
+    )
     assert told["deviation"] < 1
     assert sum(told["masses"].values()) == pytest.approx(1110.0)
 
@@ -54,7 +58,7 @@ def test_parameters_for_a_spreadsheet(orbident: Orbident, run: str):
     result = json.loads(Path(f"{run}/result.json").read_text())
     with Path("p.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
-    assert f"p.csv: {len(rows)} parameters" in words
+    assert f"p.csv, {len(rows)} parameters" in words
     for name in ("base", "phi", "pi"):
         own = [row for row in rows if row["set"] == name]
         assert [row["parameter"] for row in own] == result[name]["names"]
@@ -137,6 +141,9 @@ def test_a_filter_for_flight(orbident: Orbident, run: str):
     # A robot file will do, of the same robot with the same numbers.
     orbident("export", "paper-spatial", "--flight", "g", *recorded, "--quiet").done()
     assert Path("g/robot.h").read_text() == Path("f/robot.h").read_text()
+    again = ("export", "paper-spatial", "--flight", "g", *recorded, "--quiet")
+    orbident(*again).refused("g: exists already; name another, or use --force")
+    orbident(*again, "--force").done()
 
 
 def test_refusals_of_a_filter_for_flight(orbident: Orbident, run: str):
@@ -150,5 +157,5 @@ def test_refusals_of_a_filter_for_flight(orbident: Orbident, run: str):
     refused("--flight", "f", words="give --recording REC")
     refused("-o", "a.urdf", *recorded, words="--recording: is for --flight")
     refused("--flight", "f", "--q", "0", *recorded, words="--q: is for a .json")
-    refused("--flight", run, *recorded, words="run: exists already; name another")
+    refused("--flight", run, *recorded, words="run: holds something else than a filter")
     assert not Path("f").exists()

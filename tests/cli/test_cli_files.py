@@ -70,7 +70,7 @@ def test_matlab_to_parameters(orbident: Orbident, flight: Recording):
     savemat("flight.mat", as_structs(flight))
     Path("map.yaml").write_text(MAP)
     ran = orbident("convert", "flight.mat", "--map", "map.yaml", "-o", "r.parquet")
-    assert "r.parquet: " in ran.done().out
+    assert "written: r.parquet" in ran.done().out
     ran = orbident("identify", "paper-spatial", "r.parquet", *LINEAR, "--json", "-")
     inspected = orbident("inspect", "paper-spatial", "--json", "-").done().json
     # As from a bag: the velocity of S is by a spline through 20 Hz.

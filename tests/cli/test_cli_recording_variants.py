@@ -211,3 +211,31 @@ def test_batches_do_not_show(check, seen: Recording):
     }
     write_recording(Recording(t, columns), Path("r.csv"))
     assert check("r.csv", EXACT)["samples"] == 1025
+
+
+def test_a_recording_is_cut_as_if_its_rows_were(orbident: Orbident, seen: Recording):
+    """Rows from 2 s to 30 s, both ends included, of 20 a second."""
+    whole = written(seen, "whole.csv")
+    part = written(seen, "part.csv", rows=slice(40, 601))
+    cut = ("--from", "2", "--to", "30")
+    results = [
+        orbident(*IDENTIFY, *arguments, "--json", "-").done().json
+        for arguments in ((part,), (whole, *cut))
+    ]
+    used = results[1]["input"]
+    assert (used["from"], used["to"]) == (2.0, 30.0)
+    for result in results:
+        del result["elapsed_s"], result["input"]
+    assert results[0] == results[1]
+    orbident(*IDENTIFY, part, "-o", "run", "--quiet").done()
+    scores = [
+        orbident("validate", "run", *arguments, "--json", "-").done().json
+        for arguments in ((part,), (whole, *cut))
+    ]
+    assert scores[0] == scores[1]
+
+
+def test_ends_of_a_cut_are_checked(orbident: Orbident, seen: Recording):
+    path = written(seen, "r.csv")
+    orbident(*IDENTIFY, path, "--from", "8", "--to", "8").refused("--from 8", "--to 8")
+    orbident(*IDENTIFY, path, "--from", "900").refused("has 0 rows from 900 s to inf s")

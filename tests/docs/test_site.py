@@ -3,8 +3,13 @@
 import logging
 import re
 from pathlib import Path
+from typing import cast
 
 import pytest
+import typer
+from typer.core import TyperGroup
+
+from orbident.cli.verbs import app
 
 ROOT = Path(__file__).parents[2]
 # What a page loads by itself; links may lead elsewhere.
@@ -48,6 +53,17 @@ def test_equations_and_names_are_in_it(site: Path):
 
     for name in dir(orbident):
         assert f"orbident.{name}" in api or f">{name}<" in api, name
+
+
+@pytest.mark.filterwarnings("default")
+def test_every_verb_and_option_is_in_it(site: Path):
+    page = (site / "command-line" / "index.html").read_text()
+    group = cast("TyperGroup", typer.main.get_command(app))
+    for name, verb in group.commands.items():
+        assert f">{name}<" in page
+        for option in verb.params:
+            assert all(flag in page for flag in option.opts if flag.startswith("-"))
+    assert "<!-- verbs -->" not in page
 
 
 @pytest.mark.filterwarnings("default")

@@ -20,19 +20,20 @@ OLD = "run"
 _LINEAR = ("paper-spatial", "r.csv", "--method", "least-squares", "--quiet")
 IDENTIFY = ("identify", *_LINEAR, "-o", OLD)
 STUDY = ("study", "spatial", "--quiet", "--force", "-o", "study")
+TO = ("--force", "-o")
 EXCITE = ("excite", "paper-spatial", "--starts", "1", "--harmonics", "1", "--quiet")
 
 VERBS = {
-    "topics": ("topics", "flight.mcap", "--quiet", "-o", "map.yaml"),
-    "convert": ("convert", "flight.mcap", "--map", "topics.yaml", "-o", "c.parquet"),
+    "topics": ("topics", "flight.mcap", "--quiet", *TO, "map.yaml"),
+    "convert": ("convert", "flight.mcap", "--map", "topics.yaml", *TO, "c.parquet"),
     "robots --json": ("robots", "--quiet", "--json", "robots.json"),
-    "export": ("export", OLD, "--quiet", "-o", "x.urdf"),
-    "sample": ("sample", "t.yaml", "--rate", "5", "--quiet", "-o", "s.csv"),
-    "simulate": ("simulate", "paper-spatial", "t.yaml", "--quiet", "-o", "m.csv"),
+    "export": ("export", OLD, "--quiet", *TO, "x.urdf"),
+    "sample": ("sample", "t.yaml", "--rate", "5", "--quiet", *TO, "s.csv"),
+    "simulate": ("simulate", "paper-spatial", "t.yaml", "--quiet", *TO, "m.csv"),
     "report": ("report", OLD, "--force", "--quiet"),
     "identify": ("identify", *_LINEAR, "-o", "first"),
     "identify --force": ("identify", *_LINEAR, "--force", "-o", OLD),
-    "excite": (*EXCITE, "-o", "e.yaml"),
+    "excite": (*EXCITE, *TO, "e.yaml"),
     "study": STUDY,
 }
 PLACES = {name: arguments[-1] for name, arguments in VERBS.items()}

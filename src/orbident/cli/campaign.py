@@ -20,7 +20,7 @@ class _RunsByDefault(TyperGroup):
     """`campaign SPEC` is `campaign run SPEC`."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        if args and args[0] not in {*self.commands, "--help"}:
+        if args and args[0] not in {*self.commands, "-h", "--help"}:
             args = [RUN, *args]
         return super().parse_args(ctx, args)
 
@@ -29,7 +29,7 @@ campaign = typer.Typer(
     cls=_RunsByDefault,
     rich_markup_mode=None,
     no_args_is_help=True,
-    help="Make many runs with other robots, states and noise, on all processors.",
+    help="Make many runs, with random robots, states and noise.",
 )
 
 Folder = Annotated[
@@ -47,8 +47,8 @@ def run(
         typer.Option(
             "-o",
             metavar="DIR",
-            help="Where all is kept. With a campaign of the same SPEC it is gone on "
-            "with where it ended.",
+            help="The folder that keeps everything. If it holds a campaign of the same "
+            "SPEC, that is continued.",
         ),
     ],
     workers: Workers = None,
@@ -63,7 +63,7 @@ def run(
     json: Json = None,
     quiet: Quiet = False,
 ) -> None:
-    """Make the runs of a campaign that are not made yet; 'run' may be left out."""
+    """Make the runs that are missing; 'run' may be left out."""
     from orbident.campaigns.conduct import conduct
     from orbident.campaigns.executors import local
     from orbident.campaigns.folder import begin
@@ -93,7 +93,10 @@ def run(
 
 @campaign.command()
 def status(folder: Folder, json: Json = None, quiet: Quiet = False) -> None:
-    """Say how far a campaign is, from any machine that sees its folder."""
+    """Show how far a campaign is.
+
+    This works on any machine that sees its folder.
+    """
     from orbident.campaigns.conduct import campaign_progress as status_of
     from orbident.campaigns.folder import opened
     from orbident.cli.output import Output
@@ -108,11 +111,16 @@ def status(folder: Folder, json: Json = None, quiet: Quiet = False) -> None:
 @campaign.command()
 def rerun(
     folder: Folder,
-    number: Annotated[int, typer.Argument(metavar="RUN", help="Of the run, from 0.")],
+    number: Annotated[
+        int, typer.Argument(metavar="RUN", help="Number of the run, from 0.")
+    ],
     json: Json = None,
     quiet: Quiet = False,
 ) -> None:
-    """Make one run again, exactly; keep its recording, and a RUN for each method."""
+    """Repeat one run exactly, and keep what it makes.
+
+    These are its recording, and a RUN for each method.
+    """
     from orbident.campaigns.folder import check_versions, opened, versions
     from orbident.campaigns.rerun import repeat_run as made_again
     from orbident.cli.identify import keep

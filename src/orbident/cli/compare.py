@@ -26,7 +26,7 @@ def compare(
     json: Json = None,
     quiet: Quiet = False,
 ) -> None:
-    """Find what a robot captured, or let go, between two recordings."""
+    """Find what a robot captured or let go between two RUNs."""
     from orbident.cli.output import Output
     from orbident.identified.comparison import compare as compared
     from orbident.identified.run_folder import load_result

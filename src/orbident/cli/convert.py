@@ -5,26 +5,34 @@ from typing import Annotated, Any
 
 import typer
 
-from orbident.cli.options import Json, LogFile, Preset, Quiet
+from orbident.cli.options import Force, Json, LogFile, Preset, Quiet
 
 
 def convert(
     file: LogFile,
     out: Annotated[
-        Path, typer.Option("-o", metavar="REC", help="The recording: .csv or .parquet.")
+        Path,
+        typer.Option(
+            "-o", metavar="REC", help="The recording to write, .csv or .parquet."
+        ),
     ],
     topic_map: Annotated[
         Path | None,
-        typer.Option("--map", metavar="MAP", help="What each topic feeds (YAML)."),
+        typer.Option(
+            "--map",
+            metavar="MAP",
+            help="A topic map (YAML): which columns each topic feeds.",
+        ),
     ] = None,
     preset: Preset = None,
+    force: Force = False,
     json: Json = None,
     quiet: Quiet = False,
 ) -> None:
-    """Make a recording of a file of another tool: a bag, MATLAB, HDF5, PX4, ..."""
+    """Convert a file of ROS, MATLAB, PX4 or others to a recording."""
     from orbident.cli.output import Output, progress
     from orbident.errors import InputError
-    from orbident.files.replacing import check_place
+    from orbident.files.replacing import check_free
     from orbident.recordings.topics.convert import convert_file
     from orbident.recordings.topics.presets import known_preset
 
@@ -35,15 +43,15 @@ def convert(
             "give either '--map MAP', which 'orbident topics' proposes, or "
             "'--preset NAME'"
         )
-    check_place(out)
+    check_free(out, force)
     with progress("converting") as done:
         report = convert_file(file, chosen, out, done)
     output.warn(report.warnings)
-    output.say(*_lines(report))
+    output.say(*_lines(file, report))
     output.write_json(report.to_json())
 
 
-def _lines(report: Any) -> list[Any]:
+def _lines(file: Path, report: Any) -> list[Any]:
     from rich.table import Table
 
     heads = ("topic", "messages", "used", "rate (Hz)", "from (s)", "to (s)", "time")
@@ -62,7 +70,8 @@ def _lines(report: Any) -> list[Any]:
         )
     odd = [sentence for topic in report.topics for sentence in topic.sentences()]
     return [
+        f"converted {file}: {report.samples} samples over {report.duration:g} s",
         table,
         *odd,
-        f"{report.recording}: {report.samples} samples over {report.duration:g} s",
+        f"written: {report.recording}",
     ]

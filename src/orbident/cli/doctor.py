@@ -16,7 +16,7 @@ _DEVELOPERS = ("docs", "test")
 
 
 def doctor(json: Json = None, quiet: Quiet = False) -> None:
-    """Check this installation: versions, extras, and a robot identified."""
+    """Check this installation: versions, extras and a self-test."""
     import platform
 
     from orbident.cli.output import Output

@@ -16,7 +16,7 @@ from orbident.cli.excite_tables import (
     was_interrupted,
     written,
 )
-from orbident.cli.options import Json, Quiet, RobotName
+from orbident.cli.options import Force, Json, Quiet, RobotName
 from orbident.errors import InputError
 
 DURATION = 60.0
@@ -36,41 +36,67 @@ class Objective(StrEnum):
 Out = Annotated[
     Path | None, typer.Option("-o", metavar="TRAJ", help="The trajectory file.")
 ]
-Duration = Annotated[float | None, typer.Option(help="Seconds; 60 by default.")]
-Harmonics = Annotated[int | None, typer.Option(help="Of Eq. 41; 3 by default.")]
+Duration = Annotated[
+    float | None, typer.Option(help="Duration of the motion, s (default 60).")
+]
+Harmonics = Annotated[
+    int | None, typer.Option(help="Number of Fourier harmonics (Eq. 41; default 3).")
+]
 Criterion = Annotated[
     Objective | None,
     typer.Option(
-        help="cond: condition number of Y-hat; d, a, e: mean, root mean square or "
-        "largest deviation of all parameters. d by default where the robot file "
-        "declares sensors, cond with --like-paper."
+        help="What is made small. cond: the condition number of Y-hat. d, a, e: the "
+        "geometric mean, root mean square or largest standard deviation of all "
+        "parameters. The default is d where the robot file declares sensors, and cond "
+        "otherwise or with --like-paper."
     ),
 ]
-Starts = Annotated[int | None, typer.Option(help="Starts; by default 24 or more.")]
+Starts = Annotated[
+    int | None,
+    typer.Option(help="Number of random starts of the search (default 24 or more)."),
+]
 Budget = Annotated[
-    float | None, typer.Option(metavar="SECONDS", help="Instead of --starts.")
+    float | None,
+    typer.Option(metavar="SECONDS", help="Search time, instead of a number of starts."),
 ]
 Uncertainty = Annotated[
-    float, typer.Option(help="Of masses and sizes, relative; the worst robot counts.")
+    float,
+    typer.Option(
+        help="Relative uncertainty of masses and sizes, such as 0.1: the motion is "
+        "made for the worst robot within it."
+    ),
 ]
 Like = Annotated[
     Path | None,
     typer.Option(
-        "--like", metavar="TRAJ", help="Take ends and initial state from there."
+        "--like",
+        metavar="TRAJ",
+        help="Take both ends of the motion and the initial state from this trajectory.",
     ),
 ]
-LikePaper = Annotated[bool, typer.Option(help="The paper's conditions.")]
+LikePaper = Annotated[
+    bool,
+    typer.Option("--like-paper", help="Use the paper's conditions for its two robots."),
+]
 Limit = Annotated[
     list[str] | None,
     typer.Option(
-        "--limit", metavar="NAME=VALUE", help=f"One of {', '.join(LIMITS)}; repeatable."
+        "--limit",
+        metavar="NAME=VALUE",
+        help="Add a limit, in SI; may be given several "
+        f"times. NAME is one of {', '.join(LIMITS)}.",
     ),
 ]
 Compare = Annotated[
     list[Path] | None,
-    typer.Option("--compare", metavar="TRAJ", help="Score this instead; repeatable."),
+    typer.Option(
+        "--compare",
+        metavar="TRAJ",
+        help="Score this trajectory instead of designing one; may be given "
+        "several times.",
+    ),
 ]
-Seed = Annotated[int, typer.Option(help="Of the random starts.", min=0)]
+Seed = Annotated[int, typer.Option(help="Random seed of the starts.", min=0)]
 
 
 def excite(
@@ -87,22 +113,26 @@ def excite(
     limit: Limit = None,
     compare: Compare = None,
     seed: Seed = 0,
+    force: Force = False,
     json: Json = None,
     quiet: Quiet = False,
 ) -> None:
-    """Design a trajectory that excites every parameter, or compare some."""
+    """Design a motion that excites every parameter, or compare some.
+
+    Limits of positions and rates hold at all times, between samples too.
+    """
     from orbident.cli.output import Output, progress
-    from orbident.files.replacing import check_place
+    from orbident.files.replacing import check_free
     from orbident.robot.robot_file import load_robot
 
     output = Output(json, quiet)
-    described = load_robot(robot)
     if compare:
-        _compare(described, compare, like_paper, output)
+        _compare(load_robot(robot), compare, like_paper, output)
         return
     if out is None:
         raise InputError("-o is missing; say where the trajectory is to be written")
-    check_place(out)
+    check_free(out, force)
+    described = load_robot(robot)
     limits = _limits(limit or [])
     given, paper = _conditions(
         described, (duration, harmonics), like, like_paper, limits

@@ -70,9 +70,10 @@ def designed(found: Any, paper: Any) -> list[Any]:
 
     made = found.design
     lines: list[Any] = [
+        f"designed a motion of {found.duration:g} s and {len(found.joints)} joints",
         f"objective {made['objective']}: {_number(made['value'])}, the best of "
         f"{made['starts']} starts (random motions: {made['median_random_start']:.4g}, "
-        f"the best of them {_number(made['best_random_start'])})"
+        f"the best of them {_number(made['best_random_start'])})",
     ]
     if paper is not None and paper.quoted is not None:
         lines.append(f"the paper quotes a condition number of {paper.quoted:g} for its")
@@ -132,7 +133,8 @@ def compared(found: Any) -> tuple[list[Any], dict[str, Any]]:
         "nominal": found.nominal.tolist(),
     }
     title = "predicted standard deviations (Cramer-Rao):"
-    return [criteria, "", title, parameters], document
+    first = f"compared {len(found.sources)} trajectories"
+    return [first, "", criteria, "", title, parameters], document
 
 
 def _rows() -> list[tuple[str, str]]:

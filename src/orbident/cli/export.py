@@ -5,7 +5,7 @@ from typing import Annotated, Any
 
 import typer
 
-from orbident.cli.options import Json, Quiet
+from orbident.cli.options import Force, Json, Quiet
 from orbident.errors import InputError
 
 
@@ -50,22 +50,23 @@ def export(
             "sensors are.",
         ),
     ] = None,
+    force: Force = False,
     json: Json = None,
     quiet: Quiet = False,
 ) -> None:
-    """Write the identified model, its parameters, or a filter for flight."""
+    """Write the identified model, or a filter for flight computers."""
     from orbident.cli.output import Output
-    from orbident.files.replacing import check_place
+    from orbident.files.replacing import check_free
     from orbident.identified.run_folder import load_result
 
     output = Output(json, quiet)
     _check_what(out, q, flight, recording)
     if flight is not None and recording is not None:
-        _export_flight(output, run, flight, recording)
+        _export_flight(output, run, flight, recording, force)
         return
     assert out is not None
     _check_kind(out, q)
-    check_place(out)
+    check_free(out, force)
     result = load_result(run)
     if q is not None:
         _export_matrices(output, result, out, _numbers(q))
@@ -91,7 +92,9 @@ def _check_what(
         raise InputError("--q: is for a .json; leave it out")
 
 
-def _export_flight(output: Any, run: Path, folder: Path, recording: Path) -> None:
+def _export_flight(
+    output: Any, run: Path, folder: Path, recording: Path, force: bool
+) -> None:
     from orbident.cli.output import progress
     from orbident.identified.flight_export import check_empty, export_flight
     from orbident.identified.flight_samples import samples_for_flight
@@ -99,21 +102,22 @@ def _export_flight(output: Any, run: Path, folder: Path, recording: Path) -> Non
     from orbident.recordings.tables import read_recording
     from orbident.robot.robot_file import load_robot
 
-    check_empty(folder)
+    check_empty(folder, force)
     source = load_result(run) if run.is_dir() else load_robot(str(run))
     with progress("filtering"):
         given = samples_for_flight(source, read_recording(recording))
-        written = export_flight(*given, folder)
+        written = export_flight(*given, folder, force)
     if not written.scale:
         output.warn(
             [
-                f"{recording}: does not tell the scale of the parameters, so what "
-                "'replay' estimates is not to be believed; record while a wheel spins"
+                f"{recording}: does not determine the scale of the parameters, so "
+                "what 'replay' estimates must not be trusted; record while a wheel "
+                "spins"
             ]
         )
     output.say(
-        f"{folder}: replays {written.steps} steps; a filter takes {written.memory} "
-        f"numbers, {written.state} of them its state",
+        f"written: {folder}, which replays {written.steps} steps; a filter takes "
+        f"{written.memory} numbers, {written.state} of them its state",
         f"cmake -S {folder} -B {folder}/build && cmake --build {folder}/build && "
         f"{folder}/build/replay",
     )
@@ -164,8 +168,8 @@ def _export_urdf(output: Any, result: Any, out: Path) -> None:
             f"moved by {bodies.deviation:.2g} sigma in all, so that bodies can exist"
         )
     output.say(
-        f"{out}: {len(robot.bodies)} bodies, base parameters {moved}",
-        "what does not show in momentum is as near to the nominal bodies as can be",
+        f"written: {out}, {len(robot.bodies)} bodies, base parameters {moved}",
+        "directions that free floating cannot observe stay as close to CAD as possible",
     )
     output.write_json(
         {
@@ -184,7 +188,7 @@ def _export_matrices(output: Any, result: Any, out: Path, q: list[float]) -> Non
 
     document = matrices_at(result, q)
     write_text(out, dumps(document, indent=1, allow_nan=False) + "\n")
-    output.say(f"{out}: H+ over {', '.join(document['speeds'])}")
+    output.say(f"written: {out}, H+ over {', '.join(document['speeds'])}")
     output.write_json({"file": str(out)})
 
 
@@ -198,5 +202,7 @@ def _export_parameters(output: Any, result: Any, out: Path) -> None:
     latex = out.suffix.lower() == ".tex"
     write_text(out, parameters_as_latex(result) if latex else parameters_as_csv(result))
     count = sum(len(found.names) for found in (result.base, result.phi, result.pi))
-    output.say(f"{out}: {count} parameters: M, sigma and iota, then phi, then pi")
+    output.say(
+        f"written: {out}, {count} parameters: M, sigma and iota, then phi, then pi"
+    )
     output.write_json({"file": str(out), "parameters": count})

@@ -7,11 +7,15 @@ from typing import Annotated, Any
 import typer
 
 from orbident.cli.options import (
+    End,
+    Force,
     InitialMomentum,
     Json,
     MomentumKnown,
     Quiet,
     RobotName,
+    Start,
+    cut,
 )
 from orbident.robot.disturbance_groups import DisturbanceGroup
 
@@ -38,15 +42,18 @@ def identify(
     out: Annotated[
         Path | None,
         typer.Option(
-            "-o", metavar="RUN", help="Keep the result there, and a report of it."
+            "-o",
+            metavar="RUN",
+            help="The folder to write: result, robot, signals and report.html.",
         ),
     ] = None,
     method: Annotated[
         MethodChoice,
         typer.Option(
-            help="maximum-likelihood: all sensors at once; structured: Eqs. 24 and 31 "
-            "for the base parameters; least-squares: the paper's; recursive: sample by "
-            "sample, watching for changes (RUN has history.csv)."
+            help="maximum-likelihood: fits all sensors at once. structured: solves "
+            "Eqs. 24 and 31 for the base parameters. least-squares: the paper's. "
+            "recursive: a filter, sample by sample, that watches for changes (RUN has "
+            "history.csv)."
         ),
     ] = MethodChoice.maximum_likelihood,
     initial_momentum: MomentumKnown = InitialMomentum.unknown,
@@ -56,9 +63,11 @@ def identify(
             metavar="GROUP",
             help="Something that is known to act from outside, such as `pull` on a "
             "table that is not level; may be given several times. All others are "
-            "tested for. The how-to 'What acts from outside' has their names.",
+            "tested for. The how-to 'What acts from outside' explains the names.",
         ),
     ] = None,
+    start: Start = None,
+    end: End = None,
     burn: Annotated[
         Path | None,
         typer.Option(
@@ -75,13 +84,15 @@ def identify(
             "of every sensor too.",
         ),
     ] = False,
-    force: Annotated[
-        bool, typer.Option("--force", help="Overwrite an existing RUN.")
-    ] = False,
+    force: Force = False,
     json: Json = None,
     quiet: Quiet = False,
 ) -> None:
-    """Identify all that free floating shows, beside CAD, from recordings."""
+    """Identify a robot's inertial parameters from recordings.
+
+    Prints the total mass and the parameters that free floating can identify, with
+    standard deviations, beside the nominal (CAD) values.
+    """
     from dataclasses import replace
 
     from orbident.cli.identify_tables import summary
@@ -102,7 +113,7 @@ def identify(
     asked = (*described.disturbances, *map(str, disturbance or ()))
     described = replace(described, disturbances=asked)
     with progress("reading"):
-        tables = [open_recording(recording) for recording in recordings]
+        tables = [cut(open_recording(each), start, end) for each in recordings]
         pushed = None if burn is None else read_recording(burn)
     with progress("identifying") as done:
         result = identified(
@@ -116,8 +127,10 @@ def identify(
     if result.status == "rejected":
         with progress("looking for the cause"):
             result = result.with_causes()
+    used = {"from": start, "to": end}
     files = [
         {"file": name_of(recording), "sha256": sha256(recording)}
+        | {key: value for key, value in used.items() if value is not None}
         for recording in recordings
     ]
     origin = files[0] if len(files) == 1 else {"recordings": files}

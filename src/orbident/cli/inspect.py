@@ -20,15 +20,15 @@ def inspect(
         Path | None,
         typer.Option(
             metavar="TRAJ",
-            help="Also how well its sensors can tell the parameters on this "
-            "trajectory, at best (the Cramér-Rao bound).",
+            help="Show the least standard deviation, too, that the robot's sensors "
+            "allow on this trajectory (the Cramér-Rao bound).",
         ),
     ] = None,
     initial_momentum: MomentumKnown = InitialMomentum.unknown,
     json: Json = None,
     quiet: Quiet = False,
 ) -> None:
-    """What a robot has, and what a recording of it can identify."""
+    """Show a robot, and what a recording of it can identify."""
     from orbident.cli.output import Output, progress
     from orbident.model.formulas import formulas_of
     from orbident.model.identifiability import not_identifiable

@@ -5,7 +5,7 @@ from typing import Annotated, Any
 
 import typer
 
-from orbident.cli.options import Json, Quiet
+from orbident.cli.options import Force, Json, Quiet
 
 
 def noise(
@@ -18,32 +18,37 @@ def noise(
     out: Annotated[
         Path | None,
         typer.Option(
-            "-o", metavar="FILE", help="Write the robot file's sensors: section there."
+            "-o",
+            metavar="FILE",
+            help="Write the 'sensors' section of a robot file there.",
         ),
     ] = None,
     plot: Annotated[
         Path | None,
         typer.Option(
-            "--plot", metavar="FILE", help="Write Allan deviations there, as HTML."
+            "--plot",
+            metavar="FILE",
+            help="Draw the Allan deviations in this file (HTML).",
         ),
     ] = None,
+    force: Force = False,
     json: Json = None,
     quiet: Quiet = False,
 ) -> None:
-    """Learn the noise of sensors from a recording at rest.
+    """Estimate the noise of sensors from a recording at rest.
 
-    Gyro, accelerometer, attitude and position: on each axis white noise and, where the
-    samples ask for it, noise that lasts.
+    For each axis of gyro, accelerometer, attitude and position: white noise and, where
+    the samples show it, noise that lasts.
     """
     from orbident.cli.output import Output, progress
     from orbident.estimation.rest_noise import rest_noise, sensor_section
-    from orbident.files.replacing import check_place
+    from orbident.files.replacing import check_free
     from orbident.recordings.tables import read_recording
 
     output = Output(json, quiet)
     for place in (out, plot):
         if place is not None:
-            check_place(place)
+            check_free(place, force)
     recording = read_recording(rest)
     with progress("learning the noise"):
         found = rest_noise(recording)
@@ -65,7 +70,13 @@ def noise(
     )
     checks = [each.check for each in found]
     output.warn(check.words for check in checks if not check.passed)
-    output.say(_table(found), "", where)
+    output.say(
+        f"estimated the noise of {len(found)} axes from {rest}",
+        "",
+        _table(found),
+        "",
+        where,
+    )
     output.write_json({"axes": _document(found), "sensors": section})
 
 

@@ -1,26 +1,51 @@
 """Arguments and options that several verbs share."""
 
 from enum import StrEnum
+from math import inf
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
+from orbident.errors import InputError
+
+
+def _bundled(incomplete: str) -> list[str]:
+    from orbident.robot.robot_file import bundled_robots
+
+    return [name for name in bundled_robots() if name.startswith(incomplete)]
+
+
+def _presets(incomplete: str) -> list[str]:
+    from orbident.recordings.topics.presets import presets
+
+    return [name for name in presets() if name.startswith(incomplete)]
+
+
 RobotName = Annotated[
     str,
-    typer.Argument(metavar="ROBOT", help="A bundled name, a URDF, or a robot file."),
+    typer.Argument(
+        metavar="ROBOT",
+        help="A bundled name, a URDF, or a robot file.",
+        autocompletion=_bundled,
+    ),
 ]
 Json = Annotated[
     str | None,
-    typer.Option("--json", metavar="FILE|-", help="Write the result there as JSON."),
+    typer.Option(
+        "--json",
+        metavar="FILE|-",
+        help="Write the result there as JSON; - is standard output. A FILE that is "
+        "there already is replaced.",
+    ),
 ]
-Quiet = Annotated[bool, typer.Option("--quiet", help="Print warnings only.")]
+Quiet = Annotated[bool, typer.Option("--quiet", help="Print nothing but warnings.")]
 Workers = Annotated[
     int | None,
     typer.Option(
         "--workers",
         min=1,
-        help="Processes on this machine; by default the processors at hand.",
+        help="Number of processes (default: one for each processor).",
     ),
 ]
 RecordingFile = Annotated[
@@ -41,8 +66,26 @@ Preset = Annotated[
         metavar="NAME",
         help="A map that comes with Orbident: astrobee, basilisk, cepheus, "
         "px4-spacecraft.",
+        autocompletion=_presets,
     ),
 ]
+Start = Annotated[
+    float | None,
+    typer.Option(
+        "--from",
+        metavar="SECONDS",
+        help="Use only what was recorded at this time (column t) or later.",
+    ),
+]
+End = Annotated[
+    float | None,
+    typer.Option(
+        "--to",
+        metavar="SECONDS",
+        help="Use only what was recorded at this time (column t) or earlier.",
+    ),
+]
+Force = Annotated[bool, typer.Option("--force", help="Replace what is there already.")]
 RunFolder = Annotated[
     Path, typer.Argument(metavar="RUN", help="A folder that 'identify -o' wrote.")
 ]
@@ -60,8 +103,25 @@ MomentumKnown = Annotated[
     InitialMomentum,
     typer.Option(
         "--initial-momentum",
-        help="How the momentum is known. unknown: it is estimated; at-rest: the robot "
-        "was at rest before its wheels spun up; first-sample: as in the paper, the "
-        "first sample is subtracted (Eq. 24).",
+        help="How the momentum is known. unknown: it is estimated. at-rest: it is "
+        "zero, as the robot was at rest before its wheels spun up. first-sample: as in "
+        "the paper, the first sample is subtracted (Eq. 24).",
     ),
 ]
+
+
+def cut(table: Any, start: float | None, end: float | None) -> Any:
+    """Only the rows of a recording from --from to --to, if either is given.
+
+    Raises:
+        InputError: --from does not come before --to, or hardly a row is left.
+    """
+    if start is None and end is None:
+        return table
+    start, end = -inf if start is None else start, inf if end is None else end
+    if not start < end:
+        raise InputError(
+            f"--from {start:g} does not come before --to {end:g}; give two times "
+            "in seconds, the earlier one as --from"
+        )
+    return table.between(start, end)

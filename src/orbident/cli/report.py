@@ -1,31 +1,25 @@
 """`orbident report RUN`."""
 
-from typing import Annotated
-
-import typer
-
-from orbident.cli.options import Json, Quiet, RunFolder
-from orbident.errors import InputError
+from orbident.cli.options import Force, Json, Quiet, RunFolder
 
 
 def report(
     run: RunFolder,
-    force: Annotated[
-        bool, typer.Option("--force", help="Overwrite the report that is there.")
-    ] = False,
+    force: Force = False,
     json: Json = None,
     quiet: Quiet = False,
 ) -> None:
-    """Write RUN/report.html: one page to look at, which needs no network."""
+    """Write RUN/report.html, one page that needs no network."""
     from orbident.cli.output import Output
     from orbident.files.locking import locked
+    from orbident.files.replacing import check_free
     from orbident.identified.run_folder import REPORT, load_result
     from orbident.report.write import write_report
 
     output = Output(json, quiet)
+    if run.is_dir():
+        check_free(run / REPORT, force)
     result = load_result(run)
-    if (run / REPORT).exists() and not force:
-        raise InputError(f"{run / REPORT}: exists already; use --force")
     with locked(run):
         path = write_report(result, run)
     output.say(f"written: {path}")

@@ -4,7 +4,7 @@ from orbident.cli.options import Json, Quiet
 
 
 def robots(json: Json = None, quiet: Quiet = False) -> None:
-    """List the bundled robots, each usable wherever ROBOT stands."""
+    """List the bundled robots, whose names can stand for ROBOT."""
     from rich.table import Table
 
     from orbident.cli.output import Output
@@ -25,5 +25,8 @@ def robots(json: Json = None, quiet: Quiet = False) -> None:
         entries.append(entry)
         *words, mass = entry.values()
         table.add_row(*map(str, words), f"{mass:.6g}")
-    output.say(table)
+    output.say(
+        f"{len(entries)} robots come with Orbident; each name can stand for ROBOT",
+        table,
+    )
     output.write_json({"robots": entries})

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from orbident.cli.options import Json, Quiet
+from orbident.cli.options import Force, Json, Quiet
 
 
 class Format(StrEnum):
@@ -23,7 +23,9 @@ def sample(
     out: Annotated[
         Path,
         typer.Option(
-            "-o", metavar="TABLE", help="The table: .csv or .parquet; else .yaml."
+            "-o",
+            metavar="TABLE",
+            help="The table to write, .csv or .parquet; or .yaml with --format.",
         ),
     ],
     rate: Annotated[float, typer.Option(help="Samples per second, Hz.")],
@@ -31,10 +33,11 @@ def sample(
         Format,
         typer.Option(
             "--format",
-            help="table: CSV or Parquet by suffix; joint-trajectory: YAML of a ROS "
-            "trajectory_msgs/JointTrajectory.",
+            help="table: CSV or Parquet, by suffix. joint-trajectory: a ROS "
+            "trajectory_msgs/JointTrajectory as YAML.",
         ),
     ] = Format.table,
+    force: Force = False,
     json: Json = None,
     quiet: Quiet = False,
 ) -> None:
@@ -45,14 +48,14 @@ def sample(
         sampled,
         write_joint_trajectory,
     )
-    from orbident.files.replacing import check_place
+    from orbident.files.replacing import check_free
     from orbident.recordings.tables import check_writable, write_recording
     from orbident.trajectories.trajectory_file import load_trajectory
 
     output = Output(json, quiet)
     if format_ is Format.table:
         check_writable(out)
-    check_place(out)
+    check_free(out, force)
     motion = load_trajectory(trajectory)
     samples = sampled(motion, rate)
     if format_ is Format.table:
@@ -60,7 +63,10 @@ def sample(
     else:
         write_joint_trajectory(samples, out)
     count = samples.t.size
-    output.say(f"{out}: {count} samples over {motion.duration:g} s, {format_}")
+    output.say(
+        f"sampled {trajectory}: {count} samples over {motion.duration:g} s, {format_}",
+        f"written: {out}",
+    )
     output.write_json(
         {
             "table": str(out),

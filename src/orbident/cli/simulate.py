@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from orbident.cli.options import Json, Quiet, RobotName
+from orbident.cli.options import Force, Json, Quiet, RobotName
 
 
 class NoiseChoice(StrEnum):
@@ -26,28 +26,37 @@ def simulate(
         ),
     ],
     out: Annotated[
-        Path, typer.Option("-o", metavar="REC", help="The recording: .csv or .parquet.")
+        Path,
+        typer.Option(
+            "-o", metavar="REC", help="The recording to write, .csv or .parquet."
+        ),
     ],
     rate: Annotated[
         float | None,
-        typer.Option(help="Samples per second, Hz; the robot file's by default."),
+        typer.Option(help="Samples per second, Hz (default: that of the robot file)."),
     ] = None,
     noise: Annotated[
         NoiseChoice,
         typer.Option(
-            help="none: ideal sensors of everything; sensors: those of the robot file."
+            help="none: ideal sensors of everything. sensors: those of the robot file."
         ),
     ] = NoiseChoice.none,
-    seed: Annotated[int, typer.Option(help="Of noise and environment.", min=0)] = 0,
+    seed: Annotated[
+        int, typer.Option(help="Random seed of noise and environment.", min=0)
+    ] = 0,
     truth: Annotated[
-        bool, typer.Option("--truth", help="Add noise-free columns truth.*.")
+        bool,
+        typer.Option(
+            "--truth", help="Add noise-free columns, truth.*, to the recording."
+        ),
     ] = False,
+    force: Force = False,
     json: Json = None,
     quiet: Quiet = False,
 ) -> None:
     """Float the robot along a trajectory and record it."""
     from orbident.cli.output import Output, progress
-    from orbident.files.replacing import check_place
+    from orbident.files.replacing import check_free
     from orbident.recordings.tables import check_writable, write_recording
     from orbident.robot.robot_file import load_robot
     from orbident.simulation.simulate import simulate as simulated
@@ -55,7 +64,7 @@ def simulate(
 
     output = Output(json, quiet)
     check_writable(out)
-    check_place(out)
+    check_free(out, force)
     described = load_robot(robot)
     motion = load_trajectory(trajectory)
     with progress("floating"):
@@ -64,7 +73,11 @@ def simulate(
         )
         write_recording(recording, out)
     duration = float(recording.t[-1])
-    output.say(f"{out}: {recording.t.size} samples over {duration:g} s, noise {noise}")
+    output.say(
+        f"simulated {described.name} along {trajectory}: {recording.t.size} samples "
+        f"over {duration:g} s, noise {noise}",
+        f"written: {out}",
+    )
     output.write_json(
         {
             "recording": str(out),

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 import typer
 
-from orbident.cli.options import Json, Quiet, Workers
+from orbident.cli.options import Force, Json, Quiet, Workers
 from orbident.errors import InputError
 
 TRAJECTORY = "trajectory.yaml"
@@ -56,27 +56,33 @@ def study(
         Study,
         typer.Argument(
             metavar="spatial|planar|table|control",
-            help="Section 4; Section 5, on an ideal table or on one that is tilted, "
-            "uneven and has an air film; or tracking with what Section 4 identifies.",
+            help="spatial: Section 4. planar: Section 5, on an ideal table. table: "
+            "Section 5 on a table that is tilted and uneven and has an air film. "
+            "control: tracking with what Section 4 identifies.",
         ),
     ],
     noise: Annotated[
         StudyNoise,
         typer.Option(
-            help="What sensors add: nothing, or the paper's noise; of table, always "
-            "that of motion capture."
+            help="none: ideal sensors. paper: the noise of the paper's sensors. "
+            "'table' always has the noise of motion capture."
         ),
     ] = StudyNoise.none,
     seeds: Annotated[
-        int, typer.Option(help="How many runs with noise, for RMS and worst.", min=1)
+        int,
+        typer.Option(
+            help="Number of runs with noise, for RMS and worst errors.",
+            min=1,
+        ),
     ] = 1,
-    seed: Annotated[int, typer.Option(help="Of the first run.", min=0)] = 0,
+    seed: Annotated[int, typer.Option(help="Random seed of the first run.", min=0)] = 0,
     workers: Workers = None,
     method: Annotated[
         StudyMethod,
         typer.Option(
-            help="The paper's, or one of 'identify' on the recordings as they are; "
-            "planar shows both, with maximum likelihood unless another is named."
+            help="paper, or a method of 'identify', which gets the recordings "
+            "unfiltered. planar always runs the paper's and one other, by default "
+            "maximum-likelihood."
         ),
     ] = StudyMethod.paper,
     out: Annotated[
@@ -88,13 +94,11 @@ def study(
             "how the filters' cut-offs were chosen.",
         ),
     ] = None,
-    force: Annotated[
-        bool, typer.Option("--force", help="Overwrite what DIR holds of it.")
-    ] = False,
+    force: Force = False,
     json: Json = None,
     quiet: Quiet = False,
 ) -> None:
-    """Run a study of the paper, beside the paper's own numbers."""
+    """Repeat a study of the paper beside the paper's own numbers."""
     from orbident.campaigns.executors import local
     from orbident.cli.output import Output, progress
     from orbident.threads import at_hand

@@ -5,22 +5,27 @@ from typing import Annotated, Any
 
 import typer
 
-from orbident.cli.options import Json, LogFile, Preset, Quiet
+from orbident.cli.options import Force, Json, LogFile, Preset, Quiet
 
 
 def topics(
     file: LogFile,
     out: Annotated[
         Path | None,
-        typer.Option("-o", metavar="MAP", help="Write the proposed map there."),
+        typer.Option(
+            "-o",
+            metavar="MAP",
+            help="Write the proposed map to this file instead of printing it.",
+        ),
     ] = None,
     preset: Preset = None,
+    force: Force = False,
     json: Json = None,
     quiet: Quiet = False,
 ) -> None:
-    """List what a file holds, and propose a topic map (or give a preset)."""
+    """List what another tool's file holds and propose a topic map."""
     from orbident.cli.output import Output, progress
-    from orbident.files.replacing import check_place
+    from orbident.files.replacing import check_free
     from orbident.files.text import read_text, write_text
     from orbident.recordings.topics.presets import known_preset, preset_path
     from orbident.recordings.topics.proposal import proposed_map
@@ -28,7 +33,7 @@ def topics(
 
     output = Output(json, quiet)
     if out is not None:
-        check_place(out)
+        check_free(out, force)
     with progress("reading") as done:
         surveyed = survey_file(file, done)
     if preset is None:
@@ -36,6 +41,7 @@ def topics(
     else:
         proposal = read_text(preset_path(known_preset(preset)))
     # As comments, so that what is printed is a map as a whole.
+    output.say(f"# {file} holds {len(surveyed)} topics")
     output.say(*(f"# {line}" for line in _lines(surveyed)))
     if out is None:
         output.say(proposal.rstrip())

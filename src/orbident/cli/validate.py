@@ -1,17 +1,28 @@
 """`orbident validate RUN REC`."""
 
-from orbident.cli.options import Json, Quiet, RecordingFile, RunFolder
+from orbident.cli.options import (
+    End,
+    Json,
+    Quiet,
+    RecordingFile,
+    RunFolder,
+    Start,
+    cut,
+)
 
 
 def validate(
     run: RunFolder,
     recording: RecordingFile,
+    start: Start = None,
+    end: End = None,
     json: Json = None,
     quiet: Quiet = False,
 ) -> None:
-    """Predict a recording that was not used, score the errors, and judge them.
+    """Predict a recording that was not used, and judge the errors.
 
-    Exit status 1 where the parameters' deviations and the sensors do not explain them.
+    The exit status is 1 if the standard deviations of the parameters and the noise of
+    the sensors do not explain the errors.
     """
     import typer
 
@@ -22,7 +33,7 @@ def validate(
 
     output = Output(json, quiet)
     result = load_result(run)
-    table = read_recording(recording)
+    table = cut(read_recording(recording), start, end)
     with progress("predicting"):
         scores = validated(result, table)
     output.say(f"{scores.samples} samples predicted by {run}")

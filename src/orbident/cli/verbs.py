@@ -24,34 +24,39 @@ from orbident.cli.view import view
 from orbident.cli.weigh import weigh
 
 app = typer.Typer(
-    add_completion=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
     help="Identify every inertial parameter of a free-flying space manipulator.",
     epilog="Exit status: 0 done, 1 the result must not be trusted, 2 wrong input, "
     "70 internal error, 130 interrupted (Ctrl-C), 143 terminated.",
 )
-for verb in (
-    robots,
-    inspect,
-    topics,
-    convert,
-    excite,
-    sample,
-    simulate,
-    noise,
-    identify,
-    report,
-    weigh,
-    validate,
-    compare,
-    export,
-    view,
-    study,
-    doctor,
-):
-    app.command()(verb)
-app.add_typer(campaign, name="campaign")
+EXAMPLES = {
+    robots: "orbident robots",
+    inspect: "orbident inspect servicer.yaml --trajectory excite.yaml",
+    topics: "orbident topics table.bag -o map.yaml",
+    convert: "orbident convert table.bag --map map.yaml -o flight.parquet",
+    excite: "orbident excite servicer.yaml --duration 80 -o excite.yaml",
+    sample: "orbident sample excite.yaml --rate 100 -o commands.csv",
+    simulate: "orbident simulate servicer.yaml excite.yaml --noise sensors -o r.csv",
+    noise: "orbident noise rest.csv -o sensors.yaml --plot allan.html",
+    identify: "orbident identify servicer.yaml flight.csv -o run",
+    report: "orbident report run --force",
+    weigh: "orbident weigh servicer.yaml burn.csv",
+    validate: "orbident validate run other_flight.csv",
+    compare: "orbident compare before after",
+    export: "orbident export run -o identified.urdf",
+    view: "orbident view run --recording other_flight.csv",
+    study: "orbident study spatial --noise paper --seeds 20",
+    doctor: "orbident doctor",
+}
+"""Every verb, in the order of the help, with a command that its help shows."""
+
+for verb, example in EXAMPLES.items():
+    app.command(epilog=f"Example: {example}")(verb)
+app.add_typer(
+    campaign, name="campaign", epilog="Example: orbident campaign spec.yaml -o campaign"
+)
 
 
 def _print_version(wanted: bool) -> bool:

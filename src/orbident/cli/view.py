@@ -22,8 +22,8 @@ def view(
         Path | None,
         typer.Option(
             metavar="REC",
-            help="Replay this; of a RUN with the predicted motion beside it. "
-            "Without it the joints have sliders, and the base answers.",
+            help="Recording to replay. For a RUN, the prediction is overlaid. Without "
+            "it: sliders for the joints.",
         ),
     ] = None,
     host: Annotated[
@@ -39,7 +39,10 @@ def view(
     json: Json = None,
     quiet: Quiet = False,
 ) -> None:
-    """Look at a robot, or at a recorded motion, in the browser; Ctrl-C ends it."""
+    """Show a robot or a recorded motion in the browser.
+
+    Ctrl-C ends it.
+    """
     from orbident.cli.output import Output, progress
     from orbident.cli.streams import drop_output
     from orbident.viewer.pages import prepared

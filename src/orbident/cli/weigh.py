@@ -13,7 +13,10 @@ def weigh(
     json: Json = None,
     quiet: Quiet = False,
 ) -> None:
-    """Find the total mass from a thruster burn with locked joints (Eq. 40)."""
+    """Find the total mass from a thruster burn with locked joints.
+
+    This is the paper's Eq. 40. It needs no angular momentum.
+    """
     from orbident.cli.output import Output, progress
     from orbident.estimation.weigh import weigh as weighed
     from orbident.recordings.tables import read_recording

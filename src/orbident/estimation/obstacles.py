@@ -110,7 +110,7 @@ def _why_no_scale(problem: MomentumProblem, varies: bool) -> tuple[str, str]:
     remedy = "spin up a wheel before recording"
     if problem.robot.motion == "planar":
         remedy += (
-            "; in the plane a constant wheel speed tells nothing unless the momentum "
+            "; in the plane a constant wheel speed shows nothing unless the momentum "
             "is known, so start at rest and use --initial-momentum at-rest, or change "
             "the wheel speed during the recording"
         )

@@ -113,7 +113,7 @@ def _axes(
         if x.size < FEWEST:
             raise InputError(
                 f"{recording.source}: {sensor}.{axis} has {x.size} samples; give at "
-                f"least {FEWEST}: with less its noise cannot be told apart"
+                f"least {FEWEST}: with less its kinds of noise cannot be distinguished"
             )
         yield axis, t, x - x.mean()
 

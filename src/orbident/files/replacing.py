@@ -57,6 +57,19 @@ def check_place(path: Path) -> None:
         raise InputError(f"{path}: is a folder; give a file name")
 
 
+def check_free(path: Path, force: bool) -> None:
+    """Refuse to replace a file that holds something, unless it is wanted.
+
+    Raises:
+        InputError: there is such a file and `force` is false, or this is no place for
+            a file.
+    """
+    check_place(path)
+    # A pipe or a device is not replaced; in an empty file there is nothing to lose.
+    if not force and path.is_file() and path.stat().st_size:
+        raise InputError(f"{path}: exists already; name another, or use --force")
+
+
 def flush(path: Path) -> None:
     """Wait until a file's bytes are on the disk.
 

@@ -49,7 +49,7 @@ def check_document(document: Mapping[str, Any], path: Path) -> None:
     if not {FILES, OWN} <= document.keys():
         raise InputError(
             f"{path}: has no checksums, so an earlier orbident wrote it, and whether "
-            "it is complete cannot be told; identify again"
+            "it is complete cannot be known; identify again"
         )
     whole = {key: value for key, value in document.items() if key != OWN}
     if _digest(whole) != document[OWN]:

@@ -36,6 +36,9 @@ SOURCES = Path(_core.__file__).parent / "flight"
 MOST = 2000
 """Steps that are replayed: a compiler takes a second for so many golden numbers."""
 
+GOLDEN = "golden.h"
+"""What `replay` compares with: every folder that was written has it."""
+
 _INCLUDED = re.compile(r'^#include "(orbident/\w+\.hp?p?)"', re.MULTILINE)
 
 
@@ -53,7 +56,11 @@ class Flight(NamedTuple):
 
 
 def export_flight(
-    robot: Robot, samples: Samples, h_cm: Float[np.ndarray, "3"] | None, folder: Path
+    robot: Robot,
+    samples: Samples,
+    h_cm: Float[np.ndarray, "3"] | None,
+    folder: Path,
+    force: bool = False,
 ) -> Flight:
     """Write the filter of a robot and its sensors, and what it makes of a recording.
 
@@ -62,12 +69,13 @@ def export_flight(
         samples: of a recording; they say how noisy the sensors are, and are replayed.
         h_cm: the momentum where it is known, inertial axes, N m s.
         folder: that does not exist, or is empty.
+        force: also one that this function has written; what else is in it stays.
 
     Raises:
         InputError: no sample is complete, or the folder holds something or cannot be
             written.
     """
-    check_empty(folder)
+    check_empty(folder, force)
     given = given_of(robot, samples)
     kalman = Extended.of(robot, given.noise)
     detector = Detector(kalman.rows, samples=given.t.size)
@@ -78,11 +86,11 @@ def export_flight(
     change = factor_of(cad_covariance(robot, UNCERTAINTY))
     made = {
         "robot.h": robot_header(robot, kalman, cad_prior(robot), change, detector),
-        "golden.h": _golden(golden, h_cm),
+        GOLDEN: _golden(golden, h_cm),
     }
     copied = dict(_copied())
     with replacing_files(folder, [*copied, *made]) as new:
-        check_empty(folder)
+        check_empty(folder, force)
         for name, source in copied.items():
             (new / name).parent.mkdir(parents=True, exist_ok=True)
             copyfile(source, new / name)
@@ -92,16 +100,23 @@ def export_flight(
     return Flight(min(given.t.size, MOST), memory, state, seen.scale)
 
 
-def check_empty(folder: Path) -> None:
-    """Refuse a folder that holds anything.
+def check_empty(folder: Path, force: bool = False) -> None:
+    """Refuse a folder that holds anything; with `force`, anything else than a filter.
 
     Raises:
         InputError: it does, or is a file.
     """
     if folder.exists() and not folder.is_dir():
         raise InputError(f"{folder}: is a file; name a folder")
-    if folder.is_dir() and any(not x.name.startswith(".") for x in folder.iterdir()):
-        raise InputError(f"{folder}: exists already; name another folder")
+    if not folder.is_dir() or all(x.name.startswith(".") for x in folder.iterdir()):
+        return
+    if not (folder / GOLDEN).is_file():
+        raise InputError(
+            f"{folder}: holds something else than a filter for flight, so nothing is "
+            "written there; name another folder"
+        )
+    if not force:
+        raise InputError(f"{folder}: exists already; name another, or use --force")
 
 
 def _copied() -> Iterator[tuple[str, Path]]:

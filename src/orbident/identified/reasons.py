@@ -112,7 +112,7 @@ def doubts(best: Explanation, holder: Robot, added: AddedBody) -> tuple[str, ...
     if added.mass.std >= VAGUE * abs(added.mass.value):
         words.append(
             f"the mass, {added.mass.value:.3g} +- {added.mass.std:.2g} kg, is too "
-            "vague to tell the CM and the inertia about it"
+            "vague to determine the CM and the inertia about it"
         )
     if added.impossible:
         words.append(f"no body is like this: {added.impossible}")

@@ -1,5 +1,6 @@
 """A recording that is read in stretches: it need not fit into memory."""
 
+import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -9,7 +10,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from orbident.recordings.columns import is_known
-from orbident.recordings.recording import Recording
+from orbident.recordings.recording import Recording, check_cut, within
 
 SPANS = 5
 """An odd number: one is in the middle."""
@@ -64,6 +65,33 @@ class LongRecording:
                 yield {name: x[rows] for name, x in columns.items()}
 
         return cls(recording.source, recording.t.size, batches, lambda: recording)
+
+    def between(
+        self, start: float = -math.inf, end: float = math.inf
+    ) -> "Recording | LongRecording":
+        """The rows whose times are from `start` to `end`, s; few are held in memory.
+
+        Raises:
+            InputError: There are fewer than two such rows.
+        """
+
+        def batches() -> Iterator[Columns]:
+            for batch in self.batches():
+                rows = within(batch["t"], start, end)
+                if rows.any():
+                    yield {name: x[rows] for name, x in batch.items()}
+
+        rows, first, last = 0, math.inf, -math.inf
+        for batch in self.batches():
+            t = batch["t"]
+            rows += int(within(t, start, end).sum())
+            first, last = min(first, t.min()), max(last, t.max())
+        check_cut(self.source, start, end, rows, first, last)
+        if rows < LARGE:
+            return _recording(self.source, _joined(list(batches())))
+        return LongRecording(
+            self.source, rows, batches, lambda: self.read().between(start, end)
+        )
 
     @cached_property
     def digest(self) -> Recording:

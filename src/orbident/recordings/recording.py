@@ -1,11 +1,12 @@
 """The recording as plain frozen data: what was measured, and when."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
 from orbident.errors import InputError
 from orbident.files.bounds import FAINTEST, LARGEST, SHORTEST
@@ -81,6 +82,17 @@ class Recording:
     ) -> "Recording":
         """The recording with these columns in the place of its own, or beside them."""
         return replace(self, columns={**self.columns, **columns})
+
+    def between(self, start: float = -math.inf, end: float = math.inf) -> "Recording":
+        """The rows whose times are from `start` to `end`, s, both included.
+
+        Raises:
+            InputError: There are fewer than two such rows.
+        """
+        rows = within(self.t, start, end)
+        check_cut(self.source, start, end, int(rows.sum()), self.t[0], self.t[-1])
+        columns = {name: column[rows] for name, column in self.columns.items()}
+        return Recording(self.t[rows], columns, self.source)
 
     def has(self, *names: str) -> bool:
         """Whether every one of these columns is there."""
@@ -168,6 +180,28 @@ class Recording:
                     f"{self.source}: column '{column}': robot '{robot}' has no {what} "
                     f"'{name}', only {listed(names)}; rename or remove the column"
                 )
+
+
+def within(
+    t: Float[np.ndarray, " samples"], start: float, end: float
+) -> Bool[np.ndarray, " samples"]:
+    """Which times are from `start` to `end`; what is no number is kept, to be seen."""
+    return ~((t < start) | (t > end))
+
+
+def check_cut(
+    source: str, start: float, end: float, rows: int, first: float, last: float
+) -> None:
+    """Refuse a cut that leaves next to nothing.
+
+    Raises:
+        InputError: Fewer than two rows are left.
+    """
+    if rows < 2:
+        raise InputError(
+            f"{source}: has {rows} rows from {start:g} s to {end:g} s; its times "
+            f"are {first:g} s to {last:g} s: choose other ends"
+        )
 
 
 def _as_column(source: str, name: str, values: object) -> np.ndarray:

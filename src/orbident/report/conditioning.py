@@ -22,8 +22,8 @@ COLORS = [[0, "--negative"], [0.5, "--card"], [1, "--positive"]]
 def conditioning(result: Result) -> Section:
     """Condition numbers, and the correlations of the base parameters."""
     words = [
-        "A condition number says by how much noise may grow on the way to a parameter: "
-        "of the columns as they are, which depends on units, and scaled to unit norm."
+        "The condition number bounds how much noise is amplified. The raw one depends "
+        "on units; the normalised one is of columns scaled to unit norm."
     ]
     names, R = _correlations(result)
     charts = ()
@@ -77,7 +77,7 @@ def _close(names: list[str], R: np.ndarray) -> str:
         f"{names[i]} and {names[j]} ({short(float(R[i, j]))})" for i, j in pairs[order]
     )
     more = " and others" if len(pairs) > LISTED else ""
-    return f"Hardly told apart (correlation): {listed}{more}."
+    return f"Hardly distinguished (correlation): {listed}{more}."
 
 
 def _heat_map(names: list[str], R: np.ndarray) -> Figure:

@@ -27,7 +27,7 @@ EQUATIONS = (
     "The two linear equations with these parameters: momentum of base and arms "
     "(Eq. 24), and velocity of S beside that of the system CM (Eq. 31), base axes."
 )
-ATTITUDE = " Of the attitude the turn is shown by which it is off the predicted one."
+ATTITUDE = " For attitude, the rotation from predicted to measured is shown."
 
 UNITS = {
     "gyro": "rad/s",

@@ -17,10 +17,10 @@ def identifiability(result: Result) -> Section:
     words = tuple(f"{sentence}." for sentence in sentences)
     return Section(
         name="identifiability",
-        title="What free floating cannot tell",
+        title="What free floating cannot identify",
         words=(
-            "The base parameters are all that the motion depends on. Of single bodies "
-            "no free-floating recording tells more than this, however rich:",
+            "The base parameters are all that the motion depends on. Of single "
+            "bodies no free-floating recording shows more than this, however rich:",
             *words,
         )
         if words
@@ -35,8 +35,9 @@ def excitation(result: Result) -> Section | None:
         return None
     locked = motion["locked"]
     words = [
-        f"{short(motion['duration'])} s at {short(motion['rate'])} rows a second. What "
-        "moves little tells little; a faster motion within the limits tells more."
+        f"{short(motion['duration'])} s at {short(motion['rate'])} Hz. Joints "
+        "that hardly move leave their parameters uncertain; use more of the range and "
+        "rate."
     ]
     if locked:
         words.append(f"Never moved: {', '.join(locked)}.")

@@ -56,6 +56,9 @@ def _settings(result: Result) -> Iterator[TableRow]:
     for file in result.input.get("recordings", [result.input]):
         yield TableRow(("recording", str(file.get("file", NONE))))
         yield TableRow(("its SHA-256", str(file.get("sha256", NONE))))
+        for end in ("from", "to"):
+            if end in file:
+                yield TableRow((f"used {end}", f"{file[end]:g} s"))
     if result.input.get("seed") is not None:
         yield TableRow(("seed of its noise", str(result.input["seed"])))
     yield TableRow(("samples", str(result.samples)))

@@ -106,7 +106,7 @@ def _planar(done: PlanarStudy, folder: Path) -> Sequence[Section]:
         title="Table 6 and the burn",
         words=(
             "A stand-in for Cepheus on its table; the paper's robot is another one, so "
-            "its numbers show the size only. " + _predicted(done),
+            "only orders of magnitude can be compared. " + _predicted(done),
             _conditions(done.condition_number),
         ),
         tables=(

@@ -10,7 +10,7 @@ from orbident.report.numbers import interval_text, short, with_std
 
 HEADLINES: dict[Level, str] = {
     "trust": "Trust it",
-    "with care": "Trust it, with care",
+    "with care": "Usable, with reservations",
     "do not trust": "Do not trust it",
 }
 

@@ -114,7 +114,7 @@ def _not_a_robot(path: Path) -> str:
     if path.suffix.lower() == ".xacro":
         return f"{path}: this is xacro; expand it first: xacro {path} > robot.urdf"
     if path.is_file():
-        return f"{path}: this is no robot by its suffix; give {kinds}"
+        return f"{path}: unknown type of file; give {kinds}"
     known = suggestion(str(path), bundled_robots(), "robots")
     return (
         f"{path}: neither a file nor a bundled robot; {known}; "

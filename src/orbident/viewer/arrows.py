@@ -65,8 +65,8 @@ class Arrows:
         angular, linear = self._longest
         rows = [
             (TOTAL, "angular momentum about the CM"),
-            (BODIES, "its part of the bodies"),
-            (WHEELS, f"its part of the wheels; longest {angular:.3g} N m s"),
+            (BODIES, "of which bodies"),
+            (WHEELS, f"of which wheels; longest {angular:.3g} N m s"),
             (LINEAR, f"linear momentum; longest {linear:.3g} N s"),
         ]
         lines = [

@@ -328,7 +328,7 @@ def test_a_change_without_mass(servicer):
     )
     found = compare(a, b)
     assert found.status == "changed"
-    assert any("too vague to tell the CM" in each for each in found.warnings)
+    assert any("too vague to determine the CM" in each for each in found.warnings)
     assert found.added is not None
     assert np.isnan(found.added.com.values).all()
     assert np.isnan(found.added.I_com.values).all()

@@ -116,8 +116,9 @@ def test_spoiled_samples_give_no_nan_without_a_code(checks: Path):
 def test_a_folder_that_holds_something_is_not_touched(tmp_path: Path):
     check_empty(tmp_path)
     (tmp_path / "note").write_text("mine")
-    with pytest.raises(InputError, match="exists already; name another folder"):
-        check_empty(tmp_path)
+    for force in (False, True):
+        with pytest.raises(InputError, match="something else than a filter"):
+            check_empty(tmp_path, force)
     with pytest.raises(InputError, match="note: is a file; name a folder"):
         check_empty(tmp_path / "note")
 

@@ -43,6 +43,23 @@ def long(
     return opened
 
 
+def test_between_is_long_or_in_memory(long: LongRecording, recording: Recording):
+    start, end = 12.34, recording.t[-2]
+    cut = long.between(start, end)
+    assert isinstance(cut, LongRecording)
+    t = np.concatenate([batch["t"] for batch in cut.batches()])
+    assert np.array_equal(t, recording.between(start, end).t)
+    assert np.array_equal(cut.read().t, t)
+    assert cut.rows == t.size
+    few = long.between(500.0, 510.0)
+    assert isinstance(few, Recording)
+    wanted = recording.between(500.0, 510.0)
+    assert np.array_equal(few.t, wanted.t)
+    assert np.array_equal(few.columns["gyro.x"], wanted.columns["gyro.x"])
+    with pytest.raises(InputError, match="has 0 rows from -5 s to -1 s; its times are"):
+        long.between(-5.0, -1.0)
+
+
 @pytest.mark.parametrize("size", [10_000, 65_536, ROWS])
 def test_every_row_is_one_stretchs_own(
     long: LongRecording, recording: Recording, size: int

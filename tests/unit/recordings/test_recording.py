@@ -59,6 +59,16 @@ def test_vector_keeps_the_order_of_its_components():
     np.testing.assert_array_equal(rec.vector("attitude", "xyzw")[0], [0, 0, 0, 1])
 
 
+def test_between_has_both_ends():
+    cut = recording(gyro__x=np.array([1.0, 2.0, 3.0])).between(0.1, 0.2)
+    assert cut.t.tolist() == [0.1, 0.2]
+    assert cut.columns["gyro.x"].tolist() == [2.0, 3.0]
+    assert cut.source == "flight.csv"
+    assert recording().between(end=0.1).t.tolist() == [0.0, 0.1]
+    with pytest.raises(InputError, match=r"has 1 rows from 0.15 s to inf s; its times"):
+        recording().between(0.15)
+
+
 def test_has_asks_for_all():
     rec = recording(joint__a__position=T, joint__b__position=2 * T)
     assert rec.has("joint.a.position", "joint.b.position")

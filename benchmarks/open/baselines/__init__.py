@@ -1,0 +1,1 @@
+"""Other methods, as plain as they can be written."""

@@ -1,0 +1,57 @@
+"""The open benchmark runs on one problem, and its scores mean what they say."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+OPEN = ROOT / "benchmarks/open"
+sys.path.append(str(OPEN))
+
+from answers import Answer, read_answer, write_answer  # noqa: E402
+from problem_folder import Problem  # noqa: E402
+from scoring import score  # noqa: E402
+
+
+@pytest.fixture(scope="module")
+def ran() -> str:
+    """The page that the command prints for the smallest problem."""
+    command = [sys.executable, str(OPEN), "real-table"]
+    done = subprocess.run(command, capture_output=True, text=True, check=True, cwd=ROOT)
+    assert done.stderr == ""
+    return done.stdout
+
+
+def test_every_method_is_on_the_page(ran: str):
+    rows = [line for line in ran.splitlines() if line.startswith("| ")][1:]
+    names = [row.split(" | ")[0].removeprefix("| ") for row in rows]
+    assert names[0] == "maximum-likelihood"
+    assert len(names) == 7
+    assert "## real-table" in ran
+
+
+@pytest.mark.usefixtures("ran")
+def test_the_truth_has_no_error_and_predicts():
+    """Rounding to nine decimals, rates of 0.1 rad/s: 1e-6 of a rate is ten times it."""
+    problem = Problem(OPEN / "problems/real-table")
+    true = {name: each["value"] for name, each in problem.truth.items()}
+    bound = {name: each["bound"] or 1.0 for name, each in problem.truth.items()}
+    found = score(problem, [Answer(true, bound, seconds=1.0), Answer(refused="why")])
+    assert found.error == 0.0
+    assert found.coverage == 1.0
+    assert (found.refused, found.of) == (1, 2)
+    assert found.rate < 1e-6
+    assert found.velocity < 1e-5
+    # One bound beside the truth is an error of one bound.
+    beside = {name: value + bound[name] for name, value in true.items()}
+    assert score(problem, [Answer(beside, bound)]).error == pytest.approx(1.0)
+
+
+def test_answers_are_files(tmp_path: Path):
+    answer = Answer({"M": 3.0}, {"M": 0.1}, seconds=2.0)
+    path = tmp_path / "mine/real-table/identify-0.json"
+    write_answer(answer, path)
+    assert read_answer(path) == answer
+    assert read_answer(tmp_path / "gone.json").refused == "no answer"
