@@ -42,6 +42,10 @@ Range = Annotated[tuple[float, float], BeforeValidator(_range)]
 Name = Annotated[str, Field(min_length=1)]
 
 
+BODIES = ("model", "urdf")
+"""The keys of which a robot file has one: where its bodies and joints are."""
+
+
 class WheelEntry(MappingSchema):
     """A wheel: declared, or a joint of the URDF."""
 
@@ -118,7 +122,8 @@ class RobotFile(MappingSchema):
     # "schema" is a method of pydantic's models.
     schema_: Literal["orbident/robot/1"] = Field(alias="schema")
     name: Name | None = None
-    urdf: Name
+    model: Name | None = None
+    urdf: Name | None = None
     base_link: Name | None = None
     motion: Literal["spatial", "planar"] = "spatial"
     feature_point: Vector3 = (0.0, 0.0, 0.0)
@@ -132,6 +137,15 @@ class RobotFile(MappingSchema):
     tolerances: TolerancesEntry = TolerancesEntry()
 
     @model_validator(mode="after")
+    def _one_robot(self) -> "RobotFile":
+        given = [key for key in BODIES if getattr(self, key) is not None]
+        if not given:
+            raise InputError("'model' is missing; give a URDF, xacro, MJCF or SDF file")
+        if len(given) > 1:
+            raise InputError(f"{' and '.join(given)} each describe a robot; keep one")
+        return self
+
+    @model_validator(mode="after")
     def _unique_names(self) -> "RobotFile":
         for key, names in (
             ("wheels", [wheel.label for wheel in self.wheels]),
@@ -141,3 +155,8 @@ class RobotFile(MappingSchema):
             if twice is not None:
                 raise InputError(f"{key}: the name {twice!r} is given twice")
         return self
+
+    @property
+    def model_file(self) -> str:
+        """The file with the robot's bodies; `urdf` is the older name of its key."""
+        return self.model or self.urdf or ""
