@@ -8,7 +8,10 @@ import typer
 
 RobotName = Annotated[
     str,
-    typer.Argument(metavar="ROBOT", help="A bundled name, a URDF, or a robot file."),
+    typer.Argument(
+        metavar="ROBOT",
+        help="A bundled name, a robot file, or a URDF, xacro, MJCF or SDF file.",
+    ),
 ]
 Json = Annotated[
     str | None,

@@ -5,6 +5,7 @@ from typing import Annotated
 import typer
 
 from orbident.cli.campaign import campaign
+from orbident.cli.check import check
 from orbident.cli.compare import compare
 from orbident.cli.convert import convert
 from orbident.cli.doctor import doctor
@@ -12,6 +13,7 @@ from orbident.cli.excite import excite
 from orbident.cli.export import export
 from orbident.cli.identify import identify
 from orbident.cli.inspect import inspect
+from orbident.cli.new import new
 from orbident.cli.noise import noise
 from orbident.cli.report import report
 from orbident.cli.robots import robots
@@ -33,6 +35,8 @@ app = typer.Typer(
 )
 for verb in (
     robots,
+    new,
+    check,
     inspect,
     topics,
     convert,

@@ -12,8 +12,10 @@ from orbident.files.text import read_text, write_text
 from orbident.files.yaml_mapping import read_yaml_mapping
 from orbident.robot.assembly import assembled
 from orbident.robot.description import Robot
-from orbident.robot.formats.model_file import KINDS, SUFFIXES, read_model
+from orbident.robot.formats.model_file import KINDS, SUFFIXES, as_urdf, read_model
+from orbident.robot.formats.plain_tree import tree_of_bodies, tree_of_table
 from orbident.robot.schema import BODIES, RobotFile
+from orbident.robot.urdf import Urdf
 
 _SCHEMA = "orbident/robot/1"
 _YAML = {".yaml", ".yml"}
@@ -114,14 +116,23 @@ def _from_model(path: Path) -> Robot:
 def _from_robot_file(path: Path, place: str) -> Robot:
     document = read_yaml_mapping(read_text(path), place, _SCHEMA)
     file = validated(RobotFile, document, place)
+    return assembled(file, document, *_bodies(file, path, place), place)
+
+
+def _bodies(file: RobotFile, path: Path, place: str) -> tuple[Urdf, str]:
+    """Links and joints, whichever key has them, and their URDF."""
+    name = file.name or path.stem
+    if file.bodies is not None:
+        return as_urdf(tree_of_bodies(file.bodies, name, place))
+    if file.dh is not None:
+        return as_urdf(tree_of_table(file.dh, name, place))
     model = path.parent / file.model_file
     if not model.is_file():
         key = "model" if file.model else "urdf"
         raise InputError(
             f"{place}: {key}: no file {model}; give a path relative to this file"
         )
-    urdf, text = read_model(model)
-    return assembled(file, document, urdf, text, place)
+    return read_model(model)
 
 
 def _not_a_robot(path: Path) -> str:

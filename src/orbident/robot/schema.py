@@ -5,27 +5,21 @@ from typing import Annotated, Literal
 from pydantic import BeforeValidator, Field, model_validator
 
 from orbident.errors import InputError
-from orbident.files.bounds import SMALLEST
 from orbident.files.names import first_duplicate
 from orbident.files.schema_parts import (
+    Direction,
     MappingSchema,
+    Name,
     Positive,
     Vector3,
     WrongValueError,
     finite_number,
-    finite_vector,
 )
+from orbident.robot.body_schema import BodyEntry, DhTable
 from orbident.robot.description import Axis
 from orbident.robot.disturbance_groups import DisturbanceGroup
 from orbident.robot.sensor_schema import SensorsSpec, Share
 from orbident.robot.tolerance_schema import TolerancesEntry
-
-
-def _direction(value: object) -> tuple[float, ...]:
-    vector = finite_vector(value, 3)
-    if max(map(abs, vector)) < SMALLEST:
-        raise WrongValueError("give a nonzero 3-vector")
-    return vector
 
 
 def _range(value: object) -> tuple[float, ...]:
@@ -37,12 +31,10 @@ def _range(value: object) -> tuple[float, ...]:
     return ends
 
 
-Direction = Annotated[tuple[float, float, float], BeforeValidator(_direction)]
 Range = Annotated[tuple[float, float], BeforeValidator(_range)]
-Name = Annotated[str, Field(min_length=1)]
 
 
-BODIES = ("model", "urdf")
+BODIES = ("model", "urdf", "bodies", "dh")
 """The keys of which a robot file has one: where its bodies and joints are."""
 
 
@@ -124,6 +116,8 @@ class RobotFile(MappingSchema):
     name: Name | None = None
     model: Name | None = None
     urdf: Name | None = None
+    bodies: dict[Name, BodyEntry] | None = None
+    dh: DhTable | None = None
     base_link: Name | None = None
     motion: Literal["spatial", "planar"] = "spatial"
     feature_point: Vector3 = (0.0, 0.0, 0.0)

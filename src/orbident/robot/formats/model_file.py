@@ -3,7 +3,6 @@
 import re
 import xml.etree.ElementTree as ET
 from contextlib import suppress
-from dataclasses import replace
 from io import StringIO
 from pathlib import Path
 
@@ -41,14 +40,23 @@ def read_model(path: Path) -> tuple[Urdf, str]:
     root = _root(text)
     if root in {"mujoco", "sdf"}:
         tree = read_mjcf(path) if root == "mujoco" else read_sdf(text, place)
-        text = urdf_text(tree)
-        return replace(read_urdf(text, place), warnings=tree.warnings), text
+        return as_urdf(tree)
     if root == "robot" and "xmlns:xacro" in text and _MACROS.search(text):
         raise InputError(
             f"{place}: this is xacro, whose expressions are run as a program; if you "
             f"trust the file, rename it to {path.stem}.xacro"
         )
     return read_urdf(text, place), text
+
+
+def as_urdf(tree: Urdf) -> tuple[Urdf, str]:
+    """Links and joints that another format gave, as the URDF that says the same.
+
+    Raises:
+        InputError: what no URDF may say either: see `read_urdf`.
+    """
+    text = urdf_text(tree)
+    return read_urdf(text, tree.place), text
 
 
 def _root(text: str) -> str:

@@ -13,7 +13,14 @@ from jaxtyping import Float
 from orbident.errors import InputError
 from orbident.files.bounds import LARGEST, SMALLEST
 from orbident.files.names import quoted, suggestion
-from orbident.robot.formats.sdf_frames import MODEL, YES, Frame, Frames, Pose, own_pose
+from orbident.robot.formats.sdf_frames import (
+    MODEL,
+    YES,
+    Frame,
+    Frames,
+    SdfPose,
+    own_pose,
+)
 from orbident.robot.urdf import Urdf, UrdfJoint, UrdfLink
 from orbident.robot.urdf_xml import numbers_in, parsed_xml, unique_names
 
@@ -94,7 +101,7 @@ class _Reader:
         # A link's frame is at the joint that it hangs on; its axes stay.
         at = {link: self.frames.pose(link) for link in self.links}
         for link, joint in hung.items():
-            at[link] = Pose(at[link].R, self.frames.pose(joint).p)
+            at[link] = SdfPose(at[link].R, self.frames.pose(joint).p)
         links = tuple(self._link(link, at[link]) for link in self.links)
         joints = [
             self._joint(each, at)
@@ -140,7 +147,7 @@ class _Reader:
         text = element.findtext(tag)
         return default if text is None else numbers_in(text, 1, f"{where}: <{tag}>")[0]
 
-    def _link(self, name: str, at: Pose) -> UrdfLink:
+    def _link(self, name: str, at: SdfPose) -> UrdfLink:
         where = f"{self.place}: link '{name}'"
         inertial = self.links[name].find("inertial")
         if inertial is None or inertial.get("auto") in YES:
@@ -162,7 +169,7 @@ class _Reader:
         I = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
         return UrdfLink(name, mass, com.p, com.R @ I @ com.R.T)
 
-    def _joint(self, name: str, at: dict[str, Pose]) -> UrdfJoint:
+    def _joint(self, name: str, at: dict[str, SdfPose]) -> UrdfJoint:
         element, where = self.joints[name], f"{self.place}: joint '{name}'"
         kind = element.get("type")
         if kind not in KINDS:

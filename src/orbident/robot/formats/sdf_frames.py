@@ -27,19 +27,19 @@ MODEL = "__model__"
 YES = ("true", "1")
 
 
-class Pose(NamedTuple):
+class SdfPose(NamedTuple):
     """Where a frame is in another one."""
 
     R: Float[np.ndarray, "3 3"]
     p: Float[np.ndarray, "3"]
 
-    def of(self, inner: "Pose") -> "Pose":
+    def of(self, inner: "SdfPose") -> "SdfPose":
         """The pose in the outer frame of what has the pose `inner` in this one."""
-        return Pose(self.R @ inner.R, self.p + self.R @ inner.p)
+        return SdfPose(self.R @ inner.R, self.p + self.R @ inner.p)
 
-    def seen_from(self, other: "Pose") -> "Pose":
+    def seen_from(self, other: "SdfPose") -> "SdfPose":
         """The pose in the frame `other`, which is given in the same outer frame."""
-        return Pose(other.R.T @ self.R, other.R.T @ (self.p - other.p))
+        return SdfPose(other.R.T @ self.R, other.R.T @ (self.p - other.p))
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ class Frames:
     def __init__(self, frames: dict[str, Frame], place: str) -> None:
         """Keep the frames of links, joints and frames; `place` is for messages."""
         self._frames, self._place = frames, place
-        self._poses = {MODEL: Pose(np.eye(3), np.zeros(3))}
+        self._poses = {MODEL: SdfPose(np.eye(3), np.zeros(3))}
 
     def carrier(self, name: str, where: str) -> str:
         """What a frame is attached to in the end: a link, or a name that is none.
@@ -77,7 +77,7 @@ class Frames:
             name = str(self._frames[name].attached)
         return name
 
-    def pose(self, name: str) -> Pose:
+    def pose(self, name: str) -> SdfPose:
         """The pose of a link, joint or frame in the model's frame.
 
         Raises:
@@ -107,7 +107,7 @@ class Frames:
         return self._poses[name]
 
 
-def own_pose(element: ET.Element, where: str) -> Pose:
+def own_pose(element: ET.Element, where: str) -> SdfPose:
     """What the <pose> in an element says, relative to whatever it is relative to.
 
     Raises:
@@ -115,7 +115,7 @@ def own_pose(element: ET.Element, where: str) -> Pose:
     """
     pose = element.find("pose")
     if pose is None or not (pose.text or "").strip():
-        return Pose(np.eye(3), np.zeros(3))
+        return SdfPose(np.eye(3), np.zeros(3))
     text, where = str(pose.text), f"{where}: <pose>"
     if pose.get("rotation_format") == "quat_xyzw":
         from scipy.spatial.transform import Rotation
@@ -123,8 +123,8 @@ def own_pose(element: ET.Element, where: str) -> Pose:
         numbers = np.array(numbers_in(text, 7, where))
         if np.linalg.norm(numbers[3:]) < SMALLEST:
             raise InputError(f"{where}: the quaternion is zero; correct it")
-        return Pose(Rotation.from_quat(numbers[3:]).as_matrix(), numbers[:3])
+        return SdfPose(Rotation.from_quat(numbers[3:]).as_matrix(), numbers[:3])
     numbers = np.array(numbers_in(text, 6, where))
     degrees = pose.get("degrees") in YES
     turned = np.radians(numbers[3:]) if degrees else numbers[3:]
-    return Pose(rotation_of(turned), numbers[:3])
+    return SdfPose(rotation_of(turned), numbers[:3])
