@@ -1,5 +1,6 @@
 """MJCF to links and joints, as MuJoCo itself compiles it."""
 
+import warnings
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -37,9 +38,11 @@ def read_mjcf(path: Path) -> Urdf:
     # Its stubs do not say what it exports.
     api: Any = mujoco
     try:
-        spec = api.MjSpec.from_file(place)
-        _leave_inertias_alone(spec)
-        model = spec.compile()
+        # MuJoCo warns of what troubles a simulation; inertias are judged elsewhere.
+        with warnings.catch_warnings(action="ignore"):
+            spec = api.MjSpec.from_file(place)
+            _leave_inertias_alone(spec)
+            model = spec.compile()
     # What MuJoCo raises for a file has many types.
     except Exception as error:
         said = one_line(error)
