@@ -5,7 +5,9 @@ before version 1.5 and with `use_parent_model_frame` in the model's.
 """
 
 import math
+import re
 import xml.etree.ElementTree as ET
+from contextlib import suppress
 
 import numpy as np
 from jaxtyping import Float
@@ -26,8 +28,12 @@ from orbident.robot.urdf_xml import numbers_in, parsed_xml, unique_names
 
 KINDS = ("revolute", "continuous", "prismatic", "fixed")
 WORLD = "world"
-IN_JOINT_AXES = 1.5
+FLAT = "give one flat model, as 'gz sdf -p FILE' writes it"
+IN_JOINT_AXES = (1, 5)
 """The version from which on an axis is in the joint's axes."""
+
+_PREFIX = re.compile(r"(?:</?|\s(?=[\w.-]+:[\w.-]+\s*=\s*['\"]))[\w.-]+:(?=\w)")
+"""Gazebo does not ask that a prefix such as `gz:` is declared, as XML does."""
 
 
 def read_sdf(text: str, place: str) -> Urdf:
@@ -43,34 +49,41 @@ def read_sdf(text: str, place: str) -> Urdf:
             given twice, frames that stand on each other, joints that are neither
             revolute, prismatic nor fixed, text where numbers belong.
     """
-    root = parsed_xml(text, place)
+    root = parsed_xml(_PREFIX.sub(lambda found: found[0][:-1] + "_", text), place)
     model = _model(root, place)
     name = model.get("name") or "robot"
     for tag in ("include", "model"):
         if model.find(tag) is not None:
             raise InputError(
-                f"{place}: model '{name}' has another one in it (<{tag}>); give one "
-                "flat model, as 'gz sdf -p FILE' or 'gz sdf --print' writes it"
+                f"{place}: model '{name}' has another one in it (<{tag}>); " + FLAT
             )
-    try:
-        version = float(root.get("version", "1.5"))
-    except ValueError:
-        version = IN_JOINT_AXES
-    return _Reader(model, place, version < IN_JOINT_AXES).tree(name)
+    return _Reader(model, place, _version(root) < IN_JOINT_AXES).tree(name)
+
+
+def _version(root: ET.Element) -> tuple[int, ...]:
+    """The version by its numbers: 1.10 comes after 1.9."""
+    with suppress(ValueError):
+        return tuple(map(int, root.get("version", "").split(".")))
+    return IN_JOINT_AXES
 
 
 def _model(root: ET.Element, place: str) -> ET.Element:
-    models = [
-        model
-        for model in (*root.findall("model"), *root.findall("world/model"))
-        if (model.findtext("static") or "").strip() not in YES
-    ]
-    if len(models) != 1:
-        raise InputError(
-            f"{place}: found {len(models)} models that can move; give a file with one "
-            "<model>"
-        )
-    return models[0]
+    models = [*root.findall("model"), *root.findall("world/model")]
+    if len(models) > 1:
+        models = [
+            model
+            for model in models
+            if (model.findtext("static") or "").strip() not in YES
+        ]
+    if len(models) == 1:
+        return models[0]
+    included = not models and root.find(".//include") is not None
+    raise InputError(
+        f"{place}: the model is included from another file; " + FLAT
+        if included
+        else f"{place}: found {len(models)} models that can move; give a file with one "
+        "<model>"
+    )
 
 
 class _Reader:
@@ -83,7 +96,9 @@ class _Reader:
         frames = {name: Frame(link, MODEL) for name, link in self.links.items()}
         for name, joint in self.joints.items():
             child = self._text(joint, "child", f"{place}: joint '{name}'")
-            frames[name] = Frame(joint, child, child)
+            frames[_joint_frame(name)] = Frame(joint, child, child)
+            # Old files may have a link of the same name.
+            frames.setdefault(name, frames[_joint_frame(name)])
         for name, frame in self._named(model, "frame"):
             on = frame.get("attached_to") or MODEL
             frames[name] = Frame(frame, on, on)
@@ -101,7 +116,7 @@ class _Reader:
         # A link's frame is at the joint that it hangs on; its axes stay.
         at = {link: self.frames.pose(link) for link in self.links}
         for link, joint in hung.items():
-            at[link] = SdfPose(at[link].R, self.frames.pose(joint).p)
+            at[link] = SdfPose(at[link].R, self.frames.pose(_joint_frame(joint)).p)
         links = tuple(self._link(link, at[link]) for link in self.links)
         joints = [
             self._joint(each, at)
@@ -198,7 +213,7 @@ class _Reader:
             raise InputError(f"{where}: found axis 0 0 0; give a nonzero vector")
         said = None if xyz is None else xyz.get("expressed_in")
         old = (axis.findtext("use_parent_model_frame") or "").strip() in YES
-        frame = said or (MODEL if old or self.in_model_axes else joint)
+        frame = said or (MODEL if old or self.in_model_axes else _joint_frame(joint))
         return self.frames.pose(frame).R @ vector / norm
 
     def _limits(
@@ -229,3 +244,8 @@ class _Reader:
         if text is None:
             return default
         return numbers_in(text, 1, f"{where}: <{tag}>", bounded=False)[0]
+
+
+def _joint_frame(joint: str) -> str:
+    """A name for the joint's own frame that no element can have."""
+    return f"{joint}\n"

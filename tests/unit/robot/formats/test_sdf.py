@@ -52,6 +52,10 @@ BAD = {
         "found 2 models",
     ),
     "no links": (sdf(), "no <link>"),
+    "all included": (
+        "<sdf><include><uri>model://x</uri></include></sdf>",
+        "the model is included from another file",
+    ),
     "included": (sdf("<include><uri>model://x</uri></include>"), "<include>"),
     "nested": (sdf(link("base"), "<model name='n'/>"), "<model>"),
     "no inertial": (sdf(link("base", "")), "link 'base': <inertial> is missing"),
@@ -178,6 +182,28 @@ def test_a_base_held_by_the_world_and_a_mesh_that_is_not_there(tmp_path: Path):
     assert (robot.name, robot.bodies, robot.mass) == ("m", ("base",), 2.0)
 
 
+def test_a_joint_with_the_name_of_its_link(tmp_path: Path):
+    turned = INERTIAL + "<pose>1 2 3 0 0 0</pose>"
+    moved = joint(inside="<pose>0.5 0 0 0 0 0</pose><axis/>").replace("'j'", "'arm'")
+    robot = load(tmp_path, sdf(link("base"), link("arm", turned), moved))
+    np.testing.assert_array_equal(robot.joints[0].p_PJ, [1.5, 2, 3])
+    np.testing.assert_array_equal(robot.theta[1, :4], [2, -1, 0, 0])
+
+
+def test_prefixes_that_nobody_declared(tmp_path: Path):
+    sensor = "<sensor type='custom' gz:type='flow'><gz:rate>5</gz:rate></sensor>"
+    assert load(tmp_path, sdf(link("base", INERTIAL + sensor))).mass == 2.0
+
+
+def test_a_model_that_is_static_alone_and_a_world(tmp_path: Path):
+    static = sdf("<static>true</static>", link("base"))
+    assert load(tmp_path, static).mass == 2.0
+    models = static.split(">", 1)[1].removesuffix("</sdf>")
+    models += sdf(link("base"), link("arm"), joint()).split(">", 1)[1]
+    world = f"<sdf><world name='w'>{models.removesuffix('</sdf>')}</world></sdf>"
+    assert load(tmp_path, world).bodies == ("base", "arm")
+
+
 def test_ends_that_are_frames(tmp_path: Path):
     frame = "<frame name='f' attached_to='base'><pose>1 0 0 0 0 0</pose></frame>"
     text = sdf(link("base"), link("arm"), frame, joint(parent="f"))
@@ -188,6 +214,8 @@ def test_ends_that_are_frames(tmp_path: Path):
     ("version", "inside", "axis"),
     [
         ("1.9", "", [0, 0, 1]),
+        ("1.10", "", [0, 0, 1]),
+        ("", "", [0, 0, 1]),
         # Turned by 90 degrees about x, the model's z is the joint's -(-y) = y.
         ("1.4", "", [0, 1, 0]),
         ("1.6", "<use_parent_model_frame>1</use_parent_model_frame>", [0, 1, 0]),
