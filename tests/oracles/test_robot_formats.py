@@ -46,6 +46,15 @@ def state(robot: Robot, seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     )
 
 
+def momentum(
+    robot: Robot, q: np.ndarray, qd: np.ndarray, w: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """By the regressors: linear, and angular about the CM; S is at rest."""
+    regressors = only_state(momentum_regressors(robot, q[None], qd[None], w[None]))
+    S, P, A = (regressor @ robot.theta.ravel() for regressor in regressors)
+    return P, A - np.cross(S, P) / robot.mass
+
+
 def ours_at(robot: Robot, q: np.ndarray) -> Poses:
     return only_state(poses(robot, q[None]))
 
@@ -93,11 +102,17 @@ def test_mjcf_as_mujoco_has_it(tmp_path: Path, seed: int):
     robot = read(tmp_path, "robot.xml", text)
     model = mujoco.MjModel.from_xml_string(text)
     data = mujoco.MjData(model)
-    q, _, _ = state(robot, seed)
-    for name, value in zip(robot.joint_names, q, strict=True):
+    q, qd, w = state(robot, seed)
+    data.qvel[3:6] = w
+    for name, value, rate in zip(robot.joint_names, q, qd, strict=True):
         data.qpos[model.joint(name).qposadr] = value
-    mujoco.mj_kinematics(model, data)
-    mujoco.mj_comPos(model, data)
+        data.qvel[model.joint(name).dofadr] = rate
+    mujoco.mj_fwdPosition(model, data)
+    mujoco.mj_fwdVelocity(model, data)
+    mujoco.mj_subtreeVel(model, data)
+    P, about_CM = momentum(robot, q, qd, w)
+    close(P, robot.mass * data.subtree_linvel[0])
+    close(about_CM, data.subtree_angmom[0])
     at = ours_at(robot, q)
     for k, joint in enumerate(robot.joints):
         theirs = model.joint(joint.name)
@@ -105,8 +120,7 @@ def test_mjcf_as_mujoco_has_it(tmp_path: Path, seed: int):
         slid = (q[k] - model.qpos0[theirs.qposadr]) * (joint.kind == "prismatic")
         close(at.d[k + 1], data.xanchor[theirs.id] + slid * data.xaxis[theirs.id])
         close(at.R[k + 1] @ joint.axis, data.xaxis[theirs.id])
-    base = robot.theta[:, 0].sum()
-    close(base, model.body_subtreemass[0])
+    close(robot.mass, model.body_subtreemass[0])
     for k, name in enumerate(robot.bodies):
         if robot.theta[k, 0] == 0:
             continue
@@ -152,11 +166,17 @@ def test_as_pinocchio_has_it(tmp_path: Path, seed: int, kind: str):
         robot = read(tmp_path, "robot.sdf", sdf_of(parts, seed))
         model = pin.buildModelFromXML(robot.urdf, floats)
     data = model.createData()
-    q, _, _ = state(robot, seed)
-    configuration = pin.neutral(model)
-    for name, value in zip(robot.joint_names, q, strict=True):
-        configuration[model.joints[model.getJointId(name)].idx_q] = value
+    q, qd, w = state(robot, seed)
+    configuration, rates = pin.neutral(model), np.zeros(model.nv)
+    rates[3:6] = w
+    for name, value, rate in zip(robot.joint_names, q, qd, strict=True):
+        joint = model.joints[model.getJointId(name)]
+        configuration[joint.idx_q], rates[joint.idx_v] = value, rate
     pin.computeJointJacobians(model, data, configuration)
+    pin.computeCentroidalMomentum(model, data, configuration, rates)
+    P, about_CM = momentum(robot, q, qd, w)
+    close(P, data.hg.linear)
+    close(about_CM, data.hg.angular)
     at = ours_at(robot, q)
     for k, joint in enumerate(robot.joints, start=1):
         j = model.getJointId(joint.name)
