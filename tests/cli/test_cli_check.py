@@ -76,6 +76,20 @@ ODD = {
         "",
         "no mass: 'light'",
     ),
+    "singular": (
+        urdf(
+            link("base", *BASE),
+            '<link name="light"/>',
+            joint("j", "base", "light"),
+        ),
+        "",
+        "the mass matrix is singular: joint 'j' can turn or slide without moving",
+    ),
+    "out of the plane": (
+        ARM,
+        "motion: planar\nwheels: [{name: rw, axis: [1, 0, 0], inertia: 0.1}]\n",
+        "motion: planar, but 'joint2', 'rw' turn about another axis than base z",
+    ),
     "no body can have it": (
         urdf(link("base", diagonal=(1, 1, 3), products=(0, 0, 0))),
         "",

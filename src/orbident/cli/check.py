@@ -25,7 +25,7 @@ def check(
 
     output = Output(json, quiet)
     described = load_robot(robot)
-    odd = oddities(described)
+    odd = (*oddities(described), *_irregular(described))
     sensors = list(sensor_lines(described))
     output.say(repr(described), robot_tree(described))
     if sensors:
@@ -36,6 +36,18 @@ def check(
     output.write_json(_document(described, odd))
     if view:
         show(robot, quiet=quiet)
+
+
+def _irregular(robot: Any) -> tuple[str, ...]:
+    """Why other verbs refuse the robot."""
+    from orbident.errors import InputError
+    from orbident.model.regularity import check_regular
+
+    try:
+        check_regular(robot)
+    except InputError as error:
+        return (str(error),)
+    return ()
 
 
 def _document(robot: Any, odd: tuple[str, ...]) -> dict[str, Any]:

@@ -10,6 +10,9 @@ FAR = 10.0
 """A tracked point is usually on the base: it is far where it is so many times further
 from the base's CM than the base is large, by its radius of gyration."""
 
+TILTED = 1e-6
+"""How far a cosine may be from that of the plane: files print few digits."""
+
 
 def oddities(robot: Robot) -> tuple[str, ...]:
     """One sentence for each; `Robot.warnings`, of inertias and the like, come first.
@@ -20,6 +23,7 @@ def oddities(robot: Robot) -> tuple[str, ...]:
     return (
         *robot.warnings,
         *_massless(robot),
+        *_out_of_plane(robot),
         *_without_limits(robot),
         *_without_wheels(robot),
         *_without_sensors(robot),
@@ -37,6 +41,25 @@ def _massless(robot: Robot) -> list[str]:
     return [
         f"no mass: {listed(names)}: what moves there has a nominal mass of zero; give "
         "its mass, CM and inertia unless it only carries another joint"
+    ]
+
+
+def _out_of_plane(robot: Robot) -> list[str]:
+    if robot.motion != "planar":
+        return []
+    R = [np.eye(3)]
+    names = []
+    for joint in robot.joints:
+        R.append(R[joint.parent] @ joint.R_PJ)
+        along_z = abs(R[-1] @ joint.axis)[2]
+        off = 1.0 - along_z if joint.kind == "revolute" else along_z
+        names += [joint.name] if off > TILTED else []
+    names += [wheel.name for wheel in robot.wheels if 1.0 - abs(wheel.axis[2]) > TILTED]
+    if not names:
+        return []
+    return [
+        f"motion: planar, but {listed(names)} turn about another axis than base z, or "
+        "slide out of the plane; correct the axes, or give motion: spatial"
     ]
 
 

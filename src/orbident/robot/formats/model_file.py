@@ -35,13 +35,14 @@ def read_model(path: Path) -> tuple[Urdf, str]:
         MissingLibraryError: the extra that this kind of file needs is not installed.
     """
     text, place = read_text(path), str(path)
-    if path.suffix.lower() == ".xacro":
+    expanded = path.suffix.lower() == ".xacro"
+    if expanded:
         text = expanded_xacro(path)
     root = _root(text)
     if root in {"mujoco", "sdf"}:
         tree = read_mjcf(path) if root == "mujoco" else read_sdf(text, place)
         return as_urdf(tree)
-    if root == "robot" and "xmlns:xacro" in text and _MACROS.search(text):
+    if not expanded and "xmlns:xacro" in text and _MACROS.search(text):
         raise InputError(
             f"{place}: this is xacro, whose expressions are run as a program; if you "
             f"trust the file, rename it to {path.stem}.xacro"
