@@ -118,7 +118,7 @@ def test_robot_file_without_its_urdf(orbident: Orbident):
     Path("r.yaml").write_text("schema: orbident/robot/1\nurdf: gone.urdf\n")
     orbident("inspect", "r.yaml").refused("r.yaml: urdf", "gone.urdf")
     Path("r.yaml").write_text("schema: orbident/robot/1\n")
-    orbident("inspect", "r.yaml").refused("r.yaml: ", "urdf")
+    orbident("inspect", "r.yaml").refused("r.yaml: ", "'model' is missing")
 
 
 @pytest.mark.parametrize("name", ["gone.urdf", "gone.yaml"])

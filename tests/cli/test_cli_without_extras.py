@@ -117,3 +117,19 @@ def test_view():
     assert ran.stderr == (
         'orbident: the viewer needs viser: pip install "orbident[view]"\n'
     )
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "library", "need"),
+    [
+        ("r.xml", "<mujoco/>", "mujoco", "an MJCF file"),
+        ("r.xacro", "<robot/>", "xacro", "a xacro file"),
+    ],
+)
+def test_a_robot_of_another_tool(name: str, text: str, library: str, need: str):
+    Path(name).write_text(text)
+    ran = without((library,), "inspect", name)
+    assert ran.returncode == 2
+    assert ran.stderr == (
+        f'orbident: {name}: {need} needs {library}: pip install "orbident[{library}]"\n'
+    )

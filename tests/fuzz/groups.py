@@ -49,6 +49,22 @@ def robot_file(random: Random, seeds: Seeds) -> Case:
     return _of_robot(random, seeds, name, robot, files)
 
 
+def models(random: Random, seeds: Seeds) -> Case:
+    """A spoiled MJCF, SDF or xacro file, or bodies or a DH table in a robot file."""
+    name = random.choice(list(seeds.models))
+    ways = mutations.YAML if name.endswith("yaml") else mutations.TEXT
+    content = spoiled(random, seeds.models[name], ways)
+    if random.random() < 0.05:
+        name = random.choice(list(seeds.models))
+    files, robot = {name: content}, name
+    if not name.endswith("yaml") and random.random() < 0.2:
+        files["of.yaml"] = f"schema: orbident/robot/1\nmodel: {name}\n".encode()
+        robot = "of.yaml"
+    verb = random.choice(("check", "check", "inspect"))
+    shown = random.choice(([], ["--json", "-"], ["--quiet"]))
+    return Case("models", (verb, robot, *shown), files)
+
+
 def _of_robot(
     random: Random, seeds: Seeds, name: str, robot: str, files: Mapping[str, bytes]
 ) -> Case:
@@ -212,6 +228,8 @@ def _triangle() -> bytes:
 OPTIONS: Mapping[str, tuple[tuple[str, ...], ...]] = {
     "robots": (),
     "inspect": (("paper-spatial",), ("--initial-momentum", "unknown")),
+    "check": (("paper-spatial",),),
+    "new": (("new.yaml",), ("--joints", "2"), ("--wheels", "1"), ("--dh",)),
     "topics": (("bag.bag",), ("-o", "map.yaml")),
     "convert": (("bag.bag",), ("--map", "map.yaml"), ("-o", "r.csv")),
     "excite": (
@@ -311,6 +329,7 @@ def _argument(random: Random) -> str:
 GROUPS: Mapping[Group, int] = {
     robot_urdf: 3,
     robot_file: 3,
+    models: 3,
     recordings: 3,
     bags: 3,
     logs: 3,
@@ -319,4 +338,4 @@ GROUPS: Mapping[Group, int] = {
     scenes: 1,
     arguments: 3,
 }
-"""What is run beside `identify`, and how often of 21."""
+"""What is run beside `identify`, and how often of 27."""

@@ -10,7 +10,10 @@ from bag_writers import START, Sent, float64, imu, joint_state, pose, write_bag
 from case import Case
 from log_writers import KINDS as LOGS
 from log_writers import write_log
+from robot_parts import mjcf_of, random_parts, sdf_of
 from watcher import Watcher
+
+from orbident.robot.new_robot_file import new_robot_text
 
 
 @dataclass(frozen=True)
@@ -81,6 +84,29 @@ topics:
     frame: base
 """
 
+XACRO = """\
+<robot name="sc" xmlns:xacro="http://www.ros.org/wiki/xacro">
+  <xacro:arg name="mass" default="7"/>
+  <xacro:property name="side" value="0.5"/>
+  <xacro:macro name="part" params="name">
+    <link name="${name}">
+      <inertial>
+        <mass value="$(arg mass)"/>
+        <inertia ixx="${2 * side}" iyy="1" izz="1.5" ixy="0" ixz="0" iyz="0"/>
+      </inertial>
+    </link>
+  </xacro:macro>
+  <xacro:part name="base"/>
+  <xacro:part name="arm"/>
+  <joint name="j" type="revolute">
+    <parent link="base"/>
+    <child link="arm"/>
+    <origin xyz="${side / 2} 0 0"/>
+    <axis xyz="0 0 1"/>
+  </joint>
+</robot>
+"""
+
 BAGS = ("ros1", "ros2-sqlite3", "ros2-mcap", "mcap-ros2")
 MESSAGES = 20
 PERIOD = 50_000_000
@@ -101,6 +127,8 @@ class Seeds:
     bags: dict[str, dict[str, bytes]]
     logs: dict[str, tuple[str, bytes]]
     """Files of other tools: suffix and content."""
+    models: dict[str, bytes]
+    """Robots in every other format than URDF."""
 
 
 def made(watcher: Watcher, folder: Path) -> Seeds:
@@ -122,7 +150,19 @@ def made(watcher: Watcher, folder: Path) -> Seeds:
         run=_identified(watcher, recording),
         bags={kind: _bag(kind, folder / kind) for kind in BAGS},
         logs={kind: _log(kind, folder / f"log-{kind}") for kind in LOGS},
+        models=_models(),
     )
+
+
+def _models() -> dict[str, bytes]:
+    parts = random_parts(0, count=5)
+    return {
+        "robot.xml": mjcf_of(parts).replace("><", ">\n<").encode(),
+        "robot.sdf": sdf_of(parts).replace("><", ">\n<").encode(),
+        "robot.xacro": XACRO.encode(),
+        "bodies.yaml": new_robot_text("bodies", 2, 1).encode(),
+        "dh.yaml": new_robot_text("dh", 2, 1, table=True).encode(),
+    }
 
 
 def _robot_files(name: str) -> Iterator[tuple[str, bytes]]:

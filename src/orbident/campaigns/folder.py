@@ -28,7 +28,12 @@ from orbident.files.locking import locked
 from orbident.files.text import read_text, write_text
 from orbident.files.writing import writing
 from orbident.robot.description import Robot
-from orbident.robot.robot_file import bundled_robots, load_robot, write_robot
+from orbident.robot.robot_file import (
+    bundled_robots,
+    load_robot,
+    load_written_robot,
+    write_robot,
+)
 from orbident.simulation.environment.outside import check_environment
 from orbident.trajectories.trajectory import Trajectory
 from orbident.trajectories.trajectory_file import load_trajectory, save_trajectory
@@ -108,7 +113,7 @@ def opened(folder: Path) -> Campaign:
             )
     spec = load_spec(folder / SPEC).spec
     subjects = tuple(
-        Subject(load_robot(at / "robot.yaml"), load_trajectory(at / "trajectory.yaml"))
+        Subject(load_written_robot(at), load_trajectory(at / "trajectory.yaml"))
         for at in (folder / f"robot{k}" for k in range(len(spec.robots)))
     )
     return Campaign(spec, subjects)

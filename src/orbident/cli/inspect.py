@@ -92,6 +92,8 @@ def _deviations(known: Any) -> list[float | None]:
 
 
 def _lines(robot: Any, document: dict[str, Any]) -> list[str]:
+    from orbident.cli.robot_tree import wheel_words
+
     count = document["count"]
     lines = [
         f"{robot.name}: {robot.motion}, {robot.mass:.6g} kg nominal",
@@ -101,12 +103,7 @@ def _lines(robot: Any, document: dict[str, Any]) -> list[str]:
     for joint, body in zip(robot.joints, robot.bodies[1:], strict=True):
         parent = robot.bodies[joint.parent]
         lines.append(f"joint   {joint.name}: {joint.kind}, {parent} -> {body}")
-    for wheel in robot.wheels:
-        axis = ", ".join(f"{component:.4g}" for component in wheel.axis)
-        lines.append(
-            f"wheel   {wheel.name}: {wheel.inertia:.4g} kg m^2 about [{axis}], "
-            f"{wheel.mode}"
-        )
+    lines += [f"wheel   {wheel.name}: {wheel_words(wheel)}" for wheel in robot.wheels]
     titles = {
         "base": f"{count['base']} free-flying base parameters, nominal values: "
         "M, kg; sigma, kg m; iota, kg m^2",

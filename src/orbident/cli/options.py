@@ -26,7 +26,7 @@ RobotName = Annotated[
     str,
     typer.Argument(
         metavar="ROBOT",
-        help="A bundled name, a URDF, or a robot file.",
+        help="A bundled name, a robot file, or a URDF, xacro, MJCF or SDF file.",
         autocompletion=_bundled,
     ),
 ]

@@ -5,6 +5,7 @@ from typing import Annotated
 import typer
 
 from orbident.cli.campaign import campaign
+from orbident.cli.check import check
 from orbident.cli.compare import compare
 from orbident.cli.convert import convert
 from orbident.cli.doctor import doctor
@@ -12,6 +13,7 @@ from orbident.cli.excite import excite
 from orbident.cli.export import export
 from orbident.cli.identify import identify
 from orbident.cli.inspect import inspect
+from orbident.cli.new import new
 from orbident.cli.noise import noise
 from orbident.cli.report import report
 from orbident.cli.robots import robots
@@ -33,6 +35,8 @@ app = typer.Typer(
 )
 EXAMPLES = {
     robots: "orbident robots",
+    new: "orbident new robot.yaml --joints 3 --wheels 3",
+    check: "orbident check robot.yaml",
     inspect: "orbident inspect servicer.yaml --trajectory excite.yaml",
     topics: "orbident topics table.bag -o map.yaml",
     convert: "orbident convert table.bag --map map.yaml -o flight.parquet",

@@ -14,8 +14,8 @@ def view(
         str,
         typer.Argument(
             metavar="ROBOT|RUN",
-            help="A bundled name, a URDF, a robot file, or a folder that "
-            "'identify -o' wrote.",
+            help="A bundled name, a robot file, a URDF, xacro, MJCF or SDF file, or a "
+            "folder that 'identify -o' wrote.",
         ),
     ],
     recording: Annotated[

@@ -4,7 +4,7 @@ import math
 from contextlib import suppress
 from typing import Annotated, Any
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, model_validator
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
 from orbident.errors import InputError
 from orbident.files.bounds import LARGEST, SMALLEST
@@ -71,6 +71,22 @@ Vector4 = Annotated[
     tuple[float, float, float, float],
     BeforeValidator(lambda value: finite_vector(value, 4)),
 ]
+
+
+def nonzero_vector(value: object) -> tuple[float, ...]:
+    """The value as a vector of three finite numbers that are not all zero.
+
+    Raises:
+        WrongValueError: it is none.
+    """
+    vector = finite_vector(value, 3)
+    if max(map(abs, vector)) < SMALLEST:
+        raise WrongValueError("give a nonzero 3-vector")
+    return vector
+
+
+Direction = Annotated[tuple[float, float, float], BeforeValidator(nonzero_vector)]
+Name = Annotated[str, Field(min_length=1)]
 
 
 class MappingSchema(BaseModel):

@@ -41,7 +41,7 @@ from orbident.identified.checksums import (
 from orbident.identified.result_document import check_content
 from orbident.identified.signals_file import read_signals, write_signals
 from orbident.preprocessing.delays import Delay
-from orbident.robot.robot_file import load_robot, write_robot
+from orbident.robot.robot_file import load_written_robot, write_robot
 
 RESULT, REPORT = "result.json", "report.html"
 SIGNALS, HISTORY, REPLAY = "signals.parquet", "history.csv", "replay.json"
@@ -203,7 +203,7 @@ def _read(text: str, folder: Path) -> Result:
         raise InputError(f"{path}: is not JSON; identify again") from None
     check_document(document, path)
     check_files(document[FILES], folder, READ)
-    robot = load_robot(folder / "robot.yaml")
+    robot = load_written_robot(folder)
     check_content(document, robot.joint_names, path)
     refused = document["diagnostics"]
     return Result(

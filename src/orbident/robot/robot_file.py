@@ -1,4 +1,4 @@
-"""Loads and writes robots: bundled names, URDFs and robot files."""
+"""Loads and writes robots: bundled names, models of other tools and robot files."""
 
 from importlib.resources import files
 from pathlib import Path
@@ -12,8 +12,10 @@ from orbident.files.text import read_text, write_text
 from orbident.files.yaml_mapping import read_yaml_mapping
 from orbident.robot.assembly import assembled
 from orbident.robot.description import Robot
-from orbident.robot.schema import RobotFile
-from orbident.robot.urdf import read_urdf
+from orbident.robot.formats.model_file import KINDS, SUFFIXES, as_urdf, read_model
+from orbident.robot.formats.plain_tree import tree_of_bodies, tree_of_table
+from orbident.robot.schema import BODIES, RobotFile
+from orbident.robot.urdf import Urdf
 
 _SCHEMA = "orbident/robot/1"
 _YAML = {".yaml", ".yml"}
@@ -31,21 +33,22 @@ def load_robot(source: str | Path) -> Robot:
     `structure`, unbalanced wheels, mimicking joints) is in `Robot.warnings`.
 
     Args:
-        source: a bundled name (see `bundled_robots`), a `.urdf` file, or a robot
-            file (`.yaml`, `.yml`).
+        source: a bundled name (see `bundled_robots`), a robot file (`.yaml`, `.yml`),
+            or a URDF, xacro, MJCF or SDF file.
 
     Raises:
         InputError: the source or a file that it needs cannot be used. One line: file,
             place, what was found, what to do.
+        MissingLibraryError: the extra that this kind of file needs is not installed.
     """
     if str(source) in bundled_robots():
         return _from_robot_file(_library() / f"{source}.yaml", place=str(source))
     path = Path(source)
     suffix = path.suffix.lower()
-    if suffix == ".urdf":
-        return _from_urdf(path)
     if suffix in _YAML:
         return _from_robot_file(path, place=str(path))
+    if suffix == ".urdf" or (suffix in SUFFIXES and path.is_file()):
+        return _from_model(path)
     raise InputError(_not_a_robot(path))
 
 
@@ -71,20 +74,40 @@ def write_robot(robot: Robot, folder: str | Path) -> Path:
         folder.mkdir(parents=True, exist_ok=True)
     except FileExistsError:
         raise InputError(f"{folder}: is a file; give a folder") from None
-    document = {**robot.document, "name": robot.name, "urdf": "robot.urdf"}
+    kept = {key: value for key, value in robot.document.items() if key not in BODIES}
+    document = {**kept, "name": robot.name, "urdf": "robot.urdf"}
     text = yaml.safe_dump(document, sort_keys=False, allow_unicode=True)
     write_text(folder / "robot.urdf", robot.urdf)
     write_text(folder / "robot.yaml", text)
     return folder / "robot.yaml"
 
 
+def load_written_robot(folder: Path) -> Robot:
+    """The robot that `write_robot` wrote.
+
+    A folder that somebody sent may name any file as the robot's, and a xacro file is a
+    program: only `robot.urdf` in the folder itself is read.
+
+    Raises:
+        InputError: as `load_robot`, and where `robot.yaml` names another file.
+    """
+    path = folder / "robot.yaml"
+    document = read_yaml_mapping(read_text(path), str(path), _SCHEMA)
+    named = [document.get(key) for key in BODIES if key in document]
+    if named != ["robot.urdf"]:
+        raise InputError(
+            f"{path}: names another file than robot.urdf, which Orbident writes; give "
+            "a folder as it was written"
+        )
+    return load_robot(path)
+
+
 def _library() -> Path:
     return Path(str(files("orbident.robot") / "library"))
 
 
-def _from_urdf(path: Path) -> Robot:
-    text = read_text(path)
-    urdf = read_urdf(text, str(path))
+def _from_model(path: Path) -> Robot:
+    urdf, text = read_model(path)
     document = {"schema": _SCHEMA, "name": urdf.name, "urdf": path.name}
     file = validated(RobotFile, document, str(path))
     return assembled(file, document, urdf, text, str(path))
@@ -93,30 +116,39 @@ def _from_urdf(path: Path) -> Robot:
 def _from_robot_file(path: Path, place: str) -> Robot:
     document = read_yaml_mapping(read_text(path), place, _SCHEMA)
     file = validated(RobotFile, document, place)
-    urdf_path = path.parent / file.urdf
-    if not urdf_path.is_file():
+    return assembled(file, document, *_bodies(file, path, place), place)
+
+
+def _bodies(file: RobotFile, path: Path, place: str) -> tuple[Urdf, str]:
+    """Links and joints, whichever key has them, and their URDF."""
+    name = file.name or path.stem
+    if file.bodies is not None:
+        return as_urdf(tree_of_bodies(file.bodies, name, place))
+    if file.dh is not None:
+        return as_urdf(tree_of_table(file.dh, name, place))
+    model = path.parent / file.model_file
+    if not model.is_file():
+        key = "model" if file.model else "urdf"
         raise InputError(
-            f"{place}: urdf: no file {urdf_path}; give a path relative to this file"
+            f"{place}: {key}: no file {model}; give a path relative to this file"
         )
-    text = read_text(urdf_path)
-    return assembled(file, document, read_urdf(text, str(urdf_path)), text, place)
+    return read_model(model)
 
 
 def _not_a_robot(path: Path) -> str:
-    kinds = "a bundled name, a .urdf or a .yaml robot file"
-    # Somebody may pass a URDF's text, which is no path, and has many lines.
+    kinds = f"a bundled name, a .yaml robot file, or {KINDS}"
+    # Somebody may pass a file's text, which is no path, and has many lines.
     if str(path).lstrip().startswith("<") or not str(path).isprintable():
         return f"found {str(path)[:40]!r}..., which is no path; give {kinds}"
     if path.is_dir():
         inside = path / "robot.yaml"
         hint = inside if inside.is_file() else kinds
         return f"{path}: is a folder; give {hint}"
-    if path.suffix.lower() == ".xacro":
-        return f"{path}: this is xacro; expand it first: xacro {path} > robot.urdf"
     if path.is_file():
-        return f"{path}: unknown type of file; give {kinds}"
+        known = ", ".join((*sorted(_YAML), *SUFFIXES))
+        return f"{path}: unknown type of file; known ones: {known}"
     known = suggestion(str(path), bundled_robots(), "robots")
     return (
         f"{path}: neither a file nor a bundled robot; {known}; "
-        "or give a .urdf or .yaml file"
+        f"or give a .yaml robot file, or {KINDS}"
     )

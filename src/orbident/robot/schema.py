@@ -5,27 +5,21 @@ from typing import Annotated, Literal
 from pydantic import BeforeValidator, Field, model_validator
 
 from orbident.errors import InputError
-from orbident.files.bounds import SMALLEST
 from orbident.files.names import first_duplicate
 from orbident.files.schema_parts import (
+    Direction,
     MappingSchema,
+    Name,
     Positive,
     Vector3,
     WrongValueError,
     finite_number,
-    finite_vector,
 )
+from orbident.robot.body_schema import BodyEntry, DhTable
 from orbident.robot.description import Axis
 from orbident.robot.disturbance_groups import DisturbanceGroup
 from orbident.robot.sensor_schema import SensorsSpec, Share, measure_of
 from orbident.robot.tolerance_schema import TolerancesEntry
-
-
-def _direction(value: object) -> tuple[float, ...]:
-    vector = finite_vector(value, 3)
-    if max(map(abs, vector)) < SMALLEST:
-        raise WrongValueError("give a nonzero 3-vector")
-    return vector
 
 
 def _range(value: object) -> tuple[float, ...]:
@@ -37,9 +31,11 @@ def _range(value: object) -> tuple[float, ...]:
     return ends
 
 
-Direction = Annotated[tuple[float, float, float], BeforeValidator(_direction)]
 Range = Annotated[tuple[float, float], BeforeValidator(_range)]
-Name = Annotated[str, Field(min_length=1)]
+
+
+BODIES = ("model", "urdf", "bodies", "dh")
+"""The keys of which a robot file has one: where its bodies and joints are."""
 
 
 class WheelEntry(MappingSchema):
@@ -125,7 +121,10 @@ class RobotFile(MappingSchema):
     # "schema" is a method of pydantic's models.
     schema_: Literal["orbident/robot/1"] = Field(alias="schema")
     name: Name | None = None
-    urdf: Name
+    model: Name | None = None
+    urdf: Name | None = None
+    bodies: dict[Name, BodyEntry] | None = None
+    dh: DhTable | None = None
     base_link: Name | None = None
     motion: Literal["spatial", "planar"] = "spatial"
     feature_point: Vector3 = (0.0, 0.0, 0.0)
@@ -140,6 +139,15 @@ class RobotFile(MappingSchema):
     tolerances: TolerancesEntry = TolerancesEntry()
 
     @model_validator(mode="after")
+    def _one_robot(self) -> "RobotFile":
+        given = [key for key in BODIES if getattr(self, key) is not None]
+        if not given:
+            raise InputError("'model' is missing; give a URDF, xacro, MJCF or SDF file")
+        if len(given) > 1:
+            raise InputError(f"{' and '.join(given)} each describe a robot; keep one")
+        return self
+
+    @model_validator(mode="after")
     def _unique_names(self) -> "RobotFile":
         for key, names in (
             ("wheels", [wheel.label for wheel in self.wheels]),
@@ -149,3 +157,8 @@ class RobotFile(MappingSchema):
             if twice is not None:
                 raise InputError(f"{key}: the name {twice!r} is given twice")
         return self
+
+    @property
+    def model_file(self) -> str:
+        """The file with the robot's bodies; `urdf` is the older name of its key."""
+        return self.model or self.urdf or ""

@@ -26,6 +26,15 @@ UNITS: dict[str, dict[str, float]] = {
     "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0, "h": _HOUR},
     "length": {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6},
     "length random walk": {"m/sqrt(s)": 1.0, "mm/sqrt(s)": 1e-3, "um/sqrt(s)": 1e-6},
+    "mass": {"kg": 1.0, "g": 1e-3},
+    # "kg m^2": spaces in a unit do not count.
+    "inertia": {
+        "kgm^2": 1.0,
+        "kgcm^2": 1e-4,
+        "kgmm^2": 1e-6,
+        "gcm^2": 1e-7,
+        "gmm^2": 1e-9,
+    },
     "altitude": {"m": 1.0, "km": 1e3},
     "area": {"m^2": 1.0, "cm^2": 1e-4},
     "density": {"kg/m^3": 1.0, "g/cm^3": 1e3},

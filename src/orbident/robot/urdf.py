@@ -142,13 +142,18 @@ def _placement(
     """`<origin>`: roll, pitch and yaw turn about the fixed axes x, y and z."""
     p = np.array(_numbers(element, "origin", "xyz", (0.0, 0.0, 0.0)))
     rpy = np.array(_numbers(element, "origin", "rpy", (0.0, 0.0, 0.0)))
+    return rotation_of(rpy), p
+
+
+def rotation_of(rpy: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3 3"]:
+    """`Rz(yaw) Ry(pitch) Rx(roll)` of roll, pitch and yaw about fixed axes, rad."""
     (cr, cp, cy), (sr, sp, sy) = np.cos(rpy), np.sin(rpy)
     R = [
         [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
         [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
         [-sp, cp * sr, cp * cr],
     ]
-    return np.array(R), p
+    return np.array(R)
 
 
 def _limit(joint: ET.Element, attribute: str) -> float | None:

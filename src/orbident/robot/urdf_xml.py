@@ -38,29 +38,33 @@ def checked_xml(text: str, place: str) -> ET.Element:
             child that is no link, text where numbers belong, a mass that is
             negative or not finite.
     """
-    root = _parsed(text, place)
-    links, joints = root.findall("link"), root.findall("joint")
-    if not links:
-        raise InputError(f"{place}: the robot has no <link>; give at least a base")
-    clean = ET.Element("robot", name=_name(root, f"{place}: <robot>"))
-    names = _unique_names(links, "link", place)
-    for link, name in zip(links, names, strict=True):
-        clean.append(_clean_link(link, name, f"{place}: link '{name}'"))
-    for joint, name in zip(joints, _unique_names(joints, "joint", place), strict=True):
-        clean.append(_clean_joint(joint, name, names, f"{place}: joint '{name}'"))
-    return clean
-
-
-def _parsed(text: str, place: str) -> ET.Element:
-    try:
-        root = ET.fromstring(text)
-    except (ET.ParseError, ValueError) as error:
-        raise InputError(f"{place}: malformed XML: {error}; repair the file") from None
+    root = parsed_xml(text, place)
     if root.tag != "robot":
         raise InputError(
             f"{place}: the root element is <{root.tag}>; a URDF has <robot>"
         )
-    return root
+    links, joints = root.findall("link"), root.findall("joint")
+    if not links:
+        raise InputError(f"{place}: the robot has no <link>; give at least a base")
+    clean = ET.Element("robot", name=_name(root, f"{place}: <robot>"))
+    names = unique_names(links, "link", place)
+    for link, name in zip(links, names, strict=True):
+        clean.append(_clean_link(link, name, f"{place}: link '{name}'"))
+    for joint, name in zip(joints, unique_names(joints, "joint", place), strict=True):
+        clean.append(_clean_joint(joint, name, names, f"{place}: joint '{name}'"))
+    return clean
+
+
+def parsed_xml(text: str, place: str) -> ET.Element:
+    """The root element.
+
+    Raises:
+        InputError: malformed XML.
+    """
+    try:
+        return ET.fromstring(text)
+    except (ET.ParseError, ValueError) as error:
+        raise InputError(f"{place}: malformed XML: {error}; repair the file") from None
 
 
 def _name(element: ET.Element, where: str) -> str:
@@ -70,9 +74,14 @@ def _name(element: ET.Element, where: str) -> str:
     return name
 
 
-def _unique_names(
+def unique_names(
     elements: Iterable[ET.Element], tag: str, place: str
 ) -> tuple[str, ...]:
+    """The elements' names, in their order.
+
+    Raises:
+        InputError: an element has none, or two have the same.
+    """
     names = tuple(
         _name(element, f"{place}: <{tag}> number {i}")
         for i, element in enumerate(elements, start=1)
@@ -158,25 +167,42 @@ def _numeric_children(
         for attribute, count in attributes.items():
             text = child.get(attribute)
             if text is not None:
-                _check_numbers(text, count, f"{where}: <{tag} {attribute}>", tag)
+                numbers_in(
+                    text,
+                    count,
+                    f"{where}: <{tag} {attribute}>",
+                    bounded=tag != "limit",
+                )
                 kept.set(attribute, text)
     return clean
 
 
-def _check_numbers(text: str, count: int, where: str, tag: str) -> None:
+def numbers_in(
+    text: str, count: int, where: str, *, bounded: bool = True
+) -> tuple[float, ...]:
+    """The numbers of an element or an attribute.
+
+    Args:
+        text: what stands there.
+        count: how many there must be.
+        where: file and element, for messages.
+        bounded: false for a limit, where an infinite or very large number is a way
+            to write that there is none.
+
+    Raises:
+        InputError: not so many, no numbers, not finite or too large.
+    """
     try:
-        numbers = [float(word) for word in text.split()]
+        numbers = tuple(float(word) for word in text.split())
     except ValueError:
-        numbers = []
-    # An infinite limit is a way to write "no limit".
-    finite = all(
-        math.isfinite(x) or (tag == "limit" and not math.isnan(x)) for x in numbers
-    )
+        numbers = ()
+    finite = all(math.isfinite(x) or not (bounded or math.isnan(x)) for x in numbers)
     if len(numbers) != count or not finite:
         wanted = "one finite number" if count == 1 else f"{count} finite numbers"
         hint = "; expand it with xacro first" if "${" in text else ""
         raise InputError(f"{where}: found {quoted(text)}; give {wanted}{hint}")
-    if tag != "limit" and max(map(abs, numbers)) > LARGEST:
+    if bounded and max(map(abs, numbers)) > LARGEST:
         raise InputError(
             f"{where}: found {quoted(text)}; give at most {LARGEST:g}, in SI units"
         )
+    return numbers

@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.extras import MissingLibraryError
+from orbident.robot.urdf import rotation_of
 from orbident.scene.mesh_files import mesh_file, read_mesh
 from orbident.scene.shapes import BASE, Colour, Shape, box, cylinder, sphere
 
@@ -110,19 +111,7 @@ def _placed(shape: Shape, origin: ET.Element | None) -> Shape:
     if origin is None:
         return shape
     rpy, xyz = (_numbers(origin.get(name), 3, 0.0) for name in ("rpy", "xyz"))
-    return shape.moved(0, _from_rpy(rpy), xyz)
-
-
-def _from_rpy(rpy: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3 3"]:
-    """URDF's fixed-axis roll, pitch, yaw: `Rz(yaw) Ry(pitch) Rx(roll)`."""
-    (cr, cp, cy), (sr, sp, sy) = np.cos(rpy), np.sin(rpy)
-    return np.array(
-        [
-            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
-            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
-            [-sp, cp * sr, cp * cr],
-        ]
-    )
+    return shape.moved(0, rotation_of(rpy), xyz)
 
 
 def _numbers(

@@ -73,11 +73,12 @@ def _identified(result: Result, shown: str) -> Robot:
 
 
 def _folder(shown: str, robot: Robot) -> Path | None:
-    """The folder of the URDF, where the robot came from a file."""
+    """The folder of the robot's model, where it came from a file."""
     path = Path(shown)
     if not path.is_file():
         return None
-    return (path.parent / robot.document["urdf"]).parent
+    model = robot.document.get("model") or robot.document.get("urdf") or ""
+    return (path.parent / model).parent
 
 
 def _missing(scene: Scene) -> tuple[str, ...]:

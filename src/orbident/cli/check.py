@@ -1,0 +1,81 @@
+"""`orbident check ROBOT`."""
+
+from typing import Annotated, Any
+
+import typer
+
+from orbident.cli.options import Json, Quiet, RobotName
+
+
+def check(
+    robot: RobotName,
+    view: Annotated[
+        bool,
+        typer.Option("--view", help="Then show it in the browser, as 'view' does."),
+    ] = False,
+    json: Json = None,
+    quiet: Quiet = False,
+) -> None:
+    """Show a robot's tree, frames, masses, wheels and sensors, and what is odd."""
+    from orbident.cli.output import Output
+    from orbident.cli.robot_tree import robot_tree, sensor_lines
+    from orbident.cli.view import view as show
+    from orbident.robot.oddities import oddities
+    from orbident.robot.robot_file import load_robot
+
+    output = Output(json, quiet)
+    described = load_robot(robot)
+    odd = (*oddities(described), *_irregular(described))
+    sensors = list(sensor_lines(described))
+    output.say(repr(described), robot_tree(described))
+    if sensors:
+        output.say("sensors (SI)", *(f"  {line}" for line in sensors))
+    output.say(
+        *(["odd", *(f"  {each}" for each in odd)] if odd else ["nothing is odd"])
+    )
+    output.write_json(_document(described, odd))
+    if view:
+        show(robot, quiet=quiet)
+
+
+def _irregular(robot: Any) -> tuple[str, ...]:
+    """Why other verbs refuse the robot."""
+    from orbident.errors import InputError
+    from orbident.model.regularity import check_regular
+
+    try:
+        check_regular(robot)
+    except InputError as error:
+        return (str(error),)
+    return ()
+
+
+def _document(robot: Any, odd: tuple[str, ...]) -> dict[str, Any]:
+    """Frames as the model has them: the base's at S, any other body's at its joint."""
+    bodies = [{"name": robot.bodies[0], "theta": robot.theta[0].tolist()}]
+    for joint, name, theta in zip(
+        robot.joints, robot.bodies[1:], robot.theta[1:], strict=True
+    ):
+        bodies.append(
+            {
+                "name": name,
+                "parent": robot.bodies[joint.parent],
+                "joint": joint.name,
+                "type": joint.kind,
+                "axis": joint.axis.tolist(),
+                "rotation": joint.R_PJ.tolist(),
+                "place": joint.p_PJ.tolist(),
+                "position": joint.position,
+                "velocity": joint.velocity,
+                "theta": theta.tolist(),
+            }
+        )
+    return {
+        "name": robot.name,
+        "motion": robot.motion,
+        "mass": robot.mass,
+        "bodies": bodies,
+        "wheels": list(robot.wheel_names),
+        "sensors": [name for name in robot.sensors if name != "rate"],
+        "odd": list(odd),
+    }

@@ -1,0 +1,48 @@
+"""`orbident new ROBOT.yaml`."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from orbident.cli.options import Json, Quiet
+
+
+def new(
+    robot: Annotated[
+        Path,
+        typer.Argument(metavar="FILE", help="The robot file to write (.yaml)."),
+    ],
+    joints: Annotated[
+        int, typer.Option(help="Joints of the arm, one after the other.", min=1, max=60)
+    ] = 3,
+    wheels: Annotated[int, typer.Option(help="Reaction wheels.", min=0, max=60)] = 3,
+    dh: Annotated[
+        bool,
+        typer.Option("--dh", help="A table of Denavit and Hartenberg for the arm."),
+    ] = False,
+    json: Json = None,
+    quiet: Quiet = False,
+) -> None:
+    """Write a commented robot file to edit, for a robot that has no URDF."""
+    from orbident.cli.output import Output
+    from orbident.errors import InputError
+    from orbident.files.replacing import check_place
+    from orbident.files.text import write_text
+    from orbident.robot.new_robot_file import new_robot_text
+
+    output = Output(json, quiet)
+    if robot.suffix.lower() not in {".yaml", ".yml"}:
+        raise InputError(f"{robot}: give a name that ends in .yaml")
+    check_place(robot)
+    if robot.exists():
+        raise InputError(
+            f"{robot}: exists already, and may be edited; give another name, or "
+            "remove it"
+        )
+    write_text(robot, new_robot_text(robot.stem, joints, wheels, table=dh))
+    output.say(
+        f"{robot}: written, with {joints} joints and {wheels} wheels; edit its "
+        f"numbers, then: orbident check {robot}"
+    )
+    output.write_json({"robot": str(robot), "joints": joints, "wheels": wheels})

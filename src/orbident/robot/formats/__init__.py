@@ -1,0 +1,1 @@
+"""Robots in files of other tools: each becomes links and joints of a URDF."""

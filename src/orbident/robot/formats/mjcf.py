@@ -1,0 +1,209 @@
+"""MJCF to links and joints, as MuJoCo itself compiles it."""
+
+import warnings
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float
+
+from orbident.errors import InputError
+from orbident.extras import extra
+from orbident.files.names import listed, one_line
+from orbident.robot.urdf import Urdf, UrdfJoint, UrdfLink
+
+_FREE, _BALL, _SLIDE = 0, 1, 2
+"""Of `mjtJoint`."""
+
+
+def read_mjcf(path: Path) -> Urdf:
+    """The links and joints of a MuJoCo model.
+
+    The base is the one body of the world that has a free joint, or two slides and a
+    hinge (a table), or none. A body with several joints becomes as many links, all but
+    the last without mass. Link frames are at the joints, where MuJoCo's are anywhere.
+
+    Args:
+        path: of the MJCF file, which MuJoCo reads with all that it includes.
+
+    Raises:
+        InputError: MuJoCo refuses the model; it has no body, several that may be the
+            base, a base that is held, or ball joints.
+        MissingLibraryError: the extra `mujoco` is not installed.
+    """
+    place = str(path)
+    with extra("mujoco", f"{place}: an MJCF file"):
+        import mujoco
+    # Its stubs do not say what it exports.
+    api: Any = mujoco
+    try:
+        # MuJoCo warns of what troubles a simulation; inertias are judged elsewhere.
+        with warnings.catch_warnings(action="ignore"):
+            spec = api.MjSpec.from_file(place)
+            _leave_inertias_alone(spec)
+            model = spec.compile()
+    # What MuJoCo raises for a file has many types.
+    except Exception as error:
+        said = one_line(error)
+        cure = "correct the file"
+        if "opening file" in said:
+            cure = "put it there, or give the bodies that it weighs an <inertial>"
+        raise InputError(f"{place}: MuJoCo cannot read it: {said}; {cure}") from None
+    return _Reader(model, api.mju_quat2Mat, place).tree(spec.modelname)
+
+
+def _leave_inertias_alone(spec: Any) -> None:
+    """Take out of a model what has no part in inertias, as meshes that are missing."""
+    for kind in ("keys", "sensors", "actuators", "tendons", "equalities", "pairs"):
+        _delete(spec, getattr(spec, kind))
+    _delete(spec, [*spec.excludes, *spec.skins, *spec.tuples])
+    inferred = int(spec.compiler.inertiafromgeom) == 1
+    for body in spec.bodies:
+        weighs = body.name != "world" and (inferred or not body.explicitinertial)
+        _delete(spec, [] if weighs else body.geoms)
+    for geom in spec.geoms:
+        geom.material = ""
+    used = {geom.meshname for geom in spec.geoms}
+    _delete(spec, [mesh for mesh in spec.meshes if mesh.name not in used])
+    _delete(spec, [*spec.materials, *spec.textures])
+
+
+def _delete(spec: Any, elements: Any) -> None:
+    for element in list(elements):
+        spec.delete(element)
+
+
+class _Reader:
+    """A compiled model's bodies, by the numbers that MuJoCo gives them."""
+
+    def __init__(self, model: Any, quat2mat: Any, place: str) -> None:
+        self.model, self.quat2mat, self.place = model, quat2mat, place
+        self.joints = [
+            range(first, first + count)
+            for first, count in zip(model.body_jntadr, model.body_jntnum, strict=True)
+        ]
+        self.bodies = [model.body(i).name or f"body{i}" for i in range(model.nbody)]
+        self.anchors: dict[int, Float[np.ndarray, 3]] = {}
+        """Origin of each link's frame in MuJoCo's frame of its body, m."""
+
+    def tree(self, name: str) -> Urdf:
+        base = self._base()
+        links, joints = [self._link(base, np.zeros(3))], []
+        for body in range(base + 1, self.model.nbody):
+            if int(self.model.body_parentid[body]) in self.anchors:
+                for link, joint in self._hung(body):
+                    links.append(link)
+                    joints.append(joint)
+        return Urdf(name, tuple(links), tuple(joints), self.place)
+
+    def _base(self) -> int:
+        top = [b for b in range(1, self.model.nbody) if not self.model.body_parentid[b]]
+        if not top:
+            raise InputError(f"{self.place}: <mujoco> has no <body>; give a base")
+        free = [b for b in top if self._kinds(b)[:1] == [_FREE]]
+        bases = free or top
+        if len(bases) > 1:
+            names = listed(self.bodies[b] for b in bases)
+            raise InputError(
+                f"{self.place}: the bodies {names} are all at the top of the world, "
+                "and each may be the base (several roots); give one of them alone a "
+                "<freejoint/>"
+            )
+        base = bases[0]
+        kinds = sorted(self._kinds(base))
+        if kinds not in ([], [_FREE], [_SLIDE, _SLIDE, _SLIDE + 1]):
+            raise InputError(
+                f"{self.place}: body '{self.bodies[base]}' hangs on the world by "
+                f"{'a joint' if len(kinds) == 1 else f'{len(kinds)} joints'}, but a "
+                "base floats: give it a <freejoint/>, or two slides and a hinge if it "
+                "is on a table"
+            )
+        return base
+
+    def _kinds(self, body: int) -> list[int]:
+        return [int(self.model.jnt_type[j]) for j in self.joints[body]]
+
+    def _hung(self, body: int) -> Iterator[tuple[UrdfLink, UrdfJoint]]:
+        """A body's links, one a joint, each with the joint that it hangs on."""
+        model, parent = self.model, int(self.model.body_parentid[body])
+        above, R = self.bodies[parent], self._matrix(model.body_quat[body])
+        p = model.body_pos[body] - self.anchors[parent]
+        for j in self.joints[body]:
+            last = j == self.joints[body][-1]
+            anchor = model.jnt_pos[j].copy()
+            R_q, p_q = self._at_zero(j)
+            name = self.bodies[body] if last else f"{self._name(j)}_link"
+            link = self._link(body, anchor) if last else _massless(name)
+            yield link, self._joint(j, above, name, R @ R_q, p + R @ (anchor + p_q))
+            # The next joint of this body stands in the frame of this one.
+            above, R, p = name, np.eye(3), -anchor
+        if not len(self.joints[body]):
+            joint = UrdfJoint(
+                f"{self.bodies[body]}_fixed", "fixed", above, self.bodies[body], R, p,
+                axis=np.array([1.0, 0.0, 0.0]),
+            )  # fmt: skip
+            yield self._link(body, np.zeros(3)), joint
+
+    def _name(self, j: int) -> str:
+        return self.model.joint(j).name or f"joint{j}"
+
+    def _at_zero(
+        self, j: int
+    ) -> tuple[Float[np.ndarray, "3 3"], Float[np.ndarray, "3"]]:
+        """The motion from the body as drawn, at `ref`, to where the joint is zero."""
+        ref, axis = self.model.qpos0[self.model.jnt_qposadr[j]], self.model.jnt_axis[j]
+        if self.model.jnt_type[j] == _SLIDE:
+            return np.eye(3), -ref * axis
+        half = -ref / 2
+        return self._matrix(np.array([np.cos(half), *(np.sin(half) * axis)])), np.zeros(
+            3
+        )
+
+    def _joint(
+        self,
+        j: int,
+        parent: str,
+        child: str,
+        R: Float[np.ndarray, "3 3"],
+        p: Float[np.ndarray, "3"],
+    ) -> UrdfJoint:
+        kind, name = self.model.jnt_type[j], self._name(j)
+        if kind == _BALL:
+            raise InputError(
+                f"{self.place}: joint '{name}' is a ball joint; write it as three "
+                "hinges of the same body"
+            )
+        limited = self.model.jnt_limited[j]
+        lower, upper = map(float, self.model.jnt_range[j])
+        return UrdfJoint(
+            name,
+            "prismatic" if kind == _SLIDE else "revolute",
+            parent,
+            child,
+            R,
+            p,
+            axis=self.model.jnt_axis[j].copy(),
+            position=(lower, upper) if limited else None,
+        )
+
+    def _link(self, body: int, anchor: Float[np.ndarray, "3"]) -> UrdfLink:
+        model = self.model
+        self.anchors[body] = anchor
+        R = self._matrix(model.body_iquat[body])
+        return UrdfLink(
+            self.bodies[body],
+            float(model.body_mass[body]),
+            model.body_ipos[body] - anchor,
+            R @ np.diag(model.body_inertia[body]) @ R.T,
+        )
+
+    def _matrix(self, quat: Float[np.ndarray, "4"]) -> Float[np.ndarray, "3 3"]:
+        """The rotation of MuJoCo's quaternion, which has its scalar first."""
+        R = np.zeros(9)
+        self.quat2mat(R, quat)
+        return R.reshape(3, 3)
+
+
+def _massless(name: str) -> UrdfLink:
+    return UrdfLink(name, 0.0, np.zeros(3), np.zeros((3, 3)))

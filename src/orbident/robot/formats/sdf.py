@@ -1,0 +1,251 @@
+"""SDFormat to links and joints.
+
+The axis of a joint is in the joint's axes, or in those that `expressed_in` names;
+before version 1.5 and with `use_parent_model_frame` in the model's.
+"""
+
+import math
+import re
+import xml.etree.ElementTree as ET
+from contextlib import suppress
+
+import numpy as np
+from jaxtyping import Float
+
+from orbident.errors import InputError
+from orbident.files.bounds import LARGEST, SMALLEST
+from orbident.files.names import quoted, suggestion
+from orbident.robot.formats.sdf_frames import (
+    MODEL,
+    YES,
+    Frame,
+    Frames,
+    SdfPose,
+    own_pose,
+)
+from orbident.robot.urdf import Urdf, UrdfJoint, UrdfLink
+from orbident.robot.urdf_xml import numbers_in, parsed_xml, unique_names
+
+KINDS = ("revolute", "continuous", "prismatic", "fixed")
+WORLD = "world"
+FLAT = "give one flat model, as 'gz sdf -p FILE' writes it"
+IN_JOINT_AXES = (1, 5)
+"""The version from which on an axis is in the joint's axes."""
+
+_PREFIX = re.compile(r"(?:</?|\s(?=[\w.-]+:[\w.-]+\s*=\s*['\"]))[\w.-]+:(?=\w)")
+"""Gazebo does not ask that a prefix such as `gz:` is declared, as XML does."""
+
+
+def read_sdf(text: str, place: str) -> Urdf:
+    """The links and joints of the one model of an SDF file. No mesh is opened.
+
+    Args:
+        text: the file.
+        place: its name, for messages.
+
+    Raises:
+        InputError: malformed XML, no model or several, models in the model or by
+            <include>, a link without <inertial>, names that are missing, unknown or
+            given twice, frames that stand on each other, joints that are neither
+            revolute, prismatic nor fixed, text where numbers belong.
+    """
+    root = parsed_xml(_PREFIX.sub(lambda found: found[0][:-1] + "_", text), place)
+    model = _model(root, place)
+    name = model.get("name") or "robot"
+    for tag in ("include", "model"):
+        if model.find(tag) is not None:
+            raise InputError(
+                f"{place}: model '{name}' has another one in it (<{tag}>); " + FLAT
+            )
+    return _Reader(model, place, _version(root) < IN_JOINT_AXES).tree(name)
+
+
+def _version(root: ET.Element) -> tuple[int, ...]:
+    """The version by its numbers: 1.10 comes after 1.9."""
+    with suppress(ValueError):
+        return tuple(map(int, root.get("version", "").split(".")))
+    return IN_JOINT_AXES
+
+
+def _model(root: ET.Element, place: str) -> ET.Element:
+    models = [*root.findall("model"), *root.findall("world/model")]
+    if len(models) > 1:
+        models = [
+            model
+            for model in models
+            if (model.findtext("static") or "").strip() not in YES
+        ]
+    if len(models) == 1:
+        return models[0]
+    included = not models and root.find(".//include") is not None
+    raise InputError(
+        f"{place}: the model is included from another file; " + FLAT
+        if included
+        else f"{place}: found {len(models)} models that can move; give a file with one "
+        "<model>"
+    )
+
+
+class _Reader:
+    def __init__(self, model: ET.Element, place: str, in_model_axes: bool) -> None:
+        self.place, self.in_model_axes = place, in_model_axes
+        self.links = dict(self._named(model, "link"))
+        self.joints = dict(self._named(model, "joint"))
+        if not self.links:
+            raise InputError(f"{place}: the model has no <link>; give at least a base")
+        frames = {name: Frame(link, MODEL) for name, link in self.links.items()}
+        for name, joint in self.joints.items():
+            child = self._text(joint, "child", f"{place}: joint '{name}'")
+            frames[_joint_frame(name)] = Frame(joint, child, child)
+            # Old files may have a link of the same name.
+            frames.setdefault(name, frames[_joint_frame(name)])
+        for name, frame in self._named(model, "frame"):
+            on = frame.get("attached_to") or MODEL
+            frames[name] = Frame(frame, on, on)
+        self.frames = Frames(frames, place)
+
+    def _named(self, model: ET.Element, tag: str) -> list[tuple[str, ET.Element]]:
+        elements = model.findall(tag)
+        return list(zip(unique_names(elements, tag, self.place), elements, strict=True))
+
+    def tree(self, name: str) -> Urdf:
+        hung = {}
+        for joint in self.joints:
+            if self._end(joint, "parent") != WORLD:
+                hung.setdefault(self._end(joint, "child"), joint)
+        # A link's frame is at the joint that it hangs on; its axes stay.
+        at = {link: self.frames.pose(link) for link in self.links}
+        for link, joint in hung.items():
+            at[link] = SdfPose(at[link].R, self.frames.pose(_joint_frame(joint)).p)
+        links = tuple(self._link(link, at[link]) for link in self.links)
+        joints = [
+            self._joint(each, at)
+            for each in self.joints
+            if self._end(each, "parent") != WORLD
+        ]
+        for each in set(self.joints) - {joint.name for joint in joints}:
+            self._check_held(each)
+        return Urdf(name, links, tuple(joints), self.place)
+
+    def _check_held(self, joint: str) -> None:
+        """A base that is fixed to the world is one; one that moves on it is not."""
+        kind = self.joints[joint].get("type")
+        if kind != "fixed":
+            raise InputError(
+                f"{self.place}: joint '{joint}' ({kind}) hangs the base on the world, "
+                "but a base floats: remove the joint"
+            )
+
+    def _end(self, joint: str, end: str) -> str:
+        """The link at this end of a joint, also where the file names a frame on it."""
+        where = f"{self.place}: joint '{joint}'"
+        name = self._text(self.joints[joint], end, where)
+        name = self.frames.carrier(name, where)
+        if name == WORLD and end == "parent":
+            return WORLD
+        if name not in self.links:
+            raise InputError(
+                f"{where}: the {end} link {quoted(name)} is not in the file; "
+                + suggestion(name, self.links, "links")
+            )
+        return name
+
+    def _text(self, element: ET.Element, tag: str, where: str) -> str:
+        text = (element.findtext(tag) or "").strip()
+        if not text:
+            raise InputError(f"{where}: <{tag}> is missing; add it")
+        return text
+
+    def _number(
+        self, element: ET.Element, tag: str, default: float, where: str
+    ) -> float:
+        text = element.findtext(tag)
+        return default if text is None else numbers_in(text, 1, f"{where}: <{tag}>")[0]
+
+    def _link(self, name: str, at: SdfPose) -> UrdfLink:
+        where = f"{self.place}: link '{name}'"
+        inertial = self.links[name].find("inertial")
+        if inertial is None or inertial.get("auto") in YES:
+            raise InputError(
+                f"{where}: <inertial> is missing, for which SDF takes 1 kg; give its "
+                "mass and inertia, zeros for a link that has none"
+            )
+        mass = self._number(inertial, "mass", 1.0, where)
+        if mass < 0:
+            raise InputError(f"{where}: found mass {mass:g} kg; give zero or more")
+        own = own_pose(inertial, where)
+        com = self.frames.pose(name).of(own).seen_from(at)
+        given = inertial.find("inertia")
+        given = ET.Element("inertia") if given is None else given
+        xx, yy, zz = (self._number(given, f"i{a}{a}", 1.0, where) for a in "xyz")
+        xy, xz, yz = (
+            self._number(given, f"i{ab}", 0.0, where) for ab in ("xy", "xz", "yz")
+        )
+        I = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+        return UrdfLink(name, mass, com.p, com.R @ I @ com.R.T)
+
+    def _joint(self, name: str, at: dict[str, SdfPose]) -> UrdfJoint:
+        element, where = self.joints[name], f"{self.place}: joint '{name}'"
+        kind = element.get("type")
+        if kind not in KINDS:
+            raise InputError(
+                f"{where}: found type {quoted(kind)}; give one of {', '.join(KINDS)}"
+            )
+        parent, child = self._end(name, "parent"), self._end(name, "child")
+        placed = at[child].seen_from(at[parent])
+        axis, position, velocity = np.array([1.0, 0.0, 0.0]), None, None
+        if kind != "fixed":
+            given = element.find("axis")
+            given = ET.Element("axis") if given is None else given
+            axis = at[child].R.T @ self._axis(name, given, where)
+            position, velocity = self._limits(given, kind, where)
+        return UrdfJoint(
+            name, kind, parent, child, placed.R, placed.p, axis, position, velocity
+        )
+
+    def _axis(self, joint: str, axis: ET.Element, where: str) -> Float[np.ndarray, "3"]:
+        """The unit vector in the model's axes."""
+        xyz = axis.find("xyz")
+        text = "0 0 1" if xyz is None else str(xyz.text)
+        vector = np.array(numbers_in(text, 3, f"{where}: <xyz>"))
+        norm = float(np.linalg.norm(vector))
+        if norm < SMALLEST:
+            raise InputError(f"{where}: found axis 0 0 0; give a nonzero vector")
+        said = None if xyz is None else xyz.get("expressed_in")
+        old = (axis.findtext("use_parent_model_frame") or "").strip() in YES
+        frame = said or (MODEL if old or self.in_model_axes else _joint_frame(joint))
+        return self.frames.pose(frame).R @ vector / norm
+
+    def _limits(
+        self, axis: ET.Element, kind: str, where: str
+    ) -> tuple[tuple[float, float] | None, float | None]:
+        limit = axis.find("limit")
+        if limit is None:
+            return None, None
+        lower, upper, velocity = (
+            self._limit(limit, tag, default, where)
+            for tag, default in (
+                ("lower", -math.inf),
+                ("upper", math.inf),
+                ("velocity", -1.0),
+            )
+        )
+        if lower > upper:
+            raise InputError(
+                f"{where}: found lower limit {lower:g} above the upper limit "
+                f"{upper:g}; exchange them"
+            )
+        free = kind == "continuous" or lower == upper or max(-lower, upper) > LARGEST
+        moves = 0 < velocity <= LARGEST
+        return None if free else (lower, upper), velocity if moves else None
+
+    def _limit(self, limit: ET.Element, tag: str, default: float, where: str) -> float:
+        text = limit.findtext(tag)
+        if text is None:
+            return default
+        return numbers_in(text, 1, f"{where}: <{tag}>", bounded=False)[0]
+
+
+def _joint_frame(joint: str) -> str:
+    """A name for the joint's own frame that no element can have."""
+    return f"{joint}\n"

@@ -1,0 +1,80 @@
+"""Links and joints as the text of a URDF, which every other part works with."""
+
+import math
+import xml.etree.ElementTree as ET
+
+import numpy as np
+from jaxtyping import Float
+
+from orbident.files.bounds import LARGEST
+from orbident.robot.urdf import Urdf, UrdfJoint, UrdfLink
+
+UNLIMITED = 10 * LARGEST
+"""Other readers of a URDF want a number where there is no limit; ours takes one that
+is larger than `LARGEST` for none."""
+
+
+def urdf_text(tree: Urdf) -> str:
+    """The URDF that has these links and joints; `read_urdf` gives them back.
+
+    Args:
+        tree: what another format's reader found.
+    """
+    root = ET.Element("robot", name=tree.name)
+    for link in tree.links:
+        root.append(_link(link))
+    for joint in tree.joints:
+        root.append(_joint(joint))
+    ET.indent(root)
+    return ET.tostring(root, encoding="unicode") + "\n"
+
+
+def _link(link: UrdfLink) -> ET.Element:
+    element = ET.Element("link", name=link.name)
+    if link.mass or link.I_com.any():
+        inertial = ET.SubElement(element, "inertial")
+        ET.SubElement(inertial, "origin", xyz=_listed(link.com))
+        ET.SubElement(inertial, "mass", value=repr(float(link.mass)))
+        entries = {
+            f"i{'xyz'[a]}{'xyz'[b]}": repr(float(link.I_com[a, b]))
+            for a in range(3)
+            for b in range(a, 3)
+        }
+        ET.SubElement(inertial, "inertia", entries)
+    return element
+
+
+def _joint(joint: UrdfJoint) -> ET.Element:
+    free = joint.kind == "revolute" and joint.position is None
+    kind = "continuous" if free else joint.kind
+    element = ET.Element("joint", name=joint.name, type=kind)
+    ET.SubElement(element, "parent", link=joint.parent)
+    ET.SubElement(element, "child", link=joint.child)
+    ET.SubElement(
+        element, "origin", xyz=_listed(joint.p), rpy=_listed(roll_pitch_yaw(joint.R))
+    )
+    if joint.kind == "fixed":
+        return element
+    ET.SubElement(element, "axis", xyz=_listed(joint.axis))
+    lower, upper = joint.position or (-UNLIMITED, UNLIMITED)
+    limit = {"effort": UNLIMITED, "velocity": joint.velocity or UNLIMITED}
+    if not free:
+        limit |= {"lower": lower, "upper": upper}
+    ET.SubElement(element, "limit", {name: repr(float(x)) for name, x in limit.items()})
+    return element
+
+
+def _listed(numbers: Float[np.ndarray, "3"]) -> str:
+    return " ".join(repr(float(x)) for x in numbers)
+
+
+def roll_pitch_yaw(R: Float[np.ndarray, "3 3"]) -> Float[np.ndarray, "3"]:
+    """The angles of `R = Rz(yaw) Ry(pitch) Rx(roll)`, rad.
+
+    Pitch and roll are those of `Rz(-yaw) R`, so that the three give `R` back to
+    rounding where the pitch is near 90 degrees and the yaw alone means nothing, too.
+    """
+    yaw = math.atan2(R[1, 0], R[0, 0])
+    c, s = math.cos(yaw), math.sin(yaw)
+    P = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]]) @ R
+    return np.array([math.atan2(-P[1, 2], P[1, 1]), math.atan2(-P[2, 0], P[0, 0]), yaw])

@@ -1,0 +1,135 @@
+"""`orbident new` and `orbident check`."""
+
+from pathlib import Path
+
+import pytest
+from running import Orbident
+from urdf_pieces import ARM, BASE, joint, link, robot_file, urdf
+
+
+@pytest.mark.parametrize(
+    "arguments", [[], ["--dh"], ["--joints", "1"], ["--wheels", "5"]]
+)
+def test_a_new_robot_is_checked_moved_and_identified_as_it_is(
+    orbident: Orbident, arguments: list[str]
+):
+    orbident("new", "arm.yaml", *arguments).done()
+    checked = orbident("check", "arm.yaml").done().out
+    assert checked.endswith("nothing is odd\n")
+    assert "── joint1  revolute about" in checked
+    document = orbident("inspect", "arm.yaml", "--json", "-").done().json
+    joints, wheels = len(document["joints"]), len(document["wheels"])
+    asked = dict(zip(arguments[::2], arguments[1::2], strict=False))
+    assert joints == int(asked.get("--joints", 3))
+    assert wheels == int(asked.get("--wheels", 3))
+    assert document["mass"] == 100.0 + 5.0 * joints
+    assert document["warnings"] == []
+
+
+def test_what_somebody_edited_is_not_replaced(orbident: Orbident):
+    orbident("new", "arm.yaml").done()
+    before = Path("arm.yaml").read_bytes()
+    orbident("new", "arm.yaml", "--dh").refused("arm.yaml: exists already")
+    assert Path("arm.yaml").read_bytes() == before
+    orbident("new", "arm.urdf").refused("arm.urdf: give a name that ends in .yaml")
+    orbident("new", "no/arm.yaml").refused("folder 'no' does not exist")
+    orbident("new", "b.yaml", "--joints", "0").refused("--joints")
+
+
+def test_bundled_robots_fit_one_screen_in_width(orbident: Orbident):
+    for name in ("paper-spatial", "cepheus-like", "dual-arm"):
+        lines = orbident("check", name).done().out.splitlines()
+        assert max(map(len, lines)) <= 110
+        assert lines[-1] == "nothing is odd"
+
+
+def test_the_tree(orbident: Orbident):
+    lines = (
+        "limits: {joint1: {position: [-1, 2], velocity: 0.5}}\n"
+        "wheels: [{name: rw, axis: [0, 0, 2], inertia: 0.05}]\n"
+        "thrusters: [{name: t, position: [0, 0, 1], direction: [1, 0, 0]}]\n"
+        "feature_point: [0, 0, 0.5]\n"
+        "sensors: {rate: 5, joints: {position: 1 mrad}}\n"
+    )
+    out = orbident("check", robot_file(Path(), ARM, lines)).done().out
+    for words in (
+        "servicer: spatial, 2 joints, 1 wheels, 46 kg nominal\n",
+        "base  40 kg, CM [0.02, -0.05, -0.4] m",
+        "its frame is at S, [0, 0, 0.5] m in that of its link\n",
+        "├── joint1  revolute about [0, 0, 1], at [0.3, 0.1, -0.5] m, in [-1, 2] rad, "
+        "0.5 rad/s\n│   link1  3 kg, CM [0.1, 0.02, -0.03] m, I [",
+        "│   └── joint2  revolute about [0, 1, 0], at [0.3, 0.1, 0] m\n",
+        "├── rw  wheel, 0.05 kg m^2 about [0, 0, 1], held\n",
+        "└── t  thruster at [0, 0, 1] m, towards [1, 0, 0]\n",
+        "sensors (SI)\n  joints: rate 5, position 0.001\n",
+    ):
+        assert words in out
+
+
+ODD = {
+    "no mass": (
+        urdf(
+            link("base", *BASE),
+            '<link name="light"/>',
+            joint("j", "base", "light"),
+        ),
+        "",
+        "no mass: 'light'",
+    ),
+    "singular": (
+        urdf(
+            link("base", *BASE),
+            '<link name="light"/>',
+            joint("j", "base", "light"),
+        ),
+        "",
+        "the mass matrix is singular: joint 'j' can turn or slide without moving",
+    ),
+    "out of the plane": (
+        ARM,
+        "motion: planar\nwheels: [{name: rw, axis: [1, 0, 0], inertia: 0.1}]\n",
+        "motion: planar, but 'joint2', 'rw' turn about another axis than base z",
+    ),
+    "no body can have it": (
+        urdf(link("base", diagonal=(1, 1, 3), products=(0, 0, 0))),
+        "",
+        "violate the triangle inequality (1 + 1 < 3)",
+    ),
+    "no limits": (ARM, "", "no limit of the range: 'joint1', 'joint2'"),
+    "no rates": (ARM, "", "no limit of the rate: 'joint1', 'joint2'"),
+    "no wheels": (ARM, "", "no wheels: without a momentum that is known"),
+    "no sensors": (ARM, "", "nothing is said of joints, gyro or attitude, position"),
+    "millimetres": (ARM, "feature_point: [0, 0, 400]\n", "S is 399.9 m from"),
+}
+
+
+@pytest.mark.parametrize("case", ODD)
+def test_what_is_odd(orbident: Orbident, case: str):
+    text, lines, words = ODD[case]
+    path = robot_file(Path(), text, lines)
+    assert words in orbident("check", path).done().out.split("\nodd\n")[1]
+    odd = orbident("check", path, "--json", "-").done().json["odd"]
+    assert any(words in sentence for sentence in odd)
+
+
+def test_the_document(orbident: Orbident):
+    document = orbident("check", "cepheus-like", "--json", "-").done().json
+    base, first, _ = document["bodies"]
+    assert set(base) == {"name", "theta"}
+    assert first["parent"] == base["name"]
+    assert (first["joint"], first["type"]) == ("joint1", "revolute")
+    assert len(first["theta"]) == 10
+    assert document["odd"] == []
+
+
+def test_the_viewer_is_opened_after_it(
+    orbident: Orbident, monkeypatch: pytest.MonkeyPatch
+):
+    shown = []
+    monkeypatch.setattr(
+        "orbident.cli.view.view", lambda robot, quiet: shown.append(robot)
+    )
+    orbident("check", "cepheus-like").done()
+    assert shown == []
+    orbident("check", "cepheus-like", "--view").done()
+    assert shown == ["cepheus-like"]

@@ -1,0 +1,117 @@
+"""MJCF files: what is refused and why; what has no part in inertias does not matter."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from orbident.errors import InputError
+from orbident.robot.description import Robot
+from orbident.robot.robot_file import load_robot
+
+BASE = "<freejoint/><inertial pos='0 0 0' mass='10' diaginertia='1 1 1'/>"
+ARM = (
+    "<body name='arm' pos='1 0 0'><joint name='j' axis='0 0 1' range='-90 45'/>"
+    "<inertial pos='0.2 0 0' mass='2' diaginertia='0.1 0.2 0.2'/>{}</body>"
+)
+
+
+def mjcf(*bodies: str, before: str = "", after: str = "") -> str:
+    world = "".join(bodies)
+    return f"<mujoco model='m'>{before}<worldbody>{world}</worldbody>{after}</mujoco>"
+
+
+def servicer(inside: str = "", **around: str) -> str:
+    return mjcf(f"<body name='base'>{BASE}{ARM.format(inside)}</body>", **around)
+
+
+def load(folder: Path, text: str) -> Robot:
+    (folder / "robot.xml").write_text(text)
+    return load_robot(folder / "robot.xml")
+
+
+BAD = {
+    "cut off": (servicer()[:150], "MuJoCo cannot read it"),
+    "no body": ("<mujoco/>", "<mujoco> has no <body>"),
+    "unknown element": (servicer("<bdy/>"), "bdy"),
+    "unknown type": (servicer("<joint type='screw'/>"), "'screw'"),
+    "text for mass": (servicer().replace("'10'", "'heavy'"), "mass"),
+    "text for pose": (servicer().replace("'1 0 0'", "'1 0 x'"), "pos"),
+    "no inertia": (
+        mjcf("<body name='base'><freejoint/></body>"),
+        "mass and inertia of moving bodies",
+    ),
+    # MuJoCo only warns.
+    "too far": (servicer().replace("'0.2 0 0'", "'1e154 0 0'"), "give at most 1e+12"),
+    "no file": (servicer(before="<include file='gone.xml'/>"), "gone.xml"),
+    "two bases": (
+        mjcf(f"<body name='a'>{BASE}</body><body name='b'>{BASE}</body>"),
+        "the bodies 'a', 'b' are all at the top of the world",
+    ),
+    "no base": (
+        mjcf(ARM.format("")),
+        "body 'arm' hangs on the world by a joint, but a base floats",
+    ),
+    "a ball": (
+        servicer().replace("axis='0 0 1' range='-90 45'", "type='ball'"),
+        "joint 'j' is a ball joint",
+    ),
+    "a mesh that weighs": (
+        mjcf(
+            "<body name='base'><freejoint/><geom type='mesh' mesh='hull'/></body>",
+            before="<asset><mesh name='hull' file='gone.stl'/></asset>",
+        ),
+        "gone.stl'; put it there, or give the bodies that it weighs an <inertial>",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_what_is_refused(tmp_path: Path, case: str):
+    text, words = BAD[case]
+    with pytest.raises(InputError) as caught:
+        load(tmp_path, text)
+    message = str(caught.value)
+    assert message.startswith(str(tmp_path / "robot.xml"))
+    assert words in message
+    assert "\n" not in message
+
+
+def test_what_has_no_part_in_inertias_is_not_looked_for(tmp_path: Path):
+    text = servicer(
+        "<geom type='mesh' mesh='hull' material='paint'/><site name='s'/>",
+        before="<asset><mesh name='hull' file='gone.stl'/><texture name='t' type='2d' "
+        "file='gone.png'/><material name='paint' texture='t'/></asset>",
+        after="<sensor><gyro site='s'/></sensor>"
+        "<actuator><motor joint='j'/></actuator>",
+    )
+    robot = load(tmp_path, text)
+    assert robot.bodies == ("base", "arm")
+    assert robot.mass == 12.0
+    assert robot.joints[0].position == pytest.approx((-np.pi / 2, np.pi / 4))
+    assert not list(tmp_path.glob("MUJOCO*"))
+
+
+def test_a_base_on_a_table_and_scenery(tmp_path: Path):
+    table = (
+        "<joint type='slide' axis='1 0 0'/><joint type='slide' axis='0 1 0'/><joint/>"
+    )
+    planar = servicer().replace("<freejoint/>", table)
+    assert load(tmp_path, planar).bodies == ("base", "arm")
+    floor = "<geom type='plane' size='1 1 1'/><body name='lamp' pos='0 0 3'/>"
+    scene = servicer().replace("<worldbody>", f"<worldbody>{floor}")
+    assert load(tmp_path, scene).bodies == ("base", "arm")
+
+
+def test_bodies_and_joints_without_names(tmp_path: Path):
+    text = servicer().replace("name='base'", "").replace("name='j'", "")
+    robot = load(tmp_path, text)
+    assert (robot.bodies, robot.joint_names) == (("body1", "arm"), ("joint1",))
+
+
+def test_inertia_from_shapes(tmp_path: Path):
+    box = "<geom type='box' size='0.1 0.2 0.3' mass='6'/>"
+    robot = load(tmp_path, mjcf(f"<body name='base'><freejoint/>{box}</body>"))
+    # A box: m (b^2 + c^2) / 12 with its whole lengths.
+    moments = 6 / 12 * np.array([0.4**2 + 0.6**2, 0.2**2 + 0.6**2, 0.2**2 + 0.4**2])
+    np.testing.assert_allclose(robot.theta[0, [4, 6, 9]], moments, rtol=1e-14)
