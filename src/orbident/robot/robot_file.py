@@ -10,6 +10,7 @@ from orbident.files.names import suggestion
 from orbident.files.schema_errors import validated
 from orbident.files.text import read_text, write_text
 from orbident.files.yaml_mapping import read_yaml_mapping
+from orbident.orbits.ephemeris import Ephemeris
 from orbident.robot.assembly import assembled
 from orbident.robot.description import Robot
 from orbident.robot.schema import RobotFile
@@ -52,6 +53,8 @@ def load_robot(source: str | Path) -> Robot:
 def write_robot(robot: Robot, folder: str | Path) -> Path:
     """Writes `robot.yaml` and `robot.urdf`, from which the same robot loads again.
 
+    An OEM of its orbit is written beside them, as `robot.oem`.
+
     Args:
         robot: one that was loaded; what is written is its document and URDF.
         folder: made if it is missing; files of these names are replaced.
@@ -72,6 +75,9 @@ def write_robot(robot: Robot, folder: str | Path) -> Path:
     except FileExistsError:
         raise InputError(f"{folder}: is a file; give a folder") from None
     document = {**robot.document, "name": robot.name, "urdf": "robot.urdf"}
+    if robot.orbit is not None and isinstance(robot.orbit.motion, Ephemeris):
+        document["orbit"] = {**document["orbit"], "oem": "robot.oem"}
+        write_text(folder / "robot.oem", robot.orbit.motion.text)
     text = yaml.safe_dump(document, sort_keys=False, allow_unicode=True)
     write_text(folder / "robot.urdf", robot.urdf)
     write_text(folder / "robot.yaml", text)
@@ -99,7 +105,9 @@ def _from_robot_file(path: Path, place: str) -> Robot:
             f"{place}: urdf: no file {urdf_path}; give a path relative to this file"
         )
     text = read_text(urdf_path)
-    return assembled(file, document, read_urdf(text, str(urdf_path)), text, place)
+    urdf = read_urdf(text, str(urdf_path))
+    orbit = file.orbit.in_si(path.parent) if file.orbit else None
+    return assembled(file, document, urdf, text, place, orbit)
 
 
 def _not_a_robot(path: Path) -> str:

@@ -17,6 +17,7 @@ from orbident.files.schema_parts import (
 )
 from orbident.robot.description import Axis
 from orbident.robot.disturbance_groups import DisturbanceGroup
+from orbident.robot.orbit_schema import OrbitEntry
 from orbident.robot.sensor_schema import SensorsSpec, Share
 from orbident.robot.tolerance_schema import TolerancesEntry
 
@@ -87,6 +88,14 @@ class ThrusterEntry(MappingSchema):
     thrust: Positive | None = None
 
 
+class TorquerEntry(MappingSchema):
+    """A magnetic torquer in the base."""
+
+    name: Name
+    axis: Direction
+    gain: Share = 0.1
+
+
 class LimitEntry(MappingSchema):
     """Limits of one joint, instead of the URDF's."""
 
@@ -124,8 +133,10 @@ class RobotFile(MappingSchema):
     feature_point: Vector3 = (0.0, 0.0, 0.0)
     wheels: tuple[WheelEntry, ...] = ()
     thrusters: tuple[ThrusterEntry, ...] = ()
+    torquers: tuple[TorquerEntry, ...] = ()
     pads: dict[str, Vector3] = Field(default_factory=dict)
     disturbances: tuple[DisturbanceGroup, ...] = ()
+    orbit: OrbitEntry | None = None
     limits: dict[str, LimitEntry] = Field(default_factory=dict)
     structure: dict[str, StructureEntry] = Field(default_factory=dict)
     sensors: SensorsSpec = SensorsSpec()
@@ -136,8 +147,18 @@ class RobotFile(MappingSchema):
         for key, names in (
             ("wheels", [wheel.label for wheel in self.wheels]),
             ("thrusters", [thruster.name for thruster in self.thrusters]),
+            ("torquers", [torquer.name for torquer in self.torquers]),
         ):
             twice = first_duplicate(names)
             if twice is not None:
                 raise InputError(f"{key}: the name {twice!r} is given twice")
+        return self
+
+    @model_validator(mode="after")
+    def _orbit_in_space(self) -> "RobotFile":
+        if self.orbit is not None and self.motion == "planar":
+            raise InputError(
+                "orbit: a robot whose motion is planar floats on a table; remove the "
+                "orbit, or say 'motion: spatial'"
+            )
         return self

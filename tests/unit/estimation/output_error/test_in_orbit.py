@@ -22,7 +22,7 @@ from orbident.trajectories.environment import Environment
 MANY = 20
 """Runs with other noise."""
 
-ORBIT = {"orbit": {"altitude": 400e3, "inclination": 0.9}}
+ORBIT = {"orbit": {"altitude": "400 km", "inclination": "0.9 rad"}}
 CENTRE = np.array([0.5, 0.4, -0.2])
 """m, of pressure."""
 
