@@ -73,7 +73,7 @@ class Elements:
         far = float(t[np.abs(t).argmax()])
         if abs(far) > AFAR:
             raise InputError(
-                f"orbit: t = {far:.6g} s is {abs(far) / DAY:.3g} days from its epoch, "
+                f"orbit: t = {far:.6g} s is {abs(far) / DAY:.0f} days from its epoch, "
                 "and elements hold for a week: times of a recording are seconds after "
                 "the epoch; give elements and an epoch near them"
             )
