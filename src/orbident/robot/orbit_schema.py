@@ -47,11 +47,11 @@ def _date(value: object) -> datetime:
     """A time in UTC, from ISO 8601."""
     try:
         date = datetime.fromisoformat(str(value))
-    except ValueError:
+        return date.replace(tzinfo=UTC) if date.tzinfo is None else date.astimezone(UTC)
+    except (ValueError, OverflowError):
         raise WrongValueError(
             "give a date and time in UTC, such as 2026-03-01T12:00:00Z"
         ) from None
-    return date.replace(tzinfo=UTC) if date.tzinfo is None else date.astimezone(UTC)
 
 
 Height = Annotated[float, BeforeValidator(_height), _measured_in("m")]

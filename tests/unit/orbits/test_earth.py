@@ -1,5 +1,9 @@
 """How the Earth turns and where the sun is, against astropy."""
 
+# astropy's coordinates get their attributes at run time.
+# pyright: reportAttributeAccessIssue=false, reportArgumentType=false
+# pyright: reportOptionalMemberAccess=false
+
 from datetime import UTC, datetime
 
 import astropy.units as u

@@ -18,8 +18,8 @@ def test_the_state_is_that_of_a_textbook():
     x = Elements(36127.343e3, i, 0.832853, node, perigee, anomaly).state()
     # The perigee has two decimals: half of the last one is 9e-5 rad.
     r, v = [6524.834, 6862.875, 6448.296], [4.901327, 5.533756, -1.976341]
-    np.testing.assert_allclose(x[:3] / 1e3, r, atol=9e-5 * np.linalg.norm(r))
-    np.testing.assert_allclose(x[3:] / 1e3, v, atol=9e-5 * np.linalg.norm(v))
+    np.testing.assert_allclose(x[:3] / 1e3, r, atol=9e-5 * float(np.linalg.norm(r)))
+    np.testing.assert_allclose(x[3:] / 1e3, v, atol=9e-5 * float(np.linalg.norm(v)))
 
 
 def kepler(orbit: Elements, t: np.ndarray) -> np.ndarray:
