@@ -138,7 +138,8 @@ def servicer() -> Robot:
     """The paper's, with a star tracker."""
     robot = spatial_robot()
     sensors = {**robot.sensors, "attitude": {"angle": 1.7e-5}}
-    return replace(robot, sensors=sensors, orbit=Orbit(Elements(*TALL[::2], TALL[1])))
+    a, e, inclination = TALL
+    return replace(robot, sensors=sensors, orbit=Orbit(Elements(a, inclination, e)))
 
 
 @cache
@@ -157,12 +158,17 @@ def long_flight() -> Flight:
     for k in range(len(robot.joints)):
         a[k, [30 + 7 * k, 61 - 5 * k]] = 0.02, -0.03
         b[k, [45 + 3 * k, 80 - 11 * k]] = 0.03, 0.02
+    # The series begins and ends as it goes on: nothing else is added to it.
+    w = 2 * np.pi * np.arange(1, 91) / WHOLE
+    ends = np.stack([-(b / w).sum(axis=1), a.sum(axis=1), b @ w], axis=1)
     initial = replace(
         motion.initial,
         angular_velocity=np.array([0.004, -0.003, 0.005]),
         wheel_speed=dict.fromkeys(robot.wheel_names, 40.0),
     )
-    motion = replace(motion, duration=WHOLE, a=a, b=b, initial=initial)
+    motion = replace(
+        motion, duration=WHOLE, a=a, b=b, start=ends, end=ends, initial=initial
+    )
     return in_orbit(robot, motion, 0.125)
 
 
