@@ -10,6 +10,8 @@ from typing import Literal, NamedTuple, Protocol
 
 import mujoco
 import numpy as np
+from leapfrog_orbit import EARTH_RATE, MU
+from scipy.interpolate import CubicHermiteSpline
 
 from orbident.robot.parameters import PER_BODY, from_mass_com_inertia
 
@@ -188,6 +190,45 @@ class Tilt:
     @property
     def sizes(self) -> dict[str, float]:
         return _named("pull", self.pull)
+
+
+@dataclass(frozen=True, eq=False)
+class InOrbit:
+    """The tide on every body, and the drag of the air on the base.
+
+    The tide on a body is that of its second moments: the force on its mass elements is
+    `T r dm`, `T = mu / R^3 (3 n n^T - 1)`, so the torque about its CM is the
+    antisymmetric part of `T E`, `E` the integral of `r r^T dm`.
+    """
+
+    place: CubicHermiteSpline
+    """From the middle of the Earth, m, over s."""
+    drag: float
+    """Half of density, area and coefficient, kg/m."""
+    centre: np.ndarray
+    """Of pressure, m, in the axes of the base, from S."""
+
+    def __call__(self, stage: Stage, outside: np.ndarray) -> None:
+        model, data = stage.model, stage.data
+        r, v = self.place(data.time), self.place(data.time, 1)
+        R = np.linalg.norm(r)
+        T = MU / R**3 * (3 * np.outer(r, r) / R**2 - np.eye(3))
+        m, moments = model.body_mass[1:], model.body_inertia[1:]
+        axes = data.ximat[1:].reshape(-1, 3, 3)
+        second = moments.sum(axis=1, keepdims=True) / 2 - moments
+        A = T @ ((axes * second[:, None]) @ axes.swapaxes(1, 2))
+        cm = m @ data.xipos[1:] / m.sum()
+        data.xfrc_applied[1:, :3] = m[:, None] * ((data.xipos[1:] - cm) @ T)
+        data.xfrc_applied[1:, 3:] = np.stack(
+            [A[:, 2, 1] - A[:, 1, 2], A[:, 0, 2] - A[:, 2, 0], A[:, 1, 0] - A[:, 0, 1]],
+            axis=1,
+        )
+        wind = v - np.cross(EARTH_RATE, r)
+        force = -self.drag * np.linalg.norm(wind) * wind
+        stage.push(outside, force, NOWHERE, "base", self.centre)
+
+    group = "air"
+    sizes = UNSIZED
 
 
 @dataclass(frozen=True, eq=False)

@@ -38,6 +38,8 @@ class Flight:
     acts: Acts
     breath: float = 0.0
     """The wheels' speeds rise and fall once, by this part of them."""
+    dt: float = STEP
+    """MuJoCo's steps, s."""
 
     def recorded(self, seed: int) -> Recording:
         """What the robot's sensors show of it, with the noise of this seed."""
@@ -47,13 +49,13 @@ class Flight:
     def flown(self) -> tuple[np.ndarray, Truth]:
         """Times, and what is true at them."""
         plant = _Plant(self)
-        every = round(1 / self.robot.sensors["rate"] / STEP)
+        every = round(1 / self.robot.sensors["rate"] / self.dt)
         rows = []
         mujoco.set_mjcb_control(plant)
         try:
             plant.start()
             rows.append(plant.row())
-            for k in range(round(self.motion.duration / STEP)):
+            for k in range(round(self.motion.duration / self.dt)):
                 plant.step(k)
                 if (k + 1) % every == 0:
                     rows.append(plant.row())
@@ -72,11 +74,11 @@ class _Plant:
     def __init__(self, flight: Flight):
         self.flight, robot = flight, flight.robot
         self.planar = robot.motion == "planar"
-        self.model, acts = _embodied(robot), flight.acts
+        self.model, acts = _embodied(robot, flight.dt), flight.acts
         if isinstance(acts, Capture):
             # Compiling a model calls the law that drives: this is before it is set.
             theta = acts.onto(robot.theta, robot.bodies)
-            self.after = _embodied(replace(robot, theta=theta))
+            self.after = _embodied(replace(robot, theta=theta), flight.dt)
         self.data = mujoco.MjData(self.model)
         model, names = self.model, (*robot.joint_names, *robot.wheel_names)
         self.driven = np.array([model.joint(name).dofadr[0] for name in names])
@@ -87,15 +89,15 @@ class _Plant:
             self.left = np.arange(6)
         self.M = np.zeros((model.nv, model.nv))
         # RK4 asks at the ends and in the middle of a step.
-        halves = 2 * round(flight.motion.duration / STEP)
-        nodes = np.arange(halves + 1) * STEP / 2
+        halves = 2 * round(flight.motion.duration / flight.dt)
+        nodes = np.arange(halves + 1) * flight.dt / 2
         self.commanded = flight.motion.for_robot(robot).at(nodes)
         speeds = flight.motion.initial.wheel_speeds(robot.wheel_names)
         angle = 2 * np.pi * nodes[:, None] / flight.motion.duration
         turning = 2 * np.pi / flight.motion.duration
         self.speeds = speeds * (1 + flight.breath * np.sin(angle))
         self.slopes = speeds * flight.breath * turning * np.cos(angle)
-        self.inside = STEP / 2
+        self.inside = flight.dt / 2
 
     def start(self) -> None:
         """Stand as the trajectory begins."""
@@ -116,9 +118,9 @@ class _Plant:
 
     def step(self, k: int) -> None:
         acts = self.flight.acts
-        if isinstance(acts, Capture) and k == round(acts.at / STEP):
+        if isinstance(acts, Capture) and k == round(acts.at / self.flight.dt):
             self._capture()
-        self.inside = (k + 0.5) * STEP
+        self.inside = (k + 0.5) * self.flight.dt
         mujoco.mj_step(self.model, self.data)
 
     def _capture(self) -> None:
@@ -137,7 +139,7 @@ class _Plant:
 
     def __call__(self, model: mujoco.MjModel, data: mujoco.MjData) -> None:
         """Torques for the commanded accelerations, as if nothing acted; what acts."""
-        node = round(data.time * 2 / STEP)
+        node = round(data.time * 2 / self.flight.dt)
         q, qd, qdd = (history[node] for history in self.commanded)
         left, driven, n = self.left, self.driven, q.size
         rate = data.qvel[driven]
@@ -158,7 +160,7 @@ class _Plant:
         """Time, and what is true at it, in the order of `Truth`."""
         data, joints = self.data, len(self.flight.robot.joints)
         x, v = data.qpos[self.places], data.qvel[self.driven]
-        nothing = np.zeros(3)
+        felt = np.zeros(3)
         if self.planar:
             px, py, turn = data.qpos[self.left]
             vx, vy, w = data.qvel[self.left]
@@ -167,6 +169,8 @@ class _Plant:
         else:
             rate, attitude = data.qvel[3:6].copy(), np.roll(data.qpos[3:7], -1)
             place, velocity = data.qpos[:3].copy(), data.qvel[:3].copy()
+            mujoco.mj_forward(self.model, data)
+            felt = data.xmat[self.model.body("base").id].reshape(3, 3).T @ data.qacc[:3]
         return (
             data.time,
             x[:joints],
@@ -174,18 +178,18 @@ class _Plant:
             x[joints:],
             v[joints:],
             rate,
-            nothing,
+            felt,
             attitude,
             place,
             velocity,
         )
 
 
-def _embodied(robot: Robot) -> mujoco.MjModel:
+def _embodied(robot: Robot, dt: float) -> mujoco.MjModel:
     """MuJoCo's model; its wheels are at the CM of the base."""
     com = robot.theta[0, 1:4] / robot.theta[0, 0]
     model = mujoco_model(robot, [com] * len(robot.wheels))
-    model.opt.timestep = STEP
+    model.opt.timestep = dt
     return model
 
 

@@ -53,8 +53,9 @@ def solve(
     )
     if problems[0].samples.wrenches and not isinstance(estimator, OutputError):
         raise InputError(
-            f"{recording.source}: thrusters fired, and {estimator.name} does not know "
-            "of thrust: its result would be wrong; use --method maximum-likelihood"
+            f"{recording.source}: thrusters or torquers acted, and {estimator.name} "
+            "knows nothing of that: its result would be wrong; use --method "
+            "maximum-likelihood"
         )
     if robot.disturbances and not isinstance(estimator, OutputError):
         raise InputError(

@@ -18,7 +18,7 @@ DEEPEST = 50
 recursion, overflows its stack beyond some 10,000."""
 
 # As in YAML 1.2. That of YAML 1.1, PyYAML's, has "on" and "no" for truth values, 1:30
-# for 90 and 010 for 8; here they are text.
+# for 90 and 010 for 8; here they are text, as are dates.
 _PLAIN = {
     "bool": (r"true|True|TRUE|false|False|FALSE", "tTfF"),
     "int": (r"[-+]?(0|[1-9][0-9]*)", "-+0123456789"),
@@ -97,7 +97,7 @@ _StrictLoader.yaml_implicit_resolvers = {
     first: [
         (tag, pattern)
         for tag, pattern in resolvers
-        if tag.removeprefix("tag:yaml.org,2002:") not in _PLAIN
+        if tag.removeprefix("tag:yaml.org,2002:") not in {*_PLAIN, "timestamp"}
     ]
     for first, resolvers in _Loader.yaml_implicit_resolvers.items()
 }

@@ -45,7 +45,7 @@ from orbident.robot.robot_file import load_written_robot, write_robot
 
 RESULT, REPORT = "result.json", "report.html"
 SIGNALS, HISTORY, REPLAY = "signals.parquet", "history.csv", "replay.json"
-READ = ("robot.urdf", "robot.yaml", SIGNALS, HISTORY, REPLAY)
+READ = ("robot.urdf", "robot.oem", "robot.yaml", SIGNALS, HISTORY, REPLAY)
 """What may be read again. The report is not, and can be made anew at any time."""
 OURS = (*READ, REPORT, RESULT)
 """All that a RUN folder has of ours; the result, which vouches for the rest, last."""

@@ -56,7 +56,7 @@ class Samples:
     wrenches: tuple[RecordedWrench, ...]
     """What is known to act on the base."""
     surroundings: Surroundings
-    """What was recorded of `nadir`, `flow`, `sun` and `field`."""
+    """What is known of `nadir`, `flow`, `sun` and `field`."""
     locked: tuple[str, ...]
     """Joints that did not move: held at their mean, with zero rate."""
     shares: tuple[float, ...]
@@ -141,6 +141,7 @@ def samples_of(
     recording.check_joints(robot)
     recording.check_wheels(robot)
     recording.check_thrusters(robot)
+    recording.check_torquers(robot)
     behind = delays(robot, recording, late or {})
     settings = settings or Settings()
     sensors = robot.sensors
@@ -164,6 +165,7 @@ def samples_of(
     )
     base = base_motion(recording, sensors, behind["attitude"], settings)
     point = point_velocity(recording, base.x_WB, behind, settings)
+    around = surroundings(robot, recording, base.x_WB)
     moving = _locked_apart(joints, robot.joint_names, settings.locked)
     return Samples(
         t=recording.t,
@@ -174,8 +176,8 @@ def samples_of(
         qd_rw=wheels.rates,
         v_S=point.v_S,
         drift=point.drift,
-        wrenches=recorded_wrenches(robot, recording),
-        surroundings=surroundings(recording),
+        wrenches=recorded_wrenches(robot, recording, around),
+        surroundings=around,
         locked=moving.locked,
         shares=joints.shares,
         origins={

@@ -26,7 +26,10 @@ FARTHER = 2.0
 """Times its range: no wrong zero, and no stop that was measured badly, lets a joint
 move so far."""
 
-NO_SENSORS = {"force", "torque", "nadir", "flow", "sun", "field"}
+NO_SENSORS = {
+    *("force", "torque", "thruster", "torquer"),
+    *("nadir", "flow", "sun", "field"),
+}
 """Columns of what acts: it may change at once, and is not measured on the robot."""
 
 UNITS = {"revolute": ("rad", "degrees", 2 * np.pi), "prismatic": ("m", "mm", 1.0)}
@@ -107,10 +110,10 @@ def _sensors(recording: Recording) -> list[list[str]]:
     """The columns that belong together: a bad component spoils the others."""
     groups: dict[str, list[str]] = {}
     for name in recording.columns:
-        if is_known(name):
-            head = name.split(".", 1)[0]
+        head = name.split(".", 1)[0]
+        if is_known(name) and head not in NO_SENSORS:
             groups.setdefault(head if head in VECTORS else name, []).append(name)
-    return [names for head, names in groups.items() if head not in NO_SENSORS]
+    return list(groups.values())
 
 
 def _spikes(recording: Recording, name: str) -> np.ndarray:

@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.errors import InputError
+from orbident.preprocessing.surroundings import Surroundings
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot, Thruster
 
@@ -24,24 +25,55 @@ class RecordedWrench(NamedTuple):
     """N."""
     torque: Float[np.ndarray, "samples 3"]
     """About S, N m."""
+    dipole: Float[np.ndarray, "samples 3"]
+    """Of a torquer, A m^2: the field makes a torque of it."""
 
 
-def recorded_wrenches(robot: Robot, recording: Recording) -> tuple[RecordedWrench, ...]:
-    """Wrenches of thrusters, and of all together, without those that never act.
+def recorded_wrenches(
+    robot: Robot, recording: Recording, around: Surroundings
+) -> tuple[RecordedWrench, ...]:
+    """Wrenches of thrusters and torquers, or net ones, without those that never act.
+
+    Args:
+        robot: with thrusters and torquers.
+        recording: what they did.
+        around: with the magnetic field, if it is known.
 
     Raises:
         InputError: a thruster's duty is not within 0 and 1, or its thrust is not in the
-            robot file; it is recorded twice; or a force without its torque.
+            robot file; it is recorded twice; a force without its torque; or a dipole
+            without the field.
     """
-    found = (*_of_thrusters(robot, recording), *_net(recording))
-    acting = tuple(each for each in found if each.force.any() or each.torque.any())
-    if len(acting) > 1 and any(each.name == "wrench" for each in acting):
+    thrust = _acting(_of_thrusters(robot, recording))
+    net = _acting(_net(recording))
+    if thrust and net:
         raise InputError(
             f"{recording.source}: the columns 'force.*' are the net force of all "
             "thrusters, and 'thruster.*' are there too: they would count twice; remove "
             "one of them"
         )
-    return acting
+    magnetic = _acting(_of_torquers(robot, recording))
+    if magnetic and "field" not in around:
+        raise InputError(
+            f"{recording.source}: column '{magnetic[0].name}.dipole': without the "
+            "magnetic field its torque is not known; add columns field.x .y .z, or an "
+            "orbit with an epoch to the robot file"
+        )
+    return (*thrust, *net, *magnetic)
+
+
+def _acting(wrenches: Iterator[RecordedWrench]) -> tuple[RecordedWrench, ...]:
+    return tuple(w for w in wrenches if any(x.any() for x in w[2:]))
+
+
+def _of_torquers(robot: Robot, recording: Recording) -> Iterator[RecordedWrench]:
+    for torquer in robot.torquers:
+        name = f"torquer.{torquer.name}"
+        if recording.has(f"{name}.dipole"):
+            size = _held(recording.column(f"{name}.dipole"))
+            dipole = np.outer(size, torquer.axis)
+            zero = np.zeros_like(dipole)
+            yield RecordedWrench(name, torquer.gain, zero, zero, dipole)
 
 
 def _of_thrusters(robot: Robot, recording: Recording) -> Iterator[RecordedWrench]:
@@ -50,7 +82,8 @@ def _of_thrusters(robot: Robot, recording: Recording) -> Iterator[RecordedWrench
         force = np.outer(newton, thruster.direction)
         arm = thruster.position - robot.feature_point
         name = f"thruster.{thruster.name}"
-        yield RecordedWrench(name, thruster.gain, force, np.cross(arm, force))
+        torque = np.cross(arm, force)
+        yield RecordedWrench(name, thruster.gain, force, torque, np.zeros_like(force))
 
 
 def _newton(thruster: Thruster, recording: Recording) -> Float[np.ndarray, " samples"]:
@@ -87,9 +120,9 @@ def _net(recording: Recording) -> Iterator[RecordedWrench]:
                 "give each thruster's own force as 'thruster.NAME.force'"
             )
         return
-    yield RecordedWrench(
-        "wrench", NET_GAIN, np.zeros_like(torque) if force is None else force, torque
-    )
+    zero = np.zeros_like(torque)
+    force = zero if force is None else force
+    yield RecordedWrench("wrench", NET_GAIN, force, torque, zero)
 
 
 def _vector(recording: Recording, name: str) -> Float[np.ndarray, "samples 3"] | None:

@@ -24,7 +24,7 @@ VECTORS = {
     "torque": ("xyz", "net thruster moment about S, base axes, N m"),
     "nadir": ("xyz", "from the robot to the middle of the Earth, base axes, m"),
     "flow": ("xyz", "direction in which the air flows past, base axes"),
-    "sun": ("xyz", "direction to the sun, base axes"),
+    "sun": ("xyz", "direction to the sun, base axes; shorter in shadow"),
     "field": ("xyz", "magnetic field, base axes, T"),
 }
 PER_JOINT = {
@@ -41,11 +41,14 @@ PER_THRUSTER = {
     "duty": "part of its full thrust until the next row, 0 to 1",
 }
 
+PER_TORQUER = {"dipole": "dipole of a torquer until the next row, A m^2"}
+
 _ALTERNATIVES = [
     *(f"{name}\\.[{axes}]" for name, (axes, _) in VECTORS.items()),
     rf"joint\.(?P<joint>.+)\.(?:{'|'.join(PER_JOINT)})",
     rf"wheel\.(?P<wheel>.+)\.(?:{'|'.join(PER_WHEEL)})",
     rf"thruster\.(?P<thruster>.+)\.(?:{'|'.join(PER_THRUSTER)})",
+    rf"torquer\.(?P<torquer>.+)\.(?:{'|'.join(PER_TORQUER)})",
 ]
 _PATTERN = re.compile("|".join(_ALTERNATIVES))
 
@@ -73,6 +76,12 @@ def thruster_of(column: str) -> str | None:
     return match["thruster"] if match else None
 
 
+def torquer_of(column: str) -> str | None:
+    """The torquer that the column belongs to, or None."""
+    match = _PATTERN.fullmatch(column)
+    return match["torquer"] if match else None
+
+
 def meaning(column: str) -> str:
     """What the column is for, in words with unit and frame; empty if unknown."""
     if column == "t":
@@ -86,6 +95,8 @@ def meaning(column: str) -> str:
         return PER_WHEEL[last]
     if head == "thruster":
         return PER_THRUSTER[last]
+    if head == "torquer":
+        return PER_TORQUER[last]
     return VECTORS[head][1]
 
 

@@ -18,6 +18,7 @@ from orbident.recordings.columns import (
     joint_of,
     meaning,
     thruster_of,
+    torquer_of,
     wheel_of,
 )
 from orbident.robot.description import Robot
@@ -166,6 +167,16 @@ class Recording:
         recorded = {name: thruster_of(name) for name in self.columns}
         names = [thruster.name for thruster in robot.thrusters]
         self._refuse_strangers("thruster", recorded, robot.name, names)
+
+    def check_torquers(self, robot: Robot) -> None:
+        """Refuses torquers that the robot lacks.
+
+        Raises:
+            InputError: A column belongs to no torquer of the robot.
+        """
+        recorded = {name: torquer_of(name) for name in self.columns}
+        names = [torquer.name for torquer in robot.torquers]
+        self._refuse_strangers("torquer", recorded, robot.name, names)
 
     def _refuse_strangers(
         self,

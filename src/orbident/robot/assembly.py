@@ -9,6 +9,7 @@ from jaxtyping import Float
 
 from orbident.errors import InputError
 from orbident.files.names import suggestion
+from orbident.orbits.orbit import Orbit
 from orbident.robot.contradictions import contradictions
 from orbident.robot.description import (
     Joint,
@@ -16,18 +17,30 @@ from orbident.robot.description import (
     Robot,
     Structure,
     Thruster,
+    Torquer,
     Wheel,
 )
 from orbident.robot.fusing import Bodies, about_feature_point, fused
 from orbident.robot.physical_inertia import nonphysical
-from orbident.robot.schema import LimitEntry, RobotFile, ThrusterEntry, WheelEntry
+from orbident.robot.schema import (
+    LimitEntry,
+    RobotFile,
+    ThrusterEntry,
+    TorquerEntry,
+    WheelEntry,
+)
 from orbident.robot.tree import LinkTree, link_tree
 from orbident.robot.urdf import Urdf
 from orbident.robot.wheels import rotor
 
 
 def assembled(
-    file: RobotFile, document: dict[str, Any], urdf: Urdf, text: str, place: str
+    file: RobotFile,
+    document: dict[str, Any],
+    urdf: Urdf,
+    text: str,
+    place: str,
+    orbit: Orbit | None = None,
 ) -> Robot:
     """The robot that a robot file and its URDF describe.
 
@@ -37,6 +50,7 @@ def assembled(
         urdf: the URDF's links and joints.
         text: the URDF's text.
         place: the robot file's name, for messages.
+        orbit: the orbit that the file gives.
 
     Raises:
         InputError: the file names joints or bodies that the URDF does not have, a
@@ -59,9 +73,11 @@ def assembled(
         feature_point=feature_point,
         wheels=wheels,
         thrusters=tuple(_thruster(entry) for entry in file.thrusters),
+        torquers=tuple(_torquer(entry) for entry in file.torquers),
         pads=_pads(file, bodies),
         disturbances=tuple(map(str, file.disturbances)),
         momentum_walk=MomentumWalk(file.momentum_walk.torque, file.momentum_walk.force),
+        orbit=orbit,
         structure=structure,
         sensors=file.sensors.in_si(),
         tolerances=file.tolerances.in_si(bodies.joints, place),
@@ -112,6 +128,11 @@ def _thruster(entry: ThrusterEntry) -> Thruster:
         entry.gain,
         entry.thrust,
     )
+
+
+def _torquer(entry: TorquerEntry) -> Torquer:
+    axis = np.array(entry.axis)
+    return Torquer(entry.name, axis / np.linalg.norm(axis), entry.gain)
 
 
 def _limited(

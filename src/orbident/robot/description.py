@@ -7,6 +7,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from jaxtyping import Float
 
+from orbident.orbits.orbit import Orbit
 from orbident.robot.parameters import PER_BODY, SYMBOLS
 from orbident.robot.tolerances import Tolerances
 
@@ -78,6 +79,17 @@ class MomentumWalk(NamedTuple):
 
 
 @dataclass(frozen=True)
+class Torquer:
+    """A magnetic torquer in the base."""
+
+    name: str
+    axis: Float[np.ndarray, "3"]
+    """Unit vector of its dipole, base axes."""
+    gain: float = 0.1
+    """Standard deviation of its dipole, over that which a recording says."""
+
+
+@dataclass(frozen=True)
 class Structure:
     """What is known of one body's mass distribution; nothing by default."""
 
@@ -115,6 +127,7 @@ class Robot:
     """S in the base link's frame, m."""
     wheels: tuple[Wheel, ...] = ()
     thrusters: tuple[Thruster, ...] = ()
+    torquers: tuple[Torquer, ...] = ()
     structure: Mapping[str, Structure] = field(default_factory=dict)
     """Structure of bodies by name; a body that is absent is arbitrary."""
     pads: Mapping[str, Float[np.ndarray, "3"]] = field(default_factory=dict)
@@ -123,6 +136,8 @@ class Robot:
     """What is known to act from outside, by `disturbance_groups`."""
     momentum_walk: MomentumWalk = field(default_factory=MomentumWalk)
     """How strong unknown torques and forces are that change quickly."""
+    orbit: Orbit | None = None
+    """Where it is while it is recorded; inertial axes are J2000's then."""
     sensors: Mapping[str, Any] = field(default_factory=dict)
     """The robot file's sensor section, in SI units."""
     tolerances: Tolerances = field(default_factory=Tolerances)

@@ -10,6 +10,7 @@ from orbident.files.names import suggestion
 from orbident.files.schema_errors import validated
 from orbident.files.text import read_text, write_text
 from orbident.files.yaml_mapping import read_yaml_mapping
+from orbident.orbits.ephemeris import Ephemeris
 from orbident.robot.assembly import assembled
 from orbident.robot.description import Robot
 from orbident.robot.formats.model_file import KINDS, SUFFIXES, as_urdf, read_model
@@ -55,6 +56,8 @@ def load_robot(source: str | Path) -> Robot:
 def write_robot(robot: Robot, folder: str | Path) -> Path:
     """Writes `robot.yaml` and `robot.urdf`, from which the same robot loads again.
 
+    An OEM of its orbit is written beside them, as `robot.oem`.
+
     Args:
         robot: one that was loaded; what is written is its document and URDF.
         folder: made if it is missing; files of these names are replaced.
@@ -76,6 +79,9 @@ def write_robot(robot: Robot, folder: str | Path) -> Path:
         raise InputError(f"{folder}: is a file; give a folder") from None
     kept = {key: value for key, value in robot.document.items() if key not in BODIES}
     document = {**kept, "name": robot.name, "urdf": "robot.urdf"}
+    if robot.orbit is not None and isinstance(robot.orbit.motion, Ephemeris):
+        document["orbit"] = {**document["orbit"], "oem": "robot.oem"}
+        write_text(folder / "robot.oem", robot.orbit.motion.text)
     text = yaml.safe_dump(document, sort_keys=False, allow_unicode=True)
     write_text(folder / "robot.urdf", robot.urdf)
     write_text(folder / "robot.yaml", text)
@@ -116,7 +122,8 @@ def _from_model(path: Path) -> Robot:
 def _from_robot_file(path: Path, place: str) -> Robot:
     document = read_yaml_mapping(read_text(path), place, _SCHEMA)
     file = validated(RobotFile, document, place)
-    return assembled(file, document, *_bodies(file, path, place), place)
+    orbit = file.orbit.in_si(path.parent) if file.orbit else None
+    return assembled(file, document, *_bodies(file, path, place), place, orbit)
 
 
 def _bodies(file: RobotFile, path: Path, place: str) -> tuple[Urdf, str]:

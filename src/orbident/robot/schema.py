@@ -18,6 +18,7 @@ from orbident.files.schema_parts import (
 from orbident.robot.body_schema import BodyEntry, DhTable
 from orbident.robot.description import Axis
 from orbident.robot.disturbance_groups import DisturbanceGroup
+from orbident.robot.orbit_schema import OrbitEntry
 from orbident.robot.sensor_schema import SensorsSpec, Share, measure_of
 from orbident.robot.tolerance_schema import TolerancesEntry
 
@@ -90,6 +91,14 @@ class MomentumWalkEntry(MappingSchema):
     force: Annotated[float, measure_of("force density")] = 0.0
 
 
+class TorquerEntry(MappingSchema):
+    """A magnetic torquer in the base."""
+
+    name: Name
+    axis: Direction
+    gain: Share = 0.1
+
+
 class LimitEntry(MappingSchema):
     """Limits of one joint, instead of the URDF's."""
 
@@ -130,9 +139,11 @@ class RobotFile(MappingSchema):
     feature_point: Vector3 = (0.0, 0.0, 0.0)
     wheels: tuple[WheelEntry, ...] = ()
     thrusters: tuple[ThrusterEntry, ...] = ()
+    torquers: tuple[TorquerEntry, ...] = ()
     pads: dict[str, Vector3] = Field(default_factory=dict)
     disturbances: tuple[DisturbanceGroup, ...] = ()
     momentum_walk: MomentumWalkEntry = MomentumWalkEntry()
+    orbit: OrbitEntry | None = None
     limits: dict[str, LimitEntry] = Field(default_factory=dict)
     structure: dict[str, StructureEntry] = Field(default_factory=dict)
     sensors: SensorsSpec = SensorsSpec()
@@ -152,6 +163,7 @@ class RobotFile(MappingSchema):
         for key, names in (
             ("wheels", [wheel.label for wheel in self.wheels]),
             ("thrusters", [thruster.name for thruster in self.thrusters]),
+            ("torquers", [torquer.name for torquer in self.torquers]),
         ):
             twice = first_duplicate(names)
             if twice is not None:
@@ -162,3 +174,12 @@ class RobotFile(MappingSchema):
     def model_file(self) -> str:
         """The file with the robot's bodies; `urdf` is the older name of its key."""
         return self.model or self.urdf or ""
+
+    @model_validator(mode="after")
+    def _orbit_in_space(self) -> "RobotFile":
+        if self.orbit is not None and self.motion == "planar":
+            raise InputError(
+                "orbit: a robot whose motion is planar floats on a table; remove the "
+                "orbit, or say 'motion: spatial'"
+            )
+        return self

@@ -1,5 +1,6 @@
 """A recording of a free-floating manoeuvre, by ideal or by real sensors."""
 
+from dataclasses import replace
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -12,12 +13,13 @@ from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.simulation.control_laws import Driven
 from orbident.simulation.environment.directions import seen_from_base
-from orbident.simulation.environment.outside import recorded_thrust
+from orbident.simulation.environment.outside import arc_of, recorded_thrust
 from orbident.simulation.flight import FreeFlying, standing
 from orbident.simulation.free_floating import BaseState, FreeFloating, free_floating
 from orbident.simulation.free_flying import free_flying
 from orbident.simulation.measure import measure_truth
 from orbident.simulation.truth import Columns, Truth, truth_of, truth_of_flight
+from orbident.trajectories.environment import Environment
 from orbident.trajectories.trajectory import Trajectory
 
 RATE = 20.0
@@ -38,7 +40,8 @@ def simulate(
 ) -> Recording:
     """Let the robot float free along a trajectory, and record it.
 
-    What acts from outside meanwhile is the trajectory's `environment`.
+    What acts from outside meanwhile is the trajectory's `environment`. Without one,
+    nothing acts but the gravity gradient of the robot's orbit, if it has one.
 
     Args:
         robot: with its nominal inertia.
@@ -109,13 +112,18 @@ def _moved_along(
     robot: Robot, trajectory: Trajectory, rate: float, tolerance: float, seed: int
 ) -> tuple[FreeFloating | FreeFlying, Columns]:
     """The motion, and the columns of thrust and of directions."""
-    if trajectory.environment is None:
-        return float_along(robot, trajectory, rate, tolerance), {}
+    environment = trajectory.environment
+    if environment is None:
+        if robot.orbit is None:
+            return float_along(robot, trajectory, rate, tolerance), {}
+        environment = Environment(gravity_gradient=True)
+    trajectory = replace(trajectory, environment=environment)
     flight = fly_along(robot, trajectory, rate, tolerance, seed)
     R_WB = Rotation.from_quat(flight.attitude).as_matrix()
+    arc = arc_of(robot, environment, flight.t)
     return flight, {
-        **recorded_thrust(trajectory.environment, flight.t),
-        **seen_from_base(trajectory.environment, flight.t, R_WB),
+        **recorded_thrust(environment, flight.t),
+        **seen_from_base(environment, arc, flight.t, R_WB),
     }
 
 

@@ -11,6 +11,7 @@ from orbident.files.schema_parts import (
     Vector3,
     WrongValueError,
 )
+from orbident.robot.orbit_schema import OrbitEntry
 from orbident.robot.sensor_schema import Lasting, Time, each_of, measure_of
 from orbident.robot.units import quantity
 
@@ -29,19 +30,11 @@ def _above_zero(dimension: str) -> BeforeValidator:
     return BeforeValidator(in_si)
 
 
-def _altitude(value: object) -> float:
-    number = quantity(value, "altitude")
-    if number <= 0:
-        raise WrongValueError("the orbit is below the ground; give a height above it")
-    return number
-
-
 Axes = tuple[float, float, float]
 Torque = Annotated[Axes, each_of("torque")]
 Force = Annotated[Axes, each_of("force")]
 Dipole = Annotated[Axes, each_of("magnetic moment")]
 Lengths = Annotated[Axes, each_of("length")]
-Angle = Annotated[float, _signed("angle")]
 Slope = Annotated[float, _signed("slope")]
 
 
@@ -100,17 +93,6 @@ class Film(MappingSchema):
     """N m s."""
 
 
-class Orbit(MappingSchema):
-    """A circular orbit; inertial z is the Earth's axis, angles are at the first row."""
-
-    altitude: Annotated[float, BeforeValidator(_altitude)]
-    inclination: Angle
-    node: Angle = 0.0
-    """Angle of the ascending node, from inertial x."""
-    argument: Angle = 0.0
-    """Argument of latitude: the angle from the ascending node."""
-
-
 class AirDrag(MappingSchema):
     """Drag of the thin air in an orbit, at a point of the base."""
 
@@ -122,10 +104,11 @@ class AirDrag(MappingSchema):
 
 
 class SolarPressure(MappingSchema):
-    """The pressure of the sun's light, at a point of the base; no shadow is cast."""
+    """The pressure of the sun's light, at a point of the base."""
 
-    sun: Vector3
-    """Its direction, inertial axes, of any length."""
+    sun: Vector3 | None = None
+    """Its direction, inertial axes, of any length, where no shadow is cast; by default,
+    that of the orbit's epoch, where the Earth casts one."""
     area: Annotated[float, measure_of("area")]
     coefficient: Positive = 1.3
     """1 where all light is absorbed, 2 where it is reflected straight back."""
@@ -134,7 +117,7 @@ class SolarPressure(MappingSchema):
 
     @model_validator(mode="after")
     def _somewhere(self) -> "SolarPressure":
-        if not any(self.sun):
+        if self.sun is not None and not any(self.sun):
             raise InputError("sun: found no direction; give a nonzero 3-vector")
         return self
 
@@ -156,7 +139,8 @@ class Environment(MappingSchema):
     uneven: Uneven | None = None
     film_drag: dict[str, Film] = Field(default_factory=dict)
     """Drag of the air film, by body."""
-    orbit: Orbit | None = None
+    orbit: OrbitEntry | None = None
+    """Instead of the robot file's."""
     gravity_gradient: bool = False
     air_drag: AirDrag | None = None
     solar_pressure: SolarPressure | None = None
@@ -164,13 +148,12 @@ class Environment(MappingSchema):
     """The magnetic moment that is left in the base, base axes."""
 
     @model_validator(mode="after")
-    def _in_orbit(self) -> "Environment":
-        for name in ("gravity_gradient", "air_drag", "dipole"):
-            if getattr(self, name) and self.orbit is None:
-                raise InputError(
-                    f"{name} acts in an orbit, and none is given; add orbit: with "
-                    "altitude and inclination"
-                )
+    def _elements(self) -> "Environment":
+        if self.orbit is not None and self.orbit.oem is not None:
+            raise InputError(
+                "orbit: 'oem' stands under 'orbit:' of the robot file, which also acts "
+                "here; move it there, or give elements"
+            )
         return self
 
     @property
@@ -180,8 +163,13 @@ class Environment(MappingSchema):
 
     @property
     def in_space(self) -> tuple[str, ...]:
-        """The names of what is given that acts in an orbit only."""
-        return self._given("orbit", "air_drag", "solar_pressure", "dipole")
+        """The names of what is given that acts in space only."""
+        return self._given("orbit", *self.in_orbit, "solar_pressure")
+
+    @property
+    def in_orbit(self) -> tuple[str, ...]:
+        """The names of what is given that needs an orbit."""
+        return self._given("gravity_gradient", "air_drag", "dipole")
 
     def _given(self, *names: str) -> tuple[str, ...]:
         return tuple(name for name in names if getattr(self, name))

@@ -17,7 +17,7 @@ EVERYTHING = """\
   tilt: [40 urad, -70 urad]
   uneven: {xx: 10 urad/m, xy: 2e-5}
   film_drag: {base: {c: 8 mN s/m, c_r: 0.2 mN m s}}
-  orbit: {altitude: 400 km, inclination: 51.6 deg}
+  orbit: {altitude: 400 km, inclination: 51.6 deg, epoch: 2026-03-01T12:00:00Z}
   gravity_gradient: true
   air_drag: {density: 3e-12, area: 10 m^2, centre: [50 cm, 0, 0]}
   solar_pressure: {sun: [1, 1, 0], area: 10, centre: [0, 0, 0]}
@@ -72,9 +72,11 @@ def test_without_one_nothing_is_written(tmp_path: Path):
             "  orbit: {altitude: -10 km, inclination: 0}\n",
             "orbit.altitude: found '-10 km'; the orbit is below the ground",
         ),
-        ("  orbit: {altitude: 400 km}\n", "orbit.inclination: this key is missing"),
-        ("  gravity_gradient: true\n", "gravity_gradient acts in an orbit"),
-        ("  dipole: [1, 0, 0]\n", "dipole acts in an orbit, and none is given"),
+        ("  orbit: {altitude: 400 km}\n", "orbit: inclination: this key is missing"),
+        (
+            "  orbit: {oem: iss.oem, epoch: 2026-03-01}\n",
+            "orbit: 'oem' stands under 'orbit:' of the robot file",
+        ),
         (
             "  film_drag: {base: {c: -1}}\n",
             r"film_drag\.base\.c: found -1; give zero or more",

@@ -199,6 +199,10 @@ def _at(samples: Samples, t: Float[np.ndarray, " rows"]) -> tuple[RecordedWrench
     last = np.searchsorted(samples.t, t + TOGETHER, side="right") - 1
     before = np.maximum(last, 0)
     return tuple(
-        each._replace(force=each.force[before], torque=each.torque[before])
+        each._replace(
+            force=each.force[before],
+            torque=each.torque[before],
+            dipole=each.dipole[before],
+        )
         for each in samples.wrenches
     )

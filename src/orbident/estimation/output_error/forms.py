@@ -11,6 +11,7 @@
     sunlight                   F = -d, tau = R_WB e_k x d   d towards the sun
     magnet in the base         tau = R_WB e_k x B
     known wrench               as recorded
+    known torquer              tau = R_WB m x B       m as recorded
 
 Torques are about S, accelerations `a` those of all parts alike.
 """
@@ -25,11 +26,9 @@ from jaxtyping import Float
 from orbident.estimation.output_error.followed import Followed, by_step
 from orbident.model.inertia import inertia
 from orbident.model.minimal_sets import conserved_axes
+from orbident.orbits.earth import MU
 
 AXES = "xyz"
-
-MU = 3.986004418e14
-"""The Earth's gravitational parameter, m^3/s^2."""
 
 SLOW = ("slow_torque", "slow_base_torque")
 """Groups of what changes slowly."""
@@ -144,7 +143,11 @@ def recorded(followed: Followed) -> Iterator[Disturbance]:
 
     for each in followed.wrenches:
         name = f"{each.name}.gain"
-        effect = none._replace(force=inertial(each.force), torque=inertial(each.torque))
+        torque = inertial(each.torque)
+        if each.dipole.any():
+            field = by_step(followed.surroundings["field"])
+            torque = torque + np.cross(inertial(each.dipole), field)
+        effect = none._replace(force=inertial(each.force), torque=torque)
         yield Disturbance(name, name, "1", effect, acts=1.0, std=each.gain)
 
 

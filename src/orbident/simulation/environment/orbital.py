@@ -12,21 +12,30 @@ system CM: the tide moves no CM. Together its moments are `3 mu / R^3 n x D n` (
 """
 
 import numpy as np
+from jaxtyping import Float
 
+from orbident.errors import InputError
 from orbident.model.rotations import rotate, rotate_back
+from orbident.orbits.earth import MU
+from orbident.orbits.orbit import Arc
 from orbident.robot.parameters import inertia_about_com
-from orbident.simulation.environment.moving import Load, Moving, heavy_bodies
-from orbident.simulation.environment.orbit import MU, place
-from orbident.trajectories.environment import AirDrag, Orbit, SolarPressure
+from orbident.simulation.environment.moving import (
+    Load,
+    Moving,
+    Vectors,
+    heavy_bodies,
+)
+from orbident.trajectories.environment import AirDrag, SolarPressure
 
 SUNLIGHT = 4.54e-6
 """The pressure of light that is absorbed, at the Earth, N/m^2."""
 
 
-def tidal_loads(orbit: Orbit, start: float, moving: Moving) -> list[Load]:
-    """Tidal force and moment on each body; the flight starts at `start`, s."""
-    at, robot = place(orbit, moving.t - start), moving.robot
-    tide, n = MU / at.R**3, at.up
+def tidal_loads(arc: Arc, moving: Moving) -> list[Load]:
+    """Tidal force and moment on each body."""
+    place, robot = arc.place(moving.t), moving.robot
+    R = np.linalg.norm(place, axis=1, keepdims=True)
+    tide, n = MU / R**3, place / R
     bodies = heavy_bodies(robot)
     places = [moving.point(i, com).r for i, _, com in bodies]
     r_cm = sum(m * r for (_, m, _), r in zip(bodies, places, strict=True)) / robot.mass
@@ -40,28 +49,48 @@ def tidal_loads(orbit: Orbit, start: float, moving: Moving) -> list[Load]:
     return acting
 
 
-def air_drag(given: AirDrag, orbit: Orbit, start: float, moving: Moving) -> list[Load]:
+def air_drag(given: AirDrag, arc: Arc, moving: Moving) -> list[Load]:
     """Drag at the centre of pressure of the base."""
-    v = place(orbit, moving.t - start).wind
+    v = arc.wind(moving.t)
     size = given.density * given.coefficient * given.area / 2
     force = -size * np.linalg.norm(v, axis=1, keepdims=True) * v
     return [_at(given.centre, force, moving)]
 
 
-def solar_pressure(given: SolarPressure, moving: Moving) -> list[Load]:
+def solar_pressure(given: SolarPressure, arc: Arc | None, moving: Moving) -> list[Load]:
     """The pressure of the sun's light at the centre of pressure of the base."""
-    s = np.array(given.sun) / np.linalg.norm(given.sun)
+    s = sun_of(given, arc, moving.t)
     force = -SUNLIGHT * given.coefficient * given.area * s
-    return [_at(given.centre, np.tile(force, (moving.t.size, 1)), moving)]
+    return [_at(given.centre, force, moving)]
 
 
-def dipole(
-    moment: tuple[float, ...], orbit: Orbit, start: float, moving: Moving
-) -> list[Load]:
+def sun_of(
+    given: SolarPressure, arc: Arc | None, t: Float[np.ndarray, " n"]
+) -> Vectors:
+    """The sun's direction, as it is given or by date, in inertial axes.
+
+    Args:
+        given: perhaps with the direction.
+        arc: otherwise, the orbit.
+        t: the times, s.
+
+    Raises:
+        InputError: no direction is given, and no orbit with an epoch.
+    """
+    if given.sun is not None:
+        return np.tile(np.array(given.sun) / np.linalg.norm(given.sun), (t.size, 1))
+    if arc is None or arc.epoch is None:
+        raise InputError(
+            "environment: solar_pressure: where the sun is, is not known; add sun: "
+            "[x, y, z], or an orbit with an epoch"
+        )
+    return arc.sun(t)
+
+
+def dipole(moment: tuple[float, ...], arc: Arc, moving: Moving) -> list[Load]:
     """The torque of the Earth's field on a magnet in the base, base axes, A m^2."""
     m = moving.R_WB @ np.array(moment)
-    field = place(orbit, moving.t - start).field
-    return [moving.acting(0, np.zeros(3), moment=np.cross(m, field))]
+    return [moving.acting(0, np.zeros(3), moment=np.cross(m, arc.field(moving.t)))]
 
 
 def _at(centre: tuple[float, ...], force: np.ndarray, moving: Moving) -> Load:

@@ -10,13 +10,14 @@ from jaxtyping import Float
 from orbident.errors import InputError
 from orbident.files.names import listed, suggestion
 from orbident.model.rotations import rotate_back
+from orbident.orbits.orbit import Arc
 from orbident.robot.description import Robot
 from orbident.simulation.environment import air_table, orbital, steady
 from orbident.simulation.environment.moving import Force, Path, Vectors, at_rest
 from orbident.simulation.flight_steps import FlightStates, WrenchPoint
 from orbident.simulation.random_streams import stream
 from orbident.simulation.thrusters import Pulse
-from orbident.trajectories.environment import Environment, Firing, Orbit
+from orbident.trajectories.environment import Environment, Firing
 
 MOST_ROUNDS = 60
 """Flights until what acts is that of the motion; a whole orbit takes some 25."""
@@ -128,7 +129,8 @@ def outside_of(
     """
     environment = environment or Environment()
     check_environment(robot, environment)
-    forces = tuple(_forces(environment, t, seed))
+    arc = arc_of(robot, environment, t)
+    forces = tuple(_forces(environment, arc, t, seed))
     still = at_rest(robot)
     points = [
         WrenchPoint(acting.body, acting.point)
@@ -172,6 +174,30 @@ def check_environment(robot: Robot, environment: Environment) -> None:
             )
 
 
+def arc_of(
+    robot: Robot, environment: Environment, t: Float[np.ndarray, " rows"]
+) -> Arc | None:
+    """The orbit during a flight: the environment's, or else the robot's; or none.
+
+    Args:
+        robot: perhaps with an orbit.
+        environment: perhaps with another one.
+        t: the rows of the flight, s after the epoch.
+
+    Raises:
+        InputError: the orbit is not known then, or what is given needs one.
+    """
+    orbit = environment.orbit.in_si() if environment.orbit else robot.orbit
+    if orbit is not None:
+        return orbit.arc(float(t[0]), float(t[-1]))
+    if environment.in_orbit:
+        raise InputError(
+            f"environment: {environment.in_orbit[0]} acts in an orbit, and none is "
+            "given; add orbit: with altitude and inclination"
+        )
+    return None
+
+
 def true_pulses(environment: Environment) -> tuple[Pulse, ...]:
     """What the thrusters do: the recorded force times the gain."""
     return tuple(
@@ -207,7 +233,7 @@ def _mean(pulse: Firing, t: Float[np.ndarray, " rows"]) -> Float[np.ndarray, " r
 
 
 def _forces(
-    given: Environment, t: Float[np.ndarray, " rows"], seed: int
+    given: Environment, arc: Arc | None, t: Float[np.ndarray, " rows"], seed: int
 ) -> Iterator[Force]:
     if given.torque:
         yield partial(steady.constant_torque, given.torque)
@@ -226,9 +252,9 @@ def _forces(
         yield partial(steady.burst, burst)
     yield from _on_table(given)
     if given.solar_pressure:
-        yield partial(orbital.solar_pressure, given.solar_pressure)
-    if given.orbit:
-        yield from _in_orbit(given, given.orbit, float(t[0]))
+        yield partial(orbital.solar_pressure, given.solar_pressure, arc)
+    if arc is not None:
+        yield from _in_orbit(given, arc)
 
 
 def _on_table(given: Environment) -> Iterator[Force]:
@@ -238,10 +264,10 @@ def _on_table(given: Environment) -> Iterator[Force]:
         yield partial(air_table.film_drag, body, film)
 
 
-def _in_orbit(given: Environment, orbit: Orbit, start: float) -> Iterator[Force]:
+def _in_orbit(given: Environment, arc: Arc) -> Iterator[Force]:
     if given.gravity_gradient:
-        yield partial(orbital.tidal_loads, orbit, start)
+        yield partial(orbital.tidal_loads, arc)
     if given.air_drag:
-        yield partial(orbital.air_drag, given.air_drag, orbit, start)
+        yield partial(orbital.air_drag, given.air_drag, arc)
     if given.dipole:
-        yield partial(orbital.dipole, given.dipole, orbit, start)
+        yield partial(orbital.dipole, given.dipole, arc)

@@ -6,6 +6,7 @@ it is the estimator's. The statistics: `pytest -m long` on this file, some five 
 
 from collections.abc import Callable
 from dataclasses import replace
+from datetime import UTC, datetime
 from functools import cache
 
 import numpy as np
@@ -13,6 +14,9 @@ import pytest
 
 import orbident as oi
 from orbident.errors import InputError
+from orbident.orbits.elements import Elements
+from orbident.orbits.orbit import Orbit
+from orbident.preprocessing.samples import samples_of
 from orbident.simulation.measure import measure_truth
 from orbident.simulation.simulate import Made, made_along
 from orbident.studies import paper_tables
@@ -22,7 +26,7 @@ from orbident.trajectories.environment import Environment
 MANY = 20
 """Runs with other noise."""
 
-ORBIT = {"orbit": {"altitude": 400e3, "inclination": 0.9}}
+ORBIT = {"orbit": {"altitude": "400 km", "inclination": "0.9 rad"}}
 CENTRE = np.array([0.5, 0.4, -0.2])
 """m, of pressure."""
 
@@ -65,6 +69,83 @@ def test_the_tide_is_known_where_the_earth_is():
     assert result.status == "ok", result.warnings
     assert not result.disturbances
     assert np.abs(errors(result)).max() < 4
+
+
+def in_orbit(epoch: datetime | None = None) -> oi.Robot:
+    orbit = Orbit(Elements(6778137.0, 0.9), epoch)
+    return replace(spatial_robot(), orbit=orbit)
+
+
+def around(robot: oi.Robot, seen: oi.Recording) -> dict[str, np.ndarray]:
+    """What is known of the surroundings, base axes."""
+    return dict(samples_of(robot, seen).surroundings)
+
+
+def test_an_orbit_says_what_columns_say():
+    """The simulator's columns are those of the true attitude."""
+    epoch = datetime(2026, 3, 1, 12, tzinfo=UTC)
+    given = {**ORBIT["orbit"], "epoch": epoch.isoformat()}
+    light = {"solar_pressure": {"area": 1, "centre": [0, 0, 0]}}
+    robot = in_orbit(epoch)
+    trajectory = replace(
+        spatial_trajectory(robot),
+        duration=5.0,
+        environment=Environment.model_validate({"orbit": given, **light}),
+    )
+    seen = oi.simulate(robot, trajectory)
+    by_columns = around(spatial_robot(), seen)
+    names = ("nadir", "flow", "sun", "field")
+    alone = {n: x for n, x in seen.columns.items() if not n.startswith(names)}
+    by_orbit = around(robot, replace(seen, columns=alone))
+    assert set(by_columns) == set(by_orbit) == set(names)
+    for name in names:
+        size = np.abs(by_columns[name]).max()
+        # The same numbers, but for the rounding of rotations.
+        np.testing.assert_allclose(
+            by_orbit[name], by_columns[name], atol=1e-9 * size, err_msg=name
+        )
+    # What was recorded goes before.
+    turned = {f"nadir.{axis}": np.full(seen.t.size, 5e6) for axis in "xyz"}
+    both = around(robot, replace(seen, columns={**alone, **turned}))
+    np.testing.assert_array_equal(both["nadir"], 5e6)
+
+
+def without(seen: oi.Recording, *names: str) -> oi.Recording:
+    kept = {n: x for n, x in seen.columns.items() if not n.startswith(names)}
+    return replace(seen, columns=kept)
+
+
+def test_the_tide_is_known_by_the_orbit_in_the_robot_file():
+    """Without a date nobody knows sun and field, and the servicer needs a tracker."""
+    robot = in_orbit()
+    robot = replace(robot, sensors={**robot.sensors, "attitude": {"angle": 1e-4}})
+    flown = made("tide")
+    seen = measure_truth(robot, flown.t, flown.true, 0)
+    assert set(around(robot, seen)) == {"nadir", "flow"}
+    result = oi.identify(robot, seen)
+    assert result.status == "ok", result.warnings
+    assert not result.disturbances
+    assert np.abs(errors(result)).max() < 4
+    # With columns it is the same but for the rounding of these.
+    same = oi.identify(
+        replace(robot, orbit=None), without(seen.with_columns(flown.known), "field")
+    )
+    np.testing.assert_allclose(
+        result.base.values, same.base.values, atol=1e-3 * result.base.std.min()
+    )
+
+
+def test_an_orbit_needs_an_attitude_and_a_time_near_its_epoch():
+    seen = without(recorded(made("tide"), 0), "nadir")
+    words = r"gives an orbit, and without attitude\.x to \.w nobody knows where"
+    with pytest.raises(InputError, match=words):
+        oi.identify(in_orbit(), seen)
+    half = 0.01 * np.sin(seen.t)
+    turned = {"attitude.x": np.sin(half), "attitude.w": np.cos(half)}
+    seen = seen.with_columns(dict.fromkeys(["attitude.y", "attitude.z"], 0 * half))
+    seen = seen.with_columns(turned)
+    with pytest.raises(InputError, match="days from its epoch, and elements hold for"):
+        oi.identify(in_orbit(), replace(seen, t=seen.t + 1.7e9))
 
 
 def test_without_the_earth_it_is_seen_as_a_slow_torque():
