@@ -80,7 +80,8 @@ def test_bags(library: str):
     ran = without((library,), "topics", "flight.mcap")
     assert ran.returncode == 2
     assert ran.stderr == (
-        f'orbident: reading a bag needs {library}: pip install "orbident[ros]"\n'
+        f"orbident: reading or writing a bag needs {library}: "
+        'pip install "orbident[ros]"\n'
     )
 
 

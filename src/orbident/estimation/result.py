@@ -169,6 +169,37 @@ class Result(Identified):
         self.check_accepted()
         return reconstructed(self.robot, self.base.values, self.base_covariance)
 
+    def to_pinocchio(self) -> Any:
+        """The robot as a `pinocchio.Model` without gravity; each wheel is a joint.
+
+        Its joint `root_joint`, in the frame of the base link, is a free flyer, or in
+        the plane a planar joint. Its bodies have the identified parameters; where only
+        sums over bodies are identified, they are as near to CAD as can be.
+
+        Raises:
+            InputError: the result is rejected or not complete, no bodies that can
+                exist have its parameters, or a library is not installed.
+        """
+        # Upwards, as do all methods that are short for what is made of a result.
+        from orbident.identified.made_models import pinocchio_model
+
+        return pinocchio_model(self)
+
+    def to_mujoco(self) -> Any:
+        """The robot as a `mujoco.MjSpec` without gravity; each wheel is a joint.
+
+        The base floats on a free joint, or in the plane on two slides and a hinge; S
+        is the site `feature_point`. Its bodies are those of `to_pinocchio()`.
+
+        Raises:
+            InputError: the result is rejected or not complete, no bodies that can
+                exist have its parameters, or a library is not installed.
+        """
+        # Upwards, as do all methods that are short for what is made of a result.
+        from orbident.identified.made_models import mujoco_spec
+
+        return mujoco_spec(self)
+
     def to_json(self) -> dict[str, Any]:
         """The content of `result.json`."""
         table = self.sensitivity()
