@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from orbident.errors import InputError
 from orbident.estimation.predicted import Signal, Signals
 from orbident.estimation.result import Result
 from orbident.model.kinematics import poses
@@ -59,11 +60,11 @@ def write_mcap(
         InputError: the result is rejected or not complete, the recording lacks what
             prediction needs, a library is not installed, or the file cannot be written.
     """
-    result.dynamics()
+    result.check_accepted()
     replay = predicted_motion(result, recording)
-    motions = {"measured": replay.measured}
-    if replay.predicted is not None:
-        motions["predicted"] = replay.predicted
+    if replay.predicted is None:
+        raise InputError("; ".join(replay.warnings))
+    motions = {"measured": replay.measured, "predicted": replay.predicted}
     t_0 = replay.measured.t[0]
     # Times of ROS begin with zero.
     shift = 0.0 if t_0 >= 0 and replay.measured.t[-1] < LATEST else t_0
