@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from orbident.errors import InputError
 from orbident.estimation.check import Check, Level, worst
@@ -17,6 +17,9 @@ from orbident.estimation.sensitivity_table import SensitivityTable
 from orbident.model.reconstruction import Dynamics, reconstructed
 from orbident.preprocessing.delays import Delay
 from orbident.robot.description import Robot
+
+if TYPE_CHECKING:
+    from orbident.report.plots import Plots
 
 SCHEMA = "orbident/result/2"
 
@@ -169,6 +172,17 @@ class Result(Identified):
         self.check_accepted()
         return reconstructed(self.robot, self.base.values, self.base_covariance)
 
+    @property
+    def plot(self) -> "Plots":
+        """The charts of the report as figures of matplotlib: `result.plot.mass()`.
+
+        Raises:
+            MissingLibraryError: matplotlib is not installed.
+        """
+        from orbident.report.plots import Plots
+
+        return Plots(self)
+
     def to_pinocchio(self) -> Any:
         """The robot as a `pinocchio.Model` without gravity; each wheel is a joint.
 
@@ -180,7 +194,6 @@ class Result(Identified):
             InputError: the result is rejected or not complete, no bodies that can
                 exist have its parameters, or a library is not installed.
         """
-        # Upwards, as do all methods that are short for what is made of a result.
         from orbident.identified.made_models import pinocchio_model
 
         return pinocchio_model(self)
@@ -195,7 +208,6 @@ class Result(Identified):
             InputError: the result is rejected or not complete, no bodies that can
                 exist have its parameters, or a library is not installed.
         """
-        # Upwards, as do all methods that are short for what is made of a result.
         from orbident.identified.made_models import mujoco_spec
 
         return mujoco_spec(self)
