@@ -127,7 +127,7 @@ class Result(Identified):
 
     def __repr__(self) -> str:
         """The summary, and where the rest is."""
-        more = "more: result.base, .pi, .phi, .mass_forms, .checks, .to_frame()"
+        more = "more: result.base, .pi, .phi, .mass_forms, .checks, .to_frame(), .plot"
         if self.status == "rejected":
             more = "more: result.checks, .diagnostics"
         return "\n".join([*self.summary(), more])
