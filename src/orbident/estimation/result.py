@@ -19,7 +19,7 @@ from orbident.preprocessing.delays import Delay
 from orbident.robot.description import Robot
 
 if TYPE_CHECKING:
-    from orbident.report.plots import Plots
+    from orbident.report.result_plots import Plots
 
 SCHEMA = "orbident/result/2"
 
@@ -179,7 +179,7 @@ class Result(Identified):
         Raises:
             MissingLibraryError: matplotlib is not installed.
         """
-        from orbident.report.plots import Plots
+        from orbident.report.result_plots import Plots
 
         return Plots(self)
 

@@ -155,7 +155,7 @@ def _chart(base: EstimatedSet, known_as: str) -> tuple[Chart, ...]:
     return (Chart("base", f"Base parameters beside {known_as}", figure),)
 
 
-class Intervals(NamedTuple):
+class ParameterIntervals(NamedTuple):
     """95 % intervals by name."""
 
     names: list[str]
@@ -163,7 +163,7 @@ class Intervals(NamedTuple):
     half: Float[np.ndarray, " n"]
 
 
-def differences(base: EstimatedSet) -> Intervals:
+def differences(base: EstimatedSet) -> ParameterIntervals:
     """Base parameters less what CAD has, in percent of it, where percent say much."""
     nominal = base.nominal
     kinds = np.array([name.split("_")[0] for name in base.names])
@@ -172,7 +172,7 @@ def differences(base: EstimatedSet) -> Intervals:
     names = [name for name, seen in zip(base.names, shown, strict=True) if seen]
     off = 100 * (base.values[shown] / nominal[shown] - 1)
     half = 100 * NINETY_FIVE * base.std[shown] / np.abs(nominal[shown])
-    return Intervals(names, off, half)
+    return ParameterIntervals(names, off, half)
 
 
 def surest_routes(routes: MassRoutes) -> list[int]:
