@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 from made_results import REFUSED
 from running import Orbident, resealed, worst_error, written
+from scipy.io import loadmat
 
 from orbident.recordings.recording import Recording
+from orbident.recordings.tables import read_recording
 
 
 @pytest.fixture
@@ -23,7 +25,7 @@ def run(orbident: Orbident, flight: Recording) -> str:
 def test_urdf(orbident: Orbident, run: str):
     """It is a robot with the identified parameters, for every other verb."""
     words = orbident("export", run, "-o", "identified.urdf").done().out
-    assert "identified.urdf, 4 bodies, base parameters" in words
+    assert "identified.urdf: URDF, 4 bodies, base parameters" in words
     text = Path(f"{run}/robot.yaml").read_text()
     Path("identified.yaml").write_text(text.replace("robot.urdf", "identified.urdf"))
     inspected = orbident("inspect", "identified.yaml", "--json", "-").done().json
@@ -51,6 +53,55 @@ def test_matrices(orbident: Orbident, run: str):
     np.testing.assert_allclose(np.diag(H)[9:], 0.18, rtol=1e-12)
     assert np.array(document["H_plus_std"]).shape == (12, 12)
     assert {np.array(J).shape for J in document["jacobians"].values()} == {(6, 12)}
+
+
+def test_models_of_other_tools(orbident: Orbident, run: str):
+    """Each file begins as its format does; what is in it: `tests/oracles`."""
+    for name, begins, words in (
+        ("r.xml", "<mujoco", "MJCF for MuJoCo, 4 bodies"),
+        ("r.sdf", "<?xml", "SDF for Gazebo, 4 bodies"),
+        ("r.py", '"""The spacecraft paper-spatial', "a script for Basilisk, 4 bodies"),
+    ):
+        assert words in orbident("export", run, "-o", name).done().out
+        assert Path(name).read_text().startswith(begins)
+    told = orbident("export", run, "-o", "r.xml", "--json", "-").done().json
+    assert sum(told["masses"].values()) == pytest.approx(1110.0)
+
+
+def test_matlab(orbident: Orbident, run: str):
+    words = orbident("export", run, "-o", "r.mat").done().out
+    assert "r.mat: 42 parameters" in words
+    # By SciPy, and by our own reader of such files: signals are topics.
+    found = loadmat("r.mat", simplify_cells=True)
+    assert found["mass"]["value"] == pytest.approx(1110.0)
+    listed = orbident("topics", "r.mat").done().out
+    assert "/signals/velocity" in listed
+
+
+def test_messages(orbident: Orbident, run: str):
+    """With the recording that the RUN is from, its signals too; with another not."""
+    arguments = ("export", run, "-o", "r.mcap", "--json", "-", "--recording")
+    own = orbident(*arguments, "r.parquet").done().json
+    assert own["messages"]["/imu/predicted"] == own["messages"]["/joint_states"]
+    assert own["messages"]["/signals/velocity/predicted"] > 0
+    recording = read_recording("r.parquet")
+    written(recording, "other.parquet", rows=slice(0, 100))
+    other = orbident(*arguments, "other.parquet").done().json
+    assert other["messages"]["/joint_states"] == 100
+    assert not any(topic.startswith("/signals") for topic in other["messages"])
+    # `convert` reads it as any other bag.
+    assert "/joint_states" in orbident("topics", "r.mcap").done().out
+
+
+def test_refusals_of_messages(orbident: Orbident, run: str):
+    def refused(*arguments: str, words: str):
+        orbident("export", run, "-o", "a.mcap", *arguments).refused(words)
+
+    refused(words="a RUN does not keep how the joints moved")
+    refused("--recording", "gone.csv", words="gone.csv")
+    written(read_recording("r.parquet"), "bare.csv", drop=("gyro", "attitude"))
+    refused("--recording", "bare.csv", words="column 'gyro.x' is missing")
+    assert not Path("a.mcap").exists()
 
 
 def test_parameters_for_a_spreadsheet(orbident: Orbident, run: str):
@@ -90,9 +141,12 @@ def test_refusals(orbident: Orbident, run: str):
     def refused(*arguments: str, words: str):
         orbident("export", *arguments).refused(words)
 
-    refused(run, "-o", "a.xml", words="a.xml: give a name that ends in .urdf, .json")
+    refused(
+        run, "-o", "a.zip", words="a.zip: give a name that ends in .urdf, .xml, .sdf"
+    )
+    refused(run, "-o", "a", words=".mcap, .mat, .csv, .tex or .json")
     refused(run, "-o", "a.json", words="give it with --q")
-    refused(run, "-o", "a.urdf", "--q", "0,0,0", words="hold in every position")
+    refused(run, "-o", "a.urdf", "--q", "0,0,0", words="holds in every position")
     refused(run, "-o", "a.json", "--q", "0,0", words="expected 3 finite numbers")
     refused(run, "-o", "a.json", "--q", "0,nan,0", words="expected 3 finite numbers")
     refused(run, "-o", "a.json", "--q", "0;0", words="--q: found '0;0'")
@@ -107,7 +161,11 @@ def test_a_rejected_run(orbident: Orbident, run: str):
     document["checks"].append(REFUSED.to_json())
     path.write_text(json.dumps(document))
     resealed(Path(run))
-    for arguments in (("-o", "a.urdf"), ("-o", "a.json", "--q", "0,0,0")):
+    for arguments in (
+        *(("-o", f"a{suffix}") for suffix in (".urdf", ".xml", ".sdf", ".py", ".mat")),
+        ("-o", "a.json", "--q", "0,0,0"),
+        ("-o", "a.mcap", "--recording", "r.parquet"),
+    ):
         orbident("export", run, *arguments).refused("is rejected", "mass: no scale")
     assert not list(Path().glob("a.*"))
 
@@ -155,7 +213,7 @@ def test_refusals_of_a_filter_for_flight(orbident: Orbident, run: str):
     refused(words="give either -o FILE or --flight DIR")
     refused("-o", "a.urdf", "--flight", "f", words="give either -o FILE or --flight")
     refused("--flight", "f", words="give --recording REC")
-    refused("-o", "a.urdf", *recorded, words="--recording: is for --flight")
+    refused("-o", "a.urdf", *recorded, words="--recording: is for .mcap and --flight")
     refused("--flight", "f", "--q", "0", *recorded, words="--q: is for a .json")
     refused("--flight", run, *recorded, words="run: holds something else than a filter")
     assert not Path("f").exists()

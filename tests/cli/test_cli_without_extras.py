@@ -73,6 +73,15 @@ def test_export(orbident: Orbident, short: Path):
         'pip install "orbident[export]"\n'
     )
 
+    recorded = ("--recording", short)
+    ran = without(("mcap",), "export", "run", "-o", "flight.mcap", *recorded)
+    assert ran.returncode == 2
+    assert ran.stderr == (
+        'orbident: reading or writing a bag needs mcap: pip install "orbident[ros]"\n'
+    )
+    # What is known of the parameters needs no library but SciPy.
+    assert without(("cvxpy", "mcap"), "export", "run", "-o", "p.mat").returncode == 0
+
 
 @pytest.mark.parametrize("library", ["rosbags", "mcap"])
 def test_bags(library: str):
@@ -80,7 +89,8 @@ def test_bags(library: str):
     ran = without((library,), "topics", "flight.mcap")
     assert ran.returncode == 2
     assert ran.stderr == (
-        f'orbident: reading a bag needs {library}: pip install "orbident[ros]"\n'
+        f"orbident: reading or writing a bag needs {library}: "
+        'pip install "orbident[ros]"\n'
     )
 
 

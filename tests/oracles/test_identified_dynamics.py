@@ -16,12 +16,13 @@ import mujoco
 import numpy as np
 import pinocchio as pin
 import pytest
+from pinocchio_model import paper_equations
 from random_motions import random_motion
 
 from orbident.estimation.identify import identify
 from orbident.estimation.result import Result
-from orbident.identified.physical import physical_bodies
-from orbident.identified.urdf_export import exported_urdf, rotor_parts
+from orbident.identified.exported_robot import exported_robot
+from orbident.identified.urdf_export import exported_urdf
 from orbident.model.equations_of_motion import equations_of_motion, movable
 from orbident.model.forces import jacobian
 from orbident.robot.description import Robot
@@ -121,9 +122,7 @@ def test_jacobians(case):
 def test_exported_urdf(case):
     """Pinocchio makes the true `H+`, `c+` of it; MuJoCo weighs the same."""
     robot = case.result.robot
-    bodies = physical_bodies(case.result, rotor_parts(robot))
-    assert bodies is not None
-    text = exported_urdf(robot, bodies.theta)
+    text = exported_urdf(robot, exported_robot(case.result).robot.theta)
     model = pin.buildModelFromXML(text, pin.JointModelFreeFlyer())
     model.gravity.linear = np.zeros(3)
     known = np.array([0, 1, 2, 5]) if robot.motion == "planar" else np.arange(6)
@@ -134,7 +133,7 @@ def test_exported_urdf(case):
     H, c, _ = equations_of_motion(true, case.q[:20], v)
     for state in zip(case.q, v, H, c, strict=False):
         q, rates, H_k, c_k = map(np.asarray, state)
-        H_pin, c_pin = by_pinocchio(model, robot, q, rates)
+        H_pin, c_pin = paper_equations(model, robot.joint_names, q, rates)
         assert worst(H_pin[np.ix_(known, known)], H_k[np.ix_(known, known)]) < (
             BY_PINOCCHIO
         )
@@ -144,31 +143,3 @@ def test_exported_urdf(case):
     compiled = spec.compile()
     assert compiled.nv == 6 + len(robot.joints)
     assert compiled.body_mass.sum() == pytest.approx(case.true.mass, rel=1e-7)
-
-
-def by_pinocchio(
-    model: pin.Model, robot: Robot, q: np.ndarray, v: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """`H+` and `c+` over the paper's speeds, as in `test_equations_of_motion`."""
-    joints = [model.joints[model.getJointId(name)] for name in robot.joint_names]
-    rows = np.array([*range(6), *(joint.idx_v for joint in joints)])
-    at = pin.neutral(model)
-    for joint, angle in zip(joints, q, strict=True):
-        if joint.nq == 2:
-            at[joint.idx_q : joint.idx_q + 2] = np.cos(angle), np.sin(angle)
-        else:
-            at[joint.idx_q] = angle
-    data = model.createData()
-    pin.jacobianCenterOfMass(model, data, at)
-    # Its base frame may be anywhere: the speeds are those of the system CM.
-    T = np.eye(v.size)
-    T[:3, 3:] = -data.Jcom[:, rows[3:]]
-    rates = np.zeros(model.nv)
-    rates[rows] = T @ v
-    upper = np.triu(pin.crba(model, data, at))
-    H = (upper + np.triu(upper, 1).T)[np.ix_(rows, rows)]
-    pin.centerOfMass(model, data, at, rates, np.zeros(model.nv))
-    drift = np.zeros(v.size)
-    drift[:3] = np.cross(v[3:6], v[:3]) - data.acom[0]
-    c = H @ drift + pin.nonLinearEffects(model, data, at, rates)[rows]
-    return T.T @ H @ T, T.T @ c

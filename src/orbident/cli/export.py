@@ -5,6 +5,7 @@ from typing import Annotated, Any
 
 import typer
 
+from orbident.cli import export_formats as formats
 from orbident.cli.options import Force, Json, Quiet
 from orbident.errors import InputError
 
@@ -22,9 +23,10 @@ def export(
         typer.Option(
             "-o",
             metavar="FILE",
-            help="A .urdf with the identified inertias, a .json with H+ and the "
-            "Jacobians at --q, or the parameters with their deviations as .csv or, for "
-            "a paper, .tex.",
+            help="The identified robot as .urdf, .xml (MJCF), .sdf or .py (Basilisk); "
+            "its parameters as .csv, .mat or, for a paper, .tex; what was measured and "
+            "predicted as .mcap, with --recording; or H+ and the Jacobians at --q as "
+            ".json.",
         ),
     ] = None,
     q: Annotated[
@@ -46,8 +48,8 @@ def export(
         Path | None,
         typer.Option(
             metavar="REC",
-            help="A recording: CSV or Parquet; for --flight. It says how noisy the "
-            "sensors are.",
+            help="A recording: CSV or Parquet. For a .mcap: the motion, any of this "
+            "robot. For --flight: it says how noisy the sensors are.",
         ),
     ] = None,
     force: Force = False,
@@ -65,15 +67,17 @@ def export(
         _export_flight(output, run, flight, recording, force)
         return
     assert out is not None
-    _check_kind(out, q)
+    suffix = _checked_suffix(out, q, recording)
     check_free(out, force)
     result = load_result(run)
     if q is not None:
-        _export_matrices(output, result, out, _numbers(q))
-    elif out.suffix.lower() == ".urdf":
-        _export_urdf(output, result, out)
+        formats.write_matrices(output, result, out, _numbers(q))
+    elif recording is not None:
+        formats.write_motion(output, result, out, recording)
+    elif suffix in formats.MODELS:
+        formats.write_model(output, result, out)
     else:
-        _export_parameters(output, result, out)
+        formats.write_parameters(output, result, out)
 
 
 def _check_what(
@@ -81,8 +85,6 @@ def _check_what(
 ) -> None:
     if (out is None) == (flight is None):
         raise InputError("export: give either -o FILE or --flight DIR")
-    if flight is None and recording is not None:
-        raise InputError("--recording: is for --flight; leave it out")
     if flight is not None and recording is None:
         raise InputError(
             "--flight: a filter needs the noise of its sensors, and something to "
@@ -124,16 +126,23 @@ def _export_flight(
     output.write_json({"folder": str(folder), **written._asdict()})
 
 
-def _check_kind(out: Path, q: str | None) -> None:
-    kind = out.suffix.lower()
-    if kind not in {".urdf", ".json", ".csv", ".tex"}:
-        raise InputError(f"{out}: give a name that ends in .urdf, .json, .csv or .tex")
-    if kind != ".json" and q is not None:
-        raise InputError(
-            f"{out}: --q is for .json; a URDF and the parameters hold in every position"
-        )
-    if kind == ".json" and q is None:
+def _checked_suffix(out: Path, q: str | None, recording: Path | None) -> str:
+    suffix, known = out.suffix.lower(), formats.SUFFIXES
+    if suffix not in known:
+        ends = f"{', '.join(known[:-1])} or {known[-1]}"
+        raise InputError(f"{out}: give a name that ends in {ends}")
+    if suffix != ".json" and q is not None:
+        raise InputError(f"{out}: --q is for .json; all else holds in every position")
+    if suffix == ".json" and q is None:
         raise InputError(f"{out}: matrices are of one configuration; give it with --q")
+    if suffix != ".mcap" and recording is not None:
+        raise InputError("--recording: is for .mcap and --flight; leave it out")
+    if suffix == ".mcap" and recording is None:
+        raise InputError(
+            f"{out}: a RUN does not keep how the joints moved; give the recording, or "
+            "another of this robot, with --recording REC"
+        )
+    return suffix
 
 
 def _numbers(text: str) -> list[float]:
@@ -143,66 +152,3 @@ def _numbers(text: str) -> list[float]:
         raise InputError(
             f"--q: found '{text}'; give numbers with commas between them"
         ) from None
-
-
-def _export_urdf(output: Any, result: Any, out: Path) -> None:
-    from orbident.files.text import write_text
-    from orbident.identified.physical import physical_bodies
-    from orbident.identified.urdf_export import exported_urdf, rotor_parts
-
-    robot = result.robot
-    bodies = physical_bodies(result, rotor_parts(robot))
-    if bodies is None:
-        output.warn(
-            [
-                f"{out} is not written: no bodies that can exist have the identified "
-                "parameters within their 95 % region; check the robot's geometry and "
-                "structure, or record a richer trajectory"
-            ]
-        )
-        raise typer.Exit(1)
-    write_text(out, exported_urdf(robot, bodies.theta))
-    moved = "exactly as identified"
-    if bodies.deviation:
-        moved = (
-            f"moved by {bodies.deviation:.2g} sigma in all, so that bodies can exist"
-        )
-    output.say(
-        f"written: {out}, {len(robot.bodies)} bodies, base parameters {moved}",
-        "directions that free floating cannot observe stay as close to CAD as possible",
-    )
-    output.write_json(
-        {
-            "file": str(out),
-            "deviation": bodies.deviation,
-            "masses": dict(zip(robot.bodies, bodies.theta[:, 0].tolist(), strict=True)),
-        }
-    )
-
-
-def _export_matrices(output: Any, result: Any, out: Path, q: list[float]) -> None:
-    from json import dumps
-
-    from orbident.files.text import write_text
-    from orbident.identified.matrices import matrices_at
-
-    document = matrices_at(result, q)
-    write_text(out, dumps(document, indent=1, allow_nan=False) + "\n")
-    output.say(f"written: {out}, H+ over {', '.join(document['speeds'])}")
-    output.write_json({"file": str(out)})
-
-
-def _export_parameters(output: Any, result: Any, out: Path) -> None:
-    from orbident.files.text import write_text
-    from orbident.identified.parameter_files import (
-        parameters_as_csv,
-        parameters_as_latex,
-    )
-
-    latex = out.suffix.lower() == ".tex"
-    write_text(out, parameters_as_latex(result) if latex else parameters_as_csv(result))
-    count = sum(len(found.names) for found in (result.base, result.phi, result.pi))
-    output.say(
-        f"written: {out}, {count} parameters: M, sigma and iota, then phi, then pi"
-    )
-    output.write_json({"file": str(out), "parameters": count})

@@ -37,25 +37,7 @@ def validate(
     with progress("predicting"):
         scores = validated(result, table)
     output.say(f"{scores.samples} samples predicted by {run}")
-    for name, unit in (("gyro", "rad/s"), ("velocity", "m/s")):
-        rms, nrmse = scores.rms[name], scores.nrmse[name]
-        if rms == rms:
-            percent = f"{100 * nrmse:.3g} % of the signal"
-            output.say(f"{name:9} error {rms:.3g} {unit} RMS, {percent}")
-            if (std := scores.std[name]) == std:
-                left = scores.noise.get(name, float("nan"))
-                sensors = f"{left:.3g} {unit}" if left == left else "unknown"
-                output.say(
-                    f"{'':9} expected: {std:.3g} {unit} by the parameters' deviations, "
-                    f"{sensors} by the sensors (what a fit of this recording leaves)"
-                )
-        else:
-            output.say(f"{name:9} was not measured")
-    if scores.dof:
-        output.say(
-            f"chi-square {scores.chi2:.3g} with {scores.dof} degrees of freedom, "
-            f"p = {scores.p_value:.2g}"
-        )
+    output.say(*scores.summary())
     words = f"{scores.verdict}: {scores.reason}"
     refused = scores.verdict == "not explained"
     if refused:

@@ -11,7 +11,7 @@ LEVELS: tuple[Level, ...] = ("trust", "with care", "do not trust")
 """The levels, from the best to the worst."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Check:
     """A rule, and how a result fares under it."""
 
@@ -35,6 +35,10 @@ class Check:
     def words(self) -> str:
         """A sentence: what was found, and what to do."""
         return f"{self.reason}; {self.remedy}" if self.remedy else self.reason
+
+    def __repr__(self) -> str:
+        """What it says, in a line."""
+        return f"{self.name} ({self.level}): {self.words}"
 
     def to_json(self) -> dict[str, Any]:
         """As in `result.json`."""

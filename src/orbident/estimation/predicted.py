@@ -47,6 +47,12 @@ class Signal(NamedTuple):
     std: float
     """Deviation of the noise that the residuals show."""
 
+    def __repr__(self) -> str:
+        """Which axes, and how often."""
+        axes = zip(self.axes, self.units, strict=True)
+        named = ", ".join(f"{axis} ({unit})" for axis, unit in axes)
+        return f"{self.name}: {named}; {self.t.size} samples, noise {self.std:.2g}"
+
     @property
     def sensor(self) -> str:
         """The name, without that of its recording where there are several."""

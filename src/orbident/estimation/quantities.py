@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
+from itertools import islice
 from typing import Any, TypeVar
 
 import numpy as np
@@ -9,8 +10,11 @@ from jaxtyping import Float
 
 from orbident.files.data_frames import frame
 
+LISTED = 8
+"""Parameters that a `repr` shows."""
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, repr=False)
 class Parameters:
     """A set of parameters; NaN where the recording does not determine one."""
 
@@ -22,6 +26,17 @@ class Parameters:
     def __iter__(self) -> Iterator[tuple[str, str, float, float]]:
         """Name, formula, value and standard deviation of each."""
         return zip(self.names, self.formulas, self.values, self.std, strict=True)
+
+    def __repr__(self) -> str:
+        """The first of them, a line each, and how many more there are."""
+        width = max(map(len, self.names[:LISTED]), default=0)
+        lines = [
+            f"{name:{width}} {value:12.6g} +- {std:<8.2g} {formula}".rstrip()
+            for name, formula, value, std in islice(self, LISTED)
+        ]
+        left = len(self.names) - len(lines)
+        more = [f"{left} more: .names, .values, .std, .formulas"] if left else []
+        return "\n".join([*lines, *more]) or "no parameters"
 
     def to_json(self) -> dict[str, Any]:
         """As in `result.json`: null for NaN."""
@@ -43,7 +58,7 @@ UNITS = {
 """Units by what a parameter's name begins with."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class EstimatedSet(Parameters):
     """A minimal set of a robot, beside what its CAD inertia says of it."""
 
@@ -89,7 +104,7 @@ class EstimatedSet(Parameters):
         return frame(columns, self.names, "parameter")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class MassRoutes(Parameters):
     """The total mass by every route that gives one, kg."""
 
@@ -108,12 +123,16 @@ class MassRoutes(Parameters):
 NO_ROUTES = MassRoutes((), (), np.zeros(0), np.zeros(0), np.zeros(0), 0)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Quantity:
     """One number and its standard deviation; NaN where it is not determined."""
 
     value: float
     std: float
+
+    def __repr__(self) -> str:
+        """The number with its deviation."""
+        return f"{self.value:.6g} +- {self.std:.2g}"
 
 
 P = TypeVar("P", bound=Parameters)

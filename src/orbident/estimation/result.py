@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from orbident.errors import InputError
 from orbident.estimation.check import Check, Level, worst
@@ -17,6 +17,9 @@ from orbident.estimation.sensitivity_table import SensitivityTable
 from orbident.model.reconstruction import Dynamics, reconstructed
 from orbident.preprocessing.delays import Delay
 from orbident.robot.description import Robot
+
+if TYPE_CHECKING:
+    from orbident.report.result_plots import Plots
 
 SCHEMA = "orbident/result/2"
 
@@ -124,7 +127,7 @@ class Result(Identified):
 
     def __repr__(self) -> str:
         """The summary, and where the rest is."""
-        more = "more: result.base, .pi, .phi, .mass_forms, .checks, .to_frame()"
+        more = "more: result.base, .pi, .phi, .mass_forms, .checks, .to_frame(), .plot"
         if self.status == "rejected":
             more = "more: result.checks, .diagnostics"
         return "\n".join([*self.summary(), more])
@@ -168,6 +171,46 @@ class Result(Identified):
         """
         self.check_accepted()
         return reconstructed(self.robot, self.base.values, self.base_covariance)
+
+    @property
+    def plot(self) -> "Plots":
+        """The charts of the report as figures of matplotlib: `result.plot.mass()`.
+
+        Raises:
+            MissingLibraryError: matplotlib is not installed.
+        """
+        from orbident.report.result_plots import Plots
+
+        return Plots(self)
+
+    def to_pinocchio(self) -> Any:
+        """The robot as a `pinocchio.Model` without gravity; each wheel is a joint.
+
+        Its joint `root_joint`, in the frame of the base link, is a free flyer, or in
+        the plane a planar joint. Its bodies have the identified parameters; where only
+        sums over bodies are identified, they are as near to CAD as can be.
+
+        Raises:
+            InputError: the result is rejected or not complete, no bodies that can
+                exist have its parameters, or a library is not installed.
+        """
+        from orbident.identified.made_models import pinocchio_model
+
+        return pinocchio_model(self)
+
+    def to_mujoco(self) -> Any:
+        """The robot as a `mujoco.MjSpec` without gravity; each wheel is a joint.
+
+        The base floats on a free joint, or in the plane on two slides and a hinge; S
+        is the site `feature_point`. Its bodies are those of `to_pinocchio()`.
+
+        Raises:
+            InputError: the result is rejected or not complete, no bodies that can
+                exist have its parameters, or a library is not installed.
+        """
+        from orbident.identified.made_models import mujoco_spec
+
+        return mujoco_spec(self)
 
     def to_json(self) -> dict[str, Any]:
         """The content of `result.json`."""

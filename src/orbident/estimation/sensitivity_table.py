@@ -10,7 +10,7 @@ from orbident.estimation.output_error.sensitivity import UNSEEN
 from orbident.estimation.quantities import nulled
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class SensitivityTable:
     """Shifts of the base parameters, in their own standard deviations."""
 
@@ -22,6 +22,17 @@ class SensitivityTable:
     outside it is `unseen`: shifts are the largest by what is too faint to be seen."""
     shifts: Float[np.ndarray, "parameters errors"]
     """NaN for a parameter that is not determined."""
+
+    def __repr__(self) -> str:
+        """How large it is, and the largest shift by an instrument."""
+        size = f"{len(self.parameters)} parameters, {len(self.errors)} errors"
+        if not self.instruments:
+            return size
+        error, unit, parameter, shift = self.worst()
+        return (
+            f"{size}; 1 {unit} of {error} shifts {parameter} most, by {shift:.3g} of "
+            "its deviations"
+        )
 
     @property
     def instruments(self) -> int:

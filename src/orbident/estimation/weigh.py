@@ -34,7 +34,7 @@ SIGNALS = ("position", "velocity", "accelerometer")
 NOWHERE = Quantity(float("nan"), float("nan"))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Weighing:
     """The total mass, and what it rests on."""
 
@@ -50,6 +50,11 @@ class Weighing:
     """Root mean square of the residual: m, or m/s."""
     status: Literal["ok", "rejected"]
     warnings: tuple[str, ...]
+
+    def __repr__(self) -> str:
+        """The mass and what it was found from."""
+        found = f"mass {self.mass} kg from {self.signal}, {self.samples} samples"
+        return "\n".join([f"{self.status}: {found}", *self.warnings])
 
     def to_json(self) -> dict[str, Any]:
         """As `weigh --json` gives it."""

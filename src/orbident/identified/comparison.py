@@ -24,7 +24,7 @@ CHANCE = 1e-3
 """What is less probable than this is no chance."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Comparison:
     """What changed between two results."""
 
@@ -39,6 +39,20 @@ class Comparison:
     added: AddedBody | None = None
     undetermined: Mapping[str, str] = field(default_factory=dict)
     """Parameters of the captured body, and why they are not determined."""
+
+    def __repr__(self) -> str:
+        """Whether something changed, and the mass of what joined."""
+        if self.change is None:
+            return f"{self.status}: {'; '.join(self.warnings)}"
+        chi2, dof, p = self.change.value, self.change.dof, self.change.p
+        lines = [
+            f"{self.status}: the base parameters differ by chi-square {chi2:.4g}, "
+            f"expected {dof} (p {p:.2g})"
+        ]
+        if self.added is not None:
+            did = "let go by" if self.added.mass.value < 0 else "captured by"
+            lines.append(f"{did} {self.body}: mass {self.added.mass} kg; see .added")
+        return "\n".join([*lines, *self.warnings])
 
     def to_json(self) -> dict[str, Any]:
         """As `compare --json` gives it."""
@@ -63,6 +77,10 @@ def compare(before: Result, after: Result, body: str | None = None) -> Compariso
         before: the result from the one.
         after: from the other, which is independent of it.
         body: by name, what holds it; by default what explains the difference best.
+
+    Returns:
+        Whether the parameters changed by more than chance, and the body that explains
+        it.
 
     Raises:
         InputError: the robots differ, their structures contradict each other, or they

@@ -51,13 +51,18 @@ OURS = (*READ, REPORT, RESULT)
 """All that a RUN folder has of ours; the result, which vouches for the rest, last."""
 
 
-def save_result(result: Result, folder: Path, force: bool = False) -> None:
+def save_result(result: Result, folder: str | Path, force: bool = False) -> None:
     """Write a RUN folder, without a report.
+
+    Args:
+        result: accepted or not.
+        folder: that is made; one that is there already must be empty.
+        force: replace the files of a RUN that is there.
 
     Raises:
         InputError: the folder exists and `force` is false, or cannot be written.
     """
-    with saving(result, folder, force):
+    with saving(result, Path(folder), force):
         pass
 
 
@@ -146,12 +151,16 @@ def _check_above(folder: Path) -> None:
         raise InputError(f"{folder}: cannot be written (Permission denied)")
 
 
-def load_result(folder: Path) -> Result:
+def load_result(folder: str | Path) -> Result:
     """Read a RUN folder; every file is checked against its checksum.
+
+    Args:
+        folder: that `save_result` or `orbident identify -o` wrote.
 
     Raises:
         InputError: a file is missing or is not what `identify` wrote.
     """
+    folder = Path(folder)
     finish(folder, OURS)
     path = folder / RESULT
     version = _version(path)

@@ -39,7 +39,7 @@ WITHIN = 1.96
 """Deviations: 95 % of what is normally distributed."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Validation:
     """Prediction errors; NaN where there was nothing to compare with."""
 
@@ -66,6 +66,36 @@ class Validation:
     p_value: float = np.nan
     """Probability of a larger `chi2` where the result is right."""
 
+    def summary(self) -> list[str]:
+        """The errors of every signal and what explains them, as lines of text."""
+        lines = []
+        for name, unit in (("gyro", "rad/s"), ("velocity", "m/s")):
+            rms, std = self.rms[name], self.std[name]
+            left = self.noise.get(name, np.nan)
+            if not np.isfinite(rms):
+                lines.append(f"{name:9} was not measured")
+                continue
+            percent = f"{100 * self.nrmse[name]:.3g} % of the signal"
+            lines.append(f"{name:9} error {rms:.3g} {unit} RMS, {percent}")
+            if np.isfinite(std):
+                sensors = f"{left:.3g} {unit}" if np.isfinite(left) else "unknown"
+                lines.append(
+                    f"{'':9} expected: {std:.3g} {unit} by the parameters' deviations, "
+                    f"{sensors} by the sensors (what a fit of this recording leaves)"
+                )
+        if self.dof:
+            lines.append(
+                f"chi-square {self.chi2:.3g} with {self.dof} degrees of freedom, "
+                f"p = {self.p_value:.2g}"
+            )
+        return lines
+
+    def __repr__(self) -> str:
+        """The verdict, and the errors of every signal."""
+        verdict = f"{self.samples} samples: {self.verdict}"
+        reason = f": {self.reason}" if self.reason else ""
+        return "\n".join([verdict + reason, *self.summary()])
+
     def to_json(self) -> dict[str, Any]:
         """As `validate --json` gives it."""
         return {
@@ -85,6 +115,14 @@ class Validation:
 
 def validate(result: Result, recording: Recording) -> Validation:
     """Predict a recording's base rates and velocities, score and judge the errors.
+
+    Args:
+        result: complete and not rejected.
+        recording: of the same robot; one that the result is not from says most.
+
+    Returns:
+        The errors, and whether the deviations of the parameters and the noise of the
+        sensors explain them.
 
     Raises:
         InputError: the result is rejected or has undetermined parameters, or the

@@ -98,7 +98,7 @@ class Regressors(NamedTuple):
         return rate[:, self.momentum_axes]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class MinimalSets:
     """The minimal sets of a robot, and the regressors that go with them."""
 
@@ -109,6 +109,14 @@ class MinimalSets:
     pi_of_products: csr_array
     """Sparse: most products have a `pi` of their own."""
     pairs: Int[np.ndarray, "pairs 2"]
+
+    def __repr__(self) -> str:
+        """How many parameters each set has."""
+        sigmas, base = self.base.sigmas, self.base.T.shape[0]
+        return (
+            f"{base} base parameters (M, {sigmas} sigma, {base - 1 - sigmas} iota), "
+            f"{sigmas} phi, {self.pi_of_beta.shape[0]} pi"
+        )
 
     @property
     def iotas(self) -> int:

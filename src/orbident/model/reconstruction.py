@@ -33,7 +33,7 @@ TILT = [3, 4]
 """The rates about x and y among the speeds, whose rows no planar motion shows."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Dynamics:
     """`H+ v' + c+ = Q` (Eq. 13) over `v = [v_cm, w, qd, qd_rw]`, base axes.
 
@@ -45,6 +45,16 @@ class Dynamics:
     """The robot with a `theta` of the identified momentum; the nominal one is gone."""
     root: Float[np.ndarray, "beta beta"]
     """A square root of the covariance of the base parameters."""
+
+    def __repr__(self) -> str:
+        """What it is of, over which speeds, and what it gives."""
+        robot = self.robot
+        return (
+            f"dynamics of {robot.name}, {robot.mass:.6g} kg, over v_cm, w, "
+            f"{len(robot.joints)} joints and {len(robot.wheels)} wheels\n"
+            "H_plus(q), c_plus(q, v), equations(q, v), jacobian(q, body, point), "
+            "generalised_forces(q, joint_torques, wheel_torques)"
+        )
 
     def H_plus(
         self, q: Float[np.ndarray, "*n joints"]

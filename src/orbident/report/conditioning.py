@@ -25,7 +25,7 @@ def conditioning(result: Result) -> Section:
         "The condition number bounds how much noise is amplified. The raw one depends "
         "on units; the normalised one is of columns scaled to unit norm."
     ]
-    names, R = _correlations(result)
+    names, R = correlations(result)
     charts = ()
     if names:
         words.append(_close(names, R))
@@ -60,7 +60,8 @@ def conditioning(result: Result) -> Section:
     )
 
 
-def _correlations(result: Result) -> tuple[list[str], np.ndarray]:
+def correlations(result: Result) -> tuple[list[str], np.ndarray]:
+    """The base parameters that are determined, and their correlation matrix."""
     C = result.base_covariance
     std = np.sqrt(np.diag(C))
     sure = np.isfinite(std) & (std > 0)

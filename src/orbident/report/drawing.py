@@ -1,6 +1,6 @@
 """Drawings by matplotlib, and how they are kept; the one import of matplotlib."""
 
-from io import StringIO
+from io import BytesIO, StringIO
 from pathlib import Path
 
 from orbident.extras import extra
@@ -11,9 +11,18 @@ from orbident.report.section import Picture
 with extra("report", "drawing a figure"):
     from matplotlib import rc_context
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure as Drawing
+    from matplotlib.figure import Figure
 
 __all__ = ["Axes", "Drawing", "kept"]
+
+
+class Drawing(Figure):
+    """A figure that belongs to no window; a notebook shows it."""
+
+    def _repr_png_(self) -> bytes:
+        picture = BytesIO()
+        self.savefig(picture, format="png")
+        return picture.getvalue()
 
 
 def kept(drawing: Drawing, path: Path, title: str) -> Picture:

@@ -114,7 +114,8 @@ def _charts(signal: Signal) -> Iterator[Chart]:
     yield Chart(f"{name}-lags", f"{name}: whiteness of residuals", _lags(signal))
 
 
-def _labels(signal: Signal) -> list[str]:
+def axis_labels(signal: Signal) -> list[str]:
+    """Each axis with its unit: `x (rad/s)`."""
     return [
         f"{axis} ({_unit(unit)})"
         for axis, unit in zip(signal.axes, signal.units, strict=True)
@@ -127,7 +128,7 @@ def _unit(unit: str) -> str:
 
 def _signal(signal: Signal) -> Figure:
     panels = []
-    for k, label in enumerate(_labels(signal)):
+    for k, label in enumerate(axis_labels(signal)):
         names = ({"name": "measured"}, {"name": "predicted"}) if k == 0 else ({}, {})
         measured = history(signal.t, signal.measured[:, k], MEASURED, **names[0])
         measured["line"]["width"] = 3
@@ -139,7 +140,7 @@ def _signal(signal: Signal) -> Figure:
 def _residual(signal: Signal) -> Figure:
     panels = [
         Panel(label, [history(signal.t, e, ERROR)], band=NINETY_FIVE * signal.std)
-        for label, e in zip(_labels(signal), residuals(signal).T, strict=True)
+        for label, e in zip(axis_labels(signal), residuals(signal).T, strict=True)
     ]
     return stacked(panels, "t (s)")
 
@@ -149,7 +150,7 @@ def _spectrum(signal: Signal) -> Figure:
     step = float(np.median(np.diff(signal.t)))
     level = signal.std * np.sqrt(2 * step)
     f = np.zeros(0)
-    for label, e in zip(_labels(signal), residuals(signal).T, strict=True):
+    for label, e in zip(axis_labels(signal), residuals(signal).T, strict=True):
         f, density = spectrum(signal.t, e)
         ends = f[[0, -1]]
         white = line(ends, np.full(2, level), LIMIT)

@@ -1,10 +1,12 @@
 """The parameters with their intervals, beside what CAD says of them."""
 
+from typing import NamedTuple
+
 import numpy as np
-from jaxtyping import Int
+from jaxtyping import Float, Int
 
 from orbident.estimation.parameter_table import most_different
-from orbident.estimation.quantities import EstimatedSet
+from orbident.estimation.quantities import EstimatedSet, MassRoutes
 from orbident.estimation.result import Result
 from orbident.report.charts import interval_list, shortened
 from orbident.report.numbers import (
@@ -78,12 +80,7 @@ def parameters(result: Result, known_as: str) -> Section | None:
 def masses(result: Result, known_as: str) -> Section | None:
     """The mass by every route; None where there is none."""
     routes = result.mass_forms
-    sure = np.sort(routes.std)[:MOST]
-    shown = [
-        k
-        for k, name in enumerate(routes.names)
-        if routes.std[k] <= sure[-1] or name.startswith("M by")
-    ]
+    shown = surest_routes(routes)
     if not shown:
         return None
     M = float(result.base.nominal[0])
@@ -149,16 +146,40 @@ def _table(
 
 
 def _chart(base: EstimatedSet, known_as: str) -> tuple[Chart, ...]:
-    nominal = base.nominal
-    kinds = np.array([name.split("_")[0] for name in base.names])
-    size = [np.abs(nominal[kinds == kind]).max(initial=0.0) for kind in kinds]
-    shown = np.isfinite(base.values) & (np.abs(nominal) > SMALL * np.array(size))
-    if not shown.any():
+    names, off, half = differences(base)
+    if not names:
         return ()
-    names = [name for name, seen in zip(base.names, shown, strict=True) if seen]
-    off = 100 * (base.values[shown] / nominal[shown] - 1)
-    half = 100 * NINETY_FIVE * base.std[shown] / np.abs(nominal[shown])
     figure = interval_list(
         names, off, half, 0.0, 100 * ROUNDING, f"difference from {known_as} (%)"
     )
     return (Chart("base", f"Base parameters beside {known_as}", figure),)
+
+
+class ParameterIntervals(NamedTuple):
+    """95 % intervals by name."""
+
+    names: list[str]
+    x: Float[np.ndarray, " n"]
+    half: Float[np.ndarray, " n"]
+
+
+def differences(base: EstimatedSet) -> ParameterIntervals:
+    """Base parameters less what CAD has, in percent of it, where percent say much."""
+    nominal = base.nominal
+    kinds = np.array([name.split("_")[0] for name in base.names])
+    size = [np.abs(nominal[kinds == kind]).max(initial=0.0) for kind in kinds]
+    shown = np.isfinite(base.values) & (np.abs(nominal) > SMALL * np.array(size))
+    names = [name for name, seen in zip(base.names, shown, strict=True) if seen]
+    off = 100 * (base.values[shown] / nominal[shown] - 1)
+    half = 100 * NINETY_FIVE * base.std[shown] / np.abs(nominal[shown])
+    return ParameterIntervals(names, off, half)
+
+
+def surest_routes(routes: MassRoutes) -> list[int]:
+    """Which routes to the mass to show: every method's, and the surest of Eq. 32."""
+    sure = np.sort(routes.std)[:MOST]
+    return [
+        k
+        for k, name in enumerate(routes.names)
+        if routes.std[k] <= sure[-1] or name.startswith("M by")
+    ]

@@ -1,5 +1,7 @@
 """What errors of instruments would shift: a picture of the sensitivity table."""
 
+from typing import NamedTuple
+
 import numpy as np
 from jaxtyping import Float, Int
 
@@ -26,8 +28,8 @@ def sensitivities(result: Result) -> Section | None:
     table = result.sensitivity()
     if table is None or not np.isfinite(table.shifts).any():
         return None
-    size = np.nan_to_num(np.abs(table.shifts))
-    rows, columns = _largest(size.max(axis=1)), _largest(size.max(axis=0))
+    shown = largest_shifts(table)
+    parameters, errors = table.shifts.shape
     words = (
         "The instruments below are taken as exact: the robot file has no tolerance for "
         "them. A cell shows by how many of its own standard deviations a parameter "
@@ -38,16 +40,16 @@ def sensitivities(result: Result) -> Section | None:
         "are the largest shifts by what is too faint to be seen. Where it may act, "
         "--disturbance with its name makes it an unknown.",
     )
-    if len(rows) < len(size) or len(columns) < size.shape[1]:
+    if shown.x.size < table.shifts.size:
         words += (
-            f"The {len(columns)} of {size.shape[1]} errors that shift most, and the "
-            f"{len(rows)} of {len(size)} parameters that are shifted most; result.json "
-            "has all.",
+            f"The {len(shown.errors)} of {errors} errors that shift most, and the "
+            f"{len(shown.parameters)} of {parameters} parameters that are shifted "
+            "most; result.json has all.",
         )
     chart = Chart(
         "sensitivity",
         "Shift of each parameter, in its own standard deviations",
-        _heat_map(table, rows, columns),
+        _heat_map(shown),
         wide=True,
     )
     return Section("sensitivity", "Errors of instruments", words, charts=(chart,))
@@ -69,32 +71,54 @@ def error_in_words(error: str, unit: str) -> str:
     return f"1 {unit}: {error.replace('.', ' ').replace('_', ' ')}"
 
 
+class Shifts(NamedTuple):
+    """Part of a sensitivity table, for people: a row an error."""
+
+    errors: list[str]
+    parameters: list[str]
+    x: Float[np.ndarray, "errors parameters"]
+    """Shifts, in each parameter's own standard deviations,"""
+    colour: Float[np.ndarray, "errors parameters"]
+    """and what decides their colours: shifts of 1 and of 100 are to be told apart."""
+    full: float
+    """Where a colour is full."""
+    cells: list[list[str]]
+
+
+def largest_shifts(table: SensitivityTable) -> Shifts:
+    """The errors that shift most, and the parameters that are shifted most."""
+    size = np.nan_to_num(np.abs(table.shifts))
+    rows, columns = _largest(size.max(axis=1)), _largest(size.max(axis=0))
+    x = table.shifts[np.ix_(rows, columns)].T
+    colour = np.sign(x) * np.log10(1 + np.abs(x))
+    return Shifts(
+        errors=[error_in_words(table.errors[k], table.units[k]) for k in columns],
+        parameters=[table.parameters[k] for k in rows],
+        x=x,
+        colour=colour,
+        full=max(np.log10(1 + STRONG), float(np.nanmax(np.abs(colour)))),
+        cells=[[_cell(shift) for shift in row] for row in x],
+    )
+
+
 def _largest(size: Float[np.ndarray, " n"]) -> Int[np.ndarray, " most"]:
     """The `MOST` largest, in their order."""
     return np.sort(np.argsort(-size, kind="stable")[:MOST])
 
 
-def _heat_map(
-    table: SensitivityTable,
-    rows: Int[np.ndarray, " rows"],
-    columns: Int[np.ndarray, " columns"],
-) -> Figure:
-    shifts = table.shifts[np.ix_(rows, columns)].T
-    # Colours go with the logarithm: shifts of 1 and of 100 are to be told apart.
-    z = np.sign(shifts) * np.log10(1 + np.abs(shifts))
-    full = max(np.log10(1 + STRONG), float(np.nanmax(np.abs(z))))
-    errors = [error_in_words(table.errors[k], table.units[k]) for k in columns]
-    names = [table.parameters[k] for k in rows]
+def _heat_map(shown: Shifts) -> Figure:
+    errors, names = shown.errors, shown.parameters
+    size = f"{len(errors)}, {len(names)}"
     return {
         "data": [
             {
                 "type": "heatmap",
-                "z": {**numbers(z, "<f4"), "shape": f"{len(errors)}, {len(names)}"},
-                "text": [[_cell(shift) for shift in row] for row in shifts],
+                "z": {**numbers(shown.colour, "<f4"), "shape": size},
+                "text": shown.cells,
                 "texttemplate": "%{text}",
                 "textfont": {"size": 10},
-                "zmin": -full,
-                "zmax": full,
+                "zmin": -shown.full,
+                "zmax": shown.full,
                 "colorscale": COLORS,
                 "showscale": False,
                 "showlegend": False,

@@ -2,14 +2,13 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 
+from orbident.identified.rotors import wheel_joints
 from orbident.identified.urdf_export import links_of
 from orbident.robot.description import Robot, Wheel
-from orbident.robot.fusing import fused
 from orbident.scene.made_shapes import made_shapes, robot_size
 from orbident.scene.shapes import MARK, WHEEL, Shape, box, cylinder, z_towards
 from orbident.scene.urdf_shapes import link_shapes
@@ -52,7 +51,7 @@ def scene_of(robot: Robot, folder: Path | None = None) -> Scene:
         if not any(shape.frame == body for shape in shown):
             shown += made_shapes(robot, body, size)
     base = np.vstack([shape.vertices for shape in shown if shape.frame == 0])
-    turning, shapes = rotors(robot), []
+    turning, shapes = wheel_joints(robot), []
     R = np.reshape([z_towards(wheel.axis) for wheel in robot.wheels], (-1, 3, 3))
     p = np.zeros((len(robot.wheels), 3))
     for k, wheel in enumerate(robot.wheels):
@@ -69,31 +68,6 @@ def scene_of(robot: Robot, folder: Path | None = None) -> Scene:
     return Scene(robot, tuple(shapes), R, p, size, missing, refusal)
 
 
-class WheelJoint(NamedTuple):
-    """A wheel that is a joint of the URDF."""
-
-    links: frozenset[str]
-    """That turn with it."""
-    p: Float[np.ndarray, "3"]
-    """Where its joint is from S, base axes, m."""
-
-
-def rotors(robot: Robot) -> dict[int, WheelJoint]:
-    """Wheels that the URDF has as joints, by the index of the wheel."""
-    entries = enumerate(robot.document.get("wheels", ()))
-    joints = {entry["joint"]: k for k, entry in entries if "joint" in entry}
-    if not joints:
-        return {}
-    links = links_of(robot)
-    found = {}
-    for joint in (each for below in links.tree.children.values() for each in below):
-        if joint.name in joints:
-            below = frozenset(fused(links.tree, joint.child).placements)
-            p = links.placements[joint.child].p - robot.feature_point
-            found[joints[joint.name]] = WheelJoint(below, p)
-    return found
-
-
 def _shown(
     robot: Robot, folder: Path | None
 ) -> tuple[list[Shape], tuple[str, ...], str]:
@@ -101,7 +75,9 @@ def _shown(
     if not robot.urdf:
         return [], (), ""
     by_link, missing, refusal = link_shapes(robot.urdf, folder)
-    turning = {link: k for k, rotor in rotors(robot).items() for link in rotor.links}
+    turning = {
+        link: k for k, rotor in wheel_joints(robot).items() for link in rotor.links
+    }
     shown = []
     for link, at in links_of(robot).placements.items():
         p = at.p - robot.feature_point if at.body == 0 else at.p

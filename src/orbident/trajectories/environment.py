@@ -1,6 +1,7 @@
 """What acts on a robot from outside, as the `environment` of a file says it; SI."""
 
-from typing import Annotated
+from collections.abc import Iterator
+from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Field, model_validator
 
@@ -155,6 +156,10 @@ class Environment(MappingSchema):
                 "here; move it there, or give elements"
             )
         return self
+
+    def __repr_args__(self) -> Iterator[tuple[str | None, Any]]:
+        """Only what is given."""
+        return ((name, value) for name, value in super().__repr_args__() if value)
 
     @property
     def on_table(self) -> tuple[str, ...]:

@@ -55,7 +55,7 @@ class InitialState:
         return np.array([self.wheel_speed.get(name, 0.0) for name in wheel_names])
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Trajectory:
     """Joint motions after Eq. 41, and the state of the spacecraft at their start.
 
@@ -99,6 +99,14 @@ class Trajectory:
         for name, columns in (("a", N_f), ("b", N_f), ("start", 3), ("end", 3)):
             place = f"{self.source}: {name}"
             _store(self, name, _numbers(place, getattr(self, name), (K, columns)))
+
+    def __repr__(self) -> str:
+        """Where it is from, how long it is, and of which joints."""
+        outside = "" if self.environment is None else ", something acts from outside"
+        return (
+            f"{self.source}: {self.duration:g} s, {self.a.shape[1]} harmonics, joints "
+            f"{listed(self.joints)}{outside}"
+        )
 
     def at(
         self, t: Float[np.ndarray, " samples"]

@@ -1,11 +1,12 @@
-"""The optional libraries that read bags; nothing else imports them."""
+"""The optional libraries that read and write bags; nothing else imports them."""
 
 from orbident.extras import extra
 
-with extra("ros", "reading a bag"):
+with extra("ros", "reading or writing a bag"):
     from mcap.reader import NonSeekingReader as McapStream
     from mcap.reader import SeekingReader as McapIndex
     from mcap.records import Schema as McapSchema
+    from mcap.writer import Writer as McapWriter
     from rosbags.interfaces import MessageDefinition, MessageDefinitionFormat, TopicInfo
     from rosbags.rosbag1 import Reader as Ros1Reader
     from rosbags.rosbag1.reader import Header as Ros1Header
@@ -19,6 +20,7 @@ __all__ = [
     "McapIndex",
     "McapSchema",
     "McapStream",
+    "McapWriter",
     "MessageDefinition",
     "MessageDefinitionFormat",
     "Ros1Header",

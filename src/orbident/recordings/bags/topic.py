@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 from orbident.errors import InputError
@@ -38,7 +38,7 @@ class Topic:
     """Messages."""
     encoding: str
     """`ros1` and `cdr` can be read."""
-    definition: str
+    definition: str = field(repr=False)
     """The message definition that the bag carries; empty where it has none."""
 
     def decoder(self, place: str) -> Callable[[bytes], Any]:
@@ -97,9 +97,9 @@ def _missing(store: Typestore) -> Iterator[tuple[str, str]]:
     standard = get_typestore(Stores.ROS2_HUMBLE).fielddefs
     for name, (_, fields) in store.fielddefs.items():
         _, expected = standard.get(name, ([], []))
-        for field in expected:
-            if field not in fields:
-                yield short_type(name), field[0]
+        for one in expected:
+            if one not in fields:
+                yield short_type(name), one[0]
 
 
 def short_type(name: str) -> str:

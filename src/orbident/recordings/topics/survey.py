@@ -31,7 +31,7 @@ class Surveyed:
     whose time has no unit."""
     labels: tuple[str, ...] = ()
     """Names of joints, of transforms, or of fields, in the order of the file."""
-    example: Any = None
+    example: Any = field(default=None, repr=False)
     """Its first message, where the type can be mapped."""
 
 

@@ -1,0 +1,222 @@
+"""A motion as recorded and as predicted, as ROS 2 messages for Foxglove and others.
+
+What is predicted has topics and frames of its own, so that it is seen beside what was
+measured. Frames have the names of the bodies, with those of the base at its link.
+"""
+
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from orbident.errors import InputError
+from orbident.estimation.predicted import Signal, Signals
+from orbident.estimation.result import Result
+from orbident.model.kinematics import poses
+from orbident.model.rotations import quaternion_matrix, rotate
+from orbident.recordings.bags.mcap_writer import MessageLog, message, writing_mcap
+from orbident.recordings.recording import Recording
+from orbident.robot.description import Robot
+from orbident.scene.motion_history import MotionHistory
+from orbident.scene.replay import predicted_motion
+
+WORLD, PREDICTED, FEATURE_FRAME = "world", "predicted/", "feature_point"
+
+LATEST = 2**31
+"""s; ROS counts seconds with 32 bits."""
+
+UNKNOWN = np.array([-1.0, *np.zeros(8)])
+"""The covariance in an Imu message of what it does not hold,"""
+
+UNSURE = np.zeros(9)
+"""and of what it holds with an unknown deviation."""
+
+PART = 512
+"""Samples between two words of progress."""
+
+
+def write_mcap(
+    result: Result,
+    recording: Recording,
+    path: Path,
+    signals: Signals = (),
+    progress: Callable[[float], object] = lambda done: None,
+) -> Mapping[str, int]:
+    """Write what a recording shows, and what the identified model predicts of it.
+
+    Args:
+        result: complete and not rejected.
+        recording: of the same robot.
+        path: of the file; an existing one is replaced.
+        signals: what identification predicted of this recording's sensors.
+        progress: called with the part that is done.
+
+    Returns:
+        How many messages each topic has.
+
+    Raises:
+        InputError: the result is rejected or not complete, the recording lacks what
+            prediction needs, a library is not installed, or the file cannot be written.
+    """
+    result.check_accepted()
+    replay = predicted_motion(result, recording)
+    if replay.predicted is None:
+        raise InputError("; ".join(replay.warnings))
+    motions = {"measured": replay.measured, "predicted": replay.predicted}
+    t_0 = replay.measured.t[0]
+    # Times of ROS begin with zero.
+    shift = 0.0 if t_0 >= 0 and replay.measured.t[-1] < LATEST else t_0
+    with writing_mcap(path) as log:
+        start = _nanoseconds(t_0 - shift)
+        _write_once(log, result, start)
+        for name, motion in motions.items():
+            _write_static(log, result.robot, name, start)
+            moved = motion._replace(t=motion.t - shift)
+            part = list(motions).index(name) / len(motions)
+            for done in _write_motion(log, result.robot, name, moved):
+                progress(part + done / len(motions))
+        for signal in signals:
+            _write_signal(log, signal, shift)
+        return log.counts
+
+
+def _write_once(log: MessageLog, result: Result, start: int) -> None:
+    text = message("std_msgs/String", result.robot.urdf)
+    log.write("/robot_description", text, start)
+    statuses = [
+        message(
+            "diagnostic_msgs/DiagnosticStatus",
+            0 if result.level == "trust" else 1,
+            name,
+            f"{result.robot.name} by {result.method}: {result.level}",
+            result.robot.name,
+            [
+                message("diagnostic_msgs/KeyValue", key, repr(float(number)))
+                for parameter, _, value, std in getattr(result, name)
+                for key, number in ((parameter, value), (f"{parameter}.std", std))
+            ],
+        )
+        for name in ("base", "phi", "pi")
+    ]
+    estimates = message("diagnostic_msgs/DiagnosticArray", _header(start), statuses)
+    log.write("/estimates", estimates, start)
+
+
+def _write_static(log: MessageLog, robot: Robot, name: str, start: int) -> None:
+    base = _frame(name, robot.bodies[0])
+    at = robot.feature_point, np.array([0.0, 0.0, 0.0, 1.0])
+    S = _transform(start, base, _frame(name, FEATURE_FRAME), *at)
+    log.write("/tf_static", message("tf2_msgs/TFMessage", [S]), start)
+
+
+def _write_motion(
+    log: MessageLog, robot: Robot, name: str, motion: MotionHistory
+) -> Iterator[float]:
+    p_LS, angles = robot.feature_point, motion.wheel_angles()
+    for first in range(0, motion.t.size, PART):
+        rows = slice(first, first + PART)
+        part = MotionHistory(*(column[rows] for column in motion))
+        at = poses(robot, part.q)
+        x = _quaternions(at.R)
+        r_base = part.r_S - rotate(quaternion_matrix(part.x_WB), p_LS)
+        for k, t in enumerate(part.t):
+            time = _nanoseconds(t)
+            base = _frame(name, robot.bodies[0])
+            frames = [_transform(time, WORLD, base, r_base[k], part.x_WB[k])]
+            frames += [
+                _transform(time, base, _frame(name, body), at.d[k, i] + p_LS, x[k, i])
+                for i, body in enumerate(robot.bodies)
+                if i > 0
+            ]
+            log.write("/tf", message("tf2_msgs/TFMessage", frames), time)
+            log.write(f"/imu/{name}", _imu(time, base, part, k), time)
+            if name == "measured":
+                states = _joint_states(time, robot, part, k, angles[first + k])
+                log.write("/joint_states", states, time)
+        yield min(1.0, (first + PART) / motion.t.size)
+
+
+def _joint_states(
+    time: int, robot: Robot, motion: MotionHistory, k: int, angles: np.ndarray
+) -> Any:
+    return message(
+        "sensor_msgs/JointState",
+        _header(time),
+        [*robot.joint_names, *robot.wheel_names],
+        np.concatenate([motion.q[k], angles]),
+        np.concatenate([motion.qd[k], motion.qd_rw[k]]),
+        np.zeros(0),
+    )
+
+
+def _imu(time: int, frame: str, motion: MotionHistory, k: int) -> Any:
+    return message(
+        "sensor_msgs/Imu",
+        _header(time, frame),
+        _quaternion(motion.x_WB[k]),
+        UNSURE,
+        _vector(motion.w[k]),
+        UNSURE,
+        _vector(np.zeros(3)),
+        UNKNOWN,
+    )
+
+
+def _write_signal(log: MessageLog, signal: Signal, shift: float) -> None:
+    spatial = set(signal.axes) <= set("xyz") and signal.sensor != "joints"
+    for name, values in (
+        ("measured", signal.measured),
+        ("predicted", signal.predicted),
+    ):
+        topic = f"/signals/{signal.name}/{name}"
+        for t, row in zip(signal.t - shift, values, strict=True):
+            time = _nanoseconds(t)
+            if spatial:
+                xyz = [dict(zip(signal.axes, row, strict=True)).get(k) for k in "xyz"]
+                vector = _vector(np.array(xyz, dtype=float))
+                written = message("geometry_msgs/Vector3Stamped", _header(time), vector)
+            else:
+                none = np.zeros(0)
+                written = message(
+                    "sensor_msgs/JointState",
+                    _header(time),
+                    list(signal.axes),
+                    np.array(row),
+                    none,
+                    none,
+                )
+            log.write(topic, written, time)
+
+
+def _frame(name: str, body: str) -> str:
+    return body if name == "measured" else PREDICTED + body
+
+
+def _transform(time: int, parent: str, child: str, p: np.ndarray, x: np.ndarray) -> Any:
+    placed = message("geometry_msgs/Transform", _vector(p), _quaternion(x))
+    header = _header(time, parent)
+    return message("geometry_msgs/TransformStamped", header, child, placed)
+
+
+def _header(time: int, frame: str = "") -> Any:
+    stamp = message("builtin_interfaces/Time", *divmod(time, 1_000_000_000))
+    return message("std_msgs/Header", stamp, frame)
+
+
+def _vector(v: np.ndarray) -> Any:
+    return message("geometry_msgs/Vector3", *map(float, v))
+
+
+def _quaternion(x: np.ndarray) -> Any:
+    return message("geometry_msgs/Quaternion", *map(float, x))
+
+
+def _quaternions(R: np.ndarray) -> np.ndarray:
+    flat = Rotation.from_matrix(R.reshape(-1, 3, 3)).as_quat()
+    return flat.reshape(*R.shape[:-2], 4)
+
+
+def _nanoseconds(t: float) -> int:
+    return max(0, round(float(t) * 1e9))

@@ -1,0 +1,133 @@
+"""Figures of matplotlib: their data are the result's, and their axes have units."""
+
+import sys
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import report_runs
+from matplotlib.figure import Figure
+
+from orbident.errors import InputError
+from orbident.estimation.result import Result
+from orbident.estimation.sensitivity_table import SensitivityTable
+from orbident.report.spectra import autocorrelation, spectrum
+
+UNITS = {"momentum": "N m s", "velocity": "m/s"}
+
+
+@pytest.fixture(scope="module")
+def result() -> Result:
+    """Least squares, with a table as maximum likelihood makes one."""
+    found = report_runs.result()
+    shifts = np.array([[3.0, -150.0], [0.1, np.nan]])
+    table = SensitivityTable(
+        parameters=found.base.names[:2],
+        errors=("joint.joint1.zero", "gyro.scale.x"),
+        units=("mrad", "%"),
+        shifts=shifts,
+    )
+    return replace(found, sensitivity=lambda: table)
+
+
+NAMES = ("signals", "residuals", "parameters", "mass", "correlations", "sensitivity")
+
+
+def drawn(result: Result, name: str) -> Figure:
+    draw: Callable[[], Figure] = getattr(result.plot, name)
+    return draw()
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_notebook_shows_it(result, name):
+    picture = drawn(result, name)._repr_png_()  # pyright: ignore[reportAttributeAccessIssue]: ours
+    assert picture.startswith(b"\x89PNG")
+    assert name in repr(result.plot)
+
+
+def test_signals(result):
+    axes = drawn(result, "signals").axes
+    signals = result.signals()
+    assert len(axes) == len(signals)
+    for panel, signal in zip(axes, signals, strict=True):
+        assert panel.get_xlabel() == "t (s)"
+        assert panel.get_ylabel() == UNITS[signal.name]
+        # Measured and predicted, of every axis; so short a flight is drawn whole.
+        curves = [line.get_ydata() for line in panel.lines]
+        for k in range(len(signal.axes)):
+            np.testing.assert_array_equal(curves[2 * k], signal.measured[:, k])
+            np.testing.assert_array_equal(curves[2 * k + 1], signal.predicted[:, k])
+
+
+def test_residuals(result):
+    axes = drawn(result, "residuals").axes
+    panels = zip(axes[::3], axes[1::3], axes[2::3], strict=True)
+    for signal, (over_time, over_f, over_lags) in zip(
+        result.signals(), panels, strict=True
+    ):
+        unit = UNITS[signal.name]
+        assert over_time.get_ylabel() == f"residual ({unit})"
+        assert over_f.get_xlabel() == "f (Hz)"
+        assert over_f.get_ylabel() == f"{unit}/√Hz"
+        assert over_lags.get_xlabel() == "lag (samples)"
+        errors = signal.measured - signal.predicted
+        np.testing.assert_array_equal(over_time.lines[0].get_ydata(), errors[:, 0])
+        # Thinned and in decades as the report's (`test_residual_spectra`).
+        shown = over_f.lines[0].get_data()
+        np.testing.assert_array_equal(shown, spectrum(signal.t, errors[:, 0]))
+        np.testing.assert_array_equal(
+            over_lags.lines[0].get_ydata(), autocorrelation(errors[:, 0])
+        )
+
+
+def test_parameters_and_mass(result):
+    (axes,) = drawn(result, "parameters").axes
+    assert axes.get_xlabel() == "difference from CAD (%)"
+    names = [text.get_text() for text in axes.get_yticklabels()]
+    which = [result.base.names.index(name) for name in names]
+    drawn_at = np.asarray(axes.lines[1].get_xdata())
+    np.testing.assert_allclose(drawn_at, result.base.percent[which], rtol=1e-12)
+    (axes,) = drawn(result, "mass").axes
+    assert axes.get_xlabel() == "M (kg)"
+    cad, routes = (np.asarray(line.get_xdata()) for line in axes.lines[:2])
+    assert set(cad) == {result.base.nominal[0]}
+    assert set(routes) <= set(result.mass_forms.values)
+
+
+def test_correlations(result):
+    axes = drawn(result, "correlations").axes[0]
+    R = np.asarray(axes.images[0].get_array())
+    np.testing.assert_allclose(np.diag(R), 1.0, rtol=1e-12)
+    C, std = result.base_covariance, result.base.std
+    assert R[0, 1] == pytest.approx(C[0, 1] / (std[0] * std[1]))
+
+
+def test_sensitivity(result):
+    (axes,) = drawn(result, "sensitivity").axes
+    rows = [text.get_text() for text in axes.get_yticklabels()]
+    assert rows == ["1 mrad: zero of joint1", "1 %: gyro scale x"]
+    assert [text.get_text() for text in axes.texts] == ["3.0", "0.1", "150", ""]
+
+
+def test_what_cannot_be_drawn_is_said(result):
+    rejected = report_runs.rejected()
+    for name in ("parameters", "mass"):
+        with pytest.raises(InputError, match="is rejected"):
+            drawn(rejected, name)
+    with pytest.raises(InputError, match="nothing was predicted"):
+        drawn(replace(result, signals=tuple), "signals")
+    with pytest.raises(InputError, match="is not known"):
+        drawn(replace(result, sensitivity=lambda: None), "sensitivity")
+    C = np.full_like(result.base_covariance, np.nan)
+    with pytest.raises(InputError, match="no correlations"):
+        drawn(replace(result, base_covariance=C), "correlations")
+
+
+def test_the_extra_is_named(result, monkeypatch: pytest.MonkeyPatch):
+    for name in list(sys.modules):
+        if name.startswith(("matplotlib", "orbident.report")):
+            monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    with pytest.raises(InputError, match=r'needs matplotlib: .* "orbident\[report\]"'):
+        _ = result.plot
