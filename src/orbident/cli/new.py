@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from orbident.cli.options import Json, Quiet
+from orbident.cli.options import Force, Json, Quiet
 
 
 def new(
@@ -21,25 +21,21 @@ def new(
         bool,
         typer.Option("--dh", help="A table of Denavit and Hartenberg for the arm."),
     ] = False,
+    force: Force = False,
     json: Json = None,
     quiet: Quiet = False,
 ) -> None:
     """Write a commented robot file to edit, for a robot that has no URDF."""
     from orbident.cli.output import Output
     from orbident.errors import InputError
-    from orbident.files.replacing import check_place
+    from orbident.files.replacing import check_free
     from orbident.files.text import write_text
     from orbident.robot.new_robot_file import new_robot_text
 
     output = Output(json, quiet)
     if robot.suffix.lower() not in {".yaml", ".yml"}:
         raise InputError(f"{robot}: give a name that ends in .yaml")
-    check_place(robot)
-    if robot.exists():
-        raise InputError(
-            f"{robot}: exists already, and may be edited; give another name, or "
-            "remove it"
-        )
+    check_free(robot, force)
     write_text(robot, new_robot_text(robot.stem, joints, wheels, table=dh))
     output.say(
         f"{robot}: written, with {joints} joints and {wheels} wheels; edit its "
