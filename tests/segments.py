@@ -140,12 +140,10 @@ def segment_of(
         np.arange(joints, dtype=float),
         t[::2],
         edges.astype(float),
-        q,
-        qd,
-        qdd,
+        t,
+        *(columns(x) for x in (q, qd, qd, qdd)),
         np.ascontiguousarray(wheels_of(robot).A_rw.T),
-        np.ascontiguousarray(qd_rw),
-        np.ascontiguousarray(qdd_rw),
+        *(columns(x) for x in (qd_rw, qdd_rw)),
         [np.ascontiguousarray(samples[name]) for name in SENSORS],
         np.ones(9 + 2 * joints),
         np.ones(2 * joints),
@@ -159,6 +157,11 @@ def segment_of(
         state = state.selecting(np.arange(by.vector.size, dtype=float))
         state = state._replace(common=np.append(common, by.vector))
     return Segment(recorded, weights, state)
+
+
+def columns(table: np.ndarray) -> list[np.ndarray]:
+    """The columns of a table, each for itself."""
+    return [np.ascontiguousarray(x) for x in table.T]
 
 
 def rate_at_rows(t: np.ndarray) -> np.ndarray:

@@ -28,6 +28,8 @@ class OwnedSweep {
     interval.q = take(K);
     interval.qd = take(K);
     interval.qdd = take(K);
+    for (JointState<double>& shown : interval.shown)
+      shown = {take(K), take(K), take(K), take(all.wheels), take(all.wheels)};
     for (int k = 0; k < 3; ++k) {
       interval.node[k].by = take(BY_ROWS * unknowns);
       BaseNode<double>& base = interval.base[k];
@@ -76,7 +78,8 @@ struct Call {
 
   Call(const OwnedRecorded& owned, const std::vector<Array>& given, const Array& coloured_,
        const Array& acting_,
-       const Array& x_WB_, const Array& local_, const Array& common_, const Array& selected_)
+       const Array& x_WB_, const Array& local_, const Array& common_, const Array& selected_,
+       bool with_residuals)
       : selected(indices(input<1>("selected", selected_, {ANY}))),
         tree(owned.tree),
         recorded(owned.view(static_cast<int>(selected.size()))),
@@ -90,11 +93,11 @@ struct Call {
     for (std::size_t k = 0; k < SENSORS; ++k) {
       const std::int64_t rows = owned.samples[k].size(0), axes = rows ? owned.axes(k) : ANY;
       weights.push_back(input<2>("weights", given[k], {rows, axes}));
-      residuals.emplace_back(rows, owned.axes(k));
-      std::fill_n(residuals[k].data(), rows * owned.axes(k), 0.0);
+      residuals.emplace_back(with_residuals ? rows : 0, owned.axes(k));
+      std::fill_n(residuals[k].data(), with_residuals ? rows * owned.axes(k) : 0, 0.0);
       if (rows)
         *sensors_of(recorded, k) = {owned.samples[k].data(), weights[k].data(),
-                                    residuals[k].data(), nullptr, 0};
+                                    with_residuals ? residuals[k].data() : nullptr, nullptr, 0};
     }
     colour(coloured_);
     const double* value = common.data() + OUTSIDE + recorded.columns.betas;

@@ -11,19 +11,21 @@ namespace orbident::python {
 namespace {
 
 auto linearised(const OwnedRecorded& owned, const std::vector<Array>& weights,
-                const Array& coloured, const Array& acting, const Array& x_WB, const Array& local, const Array& common, const Array& selected, int threads) {
-  Call call(owned, weights, coloured, acting, x_WB, local, common, selected);
+                const Array& coloured, const Array& acting, const Array& x_WB, const Array& local, const Array& common, const Array& selected, int threads,
+                bool factor_only) {
+  Call call(owned, weights, coloured, acting, x_WB, local, common, selected, !factor_only);
   const Recorded<double>& all = call.recorded;
   const std::int64_t left = all.width() - all.local();
   Out<2> factor(left, left);
-  Out<3> links(all.intervals, all.local(), all.width());
+  Out<3> links(factor_only ? 0 : all.intervals, all.local(), all.width());
   double cost[2] = {0.0, 0.0};
   {
     nb::gil_scoped_release release;
     OwnedSweep forward(all), backward(all);
     parallel_for(2, threads, [&](std::ptrdiff_t first, std::ptrdiff_t last) {
       for (std::ptrdiff_t k = first; k < last; ++k)
-        cost[k] = sweep(all, call.at(), k == 0, k == 0 ? forward.at : backward.at, links.data());
+        cost[k] = sweep(all, call.at(), k == 0, k == 0 ? forward.at : backward.at,
+                        factor_only ? nullptr : links.data());
     }, 1);
     join(all, forward.at, backward.at, factor.data());
   }
@@ -36,7 +38,7 @@ auto linearised(const OwnedRecorded& owned, const std::vector<Array>& weights,
 auto interval_equations(const OwnedRecorded& owned, const std::vector<Array>& weights,
                         const Array& coloured, const Array& acting, const Array& x_WB, const Array& local, const Array& common,
                         const Array& selected, int interval) {
-  Call call(owned, weights, coloured, acting, x_WB, local, common, selected);
+  Call call(owned, weights, coloured, acting, x_WB, local, common, selected, false);
   const Recorded<double>& all = call.recorded;
   if (interval < 0 || interval >= all.intervals)
     throw nb::value_error("interval: there is none of this number");
@@ -106,15 +108,18 @@ void bind_output_error(nb::module_& m) {
   nb::class_<OwnedRecorded>(m, "Recorded", "A recording cut into shooting intervals.")
       .def("__init__", [](OwnedRecorded* self, const OwnedTree& tree, const Array& nominal,
                           const Array& theta_of, bool planar, int substeps, const Array& corrected, const Array& t,
-                          const Array& edge, const Array& q, const Array& qd, const Array& qdd,
-                          const Array& A_rw, const Array& qd_rw, const Array& qdd_rw,
+                          const Array& edge, const Array& knots, const std::vector<Array>& q,
+                          const std::vector<Array>& q_slope, const std::vector<Array>& qd,
+                          const std::vector<Array>& qdd, const Array& A_rw,
+                          const std::vector<Array>& qd_rw, const std::vector<Array>& qdd_rw,
                           const std::vector<Array>& samples, const Array& first,
                           const Array& prior, const Array& walk) {
         new (self) OwnedRecorded(make_recorded(tree, nominal, theta_of, planar, substeps, corrected, t, edge,
-                                               q, qd, qdd, A_rw, qd_rw, qdd_rw, samples, first,
+                                               knots, q, q_slope, qd, qdd, A_rw, qd_rw, qdd_rw, samples, first,
                                                prior, walk));
       }, nb::arg("tree"), nb::arg("nominal"), nb::arg("theta_of"), nb::arg("planar"), nb::arg("substeps"),
-           nb::arg("corrected"), nb::arg("t"), nb::arg("edge"), nb::arg("q"), nb::arg("qd"),
+           nb::arg("corrected"), nb::arg("t"), nb::arg("edge"), nb::arg("knots"), nb::arg("q"),
+           nb::arg("q_slope"), nb::arg("qd"),
            nb::arg("qdd"), nb::arg("A_rw"), nb::arg("qd_rw"), nb::arg("qdd_rw"),
            nb::arg("samples"), nb::arg("first"), nb::arg("prior"), nb::arg("walk"))
       .def_prop_ro("local", [](const OwnedRecorded& all) { return all.view().local(); },
@@ -123,9 +128,9 @@ void bind_output_error(nb::module_& m) {
                    "How many calibrations there are; gains are at the places beyond.");
   m.def("linearised", &linearised, nb::arg("recorded"), nb::arg("weights"), nb::arg("coloured"),
         nb::arg("acting"), nb::arg("x_WB"), nb::arg("local"), nb::arg("common"), nb::arg("selected"),
-        nb::arg("threads") = 1,
+        nb::arg("threads") = 1, nb::arg("factor_only") = false,
         "All equations at a state, eliminated: factor, links, cost and residuals over the white "
-        "noise. `coloured`: of attitude and position, by axis, what lasts: std, time and walk. "
+        "noise; links and residuals are empty where the factor alone is asked for. `coloured`: of attitude and position, by axis, what lasts: std, time and walk. "
         "`acting`: for each node, what acting.hpp says. `selected`: the places of the calibrations "
         "and, beyond them, of the gains that are common unknowns.");
   m.def("interval_equations", &interval_equations, nb::arg("recorded"), nb::arg("weights"),

@@ -19,6 +19,21 @@ inline std::vector<int> indices(const In<1>& given) {
   return {given.data(), given.data() + given.size(0)};
 }
 
+// Columns of numbers, each for itself.
+struct Columns {
+  std::vector<In<1>> each;
+  std::vector<const double*> data;
+
+  Columns(const char* name, const std::vector<Array>& given, std::int64_t columns, std::int64_t rows) {
+    if (static_cast<std::int64_t>(given.size()) != columns)
+      throw nb::value_error((std::string(name) + ": give an array for each joint or wheel").c_str());
+    for (const Array& column : given) {
+      each.push_back(input<1>(name, column, {rows}));
+      data.push_back(each.back().data());
+    }
+  }
+};
+
 struct OwnedRecorded {
   OwnedTree tree;
   In<1> nominal;
@@ -27,7 +42,9 @@ struct OwnedRecorded {
   int substeps;
   std::vector<int> corrected, edge;
   In<1> t;
-  In<2> q, qd, qdd, A_rw, qd_rw, qdd_rw;
+  In<1> knots;
+  Columns q, q_slope, qd, qdd, qd_rw, qdd_rw;
+  In<2> A_rw;
   std::vector<In<2>> samples;
   In<1> first, prior, walk;
   int lasting;
@@ -48,13 +65,11 @@ struct OwnedRecorded {
     all.t = t.data();
     all.edge = edge.data();
     all.intervals = static_cast<int>(edge.size()) - 1;
-    all.q = q.data();
-    all.qd = qd.data();
-    all.qdd = qdd.data();
+    all.history = {static_cast<int>(knots.size(0)), knots.data(),      q.data.data(),
+                   q_slope.data.data(),             qd.data.data(),    qdd.data.data(),
+                   qd_rw.data.data(),               qdd_rw.data.data()};
     all.wheels = static_cast<int>(A_rw.size(0));
     all.A_rw = A_rw.data();
-    all.qd_rw = qd_rw.data();
-    all.qdd_rw = qdd_rw.data();
     all.lasting = lasting;
     all.first = first.data();
     all.prior = prior.data();
@@ -71,15 +86,19 @@ inline Sensed<double>* sensors_of(Recorded<double>& all, std::size_t sensor) {
 
 inline OwnedRecorded make_recorded(const OwnedTree& tree, const Array& nominal, const Array& theta_of, bool planar, int substeps,
                             const Array& corrected, const Array& t_, const Array& edge_,
-                            const Array& q, const Array& qd, const Array& qdd, const Array& A_rw_,
-                            const Array& qd_rw, const Array& qdd_rw,
+                            const Array& knots_, const std::vector<Array>& q,
+                            const std::vector<Array>& q_slope, const std::vector<Array>& qd,
+                            const std::vector<Array>& qdd, const Array& A_rw_,
+                            const std::vector<Array>& qd_rw, const std::vector<Array>& qdd_rw,
                             const std::vector<Array>& samples, const Array& first,
                             const Array& prior, const Array& walk) {
   const std::int64_t K = tree.view().joints;
   const auto A_rw = input<2>("A_rw", A_rw_, {ANY, 3});
   const std::int64_t W = A_rw.size(0);
   const auto t = input<1>("t", t_, {ANY});
-  const std::int64_t rows = t.size(0), nodes = 2 * rows - 1;
+  const auto knots = input<1>("knots", knots_, {ANY});
+  const std::int64_t rows = t.size(0), at = knots.size(0);
+  if (at < 2) throw nb::value_error("knots: give two at least");
   if (rows < 2) throw nb::value_error("t: give two rows at least");
   const auto edge = indices(input<1>("edge", edge_, {ANY}));
   if (edge.size() < 2 || edge.front() != 0 || edge.back() != rows)
@@ -105,12 +124,14 @@ inline OwnedRecorded make_recorded(const OwnedTree& tree, const Array& nominal, 
                     with_corrections,
                     edge,
                     t,
-                    input<2>("q", q, {nodes, K}),
-                    input<2>("qd", qd, {nodes, K}),
-                    input<2>("qdd", qdd, {nodes, K}),
+                    knots,
+                    Columns("q", q, K, at),
+                    Columns("q_slope", q_slope, K, at),
+                    Columns("qd", qd, K, at),
+                    Columns("qdd", qdd, K, at),
+                    Columns("qd_rw", qd_rw, W, at),
+                    Columns("qdd_rw", qdd_rw, W, at),
                     A_rw,
-                    input<2>("qd_rw", qd_rw, {nodes, W}),
-                    input<2>("qdd_rw", qdd_rw, {nodes, W}),
                     {},
                     of_first,
                     input<1>("prior", prior, {2 * C}),

@@ -10,7 +10,6 @@ solution gives the covariance.
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
@@ -125,16 +124,19 @@ def maximum_likelihood(
     if others is not None:
         beta, prior = others.beta, with_others(prior, others, problem.declared)
     # Linear fits are poor where a velocity is noisier than the motion.
-    states = (
+    starts = [
         start_of(problem, samples, outside, at) for at in (beta, sets.beta(robot.theta))
-    )
-    starts = [_Start(at, linear(problem, problem.weights, at)) for at in states]
-    starts.sort(key=lambda start: start.here.cost)
+    ]
+    here, other = (linear(problem, problem.weights, at) for at in starts)
+    if other.cost < here.cost:
+        here, starts = other, starts[::-1]
+    at_hand = [here]
+    del here, other
     least = {name: each.least / each.std for name, each in sensors.by_name.items()}
     declared = {name for name, each in sensors.by_name.items() if each.declared}
 
     search = _DisturbanceSearch(
-        problem, prior, starts, least, declared, progress, steps
+        problem, prior, starts, at_hand, least, declared, progress, steps
     )
     # Without declared noise, what splines leave between samples may look slow too.
     excluded = () if declared == set(sensors.by_name) else SLOW
@@ -167,18 +169,15 @@ def maximum_likelihood(
     )
 
 
-class _Start(NamedTuple):
-    state: Unknowns
-    here: Linear
-
-
 @dataclass(frozen=True)
 class _DisturbanceSearch:
     """Fits a recording with some of what may act from outside among the unknowns."""
 
     problem: Problem
     prior: Prior
-    starts: Sequence[_Start]
+    starts: Sequence[Unknowns]
+    at_hand: list[Linear]
+    """The equations at the first start, until they are used: they are large."""
     least: Mapping[str, float]
     declared: Collection[str]
     progress: Callable[[], object]
@@ -190,11 +189,18 @@ class _DisturbanceSearch:
         solution = self._from(best, more)
         return solution if solution.converged else self._from(other, more)
 
-    def _from(self, start: _Start, more: tuple[str, ...]) -> Solution:
+    def _from(self, start: Unknowns, more: tuple[str, ...]) -> Solution:
         problem, weights = self.problem, self.problem.weights
-        prior, state = start_with(problem, self.prior, start.state, more)
-        here = None if more else start.here
-        return solved(problem, weights, prior, state, self.progress, self.steps, here)
+        prior, state = start_with(problem, self.prior, start, more)
+        return solved(
+            problem,
+            weights,
+            prior,
+            state,
+            self.progress,
+            self.steps,
+            self.at_hand.pop() if self.at_hand and not more else None,
+        )
 
     def whole(self, solution: Solution) -> Fitted:
         """Go on with the noise that the residuals show."""

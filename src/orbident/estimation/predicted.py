@@ -11,9 +11,9 @@ from orbident.estimation.linear_fits import (
     known_momentum,
     rows_of,
 )
-from orbident.estimation.output_error.noise_scaling import Fitted
+from orbident.estimation.output_error.noise_scaling import Fitted, counting
 from orbident.estimation.output_error.problem import Problem
-from orbident.estimation.output_error.sensors import Sensors
+from orbident.estimation.output_error.sensors import Sensors, some_of
 from orbident.model.minimal_sets import MinimalSets
 from orbident.model.wheel_arrays import wheels_of
 from orbident.preprocessing.samples import Samples
@@ -82,11 +82,11 @@ def sensor_signals(
     for name, weights in problem.weights.items():
         seen, counts = weights.any(axis=1), weights.any(axis=0)
         std = sensors.by_name[name].std * found.levels[name]
-        error = found.residuals[name][seen][:, counts] * std
+        error = counting(some_of(found.residuals[name], seen), counts) * std
         if name == "attitude":
             measured = error
         else:
-            measured = problem.samples[name][seen][:, counts]
+            measured = counting(some_of(problem.samples[name], seen), counts)
         labels = robot.joint_names if name == "joints" else tuple("xyz")
         kinds = [JOINT_UNITS[joint.kind] for joint in robot.joints]
         units = kinds if name == "joints" else 3 * [UNITS[name]]
@@ -95,7 +95,7 @@ def sensor_signals(
                 name=name,
                 axes=tuple(np.array(labels, dtype=object)[counts]),
                 units=tuple(np.array(units, dtype=object)[counts]),
-                t=problem.t[seen],
+                t=some_of(problem.t, seen),
                 measured=measured,
                 predicted=measured - error,
                 std=std,

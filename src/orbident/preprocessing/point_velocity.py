@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
 from orbident.preprocessing.histories import MEASURED, Columns
 from orbident.preprocessing.rates import at_times
@@ -82,7 +82,14 @@ def _felt(
         v = velocity_from_accelerometer(t, x, felt, recording.source)
     else:
         v = velocity_from_increments(x, felt)
-    both = np.hstack([v, bias_response(t, x).reshape(-1, 9)])
-    columns = np.full((recording.t.size, 12), np.nan)
-    columns[known] = both
-    return PointVelocity(tuple(columns.T[:3]), tuple(columns.T[3:]), how)
+    drift = bias_response(t, x).reshape(-1, 9)
+    return PointVelocity(_placed(v, known), _placed(drift, known), how)
+
+
+def _placed(x: Float[np.ndarray, "m axes"], known: Bool[np.ndarray, " n"]) -> Columns:
+    """Columns of all rows; NaN where nothing is known."""
+    if known.all():
+        return tuple(x.T)
+    columns = np.full((x.shape[1], known.size), np.nan)
+    columns[:, known] = x.T
+    return tuple(columns)

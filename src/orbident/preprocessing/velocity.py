@@ -95,11 +95,12 @@ def _integral(
 
     A spline that is extrapolated runs away; samples missing at an end are few.
     """
-    total = CubicSpline(t, rate).antiderivative()
-    inside = np.clip(at, t[0], t[-1])[:, None]
-    before, after = (
-        np.minimum(at[:, None] - t[0], 0),
-        np.maximum(at[:, None] - t[-1], 0),
-    )
-    integral = total(inside[:, 0]) + before * rate[0] + after * rate[-1]
-    return integral - integral[0]
+    inside = np.clip(at, t[0], t[-1])
+    before, after = np.minimum(at - t[0], 0), np.maximum(at - t[-1], 0)
+    # A column lies together, and splines are made one by one: they take much memory.
+    integrals = np.empty((rate.shape[1], at.size))
+    for integral, column in zip(integrals, rate.T, strict=True):
+        integral[:] = CubicSpline(t, column).antiderivative()(inside)
+        integral += before * column[0] + after * column[-1]
+        integral -= integral[0]
+    return integrals.T

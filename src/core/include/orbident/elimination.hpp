@@ -29,7 +29,7 @@ struct SweepMemory {
 };
 
 // Eliminates the boundaries from one end up to the meeting one, and returns the cost. `links`:
-// intervals x local x width.
+// intervals x local x width; null where nobody asks.
 template <class T>
 T sweep(const Recorded<T>& recorded, const LinearisedAt<T>& at, bool forward, SweepMemory<T>& memory,
         T* links) {
@@ -58,8 +58,9 @@ T sweep(const Recorded<T>& recorded, const LinearisedAt<T>& at, bool forward, Sw
     fold(memory.R, n, memory.known, n, L, n, width);
     fold(memory.R, n, sensed.table, n, sensed.rows, n, width);
     for (int k = 0; k < L; ++k) {
-      std::copy_n(memory.R + std::ptrdiff_t(k) * n, width,
-                  links + (std::ptrdiff_t(interval) * L + k) * width);
+      if (links)
+        std::copy_n(memory.R + std::ptrdiff_t(k) * n, width,
+                    links + (std::ptrdiff_t(interval) * L + k) * width);
       // What is known of z far, as the next interval's z near.
       const T* row = memory.R + std::ptrdiff_t(L + k) * n;
       T* known = memory.known + std::ptrdiff_t(k) * n;

@@ -40,13 +40,16 @@ T add_encoders(const Recorded<T>& recorded, const LinearisedAt<T>& at, int inter
       cost += error * error;
       return row;
     };
-    for (int r = first; recorded.joints.values && r < last; ++r) {
+    const JointHistory<T>& history = recorded.history;
+    for (int r = first, knot = 0; recorded.joints.values && r < last; ++r) {
       const T weight = recorded.joints.weights[r * K + k];
+      knot = history.knot(recorded.t[r], knot);
       const Cubics<T> functions = cubics<T>(recorded.t[r] - recorded.t[first], duration);
-      T error = recorded.joints.values[r * K + k] - recorded.q[2 * r * K + k];
+      T error = recorded.joints.values[r * K + k] -
+                history.between(history.functions(recorded.t[r], knot).value, history.q[k], history.q_slope[k], knot);
       for (int f = 0; corrected && f < FUNCTIONS; ++f)
         error -= functions.value[f] * corrections(interval + f / 2)[f % 2 * C + c];
-      recorded.joints.residuals[r * K + k] = weight * error;
+      recorded.joints.keep(r * K + k, weight * error);
       if (weight == T(0)) continue;
       T* row = add(weight * error);
       for (int f = 0; f < FUNCTIONS; ++f)

@@ -21,7 +21,7 @@ void add_sample(const IntervalColumns& c, const Sensed<T>& sensor, int row, cons
                 const T* slopes, int bias, EquationTable<T>& equations) {
   for (int axis = 0; axis < 3; ++axis) {
     const T weight = sensor.weights[3 * row + axis];
-    sensor.residuals[3 * row + axis] = weight * error[axis];
+    sensor.keep(3 * row + axis, weight * error[axis]);
     if (weight == T(0)) continue;
     T* equation = equations.add(c, slopes + axis * c.count(), weight, error[axis]);
     if (bias >= 0) equation[equations.start + bias + axis] = weight;
@@ -36,7 +36,7 @@ void add_fix(const IntervalColumns& c, const Sensed<T>& sensor, int row, const T
   if (!sensor.coloured) return add_sample(c, sensor, row, error, slopes, -1, equations);
   for (int axis = 0; axis < 3; ++axis) {
     const T weight = sensor.weights[3 * row + axis];
-    sensor.residuals[3 * row + axis] = weight * error[axis];
+    sensor.keep(3 * row + axis, weight * error[axis]);
     if (weight == T(0)) continue;
     T* equation = equations.empty();
     equations.write(c, slopes + axis * c.count(), T(1), equation);
@@ -53,24 +53,32 @@ void place_joints(const Recorded<T>& recorded, const LinearisedAt<T>& at, int in
                   const T& t_start, const T& duration, IntervalMemory<T>& memory,
                   JointNode<T>& joints) {
   const int K = recorded.tree.joints, C = recorded.columns.corrected, L = recorded.local();
-  const int row = node / 2;
-  const T t = node % 2 ? (recorded.t[row] + recorded.t[row + 1]) / 2 : recorded.t[row];
+  const int W = recorded.wheels, row = node / 2;
+  const auto time = [&](int at) {
+    return at % 2 ? (recorded.t[at / 2] + recorded.t[at / 2 + 1]) / 2 : recorded.t[at / 2];
+  };
+  const T t = time(node);
   const Cubics<T> functions = cubics<T>(t - t_start, duration);
-  const T *q = recorded.q + node * K, *qd = recorded.qd + node * K, *qdd = recorded.qdd + node * K;
+  const JointState<T>& shown = memory.shown[0];
+  memory.knot = recorded.history.state(t, memory.knot, K, W, shown);
+  const T *q = shown.q, *qd = shown.qd, *qdd = shown.qdd;
   const CalibrationPlaces& places = at.calibration.places;
   const T* zero = at.calibration.values + places.zero();
   const T* scale = at.calibration.values + places.scale();
   const T late = at.calibration.values[places.joint_clock()];
   // By the parabola through a row, half-way and the next row: accelerations count at rows alone.
-  const bool goes_on = node % 2 == 0 && row + 1 < recorded.rows;
-  const T dt = goes_on ? recorded.t[row + 1] - recorded.t[row] : T(1);
-  const auto rate_at = [=](const T* x, int stride) {
-    return goes_on ? (4 * x[stride] - 3 * x[0] - x[2 * stride]) / dt : T(0);
+  const bool turned_on = late != T(0) && node % 2 == 0 && row + 1 < recorded.rows;
+  const T dt = turned_on ? recorded.t[row + 1] - recorded.t[row] : T(1);
+  for (int k = 1; turned_on && k < 3; ++k)
+    recorded.history.state(time(node + k), memory.knot, K, W, memory.shown[k]);
+  const auto rate_of = [&](T* JointState<T>::*x, int k) {
+    const auto at = [&](int n) { return (memory.shown[n].*x)[k]; };
+    return turned_on ? (4 * at(1) - 3 * at(0) - at(2)) / dt : T(0);
   };
   for (int k = 0; k < K; ++k) {
     memory.q[k] = (1 + scale[k]) * q[k] + zero[k] + late * qd[k];
     memory.qd[k] = (1 + scale[k]) * qd[k] + late * qdd[k];
-    memory.qdd[k] = (1 + scale[k]) * qdd[k] + late * rate_at(qdd + k, K);
+    memory.qdd[k] = (1 + scale[k]) * qdd[k] + late * rate_of(&JointState<T>::qdd, k);
   }
   for (int c = 0; c < C; ++c) {
     const int k = recorded.corrected[c];
@@ -83,15 +91,14 @@ void place_joints(const Recorded<T>& recorded, const LinearisedAt<T>& at, int in
   }
   joints.t = t - recorded.t[0];
   joints.acting = recorded.acting.at(node);
-  const int W = recorded.wheels;
-  const T *qd_rw = recorded.qd_rw + node * W, *qdd_rw = recorded.qdd_rw + node * W;
+  const T *qd_rw = shown.qd_rw, *qdd_rw = shown.qdd_rw;
   const T* gain = at.calibration.values + places.wheel();
   joints.h_rw.setZero();
   joints.h_rw_rate.setZero();
   for (int i = 0; i < W; ++i) {
     const Eigen::Map<const Vector3<T>> a_I(recorded.A_rw + 3 * i);
     joints.h_rw += ((1 + gain[i]) * qd_rw[i] + late * qdd_rw[i]) * a_I;
-    joints.h_rw_rate += ((1 + gain[i]) * qdd_rw[i] + late * rate_at(qdd_rw + i, W)) * a_I;
+    joints.h_rw_rate += ((1 + gain[i]) * qdd_rw[i] + late * rate_of(&JointState<T>::qdd_rw, i)) * a_I;
   }
   expand(recorded.tree, recorded.theta_of, at.theta, recorded.corrected, recorded.columns, functions,
          memory.q, memory.qd, memory.qdd, memory.terms, joints);

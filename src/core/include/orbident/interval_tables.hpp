@@ -4,6 +4,7 @@
 
 #include "orbident/householder.hpp"
 #include "orbident/calibration.hpp"
+#include "orbident/joint_history.hpp"
 #include "orbident/whitening.hpp"
 
 namespace orbident {
@@ -15,9 +16,13 @@ template <class T>
 struct Sensed {
   const T* values;
   const T* weights;  // 1 over the noise's std; zero where there was no sample
-  T* residuals;      // over the white noise
+  T* residuals;      // over the white noise; null where nobody asks
   const Coloured<T>* coloured;  // of each axis; null where the noise is white
   int lasting;       // where the first of its lasting parts is in z
+
+  void keep(std::ptrdiff_t at, const T& residual) const {
+    if (residuals) residuals[at] = residual;
+  }
 };
 
 constexpr int TRACKERS = 2;  // attitude and position: their noise may last
@@ -35,10 +40,9 @@ struct Recorded {
   const T* t;       // rows, s
   const int* edge;  // intervals + 1: the first row of each, and `rows`
   int intervals;
+  JointHistory<T> history;
+  const T* A_rw;    // wheels x 3: a_i I_i, base axes
   // At 2 rows - 1 nodes: every row, and half-way between.
-  const T *q, *qd, *qdd;       // nodes x joints
-  const T* A_rw;               // wheels x 3: a_i I_i, base axes
-  const T *qd_rw, *qdd_rw;     // nodes x wheels
   Acting<T> acting;
   Sensed<T> gyro, accelerometer, attitude, joints, position, velocity;
   int lasting;  // parts of the trackers' noise that last
@@ -69,6 +73,8 @@ template <class T>
 struct IntervalMemory {
   TermsMemory<T> terms;
   T *q, *qd, *qdd;      // joints each
+  JointState<T> shown[3];  // at a node and the two after it
+  int knot = 0;         // the last one before a node
   JointNode<T> node[3];
   BaseNode<T> base[3];
   T* velocity[3];       // 3 x unknowns each

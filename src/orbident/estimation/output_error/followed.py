@@ -6,12 +6,12 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation, Slerp
 
 from orbident.estimation.output_error.sensors import TOGETHER
-from orbident.estimation.output_error.shooting import Intervals, JointHistory
+from orbident.estimation.output_error.shooting import Intervals, with_middles
 from orbident.model.kinematics import Poses, carrying_joints, poses
 from orbident.model.minimal_sets import MinimalSets
 from orbident.preprocessing.histories import Columns
@@ -32,7 +32,7 @@ class Motion(NamedTuple):
 
 @dataclass(frozen=True)
 class Followed:
-    """The motion at every row, and half-way to the next.
+    """The motion at every row, and half-way to the next, worked out as it is asked for.
 
     It is that measured. A disturbance adds up over time, and its noise does not: where
     drag takes a third of the momentum, deviations still hold.
@@ -40,23 +40,83 @@ class Followed:
 
     robot: Robot
     sets: MinimalSets
-    t: Float[np.ndarray, " nodes"]
-    """s."""
-    history: JointHistory
-    R_WB: Float[np.ndarray, "nodes 3 3"]
-    w: Float[np.ndarray, "nodes 3"]
-    """Base axes, rad/s."""
-    v_S: Float[np.ndarray, "nodes 3"] | None
-    """Inertial axes, m/s; None where it is not known."""
-    wrenches: tuple[RecordedWrench, ...]
-    """What is known to act on the base from a row until the next."""
-    surroundings: Mapping[str, Float[np.ndarray, "nodes 3"]]
-    """Where Earth, air, sun and field are; inertial axes."""
+    samples: Samples
+    intervals: Intervals
+    """With the rows."""
+
+    @cached_property
+    def q(self) -> Float[np.ndarray, "nodes joints"]:
+        """Positions of the joints."""
+        history = self.intervals.history
+        return history.at(history.q, history.q_slope, self.t)
+
+    @cached_property
+    def qd(self) -> Float[np.ndarray, "nodes joints"]:
+        """Their rates."""
+        history = self.intervals.history
+        return history.at(history.qd, history.qdd, self.t)
+
+    @property
+    def qd_rw(self) -> Float[np.ndarray, "nodes wheels"]:
+        """Speeds of the wheels, rad/s."""
+        history = self.intervals.history
+        return history.at(history.qd_rw, history.qdd_rw, self.t)
+
+    @cached_property
+    def t(self) -> Float[np.ndarray, " nodes"]:
+        """Times of the nodes, s."""
+        return with_middles(self.intervals.t)
+
+    @cached_property
+    def R_WB(self) -> Float[np.ndarray, "nodes 3 3"]:
+        """The attitude of the base."""
+        at, turns, _ = self._attitude
+        return turns(np.clip(self.t, at[0], at[-1])).as_matrix()
+
+    @cached_property
+    def w(self) -> Float[np.ndarray, "nodes 3"]:
+        """Base axes, rad/s."""
+        return self._between(self.samples.w)
+
+    @cached_property
+    def v_S(self) -> Float[np.ndarray, "nodes 3"] | None:
+        """Inertial axes, m/s; None where it is not known."""
+        v_S = self.samples.v_S
+        return self._between(v_S) if v_S else None
+
+    @cached_property
+    def wrenches(self) -> tuple[RecordedWrench, ...]:
+        """What is known to act on the base from a row until the next."""
+        return _at(self.samples, self.intervals.t)
+
+    @cached_property
+    def surroundings(self) -> Mapping[str, Float[np.ndarray, "nodes 3"]]:
+        """Where Earth, air, sun and field are; inertial axes."""
+        if not self.samples.surroundings:
+            return {}
+        at, turns, known = self._attitude
+        # In inertial axes they change slowly.
+        return {
+            name: _between(at, turns(at).apply(x[known]), self.t)
+            for name, x in self.samples.surroundings.items()
+        }
+
+    @property
+    def _attitude(self) -> "_Attitude":
+        x = np.column_stack(self.samples.x_WB)
+        known = np.isfinite(x).all(axis=1)
+        at = self.samples.t[known]
+        return _Attitude(at, Slerp(at, Rotation.from_quat(x[known])), known)
+
+    def _between(self, columns: Columns) -> Float[np.ndarray, "nodes axes"]:
+        x = np.column_stack(columns)
+        known = np.isfinite(x).all(axis=1)
+        return np.asarray(CubicSpline(self.samples.t[known], x[known])(self.t))
 
     @property
     def tracked(self) -> bool:
         """Whether the velocity of S is known."""
-        return self.v_S is not None
+        return bool(self.samples.v_S)
 
     @cached_property
     def S(self) -> Motion:
@@ -67,7 +127,7 @@ class Followed:
     @cached_property
     def poses(self) -> Poses:
         """Where all bodies are."""
-        return poses(self.robot, self.history.q)
+        return poses(self.robot, self.q)
 
     @cached_property
     def moments(self) -> Float[np.ndarray, "nodes 3 beta"]:
@@ -95,7 +155,7 @@ class Followed:
         relative = np.cross(self.w, arm)
         for k in np.flatnonzero(carrying_joints(self.robot, body)):
             field = at.field_u[:, k] + np.cross(at.field_w[:, k], arm)
-            relative = relative + self.history.qd[:, k : k + 1] * field
+            relative = relative + self.qd[:, k : k + 1] * field
         return Motion(
             self.S.r + self.in_inertial(arm), self.S.v + self.in_inertial(relative)
         )
@@ -104,7 +164,7 @@ class Followed:
         """The angular velocity of a body, inertial axes, rad/s."""
         w = self.w.copy()
         for k in np.flatnonzero(carrying_joints(self.robot, body)):
-            w += self.history.qd[:, k : k + 1] * self.poses.field_w[:, k]
+            w += self.qd[:, k : k + 1] * self.poses.field_w[:, k]
         return self.in_inertial(w)
 
     def arm(self, body: int, p: Float[np.ndarray, "3"]) -> Float[np.ndarray, "nodes 3"]:
@@ -142,48 +202,10 @@ def integral(
     return out
 
 
-def measured(
-    robot: Robot, sets: MinimalSets, samples: Samples, intervals: Intervals
-) -> Followed:
-    """The motion of a recording, between its samples.
-
-    Args:
-        robot: its geometry.
-        sets: its minimal sets.
-        samples: of it.
-        intervals: with the nodes.
-    """
-    rows = intervals.t
-    t = np.empty(2 * rows.size - 1)
-    t[::2], t[1::2] = rows, (rows[:-1] + rows[1:]) / 2
-
-    def between(columns: Columns) -> Float[np.ndarray, "nodes axes"]:
-        x = np.column_stack(columns)
-        known = np.isfinite(x).all(axis=1)
-        return np.asarray(CubicSpline(samples.t[known], x[known])(t))
-
-    x = np.column_stack(samples.x_WB)
-    known = np.isfinite(x).all(axis=1)
-    at = samples.t[known]
-    turns = Slerp(at, Rotation.from_quat(x[known]))
-    inside = np.clip(t, at[0], at[-1])
-    R_WB = turns(inside).as_matrix()
-    around = {
-        # In inertial axes they change slowly.
-        name: _between(at, turns(at).apply(x[known]), t)
-        for name, x in samples.surroundings.items()
-    }
-    return Followed(
-        robot,
-        sets,
-        t,
-        intervals.history,
-        R_WB,
-        between(samples.w),
-        between(samples.v_S) if samples.v_S else None,
-        _at(samples, rows),
-        around,
-    )
+class _Attitude(NamedTuple):
+    t: Float[np.ndarray, " known"]
+    at: Slerp
+    known: Bool[np.ndarray, " samples"]
 
 
 def _between(

@@ -214,7 +214,7 @@ def gravity_gradient(
         return np.zeros((followed.t.size, 3))
     robot, R = followed.robot, np.linalg.norm(nadir, axis=1, keepdims=True)
     theta = (followed.sets.base.theta_of @ beta).reshape(robot.theta.shape)
-    D = inertia(replace(robot, theta=theta), followed.history.q).D
+    D = inertia(replace(robot, theta=theta), followed.q).D
     n = np.einsum("nji,nj->ni", followed.R_WB, nadir / R)
     tau = 3 * MU / R**3 * np.cross(n, np.einsum("nij,nj->ni", D, n))
     return followed.in_inertial(tau)

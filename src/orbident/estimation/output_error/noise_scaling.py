@@ -4,10 +4,11 @@ from collections.abc import Callable, Collection, Mapping
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
 from orbident.estimation.output_error.lasting import at_level, innovated
 from orbident.estimation.output_error.problem import BySensor, Problem, Unknowns
+from orbident.estimation.output_error.sensors import some_of
 from orbident.estimation.output_error.shooting import TURN_AND_BIASES
 from orbident.estimation.output_error.solver import Solution, solved
 
@@ -65,9 +66,16 @@ def whitened(
     found = {}
     for name, table in residuals.items():
         seen = weights[name] > 0
-        values = table[seen.any(axis=1)][:, seen.any(axis=0)]
+        values = counting(some_of(table, seen.any(axis=1)), seen.any(axis=0))
         found[name] = Whitened(values, unknowns[name])
     return found
+
+
+def counting(
+    table: Float[np.ndarray, "rows axes"], axes: Bool[np.ndarray, " axes"]
+) -> Float[np.ndarray, "rows some"]:
+    """The axes that count; not copied where all do."""
+    return table if axes.all() else table[:, axes]
 
 
 def rescaled(weights: BySensor, scales: Mapping[str, float]) -> BySensor:

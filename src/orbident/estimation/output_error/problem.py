@@ -17,7 +17,7 @@ from scipy.spatial.transform import Rotation, Slerp
 from orbident import _core
 from orbident.estimation.output_error.acting import Acting
 from orbident.estimation.output_error.calibration import Calibration, calibrations_of
-from orbident.estimation.output_error.followed import measured
+from orbident.estimation.output_error.followed import Followed
 from orbident.estimation.output_error.lasting import (
     Lasting,
     at_level,
@@ -184,7 +184,30 @@ class Linear(NamedTuple):
 
 def linear(problem: Problem, weights: BySensor, state: Unknowns) -> Linear:
     """Linearise all intervals and eliminate what belongs to one of them alone."""
-    factor, links, cost, residuals = _core.linearised(
+    factor, links, cost, residuals = _linearised(problem, weights, state, False)
+    tables = zip(SENSORS, residuals, strict=True)
+    seen = {name: table for name, table in tables if name in weights}
+    return Linear(factor, links, cost, seen)
+
+
+def common_factor(
+    problem: Problem, weights: BySensor, state: Unknowns
+) -> Float[np.ndarray, "n n"]:
+    """The same equations over `[g, rhs]`: all that they say of the common unknowns."""
+    factor, *_ = _linearised(problem, weights, state, True)
+    local = problem.recorded.local
+    return factor[local:, local:]
+
+
+def _linearised(
+    problem: Problem, weights: BySensor, state: Unknowns, factor_only: bool
+) -> tuple[
+    Float[np.ndarray, "n n"],
+    Float[np.ndarray, "intervals local columns"],
+    float,
+    list[Float[np.ndarray, "_ _"]],
+]:
+    return _core.linearised(
         problem.recorded,
         [weights.get(name, NO_ROWS) for name in SENSORS],
         at_level(problem.lasting, problem.weights, weights),
@@ -194,10 +217,8 @@ def linear(problem: Problem, weights: BySensor, state: Unknowns) -> Linear:
         state.common,
         state.selected,
         processors(),
+        factor_only,
     )
-    tables = zip(SENSORS, residuals, strict=True)
-    seen = {name: table for name, table in tables if name in weights}
-    return Linear(factor, links, cost, seen)
 
 
 def problem_of(
@@ -218,7 +239,7 @@ def problem_of(
     last = np.arange(intervals.t.size) == intervals.t.size - 1
     seen, weights = {}, {}
     for name, sensed in sensors.by_name.items():
-        table = np.ascontiguousarray(sensed.values[intervals.kept])
+        table = sensed.values[intervals.kept]
         valid = np.isfinite(table).all(axis=1)
         if name == "accelerometer":
             # The rate of the velocity is taken over the time to the next row.
@@ -234,18 +255,20 @@ def problem_of(
         loose.corrected,
         intervals.t,
         intervals.edges.astype(float),
+        history.t,
         history.q,
+        history.q_slope,
         history.qd,
         history.qdd,
         np.ascontiguousarray(wheels_of(robot).A_rw.T),
         history.qd_rw,
         history.qdd_rw,
-        [np.nan_to_num(seen.get(name, _none(name))) for name in SENSORS],
+        [_without_nan(seen.get(name, _none(name))) for name in SENSORS],
         loose.first,
         loose.corrections,
         loose.walk,
     )
-    acting = Acting(measured(robot, sets, samples, intervals), recorded.places)
+    acting = Acting(Followed(robot, sets, samples, intervals), recorded.places)
     gains = (
         Calibration(each.name, "1", True, each.std, recorded.places + k)
         for k, each in enumerate(acting.recorded)
@@ -261,6 +284,13 @@ def problem_of(
         (*calibrations_of(robot, sensors.by_name), *gains),
         acting,
     )
+
+
+def _without_nan(
+    x: Float[np.ndarray, "rows axes"],
+) -> Float[np.ndarray, "rows axes"]:
+    """What is not copied where all is there."""
+    return x if np.isfinite(x).all() else np.nan_to_num(x)
 
 
 def _none(name: str) -> Float[np.ndarray, "0 axes"]:
@@ -284,11 +314,14 @@ def start_of(
     beta: Float[np.ndarray, " beta"],
 ) -> Unknowns:
     """The state with the measured attitude, without biases, corrections and errors."""
-    x = np.column_stack(samples.x_WB)
-    known = np.isfinite(x).all(axis=1)
+    known = np.flatnonzero(np.logical_and.reduce([*map(np.isfinite, samples.x_WB)]))
     at = samples.t[known]
-    between = Slerp(at, Rotation.from_quat(x[known]))
-    x_WB = between(np.clip(problem.boundaries, at[0], at[-1])).as_quat()
+    wanted = np.clip(problem.boundaries, at[0], at[-1])
+    # Those beside the boundaries alone: rotations take much memory.
+    after = np.clip(np.searchsorted(at, wanted), 1, at.size - 1)
+    beside = np.unique([after - 1, after])
+    x = np.column_stack([column[known[beside]] for column in samples.x_WB])
+    x_WB = Slerp(at[beside], Rotation.from_quat(x))(wanted).as_quat()
     local = np.zeros((len(x_WB), problem.recorded.local))
     state = Unknowns(
         np.ascontiguousarray(x_WB), local, np.concatenate([*outside, beta])

@@ -27,7 +27,7 @@ from scipy.linalg import solve_triangular
 
 from orbident.estimation.output_error.calibration import Calibration
 from orbident.estimation.output_error.disturbance_sizes import places_of
-from orbident.estimation.output_error.problem import OUTSIDE, Problem, linear
+from orbident.estimation.output_error.problem import OUTSIDE, Problem, common_factor
 from orbident.estimation.output_error.solver import Solution
 from orbident.estimation.output_error.walks import WALKS
 
@@ -128,9 +128,9 @@ class TakenForZero:
     def factor(self) -> Float[np.ndarray, "n n"]:
         """Triangular, over changes of the solution's unknowns, of these, and rhs."""
         state = self.solution.state.selecting(self.places)
-        here = linear(self.problem, self.solution.weights, state)
+        factor = common_factor(self.problem, self.solution.weights, state)
         prior = self.solution.prior.extended(np.full(self.places.size, np.inf))
-        return prior.added(here.common, state)
+        return prior.added(factor, state)
 
     def equations(
         self, places: Float[np.ndarray, " n"]

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
@@ -92,11 +92,13 @@ def sensors_of(
         encoders = [recording.column(f"joint.{name}.position") for name in joints]
         tables["joints"] = np.column_stack(encoders)
     times, samples = {}, {}
-    for name, table in tables.items():
+    for name in list(tables):
+        table = tables.pop(name)
         seen = np.isfinite(table).all(axis=1)
         if seen.any():
             late = behind[CLOCKS.get(name, name)]
-            times[name], samples[name] = recording.t[seen] - late, table[seen]
+            times[name] = some_of(recording.t, seen) - late
+            samples[name] = some_of(table, seen)
     if recording.has(*INCREMENTS) and "gyro" in samples:
         felt = _felt(recording, times["gyro"], samples["gyro"], behind["accelerometer"])
         times["accelerometer"], samples["accelerometer"] = felt
@@ -147,8 +149,10 @@ def _sensed(
     at: Float[np.ndarray, " samples"],
     samples: Float[np.ndarray, "samples axes"],
 ) -> Sensed:
-    values = np.full((t.size, samples.shape[1]), np.nan)
-    values[np.searchsorted(t, at, side="right") - 1] = samples
+    values, rows = samples, np.searchsorted(t, at, side="right") - 1
+    if not np.array_equal(rows, np.arange(t.size)):
+        values = np.full((t.size, samples.shape[1]), np.nan)
+        values[rows] = samples
     section = robot.sensors.get(name) or {}
     std, drift = _declared(name, section, at)
     declared = bool(std > 0)
@@ -188,6 +192,16 @@ def between(
     left_out = slice(1, len(t) - 1, 2)
     off = CubicSpline(t[::2], x[::2])(t[left_out]) - x[left_out]
     return float(np.sqrt(np.mean(off**2)) / 2**4)
+
+
+def some_of(
+    x: Float[np.ndarray, " rows *axes"], which: Bool[np.ndarray, " rows"]
+) -> Float[np.ndarray, " some *axes"]:
+    """Some rows, all at hand in one piece; not copied where they lie together."""
+    rows = np.flatnonzero(which)
+    if rows.size and rows[-1] - rows[0] + 1 == rows.size:
+        return np.ascontiguousarray(x[rows[0] : rows[-1] + 1])
+    return x[rows]
 
 
 def scatter(samples: Float[np.ndarray, "samples axes"]) -> float:

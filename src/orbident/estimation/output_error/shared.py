@@ -13,7 +13,7 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.estimation.output_error.calibration import Calibration
-from orbident.estimation.output_error.problem import OUTSIDE, Problem, linear
+from orbident.estimation.output_error.problem import OUTSIDE, Problem, common_factor
 from orbident.estimation.output_error.solver import NO_EQUATIONS, Solution
 
 
@@ -65,7 +65,7 @@ def shared_of(
         unseen: deviations of `beta` that its equations do not know of.
     """
     state, prior, errors = solution.state, solution.prior, problem.declared
-    here = linear(problem, solution.weights, state)
+    common = common_factor(problem, solution.weights, state)
     first = OUTSIDE + state.beta.size + len(errors)
     shared = np.arange(OUTSIDE, first)
     own = [*range(OUTSIDE), *range(first, state.common.size)]
@@ -73,7 +73,7 @@ def shared_of(
     std = prior.std.copy()
     std[shared] = np.inf
     alone = prior._replace(std=std, others=NO_EQUATIONS)
-    factor = alone.added(here.common, state)
+    factor = alone.added(common, state)
     left = _triangular(factor[:, [*own, *shared, -1]])[len(own) : -1, len(own) :]
     left[:, -1] += left[:, :-1] @ state.common[shared]
     # `beta` is off by each of `unseen` times an unknown of unit variance.

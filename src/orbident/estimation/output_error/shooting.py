@@ -1,18 +1,24 @@
 """A recording cut into shooting intervals: its rows, and what joints and wheels did."""
 
+from itertools import chain
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Bool, Float, Int
-from scipy.interpolate import CubicSpline
+from jaxtyping import Float, Int
+from scipy.interpolate import CubicHermiteSpline, CubicSpline
 
 from orbident.estimation.output_error.lasting import Lasting, first_lasting
-from orbident.estimation.output_error.sensors import Sensors, between, scatter
+from orbident.estimation.output_error.sensors import (
+    Sensors,
+    between,
+    scatter,
+    some_of,
+)
 from orbident.estimation.tachometers import momentum_noise
 from orbident.model.inertia import inertia_at
 from orbident.model.minimal_sets import conserved_axes
 from orbident.model.wheel_arrays import wheels_of
-from orbident.preprocessing.histories import MEASURED
+from orbident.preprocessing.histories import MEASURED, Columns
 from orbident.preprocessing.samples import Samples
 from orbident.robot.description import Robot
 from orbident.robot.sensor_bias import UNKNOWN_BIAS
@@ -52,21 +58,34 @@ MOST_SUBSTEPS = 32
 
 
 class JointHistory(NamedTuple):
-    """Joints and wheels at every row, and half-way to the next: `2 rows - 1` nodes."""
+    """Joints and wheels between their samples, by cubic splines; a column each."""
 
-    q: Float[np.ndarray, "nodes joints"]
-    qd: Float[np.ndarray, "nodes joints"]
-    qdd: Float[np.ndarray, "nodes joints"]
-    qd_rw: Float[np.ndarray, "nodes wheels"]
+    t: Float[np.ndarray, " knots"]
+    """s."""
+    q: Columns
+    q_slope: Columns
+    """Slopes of the spline through positions: rates are splines of their own."""
+    qd: Columns
+    qdd: Columns
+    qd_rw: Columns
     """rad/s."""
-    qdd_rw: Float[np.ndarray, "nodes wheels"]
+    qdd_rw: Columns
     """rad/s^2."""
+
+    def at(
+        self, columns: Columns, slopes: Columns, t: Float[np.ndarray, " n"]
+    ) -> Float[np.ndarray, "n columns"]:
+        """Some of its columns, which have these slopes, at other times."""
+        values = np.empty((t.size, len(columns)))
+        for k, (x, slope) in enumerate(zip(columns, slopes, strict=True)):
+            values[:, k] = CubicHermiteSpline(self.t, x, slope)(t)
+        return values
 
 
 class Intervals(NamedTuple):
     """The rows that count, and where intervals begin."""
 
-    kept: Bool[np.ndarray, " all"]
+    kept: slice
     """Which of the sensors' rows: joints and wheels are known there."""
     t: Float[np.ndarray, " rows"]
     """s."""
@@ -82,22 +101,34 @@ class Intervals(NamedTuple):
 
 def intervals_of(robot: Robot, samples: Samples, sensors: Sensors) -> Intervals:
     """Cut a recording into intervals that cubics follow."""
-    table = np.column_stack([*samples.q, *samples.qd, *samples.qd_rw])
-    known = np.isfinite(table).all(axis=1)
-    joints = len(robot.joints)
-    known_t = samples.t[known]
-    spline = CubicSpline(known_t, table[known])
-    kept = (sensors.t >= known_t[0]) & (sensors.t <= known_t[-1])
-    t = sensors.t[kept]
+    history = _history(samples)
+    ends = history.t[0], np.nextafter(history.t[-1], np.inf)
+    first, end = (int(row) for row in np.searchsorted(sensors.t, ends))
+    t = sensors.t[first:end]
+    rows = _rows_of_an_interval(history, samples.shares, t)
+    return Intervals(slice(first, end), t, _edges(t.size, rows), history)
+
+
+def _history(samples: Samples) -> JointHistory:
+    """Where all was measured."""
+    columns = samples.q, samples.qd, samples.qd_rw
+    known = np.ones(samples.t.size, dtype=bool)
+    for column in chain(*columns):
+        known &= np.isfinite(column)
+    t = some_of(samples.t, known)
+    q, qd, qd_rw = (tuple(some_of(x, known) for x in each) for each in columns)
+    # One column after another: a spline has four numbers a sample.
+    by_q, by_qd, by_qd_rw = (
+        tuple(CubicSpline(t, x)(t, nu=1) for x in each) for each in (q, qd, qd_rw)
+    )
+    return JointHistory(t, q, by_q, qd, by_qd, qd_rw, by_qd_rw)
+
+
+def with_middles(t: Float[np.ndarray, " rows"]) -> Float[np.ndarray, " nodes"]:
+    """The times, and those half-way from each to the next."""
     nodes = np.empty(2 * t.size - 1)
     nodes[::2], nodes[1::2] = t, (t[:-1] + t[1:]) / 2
-    q, qd, qd_rw = np.split(spline(nodes), [joints, 2 * joints], axis=-1)
-    _, qdd, qdd_rw = np.split(spline(nodes, nu=1), [joints, 2 * joints], axis=-1)
-    history = JointHistory(
-        *(np.ascontiguousarray(x) for x in (q, qd, qdd, qd_rw, qdd_rw))
-    )
-    rows = _rows_of_an_interval(history, samples.shares, t)
-    return Intervals(kept, t, _edges(t.size, rows), history)
+    return nodes
 
 
 def _edges(samples: int, rows: int) -> Int[np.ndarray, " edges"]:
@@ -124,8 +155,13 @@ def _rows_of_an_interval(
     that a sample determines. An interval has two unknowns of a joint, twice as many as
     that: what moves is rougher at times.
     """
+    splines = [
+        CubicHermiteSpline(history.t, x, slope)
+        for x, slope in zip(history.qd, history.qdd, strict=True)
+    ]
     rate, bend = (
-        np.sqrt(np.mean(x[::2] ** 2, axis=0)) for x in (history.qd, history.qdd)
+        np.array([np.sqrt(np.mean(each(t, nu=nu) ** 2)) for each in splines])
+        for nu in (0, 1)
     )
     moving = rate > 0
     if not moving.any():

@@ -57,7 +57,7 @@ def unseen_losses(
         sizes, _ = sizes_of(problem, solution, group)
         for size, each in zip(sizes, members(problem, group), strict=True):
             by_torque += size * integral(followed.t, each.effect.torque)
-    of_wheels = followed.history.qd_rw @ wheels_of(followed.robot).A_rw.T
+    of_wheels = followed.qd_rw @ wheels_of(followed.robot).A_rw.T
     had = _largest(of_wheels)
     return _largest(by_torque) / had * beta if had else np.zeros(beta.size)
 
