@@ -102,7 +102,7 @@ class Acting:
         total = nothing(self.followed)._replace(torque=tide)
         pushing = [k for k in sizes if every[k].effect.force.any()]
         for k in {*range(len(self.recorded)), *pushing}:
-            size = every[k].acts + sizes.get(k, 0.0)
+            size = every[k].acts + (sizes[k] if k in pushing else 0.0)
             if size:
                 total = total.plus(every[k].effect.times(size))
         own = self._moved([total, *(every[k].effect for k in pushing)], r, beta[0])

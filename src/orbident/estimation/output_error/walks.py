@@ -72,7 +72,7 @@ def _waves(t: Float[np.ndarray, " nodes"]) -> Iterator[Float[np.ndarray, " nodes
 def _as_large_as_the_motion(followed: Followed) -> MomentumWalk:
     """A first guess: so strong that it could have moved the base as it moved."""
     robot, root = followed.robot, np.sqrt(followed.t[-1] - followed.t[0])
-    D = inertia(robot, followed.history.q[:1]).D[0]
+    D = inertia(robot, followed.q[:1]).D[0]
     rate = float(np.sqrt(np.mean(followed.w**2)))
     speed = 0.0 if followed.v_S is None else float(np.sqrt(np.mean(followed.v_S**2)))
     return MomentumWalk(
