@@ -35,7 +35,7 @@ def main() -> None:
     for problem in chosen:
         completed(problem)
         table[problem.name] = {}
-        for name, answers in answered(problem, given.answers).items():
+        for name, answers in answered(problem, given).items():
             table[problem.name][name] = score(problem, answers)
             print(problem.name, name, *table[problem.name][name], flush=True)
     written = page(chosen, table)
@@ -49,6 +49,9 @@ def arguments() -> argparse.Namespace:
     """What was asked for."""
     parser = argparse.ArgumentParser(prog="python benchmarks/open", description=__doc__)
     parser.add_argument("problem", nargs="*", help="names; all problems by default")
+    parser.add_argument(
+        "--recordings", type=int, help="only the first so many of each problem"
+    )
     parser.add_argument("-o", dest="out", type=Path, help="write the page there")
     parser.add_argument(
         "--answers", type=Path, help="score these answers too: FOLDER/METHOD/PROBLEM"
@@ -82,15 +85,15 @@ def completed(problem: Problem) -> None:
         )
 
 
-def answered(problem: Problem, given: Path | None) -> dict[str, list[Answer]]:
+def answered(problem: Problem, given: argparse.Namespace) -> dict[str, list[Answer]]:
     """The answers of every method, to every recording."""
-    recordings = problem.recordings()
+    recordings = dict(list(problem.recordings().items())[: given.recordings])
     momentum = problem.description["initial_momentum"]
     answers = {
         name: [timed(entry, problem.robot, x, momentum) for x in recordings.values()]
         for name, entry in ENTRIES.items()
     }
-    for method in sorted(given.iterdir()) if given else ():
+    for method in sorted(given.answers.iterdir()) if given.answers else ():
         files = (method / problem.name / f"{Path(x).stem}.json" for x in recordings)
         answers[method.name] = [read_answer(file) for file in files]
     return answers

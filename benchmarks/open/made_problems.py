@@ -32,7 +32,7 @@ from orbident.studies.spatial import spatial_trajectory
 from orbident.trajectories.environment import Environment
 from orbident.trajectories.trajectory import InitialState, Trajectory
 
-SEEDS = 5
+SEEDS = 3
 """Recordings of a problem: one motion, other noise."""
 WRONG = 0.2
 """The largest relative error of CAD."""
@@ -41,6 +41,8 @@ DECIMALS = 9
 rounding changes."""
 WHEEL_SPEED = 200.0
 """rad/s."""
+REACH = 1.0
+"""rad: how far a joint swings to either side, at most."""
 TARGET = from_mass_com_inertia(
     50.0, np.array([0.4, 0.1, -0.2]), np.diag([6.0, 5.0, 4.0])
 )
@@ -54,7 +56,10 @@ def exciting(robot: Robot, seed: int, duration: float, harmonics: int) -> Trajec
     at_rest = np.zeros((len(robot.joints), 3))
     speeds = dict.fromkeys(robot.wheel_names, WHEEL_SPEED)
     initial = InitialState(np.array([0.01, 0.03, 0.025]), wheel_speed=speeds)
-    return Trajectory(duration, robot.joint_names, a, b, at_rest, at_rest, initial)
+    free = Trajectory(duration, robot.joint_names, a, b, at_rest, at_rest, initial)
+    q, _, _ = free.at(np.linspace(0.0, duration, 1000))
+    less = np.minimum(1.0, REACH / np.abs(q).max(axis=0))[:, None]
+    return replace(free, a=less * a, b=less * b)
 
 
 def spun_up(robot: Robot, trajectory: Trajectory) -> Trajectory:

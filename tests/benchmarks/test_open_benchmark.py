@@ -17,8 +17,8 @@ from scoring import score  # noqa: E402
 
 @pytest.fixture(scope="module")
 def ran() -> str:
-    """The page that the command prints for the smallest problem."""
-    command = [sys.executable, str(OPEN), "real-table"]
+    """The page that the command prints for one recording of the smallest problem."""
+    command = [sys.executable, str(OPEN), "paper-planar", "--recordings", "1"]
     done = subprocess.run(command, capture_output=True, text=True, check=True, cwd=ROOT)
     assert done.stderr == ""
     return done.stdout
@@ -29,13 +29,13 @@ def test_every_method_is_on_the_page(ran: str):
     names = [row.split(" | ")[0].removeprefix("| ") for row in rows]
     assert names[0] == "maximum-likelihood"
     assert len(names) == 7
-    assert "## real-table" in ran
+    assert "## paper-planar" in ran
 
 
 @pytest.mark.usefixtures("ran")
 def test_the_truth_has_no_error_and_predicts():
     """Rounding to nine decimals, rates of 0.1 rad/s: 1e-6 of a rate is ten times it."""
-    problem = Problem(OPEN / "problems/real-table")
+    problem = Problem(OPEN / "problems/paper-planar")
     true = {name: each["value"] for name, each in problem.truth.items()}
     bound = {name: each["bound"] or 1.0 for name, each in problem.truth.items()}
     found = score(problem, [Answer(true, bound, seconds=1.0), Answer(refused="why")])
