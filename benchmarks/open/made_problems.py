@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from problem_folder import DESCRIPTION, TRUTH, digest, parameters_of
+from problem_folder import DESCRIPTION, TRUTH, digest, mean_square, parameters_of
 
 from orbident.estimation.bound import cramer_rao
 from orbident.model.inertia import inertia_at
@@ -37,8 +37,7 @@ SEEDS = 3
 WRONG = 0.2
 """The largest relative error of CAD."""
 DECIMALS = 9
-"""Of what is recorded: far below any sensor's noise, and above what another machine's
-rounding changes."""
+"""Of what is recorded: far below any sensor's noise, and files are half as large."""
 WHEEL_SPEED = 200.0
 """rad/s."""
 REACH = 1.0
@@ -146,7 +145,7 @@ def flying(robot: Robot, captured: bool) -> Robot:
 
 
 def rounded(recording: Recording) -> Recording:
-    """The same on every machine, but for chance."""
+    """Without digits that mean nothing."""
     columns = {k: np.round(x, DECIMALS) for k, x in recording.columns.items()}
     return Recording(np.round(recording.t, DECIMALS), columns, recording.source)
 
@@ -170,6 +169,7 @@ def make(name: str, folder: Path) -> None:
         "identify": identify,
         "unused": last,
         "sha256": {file: digest(folder / file) for file in made},
+        "mean_square": {file: mean_square(folder / file) for file in made},
     }
     bound = cramer_rao(robot, flown, problem.initial_momentum)
     values = parameters_of(robot)
