@@ -40,8 +40,8 @@ DECIMALS = 9
 """Of what is recorded: far below any sensor's noise, and files are half as large."""
 WHEEL_SPEED = 200.0
 """rad/s."""
-REACH = 1.0
-"""rad: how far a joint swings to either side, at most."""
+REACH = 0.9
+"""How far a joint swings, at most, as a part of the way to its nearer stop."""
 TARGET = from_mass_com_inertia(
     50.0, np.array([0.4, 0.1, -0.2]), np.diag([6.0, 5.0, 4.0])
 )
@@ -57,7 +57,8 @@ def exciting(robot: Robot, seed: int, duration: float, harmonics: int) -> Trajec
     initial = InitialState(np.array([0.01, 0.03, 0.025]), wheel_speed=speeds)
     free = Trajectory(duration, robot.joint_names, a, b, at_rest, at_rest, initial)
     q, _, _ = free.at(np.linspace(0.0, duration, 1000))
-    less = np.minimum(1.0, REACH / np.abs(q).max(axis=0))[:, None]
+    stops = [min(map(abs, j.position)) if j.position else np.inf for j in robot.joints]
+    less = np.minimum(1.0, REACH * np.array(stops) / np.abs(q).max(axis=0))[:, None]
     return replace(free, a=less * a, b=less * b)
 
 

@@ -12,7 +12,7 @@ from scoring import Score
 import orbident as oi
 
 HEAD = """\
-| method | error / bound | coverage | refused | rate, % | velocity, % | s |
+| method | error / bound | coverage | refused | rate, % | velocity, % | CPU s |
 |---|---|---|---|---|---|---|
 """
 LEGEND = """\
@@ -23,7 +23,7 @@ LEGEND = """\
 - *refused*: recordings for which the method gives no result. All can be identified.
 - *rate*, *velocity*: error of what is predicted of a run that was not used, without
   noise, in percent of its RMS about the mean; median of the recordings.
-- *s*: median seconds for one recording.
+- *CPU s*: median seconds of processor for one recording.
 """
 
 
