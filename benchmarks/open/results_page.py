@@ -67,7 +67,7 @@ def _row(name: str, s: Score) -> str:
 def _number(x: float, unit: str = "") -> str:
     if x != x:
         return "-"
-    return f"{x:.0f}{unit}" if 100 <= abs(x) < 1e5 else f"{x:.2g}{unit}"
+    return f"{x:.0f}{unit}" if 99.5 <= abs(x) < 1e5 else f"{x:.2g}{unit}"
 
 
 def _processor() -> str:
