@@ -4,6 +4,7 @@ Give names of problems to have only those. See docs/open-benchmark.md.
 """
 
 import argparse
+import sys
 from pathlib import Path
 
 from answers import Answer, read_answer
@@ -35,7 +36,7 @@ def main() -> None:
     for problem in chosen:
         completed(problem)
         table[problem.name] = {}
-        for name, answers in answered(problem, given.answers).items():
+        for name, answers in answered(problem, given).items():
             table[problem.name][name] = score(problem, answers)
             print(problem.name, name, *table[problem.name][name], flush=True)
     written = page(chosen, table)
@@ -49,6 +50,9 @@ def arguments() -> argparse.Namespace:
     """What was asked for."""
     parser = argparse.ArgumentParser(prog="python benchmarks/open", description=__doc__)
     parser.add_argument("problem", nargs="*", help="names; all problems by default")
+    parser.add_argument(
+        "--recordings", type=int, help="only the first so many of each problem"
+    )
     parser.add_argument("-o", dest="out", type=Path, help="write the page there")
     parser.add_argument(
         "--answers", type=Path, help="score these answers too: FOLDER/METHOD/PROBLEM"
@@ -66,31 +70,32 @@ def completed(problem: Problem) -> None:
     """Simulate the recordings if they are not there, and compare checksums.
 
     Raises:
-        SystemExit: this machine makes other recordings.
+        SystemExit: these are other recordings.
     """
-    if not problem.changed():
-        return
-    kept = {p: p.read_bytes() for p in problem.folder.glob("*.json")}
-    if problem.name in PROBLEMS:
+    if problem.changed() and problem.name in PROBLEMS:
+        kept = {p: p.read_bytes() for p in problem.folder.glob("*.json")}
         make(problem.name, problem.folder)
         for path, content in kept.items():
             path.write_bytes(content)
-    if changed := problem.changed():
+    changed = problem.changed()
+    if changed and problem.name in PROBLEMS and problem.rounded_otherwise():
+        print(f"{problem.name}: this machine rounds otherwise", file=sys.stderr)
+    elif changed:
         raise SystemExit(
             f"{problem.name}: {', '.join(changed)}: missing, or not what the checksum "
             "is of"
         )
 
 
-def answered(problem: Problem, given: Path | None) -> dict[str, list[Answer]]:
+def answered(problem: Problem, given: argparse.Namespace) -> dict[str, list[Answer]]:
     """The answers of every method, to every recording."""
-    recordings = problem.recordings()
+    recordings = dict(list(problem.recordings().items())[: given.recordings])
     momentum = problem.description["initial_momentum"]
     answers = {
         name: [timed(entry, problem.robot, x, momentum) for x in recordings.values()]
         for name, entry in ENTRIES.items()
     }
-    for method in sorted(given.iterdir()) if given else ():
+    for method in sorted(given.answers.iterdir()) if given.answers else ():
         files = (method / problem.name / f"{Path(x).stem}.json" for x in recordings)
         answers[method.name] = [read_answer(file) for file in files]
     return answers

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from problem_folder import DESCRIPTION, TRUTH, digest, parameters_of
+from problem_folder import DESCRIPTION, TRUTH, digest, mean_square, parameters_of
 
 from orbident.estimation.bound import cramer_rao
 from orbident.model.inertia import inertia_at
@@ -32,15 +32,16 @@ from orbident.studies.spatial import spatial_trajectory
 from orbident.trajectories.environment import Environment
 from orbident.trajectories.trajectory import InitialState, Trajectory
 
-SEEDS = 5
+SEEDS = 3
 """Recordings of a problem: one motion, other noise."""
 WRONG = 0.2
 """The largest relative error of CAD."""
 DECIMALS = 9
-"""Of what is recorded: far below any sensor's noise, and above what another machine's
-rounding changes."""
+"""Of what is recorded: far below any sensor's noise, and files are half as large."""
 WHEEL_SPEED = 200.0
 """rad/s."""
+REACH = 0.9
+"""How far a joint swings, at most, as a part of the way to its nearer stop."""
 TARGET = from_mass_com_inertia(
     50.0, np.array([0.4, 0.1, -0.2]), np.diag([6.0, 5.0, 4.0])
 )
@@ -54,7 +55,11 @@ def exciting(robot: Robot, seed: int, duration: float, harmonics: int) -> Trajec
     at_rest = np.zeros((len(robot.joints), 3))
     speeds = dict.fromkeys(robot.wheel_names, WHEEL_SPEED)
     initial = InitialState(np.array([0.01, 0.03, 0.025]), wheel_speed=speeds)
-    return Trajectory(duration, robot.joint_names, a, b, at_rest, at_rest, initial)
+    free = Trajectory(duration, robot.joint_names, a, b, at_rest, at_rest, initial)
+    q, _, _ = free.at(np.linspace(0.0, duration, 1000))
+    stops = [min(map(abs, j.position)) if j.position else np.inf for j in robot.joints]
+    less = np.minimum(1.0, REACH * np.array(stops) / np.abs(q).max(axis=0))[:, None]
+    return replace(free, a=less * a, b=less * b)
 
 
 def spun_up(robot: Robot, trajectory: Trajectory) -> Trajectory:
@@ -141,7 +146,7 @@ def flying(robot: Robot, captured: bool) -> Robot:
 
 
 def rounded(recording: Recording) -> Recording:
-    """The same on every machine, but for chance."""
+    """Without digits that mean nothing."""
     columns = {k: np.round(x, DECIMALS) for k, x in recording.columns.items()}
     return Recording(np.round(recording.t, DECIMALS), columns, recording.source)
 
@@ -165,6 +170,7 @@ def make(name: str, folder: Path) -> None:
         "identify": identify,
         "unused": last,
         "sha256": {file: digest(folder / file) for file in made},
+        "mean_square": {file: mean_square(folder / file) for file in made},
     }
     bound = cramer_rao(robot, flown, problem.initial_momentum)
     values = parameters_of(robot)

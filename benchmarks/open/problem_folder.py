@@ -4,6 +4,7 @@ import hashlib
 import json
 from dataclasses import dataclass
 from functools import cached_property
+from math import isclose
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,8 @@ from orbident.recordings.tables import read_recording
 from orbident.robot.description import Robot
 from orbident.robot.robot_file import load_robot
 
+ROUNDING = 1e-6
+"""What machines may differ by: the attitude is integrated to 1e-9 rad."""
 DESCRIPTION, TRUTH = "problem.json", "truth.json"
 
 
@@ -40,6 +43,12 @@ def digest(path: Path) -> str:
         found.update(name.encode())
         found.update(np.where(np.isnan(column), np.nan, column).tobytes())
     return found.hexdigest()
+
+
+def mean_square(path: Path) -> float:
+    """Of all numbers of a recording: the same on every machine, but for rounding."""
+    columns = read_recording(path).columns.values()
+    return float(np.mean([np.nanmean(np.square(column)) for column in columns]))
 
 
 @dataclass(frozen=True)
@@ -83,6 +92,14 @@ class Problem:
             if not (self.folder / name).is_file()
             or digest(self.folder / name) != sha256
         ]
+
+    def rounded_otherwise(self) -> bool:
+        """Whether every recording is there and is the same, but for rounding."""
+        return all(
+            (self.folder / name).is_file()
+            and isclose(mean_square(self.folder / name), size, rel_tol=ROUNDING)
+            for name, size in self.description.get("mean_square", {}).items()
+        )
 
 
 def problems(folder: Path) -> list[Problem]:

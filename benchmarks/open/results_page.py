@@ -12,7 +12,7 @@ from scoring import Score
 import orbident as oi
 
 HEAD = """\
-| method | error / bound | coverage | refused | rate, % | velocity, % | s |
+| method | error / bound | coverage | refused | rate, % | velocity, % | CPU s |
 |---|---|---|---|---|---|---|
 """
 LEGEND = """\
@@ -23,7 +23,7 @@ LEGEND = """\
 - *refused*: recordings for which the method gives no result. All can be identified.
 - *rate*, *velocity*: error of what is predicted of a run that was not used, without
   noise, in percent of its RMS about the mean; median of the recordings.
-- *s*: median seconds for one recording.
+- *CPU s*: median seconds of processor for one recording.
 """
 
 
@@ -67,7 +67,7 @@ def _row(name: str, s: Score) -> str:
 def _number(x: float, unit: str = "") -> str:
     if x != x:
         return "-"
-    return f"{x:,.0f}{unit}" if abs(x) >= 100 else f"{x:.2g}{unit}"
+    return f"{x:.0f}{unit}" if 99.5 <= abs(x) < 1e5 else f"{x:.2g}{unit}"
 
 
 def _processor() -> str:

@@ -36,6 +36,23 @@ def test_identify_writes_one(orbident: Orbident, run: Path):
     assert ran.json == {"report": "run/report.html"}
 
 
+def test_a_validation_is_in_the_report(
+    orbident: Orbident, flight: Recording, run: Path
+):
+    """Until it is identified again; what is no validation is refused."""
+    other = written(flight, "other.csv", rows=slice(400, None))
+    said = orbident("validate", run, other).done().out
+    assert "'orbident report run --force' shows it in the report" in said
+    orbident("report", run, "--force").done()
+    page = (run / "report.html").read_text()
+    assert '<section id="validation">' in page
+    assert "other.csv, which was not used" in page
+    (run / "validation.json").write_text("{}")
+    orbident("report", run, "--force").refused("validation.json: was altered")
+    orbident("identify", "paper-spatial", "r.csv", "-o", "run", *LINEAR, "--force")
+    assert not (run / "validation.json").exists()
+
+
 def test_bad_signals(orbident: Orbident, run: Path):
     (run / "signals.parquet").write_bytes(b"PAR1 no more")
     words = "signals.parquet: is not what 'orbident identify' wrote", "identify again"

@@ -41,7 +41,7 @@ def recursion(A, N, z, r, sizes) -> tuple[np.ndarray, np.ndarray]:
         error = z_k - A_k @ x
         squares += error @ np.linalg.solve(S, error)
         x = x + K @ error
-        P = P - K @ A_k @ P
+        P = P - K @ (A_k @ P)
         P = (P + P.T) / 2
     variance = squares / max(z.size - scale.size, 1)
     std = np.sqrt(variance * np.maximum(np.diag(P), 0.0))

@@ -18,13 +18,18 @@ from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 
 UNCERTAIN = 0.3
+LEAST_NOISE = 0.01
+"""Over the RMS of what an equation has on its right. With the scatter alone the filter
+diverges: it takes the errors of its first linearisations for knowledge."""
 
 
 def theta_filter(robot: Robot, recording: Recording, momentum: str) -> Answer:
     """Estimate from one sample after the other."""
     e = equations_of(robot, recording, momentum)
     T, axes = e.sets.base.T, (e.N_h.shape[2], e.N_v.shape[2])
-    noise = np.repeat(e.noise(robot), (e.z_h.shape[1], e.z_v.shape[1]))
+    sizes = np.sqrt(np.mean(e.z_h**2)), np.sqrt(np.mean(e.z_v**2))
+    noise = np.maximum(e.noise(robot), LEAST_NOISE * np.array(sizes))
+    noise = np.repeat(noise, (e.z_h.shape[1], e.z_v.shape[1]))
     x = np.concatenate([robot.theta.ravel(), np.zeros(sum(axes))])
     vague = np.repeat((10 * np.abs(e.z_h).max(), 10 * np.abs(e.z_v).max()), axes)
     P = np.diag(np.concatenate([_prior(robot), vague]) ** 2)
@@ -41,10 +46,12 @@ def theta_filter(robot: Robot, recording: Recording, momentum: str) -> Answer:
                 [W @ dphi @ T, np.zeros((len(z_v), axes[0])), N_v],
             ]
         )
-        K = np.linalg.solve(H @ P @ H.T + np.diag(noise**2), H @ P).T
+        R = np.diag(noise**2)
+        K = np.linalg.solve(H @ P @ H.T + R, H @ P).T
         x = x + K @ error
-        P = P - K @ H @ P
-        P = (P + P.T) / 2
+        # Joseph's form: P stays positive.
+        left = np.eye(x.size) - K @ H
+        P = left @ P @ left.T + K @ R @ K.T
     return _answer(e.sets, T @ x[:n], T @ P[:n, :n] @ T.T)
 
 

@@ -1,5 +1,9 @@
 """`orbident validate RUN REC`."""
 
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
 from orbident.cli.options import (
     End,
     Json,
@@ -45,5 +49,24 @@ def validate(
     else:
         output.say(words)
     output.write_json(scores.to_json())
+    if kept(run, recording, scores.to_json()):
+        output.say(f"'orbident report {run} --force' shows it in the report")
     if refused:
         raise typer.Exit(1)
+
+
+def kept(run: Path, recording: Path, scores: dict[str, Any]) -> bool:
+    """Keep the scores in the RUN for its report, where that may be written."""
+    import json
+
+    from orbident.errors import InputError
+    from orbident.files.checksum import sha256
+    from orbident.files.locking import locked
+    from orbident.files.text import name_of, write_text
+    from orbident.identified.run_folder import VALIDATION
+
+    origin = {"file": name_of(recording), "sha256": sha256(recording)}
+    with suppress(InputError, OSError), locked(run):
+        write_text(run / VALIDATION, json.dumps({**origin, **scores}, indent=1))
+        return True
+    return False

@@ -47,7 +47,9 @@ RESULT, REPORT = "result.json", "report.html"
 SIGNALS, HISTORY, REPLAY = "signals.parquet", "history.csv", "replay.json"
 READ = ("robot.urdf", "robot.oem", "robot.yaml", SIGNALS, HISTORY, REPLAY)
 """What may be read again. The report is not, and can be made anew at any time."""
-OURS = (*READ, REPORT, RESULT)
+VALIDATION = "validation.json"
+"""How the result predicted a recording that was not used, by the last `validate`."""
+OURS = (*READ, VALIDATION, REPORT, RESULT)
 """All that a RUN folder has of ours; the result, which vouches for the rest, last."""
 
 

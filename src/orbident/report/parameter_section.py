@@ -26,8 +26,9 @@ TITLES = {
 
 WORDS = (
     "Parameters with their 95 % intervals, and how far they are from {known_as}: in "
-    "standard deviations and in percent. A dash: not determined, or the percentage of "
-    "a zero. Inertias are about the origins of the bodies' frames.",
+    "standard deviations (sigmas) and in percent. A marked row is more than 3 sigmas "
+    "from {known_as}. A dash: not determined, or the percentage of a zero. Inertias "
+    "are about the origins of the bodies' frames.",
 )
 
 ROUTES = (
@@ -36,6 +37,9 @@ ROUTES = (
     "standard deviations of the difference. Deviations of Eq. 32 count white noise of "
     "its equations only: more than 3 sigmas show that encoders or a drift add to it."
 )
+
+FAR = 3.0
+"""Sigmas from CAD that are no chance: the row is marked."""
 
 MOST = 20
 """Rows of a table: a robot with two arms has hundreds of parameters and routes."""
@@ -138,6 +142,7 @@ def _table(
                 signed(percent[k]),
             ),
             found.formulas[k],
+            bool(abs(sigmas[k]) > FAR),
         )
         for k in (range(len(found.names)) if shown is None else shown)
     )

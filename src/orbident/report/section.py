@@ -10,6 +10,8 @@ class TableRow(NamedTuple):
     cells: tuple[str, ...]
     note: str = ""
     """Note in small letters below the row: a formula."""
+    marked: bool = False
+    """Whether the eye is to find it."""
 
 
 class ReportTable(NamedTuple):

@@ -6,7 +6,7 @@ from pathlib import Path
 from orbident.estimation.predicted import Signals
 from orbident.estimation.result import Result
 from orbident.files.text import write_text
-from orbident.identified.run_folder import HISTORY, REPORT
+from orbident.identified.run_folder import HISTORY, REPORT, VALIDATION
 from orbident.report.conditioning import conditioning
 from orbident.report.fit import fits
 from orbident.report.limits import excitation, identifiability
@@ -17,6 +17,7 @@ from orbident.report.recursion import Trail, read_trail, recursion
 from orbident.report.replay_figure import replay_sections
 from orbident.report.section import Section
 from orbident.report.sensitivity_figure import sensitivities
+from orbident.report.validation_section import read_validation
 from orbident.report.verdict import verdict_of
 
 METHODS = {
@@ -42,12 +43,16 @@ def write_report(result: Result, folder: Path) -> Path:
     """
     path = folder / REPORT
     trail, replay = read_trail(folder / HISTORY), replay_sections(folder)
-    write_text(path, report_page(result, trail, replay))
+    validated = read_validation(folder / VALIDATION)
+    write_text(path, report_page(result, trail, replay, validated))
     return path
 
 
 def report_page(
-    result: Result, trail: Trail | None = None, replay: Sequence[Section] = ()
+    result: Result,
+    trail: Trail | None = None,
+    replay: Sequence[Section] = (),
+    validated: Section | None = None,
 ) -> str:
     """The report as HTML.
 
@@ -55,13 +60,16 @@ def report_page(
         result: of an identification.
         trail: of a recursive one.
         replay: of the motion, where the folder keeps it.
+        validated: how it predicted another recording, if it did.
     """
-    signals = seen(result)
+    sections = sections_of(result, seen(result), trail)
+    if validated is not None:
+        sections.insert(1, validated)
     return page(
         title=result.robot.name,
         subtitle=f"Identified by {METHODS.get(result.method, result.method)}",
         verdict=verdict_of(result),
-        sections=[*sections_of(result, signals, trail), *replay],
+        sections=[*sections, *replay],
     )
 
 

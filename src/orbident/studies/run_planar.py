@@ -126,8 +126,8 @@ class PlanarStudy:
 
     @property
     def result(self) -> Result:
-        """The result of the first seed, by the first of the methods."""
-        return self.main.result
+        """The result of the first seed, by the last of the methods: `identify`'s."""
+        return list(self.methods.values())[-1].result
 
     @property
     def trusted(self) -> bool:

@@ -1,0 +1,68 @@
+"""How a result predicted a recording that was not used, if `validate` was run."""
+
+import json
+from pathlib import Path
+
+from orbident.errors import InputError
+from orbident.report.numbers import NONE, short
+from orbident.report.section import ReportTable, Section, TableRow
+
+UNITS = {"gyro": "rad/s", "velocity": "m/s"}
+
+
+def read_validation(path: Path) -> Section | None:
+    """The scores that `validate` has left; None where there are none.
+
+    Raises:
+        InputError: the file is not what `validate` writes.
+    """
+    if not path.is_file():
+        return None
+    try:
+        return validation(json.loads(path.read_text(encoding="utf-8")))
+    except (ValueError, KeyError, TypeError, AttributeError):
+        raise InputError(
+            f"{path}: was altered or cut off; run 'orbident validate' again, or remove "
+            "it"
+        ) from None
+
+
+def validation(scores: dict) -> Section:
+    """The verdict, and the errors beside what was expected of them."""
+    rows = tuple(
+        TableRow(
+            (
+                f"{name}, {unit}",
+                _number(scores["rms"].get(name)),
+                _percent(scores["nrmse"].get(name)),
+                _number(scores["predicted_std"].get(name)),
+                _number(scores["noise"].get(name)),
+            )
+        )
+        for name, unit in UNITS.items()
+    )
+    words = [
+        f"Base rates and velocities of {scores['file']}, which was not used to "
+        "identify, were predicted from the motion of joints and wheels: "
+        f"{scores['verdict']}. {scores['reason'].capitalize()}.",
+    ]
+    if scores["degrees_of_freedom"]:
+        words.append(
+            f"Chi-square {short(scores['chi2'])} with {scores['degrees_of_freedom']} "
+            f"degrees of freedom, p = {short(scores['p_value'], 2)}."
+        )
+    head = ("signal", "error, RMS", "% of signal", "by parameters", "by sensors")
+    return Section(
+        name="validation",
+        title="Validation",
+        words=tuple(words),
+        tables=(ReportTable("Errors, and what is expected of them", head, rows),),
+    )
+
+
+def _number(value: float | None) -> str:
+    return NONE if value is None else short(value)
+
+
+def _percent(value: float | None) -> str:
+    return NONE if value is None else short(100 * value)
