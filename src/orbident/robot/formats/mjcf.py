@@ -66,7 +66,7 @@ def _leave_inertias_alone(spec: Any) -> None:
         geom.material = ""
     used = {geom.meshname for geom in spec.geoms}
     _delete(spec, [mesh for mesh in spec.meshes if mesh.name not in used])
-    _delete(spec, [*spec.materials, *spec.textures])
+    _delete(spec, [*spec.materials, *spec.textures, *spec.hfields])
 
 
 def _delete(spec: Any, elements: Any) -> None:
