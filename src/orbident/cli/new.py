@@ -28,7 +28,7 @@ def new(
     from orbident.cli.output import Output
     from orbident.errors import InputError
     from orbident.files.replacing import check_place
-    from orbident.files.text import write_text
+    from orbident.files.text import name_of, write_text
     from orbident.robot.new_robot_file import new_robot_text
 
     output = Output(json, quiet)
@@ -40,7 +40,8 @@ def new(
             f"{robot}: exists already, and may be edited; give another name, or "
             "remove it"
         )
-    write_text(robot, new_robot_text(robot.stem, joints, wheels, table=dh))
+    name = name_of(robot.with_suffix(""))
+    write_text(robot, new_robot_text(name, joints, wheels, table=dh))
     output.say(
         f"{robot}: written, with {joints} joints and {wheels} wheels; edit its "
         f"numbers, then: orbident check {robot}"

@@ -13,6 +13,8 @@ from orbident.extras import extra
 from orbident.files.names import listed, one_line
 from orbident.robot.urdf import Urdf, UrdfJoint, UrdfLink
 
+_Vector = Float[np.ndarray, "3"]
+
 _FREE, _BALL, _SLIDE = 0, 1, 2
 """Of `mjtJoint`."""
 
@@ -84,7 +86,7 @@ class _Reader:
             for first, count in zip(model.body_jntadr, model.body_jntnum, strict=True)
         ]
         self.bodies = [model.body(i).name or f"body{i}" for i in range(model.nbody)]
-        self.anchors: dict[int, Float[np.ndarray, 3]] = {}
+        self.anchors: dict[int, _Vector] = {}
         """Origin of each link's frame in MuJoCo's frame of its body, m."""
 
     def tree(self, name: str) -> Urdf:
