@@ -26,6 +26,13 @@ def test_a_new_robot_is_checked_moved_and_identified_as_it_is(
     assert document["warnings"] == []
 
 
+@pytest.mark.parametrize("name", ["2026", "true", "a: b", "ä", "a'b", '"'])
+def test_a_new_robot_is_called_as_its_file(orbident: Orbident, name: str):
+    orbident("new", f"{name}.yaml", "--joints", "1").done()
+    found = orbident("inspect", f"{name}.yaml", "--json", "-").done().json["name"]
+    assert found == name
+
+
 def test_what_somebody_edited_is_not_replaced(orbident: Orbident):
     orbident("new", "arm.yaml").done()
     before = Path("arm.yaml").read_bytes()

@@ -29,14 +29,15 @@ def new(
     from orbident.cli.output import Output
     from orbident.errors import InputError
     from orbident.files.replacing import check_free
-    from orbident.files.text import write_text
+    from orbident.files.text import name_of, write_text
     from orbident.robot.new_robot_file import new_robot_text
 
     output = Output(json, quiet)
     if robot.suffix.lower() not in {".yaml", ".yml"}:
         raise InputError(f"{robot}: give a name that ends in .yaml")
     check_free(robot, force)
-    write_text(robot, new_robot_text(robot.stem, joints, wheels, table=dh))
+    name = name_of(robot.with_suffix(""))
+    write_text(robot, new_robot_text(name, joints, wheels, table=dh))
     output.say(
         f"{robot}: written, with {joints} joints and {wheels} wheels; edit its "
         f"numbers, then: orbident check {robot}"

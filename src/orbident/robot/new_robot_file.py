@@ -1,5 +1,6 @@
 """A robot file to begin with: it loads as it is, and says what to edit."""
 
+import json
 import math
 
 _HEAD = """\
@@ -104,7 +105,10 @@ def new_robot_text(name: str, joints: int, wheels: int, *, table: bool = False) 
         wheels: how many; the first three are along x, y and z, more are skew.
         table: with a DH table instead of bodies.
     """
-    parts = [_HEAD.format(name=name), _arm_table(joints) if table else _arm(joints)]
+    parts = [
+        _HEAD.format(name=json.dumps(name)),
+        _arm_table(joints) if table else _arm(joints),
+    ]
     if wheels:
         parts += [_WHEELS, *(_wheel(k) for k in range(1, wheels + 1))]
     parts.append(_LIMITS)

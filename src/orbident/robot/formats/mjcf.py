@@ -1,5 +1,6 @@
 """MJCF to links and joints, as MuJoCo itself compiles it."""
 
+import re
 import warnings
 from collections.abc import Iterator
 from pathlib import Path
@@ -13,11 +14,17 @@ from orbident.extras import extra
 from orbident.files.names import listed, one_line
 from orbident.robot.urdf import Urdf, UrdfJoint, UrdfLink
 
+_Vector = Float[np.ndarray, "3"]
+
 _FREE, _BALL, _SLIDE = 0, 1, 2
 """Of `mjtJoint`."""
 
 
-def read_mjcf(path: Path) -> Urdf:
+_NAN = re.compile(r"""=\s*(["'])[\s\d.eE+-]*\bnan\b""", re.IGNORECASE)
+"""Among numbers. MuJoCo prints a warning of it past Python, and goes on."""
+
+
+def read_mjcf(text: str, path: Path) -> Urdf:
     """The links and joints of a MuJoCo model.
 
     The base is the one body of the world that has a free joint, or two slides and a
@@ -25,7 +32,8 @@ def read_mjcf(path: Path) -> Urdf:
     the last without mass. Link frames are at the joints, where MuJoCo's are anywhere.
 
     Args:
-        path: of the MJCF file, which MuJoCo reads with all that it includes.
+        text: the file.
+        path: of the file, which MuJoCo reads with all that it includes.
 
     Raises:
         InputError: MuJoCo refuses the model; it has no body, several that may be the
@@ -35,6 +43,8 @@ def read_mjcf(path: Path) -> Urdf:
     place = str(path)
     with extra("mujoco", f"{place}: an MJCF file"):
         import mujoco
+    if _NAN.search(text):
+        raise InputError(f"{place}: found 'NaN' among numbers; give finite numbers")
     # Its stubs do not say what it exports.
     api: Any = mujoco
     try:
@@ -66,7 +76,7 @@ def _leave_inertias_alone(spec: Any) -> None:
         geom.material = ""
     used = {geom.meshname for geom in spec.geoms}
     _delete(spec, [mesh for mesh in spec.meshes if mesh.name not in used])
-    _delete(spec, [*spec.materials, *spec.textures])
+    _delete(spec, [*spec.materials, *spec.textures, *spec.hfields])
 
 
 def _delete(spec: Any, elements: Any) -> None:
@@ -84,7 +94,7 @@ class _Reader:
             for first, count in zip(model.body_jntadr, model.body_jntnum, strict=True)
         ]
         self.bodies = [model.body(i).name or f"body{i}" for i in range(model.nbody)]
-        self.anchors: dict[int, Float[np.ndarray, 3]] = {}
+        self.anchors: dict[int, _Vector] = {}
         """Origin of each link's frame in MuJoCo's frame of its body, m."""
 
     def tree(self, name: str) -> Urdf:

@@ -40,7 +40,7 @@ def read_model(path: Path) -> tuple[Urdf, str]:
         text = expanded_xacro(path)
     root = _root(text)
     if root in {"mujoco", "sdf"}:
-        tree = read_mjcf(path) if root == "mujoco" else read_sdf(text, place)
+        tree = read_mjcf(text, path) if root == "mujoco" else read_sdf(text, place)
         return as_urdf(tree)
     if not expanded and "xmlns:xacro" in text and _MACROS.search(text):
         raise InputError(

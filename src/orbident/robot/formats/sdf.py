@@ -109,32 +109,32 @@ class _Reader:
         return list(zip(unique_names(elements, tag, self.place), elements, strict=True))
 
     def tree(self, name: str) -> Urdf:
+        joints = [each for each in self.joints if not self._holds_base(each)]
         hung = {}
-        for joint in self.joints:
-            if self._end(joint, "parent") != WORLD:
-                hung.setdefault(self._end(joint, "child"), joint)
+        for joint in joints:
+            hung.setdefault(self._end(joint, "child"), joint)
         # A link's frame is at the joint that it hangs on; its axes stay.
         at = {link: self.frames.pose(link) for link in self.links}
         for link, joint in hung.items():
             at[link] = SdfPose(at[link].R, self.frames.pose(_joint_frame(joint)).p)
-        links = tuple(self._link(link, at[link]) for link in self.links)
-        joints = [
-            self._joint(each, at)
-            for each in self.joints
-            if self._end(each, "parent") != WORLD
-        ]
-        for each in set(self.joints) - {joint.name for joint in joints}:
-            self._check_held(each)
-        return Urdf(name, links, tuple(joints), self.place)
+        return Urdf(
+            name,
+            tuple(self._link(link, at[link]) for link in self.links),
+            tuple(self._joint(joint, at) for joint in joints),
+            self.place,
+        )
 
-    def _check_held(self, joint: str) -> None:
-        """A base that is fixed to the world is one; one that moves on it is not."""
+    def _holds_base(self, joint: str) -> bool:
+        """Whether it fixes the base to the world, which then does not matter."""
+        if self._end(joint, "parent") != WORLD:
+            return False
         kind = self.joints[joint].get("type")
         if kind != "fixed":
             raise InputError(
                 f"{self.place}: joint '{joint}' ({kind}) hangs the base on the world, "
                 "but a base floats: remove the joint"
             )
+        return True
 
     def _end(self, joint: str, end: str) -> str:
         """The link at this end of a joint, also where the file names a frame on it."""

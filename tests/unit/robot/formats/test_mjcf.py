@@ -41,6 +41,7 @@ BAD = {
         mjcf("<body name='base'><freejoint/></body>"),
         "mass and inertia of moving bodies",
     ),
+    "not a number": (servicer().replace("'1 0 0'", "'1 NaN 0'"), "found 'NaN'"),
     # MuJoCo only warns.
     "too far": (servicer().replace("'0.2 0 0'", "'1e154 0 0'"), "give at most 1e+12"),
     "no file": (servicer(before="<include file='gone.xml'/>"), "gone.xml"),
