@@ -27,6 +27,7 @@ VERBS = {
     "convert": ("convert", "flight.mcap", "--map", "topics.yaml", "-o", "c.parquet"),
     "robots --json": ("robots", "--quiet", "--json", "robots.json"),
     "export": ("export", OLD, "--quiet", "-o", "x.urdf"),
+    "export mcap": ("export", OLD, "--recording", "r.csv", "--quiet", "-o", "x.mcap"),
     "sample": ("sample", "t.yaml", "--rate", "5", "--quiet", "-o", "s.csv"),
     "simulate": ("simulate", "paper-spatial", "t.yaml", "--quiet", "-o", "m.csv"),
     "report": ("report", OLD, "--force", "--quiet"),
