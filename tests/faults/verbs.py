@@ -28,6 +28,7 @@ VERBS = {
     "convert": ("convert", "flight.mcap", "--map", "topics.yaml", *TO, "c.parquet"),
     "robots --json": ("robots", "--quiet", "--json", "robots.json"),
     "export": ("export", OLD, "--quiet", *TO, "x.urdf"),
+    "export mcap": ("export", OLD, "--recording", "r.csv", "--quiet", *TO, "x.mcap"),
     "sample": ("sample", "t.yaml", "--rate", "5", "--quiet", *TO, "s.csv"),
     "simulate": ("simulate", "paper-spatial", "t.yaml", "--quiet", *TO, "m.csv"),
     "report": ("report", OLD, "--force", "--quiet"),

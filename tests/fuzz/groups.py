@@ -186,6 +186,8 @@ def runs(random: Random, seeds: Seeds) -> Case:
             ["validate", "run", "r.csv", "--json", "-"],
             ["report", "run", "--force"],
             ["export", "run", "-o", "e.json", "--q", "0,0,0"],
+            ["export", "run", "-o", random.choice(("e.xml", "e.sdf", "e.py", "e.mat"))],
+            ["export", "run", "-o", "e.mcap", "--recording", "r.csv"],
             ["compare", "run", "whole"],
             ["compare", "whole", "run", "--json", "-"],
         )

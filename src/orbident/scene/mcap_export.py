@@ -71,12 +71,11 @@ def write_mcap(
     with writing_mcap(path) as log:
         start = _nanoseconds(t_0 - shift)
         _write_once(log, result, start)
-        for name, motion in motions.items():
+        for k, (name, motion) in enumerate(motions.items()):
             _write_static(log, result.robot, name, start)
             moved = motion._replace(t=motion.t - shift)
-            part = list(motions).index(name) / len(motions)
             for done in _write_motion(log, result.robot, name, moved):
-                progress(part + done / len(motions))
+                progress((k + done) / len(motions))
         for signal in signals:
             _write_signal(log, signal, shift)
         return log.counts
