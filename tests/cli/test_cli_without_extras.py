@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 from processes import finished
 from running import LINEAR, Orbident, written
+from urdf_pieces import robot_file
 
 from orbident.recordings.recording import Recording
 
@@ -143,3 +144,25 @@ def test_a_robot_of_another_tool(name: str, text: str, library: str, need: str):
     assert ran.stderr == (
         f'orbident: {name}: {need} needs {library}: pip install "orbident[{library}]"\n'
     )
+
+
+@pytest.mark.parametrize(
+    ("library", "orbit", "need"),
+    [
+        ("oem", "oem: x.oem, epoch: 2026-03-01", "reading an OEM needs oem"),
+        (
+            "ppigrf",
+            "altitude: 400 km, inclination: 0, epoch: 2026-03-01",
+            "the magnetic field of a date needs ppigrf",
+        ),
+    ],
+)
+def test_orbits(library: str, orbit: str, need: str):
+    Path("x.oem").write_text("CCSDS_OEM_VERS = 2.0\n")
+    robot = robot_file(Path.cwd(), lines=f"orbit: {{{orbit}}}\n")
+    head = "schema: orbident/trajectory/1\nduration: 1\n"
+    Path("m.yaml").write_text(head + "joints: {joint1: {}, joint2: {}}\n")
+    ran = without((library,), "simulate", robot, "m.yaml", "-o", "r.csv")
+    assert ran.returncode == 2
+    assert ran.stderr.endswith(f'{need}: pip install "orbident[orbit]"\n')
+    assert ran.stderr.count("\n") == 1

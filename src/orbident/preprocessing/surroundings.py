@@ -73,8 +73,13 @@ def _by_orbit(
         )
     try:
         arc = orbit.arc(float(t[0]), float(t[-1]))
-        inertial = {"nadir": -arc.place(t), "flow": -arc.wind(t)}
-        inertial["flow"] /= np.linalg.norm(inertial["flow"], axis=1, keepdims=True)
+        # Drag goes with the square of the speed, which is one in the mean.
+        wind = arc.wind(t)
+        speed = np.linalg.norm(wind, axis=1, keepdims=True)
+        inertial = {
+            "nadir": -arc.place(t),
+            "flow": -speed * wind / np.mean(speed**2),
+        }
         if orbit.epoch is not None:
             inertial["sun"] = arc.sun(t)
             if "field" in names:
