@@ -12,6 +12,7 @@ from orbident.cli.excite import excite
 from orbident.cli.export import export
 from orbident.cli.identify import identify
 from orbident.cli.inspect import inspect
+from orbident.cli.live import live
 from orbident.cli.noise import noise
 from orbident.cli.report import report
 from orbident.cli.robots import robots
@@ -47,6 +48,7 @@ for verb in (
     compare,
     export,
     view,
+    live,
     study,
     doctor,
 ):
