@@ -20,7 +20,8 @@ from orbident.simulation.simulate import made_along, sample_times
 
 NAME, DURATION, RATE = "paper-spatial", 30.0, 20.0
 VELOCITY_STD = 1e-3
-CAPTURED = CapturedBody(60.0, np.array([0.4, 0.1, 0.0]), np.diag([5.0, 6.0, 7.0]))
+# On the axis of the last link, as what the robot file knows of it demands.
+CAPTURED = CapturedBody(30.0, np.array([0.5, 0.0, 0.0]), np.diag([1.0, 1.5, 2.0]))
 
 
 @cache
@@ -31,18 +32,24 @@ def robot() -> Robot:
 @cache
 def samples(captured_at: float | None = None) -> dict[str, np.ndarray]:
     """Columns by name, `t` among them."""
-    motion, t = random_motion(robot(), duration=DURATION), sample_times(DURATION, RATE)
+    return flown(DURATION, RATE, captured_at)
+
+
+def flown(
+    duration: float, rate: float, captured_at: float | None = None
+) -> dict[str, np.ndarray]:
+    """What a laboratory's own software sends of a flight."""
+    motion, t = random_motion(robot(), duration=duration), sample_times(duration, rate)
     if captured_at is None:
-        true = made_along(robot(), motion, RATE).true
+        true = made_along(robot(), motion, rate).true
     else:
         held = holding(robot(), CAPTURED)
         true = truth_through_change(robot(), held, motion, captured_at, t)
     random = np.random.default_rng(0)
     walk = robot().sensors["gyro"]["angle_random_walk"]
-    std = {"gyro": walk * np.sqrt(RATE), "velocity": VELOCITY_STD, "joint": 2.5e-5}
-    names = (*needed_columns(robot())[1:], *VELOCITY)
+    std = {"gyro": walk * np.sqrt(rate), "velocity": VELOCITY_STD, "joint": 2.5e-5}
     columns, exact = {"t": t}, true.columns(robot())
-    for name in names:
+    for name in (*needed_columns(robot())[1:], *VELOCITY):
         noise = std.get(name.split(".")[0], 0.0) * random.standard_normal(t.size)
         columns[name] = exact[name] + noise
     return columns
@@ -60,11 +67,13 @@ def csv_line(row: Iterable[float]) -> bytes:
 
 def json_lines(columns: dict[str, np.ndarray]) -> list[bytes]:
     rows = np.column_stack(list(columns.values())).tolist()
-    return [
-        json.dumps(dict(zip(columns, [None if np.isnan(x) else x for x in row])))
-        .encode()
-        for row in rows
-    ]
+    return [json_line(columns, row) for row in rows]
+
+
+def json_line(columns: Iterable[str], row: Iterable[float]) -> bytes:
+    named = zip(columns, row, strict=True)
+    sample = {name: None if np.isnan(x) else x for name, x in named}
+    return json.dumps(sample).encode()
 
 
 def documents(text: str) -> list[dict]:

@@ -92,14 +92,14 @@ def live(
             start["udp"] = sockets.port
         _print(start)
         given = sockets.lines() if sockets else lines_of_input(sys.stdin.fileno())
-        known = False
         try:
             for lines in given:
                 session.take(lines, sinks)
-        finally:
-            known = session.end(sinks, sockets.lost if sockets else 0)
-    if not known:
-        raise typer.Exit(1)
+        except KeyboardInterrupt:
+            session.end(sinks, sockets.lost if sockets else 0)
+            raise
+        if not session.end(sinks):
+            raise typer.Exit(1)
 
 
 def _check_number(option: str, number: float | None) -> None:

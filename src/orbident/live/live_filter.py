@@ -24,6 +24,7 @@ from orbident.estimation.recursive.prior import (
     factor_of,
 )
 from orbident.identified.flight_tables import robot_header
+from orbident.live.rate_smoothing import HALF, ready, smoothed_at, still_needed
 from orbident.live.timing import Leap, next_run
 from orbident.robot.description import Robot
 
@@ -42,6 +43,9 @@ COUNTS = ("counted", "missing", "absurd", "late", "repeated")
 
 SPIKES = "spikes"
 """Samples that alone would have been a change."""
+
+EDGES = "unsmoothed"
+"""Samples within half a second of the start, or of an interruption."""
 
 
 class Tools(NamedTuple):
@@ -106,11 +110,15 @@ class Running(NamedTuple):
 class Carried:
     """All that is carried from sample to sample."""
 
+    past: Float[np.ndarray, "m all"]
+    """Samples that went through, of the last half second,"""
     held: Float[np.ndarray, "n all"]
-    """Samples that wait for others."""
+    """and those that wait for others."""
     running: Running | None = None
+    begin: float = np.nan
+    """Time of the first sample since which there is no interruption, s."""
     before: float = np.nan
-    """Time of the last sample that was plausible, s."""
+    """Time of the last sample, s."""
     due: float = np.nan
     """Time of the next estimate to be told, s."""
     counts: Counter[str] = field(default_factory=Counter)
@@ -155,11 +163,10 @@ class LiveFilter:
                 at.held = np.delete(at.held, size, axis=0)
                 continue
             crossed = leap in {Leap.forward, Leap.back}
-            taken = self._run(at.running, at.held[:size], last=crossed)
-            at.held = at.held[taken:]
+            taken = self._pass(at.running, size, last=crossed)
             if not crossed:
                 break
-            self._cross(back=leap is Leap.back)
+            self._cross(size - taken, back=leap is Leap.back)
         return self._told
 
     def estimate(self) -> Event | None:
@@ -179,25 +186,57 @@ class LiveFilter:
     def _begun(self) -> Running | None:
         """The filter, once enough samples have come to know their rate."""
         at = self.carried
-        steps = np.diff(at.held[:, 0])
+        steps = np.diff(at.held[:WARM_UP, 0])
         steps = steps[steps > 0]
         if len(at.held) < WARM_UP or not steps.size:
             return None
         tools = tools_of(self._robot, float(np.median(steps)), self._velocity_std)
         for row in at.held:
             if running := _started(tools, row):
-                at.before = float(row[0])
+                at.begin = at.before = float(row[0])
                 at.due = at.before + self._every
                 return running
         return None
 
-    def _cross(self, back: bool) -> None:
-        """Believe the time of the next sample, which is far from the last one."""
-        at, t = self.carried, float(self.carried.held[0, 0])
+    def _pass(self, running: Running, size: int, last: bool) -> int:
+        """Let those of the first samples pass that are ready; returns how many.
+
+        Args:
+            running: the filter before.
+            size: of samples whose times follow each other.
+            last: whether none that could tell more follows them.
+        """
+        at, first = self.carried, len(self.carried.past)
+        rows = np.vstack([at.past, at.held[:size]])
+        t = rows[:, 0]
+        behind = max(first, ready(t))
+        smooth = rows.copy()
+        smooth[first:behind, -3:] = smoothed_at(t, rows[:, -3:], first, behind)
+        trusted = t[first:behind] >= at.begin + HALF
+        taken = int(trusted.argmax()) if trusted.any() else behind - first
+        at.counts[EDGES] += taken
+        if first + taken < behind:
+            taken += self._run(running, smooth[first + taken : behind], last)
+        at.held = at.held[taken:]
+        at.past = rows[still_needed(t[: first + taken]) : first + taken]
+        return taken
+
+    def _cross(self, unready: int, back: bool) -> None:
+        """Believe the time of a sample that is far from the one before.
+
+        Args:
+            unready: samples before it that have too few others behind them.
+            back: whether the clock was set back.
+        """
+        at = self.carried
+        at.counts[EDGES] += unready
+        at.past, at.held = at.past[:0], at.held[unready:]
+        t = float(at.held[0, 0])
         if back and at.running:
             self._told.append(Event("clock", t, {"before": at.before}))
             at.running = at.running.opened(t)
-        at.before, at.due = t, t + self._every
+        at.begin = at.before = t
+        at.due = t + self._every
 
     def _run(
         self, running: Running, samples: Float[np.ndarray, "n all"], last: bool

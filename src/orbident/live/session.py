@@ -108,13 +108,19 @@ class Session:
         document["lost_datagrams"] = lost
         for sink in sinks:
             sink(document)
-        if self._lines.unreadable and not self._lines.known:
-            raise InputError(
-                f"{self._source}: no line names the columns, so no sample can be read; "
-                "send a line such as 't,joint.joint1.position,..' first, or JSON "
-                "objects"
-            )
+        self._check_came()
         return last is not None
+
+    def _check_came(self) -> None:
+        if self._lines.known:
+            return
+        found = (
+            "no line names the columns" if self._lines.unreadable else "no sample came"
+        )
+        raise InputError(
+            f"{self._source}: {found}; send a line such as "
+            "'t,joint.joint1.position,..' first and then samples, or JSON objects"
+        )
 
     def _save(self) -> None:
         if self._state is not None:

@@ -24,8 +24,9 @@ def save_state(path: Path, carried: Carried) -> None:
         InputError: the place cannot be written.
     """
     arrays = {
+        "past": carried.past,
         "held": carried.held,
-        "times": np.array([carried.before, carried.due]),
+        "times": np.array([carried.begin, carried.before, carried.due]),
         "counts": np.array(json.dumps(carried.counts)),
     }
     if (running := carried.running) is not None:
@@ -41,7 +42,8 @@ def save_state(path: Path, carried: Carried) -> None:
 
 def nothing_carried(robot: Robot) -> Carried:
     """Before the first sample."""
-    return Carried(np.empty((0, len(needed_columns(robot)) + 6)))
+    nothing = np.empty((0, len(needed_columns(robot)) + 6))
+    return Carried(nothing, nothing)
 
 
 def read_state(path: Path, robot: Robot, velocity_std: float | None) -> Carried:
@@ -60,9 +62,10 @@ def read_state(path: Path, robot: Robot, velocity_std: float | None) -> Carried:
     try:
         with np.load(path, allow_pickle=False) as file:
             arrays = {name: file[name] for name in file.files}
-        before, due = map(float, arrays["times"])
+        begin, before, due = map(float, arrays["times"])
         counts = Counter(json.loads(str(arrays["counts"])))
-        carried = Carried(arrays["held"], before=before, due=due, counts=counts)
+        past, held = arrays["past"], arrays["held"]
+        carried = Carried(past, held, None, begin, before, due, counts)
         if "dt" in arrays:
             carried.running = _running(path, robot, velocity_std, arrays)
     except (OSError, ValueError, KeyError, zipfile.BadZipFile, EOFError) as error:
