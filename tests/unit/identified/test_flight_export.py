@@ -15,6 +15,7 @@ from flight_builds import (
     WARNINGS,
     exported,
     library,
+    one_joint,
     needs_compilers,
     program,
     ran,
@@ -142,9 +143,10 @@ def test_20_recordings(built: Path, tmp_path: Path):
 
 @pytest.mark.long
 @pytest.mark.parametrize("scalar", ["double", "float"])
-def test_many_spoiled_samples(spatial: Path, scalar: str):
+def test_many_spoiled_samples(tmp_path: Path, scalar: str):
+    folder = exported(tmp_path / "f", one_joint(tmp_path), 16.0, 10.0)
     steps = int(os.environ.get("ORBIDENT_FUZZED", "1000000"))
-    checks = program(CHECKS, spatial, library(spatial, scalar), scalar)
+    checks = program(CHECKS, folder, library(folder, scalar), scalar)
     print(scalar, ran(checks, "fuzz", steps, 2, limit=36_000.0))
 
 
