@@ -30,9 +30,10 @@ def test_intervals_shrink_and_a_capture_is_told(tmp_path):
         chromium(tmp_path, 1000, 900) as browser,
         started(*options, stdin=-1) as process,
     ):
-        assert process.stdin is not None
-        assert process.stdout is not None
-        url = json.loads(process.stdout.readline())["view"]
+        stdin, stdout = process.stdin, process.stdout
+        assert stdin is not None
+        assert stdout is not None
+        url = json.loads(stdout.readline())["view"]
         browser.get(url)
 
         def width(name: str) -> float:
@@ -44,8 +45,8 @@ def test_intervals_shrink_and_a_capture_is_told(tmp_path):
             return browser.find_element(By.TAG_NAME, "body").text
 
         def send(part: list[bytes]) -> None:
-            process.stdin.write(b"".join(part).decode())
-            process.stdin.flush()
+            stdin.write(b"".join(part).decode())
+            stdin.flush()
 
         until(lambda: NAME in body())
         send(lines[:80])
@@ -62,6 +63,6 @@ def test_intervals_shrink_and_a_capture_is_told(tmp_path):
         assert "mass 11" in body()
         severe = [e for e in browser.get_log("browser") if e["level"] == "SEVERE"]
         assert [e for e in severe if "favicon" not in e["message"]] == []
+        foreign = urllib.request.Request(url, headers={"Origin": "http://a.example"})
         with pytest.raises(urllib.error.HTTPError, match="403"):
-            foreign = {"Origin": "http://example.org"}
-            urllib.request.urlopen(urllib.request.Request(url, headers=foreign))
+            urllib.request.urlopen(foreign)

@@ -15,8 +15,8 @@ from flight_builds import (
     WARNINGS,
     exported,
     library,
-    one_joint,
     needs_compilers,
+    one_joint,
     program,
     ran,
 )
