@@ -27,7 +27,7 @@ needs_compilers = pytest.mark.skipif(
 
 
 def exported(
-    folder: Path, name: str, duration: float, rate: float, seed: int = 0
+    folder: Path, name: str | Path, duration: float, rate: float, seed: int = 0
 ) -> Path:
     """The folder of a robot that turns while its joints move."""
     robot = load_robot(name)
@@ -35,6 +35,44 @@ def exported(
     recording = simulate(robot, motion, rate=rate, noise="sensors", seed=seed)
     export_flight(robot, samples_of(robot, recording), None, folder)
     return folder
+
+
+ONE_JOINT = """\
+<robot name="one-joint">
+  <link name="base"><inertial><origin xyz="0.1 0.05 0"/><mass value="80"/>
+    <inertia ixx="9" iyy="8" izz="7" ixy="0.2" ixz="0.1" iyz="0.3"/></inertial></link>
+  <link name="arm"><inertial><origin xyz="0.3 0 0.1"/><mass value="8"/>
+    <inertia ixx="0.3" iyy="0.5" izz="0.6" ixy="0" ixz="0.05" iyz="0"/></inertial>
+    </link>
+  <joint name="j" type="revolute"><parent link="base"/><child link="arm"/>
+    <origin xyz="0.5 0 0.2"/><axis xyz="0 0 1"/>
+    <limit lower="-3" upper="3" velocity="2" effort="9"/></joint>
+</robot>
+"""
+
+
+def one_joint(folder: Path) -> Path:
+    """The file of a robot that is small enough for very many steps."""
+    (folder / "one-joint.urdf").write_text(ONE_JOINT)
+    wheels = "[{name: rw, axis: [0, 1, 0], inertia: 0.05, mode: held}]"
+    sensors = (
+        "{gyro: {angle_random_walk: 1e-5}, attitude: {angle: 1e-5}, "
+        "position: {std: 1e-4}, joints: {position: 1e-5}, wheels: {position: 1e-5}}"
+    )
+    path = folder / "one-joint.yaml"
+    path.write_text(
+        "schema: orbident/robot/1\nname: one-joint\nurdf: one-joint.urdf\n"
+        f"wheels: {wheels}\nsensors: {sensors}\n"
+    )
+    return path
+
+
+def sliding(folder: Path) -> Path:
+    """The same with a joint that slides."""
+    path = one_joint(folder)
+    urdf = folder / "one-joint.urdf"
+    urdf.write_text(ONE_JOINT.replace("revolute", "prismatic"))
+    return path
 
 
 def library(folder: Path, scalar: str = "double") -> Path:

@@ -1,6 +1,7 @@
 // The recursive filter's constants, room and state as Python owns them.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <memory>
 #include <new>
@@ -75,6 +76,9 @@ class OwnedState {
   OwnedState(const OwnedState& other) : size(other.size), memory_(other.memory_) { lay_out(); }
   FilterSizes size;
   FilterState at;
+  // All of it, to be kept and put back.
+  const AlignedDoubles& numbers() const { return memory_; }
+  void put(const double* numbers) { std::copy(numbers, numbers + memory_.size(), memory_.begin()); }
 
  private:
   void lay_out() {

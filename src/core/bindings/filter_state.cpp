@@ -33,6 +33,9 @@ auto information(const FilterSizes& size, const double* from, bool with_z) {
   return out.give();
 }
 
+auto numbers_of(const OwnedState& s) {
+  return vector(s.numbers().data(), static_cast<int>(s.numbers().size()));
+}
 auto beta_of(const OwnedState& s) { return vector(s.at.beta, s.size.betas()); }
 auto nuisances_of(const OwnedState& s) { return vector(s.at.x, s.size.nuisances); }
 auto R_WB_of(const OwnedState& s) { return table(s.at.R_WB, 3, 3, 3); }
@@ -60,6 +63,7 @@ auto prior_of(const OwnedState& s) { return information(s.size, s.at.prior, true
 
 void bind_filter_state(nb::module_& m) {
   nb::class_<OwnedState>(m, "FilterState", "What the recursive filter carries; a constant.")
+      .def_prop_ro("numbers", &numbers_of, nb::rv_policy::move)
       .def_prop_ro("t", [](const OwnedState& s) { return *s.at.t; })
       .def_prop_ro("held_in_beta", [](const OwnedState& s) { return held_in_beta(s.at); })
       .def_prop_ro("beta", &beta_of, nb::rv_policy::move)

@@ -31,14 +31,23 @@ SharedState start_of(const OwnedFilter& filter, const Array& beta_, const Array&
   return state;
 }
 
-SharedState opened(const OwnedFilter& filter, const OwnedState& before, const Array& change_) {
+SharedState opened(const OwnedFilter& filter, const OwnedState& before, const Array& change_,
+                   std::optional<double> t) {
   const FilterModel model = filter.view();
   const FilterSizes size = model.sizes();
   const auto change = input<2>("change", change_, {size.betas(), size.betas()});
   auto state = std::make_shared<OwnedState>(before);
   Room room(model);
   AlignedDoubles tables(static_cast<std::size_t>(opening_numbers(size)));
-  open_up(model, state->at, *before.at.t, change.data(), tables.data(), room.at);
+  open_up(model, state->at, t ? *t : *before.at.t, change.data(), tables.data(), room.at);
+  return state;
+}
+
+SharedState restored(const OwnedFilter& filter, const Array& numbers_) {
+  auto state = std::make_shared<OwnedState>(filter.view().sizes());
+  const auto numbers =
+      input<1>("numbers", numbers_, {static_cast<std::int64_t>(state->numbers().size())});
+  state->put(numbers.data());
   return state;
 }
 
@@ -82,6 +91,11 @@ bool scaled_of(const OwnedFilter& filter, const OwnedState& state, double mass) 
 struct OwnedWatch {
   int rows, window;
   std::vector<double> sums, times;
+  std::vector<double> numbers() const {
+    std::vector<double> all(sums);
+    all.insert(all.end(), times.begin(), times.end());
+    return all;
+  }
   OwnedWatch(int rows, int window)
       : rows(rows),
         window(window),
@@ -93,11 +107,27 @@ struct OwnedWatch {
   Watch view() { return {rows, window, sums.data(), times.data()}; }
 };
 
+auto given(const std::vector<double>& from) {
+  Out<1> out(static_cast<std::ptrdiff_t>(from.size()));
+  std::copy(from.begin(), from.end(), out.data());
+  return out.give();
+}
+
 using SharedWatch = std::shared_ptr<OwnedWatch>;
 
 SharedWatch make_watch(int rows, int window) {
   if (rows < 1 || window < 1) throw nb::value_error("rows, window: give at least one of each");
   return std::make_shared<OwnedWatch>(rows, window);
+}
+
+SharedWatch watch_from(int rows, int window, const Array& numbers_) {
+  const SharedWatch watch = make_watch(rows, window);
+  const auto all = static_cast<std::int64_t>(watch->sums.size() + watch->times.size());
+  const auto numbers = input<1>("numbers", numbers_, {all});
+  const double* const times = numbers.data() + watch->sums.size();
+  std::copy(numbers.data(), times, watch->sums.begin());
+  std::copy(times, numbers.data() + all, watch->times.begin());
+  return watch;
 }
 
 auto watched(const OwnedWatch& before, double t, const Array& white_) {
@@ -108,7 +138,8 @@ auto watched(const OwnedWatch& before, double t, const Array& white_) {
   return std::make_tuple(after, most.g, most.onset);
 }
 
-// Steps until the samples end or g exceeds the threshold: the onset of that change, or none.
+// Steps until the samples end or g exceeds the threshold: the onset of that change, or none. Of each sample
+// [nis, dof, g, whether it counts (0) or why not].
 auto run(const OwnedFilter& filter, const OwnedState& before, const OwnedWatch& watch_before,
          double threshold, const Array& t_, const Array& samples_) {
   const FilterModel model = filter.view();
@@ -119,7 +150,7 @@ auto run(const OwnedFilter& filter, const OwnedState& before, const OwnedWatch& 
   const int betas = state->size.betas();
   if (after->rows != state->size.rows)
     throw nb::value_error("watch: it has not the rows of the filter's innovations");
-  Out<2> beta(t.size(0), betas), std(t.size(0), betas), tests(t.size(0), 3);
+  Out<2> beta(t.size(0), betas), std(t.size(0), betas), tests(t.size(0), 4);
   std::ptrdiff_t done = 0;
   std::optional<double> onset;
   {
@@ -134,10 +165,11 @@ auto run(const OwnedFilter& filter, const OwnedState& before, const OwnedWatch& 
       if (most.g > threshold) onset = most.onset;
       std::copy(state->at.beta, state->at.beta + betas, beta.data() + done * betas);
       deviations(model, state->at, room.at, std.data() + done * betas);
-      double* const test = tests.data() + 3 * done;
+      double* const test = tests.data() + 4 * done;
       test[0] = innovation.nis;
       test[1] = innovation.dof;
       test[2] = most.g;
+      test[3] = static_cast<double>(innovation.counts);
       ++done;
     }
   }
@@ -163,7 +195,8 @@ void bind_recursive(nb::module_& m) {
            nb::arg("momentum_axes"), nb::arg("velocity_axes"), nb::arg("noise"))
       .def("start", &start_of, nb::arg("beta"), nb::arg("root"), nb::arg("sample"),
            nb::arg("h_cm").none())
-      .def("opened", &opened, nb::arg("state"), nb::arg("change"))
+      .def("opened", &opened, nb::arg("state"), nb::arg("change"), nb::arg("t") = nb::none())
+      .def("restored", &restored, nb::arg("numbers"))
       .def("step", &step_of, nb::arg("state"), nb::arg("t"), nb::arg("sample"))
       .def("gathered", &gathered, nb::arg("state"), nb::arg("t"), nb::arg("samples"))
       .def("scaled", &scaled_of, nb::arg("state"), nb::arg("mass"))
@@ -171,6 +204,9 @@ void bind_recursive(nb::module_& m) {
            nb::arg("samples"));
   nb::class_<OwnedWatch>(m, "Watch", "What a change detector remembers; a constant.")
       .def(nb::new_(&make_watch), nb::arg("rows"), nb::arg("window"))
+      .def_static("restored", &watch_from, nb::arg("rows"), nb::arg("window"), nb::arg("numbers"))
+      .def_prop_ro("numbers", [](const OwnedWatch& watch) { return given(watch.numbers()); },
+                   nb::rv_policy::move)
       .def("step", &watched, nb::arg("t"), nb::arg("white"));
 }
 

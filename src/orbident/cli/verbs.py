@@ -13,6 +13,7 @@ from orbident.cli.excite import excite
 from orbident.cli.export import export
 from orbident.cli.identify import identify
 from orbident.cli.inspect import inspect
+from orbident.cli.live import live
 from orbident.cli.new import new
 from orbident.cli.noise import noise
 from orbident.cli.report import report
@@ -51,6 +52,7 @@ EXAMPLES = {
     compare: "orbident compare before after",
     export: "orbident export run -o identified.urdf",
     view: "orbident view run --recording other_flight.csv",
+    live: "orbident live servicer.yaml --every 1 < samples.csv",
     study: "orbident study spatial --noise paper --seeds 20",
     doctor: "orbident doctor",
 }

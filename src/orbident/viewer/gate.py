@@ -22,7 +22,7 @@ HTTP_PORT = 80
 
 REFUSED = (
     "Refused: this viewer answers only pages of its own address. Open the address that "
-    "`orbident view` has printed, with its port and token.\n"
+    "orbident has printed, with its port and token.\n"
 )
 
 SILENT = logging.getLogger("orbident.viewer")
@@ -161,14 +161,14 @@ def _checked(gate: Gate, answer: Callable[[Any, Any], Any]) -> Callable[..., Any
             return connection.respond(403, REFUSED)
         response = answer(connection, replace(request, path=path))
         if response is not None:
-            for name, value in _restrictions(headers["Host"]).items():
+            for name, value in restrictions(headers["Host"]).items():
                 response.headers[name] = value
         return response
 
     return checked
 
 
-def _restrictions(host: str) -> dict[str, str]:
+def restrictions(host: str) -> dict[str, str]:
     """Headers that keep the page from being used by another one.
 
     No page may hold it in a frame, where a click could be led onto it. It may connect

@@ -218,6 +218,20 @@ static int refusals(void) {
   bad |= orbident_step(&ROBOT, memory, 1, sample) != ORBIDENT_NOT_LATER;
   bad |= orbident_step(&ROBOT, memory, (orbident_real)2e9, sample) != ORBIDENT_ABSURD;
   bad |= orbident_step(&ROBOT, memory, (orbident_real)NAN, sample) != ORBIDENT_INCOMPLETE;
+  /* A quaternion of zeros; then rates of which one number, or two, are the last ones. */
+  const int w = 2 * ROBOT.joints;
+  for (int i = 0; i < 4; ++i) sample[w + 3 + i] = 0;
+  bad |= orbident_step(&ROBOT, memory, 2, sample) != ORBIDENT_ABSURD;
+  for (int same = 1; same < 3; ++same) {
+    orbident_real before[3];
+    read_sample(same + 2);
+    bad |= orbident_step(&ROBOT, memory, (orbident_real)(1 + 0.1 * same), sample) < 0;
+    for (int i = 0; i < 3; ++i) before[i] = sample[w + i];
+    read_sample(same + 3);
+    for (int i = 0; i < same; ++i) sample[w + i] = before[i];
+    bad |= orbident_step(&ROBOT, memory, (orbident_real)(1.05 + 0.1 * same), sample) < 0 && ROBOT.momenta > 1;
+  }
+  read_sample(1);
   sample[ROBOT_MEASURED - 4] = (orbident_real)NAN;
   bad |= orbident_step(&ROBOT, memory, 2, sample) != ORBIDENT_NO_VELOCITY;
   sample[0] = (orbident_real)INFINITY;
@@ -241,9 +255,10 @@ int main(int count, char** words) {
   if (count > 1 && !strcmp(words[1], "fuzz")) return fuzz(number);
   if (count > 1 && !strcmp(words[1], "restore")) return restore(number);
   if (count > 1 && !strcmp(words[1], "times")) return times(number);
-  /* With a known momentum too. */
+  /* With a known momentum too, and without a velocity. */
   const orbident_real h_cm[3] = {1, 2, 3};
   read_sample(0);
+  sample[ROBOT_MEASURED - 6] = (orbident_real)NAN;
   if (orbident_init(&ROBOT, other, ROBOT_MEMORY, sample, h_cm) != ORBIDENT_DONE) return 1;
   return refusals();
 }

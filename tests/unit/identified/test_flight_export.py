@@ -16,6 +16,7 @@ from flight_builds import (
     exported,
     library,
     needs_compilers,
+    one_joint,
     program,
     ran,
 )
@@ -143,9 +144,10 @@ def test_20_recordings(built: Path, tmp_path: Path):
 
 @pytest.mark.long
 @pytest.mark.parametrize("scalar", ["double", "float"])
-def test_many_spoiled_samples(spatial: Path, scalar: str):
+def test_many_spoiled_samples(tmp_path: Path, scalar: str):
+    folder = exported(tmp_path / "f", one_joint(tmp_path), 16.0, 10.0)
     steps = int(os.environ.get("ORBIDENT_FUZZED", "1000000"))
-    checks = program(CHECKS, spatial, library(spatial, scalar), scalar)
+    checks = program(CHECKS, folder, library(folder, scalar), scalar)
     print(scalar, ran(checks, "fuzz", steps, 2, limit=36_000.0))
 
 

@@ -106,12 +106,10 @@ int orbident_step(const orbident_robot* robot, orbident_real* memory, orbident_r
   if (status != ORBIDENT_DONE) return status;
   const FilterModel model = flight::model_of(*robot, at.joint, at.wheel);
   const FilterSizes size = model.sizes();
-  const Measurement measured = measurement_at(model.laws.robot, sample);
-  const Counts reason = counts(model, at.filter, t, measured);
   const Innovation innovation = step(model, at.filter, t, sample, at.room);
   *at.t = t;
   for (int i = 0; i < size.rows; ++i) at.white[i] = innovation.white[i * innovation.stride];
-  if (reason != Counts::yes) return flight::code_of(reason);
+  if (innovation.counts != Counts::yes) return flight::code_of(innovation.counts);
   const int code = innovation.dof < size.rows ? ORBIDENT_NO_VELOCITY : ORBIDENT_DONE;
   return flight::checked(at, size, code);
 }

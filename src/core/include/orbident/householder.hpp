@@ -117,14 +117,17 @@ ORBIDENT_INLINE void fold_block(Real* R, std::ptrdiff_t R_stride, Real* X, std::
     const Real b = 2 / (v * v + below);
     R_j[j] = 0.0;
     for (int i = 0; i < N; ++i) X[i * stride + j] = 0.0;
-    const int rest = reflect<LANES>(R_j, X, stride, count, j / LANES * LANES, n, v, u, b);
+    [[maybe_unused]] const int rest = reflect<LANES>(R_j, X, stride, count, j / LANES * LANES, n, v, u, b);
+#ifndef ORBIDENT_SMALL
     reflect<1>(R_j, X, stride, count, rest, n, v, u, b);
+#endif
     R_j[j] = scale * image;
   }
 }
 
 // Folds the m rows X of n columns into R: their first `columns` are brought to zero, and X keeps what
-// is left of the others.
+// is left of the others. All tables of the filter have a multiple of LANES columns, and a build for it
+// (ORBIDENT_SMALL) is for such alone.
 ORBIDENT_WIDEST inline void fold(Real* R, std::ptrdiff_t R_stride, Real* X, std::ptrdiff_t stride,
                                  int m, int n, int columns) {
 #ifdef ORBIDENT_SMALL

@@ -18,21 +18,22 @@
 
 namespace orbident {
 
+// Whether a sample counts, or why not.
+enum class Counts { yes, incomplete, absurd, not_later, repeated };
+
 // What one sample said about the estimate before it.
 struct Innovation {
   const Real* white;  // `stride` entries apart: independent, unit variance while nothing changes
   int stride;
   Real nis;  // |white|^2: chi-square with dof degrees of freedom
   int dof;     // 0 where the sample does not count
+  Counts counts;
 };
 
 // In the plane momentum has its last component alone.
 inline Vector momentum_in(const FilterModel& model, const Real* x) {
   return model.laws.axes.momenta == 1 ? Vector(0, 0, x[0]) : Vector(x[0], x[1], x[2]);
 }
-
-// Whether a sample counts, or why not.
-enum class Counts { yes, incomplete, absurd, not_later, repeated };
 
 constexpr Real LARGEST = 1e6;       // SI: no angle, rate or speed of a spacecraft is beyond it
 constexpr Real LONGEST = 1e9;       // s: nor is the time between two samples, which is 30 years
@@ -72,9 +73,10 @@ inline Innovation take_in(const FilterModel& model, FilterState& state, Real t,
   const bool reduced = held_in_beta(state);
   const int n = size.nuisances, y = reduced ? size.betas() : size.parameters;
   const int stride = size.row_stride();
-  if (counts(model, state, t, at) != Counts::yes) {
+  const Counts reason = counts(model, state, t, at);
+  if (reason != Counts::yes) {
     for (int i = 0; i < size.rows; ++i) room.rows[i * stride + n + y] = 0.0;
-    return {room.rows + n + y, stride, 0.0, 0};
+    return {room.rows + n + y, stride, 0.0, 0, reason};
   }
   const Vector h_cm = momentum_in(model, state.x);
   const Matrix R_WB = quaternion_matrix<Real>(Quaternion<Real>(at.x_WB));
@@ -100,7 +102,7 @@ inline Innovation take_in(const FilterModel& model, FilterState& state, Real t,
   *state.t = t;
   for (int i = 0; i < 3; ++i) state.w[i] = at.w[i];
   for (int i = 0; i < 9; ++i) state.R_WB[i] = R_WB(i / 3, i % 3);
-  Innovation innovation{room.rows + n + y, stride, 0.0, size.rows};
+  Innovation innovation{room.rows + n + y, stride, 0.0, size.rows, reason};
   for (int i = 0; i < size.rows; ++i) {
     const Real white = innovation.white[i * stride];
     innovation.nis += white * white;

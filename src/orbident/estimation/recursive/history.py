@@ -60,8 +60,9 @@ class FilterHistory(NamedTuple):
 
     beta: Float[np.ndarray, "n beta"]
     std: Float[np.ndarray, "n beta"]
-    tests: Float[np.ndarray, "n 3"]
-    """Innovation squared, its degrees of freedom, and the detector's statistic."""
+    tests: Float[np.ndarray, "n 4"]
+    """Innovation squared, its degrees of freedom, the detector's statistic, and 0 for
+    a sample that counts."""
     changes: tuple[Change, ...]
     scale: bool
     """Whether the wheels' momentum told the scale."""
@@ -93,7 +94,7 @@ def recursive_history(
     detector = Detector(kalman.rows, false_alarms=false_alarms, samples=t.size)
     at = filter_history(robot, kalman, detector, given, h_cm, progress)
     unknown = 0.0 if at.scale else np.nan
-    nis, dof, statistic = at.tests.T
+    nis, dof, statistic, _ = at.tests.T
     pi, phi = zip(*(sets_of_beta(kalman.sets, row) for row in at.beta), strict=True)
     beforehand = np.linalg.norm(np.linalg.inv(prior.root), axis=1)
     covariance = at.last.covariance

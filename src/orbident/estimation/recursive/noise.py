@@ -113,6 +113,38 @@ def noise_of(robot: Robot, samples: Samples, seen: float = 0.0) -> Noise:
     )
 
 
+def declared_noise(robot: Robot, dt: float, velocity: float | None) -> Noise:
+    """The noise of samples whose rates and velocity are measured, as declared.
+
+    Args:
+        robot: with its sensors.
+        dt: from sample to sample, s.
+        velocity: standard deviation of a velocity sample, m/s; None where there is
+            none.
+
+    Raises:
+        InputError: the gyro's noise is not declared.
+    """
+    gyro, attitude, joints = (
+        robot.sensors.get(key) or {} for key in ("gyro", "attitude", "joints")
+    )
+    white = gyro.get("angle_random_walk", 0.0) / np.sqrt(dt)
+    if not white:
+        raise InputError(
+            f"{robot.name}: sensors: found no noise of the gyro; give "
+            "gyro.angle_random_walk in the robot file ('orbident noise' finds it from "
+            "a recording at rest)"
+        )
+    return Noise(
+        gyro=float(np.hypot(white, rate_noise(robot))) if robot.wheels else white,
+        velocity=max(velocity or 0.0, LEAST),
+        gyro_bias=max(bias_std("gyro", gyro), LEAST),
+        gyro_walk=bias_walk(gyro),
+        attitude=attitude.get("angle", 0.0),
+        joint_rates=joints.get("tachometer") or joints.get("position", 0.0) / MEMORY,
+    )
+
+
 def _left_over(robot: Robot, samples: Samples) -> float:
     """What least squares leaves of a velocity that no sensor is declared for, m/s."""
     fits = fit(robot, minimal_sets(robot), samples, "unknown", lambda _: None)

@@ -1,0 +1,115 @@
+"""`orbident live ROBOT`."""
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from orbident.cli.options import RobotName
+
+LOOPBACK = frozenset({"127.0.0.1", "localhost", "::1"})
+
+
+def live(
+    robot: RobotName,
+    udp: Annotated[
+        int | None,
+        typer.Option(
+            metavar="PORT",
+            help="Read datagrams of this port, not standard input; each has one line "
+            "or several. Ctrl-C ends it.",
+            min=0,
+            max=65535,
+        ),
+    ] = None,
+    host: Annotated[
+        str,
+        typer.Option(
+            help="Address to read datagrams at; 0.0.0.0 for all networks, from where "
+            "anybody can send samples then."
+        ),
+    ] = "127.0.0.1",
+    every: Annotated[
+        float,
+        typer.Option(metavar="S", help="Time of the samples between two estimates, s."),
+    ] = 1.0,
+    velocity_std: Annotated[
+        float | None,
+        typer.Option(
+            metavar="M/S",
+            help="Standard deviation of a sample of velocity.x, .y, .z, m/s. Without "
+            "it these columns are not used, and the mass is not determined.",
+        ),
+    ] = None,
+    state: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE",
+            help="Keep there what is carried from sample to sample, at every estimate, "
+            "and go on from there at the next start.",
+        ),
+    ] = None,
+    view: Annotated[
+        bool,
+        typer.Option(
+            "--view", help="Show the estimates in a browser of this machine too."
+        ),
+    ] = False,
+) -> None:
+    """Estimate while samples come, as lines of CSV or JSON; write JSON lines."""
+    import sys
+    from contextlib import ExitStack
+
+    from orbident.cli.streams import warn
+    from orbident.files.replacing import check_place
+    from orbident.live.session import Session
+    from orbident.live.sources import Datagrams, lines_of_input
+    from orbident.robot.robot_file import load_robot
+
+    _check_number("--every", every)
+    _check_number("--velocity-std", velocity_std)
+    if state is not None:
+        check_place(state)
+    described = load_robot(robot)
+    sockets = None if udp is None else Datagrams(host, udp)
+    source = "standard input" if sockets is None else f"UDP port {sockets.port}"
+    if sockets is not None and host not in LOOPBACK:
+        warn(
+            f"samples are taken from whoever can reach {host}, port {sockets.port}; "
+            "leave out --host to take them from this machine alone"
+        )
+    session = Session(described, source, every, velocity_std, state)
+    start, sinks = session.start(), [_print]
+    with ExitStack() as opened:
+        if view:
+            from orbident.viewer.live_page import LivePage
+
+            page = LivePage(start)
+            opened.callback(page.close)
+            sinks.append(page.send)
+            start["view"] = page.url
+        if sockets is not None:
+            start["udp"] = sockets.port
+        _print(start)
+        given = sockets.lines() if sockets else lines_of_input(sys.stdin.fileno())
+        try:
+            for lines in given:
+                session.take(lines, sinks)
+        except KeyboardInterrupt:
+            session.end(sinks, sockets.lost if sockets else 0)
+            raise
+        if not session.end(sinks):
+            raise typer.Exit(1)
+
+
+def _check_number(option: str, number: float | None) -> None:
+    from orbident.errors import InputError
+
+    if number is not None and not 0 < number < float("inf"):
+        raise InputError(f"{option}: found {number}; give a number above zero")
+
+
+def _print(document: dict[str, Any]) -> None:
+    from json import dumps
+
+    print(dumps(document, allow_nan=False), flush=True)

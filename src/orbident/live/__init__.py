@@ -1,0 +1,1 @@
+"""The recursive filter on a stream of samples, in a laboratory."""

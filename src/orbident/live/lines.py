@@ -1,0 +1,129 @@
+"""Lines of text into samples: CSV with a header, or JSON objects, one a line.
+
+Both name their columns as a recording does. What stands before the first header, and
+what is neither, is counted and left out.
+"""
+
+import json
+import math
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+from jaxtyping import Float
+
+from orbident.errors import InputError
+from orbident.files.names import listed
+from orbident.recordings.columns import VECTORS, meaning
+from orbident.robot.description import Robot
+
+VELOCITY = tuple(f"velocity.{axis}" for axis in "xyz")
+LONGEST = 2**16
+"""Bytes of a line: a stream without line ends would fill the memory."""
+
+
+def needed_columns(robot: Robot) -> tuple[str, ...]:
+    """The columns of a complete sample but for its velocity, `t` first."""
+    vectors = {
+        name: [f"{name}.{axis}" for axis in VECTORS[name][0]]
+        for name in ("gyro", "attitude")
+    }
+    return (
+        "t",
+        *(f"joint.{name}.position" for name in robot.joint_names),
+        *(f"joint.{name}.velocity" for name in robot.joint_names),
+        *vectors["gyro"],
+        *vectors["attitude"],
+        *(f"wheel.{name}.speed" for name in robot.wheel_names),
+    )
+
+
+class Lines:
+    """Reads lines as they come; the header is what it remembers."""
+
+    def __init__(self, robot: Robot, source: str) -> None:
+        """Nothing has come yet.
+
+        Args:
+            robot: whose columns count.
+            source: where the lines come from, for messages.
+        """
+        self._source = source
+        self._needed = needed_columns(robot)
+        first = 1 + 2 * len(robot.joints)
+        # The gyro once more: nothing here smooths it without looking ahead.
+        self._columns = (*self._needed, *VELOCITY, *self._needed[first : first + 3])
+        self._cells = 0
+        self._places: list[int] = []
+        self.known = False
+        """Whether a header, or an object with its columns, has come."""
+        self.unreadable = 0
+        """Lines so far that were neither a header nor a sample."""
+
+    def take(self, lines: Iterable[bytes]) -> Float[np.ndarray, "n all"]:
+        """The samples of some lines: the time, then all that the filter takes.
+
+        Raises:
+            InputError: the first header, or the first object, lacks a column.
+        """
+        samples = []
+        for line in lines:
+            text = line.strip()
+            if not text:
+                continue
+            try:
+                sample = self._one(text)
+            except (ValueError, TypeError) as error:
+                if isinstance(error, InputError):
+                    raise
+                self.unreadable += 1
+                continue
+            if sample is not None:
+                samples.append(sample)
+        return np.array(samples, dtype=float).reshape(-1, len(self._columns))
+
+    def _one(self, text: bytes) -> list[float] | None:
+        """One sample; none for a header."""
+        if text.startswith(b"{"):
+            return self._of_object(json.loads(text))
+        cells = text.split(b",")
+        if self._places:
+            if len(cells) != self._cells:
+                raise ValueError
+            try:
+                numbers = [float(cell) if cell else math.nan for cell in cells]
+            except ValueError:
+                self._read_header(text)
+                return None
+            numbers.append(math.nan)
+            return [numbers[place] for place in self._places]
+        self._read_header(text)
+        return None
+
+    def _of_object(self, values: dict[str, float | None]) -> list[float]:
+        if not self.known:
+            self._check(list(values))
+        sample = [values.get(name) for name in self._columns]
+        return [math.nan if value is None else float(value) for value in sample]
+
+    def _read_header(self, text: bytes) -> None:
+        names = [name.strip() for name in text.decode("utf-8-sig").split(",")]
+        if "t" not in names:
+            raise ValueError
+        self._check(names)
+        # One past the last cell stands for what no column gives.
+        where = {name: place for place, name in enumerate(names)}
+        self._places = [where.get(name, len(names)) for name in self._columns]
+        self._cells = len(names)
+
+    def _check(self, names: Sequence[str]) -> None:
+        lacking = [name for name in self._needed if name not in names]
+        if lacking and self.known:
+            raise ValueError
+        if lacking:
+            what = meaning(lacking[0])
+            raise InputError(
+                f"{self._source}: found no column '{lacking[0]}' ({what}) among "
+                f"{listed(names)}; send it with every sample: nothing is derived from "
+                "later ones"
+            )
+        self.known = True

@@ -1,0 +1,97 @@
+"""`orbident live`: lines in, JSON lines out, and a restart."""
+
+import json
+import signal
+import socket
+from pathlib import Path
+
+import pytest
+from live_streams import NAME, csv_lines, documents, json_lines, samples, stream_file
+from processes import ORBIDENT, finished, started
+
+COMMAND = (*ORBIDENT, "live", NAME, "--velocity-std", "1e-3", "--every", "5")
+
+
+def ran(stream: Path, *options: object, status: int = 0) -> list[dict]:
+    with stream.open("rb") as given:
+        run = finished(*COMMAND, *options, stdin=given)
+    assert (run.returncode, run.stderr) == (status, "")
+    return documents(run.stdout)
+
+
+def test_estimates_and_an_alarm(tmp_path: Path):
+    start, *told, end = ran(stream_file(tmp_path, csv_lines(samples(15.0))))
+    assert start["robot"] == NAME
+    kinds = [document["event"] for document in told]
+    assert sorted(kinds) == ["change", *5 * ["estimate"]]
+    assert 15.0 < next(d for d in told if d["event"] == "change")["onset"] < 15.2
+    assert len(end["beta"]) == len(end["std"]) == len(start["names"])
+    assert end["mass"]["value"] == end["beta"][0]
+    assert end["counts"]["counted"] == 579
+    assert end["counts"]["unreadable"] == end["lost_datagrams"] == 0
+
+
+def test_a_restart_ends_with_the_same_bits(tmp_path: Path):
+    lines = json_lines(samples())
+    whole = ran(stream_file(tmp_path, lines))[-1]
+    state = tmp_path / "state"
+    ran(stream_file(tmp_path, lines[:300]), "--state", state)
+    start, *_, end = ran(stream_file(tmp_path, lines[300:]), "--state", state)
+    assert start["resumed_at"] == 14.35
+    assert end == whole
+
+
+def test_datagrams(tmp_path: Path):
+    lines = json_lines(samples())
+    with started("live", NAME, "--velocity-std", "1e-3", "--udp", "0") as process:
+        assert process.stdout is not None
+        start = json.loads(process.stdout.readline())
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
+            sender.connect(("127.0.0.1", start["udp"]))
+            for k in range(0, 200, 2):
+                sender.send(b"\n".join(lines[k : k + 2]))
+            sender.send(b"\xff\x00 no sample")
+            sender.send(b"\n".join(lines[200:202]))
+            told = json.loads(process.stdout.readline())
+            assert told["event"] == "estimate"
+            for _ in range(8):
+                process.stdout.readline()
+        process.send_signal(signal.SIGINT)
+        rest, errors = process.communicate(timeout=60)
+    end = documents(rest)[-1]
+    assert end["event"] == "end"
+    assert end["counts"]["unreadable"] == 1
+    assert process.returncode == 130
+    assert errors == "orbident: interrupted\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (b"", "no sample came"),
+        (b"1,2,3\n4,5,6\n", "no line names the columns"),
+        (b"t,gyro.x\n", "found no column 'joint.joint1.position'"),
+    ],
+)
+def test_streams_that_cannot_be(tmp_path: Path, text: bytes, message: str):
+    stream = tmp_path / "stream"
+    stream.write_bytes(text)
+    with stream.open("rb") as given:
+        run = finished(*COMMAND, stdin=given)
+    assert run.returncode == 2
+    assert message in run.stderr
+    assert run.stderr.count("\n") == 1
+
+
+def test_a_robot_without_noise(tmp_path: Path):
+    robot = tmp_path / "robot.yaml"
+    robot.write_text("schema: orbident/robot/1\nname: bare\nurdf: r.urdf\n")
+    library = Path(__file__).parents[2] / "src/orbident/robot/library"
+    (tmp_path / "r.urdf").write_text((library / "paper-spatial.urdf").read_text())
+    with stream_file(tmp_path, csv_lines(samples())).open("rb") as given:
+        run = finished(*ORBIDENT, "live", robot, stdin=given)
+    assert run.returncode == 2
+    assert "give gyro.angle_random_walk" in run.stderr
+    run = finished(*COMMAND[:-1], "0", input="")
+    assert (run.returncode, run.stdout) == (2, "")
+    assert "--every: found 0.0; give a number above zero" in run.stderr

@@ -1,0 +1,122 @@
+"""What can be shown of a flight build by other tools: coverage, MISRA, stack, size.
+
+What they print stands in docs/how-to/flight-computer.md.
+"""
+
+import json
+import re
+import shutil
+from collections import Counter
+from pathlib import Path
+
+import pytest
+from flight_builds import (
+    CHECKS,
+    WARNINGS,
+    exported,
+    needs_compilers,
+    one_joint,
+    ran,
+    sliding,
+)
+
+pytestmark = needs_compilers
+
+FLIGHT = (
+    "-std=c++17",
+    "-fno-exceptions",
+    "-fno-rtti",
+    "-fno-math-errno",
+    "-fno-threadsafe-statics",
+    "-ffp-contract=off",
+)
+CORTEX = ("-mcpu=cortex-m7", "-mfpu=fpv5-d16", "-mfloat-abi=hard", "-mthumb")
+
+
+def includes(folder: Path) -> list[object]:
+    return [f"-I{folder}", f"-I{folder / 'include'}", "-isystem", folder / "eigen"]
+
+
+def needs(*programs: str) -> pytest.MarkDecorator:
+    """Skips a test where a program is missing."""
+    missing = [name for name in programs if shutil.which(name) is None]
+    return pytest.mark.skipif(bool(missing), reason=f"{', '.join(missing)} is missing")
+
+
+@pytest.fixture(scope="module")
+def spatial(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("flight") / "f"
+    return exported(folder, "paper-spatial", 16.0, 10.0)
+
+
+@needs("ld")
+def test_a_linked_program_has_no_heap(spatial: Path, tmp_path: Path):
+    """The filter alone in a shared library: the map names what it draws in."""
+    out, map_ = tmp_path / "flight.so", tmp_path / "map"
+    shared = ("-shared", "-fPIC", "-nostdlib", f"-Wl,-Map={map_}")
+    source = spatial / "flight.cpp"
+    ran(
+        "c++", *FLIGHT, "-O2", *WARNINGS, *includes(spatial), *shared, source, "-o", out
+    )
+    told = map_.read_text()
+    assert "orbident_step" in told
+    assert not re.search(r"malloc|calloc|realloc|free\b|_Zn|_Zd|__cxa", told)
+
+
+@pytest.mark.long
+@needs("gcov")
+def test_branches_are_taken(spatial: Path, tmp_path: Path):
+    """Of our own headers, without optimisation, by the checks of four robots."""
+    robots = [spatial]
+    for make in (one_joint, sliding):
+        at = tmp_path / make.__name__
+        at.mkdir()
+        robots.append(exported(at / "f", make(at), 16.0, 10.0))
+    robots.append(exported(tmp_path / "plane", "cepheus-like", 12.0, 10.0))
+    object_ = tmp_path / "flight.o"
+    coverage = ("-O0", "--coverage", *includes(spatial))
+    ran("c++", *FLIGHT, *coverage, "-c", spatial / "flight.cpp", "-o", object_)
+    for folder in robots:
+        for source, runs in (
+            (folder / "main.c", [()]),
+            (CHECKS, [("refusals",), ("fuzz", 3000, 1)]),
+        ):
+            out = tmp_path / "program"
+            ran("cc", *includes(folder), source, object_, "-lm", "-lgcov", "-o", out)
+            for run in runs:
+                ran(out, *run)
+    taken, every = branches(object_)
+    share = taken.total() / every.total()
+    print(f"{taken.total()} of {every.total()}: {100 * share:.1f} %")
+    assert share >= 0.95
+
+
+def branches(object_: Path) -> tuple[Counter[str], Counter[str]]:
+    """Those that were taken, and all, in each of our headers."""
+    told = json.loads(ran("gcov", "--branch-probabilities", "--stdout", "-j", object_))
+    taken, every = Counter(), Counter()
+    for file in told["files"]:
+        if "orbident/" in file["file"]:
+            found = [branch for line in file["lines"] for branch in line["branches"]]
+            every[file["file"]] = len(found)
+            taken[file["file"]] = sum(branch["count"] > 0 for branch in found)
+    return taken, every
+
+
+@needs("arm-none-eabi-g++", "arm-none-eabi-size")
+def test_it_is_compiled_for_a_small_processor(spatial: Path, tmp_path: Path):
+    for level, most in (("-Os", 26_000), ("-O2", 30_000)):
+        object_ = tmp_path / "flight.o"
+        flags = (*FLIGHT, *CORTEX, level, "-fstack-usage", *includes(spatial))
+        source = spatial / "flight.cpp"
+        ran("arm-none-eabi-g++", *flags, "-c", source, "-o", object_)
+        text, data, bss = map(
+            int, ran("arm-none-eabi-size", object_).splitlines()[1].split()[:3]
+        )
+        frames = [
+            int(line.split("\t")[1])
+            for line in object_.with_suffix(".su").read_text().splitlines()
+        ]
+        print(f"{level}: text {text}, frames {sum(frames)}, largest {max(frames)}")
+        assert text < most
+        assert (data, bss) == (0, 0)
