@@ -2,7 +2,8 @@
 
 import functools
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextvars import ContextVar
 from typing import ParamSpec, TypeVar
 
@@ -10,6 +11,7 @@ from threadpoolctl import threadpool_limits
 
 Arguments = ParamSpec("Arguments")
 Returned = TypeVar("Returned")
+Item = TypeVar("Item")
 
 
 _alone = ContextVar("_alone", default=False)
@@ -25,6 +27,18 @@ def at_hand() -> int:
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
+
+
+def ahead(items: Iterator[Item]) -> Iterator[Item]:
+    """Prepare the next item in a thread, one at most, beside the work on each."""
+    if processors() == 1:
+        yield from items
+        return
+    with ThreadPoolExecutor(1) as beside:
+        coming = beside.submit(next, items, None)
+        while (item := coming.result()) is not None:
+            coming = beside.submit(next, items, None)
+            yield item
 
 
 def one_blas_thread(

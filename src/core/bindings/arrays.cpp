@@ -1,6 +1,10 @@
 // The checks of arrays and the memory of those that go to Python, compiled once for all bindings.
 #include "arrays.hpp"
 
+#if defined(__GLIBC__)
+#include <malloc.h>
+#endif
+
 #include <string>
 #include <vector>
 
@@ -63,6 +67,14 @@ void give_memory_back(const Block& freed) noexcept {
     delete[] kept.front().data;
     kept.erase(kept.begin());
   }
+}
+
+void empty_freed_blocks() noexcept {
+  for (const Block& block : freed_blocks()) delete[] block.data;
+  freed_blocks().clear();
+#if defined(__GLIBC__)
+  malloc_trim(0);
+#endif
 }
 
 nb::capsule owner_of(const Block& block) {

@@ -25,6 +25,9 @@ void give_memory_back(const Block& freed) noexcept;
 // at once, where the processor can do so: through the caches, every line would be read first.
 constexpr std::size_t PAST_CACHES = 1'000'000;
 
+// Frees what is kept, and gives all free memory back to the system where it can be.
+void empty_freed_blocks() noexcept;
+
 struct WritePastCaches {
   void operator()(double* to, double value) const {
 #if defined(__x86_64__) || defined(_M_X64)

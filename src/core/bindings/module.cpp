@@ -1,6 +1,8 @@
 // The extension module orbident._core: one bind_* function a subject.
 #include <nanobind/nanobind.h>
 
+#include "memory.hpp"
+
 namespace orbident::python {
 void bind_attitude_fusion(nanobind::module_& m);
 void bind_dynamics(nanobind::module_& m);
@@ -22,6 +24,8 @@ NB_MODULE(_core, m) {
   // Python keeps robots in caches of modules, which it does not clear when it ends.
   nanobind::set_leak_warnings(false);
   m.doc() = "The numerical core: whole arrays in, whole arrays out, the GIL released inside.";
+  m.def("give_back_memory", &orbident::python::empty_freed_blocks,
+        "Give memory that is free, and that the process keeps, back to the system.");
   orbident::python::bind_attitude_fusion(m);
   orbident::python::bind_dynamics(m);
   orbident::python::bind_flight(m);

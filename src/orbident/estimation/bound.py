@@ -124,7 +124,6 @@ def _true_samples(motion: FreeFloating, shares: tuple[float, ...]) -> Samples:
         x_WB=tuple(motion.attitude.T),
         qd_rw=tuple(motion.qd_rw.T),
         v_S=tuple(motion.v_S.T),
-        drift=(),
         wrenches=(),
         surroundings={},
         locked=(),

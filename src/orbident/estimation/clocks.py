@@ -149,7 +149,7 @@ def _part(samples: Samples, unknowns: int) -> Samples:
     parts = {
         name: tuple(column[rows] for column in getattr(samples, name)) for name in names
     }
-    return replace(samples, t=samples.t[rows], v_S=(), drift=(), **parts)
+    return replace(samples, t=samples.t[rows], v_S=(), **parts)
 
 
 def _seen(columns: Sequence[Float[np.ndarray, " n"]]) -> Bool[np.ndarray, " n"]:

@@ -127,7 +127,7 @@ class DelayEquations(NamedTuple):
         tables, seen = [], []
         for k, batch in enumerate(samples.batches(BATCH)):
             now = np.nan_to_num(rates[k * BATCH : (k + 1) * BATCH])
-            rows, _ = rows_of(self.regressors, self.wheels, self.known, batch, False)
+            rows, _ = rows_of(self.regressors, self.wheels, self.known, batch, None)
             shift = _shift(self.regressors, self.wheels, batch, now, pi)
             place = layout.nuisances + pi.size
             tables.append(np.insert(rows, place, shift, axis=1))

@@ -34,7 +34,7 @@ class LeastSquares:
 
 def _biases(problem: MomentumProblem) -> dict[str, dict[str, float]]:
     """That of the accelerometer, where the velocity was integrated from it."""
-    if not problem.samples.drift:
+    if not problem.samples.biased:
         return {}
     moving, phi = problem.sets.regressors.velocity_axes, problem.fits.phi
     names = [f"accelerometer.{'xyz'[k]}" for k in moving]

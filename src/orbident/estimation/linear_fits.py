@@ -9,7 +9,7 @@ Where `v_S` is an integrated accelerometer, its constant bias `b` is one more un
 `R_0^T (integral of R_0) b` is added on the left.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from itertools import chain
 from typing import Literal, NamedTuple, get_args
 
@@ -84,16 +84,16 @@ def fit(
     known = known_momentum(robot, sets, samples, initial_momentum)
     layout_h = momentum_layout(regressors, known, pis)
     # Beside v_cm, the bias of an accelerometer.
-    layout_v = Layout(axes_v * (2 if samples.drift else 1), phis, 0)
+    layout_v = Layout(axes_v * (2 if samples.biased else 1), phis, 0)
     R_h = np.zeros((layout_h.columns,) * 2)
     R_v = np.zeros((layout_v.columns,) * 2)
     turning = moving = done = 0
     h_rw = 0.0
     every = (samples,) if stretches is None else stretches
-    for batch in chain.from_iterable(part.batches(BATCH) for part in every):
+    for batch, drift in chain.from_iterable(map(batches_with_drift, every)):
         progress(min(done / samples.t.size, 1.0))
         done += batch.turning.size
-        rows_h, rows_v = rows_of(regressors, wheels, known, batch, bool(samples.drift))
+        rows_h, rows_v = rows_of(regressors, wheels, known, batch, drift)
         R_h, R_v = fold(R_h, rows_h), fold(R_v, rows_v)
         turning += int(batch.turning.sum())
         moving += int(batch.moving.sum())
@@ -106,6 +106,16 @@ def fit(
         h_rw=float(h_rw),
         surprise=_surprise(robot, sets, samples, known),
     )
+
+
+def batches_with_drift(
+    samples: Samples,
+) -> Iterator[tuple[Batch, Float[np.ndarray, "n 3 3"] | None]]:
+    """All samples in batches, and what an accelerometer's bias adds to each."""
+    drift = samples.drift()
+    for k, batch in enumerate(samples.batches(BATCH)):
+        own = slice(k * BATCH, (k + 1) * BATCH)
+        yield batch, None if drift is None else drift[own]
 
 
 def momentum_layout(
@@ -123,9 +133,12 @@ def rows_of(
     wheels: Wheels,
     known: KnownMomentum | None,
     batch: Batch,
-    biased: bool,
+    drift: Float[np.ndarray, "n 3 3"] | None,
 ) -> tuple[Float[np.ndarray, "h h_columns"], Float[np.ndarray, "v v_columns"]]:
-    """The rows of Eqs. 24 and 31 for a batch; zero where a sample is not valid."""
+    """The rows of Eqs. 24 and 31 for a batch; zero where a sample is not valid.
+
+    With `drift` those of Eq. 31 have the bias of an accelerometer among their unknowns.
+    """
     turning, moving = regressors.momentum_axes, regressors.velocity_axes
     R_BW = np.swapaxes(quaternion_matrix(batch.x_WB), 1, 2)
     R_turning = R_BW[:, turning][:, :, turning]
@@ -137,8 +150,8 @@ def rows_of(
         h = h + R_BW @ known.h
         momentum = [Y - R_turning @ known.Y_in, -R_turning, h[:, turning, None]]
     v = (R_BW @ batch.v_S[:, :, None])[:, moving]
-    bias = (R_BW @ batch.drift)[:, moving][:, :, moving]
-    velocity = [R_BW[:, moving][:, :, moving], *([bias] if biased else []), W, v]
+    nuisances = [R_BW] if drift is None else [R_BW, R_BW @ drift]
+    velocity = [*(by[:, moving][:, :, moving] for by in nuisances), W, v]
     return _stacked(momentum, batch.turning), _stacked(velocity, batch.moving)
 
 

@@ -7,6 +7,7 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Float
 
+from orbident import _core
 from orbident.estimation.clocks import base_clocks, joint_clocks
 from orbident.estimation.extent import Extent
 from orbident.estimation.linear_fits import (
@@ -22,6 +23,7 @@ from orbident.model.regularity import check_regular
 from orbident.preprocessing.delays import Delay, corrections
 from orbident.preprocessing.samples import Samples, samples_of
 from orbident.preprocessing.screening import screened
+from orbident.recordings.long_recording import LARGE
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 
@@ -143,6 +145,8 @@ def momentum_problems(
         initial_momentum,
         fits,
     )
+    if recording.t.size >= LARGE:
+        _core.give_back_memory()
     if late == punctual:
         return [problem]
     return [problem, _on_clocks(problem, clocks | late)]

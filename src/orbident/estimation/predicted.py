@@ -6,8 +6,8 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.estimation.linear_fits import (
-    BATCH,
     InitialMomentum,
+    batches_with_drift,
     known_momentum,
     rows_of,
 )
@@ -130,8 +130,8 @@ def equation_signals(
     wheels, regressors = wheels_of(robot), sets.regressors
     known = known_momentum(robot, sets, samples, initial_momentum)
     turning, moving, momenta, velocities = [], [], [], []
-    for batch in samples.batches(BATCH):
-        both = rows_of(regressors, wheels, known, batch, bool(samples.drift))
+    for batch, drift in batches_with_drift(samples):
+        both = rows_of(regressors, wheels, known, batch, drift)
         n = batch.turning.size
         h, v = (np.asarray(rows).reshape(n, -1, rows.shape[-1]) for rows in both)
         turning.append(batch.turning)

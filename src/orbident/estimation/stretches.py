@@ -1,7 +1,7 @@
 """The samples of a long recording, stretch by stretch."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from jaxtyping import Float
@@ -9,13 +9,19 @@ from jaxtyping import Float
 from orbident.preprocessing.base_motion import SMOOTHED
 from orbident.preprocessing.delays import delays
 from orbident.preprocessing.samples import Samples, samples_of
-from orbident.preprocessing.screening import without_spikes
+from orbident.preprocessing.screening import (
+    FoundSpikes,
+    spikes,
+    spikes_within,
+    without,
+)
 from orbident.preprocessing.settings import Settings
 from orbident.preprocessing.smoothing import fits_of, smooth
 from orbident.recordings.long_recording import LongRecording
 from orbident.robot.description import Robot
+from orbident.threads import ahead
 
-COLUMNS = ("q", "qd", "w", "x_WB", "qd_rw", "v_S", "drift")
+COLUMNS = ("q", "qd", "w", "x_WB", "qd_rw", "v_S")
 
 
 @dataclass(frozen=True)
@@ -27,12 +33,15 @@ class Stretches:
     late: Mapping[str, float]
     settings: Settings
     size: int
+    _spikes: list[FoundSpikes] = field(default_factory=list)
+    """Of the whole recording, once it has been read: to look for them takes longer than
+    all else."""
 
     def with_rejected(
         self,
     ) -> Iterator[tuple[Samples, Mapping[str, Mapping[str, int]]]]:
         """Consecutive samples, each once; and what was left out of each stretch."""
-        return (
+        return ahead(
             (cut(samples, own), rejected)
             for samples, own, rejected in self._with_others()
         )
@@ -48,12 +57,24 @@ class Stretches:
     ) -> Iterator[tuple[Samples, slice, Mapping[str, Mapping[str, int]]]]:
         """Samples of a stretch and beside it; which are its own; what was rejected."""
         moved = self._moved()
-        for recording, own in self.recording.stretches(
+        stretches = self.recording.stretches(
             lambda name: moved + self.settings.beside(name), self.size
-        ):
-            clean = without_spikes(recording, own)
+        )
+        found: dict[str, list[np.ndarray]] = {}
+        for recording, own, first in stretches:
+            if self._spikes:
+                at_hand = spikes_within(
+                    self._spikes[0], first, first + recording.t.size
+                )
+            else:
+                at_hand = spikes(recording)
+                for name, rows in spikes_within(at_hand, own.start, own.stop).items():
+                    found.setdefault(name, []).append(rows + first + own.start)
+            clean = without(recording, at_hand, own)
             every = samples_of(self.robot, clean.recording, self.late, self.settings)
             yield every, own, clean.rejected
+        if not self._spikes:
+            self._spikes.append({n: np.concatenate(rows) for n, rows in found.items()})
 
     def _moved(self) -> int:
         """Samples by which clocks are apart, at most."""

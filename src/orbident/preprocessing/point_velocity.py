@@ -4,14 +4,13 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Float
 
 from orbident.preprocessing.histories import MEASURED, Columns
 from orbident.preprocessing.rates import at_times
 from orbident.preprocessing.settings import Settings
 from orbident.preprocessing.smoothing import fits_of, smooth
 from orbident.preprocessing.velocity import (
-    bias_response,
     velocity_from_accelerometer,
     velocity_from_increments,
 )
@@ -20,6 +19,8 @@ from orbident.recordings.recording import Recording
 SMOOTHED = "derived: smoothed positions"
 FELT = "derived: integrated accelerometer, its bias estimated"
 COUNTED = "derived: summed velocity increments, their bias estimated"
+BIASED = {FELT, COUNTED}
+"""In these the bias of an accelerometer shows."""
 MISSING = "missing"
 
 
@@ -28,8 +29,6 @@ class PointVelocity(NamedTuple):
 
     v_S: Columns
     """Inertial axes, m/s; but for a constant where it is derived from forces."""
-    drift: Columns
-    """What an accelerometer's bias adds to `v_S`, row-major, s; empty without one."""
     origin: str
 
 
@@ -51,18 +50,18 @@ def point_velocity(
         InputError: a column has too few samples.
     """
     if recording.has("velocity.x", "velocity.y", "velocity.z"):
-        return PointVelocity(_measured(recording, delays["position"]), (), MEASURED)
+        return PointVelocity(_measured(recording, delays["position"]), MEASURED)
     if recording.has("position.x", "position.y", "position.z"):
         at = recording.t + delays["position"]
         label = f"{recording.source}: position"
         t, r_S = recording.t, recording.vector("position")
         fits = settings.smoothers("position", lambda: fits_of(t, r_S, name=label))
         rate = smooth(t, r_S, None, at, label, fits).rate
-        return PointVelocity(tuple(rate.T), (), SMOOTHED)
+        return PointVelocity(tuple(rate.T), SMOOTHED)
     for sensor, how in (("accelerometer", FELT), ("velocity_increment", COUNTED)):
         if recording.has(*(f"{sensor}.{k}" for k in "xyz")):
             return _felt(recording, np.column_stack(x_WB), sensor, how)
-    return PointVelocity((), (), MISSING)
+    return PointVelocity((), MISSING)
 
 
 def _measured(recording: Recording, late: float) -> Columns:
@@ -82,14 +81,6 @@ def _felt(
         v = velocity_from_accelerometer(t, x, felt, recording.source)
     else:
         v = velocity_from_increments(x, felt)
-    drift = bias_response(t, x).reshape(-1, 9)
-    return PointVelocity(_placed(v, known), _placed(drift, known), how)
-
-
-def _placed(x: Float[np.ndarray, "m axes"], known: Bool[np.ndarray, " n"]) -> Columns:
-    """Columns of all rows; NaN where nothing is known."""
-    if known.all():
-        return tuple(x.T)
-    columns = np.full((x.shape[1], known.size), np.nan)
-    columns[:, known] = x.T
-    return tuple(columns)
+    columns = np.full((3, known.size), np.nan)
+    columns[:, known] = v.T
+    return PointVelocity(tuple(columns), how)

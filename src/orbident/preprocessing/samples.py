@@ -10,9 +10,10 @@ from jaxtyping import Bool, Float
 from orbident.preprocessing.base_motion import base_motion
 from orbident.preprocessing.delays import delays
 from orbident.preprocessing.histories import Columns, Histories, histories
-from orbident.preprocessing.point_velocity import point_velocity
+from orbident.preprocessing.point_velocity import BIASED, point_velocity
 from orbident.preprocessing.settings import Settings
 from orbident.preprocessing.surroundings import Surroundings, surroundings
+from orbident.preprocessing.velocity import bias_response
 from orbident.preprocessing.wrenches import RecordedWrench, recorded_wrenches
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
@@ -30,9 +31,6 @@ class Batch(NamedTuple):
     x_WB: Float[np.ndarray, "n 4"]
     qd_rw: Float[np.ndarray, "n wheels"]
     v_S: Float[np.ndarray, "n 3"]
-    drift: Float[np.ndarray, "n 3 3"]
-    """What an accelerometer's bias adds to `v_S`, inertial axes, s; zero where it does
-    not show."""
     turning: Bool[np.ndarray, " n"]
     """Whether all that the momentum equation needs was measured."""
     moving: Bool[np.ndarray, " n"]
@@ -51,8 +49,6 @@ class Samples:
     qd_rw: Columns
     v_S: Columns
     """Velocity of S, inertial axes, m/s; empty where it cannot be had."""
-    drift: Columns
-    """What an accelerometer's bias adds to that, row-major; empty without one."""
     wrenches: tuple[RecordedWrench, ...]
     """What is known to act on the base."""
     surroundings: Surroundings
@@ -99,21 +95,38 @@ class Samples:
     def batch(self, start: int, size: int) -> Batch:
         """The samples from `start` on, at most `size` of them."""
         rows = slice(start, min(start + size, self.t.size))
-        names = ("q", "qd", "w", "x_WB", "qd_rw", "v_S", "drift")
+        names = ("q", "qd", "w", "x_WB", "qd_rw", "v_S")
         tables = [_table(getattr(self, name), rows) for name in names]
         complete = [np.isfinite(table).all(axis=1) for table in tables]
         turning = np.logical_and.reduce(complete[:5])
         moving = turning & complete[5] & bool(self.v_S)
-        q, qd, w, x_WB, qd_rw, v_S, drift = (
+        q, qd, w, x_WB, qd_rw, v_S = (
             np.where(turning[:, None], table, 0.0) for table in tables
         )
         x_WB[~turning, 3] = 1.0
         unknown = np.zeros((turning.size, 3))
         v_S = np.where(moving[:, None], v_S if self.v_S else unknown, unknown)
-        if not self.drift:
-            drift = np.zeros((turning.size, 9))
-        drift = drift.reshape(-1, 3, 3)
-        return Batch(q, qd, w, x_WB, qd_rw, v_S, drift, turning, moving)
+        return Batch(q, qd, w, x_WB, qd_rw, v_S, turning, moving)
+
+    @property
+    def biased(self) -> bool:
+        """Whether the bias of an accelerometer shows in `v_S`."""
+        return bool(self.v_S) and self.origins.get("velocity") in BIASED
+
+    def drift(self) -> Float[np.ndarray, "samples 3 3"] | None:
+        """What that bias adds to `v_S`, inertial axes, s; None where it does not show.
+
+        It is as large as all else, and is worked out each time.
+        """
+        if not self.biased:
+            return None
+        x = np.column_stack(self.x_WB)
+        known = np.isfinite(x).all(axis=1)
+        if known.all():
+            return bias_response(self.t, x)
+        drift = np.zeros((self.t.size, 3, 3))
+        drift[known] = bias_response(self.t[known], x[known])
+        return drift
 
 
 def samples_of(
@@ -175,7 +188,6 @@ def samples_of(
         x_WB=base.x_WB,
         qd_rw=wheels.rates,
         v_S=point.v_S,
-        drift=point.drift,
         wrenches=recorded_wrenches(robot, recording, around),
         surroundings=around,
         locked=moving.locked,

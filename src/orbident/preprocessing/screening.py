@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
 from orbident.errors import InputError
 from orbident.preprocessing.outliers import find_spikes
@@ -44,6 +44,10 @@ MOSTLY = 0.9
 """Part of the samples that counts as all: single ones may be wrong."""
 
 
+FoundSpikes = Mapping[str, Int[np.ndarray, " spikes"]]
+"""Their rows, by column."""
+
+
 @dataclass(frozen=True)
 class Screened:
     """A recording without what cannot be true, and what was taken out."""
@@ -80,21 +84,51 @@ def without_spikes(recording: Recording, own: slice = np.s_[:]) -> Screened:
         recording: of any sensors.
         own: the rows in which spikes are counted.
     """
-    columns, rejected = {}, {}
+    return without(recording, spikes(recording), own)
+
+
+def spikes(recording: Recording) -> FoundSpikes:
+    """The rows of all spikes, by column; those that have none are absent."""
+    found = {}
     for names in _sensors(recording):
-        masks = {name: _spikes(recording, name) for name in names}
-        for name, mask in masks.items():
-            if count := int(mask[own].sum()):
-                rejected[name] = {"spike": count}
-        anywhere = np.logical_or.reduce(list(masks.values()))
-        if anywhere.any():
-            for name in names:
-                columns[name] = np.where(anywhere, np.nan, recording.columns[name])
-    if not columns:
+        for name in names:
+            rows = np.flatnonzero(_spikes(recording, name))
+            if rows.size:
+                found[name] = rows
+    return found
+
+
+def without(
+    recording: Recording, found: FoundSpikes, own: slice = np.s_[:]
+) -> Screened:
+    """Take out the spikes that were found.
+
+    Args:
+        recording: of any sensors.
+        found: its spikes.
+        own: the rows in which they are counted.
+    """
+    if not found:
         return Screened(recording, {})
-    return Screened(
-        replace(recording, columns={**recording.columns, **columns}), rejected
-    )
+    columns, rejected = dict(recording.columns), {}
+    for names in _sensors(recording):
+        bad = [found[name] for name in names if name in found]
+        for name in names if bad else ():
+            columns[name] = columns[name].copy()
+            columns[name][np.concatenate(bad)] = np.nan
+    first, end, _ = own.indices(recording.t.size)
+    for name, rows in spikes_within(found, first, end).items():
+        rejected[name] = {"spike": rows.size}
+    return Screened(replace(recording, columns=columns), rejected)
+
+
+def spikes_within(found: FoundSpikes, first: int, end: int) -> FoundSpikes:
+    """The spikes in some rows, counted from the first of these."""
+    inside = {
+        name: rows[(rows >= first) & (rows < end)] - first
+        for name, rows in found.items()
+    }
+    return {name: rows for name, rows in inside.items() if rows.size}
 
 
 def spikes_in_words(rejected: Mapping[str, Mapping[str, int]]) -> tuple[str, ...]:

@@ -39,6 +39,8 @@ class Stretch(NamedTuple):
     recording: Recording
     own: slice
     """The rows that are no other stretch's."""
+    first: int
+    """Where its first row is in the whole recording."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,7 +142,7 @@ class LongRecording:
             stop = end + (after or FARTHEST)
             name = f"{self.source}, from row {first + 1} on" if first else self.source
             rows = {name: x[:stop] for name, x in table.items()}
-            yield Stretch(_recording(name, rows), slice(own, end))
+            yield Stretch(_recording(name, rows), slice(own, end), first)
             before = _reach(table, slice(end - 1, None, -1), beside) or FARTHEST
             dropped = max(end - before, 0)
             held.drop(dropped)

@@ -74,7 +74,7 @@ def _missing_momentum(
     """`h` of `Y pi - R_0^T h_cm + h = -A_rw qd_rw`; None where it explains little."""
     regressors, wheels = problem.sets.regressors, wheels_of(problem.robot)
     batch = problem.samples.batch(0, ROWS)
-    rows, _ = rows_of(regressors, wheels, None, batch, bool(problem.samples.drift))
+    rows, _ = rows_of(regressors, wheels, None, batch, None)
     rows = rows.reshape(len(batch.turning), 3, -1)[batch.turning]
     known, b = rows[..., :-1].reshape(3 * len(rows), -1), rows[..., -1].ravel()
     A = np.hstack([np.tile(axes.T, (len(rows), 1)), known])

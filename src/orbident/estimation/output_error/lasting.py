@@ -80,6 +80,8 @@ def innovated(
     """
     found = dict(residuals)
     for k, name in enumerate(TRACKERS):
+        if name not in residuals:
+            continue
         for axis in np.flatnonzero(lasting[k].any(axis=1)):
             table = found[name] = np.array(found[name])
             seen = plain[name][:, axis] > 0

@@ -6,11 +6,13 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float
 
+from orbident import _core
 from orbident.estimation.output_error.lasting import at_level, innovated
 from orbident.estimation.output_error.problem import BySensor, Problem, Unknowns
 from orbident.estimation.output_error.sensors import some_of
 from orbident.estimation.output_error.shooting import TURN_AND_BIASES
 from orbident.estimation.output_error.solver import Solution, solved
+from orbident.recordings.long_recording import LARGE
 
 NORMAL = 1.4826
 """Std over median absolute value, of Gaussian noise."""
@@ -80,7 +82,10 @@ def counting(
 
 def rescaled(weights: BySensor, scales: Mapping[str, float]) -> BySensor:
     """The weights of sensors whose noise is `scales` times as large."""
-    return {name: weight / scales[name] for name, weight in weights.items()}
+    return {
+        name: weight if scales[name] == 1 else weight / scales[name]
+        for name, weight in weights.items()
+    }
 
 
 def robust(weights: BySensor, residuals: BySensor) -> BySensor:
@@ -94,17 +99,19 @@ def robust(weights: BySensor, residuals: BySensor) -> BySensor:
 def reweighted(residuals: BySensor, old: BySensor, new: BySensor) -> BySensor:
     """Residuals whitened by other weights."""
     return {
-        name: table * new[name] / np.where(old[name] > 0, old[name], 1.0)
+        name: table
+        if new[name] is old[name]
+        else table * new[name] / np.where(old[name] > 0, old[name], 1.0)
         for name, table in residuals.items()
     }
 
 
 def change(old: BySensor, new: BySensor) -> float:
     """The largest relative change of a weight."""
-    changes = [
+    changes = (
         np.abs(new[name] / np.where(weight > 0, weight, 1.0) - 1)[weight > 0]
         for name, weight in old.items()
-    ]
+    )
     return max((float(part.max(initial=0.0)) for part in changes), default=0.0)
 
 
@@ -146,8 +153,8 @@ def fitted(
         steps: at most, for the weights of each round.
     """
     unknowns = _unknowns(problem, solution.state)
-    plain = used = problem.weights
-    levels = dict.fromkeys(plain, 1.0)
+    used = dict(problem.weights)
+    levels = dict.fromkeys(used, 1.0)
     rounds = lost = 0
     while True:
         rounds += 1
@@ -155,27 +162,29 @@ def fitted(
             state, prior = solution.state, solution.prior
             solution = solved(problem, used, prior, state, progress, steps)
         lost = 0 if solution.converged else lost + 1
-        residuals = innovated(
-            problem.t,
-            at_level(problem.lasting, problem.weights, used),
-            reweighted(solution.linear.residuals, used, plain),
-            plain,
-            used,
-        )
-        parts = whitened(plain, residuals, unknowns)
-        scales = {
-            name: _level(levels[name] * part.scale, least[name], name in declared)
-            / levels[name]
-            for name, part in parts.items()
-        }
-        levels = {name: level * scales[name] for name, level in levels.items()}
-        before, plain = plain, rescaled(plain, scales)
-        residuals = reweighted(residuals, before, plain)
-        before, used = used, robust(plain, residuals)
-        changed = change(before, used)
+        lasting = at_level(problem.lasting, problem.weights, used)
+        residuals, parts, new, changed = {}, {}, {}, 0.0
+        # One sensor after another: tables of a long recording are large, and what is
+        # done with goes at once.
+        if problem.t.size >= LARGE:
+            _core.give_back_memory()
+        for name in used:
+            plain = rescaled({name: problem.weights[name]}, levels)
+            left = reweighted({name: solution.linear.residuals.pop(name)}, used, plain)
+            left = innovated(problem.t, lasting, left, plain, used)
+            scale = whitened(plain, left, unknowns)[name].scale
+            before = levels[name]
+            levels[name] = _level(before * scale, least[name], name in declared)
+            left[name] = left[name] * (before / levels[name])
+            plain = rescaled({name: problem.weights[name]}, levels)
+            new |= robust(plain, left)
+            changed = max(changed, change({name: used[name]}, new))
+            residuals |= left
+            parts |= whitened(plain, left, unknowns)
+        used = new
         if rounds == ROUNDS or lost == LOST or changed < SETTLED:
-            parts = whitened(plain, residuals, unknowns)
             return Fitted(solution, parts, levels, residuals, changed)
+        del parts, residuals, left
 
 
 def _level(found: float, least: float, declared: bool) -> float:

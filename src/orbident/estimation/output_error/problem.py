@@ -144,7 +144,16 @@ class Linear(NamedTuple):
     cost: float
     """Sum of the squared whitened residuals and defects."""
     residuals: dict[str, Float[np.ndarray, "rows axes"]]
-    """Over the white noise; zero where there was no sample."""
+    """Over the white noise; zero where there was no sample. Taken out once used."""
+
+    def without_rows(self) -> "Linear":
+        """The same without what is large: links and residuals."""
+        return self._replace(links=self.links[:0].copy(), residuals={})
+
+    @property
+    def given_up(self) -> bool:
+        """Whether that is so."""
+        return not len(self.links)
 
     @property
     def local(self) -> int:

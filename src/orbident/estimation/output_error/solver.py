@@ -19,6 +19,7 @@ from orbident.estimation.output_error.problem import (
 )
 from orbident.estimation.overflow import check_finite
 from orbident.estimation.triangular import fold
+from orbident.recordings.long_recording import LARGE
 
 STEPS = 20
 SMALL = 1e-2
@@ -125,6 +126,8 @@ def solved(
     damping, raised = 0.0, RAISED
     for step in range(steps):
         progress()
+        if here.given_up:
+            here = linear(problem, weights, state)
         factor = prior.added(here.common, state)
         g = _damped(factor, damping)
         moved = state.moved(here.step(g), g)
@@ -134,6 +137,9 @@ def solved(
             # The last step may take much of the defects away: what is left is known.
             left = float(factor[-1, -1] ** 2)
             return Solution(moved, here, prior, weights, True, step + 1, left)
+        if problem.t.size >= LARGE:
+            # Two of them would take much memory; a step that fails is rare.
+            here = here.without_rows()
         # A step too far may overflow; its cost is not less.
         with np.errstate(over="ignore", invalid="ignore"):
             there = linear(problem, weights, moved)
@@ -156,6 +162,7 @@ def solved(
             break
         else:
             damping, raised = max(raised * damping, DAMPING), 2 * raised
+    here = linear(problem, weights, state) if here.given_up else here
     return Solution(state, here, prior, weights, False, steps, cost)
 
 

@@ -14,6 +14,7 @@ from orbident.preprocessing.histories import DERIVED
 from orbident.preprocessing.samples import Samples
 from orbident.preprocessing.settings import Settings
 from orbident.robot.description import Robot
+from orbident.threads import ahead
 
 ENDS = 0.5
 """s: so near to the ends of a recording a smoothed rate is ten times as wrong."""
@@ -67,11 +68,11 @@ def pieces_of(problem: MomentumProblem) -> Pieces:
     _, scatter = smoothed_rate(samples, stretches.settings)
     ends = _trusted(samples, problem.extent.start, problem.extent.end)
 
-    def every() -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    def packed() -> Iterator[tuple[np.ndarray, np.ndarray]]:
         for part, rate in stretches.with_rates():
             yield _packed(part, rate, *ends)
 
-    return Pieces(noise_of(robot, samples, scatter), every)
+    return Pieces(noise_of(robot, samples, scatter), lambda: ahead(packed()))
 
 
 def _packed(

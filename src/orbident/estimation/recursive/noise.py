@@ -79,7 +79,7 @@ def noise_of(robot: Robot, samples: Samples, seen: float = 0.0) -> Noise:
         for key in ("gyro", "accelerometer", "attitude", "position", "joints")
     )
     angle, std = attitude.get("angle", 0.0), position.get("std", 0.0)
-    walk = force.get("velocity_random_walk", 0.0) if samples.drift else 0.0
+    walk = force.get("velocity_random_walk", 0.0) if samples.biased else 0.0
     measured = samples.origins["base_rate"] != SMOOTHED
     integrated = samples.origins["attitude"] == INTEGRATED
     derived = DERIVED in samples.origins["joint_rates"]
@@ -108,7 +108,7 @@ def noise_of(robot: Robot, samples: Samples, seen: float = 0.0) -> Noise:
         accelerometer_walk=bias_walk(force),
         joint_rates=joints.get("position", 0.0) / MEMORY if derived else 0.0,
         momentum_walk=robot.momentum_walk.torque,
-        accelerometer=bool(samples.drift),
+        accelerometer=samples.biased,
         declared=bool(velocity),
     )
 
