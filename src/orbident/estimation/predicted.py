@@ -11,7 +11,7 @@ from orbident.estimation.linear_fits import (
     known_momentum,
     rows_of,
 )
-from orbident.estimation.output_error.noise_scaling import Fitted, counting
+from orbident.estimation.output_error.noise_scaling import Fitted, counted, counting
 from orbident.estimation.output_error.problem import Problem
 from orbident.estimation.output_error.sensors import Sensors, some_of
 from orbident.model.minimal_sets import MinimalSets
@@ -80,7 +80,7 @@ def sensor_signals(
     """
     signals = []
     for name, weights in problem.weights.items():
-        seen, counts = weights.any(axis=1), weights.any(axis=0)
+        seen, counts = counted(weights)
         std = sensors.by_name[name].std * found.levels[name]
         error = counting(some_of(found.residuals[name], seen), counts) * std
         if name == "attitude":

@@ -104,7 +104,7 @@ class Followed:
     @property
     def _attitude(self) -> "_Attitude":
         x = np.column_stack(self.samples.x_WB)
-        known = np.isfinite(x).all(axis=1)
+        known = np.asarray(np.isfinite(x).all(axis=1))
         at = self.samples.t[known]
         return _Attitude(at, Slerp(at, Rotation.from_quat(x[known])), known)
 

@@ -67,10 +67,18 @@ def whitened(
     """The whitened residuals of every sensor, by its name."""
     found = {}
     for name, table in residuals.items():
-        seen = weights[name] > 0
-        values = counting(some_of(table, seen.any(axis=1)), seen.any(axis=0))
+        rows, axes = counted(weights[name])
+        values = counting(some_of(table, rows), axes)
         found[name] = Whitened(values, unknowns[name])
     return found
+
+
+def counted(
+    weights: Float[np.ndarray, "rows axes"],
+) -> tuple[Bool[np.ndarray, " rows"], Bool[np.ndarray, " axes"]]:
+    """The rows and the axes in which a sensor has samples that count."""
+    seen = weights > 0
+    return np.asarray(seen.any(axis=1)), np.asarray(seen.any(axis=0))
 
 
 def counting(
@@ -184,7 +192,7 @@ def fitted(
         used = new
         if rounds == ROUNDS or lost == LOST or changed < SETTLED:
             return Fitted(solution, parts, levels, residuals, changed)
-        del parts, residuals, left
+        del parts, residuals
 
 
 def _level(found: float, least: float, declared: bool) -> float:

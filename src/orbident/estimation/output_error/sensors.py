@@ -94,7 +94,7 @@ def sensors_of(
     times, samples = {}, {}
     for name in list(tables):
         table = tables.pop(name)
-        seen = np.isfinite(table).all(axis=1)
+        seen = np.asarray(np.isfinite(table).all(axis=1))
         if seen.any():
             late = behind[CLOCKS.get(name, name)]
             times[name] = some_of(recording.t, seen) - late
