@@ -103,6 +103,19 @@ def branches(object_: Path) -> tuple[Counter[str], Counter[str]]:
     return taken, every
 
 
+def test_an_application_for_cfs(spatial: Path, tmp_path: Path):
+    """The example against our own stubs of cFE: every estimate that it sends."""
+    example = CHECKS.parents[3] / "examples" / "cfs"
+    stubs = CHECKS.parent / "cfs_stubs"
+    object_, out = tmp_path / "flight.o", tmp_path / "app"
+    flags = (*FLIGHT, "-O2", *includes(spatial))
+    ran("c++", *flags, "-c", spatial / "flight.cpp", "-o", object_)
+    sources = (example / "orbident_app.c", stubs / "bus.c", object_)
+    paths = (f"-I{stubs}", f"-I{example}", *includes(spatial))
+    ran("cc", "-std=gnu11", "-O1", *WARNINGS, *paths, *sources, "-lm", "-o", out)
+    assert re.match(r"(\d+) of \1 agree", ran(out))
+
+
 @needs("arm-none-eabi-g++", "arm-none-eabi-size")
 def test_it_is_compiled_for_a_small_processor(spatial: Path, tmp_path: Path):
     for level, most in (("-Os", 26_000), ("-O2", 30_000)):
