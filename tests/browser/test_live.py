@@ -65,4 +65,4 @@ def test_intervals_shrink_and_a_capture_is_told(tmp_path):
         assert [e for e in severe if "favicon" not in e["message"]] == []
         foreign = urllib.request.Request(url, headers={"Origin": "http://a.example"})
         with pytest.raises(urllib.error.HTTPError, match="403"):
-            urllib.request.urlopen(foreign)
+            urllib.request.urlopen(foreign, timeout=10)

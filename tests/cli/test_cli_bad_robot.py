@@ -145,7 +145,7 @@ def test_empty_and_binary_files(orbident: Orbident, name: str, content: bytes):
 
 def test_text_of_another_kind(orbident: Orbident):
     Path("notes.txt").write_text("hello")
-    orbident("inspect", "notes.txt").refused("notes.txt: ", "no robot")
+    orbident("inspect", "notes.txt").refused("notes.txt: ", "unknown type of file")
     Path("list.yaml").write_text("- 1\n- 2\n")
     orbident("inspect", "list.yaml").refused("list.yaml: ")
 

@@ -64,7 +64,7 @@ def test_models_of_other_tools(orbident: Orbident, run: str):
     ):
         assert words in orbident("export", run, "-o", name).done().out
         assert Path(name).read_text().startswith(begins)
-    told = orbident("export", run, "-o", "r.xml", "--json", "-").done().json
+    told = orbident("export", run, "-o", "r.xml", "--force", "--json", "-").done().json
     assert sum(told["masses"].values()) == pytest.approx(1110.0)
 
 
@@ -80,7 +80,7 @@ def test_matlab(orbident: Orbident, run: str):
 
 def test_messages(orbident: Orbident, run: str):
     """With the recording that the RUN is from, its signals too; with another not."""
-    arguments = ("export", run, "-o", "r.mcap", "--json", "-", "--recording")
+    arguments = ("export", run, "-o", "r.mcap", "--force", "--json", "-", "--recording")
     own = orbident(*arguments, "r.parquet").done().json
     assert own["messages"]["/imu/predicted"] == own["messages"]["/joint_states"]
     assert own["messages"]["/signals/velocity/predicted"] > 0
@@ -109,7 +109,7 @@ def test_parameters_for_a_spreadsheet(orbident: Orbident, run: str):
     result = json.loads(Path(f"{run}/result.json").read_text())
     with Path("p.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
-    assert f"p.csv, {len(rows)} parameters" in words
+    assert f"p.csv: {len(rows)} parameters" in words
     for name in ("base", "phi", "pi"):
         own = [row for row in rows if row["set"] == name]
         assert [row["parameter"] for row in own] == result[name]["names"]

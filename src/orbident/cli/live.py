@@ -56,7 +56,7 @@ def live(
         ),
     ] = False,
 ) -> None:
-    """Estimate while samples come, as lines of CSV or JSON; write JSON lines."""
+    """Estimate while samples come, as lines of CSV or JSON."""
     import sys
     from contextlib import ExitStack
 

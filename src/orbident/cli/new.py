@@ -25,7 +25,7 @@ def new(
     json: Json = None,
     quiet: Quiet = False,
 ) -> None:
-    """Write a commented robot file to edit, for a robot that has no URDF."""
+    """Write a robot file to edit, for a robot without a URDF."""
     from orbident.cli.output import Output
     from orbident.errors import InputError
     from orbident.files.replacing import check_free

@@ -52,7 +52,7 @@ EXAMPLES = {
     compare: "orbident compare before after",
     export: "orbident export run -o identified.urdf",
     view: "orbident view run --recording other_flight.csv",
-    live: "orbident live servicer.yaml --every 1 < samples.csv",
+    live: "orbident live servicer.yaml --udp 5005 --view",
     study: "orbident study spatial --noise paper --seeds 20",
     doctor: "orbident doctor",
 }

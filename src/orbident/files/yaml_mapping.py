@@ -110,15 +110,25 @@ for _kind, (_pattern, _first) in _PLAIN.items():
 def _check_depth(text: str) -> None:
     """Refuse deep nesting; events come one by one, without recursion."""
     depth = 0
-    for event in yaml.parse(text, Loader=_Loader):
-        depth += isinstance(event, yaml.CollectionStartEvent)
-        depth -= isinstance(event, yaml.CollectionEndEvent)
-        if depth > DEEPEST:
-            raise _Refused(
-                problem=f"lists and mappings are nested more than {DEEPEST} deep; "
-                "give a file of the kind that is asked for",
-                problem_mark=event.start_mark,
-            )
+    try:
+        for event in yaml.parse(text, Loader=_Loader):
+            depth += isinstance(event, yaml.CollectionStartEvent)
+            depth -= isinstance(event, yaml.CollectionEndEvent)
+            if depth > DEEPEST:
+                raise _too_deep(event.start_mark)
+    except yaml.scanner.ScannerError as error:
+        # LibYAML looks ahead, and has a limit of its own since PyYAML 6.0.4.
+        if "nesting depth" in str(error.problem):
+            raise _too_deep(error.problem_mark) from None
+        raise
+
+
+def _too_deep(mark: Any) -> _Refused:
+    return _Refused(
+        problem=f"lists and mappings are nested more than {DEEPEST} deep; "
+        "give a file of the kind that is asked for",
+        problem_mark=mark,
+    )
 
 
 def _refuse_repeated_keys(root: yaml.Node | None) -> None:

@@ -195,7 +195,7 @@ def test_binary_urdf_is_refused(tmp_path):
 
 def test_a_file_of_another_kind_is_refused(tmp_path):
     (tmp_path / "sc.txt").write_text(ARM)
-    with pytest.raises(InputError, match="no robot by its suffix"):
+    with pytest.raises(InputError, match="unknown type of file"):
         load_robot(tmp_path / "sc.txt")
 
 

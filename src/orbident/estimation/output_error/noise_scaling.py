@@ -178,15 +178,17 @@ def fitted(
             _core.give_back_memory()
         for name in used:
             plain = rescaled({name: problem.weights[name]}, levels)
-            left = reweighted({name: solution.linear.residuals.pop(name)}, used, plain)
-            left = innovated(problem.t, lasting, left, plain, used)
+            own = {name: used[name]}
+            left = reweighted({name: solution.linear.residuals.pop(name)}, own, plain)
+            left = innovated(problem.t, lasting, left, plain, own)
             scale = whitened(plain, left, unknowns)[name].scale
             before = levels[name]
             levels[name] = _level(before * scale, least[name], name in declared)
             left[name] = left[name] * (before / levels[name])
             plain = rescaled({name: problem.weights[name]}, levels)
-            new |= robust(plain, left)
-            changed = max(changed, change({name: used[name]}, new))
+            after = robust(plain, left)
+            changed = max(changed, change(own, after))
+            new |= after
             residuals |= left
             parts |= whitened(plain, left, unknowns)
         used = new
