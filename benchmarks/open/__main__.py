@@ -10,9 +10,9 @@ from pathlib import Path
 from answers import Answer, read_answer
 from entries import ENTRIES, timed
 from made_problems import PROBLEMS, make
+from open_scores import Score, score
 from problem_folder import Problem, digest, problems
 from results_page import page
-from scoring import Score, score
 
 HERE = Path(__file__).parent
 FOLDER = HERE / "problems"

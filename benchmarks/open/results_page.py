@@ -6,8 +6,8 @@ import pathlib
 import platform
 from collections.abc import Mapping, Sequence
 
+from open_scores import Score
 from problem_folder import Problem
-from scoring import Score
 
 import orbident as oi
 

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 from answers import Answer, read_answer, write_answer
+from open_scores import score
 from problem_folder import Problem
-from scoring import score
 
 OPEN = Path(__file__).parent
 

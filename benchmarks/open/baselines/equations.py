@@ -52,13 +52,15 @@ def equations_of(robot: Robot, recording: Recording, momentum: str) -> Equations
         list(axes)
         for axes in (sets.regressors.momentum_axes, sets.regressors.velocity_axes)
     )
-    _, s = samples.complete()
+    t, s = samples.complete()
     Y, W = sets.regressors(s.q, s.qd, s.w)
     R_BW = np.swapaxes(quaternion_matrix(s.x_WB), 1, 2)
     N_h = -R_BW[:, turning][:, :, turning]
     N_v = R_BW[:, moving][:, :, moving]
-    if samples.drift:
-        N_v = np.concatenate([N_v, (R_BW @ s.drift)[:, moving][:, :, moving]], axis=2)
+    drift = samples.drift()
+    if drift is not None:
+        more = (R_BW @ drift[np.isin(samples.t, t)])[:, moving][:, :, moving]
+        N_v = np.concatenate([N_v, more], axis=2)
     return Equations(
         sets,
         Y,

@@ -116,7 +116,7 @@ def _check_depth(text: str) -> None:
             depth -= isinstance(event, yaml.CollectionEndEvent)
             if depth > DEEPEST:
                 raise _too_deep(event.start_mark)
-    except yaml.scanner.ScannerError as error:
+    except yaml.MarkedYAMLError as error:
         # LibYAML looks ahead, and has a limit of its own since PyYAML 6.0.4.
         if "nesting depth" in str(error.problem):
             raise _too_deep(error.problem_mark) from None
