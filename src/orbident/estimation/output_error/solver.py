@@ -140,18 +140,13 @@ def solved(
         if problem.t.size >= LARGE:
             # Two of them would take much memory; a step that fails is rare.
             here = here.without_rows()
-        # A step too far may overflow; its cost is not less.
-        with np.errstate(over="ignore", invalid="ignore"):
-            there = linear(problem, weights, moved)
-        new_cost = there.cost + prior.cost(moved)
+        there, new_cost = equations_at(problem, weights, prior, moved)
         if cost <= new_cost < np.inf:
             # Continuity weighs so much that what a good step leaves of second order
             # costs more than it gains: the next step takes that away (Fletcher 1982).
             g = _damped(prior.added(there.common, moved), damping)
             moved = moved.moved(there.step(g), g)
-            with np.errstate(over="ignore", invalid="ignore"):
-                there = linear(problem, weights, moved)
-            new_cost = there.cost + prior.cost(moved)
+            there, new_cost = equations_at(problem, weights, prior, moved)
         if new_cost < cost:
             expected = change @ (2 * factor[:-1, -1] - change)
             gain = float((cost - new_cost) / expected)
@@ -164,6 +159,16 @@ def solved(
             damping, raised = max(raised * damping, DAMPING), 2 * raised
     here = linear(problem, weights, state) if here.given_up else here
     return Solution(state, here, prior, weights, False, steps, cost)
+
+
+def equations_at(
+    problem: Problem, weights: BySensor, prior: Prior, state: Unknowns
+) -> tuple[Linear, float]:
+    """The equations at a state, and its cost: infinite where a step led too far."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        there = linear(problem, weights, state)
+        cost = there.cost + prior.cost(state)
+    return there, cost if np.isfinite(there.factor).all() else np.inf
 
 
 def _damped(

@@ -23,7 +23,7 @@ from orbident.estimation.output_error.problem import (
     Unknowns,
     linear,
 )
-from orbident.estimation.output_error.solver import _damped, solved
+from orbident.estimation.output_error.solver import _damped, equations_at, solved
 from orbident.recordings.recording import Recording
 
 
@@ -189,3 +189,12 @@ def test_equations_that_overflow_are_refused(small):
         pytest.raises(InputError, match="overflows, so nothing can be fitted"),
     ):
         solved(small.problem, small.problem.weights, small.prior, state)
+
+
+def test_a_step_that_overflows_costs_more_than_any(small):
+    """Its equations may, though its cost does not: there is no way on from there."""
+    problem, prior, state, _ = small
+    far = state._replace(common=state.common * 1e160)
+    there, cost = equations_at(problem, problem.weights, prior, far)
+    assert not np.isfinite(there.factor).all()
+    assert cost == np.inf
