@@ -37,7 +37,7 @@ SEEDS = 3
 WRONG = 0.2
 """The largest relative error of CAD."""
 DECIMALS = 9
-"""Of what is recorded: far below any sensor's noise, and files are half as large."""
+"""Numbers are recorded so: far below any sensor's noise, in files half as large."""
 WHEEL_SPEED = 200.0
 """rad/s."""
 REACH = 0.9

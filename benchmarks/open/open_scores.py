@@ -30,7 +30,7 @@ class Score(NamedTuple):
     rate: float
     """RMS error of the predicted base rate of the unused run, over its own RMS."""
     velocity: float
-    """The same of the velocity of S."""
+    """RMS error of the predicted velocity of S on that run, over its own RMS."""
     seconds: float
     """Median."""
 

@@ -46,7 +46,7 @@ def digest(path: Path) -> str:
 
 
 def mean_square(path: Path) -> float:
-    """Of all numbers of a recording: the same on every machine, but for rounding."""
+    """The mean square of all numbers of a recording, to compare machines by."""
     columns = read_recording(path).columns.values()
     return float(np.mean([np.nanmean(np.square(column)) for column in columns]))
 

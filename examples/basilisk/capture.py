@@ -24,7 +24,7 @@ from orbident.simulation.capture import CapturedBody, holding
 HERE = Path(__file__).parent
 RATE = 20.0
 STEPS = 10
-"""Of the dynamics in a sample."""
+"""Steps of the dynamics in each sample."""
 TARGET = CapturedBody(12.0, np.array([0.9, 0.05, 0.0]), np.diag([0.4, 0.5, 0.6]))
 HEAVIER = 1.1
 """The hub is so much heavier than CAD says."""

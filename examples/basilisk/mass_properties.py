@@ -14,7 +14,7 @@ from orbident.robot.description import Robot
 
 
 class MassProperties(sysModel.SysModel):
-    """Estimates the base parameters of a robot, and tells of changes.
+    """Estimates the base parameters of a robot, and reports changes.
 
     Subscribe `scStateInMsg`, `rwSpeedInMsg` and every one of `jointInMsgs`, in the
     robot's order. The point S of the robot file has to be the hub's point B.

@@ -38,9 +38,10 @@ def includes(folder: Path) -> list[object]:
 
 
 def needs(*programs: str) -> pytest.MarkDecorator:
-    """Skips a test where a program is missing."""
+    """Skips a test where a program is missing that Orbident itself does not need."""
     missing = [name for name in programs if shutil.which(name) is None]
-    return pytest.mark.skipif(bool(missing), reason=f"{', '.join(missing)} is missing")
+    reason = f"{', '.join(missing)}: to look at flight builds only, and not installed"
+    return pytest.mark.skipif(bool(missing), reason=reason)
 
 
 @pytest.fixture(scope="module")

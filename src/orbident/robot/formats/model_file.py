@@ -1,4 +1,4 @@
-"""A robot's model in whatever format: its kind is told by its content."""
+"""A robot's model in whatever format: its content shows which."""
 
 import re
 import xml.etree.ElementTree as ET
