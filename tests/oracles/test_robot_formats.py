@@ -9,7 +9,6 @@ import mujoco
 import numpy as np
 import pinocchio as pin
 import pytest
-from numpy.typing import ArrayLike
 from one_state import only_state
 from robot_parts import mjcf_of, random_parts, sdf_of, urdf_of
 from scipy.spatial.transform import Rotation
@@ -32,8 +31,9 @@ def read(folder: Path, name: str, text: str) -> Robot:
     return load_robot(folder / name)
 
 
-def close(one: ArrayLike, other: ArrayLike) -> None:
-    np.testing.assert_allclose(one, other, rtol=0, atol=TOLERANCE)
+def close(one: object, other: object) -> None:
+    found, expected = np.asarray(one, float), np.asarray(other, float)
+    np.testing.assert_allclose(found, expected, rtol=0, atol=TOLERANCE)
 
 
 def state(robot: Robot, seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
