@@ -75,7 +75,7 @@ site: .venv/tested
 
 # What tests need beside.
 .venv/tested: pyproject.toml .venv/libraries | .venv/core
-	$(INSTALL) --no-build-isolation --editable ".[test]"
+	$(INSTALL) "orbident[test]"
 	touch $@
 
 clean:
