@@ -1,4 +1,4 @@
-"""Wheels that lose speed unseen are no torque, and deviations hold what they lose."""
+"""Wheels that lose speed unseen are no torque, though it looks nearly the same."""
 
 from dataclasses import replace
 
@@ -49,11 +49,13 @@ def farthest(name: str, result: Result) -> float:
         ("space 6", 0.006),
     ],
 )
-def test_in_space_deviations_are_wide(name: str, part: float):
+def test_in_space_losses_are_found_or_held_possible(name: str, part: float):
     result = identified(name, part)
     assert result.status == "ok"
     assert farthest(name, result) < BEYOND
-    assert any("slows down unseen" in words for words in result.warnings)
+    assert any("wheels lose momentum" in words for words in result.warnings)
+    if part >= 0.003:
+        assert {fit.group for fit in result.disturbances.values()} == {"wheel_loss"}
 
 
 @pytest.mark.parametrize("part", [0.0005, 0.0006, 0.001])
@@ -63,9 +65,8 @@ def test_on_a_table_nothing_accepted_is_wrong(part: float):
     assert result.status == "rejected" or farthest(TABLE, result) < BEYOND
 
 
-def test_what_is_said_to_act_leaves_them_narrow():
-    unsaid, said = (
-        identified(SPACE, 0.003, *groups) for groups in ((), ("slow_base_torque",))
-    )
+def test_what_is_said_to_act_leaves_deviations_narrow():
+    unsaid, said = (identified(SPACE, 0.0005, *acts) for acts in ((), ("wheel_loss",)))
     assert said.status == "ok"
-    assert said.base.std[0] < unsaid.base.std[0] / 3
+    assert farthest(SPACE, said) < BEYOND
+    assert said.base.std[0] < unsaid.base.std[0] / 2

@@ -142,7 +142,7 @@ class Burst:
             force = stage.turned("base", self.force)
             stage.push(outside, force, NOWHERE, "base", self.point)
 
-    group = ""
+    group = "push"
     sizes = UNSIZED
 
 

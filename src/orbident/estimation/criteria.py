@@ -12,15 +12,13 @@ from orbident.estimation.kinetic_energy import positive_energy
 from orbident.estimation.mass_routes import agreement_of_routes, beside_nominal
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.obstacles import surprise
-from orbident.estimation.output_error.forms import IN_WORDS, SLOW
-from orbident.estimation.output_error.unseen_losses import may_be_losses
+from orbident.estimation.output_error.forms import IN_WORDS, PUSH, SLOW
 from orbident.estimation.quantities import Quantity
 from orbident.estimation.recursive.changes import changes_in_words
 from orbident.estimation.residual_checks import CAUSES, residual_checks
 from orbident.estimation.reweighting import unsettled_weights
 from orbident.estimation.solve import Solved
 from orbident.files.names import joined, listed
-from orbident.robot.description import Robot
 
 # Deviations between two estimates of the same recording that are no chance.
 FAR = 3.0
@@ -32,6 +30,7 @@ VAGUE = 0.3
 LISTED = 20
 # So many sizes of what acts from outside are written out.
 FEW = 4
+LOST = "see that wheel speeds were measured and not commanded only"
 
 
 class Judgement(NamedTuple):
@@ -72,7 +71,7 @@ def judge(solved: Solved, masses: dict[str, Quantity]) -> Judgement:
             *_mass(problem, estimate, shown or estimate),
             *positive_energy(problem, found.base),
             *_changes(estimate),
-            *_disturbances(estimate, robot),
+            *_disturbances(estimate, problem),
             *_two_explanations(problem, shown or estimate),
             *agreement_of_routes(masses),
             *beside_nominal(estimate.mass, robot.mass, len(robot.wheels)),
@@ -133,14 +132,6 @@ def _agreement(solved: Solved) -> Iterator[Check]:
     yield Check("agreement", level, reason, remedy if far else "", off, FAR)
 
 
-def torques_or_losses(estimate: Estimate, robot: Robot) -> list[str]:
-    """Groups of torques that may be what wheels lost: deviations hold that."""
-    groups = dict.fromkeys(fit.group for fit in estimate.disturbances.values())
-    if not may_be_losses(robot.motion, groups, robot.said_to_act):
-        return []
-    return [group for group in groups if "torque" in group]
-
-
 def _mass(
     problem: MomentumProblem, estimate: Estimate, shown: Estimate
 ) -> Iterator[Check]:
@@ -151,12 +142,6 @@ def _mass(
     own = estimate is shown
     level: Level = "do not trust" if own else "with care"
     richer = "record a richer or longer motion, with more momentum in the wheels"
-    torques = torques_or_losses(estimate, problem.robot)
-    if torques:
-        richer = (
-            "a torque was identified, and wheels may have lost unseen what it explains:"
-            f" if it acts, say so (--disturbance {torques[0]})"
-        )
     remedy = richer if own else "identify by maximum-likelihood"
     history = estimate.history
     if history is not None and not history.determined[0]:
@@ -233,17 +218,14 @@ def _two_explanations(problem: MomentumProblem, shown: Estimate) -> Iterator[Che
         )
 
 
-def _disturbances(estimate: Estimate, robot: Robot) -> Iterator[Check]:
-    """Care is needed where nobody had said that something acts.
-
-    Momentum that wheels lose unseen looks like a torque, and gives another scale.
-    """
-    fits = estimate.disturbances
-    groups = dict.fromkeys(fit.group for fit in fits.values())
-    # Who says that a torque acts has been asked to look at the wheels.
-    vouched = any("torque" in group for group in robot.said_to_act)
-    held = torques_or_losses(estimate, robot)
-    for group in groups:
+def _disturbances(estimate: Estimate, problem: MomentumProblem) -> Iterator[Check]:
+    """Care is needed where nobody had said that something acts."""
+    fits, pushed = estimate.disturbances, problem.samples.pushed
+    in_words = dict(IN_WORDS)
+    if pushed:
+        begin, end = pushed
+        in_words[PUSH] = f"something pushed between t = {begin:.4g} and {end:.4g} s"
+    for group in dict.fromkeys(fit.group for fit in fits.values()):
         own = {name: fit for name, fit in fits.items() if fit.group == group}
         largest = max(own.values(), key=lambda fit: abs(fit.value))
         sizes = f"up to {abs(largest.value):.2g} {largest.unit}"
@@ -252,20 +234,10 @@ def _disturbances(estimate: Estimate, robot: Robot) -> Iterator[Check]:
                 f"{name} = {fit.value:.3g} +- {fit.std:.1g} {fit.unit}"
                 for name, fit in own.items()
             )
-        asked = group in robot.said_to_act
-        by_wheels = not vouched and "torque" in group and robot.wheels
-        narrower = (
-            "; their deviations hold that: if such a torque acts, say so, and they are "
-            f"narrower (--disturbance {group})"
-        )
         yield Check(
             f"{group} from outside",
-            "trust" if asked else "with care",
-            f"{IN_WORDS[group]}: {sizes}; it was identified with the parameters, one "
+            "trust" if group in problem.robot.said_to_act else "with care",
+            f"{in_words[group]}: {sizes}; it was identified with the parameters, one "
             f"of which would be off by {largest.shift:.2g} sigmas without it",
-            "see that wheel speeds were measured and not commanded only: a wheel that "
-            "slows down unseen looks the same, and pi and M are then wrong by up to "
-            f"the part of the speed that is lost{narrower if held else ''}"
-            if by_wheels
-            else "",
+            LOST if group == "wheel_loss" else "",
         )

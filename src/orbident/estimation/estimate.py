@@ -73,6 +73,8 @@ class Estimate:
     suspected: Mapping[str, float] = field(default_factory=dict)
     """What may act too and is not sure, by its group: the fall in chi-square if it were
     an unknown."""
+    instead: Mapping[str, Float[np.ndarray, " beta"]] = field(default_factory=dict)
+    """What may act in place of a torque, by its group: how far off `beta` is then."""
     calibration: Mapping[str, CalibrationFit] = field(default_factory=dict)
     """The errors of instruments that have a tolerance."""
     sensitivity: Callable[[], Sensitivity] | None = None

@@ -8,8 +8,8 @@ from typing import get_args
 
 from orbident.errors import InputError
 from orbident.estimation.causes.causes import causes
-from orbident.estimation.check import only_vague
-from orbident.estimation.criteria import judge, torques_or_losses
+from orbident.estimation.causes.pushes import with_push
+from orbident.estimation.criteria import judge
 from orbident.estimation.estimate import Estimate, Estimator, Progress
 from orbident.estimation.estimators import IN_STRETCHES, Method, estimator_of
 from orbident.estimation.linear_fits import INITIAL_MOMENTA, InitialMomentum
@@ -88,9 +88,8 @@ def identify(
         return _judged(solved, estimator, weighing, elapsed)
 
     if len(recordings) == 1:
-        return judged(
-            solve(robot, recordings[0], initial_momentum, estimator, progress)
-        )
+        solved = solve(robot, recordings[0], initial_momentum, estimator, progress)
+        return judged(with_push(solved, estimator, progress))
     if not isinstance(estimator, OutputError):
         raise InputError(
             f"several recordings are identified as one by maximum likelihood only, not "
@@ -102,10 +101,11 @@ def identify(
     ]
     check_different(held)
     labels = labels_of(held)
-    solved = [
-        solve(robot, each, initial_momentum, estimator, _part(progress, k, len(held)))
-        for k, each in enumerate(held)
-    ]
+    solved = []
+    for k, each in enumerate(held):
+        part = _part(progress, k, len(held))
+        one = solve(robot, each, initial_momentum, estimator, part)
+        solved.append(with_push(one, estimator, part))
     results = [judged(each) for each in solved]
     agree = agreement(solved, labels)
     if agree.passed and all(one.status == "ok" for one in results):
@@ -151,10 +151,7 @@ def _judged(
         weighing,
         elapsed_s,
     )
-    known = only_vague(judgement.checks) and torques_or_losses(
-        solved.estimate, solved.problem.robot
-    )
-    if result.status == "ok" or known:
+    if result.status == "ok":
         return result
     # They are searched for after this verb has returned, and its limit with it.
     return replace(result, causes=one_blas_thread(lambda: tuple(causes(solved))))

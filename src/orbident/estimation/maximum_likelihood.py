@@ -31,7 +31,7 @@ from orbident.estimation.output_error.disturbances import (
     start_with,
     with_disturbances,
 )
-from orbident.estimation.output_error.forms import SLOW
+from orbident.estimation.output_error.forms import PUSH, SLOW
 from orbident.estimation.output_error.noise_scaling import Fitted, fitted
 from orbident.estimation.output_error.problem import (
     OUTSIDE,
@@ -51,7 +51,6 @@ from orbident.estimation.output_error.sensors import Sensors, sensors_of
 from orbident.estimation.output_error.shared import Shared, shared_of
 from orbident.estimation.output_error.solver import STEPS, Prior, Solution, solved
 from orbident.estimation.output_error.suspected import taken_for_zero, with_unseen
-from orbident.estimation.output_error.unseen_losses import unseen_losses
 from orbident.estimation.output_error.walk_density import with_densities
 from orbident.estimation.predicted import Signals, sensor_signals
 from orbident.estimation.prior_std import prior_std
@@ -72,6 +71,8 @@ class Likelihood:
     """What acted from outside."""
     suspected: dict[str, float]
     """What may act too, by its group: how far chi-square would fall."""
+    instead: dict[str, Float[np.ndarray, " beta"]]
+    """What may act in place of a torque, by its group: how far off `beta` is then."""
     sensors: dict[str, SensorFit]
     goodness: Goodness
     """The fit of all residuals over declared noise, or over estimated noise."""
@@ -141,16 +142,19 @@ def maximum_likelihood(
     # Without declared noise, what splines leave between samples may look slow too.
     excluded = () if declared == set(sensors.by_name) else SLOW
     asked = requested(problem, robot.said_to_act)
+    if samples.pushed:
+        asked = (*asked, PUSH)
     problem, density_std = with_densities(
         problem, asked, lambda problem: replace(search, problem=problem).first(asked)
     )
     search = replace(search, problem=problem)
-    zeros, found, groups, plain = with_disturbances(problem, search, excluded, asked)
+    fit = with_disturbances(problem, search, excluded, asked)
+    zeros, found, groups, plain, instead = fit
     estimate = estimate_of(found.solution, prior_std(robot, sets))
     faint = taken_for_zero(zeros)
     suspects = {group: each for group, each in faint.items() if each.suspected}
-    lost = unseen_losses(problem, found.solution, groups, asked)
-    unseen = np.column_stack([lost, *(each.off for each in suspects.values())])
+    apart = np.reshape([*instead.values()], (-1, beta.size)).T
+    unseen = np.hstack([apart, *(each.off for each in suspects.values())])
     covariance = estimate.covariance + unseen @ unseen.T
     return Likelihood(
         estimate=estimate._replace(covariance=covariance),
@@ -166,6 +170,7 @@ def maximum_likelihood(
         solution=plain.solution,
         shared=partial(shared_of, problem, found.solution, unseen),
         suspected={group: each.falls for group, each in suspects.items()},
+        instead=instead,
     )
 
 

@@ -89,9 +89,12 @@ class MomentumProblem:
         )
 
     def amended(
-        self, robot: Robot | None = None, recording: Recording | None = None
+        self,
+        robot: Robot | None = None,
+        recording: Recording | None = None,
+        pushed: tuple[float, float] | None = None,
     ) -> "MomentumProblem":
-        """This problem with another robot file or recording; its clocks stay."""
+        """This problem with another robot file, recording or push; its clocks stay."""
         robot = robot or self.robot
         same = robot.joints is self.robot.joints
         changed = replace(
@@ -100,7 +103,9 @@ class MomentumProblem:
             sets=self.sets if same else minimal_sets(robot),
             recording=recording or self.recording,
         )
-        return _on_clocks(changed, self.clocks)
+        again = _on_clocks(changed, self.clocks)
+        known = pushed or self.samples.pushed
+        return replace(again, samples=replace(again.samples, pushed=known))
 
 
 def momentum_problems(

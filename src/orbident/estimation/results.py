@@ -19,6 +19,7 @@ from orbident.estimation.mass_routes import is_a_mass, sigmas_apart
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.motion import motion_of
 from orbident.estimation.output_error.suspected import suspects_in_words
+from orbident.estimation.output_error.torques_or_losses import instead_in_words
 from orbident.estimation.predicted import Signals, equation_signals
 from orbident.estimation.quantities import (
     NO_ROUTES,
@@ -63,6 +64,7 @@ def result_of(
             *spikes_in_words(problem.rejected),
             *clocks_in_words(problem.clocks),
             *suspects_in_words(estimate.suspected),
+            *instead_in_words(estimate.instead),
             *(() if weighing is None else (f"burn: {w}" for w in weighing.warnings)),
         ),
         **vars(stands),

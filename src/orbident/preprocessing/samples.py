@@ -62,6 +62,8 @@ class Samples:
     """How joint rates, wheel speeds and the velocity of S were obtained."""
     source: str
     """Where the recording came from, for messages."""
+    pushed: tuple[float, float] | None = None
+    """From when to when something pushed the robot, s, where that is known."""
 
     def batches(self, size: int) -> Iterator[Batch]:
         """All samples in batches of this size; the last one is what remains."""

@@ -173,11 +173,12 @@ class Robot:
 
     @property
     def said_to_act(self) -> tuple[str, ...]:
-        """The groups of disturbances that act for certain."""
+        """The groups of disturbances that act for certain: pads float on a film."""
+        film = ("drag",) if self.pads and self.motion == "planar" else ()
         walks = (
             f"{name}_walk" for name, q in self.momentum_walk._asdict().items() if q
         )
-        return tuple(dict.fromkeys((*self.disturbances, *walks)))
+        return tuple(dict.fromkeys((*self.disturbances, *film, *walks)))
 
     @property
     def free_parameters(self) -> tuple[int, ...]:

@@ -10,6 +10,7 @@ class DisturbanceGroup(StrEnum):
     slow_torque = "slow_torque"
     base_torque = "base_torque"
     slow_base_torque = "slow_base_torque"
+    wheel_loss = "wheel_loss"
     pull = "pull"
     uneven = "uneven"
     drag = "drag"

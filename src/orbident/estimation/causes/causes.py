@@ -70,9 +70,11 @@ def causes(solved: Solved) -> Iterator[Check]:
         yield from _by_trials(solved, shown, conventions, jumped)
     else:
         # Without a fit nothing else can be scored.
-        for one in missing_wheel(problem):
-            if one.accepted:
-                yield _explained(one, now)
+        found = [_explained(one, now) for one in missing_wheel(problem) if one.accepted]
+        happened = None if found else event(problem)
+        if happened is not None:
+            found = [_found(happened.reason, happened.remedy)]
+        yield from found
 
 
 def _by_trials(

@@ -9,6 +9,7 @@ from collections.abc import Collection
 from typing import NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
+from jaxtyping import Float
 from scipy.special import chdtri
 
 from orbident.errors import InputError
@@ -17,11 +18,12 @@ from orbident.estimation.output_error.disturbance_sizes import (
     places_of,
     sizes_of,
 )
-from orbident.estimation.output_error.forms import IN_WORDS, NEEDS, SLOW
+from orbident.estimation.output_error.forms import IN_WORDS, NEEDS, SLOW, STEADY
 from orbident.estimation.output_error.noise_scaling import Fitted
 from orbident.estimation.output_error.problem import Problem, Unknowns
 from orbident.estimation.output_error.sensitivity import TakenForZero, fall
 from orbident.estimation.output_error.solver import Prior, Solution
+from orbident.estimation.output_error.torques_or_losses import instead
 from orbident.estimation.output_error.walks import WALKS
 
 CHANCE = 1e-4
@@ -32,6 +34,9 @@ FREE = 1e3
 
 IMPOSSIBLE = 3.0
 """Deviations below zero that something positive is not by chance."""
+
+FILM = "drag"
+"""Acts where a robot has pads."""
 
 ROUNDS = 6
 """Times that a group is freed, at most; one that was freed may be dropped again."""
@@ -59,6 +64,8 @@ class Fit(NamedTuple):
     groups: tuple[str, ...]
     plain: Fitted
     """The fit in which nothing acts."""
+    instead: dict[str, Float[np.ndarray, " beta"]]
+    """What may act in place of a torque, by its group: how far off `beta` is then."""
 
 
 @runtime_checkable
@@ -114,13 +121,15 @@ def with_disturbances(
     found = search.whole(solution) if groups else plain
     while weak := _unneeded(problem, found.solution, groups, asked):
         groups = _without(groups, weak)
-        found = search.whole(search.first(groups)) if groups else plain
+        solution = search.first(groups) if groups else start
+        found = search.whole(solution) if groups else plain
     if groups:
         beside = {*first.groups} - {*groups, *(SLOW if {*SLOW} & {*groups} else ())}
         zeros = TakenForZero(problem, found.solution, beside)
     else:
         zeros = first
-    return Fit(zeros, found, groups, plain)
+    others = instead(problem, search.first, solution, groups, asked)
+    return Fit(zeros, found, groups, plain, others)
 
 
 def requested(problem: Problem, names: Collection[str]) -> tuple[str, ...]:
@@ -136,6 +145,11 @@ def requested(problem: Problem, names: Collection[str]) -> tuple[str, ...]:
             f"and the recording has {problem.t.size} rows of at most {LONGEST}; "
             "declare momentum_walk and use --method structured"
         )
+    followed = problem.acting.followed
+    possible = followed.tracked and problem.t.size <= LONGEST
+    if not possible and FILM not in followed.robot.disturbances:
+        # Pads imply it, which is no reason to refuse.
+        names = [name for name in names if name != FILM]
     every = {each.group for each in problem.acting.disturbances} if names else set()
     for name in names:
         if name not in IN_WORDS:
@@ -154,13 +168,14 @@ def _without(groups: tuple[str, ...], group: str) -> tuple[str, ...]:
 
 
 def _with(groups: tuple[str, ...], group: str) -> tuple[str, ...]:
-    """One more, but of those that change slowly one only.
+    """One more, but of those that change slowly one only, and with its mean.
 
-    Two of them, in inertial and in base axes, follow whatever changes slowly, such as a
-    wheel's speed that is not as recorded.
+    Two of them, in inertial and in base axes, follow whatever changes slowly.
     """
     others = SLOW if group in SLOW else ()
-    return (*(each for each in groups if each not in others), group)
+    mean = (STEADY[group],) if group in STEADY else ()
+    left = (each for each in groups if each not in {*others, *mean})
+    return (*left, *mean, group)
 
 
 def _best(
@@ -181,7 +196,8 @@ def _best(
     for group in _likely(zeros, {*zeros.groups} - {*groups}):
         together = _with(groups, group)
         more = search.first(together)
-        worth = more.cost + chdtri(places_of(problem, [group]).size, CHANCE)
+        freed = places_of(problem, {*together} - {*groups})
+        worth = more.cost + chdtri(freed.size, CHANCE)
         if worth < cost and not _impossible(problem, more, group):
             tried.append((worth, more, together))
     if not tried:
@@ -225,7 +241,8 @@ def _likely(zeros: TakenForZero, names: Collection[str]) -> list[str]:
     """Those by which chi-square falls beyond what chance does, most of all."""
     beyond = {}
     for name in sorted(names):
-        places = places_of(zeros.problem, [name])
+        mean = {STEADY.get(name, name)} & {*names}
+        places = places_of(zeros.problem, {name, *mean})
         fallen = fall(zeros.equations(places), np.arange(places.size))
         beyond[name] = fallen - chdtri(places.size, CHANCE / len(names))
     likely = sorted(

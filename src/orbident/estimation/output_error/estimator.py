@@ -60,6 +60,7 @@ class OutputError:
             biases=likelihood.biases,
             disturbances=likelihood.disturbances,
             suspected=likelihood.suspected,
+            instead=likelihood.instead,
             calibration=likelihood.calibration,
             sensitivity=likelihood.sensitivity,
             converged=likelihood.converged,

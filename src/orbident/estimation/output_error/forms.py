@@ -10,6 +10,8 @@
     air drag                   F = d,  tau = R_WB e_k x d   d along the flow
     sunlight                   F = -d, tau = R_WB e_k x d   d towards the sun
     magnet in the base         tau = R_WB e_k x B
+    wheel losing speed unseen  tau = d/dt (R_WB a_k l),  dl/dt = cos(m pi t / T)
+    push for a short time d    tau = e_k p,  b = e_k p     p = cos(m pi s / d) / d
     known wrench               as recorded
     known torquer              tau = R_WB m x B       m as recorded
 
@@ -30,8 +32,14 @@ from orbident.orbits.earth import MU
 
 AXES = "xyz"
 
-SLOW = ("slow_torque", "slow_base_torque")
+SLOW = ("slow_torque", "slow_base_torque", "wheel_loss")
 """Groups of what changes slowly."""
+
+STEADY = {"slow_torque": "torque", "slow_base_torque": "base_torque"}
+"""What has a mean beside, by groups of what changes slowly."""
+
+PUSH = "push"
+"""The group of what acts for a short time, which is not tested for but looked for."""
 
 WAVES = 6
 """Half waves in a recording of what changes slowly, at most."""
@@ -42,6 +50,7 @@ IN_WORDS: dict[str, str] = {
     "base_torque": "a torque acts that turns with the base, base axes",
     "slow_base_torque": "a torque acts that turns with the base and changes slowly, "
     "base axes",
+    "wheel_loss": "wheels lose momentum that their recorded speeds do not show",
     "pull": "all parts are pulled alike, as on a table that is not level",
     "uneven": "the pull changes from place to place, as on an uneven table",
     "drag": "drag acts, as of an air film",
@@ -56,6 +65,7 @@ IN_WORDS: dict[str, str] = {
 NEEDS: dict[str, str] = {
     "base_torque": "a robot whose motion is spatial",
     "slow_base_torque": "a robot whose motion is spatial",
+    "wheel_loss": "a wheel, and a robot whose motion is spatial",
     "pull": "position or velocity of S",
     "uneven": "position or velocity of S, and a robot whose motion is planar",
     "drag": "position or velocity of S, and a robot whose motion is planar",
@@ -116,6 +126,8 @@ def disturbances(followed: Followed) -> Iterator[Disturbance]:
     Args:
         followed: the motion that was measured.
     """
+    if followed.samples.pushed:
+        yield from _push(followed)
     yield from _torques(followed)
     yield from _in_orbit(followed)
     if followed.tracked:
@@ -168,6 +180,7 @@ def _torques(followed: Followed) -> Iterator[Disturbance]:
         yield Disturbance(f"slow_torque.{name}", "slow_torque", "N m", effect)
     if followed.robot.motion == "spatial":
         yield from _on_the_base(followed)
+        yield from _lost_by_wheels(followed)
 
 
 def _on_the_base(followed: Followed) -> Iterator[Disturbance]:
@@ -180,6 +193,23 @@ def _on_the_base(followed: Followed) -> Iterator[Disturbance]:
             effect = none._replace(torque=by_step(torque * wave))
             name = f"slow_base_torque.{axis}.{m}"
             yield Disturbance(name, "slow_base_torque", "N m", effect)
+
+
+def _lost_by_wheels(followed: Followed) -> Iterator[Disturbance]:
+    """A wheel that slows down unseen gives its momentum to the rest of the robot.
+
+    About the vertical of a table it cannot be told from a torque, and need not be.
+    """
+    none = nothing(followed)
+    t = followed.t[:, None] - followed.t[0]
+    for wheel in followed.robot.wheels:
+        for m, rate in ((0, np.ones_like(t)), *_waves(followed)):
+            k = m * np.pi / t[-1]
+            lost = np.sin(k * t) / k if m else t
+            torque = np.cross(followed.w, wheel.axis * lost) + wheel.axis * rate
+            effect = none._replace(torque=by_step(followed.in_inertial(torque)))
+            name = f"wheel_loss.{wheel.name}.{m}"
+            yield Disturbance(name, "wheel_loss", "N m", effect)
 
 
 def _in_orbit(followed: Followed) -> Iterator[Disturbance]:
@@ -218,6 +248,31 @@ def gravity_gradient(
     n = np.einsum("nji,nj->ni", followed.R_WB, nadir / R)
     tau = 3 * MU / R**3 * np.cross(n, np.einsum("nij,nj->ni", D, n))
     return followed.in_inertial(tau)
+
+
+def _push(followed: Followed) -> Iterator[Disturbance]:
+    """What it adds to both momenta from its begin to its end, and how early or late."""
+    turning, moving = conserved_axes(followed.robot)
+    t, none = followed.t, nothing(followed)
+    assert followed.samples.pushed is not None
+    begin, end = followed.samples.pushed
+    s = by_step(t - begin)
+    during = (s[:, :1] >= 0) & (s[:, 2:] <= end - begin)
+    for m in (0, 1):
+        shape = during * np.cos(m * np.pi * s / (end - begin)) / (end - begin)
+        for k in turning:
+            torque = shape[..., None] * np.eye(3)[k]
+            yield Disturbance(
+                f"push.turning.{AXES[k]}.{m}",
+                PUSH,
+                "N m s",
+                none._replace(torque=torque),
+            )
+        for k in moving if followed.tracked else ():
+            push = shape[..., None] * np.eye(3)[k]
+            yield Disturbance(
+                f"push.moving.{AXES[k]}.{m}", PUSH, "m/s", none._replace(push=push)
+            )
 
 
 def _pulls(followed: Followed) -> Iterator[Disturbance]:

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 from scipy.linalg import solve_triangular
 from scipy.spatial.transform import Rotation, Slerp
 
@@ -246,6 +246,7 @@ def problem_of(
     loose = looseness(robot, samples, sensors, lasting)
     history = intervals.history
     last = np.arange(intervals.t.size) == intervals.t.size - 1
+    pushed = _during(samples.pushed, intervals.t)
     seen, weights = {}, {}
     for name, sensed in sensors.by_name.items():
         table = sensed.values[intervals.kept]
@@ -253,6 +254,8 @@ def problem_of(
         if name == "accelerometer":
             # The rate of the velocity is taken over the time to the next row.
             valid &= ~last
+        if name != "joints":
+            valid &= ~pushed
         seen[name] = table
         weights[name] = np.outer(valid / sensed.std, _axes(robot, name, table.shape[1]))
     recorded = _core.Recorded(
@@ -293,6 +296,14 @@ def problem_of(
         (*calibrations_of(robot, sensors.by_name), *gains),
         acting,
     )
+
+
+def _during(
+    pushed: tuple[float, float] | None, t: Float[np.ndarray, " rows"]
+) -> Bool[np.ndarray, " rows"]:
+    """Rows while something pushes: how it does so from one to the next is unknown."""
+    begin, end = pushed or (np.inf, -np.inf)
+    return (t > begin) & (t < end)
 
 
 def _without_nan(
