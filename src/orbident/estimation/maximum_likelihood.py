@@ -58,6 +58,7 @@ from orbident.estimation.prior_std import prior_std
 from orbident.model.minimal_sets import MinimalSets, conserved_axes
 from orbident.preprocessing.delays import delays
 from orbident.preprocessing.samples import Samples
+from orbident.recordings.long_recording import LARGE
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 
@@ -127,11 +128,14 @@ def maximum_likelihood(
     starts = [
         start_of(problem, samples, outside, at) for at in (beta, sets.beta(robot.theta))
     ]
-    here, other = (linear(problem, problem.weights, at) for at in starts)
-    if other.cost < here.cost:
-        here, starts = other, starts[::-1]
-    at_hand = [here]
-    del here, other
+    at_hand = []
+    # Those of many samples are as good as they will be, and equations take long.
+    if problem.t.size < LARGE:
+        here, other = (linear(problem, problem.weights, at) for at in starts)
+        if other.cost < here.cost:
+            here, starts = other, starts[::-1]
+        at_hand = [here]
+        del here, other
     least = {name: each.least / each.std for name, each in sensors.by_name.items()}
     declared = {name for name, each in sensors.by_name.items() if each.declared}
 
@@ -202,11 +206,11 @@ class _DisturbanceSearch:
             self.at_hand.pop() if self.at_hand and not more else None,
         )
 
-    def whole(self, solution: Solution) -> Fitted:
+    def whole(self, first: Callable[[], Solution]) -> Fitted:
         """Go on with the noise that the residuals show."""
         return fitted(
             self.problem,
-            solution,
+            first,
             self.least,
             self.declared,
             self.progress,

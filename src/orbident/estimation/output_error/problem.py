@@ -144,7 +144,7 @@ class Linear(NamedTuple):
     cost: float
     """Sum of the squared whitened residuals and defects."""
     residuals: dict[str, Float[np.ndarray, "rows axes"]]
-    """Over the white noise; zero where there was no sample. Taken out once used."""
+    """Over the white noise; zero where there was no sample."""
 
     def without_rows(self) -> "Linear":
         """The same without what is large: links and residuals."""
@@ -218,7 +218,7 @@ def _linearised(
 ]:
     return _core.linearised(
         problem.recorded,
-        [weights.get(name, NO_ROWS) for name in SENSORS],
+        [np.ascontiguousarray(weights.get(name, NO_ROWS)) for name in SENSORS],
         at_level(problem.lasting, problem.weights, weights),
         problem.acting.table(state.beta, state.calibration, state.selected),
         state.x_WB,
@@ -254,7 +254,13 @@ def problem_of(
             # The rate of the velocity is taken over the time to the next row.
             valid &= ~last
         seen[name] = table
-        weights[name] = np.outer(valid / sensed.std, _axes(robot, name, table.shape[1]))
+        axes = _axes(robot, name, table.shape[1]) / sensed.std
+        # Where all rows count alike, one is held in place of a table.
+        weights[name] = (
+            np.broadcast_to(axes, (valid.size, axes.size))
+            if valid.all()
+            else np.outer(valid, axes)
+        )
     recorded = _core.Recorded(
         core_tree(robot),
         unseen_part(robot, sets),
