@@ -14,6 +14,7 @@ from functools import partial
 import numpy as np
 from jaxtyping import Float
 
+from orbident import _core
 from orbident.estimation.estimate import Goodness, SensorFit
 from orbident.estimation.found import BetaEstimate, hidden_of
 from orbident.estimation.linear_fits import Fits, InitialMomentum
@@ -130,7 +131,9 @@ def maximum_likelihood(
     ]
     at_hand = []
     # Those of many samples are as good as they will be, and equations take long.
-    if problem.t.size < LARGE:
+    if problem.t.size >= LARGE:
+        _core.give_back_memory()
+    else:
         here, other = (linear(problem, problem.weights, at) for at in starts)
         if other.cost < here.cost:
             here, starts = other, starts[::-1]
@@ -245,7 +248,7 @@ def _biases(
     """The biases at the end of the recording, estimated from all of it."""
     turning, moving = conserved_axes(robot)
     solution = found.solution
-    C = solution.linear.covariance_at_the_end(solution.covariance)
+    C = solution.end.covariance(solution.covariance)
     biases = {}
     for first, name, axes in ((3, "gyro", turning), (6, "accelerometer", moving)):
         for k in axes if name in sensors.by_name else ():

@@ -1,6 +1,7 @@
 """Solve with the noise, and the weights of outliers, that the residuals show."""
 
 from collections.abc import Callable, Collection, Mapping
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -154,21 +155,22 @@ def fitted(
     while True:
         rounds += 1
         lost = 0 if solution.converged else lost + 1
-        used, before, changed = {}, dict(levels), 0.0
-        # One sensor after another: tables of a long recording are large.
-        for name, weights in solution.weights.items():
-            left = _over_noise(problem, solution, name, before[name])
-            scale = whitened(weights, left, unknowns[name]).scale
-            found = before[name] * scale
-            levels[name] = _level(found, least[name], name in declared)
-            plain = problem.weights[name] / levels[name]
-            used[name] = robust(plain, left * (before[name] / levels[name]))
-            changed = max(changed, change(weights, used[name]))
+        before, levels, used, changed = levels, {}, {}, 0.0
+        for name in problem.weights:
+            levels[name], used[name] = _reweighed(
+                problem,
+                solution,
+                name,
+                before[name],
+                unknowns[name],
+                partial(_level, least=least[name], declared=name in declared),
+            )
+            changed = max(changed, change(solution.weights[name], used[name]))
         if rounds == ROUNDS or lost == LOST or changed < SETTLED:
             break
         state, prior = solution.state, solution.prior
         # Its rows take as much memory as those of the next one.
-        del solution, weights, left, plain
+        del solution
         solution = solved(problem, used, prior, state, progress, steps)
     residuals = {
         name: _over_noise(problem, solution, name, before[name])
@@ -180,6 +182,21 @@ def fitted(
         for name, table in residuals.items()
     }
     return Fitted(solution, parts, levels, residuals, changed, assumed)
+
+
+def _reweighed(
+    problem: Problem,
+    solution: Solution,
+    name: str,
+    before: float,
+    unknowns: float,
+    level_of: Callable[[float], float],
+) -> tuple[float, Float[np.ndarray, "rows axes"]]:
+    """The level of a sensor's noise, and what its samples weigh then."""
+    left = _over_noise(problem, solution, name, before)
+    scale = whitened(problem.weights[name], left, unknowns).scale
+    level = level_of(before * scale)
+    return level, robust(problem.weights[name] / level, left * (before / level))
 
 
 def _over_noise(

@@ -129,6 +129,7 @@ class TakenForZero:
         """Triangular, over changes of the solution's unknowns, of these, and rhs."""
         state = self.solution.state.selecting(self.places)
         factor = common_factor(self.problem, self.solution.weights, state)
+        self.problem.acting.forget()
         prior = self.solution.prior.extended(np.full(self.places.size, np.inf))
         return prior.added(factor, state)
 
