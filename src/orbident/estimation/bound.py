@@ -23,7 +23,7 @@ from orbident.estimation.output_error.problem import (
     start_of,
 )
 from orbident.estimation.output_error.sensors import Sensors, sensors_of
-from orbident.estimation.output_error.solver import Solution
+from orbident.estimation.output_error.solver import solution_at
 from orbident.estimation.prior_std import prior_std
 from orbident.model.minimal_sets import minimal_sets
 from orbident.preprocessing.delays import SENSORS
@@ -77,7 +77,7 @@ def cramer_rao(
     state = start_of(problem, samples, outside, sets.beta(robot.theta))
     prior = prior_of(robot, sets, problem.declared, outside, initial_momentum)
     there = linear(problem, problem.weights, state)
-    solution = Solution(state, there, prior, problem.weights, True, 0, there.cost)
+    solution = solution_at(state, there, prior, problem.weights, True, 0, there.cost)
     return found_beta(robot, sets, estimate_of(solution, prior_std(robot, sets)))
 
 

@@ -28,7 +28,11 @@ InitialMomentum = Literal["unknown", "at-rest", "first-sample"]
 INITIAL_MOMENTA: tuple[InitialMomentum, ...] = get_args(InitialMomentum)
 
 BATCH = 256
-"""Samples folded in at once: more are no faster, and need 100 MB more at 1024."""
+"""Samples folded in at once, at least: of a robot with two arms more are no faster,
+and need 100 MB more at 1024."""
+
+NUMBERS = 2**17
+"""Numbers of the equations folded in at once: with fewer, most time goes to calls."""
 
 STILL = 0.1
 """A base at rest turns less than this fraction of its later RMS rate."""
@@ -89,8 +93,11 @@ def fit(
     R_v = np.zeros((layout_v.columns,) * 2)
     turning = moving = done = 0
     h_rw = 0.0
+    size = max(BATCH, NUMBERS // (axes_h * layout_h.columns))
     every = (samples,) if stretches is None else stretches
-    for batch, drift in chain.from_iterable(map(batches_with_drift, every)):
+    for batch, drift in chain.from_iterable(
+        batches_with_drift(each, size) for each in every
+    ):
         progress(min(done / samples.t.size, 1.0))
         done += batch.turning.size
         rows_h, rows_v = rows_of(regressors, wheels, known, batch, drift)
@@ -109,12 +116,12 @@ def fit(
 
 
 def batches_with_drift(
-    samples: Samples,
+    samples: Samples, size: int = BATCH
 ) -> Iterator[tuple[Batch, Float[np.ndarray, "n 3 3"] | None]]:
     """All samples in batches, and what an accelerometer's bias adds to each."""
     drift = samples.drift()
-    for k, batch in enumerate(samples.batches(BATCH)):
-        own = slice(k * BATCH, (k + 1) * BATCH)
+    for k, batch in enumerate(samples.batches(size)):
+        own = slice(k * size, (k + 1) * size)
         yield batch, None if drift is None else drift[own]
 
 

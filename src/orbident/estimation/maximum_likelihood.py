@@ -14,6 +14,7 @@ from functools import partial
 import numpy as np
 from jaxtyping import Float
 
+from orbident import _core
 from orbident.estimation.estimate import Goodness, SensorFit
 from orbident.estimation.found import BetaEstimate, hidden_of
 from orbident.estimation.linear_fits import Fits, InitialMomentum
@@ -57,6 +58,7 @@ from orbident.estimation.prior_std import prior_std
 from orbident.model.minimal_sets import MinimalSets, conserved_axes
 from orbident.preprocessing.delays import delays
 from orbident.preprocessing.samples import Samples
+from orbident.recordings.long_recording import LARGE
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 
@@ -128,11 +130,16 @@ def maximum_likelihood(
     starts = [
         start_of(problem, samples, outside, at) for at in (beta, sets.beta(robot.theta))
     ]
-    here, other = (linear(problem, problem.weights, at) for at in starts)
-    if other.cost < here.cost:
-        here, starts = other, starts[::-1]
-    at_hand = [here]
-    del here, other
+    at_hand = []
+    # Those of many samples are as good as they will be, and equations take long.
+    if problem.t.size >= LARGE:
+        _core.give_back_memory()
+    else:
+        here, other = (linear(problem, problem.weights, at) for at in starts)
+        if other.cost < here.cost:
+            here, starts = other, starts[::-1]
+        at_hand = [here]
+        del here, other
     least = {name: each.least / each.std for name, each in sensors.by_name.items()}
     declared = {name for name, each in sensors.by_name.items() if each.declared}
 
@@ -207,11 +214,11 @@ class _DisturbanceSearch:
             self.at_hand.pop() if self.at_hand and not more else None,
         )
 
-    def whole(self, solution: Solution) -> Fitted:
+    def whole(self, first: Callable[[], Solution]) -> Fitted:
         """Go on with the noise that the residuals show."""
         return fitted(
             self.problem,
-            solution,
+            first,
             self.least,
             self.declared,
             self.progress,
@@ -246,7 +253,7 @@ def _biases(
     """The biases at the end of the recording, estimated from all of it."""
     turning, moving = conserved_axes(robot)
     solution = found.solution
-    C = solution.linear.covariance_at_the_end(solution.covariance)
+    C = solution.end.covariance(solution.covariance)
     biases = {}
     for first, name, axes in ((3, "gyro", turning), (6, "accelerometer", moving)):
         for k in axes if name in sensors.by_name else ():

@@ -12,6 +12,7 @@ from orbident.preprocessing.rates import at_times, fill
 from orbident.preprocessing.settings import Settings
 from orbident.preprocessing.smoothing import Smoothed, fits_of, smooth
 from orbident.recordings.recording import Recording
+from orbident.threads import side_by_side
 
 Columns = tuple[Float[np.ndarray, " samples"], ...]
 
@@ -71,30 +72,39 @@ def histories(
     Raises:
         InputError: a column has too few samples.
     """
-    tachometer = sensor.get("tachometer")
-    positions, rates, shares, origins = [], [], [], set()
-    for name in names:
+
+    def one(name: str) -> _History:
         position, measured = f"{what}.{name}.position", f"{what}.{name}.{rate}"
-        noisy = tachometer and recording.has(position)
-        if recording.has(measured) and not noisy:
-            columns = [c for c in (position, measured) if recording.has(c)]
-            *q, qd = (_at(recording, column, late) for column in columns)
-            shares.append(np.nan)
-            origins.add(MEASURED)
-        else:
-            noise = encoder_noise(sensor)
-            smoothed = _smoothed(recording, position, noise, late, settings)
-            q, qd = [smoothed.x[:, 0]], smoothed.rate[:, 0]
-            std = np.nanmedian(smoothed.std_x[:, 0]) / smoothed.noise_std[0]
-            shares.append(float(std**2))
-            if noisy and recording.has(measured):
-                read = _smoothed(recording, measured, tachometer, late, settings)
-                qd = _combined(smoothed, read)
-            origins.add(BOTH if recording.has(measured) else DERIVED)
-        positions += q
-        rates.append(qd)
-    origin = "; ".join(sorted(origins)) or "none"
-    return Histories(tuple(positions), tuple(rates), origin, tuple(shares))
+        tachometer = sensor.get("tachometer") if recording.has(position) else None
+        if recording.has(measured) and not tachometer:
+            q = [_at(recording, position, late)] if recording.has(position) else []
+            return _History(q, _at(recording, measured, late), np.nan, MEASURED)
+        noise = encoder_noise(sensor)
+        smoothed = _smoothed(recording, position, noise, late, settings)
+        std = np.nanmedian(smoothed.std_x[:, 0]) / smoothed.noise_std[0]
+        q, qd, origin = [smoothed.x[:, 0]], smoothed.rate[:, 0], DERIVED
+        if recording.has(measured):
+            read = _smoothed(recording, measured, tachometer, late, settings)
+            qd, origin = _combined(smoothed, read), BOTH
+        return _History(q, qd, float(std**2), origin)
+
+    every = [*side_by_side(one, names)]
+    return Histories(
+        tuple(q for each in every for q in each.positions),
+        tuple(each.rate for each in every),
+        "; ".join(sorted({each.origin for each in every})) or "none",
+        tuple(each.share for each in every),
+    )
+
+
+class _History(NamedTuple):
+    """That of one joint or wheel."""
+
+    positions: list[Float[np.ndarray, " samples"]]
+    """One, or none where it is not recorded."""
+    rate: Float[np.ndarray, " samples"]
+    share: float
+    origin: str
 
 
 def _combined(angle: Smoothed, rate: Smoothed) -> Float[np.ndarray, " samples"]:

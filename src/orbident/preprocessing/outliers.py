@@ -1,5 +1,6 @@
 """Spikes: samples that have nothing to do with the motion."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -28,6 +29,9 @@ LEAP = 4.0
 
 LONGEST = 10
 """Samples in a row that may be a burst; what lasts longer is motion."""
+
+BESIDE = NEIGHBOURHOOD // 2 + 4 * FARTHEST
+"""Samples beside one that tell how well it and those around it are predicted."""
 
 ENDS = 6
 """Samples at either end that are left alone: with neighbours on one side only, what a
@@ -87,13 +91,33 @@ def find_spikes(
 
 
 def _spiky(t: np.ndarray, x: np.ndarray) -> Bool[np.ndarray, " n"]:
-    residual = np.abs(x - _core.expected_samples(t, x, FARTHEST, processors()))
-    scatter = SIGMA * median_filter(residual, NEIGHBOURHOOD, mode="reflect")
-    scatter = np.maximum(scatter, BIT * np.abs(x).max())
     steps = np.abs(np.diff(x, prepend=x[0], append=x[-1]))
     leap = LEAP * percentile_filter(steps, USUAL, NEIGHBOURHOOD, mode="reflect")
-    spiky = residual > np.maximum(SUSPECT * scatter, leap[:-1])
-    return _bursts(spiky, steps > leap / 2)
+    leaps, least = steps > leap / 2, BIT * np.abs(x).max()
+    spiky = np.zeros(x.size, dtype=bool)
+    for own in _eventful(leaps):
+        around = slice(max(own.start - BESIDE, 0), own.stop + BESIDE)
+        there = slice(own.start - around.start, own.stop - around.start)
+        expected = _core.expected_samples(t[around], x[around], FARTHEST, processors())
+        residual = np.abs(x[around] - expected)
+        scatter = SIGMA * median_filter(residual, NEIGHBOURHOOD, mode="reflect")
+        beyond = np.maximum(SUSPECT * np.maximum(scatter, least)[there], leap[:-1][own])
+        spiky[own] = _bursts(residual[there] > beyond, leaps[own.start : own.stop + 1])
+    return spiky
+
+
+def _eventful(leaps: Bool[np.ndarray, " edges"]) -> Iterator[slice]:
+    """Samples that may be in a burst, which two leaps close to each other enclose.
+
+    Most of a recording is far from any, and need not be looked at.
+    """
+    at = np.flatnonzero(leaps)
+    before, after = np.diff(at, prepend=-np.inf), np.diff(at, append=np.inf)
+    at = at[np.minimum(before, after) <= LONGEST]
+    apart = np.flatnonzero(np.diff(at) > 2 * (LONGEST + 1 + BESIDE)) + 1
+    for every in np.split(at, apart) if at.size else ():
+        first, last = int(every[0]) - LONGEST - 1, int(every[-1]) + LONGEST + 1
+        yield slice(max(first, 0), min(last, leaps.size - 1))
 
 
 def _bursts(

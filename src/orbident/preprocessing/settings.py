@@ -7,13 +7,14 @@ from orbident.preprocessing.smoothing import ORDER, Roughness
 
 Found = TypeVar("Found")
 
-FORGOTTEN = 90
-"""Times the reach of a smoother: so far away a sample counts by 1e-15 of its noise.
+FORGOTTEN = 60
+"""Times the reach of a smoother: so far away a sample counts by 1e-10 of its noise, and
+that in the rows where stretches meet alone.
 
 The slowest root of the smoothing spline of order 4 decays by `exp(-sin(pi/8) d)`, `d`
 in units of the reach."""
 
-LONGEST = 512.0
+LONGEST = 256.0
 """Samples that a smoother of a stretch may reach over."""
 
 BESIDE = 192

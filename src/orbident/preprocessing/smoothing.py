@@ -111,6 +111,8 @@ def smooth(
     _check_times(t, name)
     fits = fits_of(t, x, std, name) if fits is None else fits
     noise_std = np.array([fit.noise_std for fit in fits])
+    # Times of samples alone need no others among them.
+    at = None if at is None or np.array_equal(at, t) else at
     grid, samples = (t, x) if at is None else _with_times(t, x, at, name)
     smoothed = _core.smooth_columns(
         grid,

@@ -123,3 +123,19 @@ def test_few_samples():
         find_spikes(
             np.arange(6.0), np.array([0, 1, np.nan, np.nan, np.nan, np.nan]), "q"
         )
+
+
+def test_spikes_are_looked_for_beside_leaps_only(monkeypatch):
+    """Whoever looks everywhere finds the same."""
+    draw, t = random(3), np.arange(40_000) / 100
+    x = np.sin(t) + 1e-3 * draw.standard_normal(t.size)
+    x[draw.integers(0, t.size, 100)] += 0.1
+    for start in draw.integers(0, t.size, 30):
+        x[start : start + draw.integers(1, 14)] += 0.05
+    found = find_spikes(t, x)
+    monkeypatch.setattr(
+        "orbident.preprocessing.outliers._eventful",
+        lambda leaps: iter([slice(0, leaps.size - 1)]),
+    )
+    assert found.count > 100
+    np.testing.assert_array_equal(found.mask, find_spikes(t, x).mask)

@@ -117,6 +117,10 @@ class Acting:
             return table
         return np.concatenate([table, self._by_beta(total, r, beta[0])], axis=2)
 
+    def forget(self) -> None:
+        """Free the tables that were last asked for: of all groups 10 kB a row."""
+        self._still = None
+
     def _without_force(
         self, which: tuple[int, ...]
     ) -> Float[np.ndarray, "nodes rows effects"]:

@@ -5,7 +5,8 @@ order if it were an unknown (score test); one that is among the unknowns by its 
 its own deviations (Wald, 1943). Both are chi-square where nothing acts.
 """
 
-from collections.abc import Collection
+from collections.abc import Callable, Collection
+from functools import partial
 from typing import NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
@@ -76,8 +77,8 @@ class Search(Protocol):
         """Search with the noise that is assumed; of the unknowns the names."""
         ...
 
-    def whole(self, solution: Solution) -> Fitted:
-        """Go on from a solution, with the noise that the residuals show."""
+    def whole(self, first: Callable[[], Solution]) -> Fitted:
+        """Go on from a first solution, with the noise that the residuals show."""
         ...
 
 
@@ -95,12 +96,11 @@ def with_disturbances(
         excluded: groups that are not tested.
         asked: groups that are known to act: these are free in any case.
     """
-    start = search.first(())
-    plain = search.whole(start)
+    plain = search.whole(partial(search.first, ()))
     tested = problem.t.size <= LONGEST
     every = {each.group for each in problem.acting.disturbances} if tested else set()
     # In all first fits noise is that assumed, so that their costs can be compared.
-    solution, groups, cost = plain.solution, asked, start.cost
+    solution, groups, cost = plain.solution, asked, plain.assumed
     if asked:
         solution = search.first(asked)
         cost = solution.cost
@@ -118,17 +118,16 @@ def with_disturbances(
             solution = search.first(groups)
         zeros = TakenForZero(problem, solution, zeros.groups)
         cost = solution.cost
-    found = search.whole(solution) if groups else plain
+    found = search.whole(lambda: solution) if groups else plain
     while weak := _unneeded(problem, found.solution, groups, asked):
         groups = _without(groups, weak)
-        solution = search.first(groups) if groups else start
-        found = search.whole(solution) if groups else plain
+        found = search.whole(partial(search.first, groups)) if groups else plain
     if groups:
         beside = {*first.groups} - {*groups, *(SLOW if {*SLOW} & {*groups} else ())}
         zeros = TakenForZero(problem, found.solution, beside)
     else:
         zeros = first
-    others = instead(problem, search.first, solution, groups, asked)
+    others = instead(problem, search.first, found, groups, asked)
     return Fit(zeros, found, groups, plain, others)
 
 

@@ -1,18 +1,17 @@
 """Solve with the noise, and the weights of outliers, that the residuals show."""
 
 from collections.abc import Callable, Collection, Mapping
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Bool, Float
 
-from orbident import _core
 from orbident.estimation.output_error.lasting import at_level, innovated
 from orbident.estimation.output_error.problem import BySensor, Problem, Unknowns
 from orbident.estimation.output_error.sensors import some_of
 from orbident.estimation.output_error.shooting import TURN_AND_BIASES
 from orbident.estimation.output_error.solver import Solution, solved
-from orbident.recordings.long_recording import LARGE
 
 NORMAL = 1.4826
 """Std over median absolute value, of Gaussian noise."""
@@ -62,15 +61,13 @@ class Whitened(NamedTuple):
 
 
 def whitened(
-    weights: BySensor, residuals: BySensor, unknowns: Mapping[str, float]
-) -> dict[str, Whitened]:
-    """The whitened residuals of every sensor, by its name."""
-    found = {}
-    for name, table in residuals.items():
-        rows, axes = counted(weights[name])
-        values = counting(some_of(table, rows), axes)
-        found[name] = Whitened(values, unknowns[name])
-    return found
+    weights: Float[np.ndarray, "rows axes"],
+    residuals: Float[np.ndarray, "rows axes"],
+    unknowns: float,
+) -> Whitened:
+    """The whitened residuals of a sensor."""
+    rows, axes = counted(weights)
+    return Whitened(counting(some_of(residuals, rows), axes), unknowns)
 
 
 def counted(
@@ -88,39 +85,28 @@ def counting(
     return table if axes.all() else table[:, axes]
 
 
-def rescaled(weights: BySensor, scales: Mapping[str, float]) -> BySensor:
-    """The weights of sensors whose noise is `scales` times as large."""
-    return {
-        name: weight if scales[name] == 1 else weight / scales[name]
-        for name, weight in weights.items()
-    }
-
-
-def robust(weights: BySensor, residuals: BySensor) -> BySensor:
+def robust(
+    weights: Float[np.ndarray, "rows axes"], residuals: Float[np.ndarray, "rows axes"]
+) -> Float[np.ndarray, "rows axes"]:
     """Lower the weights of outliers among the whitened residuals (Huber 1964)."""
-    return {
-        name: weight * np.sqrt(HUBER / np.maximum(np.abs(residuals[name]), HUBER))
-        for name, weight in weights.items()
-    }
+    return weights * np.sqrt(HUBER / np.maximum(np.abs(residuals), HUBER))
 
 
-def reweighted(residuals: BySensor, old: BySensor, new: BySensor) -> BySensor:
+def reweighted(
+    residuals: Float[np.ndarray, "rows axes"],
+    old: Float[np.ndarray, "rows axes"],
+    new: Float[np.ndarray, "rows axes"],
+) -> Float[np.ndarray, "rows axes"]:
     """Residuals whitened by other weights."""
-    return {
-        name: table
-        if new[name] is old[name]
-        else table * new[name] / np.where(old[name] > 0, old[name], 1.0)
-        for name, table in residuals.items()
-    }
+    return residuals * new / np.where(old > 0, old, 1.0)
 
 
-def change(old: BySensor, new: BySensor) -> float:
+def change(
+    old: Float[np.ndarray, "rows axes"], new: Float[np.ndarray, "rows axes"]
+) -> float:
     """The largest relative change of a weight."""
-    changes = (
-        np.abs(new[name] / np.where(weight > 0, weight, 1.0) - 1)[weight > 0]
-        for name, weight in old.items()
-    )
-    return max((float(part.max(initial=0.0)) for part in changes), default=0.0)
+    seen = old > 0
+    return float(np.max(np.abs(new[seen] / old[seen] - 1), initial=0.0))
 
 
 class Fitted(NamedTuple):
@@ -135,6 +121,8 @@ class Fitted(NamedTuple):
     """Residuals at all rows over the estimated noise; zero without a sample."""
     change: float
     """The largest relative change of a weight in the last round."""
+    assumed: float
+    """The cost with the noise that was assumed."""
 
     @property
     def settled(self) -> bool:
@@ -144,7 +132,7 @@ class Fitted(NamedTuple):
 
 def fitted(
     problem: Problem,
-    solution: Solution,
+    first: Callable[[], Solution],
     least: Mapping[str, float],
     declared: Collection[str],
     progress: Callable[[], object],
@@ -154,47 +142,75 @@ def fitted(
 
     Args:
         problem: a recording's equations.
-        solution: of these.
+        first: finds that solution, of which nothing else is to hold the rows.
         least: levels of noise by sensor, over what is assumed at first.
         declared: sensors whose noise is.
         progress: is called at every step.
         steps: at most, for the weights of each round.
     """
-    unknowns = _unknowns(problem, solution.state)
-    used = dict(problem.weights)
-    levels = dict.fromkeys(used, 1.0)
+    solution = first()
+    assumed, unknowns = solution.cost, _unknowns(problem, solution.state)
+    levels = dict.fromkeys(problem.weights, 1.0)
     rounds = lost = 0
     while True:
         rounds += 1
-        if rounds > 1:
-            state, prior = solution.state, solution.prior
-            solution = solved(problem, used, prior, state, progress, steps)
         lost = 0 if solution.converged else lost + 1
-        lasting = at_level(problem.lasting, problem.weights, used)
-        residuals, parts, new, changed = {}, {}, {}, 0.0
-        # One sensor after another: tables of a long recording are large, and what is
-        # done with goes at once.
-        if problem.t.size >= LARGE:
-            _core.give_back_memory()
-        for name in used:
-            plain = rescaled({name: problem.weights[name]}, levels)
-            own = {name: used[name]}
-            left = reweighted({name: solution.linear.residuals.pop(name)}, own, plain)
-            left = innovated(problem.t, lasting, left, plain, own)
-            scale = whitened(plain, left, unknowns)[name].scale
-            before = levels[name]
-            levels[name] = _level(before * scale, least[name], name in declared)
-            left[name] = left[name] * (before / levels[name])
-            plain = rescaled({name: problem.weights[name]}, levels)
-            after = robust(plain, left)
-            changed = max(changed, change(own, after))
-            new |= after
-            residuals |= left
-            parts |= whitened(plain, left, unknowns)
-        used = new
+        before, levels, used, changed = levels, {}, {}, 0.0
+        for name in problem.weights:
+            levels[name], used[name] = _reweighed(
+                problem,
+                solution,
+                name,
+                before[name],
+                unknowns[name],
+                partial(_level, least=least[name], declared=name in declared),
+            )
+            changed = max(changed, change(solution.weights[name], used[name]))
         if rounds == ROUNDS or lost == LOST or changed < SETTLED:
-            return Fitted(solution, parts, levels, residuals, changed)
-        del parts, residuals
+            break
+        state, prior = solution.state, solution.prior
+        # Its rows take as much memory as those of the next one.
+        del solution
+        solution = solved(problem, used, prior, state, progress, steps)
+    residuals = {
+        name: _over_noise(problem, solution, name, before[name])
+        * (before[name] / level)
+        for name, level in levels.items()
+    }
+    parts = {
+        name: whitened(problem.weights[name], table, unknowns[name])
+        for name, table in residuals.items()
+    }
+    return Fitted(solution, parts, levels, residuals, changed, assumed)
+
+
+def _reweighed(
+    problem: Problem,
+    solution: Solution,
+    name: str,
+    before: float,
+    unknowns: float,
+    level_of: Callable[[float], float],
+) -> tuple[float, Float[np.ndarray, "rows axes"]]:
+    """The level of a sensor's noise, and what its samples weigh then."""
+    left = _over_noise(problem, solution, name, before)
+    scale = whitened(problem.weights[name], left, unknowns).scale
+    level = level_of(before * scale)
+    return level, robust(problem.weights[name] / level, left * (before / level))
+
+
+def _over_noise(
+    problem: Problem, solution: Solution, name: str, level: float
+) -> Float[np.ndarray, "rows axes"]:
+    """Residuals of a sensor over `level` times its assumed noise; outliers in full."""
+    used, plain = solution.weights[name], problem.weights[name]
+    left = solution.linear.residuals[name]
+    if used is not plain:
+        plain = plain / level
+        left = reweighted(left, used, plain)
+    lasting = at_level(problem.lasting, problem.weights, solution.weights)
+    own = {name: left}, {name: plain}, {name: used}
+    return innovated(problem.t, lasting, *own)[name]
 
 
 def _level(found: float, least: float, declared: bool) -> float:
@@ -211,7 +227,7 @@ def _unknowns(problem: Problem, state: Unknowns) -> Mapping[str, float]:
     base = len(names) - ("joints" in names)
     share = (TURN_AND_BIASES + state.common.size) / max(base, 1)
     return {
-        name: problem.weights[name].shape[1] * problem.boundaries.size
+        name: float(problem.weights[name].shape[1] * problem.boundaries.size)
         if name == "joints"
         else share
         for name in names

@@ -144,7 +144,7 @@ class Linear(NamedTuple):
     cost: float
     """Sum of the squared whitened residuals and defects."""
     residuals: dict[str, Float[np.ndarray, "rows axes"]]
-    """Over the white noise; zero where there was no sample. Taken out once used."""
+    """Over the white noise; zero where there was no sample."""
 
     def without_rows(self) -> "Linear":
         """The same without what is large: links and residuals."""
@@ -172,23 +172,36 @@ class Linear(NamedTuple):
         z = solve_triangular(top[:, :n], top[:, -1] - top[:, n:-1] @ g)
         return _core.boundaries(self.links, z, g)
 
-    def covariance_at_the_end(
-        self, C: Float[np.ndarray, "n n"]
-    ) -> Float[np.ndarray, "local local"]:
-        """Covariance of the last boundary's `z`, from that of `[z, g]` at the meeting.
+    def at_the_end(self) -> "End":
+        """The last boundary's `z`, from that of `[z, g]` at the meeting.
 
         Each link gives `R z = e - F z_before - G g`, with `e` of unit covariance.
         """
         n = self.local
-        links = self.links[len(self.links) // 2 :]
-        R = links[:, :, :n]
-        by = np.linalg.solve(R, -links[:, :, n:-1])
-        root = np.linalg.solve(R, np.broadcast_to(np.eye(n), R.shape))
-        for on, own in zip(by, root, strict=True):
-            across = on @ C[:, n:]
-            top = np.hstack([on @ C @ on.T + own @ own.T, across])
-            C = np.vstack([top, np.hstack([across.T, C[n:, n:]])])
-        return C[:n, :n]
+        by, own = np.eye(n, len(self.factor) - 1), np.zeros((n, n))
+        # One after another: a table of all would be as large as the links.
+        for link in self.links[len(self.links) // 2 :]:
+            solved = np.linalg.solve(
+                link[:, :n], np.hstack([np.eye(n), -link[:, n:-1]])
+            )
+            root, on = solved[:, :n], solved[:, n : 2 * n]
+            by = on @ by
+            by[:, n:] += solved[:, 2 * n :]
+            own = on @ own @ on.T + root @ root.T
+        return End(by, own)
+
+
+class End(NamedTuple):
+    """The last boundary's `z`, as `by [z, g] + N(0, own)` of the meeting one."""
+
+    by: Float[np.ndarray, "local unknowns"]
+    own: Float[np.ndarray, "local local"]
+
+    def covariance(
+        self, C: Float[np.ndarray, "unknowns unknowns"]
+    ) -> Float[np.ndarray, "local local"]:
+        """From that of `[z, g]` at the meeting."""
+        return self.by @ C @ self.by.T + self.own
 
 
 def linear(problem: Problem, weights: BySensor, state: Unknowns) -> Linear:
@@ -218,7 +231,7 @@ def _linearised(
 ]:
     return _core.linearised(
         problem.recorded,
-        [weights.get(name, NO_ROWS) for name in SENSORS],
+        [np.ascontiguousarray(weights.get(name, NO_ROWS)) for name in SENSORS],
         at_level(problem.lasting, problem.weights, weights),
         problem.acting.table(state.beta, state.calibration, state.selected),
         state.x_WB,
@@ -257,7 +270,13 @@ def problem_of(
         if name != "joints":
             valid &= ~pushed
         seen[name] = table
-        weights[name] = np.outer(valid / sensed.std, _axes(robot, name, table.shape[1]))
+        axes = _axes(robot, name, table.shape[1]) / sensed.std
+        # Where all rows count alike, one is held in place of a table.
+        weights[name] = (
+            np.broadcast_to(axes, (valid.size, axes.size))
+            if valid.all()
+            else np.outer(valid, axes)
+        )
     recorded = _core.Recorded(
         core_tree(robot),
         unseen_part(robot, sets),

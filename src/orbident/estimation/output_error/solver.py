@@ -12,6 +12,7 @@ from scipy.linalg import solve_triangular
 
 from orbident.estimation.output_error.problem import (
     BySensor,
+    End,
     Linear,
     Problem,
     Unknowns,
@@ -22,8 +23,9 @@ from orbident.estimation.triangular import fold
 from orbident.recordings.long_recording import LARGE
 
 STEPS = 20
-SMALL = 1e-2
-"""A step this small beside the estimate's own deviation is the last."""
+SMALL = 5e-2
+"""A step this small beside the estimate's own deviation is the last: it leaves the
+square of itself, and some thousandths of that."""
 DAMPING = 1e-3
 """Where a step without damping did not help; relative to the information."""
 LEAST_DAMPING = 1e-6
@@ -79,7 +81,9 @@ class Solution(NamedTuple):
 
     state: Unknowns
     linear: Linear
-    """The equations at a state within a hundredth of a deviation of `state`."""
+    """The equations at a state within a twentieth of a deviation of `state`; without
+    links, which would take much memory."""
+    end: End
     prior: Prior
     weights: BySensor
     converged: bool
@@ -136,10 +140,10 @@ def solved(
         if np.linalg.norm(change) < SMALL and damping <= DAMPING:
             # The last step may take much of the defects away: what is left is known.
             left = float(factor[-1, -1] ** 2)
-            return Solution(moved, here, prior, weights, True, step + 1, left)
+            return solution_at(moved, here, prior, weights, True, step + 1, left)
         if problem.t.size >= LARGE:
             # Two of them would take much memory; a step that fails is rare.
-            here = here.without_rows()
+            there = here = here.without_rows()
         there, new_cost = equations_at(problem, weights, prior, moved)
         if cost <= new_cost < np.inf:
             # Continuity weighs so much that what a good step leaves of second order
@@ -158,7 +162,22 @@ def solved(
         else:
             damping, raised = max(raised * damping, DAMPING), 2 * raised
     here = linear(problem, weights, state) if here.given_up else here
-    return Solution(state, here, prior, weights, False, steps, cost)
+    return solution_at(state, here, prior, weights, False, steps, cost)
+
+
+def solution_at(
+    state: Unknowns,
+    here: Linear,
+    prior: Prior,
+    weights: BySensor,
+    converged: bool,
+    steps: int,
+    cost: float,
+) -> Solution:
+    """Where a search ended, with the equations there."""
+    without = here._replace(links=here.links[:0].copy())
+    end = here.at_the_end()
+    return Solution(state, without, end, prior, weights, converged, steps, cost)
 
 
 def equations_at(

@@ -15,6 +15,7 @@ from jaxtyping import Float
 
 from orbident.estimation.output_error.disturbance_sizes import places_of
 from orbident.estimation.output_error.forms import IN_WORDS, STEADY
+from orbident.estimation.output_error.noise_scaling import Fitted
 from orbident.estimation.output_error.problem import Problem
 from orbident.estimation.output_error.solver import Solution
 
@@ -30,7 +31,7 @@ CHANCE = 1e-4
 def instead(
     problem: Problem,
     first: Callable[[tuple[str, ...]], Solution],
-    solution: Solution,
+    found: Fitted,
     groups: Collection[str],
     asked: Collection[str],
 ) -> dict[str, Float[np.ndarray, " beta"]]:
@@ -43,26 +44,26 @@ def instead(
     Args:
         problem: a recording's equations.
         first: finds a solution with other groups.
-        solution: of these.
+        found: the fit of these.
         groups: that it has among its unknowns.
         asked: those of them that the user says act.
     """
     of_torques = {group for both in TORQUES for group in both}
-    found = {*groups} & {*of_torques, LOSS}
-    everything = {each.group for each in problem.acting.disturbances} if found else ()
+    alike = {*groups} & {*of_torques, LOSS}
+    everything = {each.group for each in problem.acting.disturbances} if alike else ()
     if LOSS not in everything or {*asked} & {*of_torques, LOSS}:
         return {}
-    left = tuple(group for group in groups if group not in found)
+    left = tuple(group for group in groups if group not in alike)
 
-    def worth(solution: Solution, groups: Collection[str]) -> float:
-        return solution.cost + places_of(problem, groups).size
+    def worth(cost: float, groups: Collection[str]) -> float:
+        return cost + places_of(problem, groups).size
 
-    limit = worth(solution, groups) - 2 * np.log(CHANCE)
+    limit = worth(found.assumed, groups) - 2 * np.log(CHANCE)
     differences = {}
-    for others in TORQUES if LOSS in found else ((LOSS,),):
+    for others in TORQUES if LOSS in alike else ((LOSS,),):
         other = first((*left, *others))
-        if worth(other, (*left, *others)) < limit:
-            differences[others[-1]] = other.state.beta - solution.state.beta
+        if worth(other.cost, (*left, *others)) < limit:
+            differences[others[-1]] = other.state.beta - found.solution.state.beta
     return differences
 
 

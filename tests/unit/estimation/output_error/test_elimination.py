@@ -94,7 +94,7 @@ def test_covariance_of_the_last_boundary():
     boundaries, L = chain.state.local.shape
     meeting, size = (boundaries - 1) // 2 * L, chain.state.local.size
     place = np.r_[meeting : meeting + L, size : len(C)]
-    found = chain.eliminated().covariance_at_the_end(C[np.ix_(place, place)])
+    found = chain.eliminated().at_the_end().covariance(C[np.ix_(place, place)])
     close(found, C[size - L : size, size - L : size])
 
 

@@ -112,7 +112,7 @@ def test_covariance_of_boundaries_and_of_the_common_unknowns(small):
     meeting = (boundaries - 1) // 2 * n
     here = np.r_[meeting : meeting + n, at.local.size : len(C)]
     last = np.r_[at.local.size - n : at.local.size]
-    at_the_end = solution.linear.covariance_at_the_end(solution.covariance)
+    at_the_end = solution.end.covariance(solution.covariance)
     for found, place in ((solution.covariance, here), (at_the_end, last)):
         expected = C[np.ix_(place, place)]
         std = np.sqrt(np.diag(expected))
