@@ -135,6 +135,12 @@ class _Residual(_Part):
     sensors: dict[_Equation, _SensorFit] = Field(default_factory=dict)
 
 
+class _Step(_Part):
+    cost: Known
+    size: Known
+    round: Count
+
+
 class _Calibration(_Part):
     value: Number
     std: Number
@@ -231,6 +237,7 @@ class _Result(_Identified):
     diagnostics: _Identified | None
     condition_number: dict[str, Known]
     residual: _Residual
+    convergence: list[_Step] = Field(default_factory=list)
     biases: dict[str, _Quantity]
     calibration: dict[str, _Calibration]
     disturbances: dict[str, _Disturbance] = Field(default_factory=dict)

@@ -27,6 +27,10 @@ WRITTEN["residual"] = {
         }
     },
 }
+WRITTEN["convergence"] = [
+    {"cost": 1e9, "size": None, "round": 1},
+    {"cost": 1e3, "size": 1e-3, "round": 1},
+]
 WRITTEN["motion"] = {
     "duration": 20.0,
     "rate": 50.0,

@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from orbident import _core
+from orbident.estimation.convergence import Convergence
 from orbident.estimation.output_error.lasting import at_level, innovated
 from orbident.estimation.output_error.problem import BySensor, Problem, Unknowns
 from orbident.estimation.output_error.sensors import some_of
@@ -135,6 +136,8 @@ class Fitted(NamedTuple):
     """Residuals at all rows over the estimated noise; zero without a sample."""
     change: float
     """The largest relative change of a weight in the last round."""
+    convergence: Convergence
+    """The steps of all rounds."""
 
     @property
     def settled(self) -> bool:
@@ -164,11 +167,13 @@ def fitted(
     used = dict(problem.weights)
     levels = dict.fromkeys(used, 1.0)
     rounds = lost = 0
+    taken: Convergence = ()
     while True:
         rounds += 1
         if rounds > 1:
             state, prior = solution.state, solution.prior
             solution = solved(problem, used, prior, state, progress, steps)
+        taken += tuple(step._replace(round=rounds) for step in solution.convergence)
         lost = 0 if solution.converged else lost + 1
         lasting = at_level(problem.lasting, problem.weights, used)
         residuals, parts, new, changed = {}, {}, {}, 0.0
@@ -193,7 +198,7 @@ def fitted(
             parts |= whitened(plain, left, unknowns)
         used = new
         if rounds == ROUNDS or lost == LOST or changed < SETTLED:
-            return Fitted(solution, parts, levels, residuals, changed)
+            return Fitted(solution, parts, levels, residuals, changed, taken)
         del parts, residuals
 
 

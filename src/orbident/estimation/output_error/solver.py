@@ -10,6 +10,7 @@ import numpy as np
 from jaxtyping import Float
 from scipy.linalg import solve_triangular
 
+from orbident.estimation.convergence import SMALL, Convergence, Step
 from orbident.estimation.output_error.problem import (
     BySensor,
     Linear,
@@ -22,8 +23,6 @@ from orbident.estimation.triangular import fold
 from orbident.recordings.long_recording import LARGE
 
 STEPS = 20
-SMALL = 1e-2
-"""A step this small beside the estimate's own deviation is the last."""
 DAMPING = 1e-3
 """Where a step without damping did not help; relative to the information."""
 LEAST_DAMPING = 1e-6
@@ -83,9 +82,10 @@ class Solution(NamedTuple):
     prior: Prior
     weights: BySensor
     converged: bool
-    steps: int
     cost: float
     """The sum of the squares of all whitened residuals and priors."""
+    convergence: Convergence = ()
+    """How the search got there."""
 
     @property
     def covariance(self) -> Float[np.ndarray, "n n"]:
@@ -124,7 +124,8 @@ def solved(
     cost = here.cost + prior.cost(state)
     check_finite(cost, here.factor)
     damping, raised = 0.0, RAISED
-    for step in range(steps):
+    taken = [Step(cost, np.nan)]
+    for _ in range(steps):
         progress()
         if here.given_up:
             here = linear(problem, weights, state)
@@ -132,11 +133,13 @@ def solved(
         g = _damped(factor, damping)
         moved = state.moved(here.step(g), g)
         change = factor[:-1, :-1] @ g
+        size = float(np.linalg.norm(change))
         # What nothing shows would take an undamped step too far, again and again.
-        if np.linalg.norm(change) < SMALL and damping <= DAMPING:
+        if size < SMALL and damping <= DAMPING:
             # The last step may take much of the defects away: what is left is known.
             left = float(factor[-1, -1] ** 2)
-            return Solution(moved, here, prior, weights, True, step + 1, left)
+            taken.append(Step(left, size))
+            return Solution(moved, here, prior, weights, True, left, tuple(taken))
         if problem.t.size >= LARGE:
             # Two of them would take much memory; a step that fails is rare.
             here = here.without_rows()
@@ -157,8 +160,9 @@ def solved(
             break
         else:
             damping, raised = max(raised * damping, DAMPING), 2 * raised
+        taken.append(Step(cost, size))
     here = linear(problem, weights, state) if here.given_up else here
-    return Solution(state, here, prior, weights, False, steps, cost)
+    return Solution(state, here, prior, weights, False, cost, tuple(taken))
 
 
 def equations_at(
