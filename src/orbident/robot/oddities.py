@@ -25,6 +25,7 @@ def oddities(robot: Robot) -> tuple[str, ...]:
         *_massless(robot),
         *_out_of_plane(robot),
         *_without_limits(robot),
+        *_flat(robot),
         *_without_wheels(robot),
         *_without_sensors(robot),
         *_far_point(robot),
@@ -60,6 +61,20 @@ def _out_of_plane(robot: Robot) -> list[str]:
     return [
         f"motion: planar, but {listed(names)} turn about another axis than base z, or "
         "slide out of the plane; correct the axes, or give motion: spatial"
+    ]
+
+
+def _flat(robot: Robot) -> list[str]:
+    if robot.motion == "planar" or len(robot.joints) < 2:
+        return []
+    R = [np.eye(3)]
+    for joint in robot.joints:
+        R.append(R[joint.parent] @ joint.R_PJ)
+        if joint.kind != "revolute" or 1.0 - abs(R[-1] @ joint.axis)[2] > TILTED:
+            return []
+    return [
+        "motion: spatial, but all joints turn about base z: if the robot floats on a "
+        "table, give motion: planar"
     ]
 
 
