@@ -28,6 +28,7 @@ def oddities(robot: Robot) -> tuple[str, ...]:
         *_flat(robot),
         *_without_wheels(robot),
         *_without_sensors(robot),
+        *_taken_as_exact(robot),
         *_far_point(robot),
     )
 
@@ -117,6 +118,27 @@ def _without_sensors(robot: Robot) -> list[str]:
         f"sensors: nothing is said of {', '.join(missing)}: 'simulate' leaves them "
         "out, and 'excite' and 'inspect --trajectory' do not know how good they are; "
         "add them under sensors"
+    ]
+
+
+def _taken_as_exact(robot: Robot) -> list[str]:
+    gyro = robot.sensors.get("gyro") or {}
+    known = {
+        "misalignment": robot.tolerances.gyro_misalignment,
+        "scale": robot.tolerances.gyro_scale,
+    }
+    missing = {
+        what: float(np.max(np.abs(gyro[what])))
+        for what, tolerance in known.items()
+        if np.any(gyro.get(what, 0.0)) and not tolerance
+    }
+    if not missing:
+        return []
+    add = ", ".join(f"{what}: {size:g}" for what, size in missing.items())
+    return [
+        f"sensors: 'simulate' adds an error of {' and '.join(missing)} to the gyro, "
+        "which 'identify' takes as exact without a tolerance, so that it refuses the "
+        f"recording; add tolerances: {{gyro: {{{add}}}}}"
     ]
 
 
