@@ -60,7 +60,7 @@ def test_the_tree(orbident: Orbident):
     )
     out = orbident("check", robot_file(Path(), ARM, lines)).done().out
     for words in (
-        "servicer: spatial, 2 joints, 1 wheels, 46 kg nominal\n",
+        "servicer: spatial, 2 joints, 1 wheel, 46 kg nominal\n",
         "base  40 kg, CM [0.02, -0.05, -0.4] m",
         "its frame is at S, [0, 0, 0.5] m in that of its link\n",
         "├── joint1  revolute about [0, 0, 1], at [0.3, 0.1, -0.5] m, in [-1, 2] rad, "
@@ -106,6 +106,23 @@ ODD = {
     "no rates": (ARM, "", "no limit of the rate: 'joint1', 'joint2'"),
     "no wheels": (ARM, "", "no wheels: without a momentum that is known"),
     "no sensors": (ARM, "", "nothing is said of joints, gyro or attitude, position"),
+    "an error without a tolerance": (
+        ARM,
+        "sensors: {suites: [tactical-imu]}\n"
+        "tolerances: {gyro: {misalignment: 0.001}}\n",
+        "add tolerances: {gyro: {scale: 0.0005}}",
+    ),
+    "all in one plane": (
+        urdf(
+            link("base", *BASE),
+            link("l1"),
+            link("l2"),
+            joint("j1", "base", "l1", axis=(0, 0, 1)),
+            joint("j2", "l1", "l2", axis=(0, 0, -1)),
+        ),
+        "",
+        "all joints turn about base z: if the robot floats on a table, give",
+    ),
     "millimetres": (ARM, "feature_point: [0, 0, 400]\n", "S is 399.9 m from"),
 }
 

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
+from urdf_pieces import ARM, robot_file
 
 from orbident.cli import excite_tables, output
 from orbident.robot.robot_file import load_robot
@@ -193,3 +194,11 @@ def test_a_motion_that_shows_too_little_is_not_trusted(orbident):
     )
     assert ran.status == 1
     assert "does not determine all parameters" in ran.err
+
+
+def test_without_a_wheel_the_reason_is_named(orbident):
+    limits = "limits: {joint1: {velocity: 1}, joint2: {velocity: 1}}\n"
+    path = robot_file(Path(), ARM, limits)
+    ran = orbident("excite", path, "--duration", 10, "--starts", 1, "-o", "m.yaml")
+    assert ran.status == 1
+    assert "because the robot has no wheel" in ran.err

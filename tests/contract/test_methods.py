@@ -124,6 +124,14 @@ def test_a_kept_result_has_its_covariances(method: Method, identified, tmp_path)
     np.testing.assert_allclose(kept.covariance, result.covariance, atol=rounding)
     np.testing.assert_array_equal(kept.base_covariance, result.base_covariance)
     np.testing.assert_array_equal(kept.pi.std, result.pi.std)
+    np.testing.assert_array_equal(kept.convergence, result.convergence)
+
+
+def test_the_search_is_shown(method: Method, identified):
+    """The last step is small; a method without a search has none."""
+    steps = identified(method).convergence
+    assert bool(steps) == (method in {"maximum-likelihood", "structured"})
+    assert all(step.size < 0.01 for step in steps[-1:])
 
 
 def test_fewer_rows_give_the_same(method: Method, robot: Robot, recording: Recording):

@@ -7,6 +7,7 @@ from contextlib import suppress
 from typing import Any, NamedTuple, NoReturn
 
 from orbident.cli.interruption import interruptible
+from orbident.cli.notice import wipe
 from orbident.cli.streams import (
     accept_any_output,
     complain,
@@ -63,6 +64,7 @@ def _run() -> Ended:
 
     try:
         status = app(sys.argv[1:] or ["--help"], "orbident", standalone_mode=False)
+        wipe()
         # Not at exit, where a full disk could not be reported.
         sys.stdout.flush()
     except OSError as error:

@@ -4,6 +4,8 @@ import math
 from pathlib import Path
 from typing import Any
 
+from orbident.files.names import counted
+
 CRITERIA = {
     "cond_Y": "cond Y-hat",
     "cond_Y_normalised": "cond Y-hat, unit columns",
@@ -17,6 +19,12 @@ CRITERIA = {
 
 SINGULAR = 1e6
 """Condition number from which encoders, good to 1e-5 rad or so, hide parameters."""
+
+NO_WHEEL = (
+    "no motion determines all parameters, because the robot has no wheel: without a "
+    "momentum that is known nothing fixes their scale; declare the robot's wheels, or "
+    "the joints that are wheels"
+)
 
 NOT_EXCITED = (
     "the motion does not determine all parameters; give more harmonics or a longer "
@@ -37,7 +45,7 @@ def design_doubts(found: Any) -> list[str]:
     made, sentences = found.design, []
     value, searched = made["value"], made["searched_value"]
     if not excites_all(found):
-        sentences.append(NOT_EXCITED)
+        sentences.append(NOT_EXCITED if found.initial.wheel_speed else NO_WHEEL)
     elif abs(searched - value) > AGREEMENT * value:
         sentences.append(
             f"the search valued this motion at {searched:.4g}, but the motion that it "
@@ -70,7 +78,8 @@ def designed(found: Any, paper: Any) -> list[Any]:
 
     made = found.design
     lines: list[Any] = [
-        f"designed a motion of {found.duration:g} s and {len(found.joints)} joints",
+        f"designed a motion of {found.duration:g} s and "
+        f"{counted(len(found.joints), 'joint')}",
         f"objective {made['objective']}: {_number(made['value'])}, the best of "
         f"{made['starts']} starts (random motions: {made['median_random_start']:.4g}, "
         f"the best of them {_number(made['best_random_start'])})",

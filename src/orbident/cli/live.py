@@ -5,6 +5,7 @@ from typing import Annotated, Any
 
 import typer
 
+from orbident.cli.notice import wipe
 from orbident.cli.options import RobotName
 
 LOOPBACK = frozenset({"127.0.0.1", "localhost", "::1"})
@@ -112,4 +113,5 @@ def _check_number(option: str, number: float | None) -> None:
 def _print(document: dict[str, Any]) -> None:
     from json import dumps
 
+    wipe()
     print(dumps(document, allow_nan=False), flush=True)

@@ -42,6 +42,7 @@ def noise(
     """
     from orbident.cli.output import Output, progress
     from orbident.estimation.rest_noise import rest_noise, sensor_section
+    from orbident.files.names import counted
     from orbident.files.replacing import check_free
     from orbident.recordings.tables import read_recording
 
@@ -71,7 +72,7 @@ def noise(
     checks = [each.check for each in found]
     output.warn(check.words for check in checks if not check.passed)
     output.say(
-        f"estimated the noise of {len(found)} axes from {rest}",
+        f"estimated the noise of {counted(len(found), 'axis', 'axes')} from {rest}",
         "",
         _table(found),
         "",

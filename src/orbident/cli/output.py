@@ -10,6 +10,7 @@ from typing import Any
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
+from orbident.cli.notice import wipe
 from orbident.cli.streams import warn
 from orbident.files.replacing import check_place
 from orbident.files.text import write_text
@@ -38,6 +39,7 @@ class Output:
         """Words and tables for people; names are shown as they are, never as markup."""
         if self._silent:
             return
+        wipe()
         for thing in things:
             # Words are for the terminal to wrap, so that a formula can be copied.
             print(thing if isinstance(thing, str) else self._drawn(thing))
@@ -62,6 +64,7 @@ class Output:
             return
         text = json.dumps(document, indent=1, allow_nan=False)
         if self._json_to == "-":
+            wipe()
             print(text)
             return
         write_text(Path(self._json_to), text + "\n")
@@ -75,6 +78,7 @@ def progress(what: str) -> Iterator[Any]:
         A function to be called with the fraction done, and with other words if they
         change; without a call the bar pulses.
     """
+    wipe()
     columns = TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn()
     console = Console(stderr=True)
     # FORCE_COLOR makes rich take a file for a terminal.

@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, TextIO
 
+from orbident.cli.notice import wipe
 from orbident.errors import readable
 
 
@@ -53,6 +54,7 @@ def drop_output() -> None:
 
 def complain(message: str) -> None:
     """One line on standard error."""
+    wipe()
     print(f"orbident: {readable(' '.join(message.split()))}", file=sys.stderr)
 
 

@@ -25,6 +25,7 @@ def topics(
 ) -> None:
     """List what another tool's file holds and propose a topic map."""
     from orbident.cli.output import Output, progress
+    from orbident.files.names import counted
     from orbident.files.replacing import check_free
     from orbident.files.text import read_text, write_text
     from orbident.recordings.topics.presets import known_preset, preset_path
@@ -41,7 +42,7 @@ def topics(
     else:
         proposal = read_text(preset_path(known_preset(preset)))
     # As comments, so that what is printed is a map as a whole.
-    output.say(f"# {file} holds {len(surveyed)} topics")
+    output.say(f"# {file} holds {counted(len(surveyed), 'topic')}")
     output.say(*(f"# {line}" for line in _lines(surveyed)))
     if out is None:
         output.say(proposal.rstrip())

@@ -1,5 +1,6 @@
 """`orbident validate RUN REC`."""
 
+from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -31,6 +32,7 @@ def validate(
     import typer
 
     from orbident.cli.output import Output, progress
+    from orbident.files.checksum import sha256
     from orbident.identified.run_folder import load_result
     from orbident.identified.validate import validate as validated
     from orbident.recordings.tables import read_recording
@@ -43,16 +45,41 @@ def validate(
     output.say(f"{scores.samples} samples predicted by {run}")
     output.say(*scores.summary())
     words = f"{scores.verdict}: {scores.reason}"
+    used = was_used(result.input, sha256(recording), start, end)
     refused = scores.verdict == "not explained"
     if refused:
         output.warn([words])
     else:
         output.say(words)
+    if used:
+        output.say(
+            f"{run} was identified from {recording}, so its errors say little about "
+            "the parameters: validate with another recording"
+        )
     output.write_json(scores.to_json())
-    if kept(run, recording, scores.to_json()):
+    if kept(run, recording, {"used": used, **scores.to_json()}):
         output.say(f"'orbident report {run} --force' shows it in the report")
     if refused:
         raise typer.Exit(1)
+
+
+def was_used(
+    origin: Mapping[str, Any], sha256: str, start: float | None, end: float | None
+) -> bool:
+    """Whether a result was identified from some of the same samples.
+
+    Args:
+        origin: what it was identified from, as `Result.input` says.
+        sha256: of the recording.
+        start: the first of its samples, s, if not all are used.
+        end: the last one.
+    """
+    return any(
+        one.get("sha256") == sha256
+        and (start is None or one.get("to") is None or start < one["to"])
+        and (end is None or one.get("from") is None or one["from"] < end)
+        for one in origin.get("recordings", [origin])
+    )
 
 
 def kept(run: Path, recording: Path, scores: dict[str, Any]) -> bool:

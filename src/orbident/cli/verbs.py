@@ -1,5 +1,6 @@
 """All verbs of `orbident`, as Typer knows them."""
 
+import sys
 from typing import Annotated
 
 import typer
@@ -16,6 +17,7 @@ from orbident.cli.inspect import inspect
 from orbident.cli.live import live
 from orbident.cli.new import new
 from orbident.cli.noise import noise
+from orbident.cli.notice import show_at_work
 from orbident.cli.report import report
 from orbident.cli.robots import robots
 from orbident.cli.sample import sample
@@ -76,6 +78,7 @@ def _print_version(wanted: bool) -> bool:
 
 @app.callback()
 def _for_all_verbs(
+    context: typer.Context,
     version: Annotated[
         bool,
         typer.Option(
@@ -87,3 +90,5 @@ def _for_all_verbs(
     ] = False,
 ) -> None:
     """Options that stand before the verb."""
+    if context.invoked_subcommand and not {"-h", "--help"} & {*sys.argv}:
+        show_at_work(context.invoked_subcommand)

@@ -77,7 +77,7 @@ def cramer_rao(
     state = start_of(problem, samples, outside, sets.beta(robot.theta))
     prior = prior_of(robot, sets, problem.declared, outside, initial_momentum)
     there = linear(problem, problem.weights, state)
-    solution = solution_at(state, there, prior, problem.weights, True, 0, there.cost)
+    solution = solution_at(state, there, prior, problem.weights, True, there.cost)
     return found_beta(robot, sets, estimate_of(solution, prior_std(robot, sets)))
 
 

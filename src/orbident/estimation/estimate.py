@@ -7,6 +7,7 @@ from typing import NamedTuple, Protocol, runtime_checkable
 import numpy as np
 from jaxtyping import Float
 
+from orbident.estimation.convergence import Convergence
 from orbident.estimation.found import BetaEstimate, EstimatedParameters, found_beta
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.output_error.disturbance_sizes import DisturbanceFit
@@ -82,6 +83,8 @@ class Estimate:
     converged: bool = True
     settled: bool = True
     """Whether the weights of the residuals no longer changed from round to round."""
+    convergence: Convergence = ()
+    """The steps of the search, where the method searches."""
     history: History | None = None
     """The course of a recursion; None for other methods."""
     signals: Signals = ()

@@ -15,6 +15,7 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident import _core
+from orbident.estimation.convergence import Convergence
 from orbident.estimation.estimate import Goodness, SensorFit
 from orbident.estimation.found import BetaEstimate, hidden_of
 from orbident.estimation.linear_fits import Fits, InitialMomentum
@@ -81,6 +82,8 @@ class Likelihood:
     converged: bool
     settled: bool
     """Whether noise and weights of outliers no longer changed from round to round."""
+    convergence: Convergence
+    """The steps of the search that led to the estimate."""
     signals: Signals
     calibration: dict[str, CalibrationFit]
     """The errors of instruments that have a tolerance."""
@@ -171,6 +174,7 @@ def maximum_likelihood(
         goodness=_goodness(sensors, found),
         converged=found.solution.converged,
         settled=found.settled,
+        convergence=found.convergence,
         signals=sensor_signals(robot, problem, sensors, found),
         calibration=_calibration(problem, found.solution),
         sensitivity=lambda: with_unseen(sensitivity(zeros), faint),

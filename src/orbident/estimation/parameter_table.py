@@ -6,6 +6,7 @@ import numpy as np
 from jaxtyping import Int
 
 from orbident.estimation.quantities import EstimatedSet
+from orbident.files.names import counted
 
 MOST = 12
 """Parameters that fit, with what stands around them, a terminal of 24 lines."""
@@ -41,11 +42,11 @@ def short_table(found: EstimatedSet) -> list[str]:
     near, lost = np.isfinite(off), np.isnan(found.values[left])
     words = []
     if near.any():
-        words.append(
-            f"{near.sum()} more are within {off[near].max():.2g} sigmas of CAD"
-        )
+        many = counted(int(near.sum()), "more is", "more are")
+        words.append(f"{many} within {off[near].max():.2g} sigmas of CAD")
     if lost.any():
-        words.append(f"{lost.sum()} more are not determined")
+        many = counted(int(lost.sum()), "more is", "more are")
+        words.append(f"{many} not determined")
     return [*lines, f"  {', '.join(words)}"] if words else lines
 
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from orbident.errors import InputError
 from orbident.estimation.check import Check, Level, worst
+from orbident.estimation.convergence import Convergence
 from orbident.estimation.linear_fits import Fits, InitialMomentum
 from orbident.estimation.output_error.disturbance_sizes import DisturbanceFit
 from orbident.estimation.output_error.sensitivity import CalibrationFit
@@ -69,6 +70,8 @@ class Result(Identified):
     samples: int
     elapsed_s: float
     versions: dict[str, str]
+    convergence: Convergence = ()
+    """The steps of the search; none for a method that solves its equations once."""
     fits: Fits | None = field(default=None, compare=False, repr=False)
     """The linear fits; not kept in `result.json`."""
     history: History | None = field(default=None, compare=False, repr=False)
@@ -235,6 +238,14 @@ class Result(Identified):
                 k: nulled(v) for k, v in self.condition_number.items()
             },
             "residual": self.residual,
+            "convergence": [
+                {
+                    "cost": nulled(step.cost),
+                    "size": nulled(step.size),
+                    "round": step.round,
+                }
+                for step in self.convergence
+            ],
             "biases": {name: dict(bias) for name, bias in self.biases.items()},
             "calibration": {
                 name: fit._asdict() for name, fit in self.calibration.items()

@@ -82,6 +82,7 @@ def result_of(
         elapsed_s=elapsed_s,
         versions=_versions(),
         fits=problem.fits,
+        convergence=estimate.convergence,
         history=estimate.history,
         motion=motion_of(
             problem.robot,

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from orbident.estimation.convergence import SMALL, Step
 from orbident.estimation.estimate import (
     Estimate,
     Goodness,
@@ -27,9 +28,6 @@ from orbident.model.derivatives import sets_of_beta
 PASSES = 30
 """Passes through the recording, at most: those of small free-flyers took 4 to 12."""
 
-SETTLED = 0.01
-"""Standard deviations: an estimate that moved less has settled."""
-
 
 @dataclass(frozen=True)
 class Structured:
@@ -48,9 +46,9 @@ class Structured:
         noise, pieces = pieces_of(problem)
         kalman = Extended.of(robot, noise)
         first = next(every[0] for t, every in pieces() if t.size)
-        found, passes = beta_of_fits(robot, sets, problem.fits), 0
+        found, taken = beta_of_fits(robot, sets, problem.fits), list[Step]()
         while True:
-            before, passes = GaussianPrior(found.values, np.diag(1 / wide)), passes + 1
+            before = GaussianPrior(found.values, np.diag(1 / wide))
             state, squares, rows = kalman.begun(before, first, problem.h_cm), 0.0, 0
             for t, every in pieces():
                 state, own, count = kalman.gathered(state, t, every)
@@ -58,12 +56,13 @@ class Structured:
             R, z = state.R_z[:, :-1], state.R_z[:, -1]
             found = nonlinear_fit(sets, nominal, wide, R, z)
             std = np.sqrt(np.diag(found.covariance))
-            settled = bool(np.max(np.abs(found.values - before.beta) / std) < SETTLED)
-            progress(passes / PASSES)
-            if settled or passes == PASSES:
+            size = float(np.max(np.abs(found.values - before.beta) / std))
+            y = np.concatenate(sets_of_beta(sets, found.values))
+            squares += float(np.sum(np.square(R @ y - z)))
+            taken.append(Step(squares, size))
+            progress(len(taken) / PASSES)
+            if size < SMALL or len(taken) == PASSES:
                 break
-        y = np.concatenate(sets_of_beta(sets, found.values))
-        squares += float(np.sum(np.square(R @ y - z)))
         goodness = Goodness(squares, rows - nominal.size, noise.declared)
         # Sensors that are worse than declared make the estimate as much worse.
         scaled = found.covariance * max(goodness.per_dof, 1.0)
@@ -74,5 +73,6 @@ class Structured:
             biases=biases_of_sensors(
                 problem, kalman.biases(state, found.values, scaled)
             ),
-            converged=settled,
+            converged=size < SMALL,
+            convergence=tuple(taken),
         )

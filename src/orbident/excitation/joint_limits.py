@@ -47,10 +47,11 @@ class Polytope(NamedTuple):
 
 def polytope_of(motions: JointMotions, limits: Limits) -> Polytope:
     """The joint limits at the inner nodes; at the ends nothing can be changed."""
-    lower, upper = limits.position.T
-    middle = np.where(np.isfinite(upper - lower), (upper + lower) / 2, 0.0)
+    bounded = np.isfinite(limits.position).all(axis=1)
+    lower, upper = np.where(bounded[:, None], limits.position, 0.0).T
+    middle = (upper + lower) / 2
     sizes = (
-        np.where(np.isfinite(upper - lower), (upper - lower) / 2, np.inf),
+        np.where(bounded, (upper - lower) / 2, np.inf),
         limits.velocity,
         limits.acceleration,
     )

@@ -26,6 +26,11 @@ def one_line(error: Exception) -> str:
     return text if len(text) <= 160 else text[:157] + "..."
 
 
+def counted(number: int, one: str, several: str = "") -> str:
+    """`1 wheel`, `2 wheels`: a number of things; the plural where it is no mere s."""
+    return f"{number} {one if number == 1 else several or f'{one}s'}"
+
+
 def listed(names: Iterable[str]) -> str:
     """`'x', 'y' and 7 more`: names, as many as one can read at a glance."""
     return joined(map(quoted, names))

@@ -3,10 +3,18 @@
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    model_validator,
+)
 
 from orbident.errors import InputError
 from orbident.estimation.check import Level
+from orbident.estimation.predicted import sensor_of
 from orbident.files.schema_errors import validated
 from orbident.files.schema_parts import WrongValueError
 
@@ -118,7 +126,7 @@ class _SensorFit(_Part):
     samples: Count
 
 
-_Equation = Literal[
+EQUATIONS = (
     "gyro",
     "accelerometer",
     "attitude",
@@ -126,13 +134,29 @@ _Equation = Literal[
     "velocity",
     "joints",
     "momentum",
-]
+)
+
+
+def _equation(name: str) -> str:
+    if sensor_of(name) not in EQUATIONS:
+        raise WrongValueError(f"one of {', '.join(EQUATIONS)} is expected")
+    return name
+
+
+_Equation = Annotated[str, AfterValidator(_equation)]
+"""Of several recordings after the name of one: `second flight: gyro`."""
 
 
 class _Residual(_Part):
     rms: dict[_Equation, Known] = Field(default_factory=dict)
     chi2_per_dof: Known = None
     sensors: dict[_Equation, _SensorFit] = Field(default_factory=dict)
+
+
+class _Step(_Part):
+    cost: Known
+    size: Known
+    round: Count
 
 
 class _Calibration(_Part):
@@ -218,6 +242,18 @@ class _Identified(_Part):
         return self
 
 
+class _Source(_Part):
+    file: str = ""
+    sha256: str = ""
+    from_: Known = Field(default=None, alias="from")
+    to: Known = None
+    seed: int | None = None
+
+
+class _Origin(_Source):
+    recordings: list[_Source] = Field(default_factory=list)
+
+
 class _Result(_Identified):
     schema_: Literal["orbident/result/2"] = Field(alias="schema")
     robot: str
@@ -231,6 +267,7 @@ class _Result(_Identified):
     diagnostics: _Identified | None
     condition_number: dict[str, Known]
     residual: _Residual
+    convergence: list[_Step] = Field(default_factory=list)
     biases: dict[str, _Quantity]
     calibration: dict[str, _Calibration]
     disturbances: dict[str, _Disturbance] = Field(default_factory=dict)
@@ -240,7 +277,7 @@ class _Result(_Identified):
     origins: dict[str, str]
     samples: Count
     motion: _Motion | None = None
-    input: dict[str, str | int | None] = Field(default_factory=dict)
+    input: _Origin = Field(default_factory=_Origin)
     elapsed_s: Number
     versions: dict[str, str]
 

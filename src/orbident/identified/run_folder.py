@@ -12,6 +12,7 @@ import numpy as np
 
 from orbident.errors import InputError
 from orbident.estimation.check import Check
+from orbident.estimation.convergence import Step
 from orbident.estimation.output_error.disturbance_sizes import DisturbanceFit
 from orbident.estimation.output_error.sensitivity import CalibrationFit
 from orbident.estimation.predicted import Signals
@@ -229,6 +230,7 @@ def _read(text: str, folder: Path) -> Result:
             name: _number(value) for name, value in document["condition_number"].items()
         },
         residual=document["residual"],
+        convergence=tuple(_step(step) for step in document.get("convergence", [])),
         biases=document["biases"],
         calibration={
             name: CalibrationFit(**fit) for name, fit in document["calibration"].items()
@@ -277,6 +279,11 @@ def _sensitivity(document: dict[str, Any] | None) -> SensitivityTable | None:
         units=tuple(document["units"]),
         shifts=_table(document["in_deviations"]),
     )
+
+
+def _step(document: dict[str, Any]) -> Step:
+    cost, size = (_number(document[key]) for key in ("cost", "size"))
+    return Step(cost, size, document["round"])
 
 
 def _check(document: dict[str, Any]) -> Check:

@@ -16,7 +16,7 @@ trees, prismatic joints and what is known of the bodies need no case of their ow
 import itertools
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import NamedTuple, NoReturn
+from typing import Any, NamedTuple, NoReturn
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -106,8 +106,8 @@ class MinimalSets:
     base: BaseParameters
     pi_of_beta: Float[np.ndarray, "pi beta"]
     """`pi = pi_of_beta beta + pi_of_products (sigma_a sigma_b / M)`."""
-    pi_of_products: csr_array
-    """Sparse: most products have a `pi` of their own."""
+    pi_of_products: Any
+    """Sparse, a `scipy.sparse.csr_array`: most products have a `pi` of their own."""
     pairs: Int[np.ndarray, "pairs 2"]
 
     def __repr__(self) -> str:
@@ -139,7 +139,9 @@ class MinimalSets:
         products = sigma[self.pairs[:, 0]] * sigma[self.pairs[:, 1]] / M
         return self.pi_of_beta @ beta + self.pi_of_products @ products
 
-    def split(self, beta):
+    def split(
+        self, beta: Float[np.ndarray, " beta"]
+    ) -> tuple[float, Float[np.ndarray, " sigma"], Float[np.ndarray, " iota"]]:
         """`M, sigma, iota` of `beta`."""
         sigmas = self.base.sigmas
         return beta[0], beta[1 : 1 + sigmas], beta[1 + sigmas :]

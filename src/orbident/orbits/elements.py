@@ -16,8 +16,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
-from scipy.integrate import solve_ivp
-from scipy.spatial.transform import Rotation
 
 from orbident.errors import InputError
 from orbident.orbits.earth import AXIS, DAY, J2, MU, R_E
@@ -53,6 +51,9 @@ class Elements:
         """Place, m, and velocity, m/s, at the epoch."""
         e, f = self.eccentricity, self.anomaly
         p = self.semi_major_axis * (1 - e**2)
+        # Late, as in `states`: it takes long to load, and few robots are in orbit.
+        from scipy.spatial.transform import Rotation
+
         turn = Rotation.from_euler("ZXZ", [self.node, self.inclination, self.perigee])
         up = turn.apply([np.cos(f), np.sin(f), 0.0])
         ahead = turn.apply([-np.sin(f), np.cos(f), 0.0])
@@ -77,6 +78,8 @@ class Elements:
                 "and elements hold for a week: times of a recording are seconds after "
                 "the epoch; give elements and an epoch near them"
             )
+        from scipy.integrate import solve_ivp
+
         x = np.tile(self.state(), (t.size, 1))
         for rows in (np.flatnonzero(t < 0)[::-1], np.flatnonzero(t > 0)):
             if rows.size:

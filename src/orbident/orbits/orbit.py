@@ -8,10 +8,10 @@ With the place `r` from the middle of the Earth, its rate `v` and that of the Ea
 from dataclasses import dataclass
 from datetime import datetime
 from functools import cached_property, lru_cache
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float
-from scipy.interpolate import CubicHermiteSpline, CubicSpline
 
 from orbident.errors import InputError
 from orbident.orbits.earth import AXIS, TURN, Vectors, sunlit, to_the_sun
@@ -31,8 +31,8 @@ KEPT = 16
 class Arc:
     """An orbit from one time to another."""
 
-    path: CubicHermiteSpline
-    """The place, m, over seconds after the epoch."""
+    path: Any
+    """The place, m, over seconds after the epoch: a spline of SciPy."""
     grid: Float[np.ndarray, " times"]
     """Times every ten seconds, s, beyond both ends."""
     epoch: datetime | None
@@ -69,7 +69,10 @@ class Arc:
         return np.asarray(self._field(t))
 
     @cached_property
-    def _field(self) -> CubicSpline:
+    def _field(self) -> Any:
+        # Late, as in `_arc`: it takes long to load, and few robots are in orbit.
+        from scipy.interpolate import CubicSpline
+
         r = self.place(self.grid)
         if self.epoch is None:
             return CubicSpline(self.grid, dipole_field(r))
@@ -103,4 +106,6 @@ def _arc(orbit: Orbit, start: float, end: float) -> Arc:
         grid = np.unique(grid)
     else:
         t, x = grid, orbit.motion.states(grid)
+    from scipy.interpolate import CubicHermiteSpline
+
     return Arc(CubicHermiteSpline(t, x[:, :3], x[:, 3:]), grid, orbit.epoch)

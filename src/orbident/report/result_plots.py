@@ -7,10 +7,12 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.errors import InputError
+from orbident.estimation.convergence import SMALL
 from orbident.estimation.predicted import Signals
 from orbident.estimation.result import Result
 from orbident.report.charts import shortened
 from orbident.report.conditioning import correlations
+from orbident.report.convergence_section import COST, SIZE, is_wide, rounds, spacing
 from orbident.report.decimation import extremes, with_gaps
 from orbident.report.drawing import Axes, Drawing
 from orbident.report.fit import axis_labels
@@ -46,8 +48,9 @@ class Plots:
 
     def __repr__(self) -> str:
         """What can be drawn."""
-        names = "signals(), residuals(), parameters(), mass(), correlations()"
-        return f"figures of {self.result.robot.name}: {names}, sensitivity()"
+        names = "signals(), residuals(), parameters(), mass(), correlations(), "
+        names += "sensitivity(), convergence()"
+        return f"figures of {self.result.robot.name}: {names}"
 
     def signals(self) -> Drawing:
         """What was measured, thick, and what is predicted, thin; a panel a signal.
@@ -193,6 +196,39 @@ class Plots:
                 axes.text(k, i, text, color=color, ha="center", va="center", fontsize=7)
         _name_cells(axes, shown.parameters, [shortened(name) for name in shown.errors])
         axes.set_title("shift, in each parameter's own standard deviations")
+        return drawing
+
+    def convergence(self) -> Drawing:
+        """Cost and size of the steps of the search, over their number.
+
+        Each curve is a round: after it the noise and the weights of outliers are
+        estimated anew. The search ends below the dashed line.
+
+        Raises:
+            InputError: the method does not search, or the result was kept by an
+                earlier version.
+        """
+        steps = self.result.convergence
+        if not steps:
+            raise InputError(
+                f"{self.result.robot.name}: {self.result.method} has no steps to draw; "
+                "maximum-likelihood and structured have"
+            )
+        drawing, panels = _panels(1, 2)
+        cost, size = panels[0]
+        every = rounds(steps)
+        for number, costs, sizes in every:
+            cost.plot(number, costs, "o-", color=COLORS[0], markersize=4)
+            size.semilogy(number, sizes, "o-", color=COLORS[0], markersize=4)
+        if is_wide(every):
+            cost.set_yscale("log")
+        size.axhline(SMALL, color="0.4", linewidth=0.8, linestyle="--")
+        for axes, title in ((cost, COST), (size, SIZE)):
+            axes.set_title(title, loc="left")
+            taken = int(every[-1].number[-1])
+            axes.set_xticks(np.arange(0, taken + 1, spacing(taken)))
+            axes.set_xlim(-0.5, taken + 0.5)
+            _finish(axes, "step", "")
         return drawing
 
     def _signals(self) -> Signals:

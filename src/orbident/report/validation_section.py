@@ -41,9 +41,12 @@ def validation(scores: dict) -> Section:
         )
         for name, unit in UNITS.items()
     )
+    origin = "which was not used to identify"
+    if scores.get("used"):
+        origin = "from which the parameters were identified, so that it says little"
     words = [
-        f"Base rates and velocities of {scores['file']}, which was not used to "
-        "identify, were predicted from the motion of joints and wheels: "
+        f"Base rates and velocities of {scores['file']}, {origin}, were predicted from "
+        "the motion of joints and wheels: "
         f"{scores['verdict']}. {scores['reason'].capitalize()}.",
     ]
     if scores["degrees_of_freedom"]:

@@ -8,6 +8,7 @@ from orbident.estimation.result import Result
 from orbident.files.text import write_text
 from orbident.identified.run_folder import HISTORY, REPORT, VALIDATION
 from orbident.report.conditioning import conditioning
+from orbident.report.convergence_section import convergence
 from orbident.report.fit import fits
 from orbident.report.limits import excitation, identifiability
 from orbident.report.page import page
@@ -96,6 +97,7 @@ def sections_of(
         parameters(result, known_as),
         masses(result, known_as),
         fits(result, signals),
+        convergence(result.convergence),
         recursion(trail),
         conditioning(result),
         sensitivities(result),

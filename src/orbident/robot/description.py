@@ -7,6 +7,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from jaxtyping import Float
 
+from orbident.files.names import counted
 from orbident.orbits.orbit import Orbit
 from orbident.robot.parameters import PER_BODY, SYMBOLS
 from orbident.robot.tolerances import Tolerances
@@ -152,8 +153,8 @@ class Robot:
     def __repr__(self) -> str:
         """What it is, in a line."""
         return (
-            f"{self.name}: {self.motion}, {len(self.joints)} joints, "
-            f"{len(self.wheels)} wheels, {self.mass:.6g} kg nominal"
+            f"{self.name}: {self.motion}, {counted(len(self.joints), 'joint')}, "
+            f"{counted(len(self.wheels), 'wheel')}, {self.mass:.6g} kg nominal"
         )
 
     @property

@@ -25,8 +25,10 @@ def oddities(robot: Robot) -> tuple[str, ...]:
         *_massless(robot),
         *_out_of_plane(robot),
         *_without_limits(robot),
+        *_flat(robot),
         *_without_wheels(robot),
         *_without_sensors(robot),
+        *_taken_as_exact(robot),
         *_far_point(robot),
     )
 
@@ -60,6 +62,20 @@ def _out_of_plane(robot: Robot) -> list[str]:
     return [
         f"motion: planar, but {listed(names)} turn about another axis than base z, or "
         "slide out of the plane; correct the axes, or give motion: spatial"
+    ]
+
+
+def _flat(robot: Robot) -> list[str]:
+    if robot.motion == "planar" or len(robot.joints) < 2:
+        return []
+    R = [np.eye(3)]
+    for joint in robot.joints:
+        R.append(R[joint.parent] @ joint.R_PJ)
+        if joint.kind != "revolute" or 1.0 - abs(R[-1] @ joint.axis)[2] > TILTED:
+            return []
+    return [
+        "motion: spatial, but all joints turn about base z: if the robot floats on a "
+        "table, give motion: planar"
     ]
 
 
@@ -102,6 +118,27 @@ def _without_sensors(robot: Robot) -> list[str]:
         f"sensors: nothing is said of {', '.join(missing)}: 'simulate' leaves them "
         "out, and 'excite' and 'inspect --trajectory' do not know how good they are; "
         "add them under sensors"
+    ]
+
+
+def _taken_as_exact(robot: Robot) -> list[str]:
+    gyro = robot.sensors.get("gyro") or {}
+    known = {
+        "misalignment": robot.tolerances.gyro_misalignment,
+        "scale": robot.tolerances.gyro_scale,
+    }
+    missing = {
+        what: float(np.max(np.abs(gyro[what])))
+        for what, tolerance in known.items()
+        if np.any(gyro.get(what, 0.0)) and not tolerance
+    }
+    if not missing:
+        return []
+    add = ", ".join(f"{what}: {size:g}" for what, size in missing.items())
+    return [
+        f"sensors: 'simulate' adds an error of {' and '.join(missing)} to the gyro, "
+        "which 'identify' takes as exact without a tolerance, so that it refuses the "
+        f"recording; add tolerances: {{gyro: {{{add}}}}}"
     ]
 
 

@@ -27,6 +27,10 @@ WRITTEN["residual"] = {
         }
     },
 }
+WRITTEN["convergence"] = [
+    {"cost": 1e9, "size": None, "round": 1},
+    {"cost": 1e3, "size": 1e-3, "round": 1},
+]
 WRITTEN["motion"] = {
     "duration": 20.0,
     "rate": 50.0,
@@ -58,6 +62,15 @@ def test_what_is_written_is_accepted():
     check(edited("of a later version", "more"))
 
 
+def test_of_several_recordings_and_of_parts():
+    fit = WRITTEN["residual"]["sensors"]["attitude"]
+    check(edited({"first: attitude": 1e-3}, "residual", "rms"))
+    check(edited({"first: attitude": fit}, "residual", "sensors"))
+    part = {"file": "r.csv", "sha256": "0", "from": 1.5, "to": 20}
+    check(edited(part, "input"))
+    check(edited({"recordings": [part, {**part, "seed": 1}]}, "input"))
+
+
 SENSOR = ("residual", "sensors", "attitude")
 REFUSED = {
     "an integer of 400 digits": ((10**400, "samples"), "samples: found 1000"),
@@ -66,6 +79,8 @@ REFUSED = {
     "text in a form": (("1", "mass", "forms", "values"), "mass.forms.values: found"),
     "text in a residual": (("1", *SENSOR, "noise"), "attitude.noise: found '1'"),
     "an unknown sensor": (({"eye": 1.0}, "residual", "rms"), "residual.rms.eye"),
+    "text for a time": (("1", "input"), "input: found '1'"),
+    "text for a start": (({"from": "1"}, "input"), "input.from: found '1'"),
     "a number for a list": ((3, "warnings"), "warnings: found 3; give a"),
     "a number for a name": (([3], "motion", "locked"), "motion.locked[0]: found 3"),
     "a number for joints": ((1, "motion", "joints"), "motion.joints: found 1"),

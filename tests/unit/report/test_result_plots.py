@@ -10,6 +10,7 @@ import report_runs
 from matplotlib.figure import Figure
 
 from orbident.errors import InputError
+from orbident.estimation.convergence import Step
 from orbident.estimation.result import Result
 from orbident.estimation.sensitivity_table import SensitivityTable
 from orbident.report.spectra import autocorrelation, spectrum
@@ -28,10 +29,14 @@ def result() -> Result:
         units=("mrad", "%"),
         shifts=shifts,
     )
-    return replace(found, sensitivity=lambda: table)
+    steps = (Step(1e6, np.nan), Step(90.0, 2.0), Step(80.0, 1e-3, 2))
+    return replace(found, sensitivity=lambda: table, convergence=steps)
 
 
-NAMES = ("signals", "residuals", "parameters", "mass", "correlations", "sensitivity")
+NAMES = (
+    *("signals", "residuals", "parameters", "mass"),
+    *("correlations", "sensitivity", "convergence"),
+)
 
 
 def drawn(result: Result, name: str) -> Figure:
@@ -110,6 +115,17 @@ def test_sensitivity(result):
     assert [text.get_text() for text in axes.texts] == ["3.0", "0.1", "150", ""]
 
 
+def test_convergence(result):
+    cost, size = drawn(result, "convergence").axes
+    assert cost.get_xlabel() == size.get_xlabel() == "step"
+    assert size.get_title(loc="left") == "largest change (standard deviations)"
+    # A curve a round, of all costs, and of the sizes of steps.
+    curves = [line.get_xydata().tolist() for line in cost.lines]
+    assert curves == [[[0, 1e6], [1, 90]], [[2, 80]]]
+    assert size.lines[1].get_ydata() == [1e-3]
+    assert cost.get_yscale() == size.get_yscale() == "log"
+
+
 def test_what_cannot_be_drawn_is_said(result):
     rejected = report_runs.rejected()
     for name in ("parameters", "mass"):
@@ -117,6 +133,8 @@ def test_what_cannot_be_drawn_is_said(result):
             drawn(rejected, name)
     with pytest.raises(InputError, match="nothing was predicted"):
         drawn(replace(result, signals=tuple), "signals")
+    with pytest.raises(InputError, match="least-squares has no steps"):
+        drawn(replace(result, convergence=()), "convergence")
     with pytest.raises(InputError, match="is not known"):
         drawn(replace(result, sensitivity=lambda: None), "sensitivity")
     C = np.full_like(result.base_covariance, np.nan)

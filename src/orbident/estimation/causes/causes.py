@@ -112,7 +112,8 @@ def _by_trials(
             f"perhaps {best.cause}: with that put right chi-square falls by "
             f"{falls:.2g}, more than by any other cause that was tried, though the "
             "recording is still refused",
-            "see whether more than one thing is wrong",
+            "see whether more than one thing is wrong: with tolerances in the robot "
+            "file errors of several instruments are estimated at once",
             falls,
         )
     else:

@@ -65,6 +65,7 @@ class OutputError:
             sensitivity=likelihood.sensitivity,
             converged=likelihood.converged,
             settled=likelihood.settled,
+            convergence=likelihood.convergence,
             signals=likelihood.signals,
             solution=likelihood.solution,
             shared=likelihood.shared,

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float
 
+from orbident.estimation.convergence import Convergence
 from orbident.estimation.output_error.lasting import at_level, innovated
 from orbident.estimation.output_error.problem import BySensor, Problem, Unknowns
 from orbident.estimation.output_error.sensors import some_of
@@ -123,6 +124,8 @@ class Fitted(NamedTuple):
     """The largest relative change of a weight in the last round."""
     assumed: float
     """The cost with the noise that was assumed."""
+    convergence: Convergence
+    """The steps of all rounds."""
 
     @property
     def settled(self) -> bool:
@@ -152,8 +155,10 @@ def fitted(
     assumed, unknowns = solution.cost, _unknowns(problem, solution.state)
     levels = dict.fromkeys(problem.weights, 1.0)
     rounds = lost = 0
+    taken: Convergence = ()
     while True:
         rounds += 1
+        taken += tuple(step._replace(round=rounds) for step in solution.convergence)
         lost = 0 if solution.converged else lost + 1
         before, levels, used, changed = levels, {}, {}, 0.0
         for name in problem.weights:
@@ -181,7 +186,7 @@ def fitted(
         name: whitened(problem.weights[name], table, unknowns[name])
         for name, table in residuals.items()
     }
-    return Fitted(solution, parts, levels, residuals, changed, assumed)
+    return Fitted(solution, parts, levels, residuals, changed, assumed, taken)
 
 
 def _reweighed(

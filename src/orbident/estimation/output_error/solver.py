@@ -10,6 +10,7 @@ import numpy as np
 from jaxtyping import Float
 from scipy.linalg import solve_triangular
 
+from orbident.estimation.convergence import SMALL, Convergence, Step
 from orbident.estimation.output_error.problem import (
     BySensor,
     End,
@@ -23,9 +24,6 @@ from orbident.estimation.triangular import fold
 from orbident.recordings.long_recording import LARGE
 
 STEPS = 20
-SMALL = 5e-2
-"""A step this small beside the estimate's own deviation is the last: it leaves the
-square of itself, and some thousandths of that."""
 DAMPING = 1e-3
 """Where a step without damping did not help; relative to the information."""
 LEAST_DAMPING = 1e-6
@@ -87,9 +85,10 @@ class Solution(NamedTuple):
     prior: Prior
     weights: BySensor
     converged: bool
-    steps: int
     cost: float
     """The sum of the squares of all whitened residuals and priors."""
+    convergence: Convergence = ()
+    """How the search got there."""
 
     @property
     def covariance(self) -> Float[np.ndarray, "n n"]:
@@ -128,7 +127,8 @@ def solved(
     cost = here.cost + prior.cost(state)
     check_finite(cost, here.factor)
     damping, raised = 0.0, RAISED
-    for step in range(steps):
+    taken = [Step(cost, np.nan)]
+    for _ in range(steps):
         progress()
         if here.given_up:
             here = linear(problem, weights, state)
@@ -136,11 +136,13 @@ def solved(
         g = _damped(factor, damping)
         moved = state.moved(here.step(g), g)
         change = factor[:-1, :-1] @ g
+        size = float(np.linalg.norm(change))
         # What nothing shows would take an undamped step too far, again and again.
-        if np.linalg.norm(change) < SMALL and damping <= DAMPING:
+        if size < SMALL and damping <= DAMPING:
             # The last step may take much of the defects away: what is left is known.
             left = float(factor[-1, -1] ** 2)
-            return solution_at(moved, here, prior, weights, True, step + 1, left)
+            taken.append(Step(left, size))
+            return solution_at(moved, here, prior, weights, True, left, tuple(taken))
         if problem.t.size >= LARGE:
             # Two of them would take much memory; a step that fails is rare.
             there = here = here.without_rows()
@@ -161,8 +163,9 @@ def solved(
             break
         else:
             damping, raised = max(raised * damping, DAMPING), 2 * raised
+        taken.append(Step(cost, size))
     here = linear(problem, weights, state) if here.given_up else here
-    return solution_at(state, here, prior, weights, False, steps, cost)
+    return solution_at(state, here, prior, weights, False, cost, tuple(taken))
 
 
 def solution_at(
@@ -171,13 +174,13 @@ def solution_at(
     prior: Prior,
     weights: BySensor,
     converged: bool,
-    steps: int,
     cost: float,
+    convergence: Convergence = (),
 ) -> Solution:
     """Where a search ended, with the equations there."""
     without = here._replace(links=here.links[:0].copy())
     end = here.at_the_end()
-    return Solution(state, without, end, prior, weights, converged, steps, cost)
+    return Solution(state, without, end, prior, weights, converged, cost, convergence)
 
 
 def equations_at(

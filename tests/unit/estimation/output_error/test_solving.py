@@ -16,6 +16,7 @@ from small_problems import (
 
 from orbident import _core
 from orbident.errors import InputError
+from orbident.estimation.convergence import SMALL
 from orbident.estimation.output_error.problem import (
     NO_ROWS,
     SENSORS,
@@ -169,6 +170,13 @@ def test_the_cost_is_that_of_the_last_state(recording, joints, steps):
     assert solution.cost < cost(state)
     # What is left of second order in a last step of a hundredth of a deviation.
     assert solution.cost == pytest.approx(cost(solution.state), rel=1e-5)
+    # Every step is kept, after where the search starts.
+    start, *taken = solution.convergence
+    assert start.cost == pytest.approx(cost(state), rel=1e-12)
+    assert np.isnan(start.size)
+    assert taken[-1].cost == solution.cost
+    assert solution.converged == (taken[-1].size < SMALL)
+    assert len(taken) <= steps
 
 
 def test_without_noise_the_parameters_are_exact(recording):
