@@ -75,9 +75,8 @@ auto gathered(const OwnedFilter& filter, const OwnedState& before, const Array& 
     nb::gil_scoped_release release;
     Room room(model);
     for (std::ptrdiff_t k = 0; k < t.size(0); ++k) {
-      const Innovation innovation =
-          take_in(model, state->at, t.data()[k], samples.data() + k * filter.measured(),
-                  state->at.beta, room.at);
+      const Innovation innovation = take_in(model, state->at, t.data()[k],
+                                            samples.data() + k * filter.measured(), room.at);
       squares += innovation.nis;
       rows += innovation.dof;
     }

@@ -65,9 +65,9 @@ inline Counts counts(const FilterModel& model, const FilterState& state, Real t,
   return same ? Counts::repeated : Counts::yes;
 }
 
-// Takes the equations of one sample in, with D, U and their noise at beta; the estimate stays.
-inline Innovation take_in(const FilterModel& model, FilterState& state, Real t, const Real* packed,
-                          const Real* beta, FilterRoom& room) {
+// Takes the equations of one sample in, linearised about the estimate, which stays.
+inline Innovation take_in(const FilterModel& model, FilterState& state, Real t,
+                          const Real* packed, FilterRoom& room) {
   const Measurement at = measurement_at(model.laws.robot, packed);
   const FilterSizes size = model.sizes();
   const bool reduced = held_in_beta(state);
@@ -83,7 +83,7 @@ inline Innovation take_in(const FilterModel& model, FilterState& state, Real t, 
   const Real dt = std::isnan(*state.t) ? Real(0) : t - *state.t;
   const Eigen::Map<Eigen::Matrix<Real, 3, 3, Eigen::RowMajor>> R_before(state.R_WB);
   const Matrix integral = dt / 2 * (R_before + R_WB);
-  const EquationNoise noise = conservation_equations(model.laws, beta, h_cm, at, R_WB, room.equations,
+  const EquationNoise noise = conservation_equations(model.laws, state.beta, h_cm, at, R_WB, room.equations,
                                                      room.rows, stride);
   const int top_stride = size.top_stride();
   const Matrix of_gyro = predict_nuisances(model.laws, state.top, top_stride, n + y + 1, integral, h_cm,
@@ -111,19 +111,13 @@ inline Innovation take_in(const FilterModel& model, FilterState& state, Real t, 
   return innovation;
 }
 
-// beta of root beta = z into room.beta, as it is ordered there and then in its own order.
-inline void solve_beta(const FilterSizes& size, const Real* root, FilterRoom& room) {
-  const int k = size.betas();
-  solve_triangle(root, size.beta_stride(), k, room.beta);
-  for (int i = 0; i < k; ++i)
-    room.beta[k + i] = room.beta[i < size.shown ? size.iotas + i : i - size.shown];
-}
-
 // Of M_0, to which M is held as long as nothing tells the scale.
 constexpr Real HELD = Real(1e-3);
 
-// One Gauss-Newton step from the last beta: [R J | z + R (J beta - y)] and the prior, triangular. Without a
-// scale the least of all parameters would fit best, so M is held.
+// One Gauss-Newton step from the last beta: [R J | z + R (J beta - y)] and the prior, triangular.
+//
+// Without a scale M is held at M_0. The lighter a robot, the better it fits equations without a known term, and
+// the less their noise is, which is D's and U's: the estimate would shrink to nothing, ever faster.
 inline void relinearise(const FilterModel& model, FilterState& state, FilterRoom& room) {
   const ParametersOfBeta& sets = model.sets;
   const FilterSizes size = model.sizes();
@@ -165,9 +159,9 @@ inline void relinearise(const FilterModel& model, FilterState& state, FilterRoom
   }
   if (scaled(model, state)) return;
   // (M - M_0) / (HELD M_0)
+  solve_triangle(state.prior, stride, k, room.beta);
   for (int i = 0; i < stride; ++i) room.block[i] = 0.0;
-  solve_beta(size, state.prior, room);
-  room.block[iotas] = 1 / (HELD * room.beta[k]);
+  room.block[iotas] = 1 / (HELD * room.beta[iotas]);
   room.block[k] = 1 / HELD;
   fold(state.root + iotas * stride + iotas, stride, room.block + iotas, stride, 1, stride - iotas,
        shown);
@@ -178,9 +172,10 @@ inline void estimate(const FilterModel& model, FilterState& state, FilterRoom& r
   const FilterSizes size = model.sizes();
   const bool reduced = held_in_beta(state);
   if (!reduced) relinearise(model, state, room);
-  const int k = size.betas();
-  const Real *const ordered = room.beta, *const beta = room.beta + k;
-  solve_beta(size, state.root, room);
+  const int k = size.betas(), iotas = size.iotas, shown = size.shown;
+  Real *const ordered = room.beta, *const beta = room.beta + k;
+  solve_triangle(state.root, size.beta_stride(), k, ordered);
+  for (int i = 0; i < k; ++i) beta[i] = ordered[i < shown ? iotas + i : i - shown];
   if (!reduced) linearised(model.sets, state.beta, beta, room.y);
   const Real* const known = reduced ? ordered : room.y;
 
@@ -195,20 +190,10 @@ inline void estimate(const FilterModel& model, FilterState& state, FilterRoom& r
   if (!reduced) hand_over_if_linear(model, state, room);
 }
 
-// Where a sample's D, U and noise are evaluated: at the estimate, once samples tell its scale. A lighter robot
-// fits an equation without a known term better; if it lowered the noise too, every sample would count more than
-// the last, and the estimate would shrink to nothing.
-inline const Real* evaluated_at(const FilterModel& model, const FilterState& state, FilterRoom& room) {
-  if (scaled(model, state)) return state.beta;
-  solve_beta(model.sizes(), state.prior, room);
-  return room.beta + model.sizes().betas();
-}
-
 // One sample: prediction of the nuisances, its equations, the new estimate.
 inline Innovation step(const FilterModel& model, FilterState& state, Real t, const Real* packed,
                        FilterRoom& room) {
-  const Real* const beta = evaluated_at(model, state, room);
-  const Innovation innovation = take_in(model, state, t, packed, beta, room);
+  const Innovation innovation = take_in(model, state, t, packed, room);
   if (innovation.dof > 0) estimate(model, state, room);
   return innovation;
 }
