@@ -10,6 +10,7 @@ from random_motions import random_motion
 
 from orbident.identified.flight_export import export_flight
 from orbident.preprocessing.samples import samples_of
+from orbident.robot.description import Robot
 from orbident.robot.robot_file import load_robot
 from orbident.simulation.simulate import simulate
 
@@ -30,7 +31,13 @@ def exported(
     folder: Path, name: str | Path, duration: float, rate: float, seed: int = 0
 ) -> Path:
     """The folder of a robot that turns while its joints move."""
-    robot = load_robot(name)
+    return exported_of(load_robot(name), folder, duration, rate, seed)
+
+
+def exported_of(
+    robot: Robot, folder: Path, duration: float, rate: float, seed: int = 0
+) -> Path:
+    """The same of a robot that has no file."""
     motion = random_motion(robot, duration=duration, seed=seed)
     recording = simulate(robot, motion, rate=rate, noise="sensors", seed=seed)
     export_flight(robot, samples_of(robot, recording), None, folder)
@@ -51,9 +58,10 @@ ONE_JOINT = """\
 """
 
 
-def one_joint(folder: Path) -> Path:
+def one_joint(folder: Path, joint: str = "revolute", wheel: bool = True) -> Path:
     """The file of a robot that is small enough for very many steps."""
-    (folder / "one-joint.urdf").write_text(ONE_JOINT)
+    urdf = ONE_JOINT.replace("revolute", joint)
+    (folder / "one-joint.urdf").write_text(urdf)
     wheels = "[{name: rw, axis: [0, 1, 0], inertia: 0.05, mode: held}]"
     sensors = (
         "{gyro: {angle_random_walk: 1e-5}, attitude: {angle: 1e-5}, "
@@ -62,17 +70,14 @@ def one_joint(folder: Path) -> Path:
     path = folder / "one-joint.yaml"
     path.write_text(
         "schema: orbident/robot/1\nname: one-joint\nurdf: one-joint.urdf\n"
-        f"wheels: {wheels}\nsensors: {sensors}\n"
+        f"wheels: {wheels if wheel else []}\nsensors: {sensors}\n"
     )
     return path
 
 
 def sliding(folder: Path) -> Path:
     """The same with a joint that slides."""
-    path = one_joint(folder)
-    urdf = folder / "one-joint.urdf"
-    urdf.write_text(ONE_JOINT.replace("revolute", "prismatic"))
-    return path
+    return one_joint(folder, "prismatic")
 
 
 def library(folder: Path, scalar: str = "double") -> Path:

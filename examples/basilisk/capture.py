@@ -1,5 +1,8 @@
 """A free flyer of Basilisk captures a body: when is it found, and what does it weigh?
 
+Wheels hold the hub to a planned attitude while the arm moves. They are told what the
+arm will take from the hub's momentum, by CAD or by what is identified meanwhile.
+
 python examples/basilisk/capture.py
 """
 
@@ -7,6 +10,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from attitude_control import AttitudeControl, Plan
 from Basilisk.architecture import messaging, sysModel
 from Basilisk.simulation import (
     reactionWheelStateEffector,
@@ -15,6 +19,7 @@ from Basilisk.simulation import (
 )
 from Basilisk.utilities import SimulationBaseClass, macros, simIncludeRW
 from mass_properties import MassProperties
+from scipy.spatial.transform import Rotation
 
 from orbident.robot.description import Robot
 from orbident.robot.parameters import FIRST_MOMENT, MASS, inertia_about_com
@@ -30,10 +35,27 @@ HEAVIER = 1.1
 """The hub is so much heavier than CAD says."""
 CAPTURE, END = 40.0, 90.0
 """s."""
+SETTLED = 10.0
+"""s after the capture, when the identified parameters are used and count."""
+START = Rotation.from_mrp([0.1, 0.2, -0.1])
+
+
+def joints_at(t: float) -> tuple[np.ndarray, np.ndarray]:
+    """Sines that begin at rest: positions and rates of both joints."""
+    size, rate = np.array([0.6, 0.5]), np.array([0.35, 0.5])
+    ramp = 1 - np.exp(-t / 3)
+    qd = ramp * size * rate * np.cos(rate * t)
+    qd += np.exp(-t / 3) / 3 * size * np.sin(rate * t)
+    return ramp * size * np.sin(rate * t), qd
+
+
+def attitude_at(t: float) -> Rotation:
+    """The hub turns to and fro about all axes, which shows its inertia."""
+    return START * Rotation.from_rotvec(0.1 * np.sin(np.array([0.3, 0.5, 0.8]) * t))
 
 
 class JointControl(sysModel.SysModel):
-    """Joints follow sines: proportional and derivative control of their torques."""
+    """Joints follow the plan: proportional and derivative control of their torques."""
 
     def __init__(self) -> None:
         """Two joints."""
@@ -41,31 +63,20 @@ class JointControl(sysModel.SysModel):
         self.ModelTag = "jointControl"
         self.jointInMsgs = [messaging.HingedRigidBodyMsgReader() for _ in range(2)]
         self.torqueOutMsg = messaging.ArrayMotorTorqueMsg()
-        self.wheelOutMsg = messaging.ArrayMotorTorqueMsg()
 
     def Reset(self, CurrentSimNanos: int) -> None:
         """Nothing is kept."""
 
     def UpdateState(self, CurrentSimNanos: int) -> None:
-        """Torques of joints, by feedback, and of wheels, as planned."""
-        t = CurrentSimNanos * 1e-9
-        size, rate = np.array([0.8, 0.6]), np.array([0.45, 0.7])
-        ramp = 1 - np.exp(-t / 3)
-        wanted = ramp * size * np.sin(rate * t)
-        speed = ramp * size * rate * np.cos(rate * t)
-        speed += np.exp(-t / 3) / 3 * size * np.sin(rate * t)
+        """Torques by feedback."""
+        wanted, speed = joints_at(CurrentSimNanos * 1e-9)
         now = [message() for message in self.jointInMsgs]
         q, qd = np.array([j.theta for j in now]), np.array([j.thetaDot for j in now])
         torque = np.array([200.0, 80.0]) * (wanted - q)
         torque += np.array([80.0, 30.0]) * (speed - qd)
-        wheels = 0.1 * np.sin(np.array([0.3, 0.5, 0.8]) * t)
-        for message, values in (
-            (self.torqueOutMsg, torque),
-            (self.wheelOutMsg, wheels),
-        ):
-            payload = messaging.ArrayMotorTorqueMsgPayload()
-            payload.motorTorque = values.tolist()
-            message.write(payload, CurrentSimNanos, self.moduleID)
+        payload = messaging.ArrayMotorTorqueMsgPayload()
+        payload.motorTorque = torque.tolist()
+        self.torqueOutMsg.write(payload, CurrentSimNanos, self.moduleID)
 
 
 class Found(NamedTuple):
@@ -75,10 +86,16 @@ class Found(NamedTuple):
     """When a change was found, s."""
     masses: dict[str, tuple[float, float, float]]
     """Before and after the capture: true, estimated, and its deviation, kg."""
+    error: float
+    """Of the hub's attitude after the capture, root mean square, rad."""
 
 
-def run() -> Found:
-    """Simulate the capture, with the filter in the loop."""
+def run(by_cad: bool = False) -> Found:
+    """Simulate the capture, with the filter in the loop.
+
+    Args:
+        by_cad: the wheels' control uses CAD values, not what the filter identified.
+    """
     cad = load_robot(str(HERE / "free_flyer.yaml"))
     simulation = SimulationBaseClass.SimBaseClass()
     process = simulation.CreateNewProcess("process")
@@ -95,17 +112,21 @@ def run() -> Found:
 
     control = JointControl()
     links.motorTorqueInMsg.subscribeTo(control.torqueOutMsg)
-    wheels.rwMotorCmdInMsg.subscribeTo(control.wheelOutMsg)
     walk = cad.sensors["gyro"]["angle_random_walk"]
     filter_ = MassProperties(cad, walk * np.sqrt(RATE), velocity_std=1e-4)
-    filter_.scStateInMsg.subscribeTo(body.scStateOutMsg)
-    filter_.rwSpeedInMsg.subscribeTo(wheels.rwSpeedOutMsg)
-    for module in (control, filter_):
+    pointing = AttitudeControl(
+        Plan(joints_at, attitude_at), lambda: cad if by_cad else filter_.identified
+    )
+    wheels.rwMotorCmdInMsg.subscribeTo(pointing.wheelOutMsg)
+    for module in (pointing, filter_):
+        module.scStateInMsg.subscribeTo(body.scStateOutMsg)
+        module.rwSpeedInMsg.subscribeTo(wheels.rwSpeedOutMsg)
+    for module in (control, pointing, filter_):
         for message, link in zip(
             module.jointInMsgs, links.spinningBodyOutMsgs, strict=True
         ):
             message.subscribeTo(link)
-    for module in (body, links, wheels, control):
+    for module in (body, links, wheels, control, pointing):
         simulation.AddModelToTask("fast", module)
     simulation.AddModelToTask("slow", filter_)
 
@@ -126,7 +147,9 @@ def run() -> Found:
             ("after", held[:, 0].sum(), after),
         )
     }
-    return Found([e.t for e in filter_.events if e.kind == "change"], masses)
+    errors = [e for t, e in pointing.errors if t > CAPTURE + SETTLED]
+    changes = [e.t for e in filter_.events if e.kind == "change"]
+    return Found(changes, masses, float(np.sqrt(np.mean(np.square(errors)))))
 
 
 def mass_com_inertia(theta: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
@@ -140,8 +163,8 @@ def _hub(theta: np.ndarray) -> spacecraft.Spacecraft:
     body = spacecraft.Spacecraft()
     body.hub.mHub, body.hub.r_BcB_B = mass, com.reshape(3, 1).tolist()
     body.hub.IHubPntBc_B = inertia.tolist()
-    body.hub.omega_BN_BInit = [[0.01], [0.03], [0.025]]
-    body.hub.sigma_BNInit = [[0.1], [0.2], [-0.1]]
+    body.hub.omega_BN_BInit = [[x] for x in Plan(joints_at, attitude_at).rate(0.0)]
+    body.hub.sigma_BNInit = [[x] for x in START.as_mrp()]
     return body
 
 
@@ -164,7 +187,14 @@ def _wheels(
 ) -> reactionWheelStateEffector.ReactionWheelStateEffector:
     factory = simIncludeRW.rwFactory()
     for axis in np.eye(3).tolist():
-        factory.create("Honeywell_HR16", axis, maxMomentum=50.0, Omega=1500.0)
+        # Wheels that are strong enough for so fast an arm.
+        factory.create(
+            "Honeywell_HR16",
+            axis,
+            maxMomentum=50.0,
+            Omega=1500.0,
+            useMaxTorque=False,
+        )
     wheels = reactionWheelStateEffector.ReactionWheelStateEffector()
     factory.addToSpacecraft("wheels", wheels, body)
     return wheels
@@ -175,3 +205,7 @@ if __name__ == "__main__":
     print(f"captured at {CAPTURE} s; changes found at {found.changes} s")
     for name, (true, value, std) in found.masses.items():
         print(f"mass {name}: true {true:.2f}, estimated {value:.2f} +- {std:.2f} kg")
+    for name, error in ("CAD", run(by_cad=True).error), ("the estimate", found.error):
+        print(
+            f"attitude after the capture, wheels by {name}: {1e3 * error:.2f} mrad off"
+        )

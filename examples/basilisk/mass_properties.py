@@ -4,13 +4,19 @@ It reads a spacecraft's state, its wheel speeds and the joints of its spinning b
 and hands them to the filter that `orbident live` runs.
 """
 
+from dataclasses import replace
+
 import numpy as np
 from Basilisk.architecture import messaging, sysModel
 from scipy.spatial.transform import Rotation
 
 from orbident.live.live_filter import Event, LiveFilter
 from orbident.live.state_file import nothing_carried
+from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.description import Robot
+
+SURE = 0.01
+"""Part of the mass: with a larger deviation an estimate is not used."""
 
 
 class MassProperties(sysModel.SysModel):
@@ -38,9 +44,11 @@ class MassProperties(sysModel.SysModel):
         self.jointInMsgs = [messaging.HingedRigidBodyMsgReader() for _ in robot.joints]
         self.events: list[Event] = []
         """All estimates and changes so far."""
+        self.identified = robot
+        """The robot that moves as the latest estimate says that is sure enough."""
         self._filter = LiveFilter(robot, velocity_std, every, nothing_carried(robot))
         self._stds = gyro_std, velocity_std
-        self._wheels = len(robot.wheels)
+        self._robot, self._wheels = robot, len(robot.wheels)
         self._random = np.random.default_rng(0)
 
     def Reset(self, CurrentSimNanos: int) -> None:
@@ -62,4 +70,17 @@ class MassProperties(sysModel.SysModel):
         qd_rw = self.rwSpeedInMsg().wheelSpeeds[: self._wheels]
         t = [CurrentSimNanos * 1e-9]
         row = np.concatenate([t, q, qd, w, x_WB, qd_rw, v, w])
-        self.events += self._filter.take(row[None])
+        told = self._filter.take(row[None])
+        self.events += told
+        for event in told:
+            if event.kind == "estimate" and _sure(event):
+                self.identified = self._with(event.of["beta"])
+
+    def _with(self, beta: list[float]) -> Robot:
+        """Of all robots with these base parameters, one: no motion tells them apart."""
+        theta = minimal_sets(self._robot).base.theta_of @ beta
+        return replace(self._robot, theta=theta.reshape(self._robot.theta.shape))
+
+
+def _sure(estimate: Event) -> bool:
+    return estimate.of["std"][0] < SURE * estimate.of["beta"][0]

@@ -10,6 +10,7 @@ from live_streams import NAME, csv_lines, documents, json_lines, samples, stream
 from processes import ORBIDENT, finished, started
 
 COMMAND = (*ORBIDENT, "live", NAME, "--velocity-std", "1e-3", "--every", "5")
+HEADER = csv_lines(samples())[0]
 
 
 def ran(stream: Path, *options: object, status: int = 0) -> list[dict]:
@@ -71,6 +72,9 @@ def test_datagrams(tmp_path: Path):
         (b"", "no sample came"),
         (b"1,2,3\n4,5,6\n", "no line names the columns"),
         (b"t,gyro.x\n", "found no column 'joint.joint1.position'"),
+        (b"\n".join(csv_lines(samples())[:20]), "no estimate, since the filter"),
+        (HEADER + 60 * (b"\n" + b",".join(20 * [b"much"])), "60 lines that are no"),
+        (HEADER + 60 * (b"\n1" + 19 * b",nan"), "60 with a time came"),
     ],
 )
 def test_streams_that_cannot_be(tmp_path: Path, text: bytes, message: str):
@@ -92,6 +96,16 @@ def test_a_robot_without_noise(tmp_path: Path):
         run = finished(*ORBIDENT, "live", robot, stdin=given)
     assert run.returncode == 2
     assert "give gyro.angle_random_walk" in run.stderr
+
+
+def test_options_that_cannot_be():
+    run = finished(*COMMAND, "--host", "0.0.0.0", input="")
+    assert (run.returncode, run.stdout) == (2, "")
+    assert "--host: standard input is read; add --udp PORT" in run.stderr
+    with Path(__file__).open() as lines:
+        run = finished(*COMMAND, "--state", Path(__file__), stdin=lines)
+    assert (run.returncode, run.stderr.count("\n")) == (2, 1)
+    assert "is no state of a filter, or is damaged; name another file" in run.stderr
     run = finished(*COMMAND[:-1], "0", input="")
     assert (run.returncode, run.stdout) == (2, "")
     assert "--every: found 0.0; give a number above zero" in run.stderr

@@ -24,12 +24,12 @@ def live(
         ),
     ] = None,
     host: Annotated[
-        str,
+        str | None,
         typer.Option(
-            help="Address to read datagrams at; 0.0.0.0 for all networks, from where "
-            "anybody can send samples then."
+            help="Address to read datagrams at, 127.0.0.1 if none is given; 0.0.0.0 "
+            "for all networks, from where anybody can send samples then."
         ),
-    ] = "127.0.0.1",
+    ] = None,
     every: Annotated[
         float,
         typer.Option(metavar="S", help="Time of the samples between two estimates, s."),
@@ -62,6 +62,7 @@ def live(
     from contextlib import ExitStack
 
     from orbident.cli.streams import warn
+    from orbident.errors import InputError
     from orbident.files.replacing import check_place
     from orbident.live.session import Session
     from orbident.live.sources import Datagrams, lines_of_input
@@ -72,9 +73,13 @@ def live(
     if state is not None:
         check_place(state)
     described = load_robot(robot)
-    sockets = None if udp is None else Datagrams(host, udp)
+    if host is not None and udp is None:
+        raise InputError(
+            "--host: standard input is read; add --udp PORT, or leave out --host"
+        )
+    sockets = None if udp is None else Datagrams(host or "127.0.0.1", udp)
     source = "standard input" if sockets is None else f"UDP port {sockets.port}"
-    if sockets is not None and host not in LOOPBACK:
+    if sockets is not None and host is not None and host not in LOOPBACK:
         warn(
             f"samples are taken from whoever can reach {host}, port {sockets.port}; "
             "leave out --host to take them from this machine alone"
@@ -99,8 +104,7 @@ def live(
         except KeyboardInterrupt:
             session.end(sinks, sockets.lost if sockets else 0)
             raise
-        if not session.end(sinks):
-            raise typer.Exit(1)
+        session.end(sinks)
 
 
 def _check_number(option: str, number: float | None) -> None:

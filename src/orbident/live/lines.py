@@ -72,9 +72,9 @@ class Lines:
                 continue
             try:
                 sample = self._one(text)
-            except (ValueError, TypeError) as error:
-                if isinstance(error, InputError):
-                    raise
+            except InputError:
+                raise
+            except (ValueError, TypeError, OverflowError, RecursionError):
                 self.unreadable += 1
                 continue
             if sample is not None:
@@ -86,18 +86,17 @@ class Lines:
         if text.startswith(b"{"):
             return self._of_object(json.loads(text))
         cells = text.split(b",")
-        if self._places:
-            if len(cells) != self._cells:
-                raise ValueError
-            try:
-                numbers = [float(cell) if cell else math.nan for cell in cells]
-            except ValueError:
-                self._read_header(text)
-                return None
-            numbers.append(math.nan)
-            return [numbers[place] for place in self._places]
-        self._read_header(text)
-        return None
+        if not self._places:
+            self._read_header(text)
+            return None
+        if len(cells) != self._cells:
+            raise ValueError
+        cells.append(b"")
+        try:
+            return [float(cells[k]) if cells[k] else math.nan for k in self._places]
+        except ValueError:
+            self._read_header(text)
+            return None
 
     def _of_object(self, values: dict[str, float | None]) -> list[float]:
         if not self.known:

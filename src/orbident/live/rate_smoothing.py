@@ -22,7 +22,6 @@ FEWEST = 2 * (DEGREE + 1)
 JUMP = 0.01
 """rad/s: no base leaves its neighbours' median by so much and comes back at once."""
 
-
 BESIDE = 2
 """Samples on either side that tell whether one is a spike."""
 

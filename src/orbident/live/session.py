@@ -9,7 +9,7 @@ import numpy as np
 from orbident.errors import InputError
 from orbident.estimation.recursive.prior import cad_prior
 from orbident.live.lines import Lines
-from orbident.live.live_filter import Event, LiveFilter
+from orbident.live.live_filter import WARM_UP, Event, LiveFilter
 from orbident.live.state_file import nothing_carried, read_state, save_state
 from orbident.model.formulas import formulas_of
 from orbident.model.minimal_sets import minimal_sets
@@ -84,18 +84,15 @@ class Session:
         if any(event.kind == "estimate" for event in told):
             self._save()
 
-    def end(self, sinks: Iterable[Sink], lost: int = 0) -> bool:
+    def end(self, sinks: Iterable[Sink], lost: int = 0) -> None:
         """Tell what is known at last, and keep the state.
 
         Args:
             sinks: that are told.
             lost: datagrams that were left out.
 
-        Returns:
-            Whether there is an estimate.
-
         Raises:
-            InputError: no line named the columns, or the state cannot be written.
+            InputError: what came gave no estimate, or the state cannot be written.
         """
         # What was interrupted within a step is not to be gone on from.
         if self._whole:
@@ -108,16 +105,21 @@ class Session:
         document["lost_datagrams"] = lost
         for sink in sinks:
             sink(document)
-        self._check_came()
-        return last is not None
+        if not self._lines.known:
+            raise InputError(self._no_columns())
+        if last is None:
+            raise InputError(
+                f"{self._source}: no estimate, since the filter begins with "
+                f"{WARM_UP} samples of which one is complete; "
+                f"{len(self._filter.carried.held)} with a time came, and "
+                f"{self._lines.unreadable} lines that are no sample: check what is sent"
+            )
 
-    def _check_came(self) -> None:
-        if self._lines.known:
-            return
+    def _no_columns(self) -> str:
         found = (
             "no line names the columns" if self._lines.unreadable else "no sample came"
         )
-        raise InputError(
+        return (
             f"{self._source}: {found}; send a line such as "
             "'t,joint.joint1.position,..' first and then samples, or JSON objects"
         )
@@ -130,5 +132,6 @@ class Session:
         document = {"event": event.kind, "t": event.t, **event.of}
         if event.kind == "estimate":
             value, std = event.of["beta"][0], event.of["std"][0]
-            document["mass"] = {"value": value, "std": std}
+            told = event.of["scale"]
+            document["mass"] = {"value": value, "std": std} if told else None
         return document

@@ -68,12 +68,12 @@ def read_state(path: Path, robot: Robot, velocity_std: float | None) -> Carried:
         carried = Carried(past, held, None, begin, before, due, counts)
         if "dt" in arrays:
             carried.running = _running(path, robot, velocity_std, arrays)
-    except (OSError, ValueError, KeyError, zipfile.BadZipFile, EOFError) as error:
-        if isinstance(error, InputError):
-            raise
+    except InputError:
+        raise
+    except (OSError, ValueError, KeyError, zipfile.BadZipFile, EOFError):
         raise InputError(
-            f"{path}: is no state of a filter, or is damaged ({error}); name another "
-            "file, or remove this one to begin anew"
+            f"{path}: is no state of a filter, or is damaged; name another file, or "
+            "remove this one to begin anew"
         ) from None
     if carried.held.shape[1:] != nothing_carried(robot).held.shape[1:]:
         raise InputError(_another(path))

@@ -7,13 +7,16 @@ What takes minutes is behind `long`; ORBIDENT_FUZZED says how many samples are s
 
 import os
 import re
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 from flight_builds import (
     CHECKS,
     WARNINGS,
     exported,
+    exported_of,
     library,
     needs_compilers,
     one_joint,
@@ -21,6 +24,7 @@ from flight_builds import (
     ran,
 )
 from processes import finished
+from random_robots import random_parents, random_robot, random_wheels
 
 from orbident.errors import InputError
 from orbident.identified.flight_export import SOURCES, check_empty
@@ -88,6 +92,13 @@ def test_a_plane_robot(built: Path, tmp_path: Path):
     assert agreed(folder, built)[0] > 100
 
 
+@pytest.mark.parametrize("joint", ["revolute", "prismatic"])
+def test_a_robot_without_a_wheel(built: Path, tmp_path: Path, joint: str):
+    """Nothing tells its scale; with an arm that slides the filter diverged once."""
+    robot = one_joint(tmp_path, joint, wheel=False)
+    assert agreed(exported(tmp_path / "f", robot, 16.0, 10.0), built)[0] > 100
+
+
 def test_nothing_of_a_heap_or_an_exception(built: Path):
     symbols = ran("nm", "--undefined-only", "--format=just-symbols", built).split()
     needed = {name for name in symbols if not name.endswith(".o:")}
@@ -140,6 +151,30 @@ def test_20_recordings(built: Path, tmp_path: Path):
         folder = exported(tmp_path / f"{seed}", name, duration, rate, seed)
         steps, changes = agreed(folder, built)
         print(f"{name}, seed {seed}: {steps} steps agree, {changes} changes")
+
+
+@pytest.mark.long
+def test_20_random_robots(built: Path, tmp_path: Path):
+    """Trees of one to six joints, a third of which slide; none to three wheels."""
+    walk = {"angle_random_walk": 1e-5}
+    fine = {"position": 1e-5}
+    sensors = {"gyro": walk, "attitude": {"angle": 1e-5}, "position": {"std": 1e-4}}
+    sensors |= {"joints": fine, "wheels": fine}
+    for seed in range(20):
+        random = np.random.default_rng(seed)
+        joints = 1 + seed % 6
+        slide = [k for k in range(joints) if random.uniform() < 1 / 3]
+        robot = random_robot(
+            seed,
+            random_parents(random, joints),
+            slide,
+            random_wheels(seed, (seed % 4) * ["held"]),
+            base=5.0,
+        )
+        robot = replace(robot, sensors=sensors)
+        folder = exported_of(robot, tmp_path / f"{seed}", 20.0, 20.0, seed)
+        steps, changes = agreed(folder, built)
+        print(f"{joints} joints, slide: {slide}, {seed % 4} wheels: {steps}, {changes}")
 
 
 @pytest.mark.long

@@ -31,14 +31,21 @@ def test_columns_may_stand_anywhere():
     )
 
 
+def test_text_in_a_column_of_nobody_is_not_read():
+    header, *lines = csv_lines(samples())[:5]
+    rows, unreadable = read([header + b",mode", *(line + b",hold" for line in lines)])
+    assert (len(rows), unreadable) == (4, 0)
+
+
 def test_what_is_no_sample_is_counted():
     header, *lines = csv_lines(samples())[:5]
     cut, word = lines[0][: len(lines[0]) // 2], b"temperature high"
+    deep, long = 10_000 * b'{"t":', b'{"t": ' + 400 * b"9" + b"}"
     rows, unreadable = read(
-        [lines[0], word, header, cut, word, b"", *lines, b"{", b"[]"]
+        [lines[0], word, header, cut, word, b"", *lines, b"{", b"[]", deep, long]
     )
     assert len(rows) == 4
-    assert unreadable == 6
+    assert unreadable == 8
 
 
 def test_a_cell_may_be_empty():

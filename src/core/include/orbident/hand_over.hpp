@@ -81,9 +81,7 @@ ORBIDENT_WIDEST inline bool linear(const FilterModel& model, const FilterState& 
 }
 
 // Whether the momentum equation has a known term that is more than noise: else the samples tell no scale.
-// Noise counts as that of a robot of the mass M_0: without a scale the estimate shrinks to nothing, and
-// beside so small a robot's noise anything would be known.
-inline bool scaled(const FilterModel& model, const FilterState& state, Real M_0) {
+inline bool scaled(const FilterModel& model, const FilterState& state) {
   const FilterSizes size = model.sizes();
   if (held_in_beta(state)) return true;
   Real known = 0.0;
@@ -91,8 +89,7 @@ inline bool scaled(const FilterModel& model, const FilterState& state, Real M_0)
     const Real z = state.R[static_cast<long>(i) * size.R_stride() + size.parameters];
     known += z * z;
   }
-  const Real part = state.beta[0] / M_0;
-  return model.laws.robot.wheels > 0 && known * part * part > KNOWN * static_cast<Real>(model.sets.pis);
+  return model.laws.robot.wheels > 0 && known > KNOWN * static_cast<Real>(model.sets.pis);
 }
 
 // Tests one more point, and hands over after enough of them.
@@ -103,8 +100,7 @@ inline void hand_over_if_linear(const FilterModel& model, FilterState& state, Fi
   if (k > size.parameters) return;
   const bool more = linear(model, state, point, room);
   if (more && point + 1 == LINEAR_POINTS) {
-    solve_triangle(state.prior, size.beta_stride(), k, room.beta);
-    if (!scaled(model, state, room.beta[size.iotas])) return;
+    if (!scaled(model, state)) return;
     rows_of_beta(model, state, state.top + n, size.top_stride(), n, padded(n + k + 1) - n, room);
   }
   *state.linear = more ? Real(point + 1) : Real(0);

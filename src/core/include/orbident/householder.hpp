@@ -27,10 +27,13 @@
 #else
 #define ORBIDENT_WIDEST
 #endif
-#if defined(__GNUC__)
+// Short loops are copied into every caller and unrolled, unless the compiler is asked for little code (-Os).
+#if defined(__GNUC__) && !defined(__OPTIMIZE_SIZE__)
 #define ORBIDENT_INLINE __attribute__((always_inline)) inline
+#define ORBIDENT_UNROLLED _Pragma("GCC unroll 8")
 #else
 #define ORBIDENT_INLINE inline
+#define ORBIDENT_UNROLLED
 #endif
 
 namespace orbident {
@@ -75,12 +78,12 @@ ORBIDENT_INLINE int reflect(Real* R_j, Real* X, std::ptrdiff_t stride, Count cou
     // Two sums, of even and of odd rows: each waits for half as many additions.
     Real share[L], odd[L] = {};
     for (int l = 0; l < L; ++l) share[l] = v * pivot[l];
-#pragma GCC unroll 8
+    ORBIDENT_UNROLLED
     for (int i = 0; i < N; ++i)
       for (int l = 0; l < L; ++l) (i % 2 ? odd : share)[l] += u[i] * rows[i * stride + l];
     for (int l = 0; l < L; ++l) share[l] = b * (share[l] + odd[l]);
     for (int l = 0; l < L; ++l) pivot[l] -= v * share[l];
-#pragma GCC unroll 8
+    ORBIDENT_UNROLLED
     for (int i = 0; i < N; ++i)
       for (int l = 0; l < L; ++l) rows[i * stride + l] -= u[i] * share[l];
   }

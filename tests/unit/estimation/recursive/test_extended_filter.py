@@ -1,17 +1,20 @@
 """The filter from CAD values to the truth, and what it does with bad samples."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
+from flight_builds import one_joint
 from random_motions import random_motion
 from random_robots import random_robot, random_wheels
 from recorded_samples import stream
 
 from orbident.errors import InputError
+from orbident.estimation.recursive.changes import Detector
 from orbident.estimation.recursive.filter import Extended
 from orbident.estimation.recursive.given import given_of
-from orbident.estimation.recursive.history import recursive_history
+from orbident.estimation.recursive.history import filter_history, recursive_history
 from orbident.estimation.recursive.noise import Noise, noise_of
 from orbident.estimation.recursive.prior import cad_prior, prior_from
 from orbident.estimation.recursive.state import Sample, State
@@ -245,6 +248,24 @@ def test_without_a_wheel_there_is_no_scale():
     assert not history.determined.any()
     assert np.isnan(history.M).all()
     assert history.changes == ()
+
+
+@pytest.mark.parametrize("name", ["revolute", "prismatic"])
+def test_without_a_scale_all_else_is_estimated(name: str, tmp_path: Path):
+    """As of a robot with the nominal mass: nothing of it shrinks or overflows."""
+    robot = load_robot(one_joint(tmp_path, name, wheel=False))
+    motion = random_motion(robot, duration=20.0)
+    samples = samples_of(robot, simulate(robot, motion, rate=20.0, noise="sensors"))
+    wrong = off(robot)
+    given = given_of(wrong, samples)
+    kalman = Extended.of(wrong, given.noise)
+    detector = Detector(kalman.rows, samples=given.t.size)
+    seen = filter_history(wrong, kalman, detector, given, None)
+    assert not seen.scale
+    assert seen.changes == ()
+    assert seen.beta[-1, 0] == pytest.approx(wrong.mass, rel=1e-3)
+    true = minimal_sets(robot).beta(robot.theta) * wrong.mass / robot.mass
+    assert np.abs((seen.beta[-1] - true) / seen.std[-1]).max() < 4
 
 
 def test_noise_is_what_the_robot_file_says(robot: Robot, sets: MinimalSets):
