@@ -1,8 +1,10 @@
 """`campaign`, its `status` and its `rerun`, as people call them."""
 
 import json
+import socket
 from pathlib import Path
 
+import pytest
 from running import Orbident
 from small_campaigns import write_campaign
 
@@ -38,6 +40,31 @@ def test_what_cannot_be_run_is_refused_in_one_line(orbident: Orbident, tmp_path:
     orbident("campaign", "none.yaml", "-o", "out").refused("no such file")
     orbident("campaign", "status", "out").refused("is not a campaign's folder")
     orbident("campaign", "rerun", "out", 0).refused("is not a campaign's folder")
+    assert not Path("out").exists()
+
+
+@pytest.mark.parametrize("answers", [True, False])
+def test_a_cluster_that_is_none(
+    orbident: Orbident,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    answers: bool,
+):
+    """Who takes the connection says nothing; or nobody takes it."""
+    pytest.importorskip("distributed", reason="clusters need the extra 'cluster'")
+    # s: ten for users.
+    monkeypatch.setattr("orbident.campaigns.cluster.PATIENCE", 1)
+    spec = write_campaign(tmp_path)
+    with socket.socket() as stranger:
+        stranger.bind(("127.0.0.1", 0))
+        if answers:
+            stranger.listen()
+        address = f"tcp://127.0.0.1:{stranger.getsockname()[1]}"
+        asked = orbident("campaign", spec, "-o", "out", "--cluster", address)
+    asked.refused(f"--cluster {address}: does not answer as a scheduler within 1 s")
+    orbident("campaign", spec, "-o", "out", "--cluster", "none.json").refused(
+        "--cluster none.json: neither an address"
+    )
     assert not Path("out").exists()
 
 

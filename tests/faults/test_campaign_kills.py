@@ -1,8 +1,15 @@
-"""kill -9 of a campaign's command or of a worker: what is resumed is the same table."""
+"""kill -9 of a campaign's command, of a worker, and of the scheduler of a cluster.
+
+What is resumed is the same table, bit for bit. Twenty kills on this machine and twenty
+on a cluster of two workers take some minutes:
+
+.venv/bin/pytest -m long -s tests/faults/test_campaign_kills.py
+"""
 
 import os
 import random
 import signal
+import subprocess
 import sys
 import time
 from collections import Counter
@@ -10,7 +17,8 @@ from pathlib import Path
 
 import pyarrow as pa
 import pytest
-from processes import finished, started
+from dask_clusters import Cluster, cluster, tls_settings
+from processes import ORBIDENT, finished, started
 from small_campaigns import begun, rows, write_campaign
 from verbs import ended, faults, leftovers
 
@@ -19,6 +27,9 @@ from orbident.campaigns.executors import InThisProcess
 from orbident.campaigns.folder import opened
 
 RUNS = 8
+START, RUN = 5.0, 0.5
+"""s: what the start of workers, and a run, may take on two busy cores."""
+
 LINUX = pytest.mark.skipif(
     not sys.platform.startswith("linux"), reason="workers are found in /proc"
 )
@@ -51,20 +62,29 @@ def workers_of(command: int) -> list[int]:
     return found
 
 
+def wait_for_a_moment(
+    command: subprocess.Popen[str], out: Path, numbers: random.Random
+) -> None:
+    """Any moment of the start, or while runs are made."""
+    if numbers.random() < 0.3:
+        time.sleep(numbers.uniform(0.0, START))
+        return
+    before = made(out)
+    while command.poll() is None and made(out) == before:
+        time.sleep(0.005)
+    time.sleep(numbers.uniform(0.0, RUN))
+
+
+def made(out: Path) -> int:
+    """How many files of rows there are."""
+    return len(list(out.glob("rows/*.parquet")))
+
+
 def disturbed(given: Path, out: Path, numbers: random.Random) -> str:
     """One kill at a random moment; what was killed, if it was in time."""
     victim = numbers.choice(("command", "worker"))
     with started("campaign", given, "-o", out, "--workers", 2, "--quiet") as process:
-        if numbers.random() < 0.3:
-            # Any moment of the start; else while runs are made.
-            time.sleep(numbers.uniform(0.0, 3.0))
-        else:
-            count = len(list(out.glob("rows/*.parquet")))
-            while process.poll() is None and count == len(
-                list(out.glob("rows/*.parquet"))
-            ):
-                time.sleep(0.005)
-            time.sleep(numbers.uniform(0.0, 0.3))
+        wait_for_a_moment(process, out, numbers)
         workers = workers_of(process.pid)
         if process.poll() is not None:
             return "too late"
@@ -91,14 +111,18 @@ def _check_ended(workers: list[int]) -> None:
 def killed(given: Path, wanted: pa.Table, out: Path, seed: int) -> Counter[str]:
     """Kills until the campaign is complete; what they were."""
     numbers, seen = random.Random(seed), Counter()
-    while len(list(out.glob("rows/*.parquet"))) < RUNS:
+    while made(out) < RUNS:
         seen[disturbed(given, out, numbers)] += 1
-    command = [sys.executable, "-m", "orbident.cli.app", "campaign", given, "-o", out]
-    ran = finished(*command, "--quiet")
+    check_resumed(given, wanted, out)
+    return seen
+
+
+def check_resumed(given: Path, wanted: pa.Table, out: Path) -> None:
+    """The command once more ends the campaign, on this machine, to the same table."""
+    ran = finished(*ORBIDENT, "campaign", given, "-o", out, "--quiet")
     assert (ran.returncode, ran.stderr) == (0, "")
     assert rows(opened(out), out).equals(wanted)
     assert leftovers(out) == []
-    return seen
 
 
 @LINUX
@@ -106,14 +130,14 @@ def test_one(given: Path, undisturbed: pa.Table, tmp_path: Path):
     """A kill of the command as soon as it has made a run."""
     out = tmp_path / "out"
     with started("campaign", given, "-o", out, "--workers", 2, "--quiet") as process:
-        while process.poll() is None and not list(out.glob("rows/*.parquet")):
+        while process.poll() is None and not made(out):
             time.sleep(0.005)
         workers = workers_of(process.pid)
         process.kill()
         process.wait(timeout=30.0)
     assert len(workers) == 2
     _check_ended(workers)
-    assert len(list(out.glob("rows/*.parquet"))) < RUNS
+    assert made(out) < RUNS
     conduct(opened(out), out, InThisProcess)
     assert rows(opened(out), out).equals(undisturbed)
     assert leftovers(out) == []
@@ -127,3 +151,55 @@ def test_many(given: Path, undisturbed: pa.Table, tmp_path: Path):
         seen += killed(given, undisturbed, tmp_path / str(seed), seed)
         seed += 1
     print(*sorted(seen.items()), f"{seed} campaigns", sep="\n")
+
+
+def disturbed_on(where: Cluster, given: Path, out: Path, numbers: random.Random) -> str:
+    """One kill at a random moment of a campaign on a cluster; what was killed."""
+    victim = numbers.choice(("command", "worker", "scheduler"))
+    at = ("--cluster", where.address, "--quiet")
+    with started("campaign", given, "-o", out, *at) as process:
+        wait_for_a_moment(process, out, numbers)
+        if process.poll() is not None:
+            return "too late"
+        if victim == "command":
+            process.kill()
+            process.wait(timeout=30.0)
+            return victim
+        if victim == "worker":
+            while not (workers := workers_of(where.process.pid)):
+                time.sleep(0.005)
+            os.kill(numbers.choice(workers), signal.SIGKILL)
+            # Another worker does what that one had, and the command goes on.
+            status, said = ended(process)
+            assert status == 0, said
+            return victim
+        where.process.kill()
+        status, said = ended(process)
+        assert status == 2 or made(out) == RUNS, said
+        return victim
+
+
+@LINUX
+@pytest.mark.long
+def test_many_on_a_cluster(
+    given: Path,
+    undisturbed: pa.Table,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+):
+    pytest.importorskip("distributed")
+    for name, value in tls_settings(tmp_path).items():
+        monkeypatch.setenv(name, value)
+    seen, seed, numbers = Counter(), 0, random.Random(0)
+    while seen.total() - seen["too late"] < faults(0.1):
+        with cluster() as where:
+            victim = ""
+            while victim != "scheduler":
+                out = tmp_path / str(seed)
+                victim = disturbed_on(where, given, out, numbers)
+                seen[victim] += 1
+                if made(out) == RUNS:
+                    check_resumed(given, undisturbed, out)
+                    seed += 1
+    check_resumed(given, undisturbed, tmp_path / str(seed))
+    print(*sorted(seen.items()), f"{seed + 1} campaigns", sep="\n")

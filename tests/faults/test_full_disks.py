@@ -8,7 +8,8 @@ from functools import cache
 from pathlib import Path
 
 import pytest
-from processes import finished
+from processes import ORBIDENT, finished
+from small_campaigns import begun, rows, write_campaign
 from verbs import (
     PLACES,
     QUICK,
@@ -20,6 +21,13 @@ from verbs import (
     leftovers,
     started,
 )
+
+from orbident.campaigns.conduct import campaign_progress, conduct
+from orbident.campaigns.executors import InThisProcess
+from orbident.campaigns.folder import opened
+
+RUNS = 8
+"""Of a campaign, each in a file of its own."""
 
 WITH_OWN_MOUNTS = ("unshare", "--map-root-user", "--mount")
 ON_A_SMALL_DISK = """
@@ -99,6 +107,32 @@ def filled(seed: int, names: tuple[str, ...], shelf, tmp_path: Path) -> str:
     with started(name, folder, program) as process:
         status, said = ended(process)
     return check_refused(status, said, here, name, tmp_path / f"{seed}.new")
+
+
+@pytest.mark.skipif(
+    not may_mount(), reason="the system does not let this user mount a small disk"
+)
+def test_a_campaign(tmp_path: Path):
+    """What is made is kept; with space again, the rest is made to the same table."""
+    campaign, whole = begun(tmp_path / "whole", runs=RUNS, chunk=1)
+    conduct(campaign, whole, InThisProcess)
+    here = tmp_path / "here"
+    write_campaign(here, runs=RUNS, chunk=1)
+    # What is given and frozen, and the rows of some runs.
+    script = ("sh", "-c", ON_A_SMALL_DISK, "sh", "140k")
+    command = (*ORBIDENT, "campaign", "campaign.yaml", "-o", "out", "--workers", 1)
+    ran = finished(*WITH_OWN_MOUNTS, *script, *command, cwd=here)
+    assert ran.returncode == 2, ran.stderr
+    assert ran.stderr.startswith("orbident: ")
+    assert ran.stderr.count("\n") == 1
+    assert "free some space" in ran.stderr
+
+    out = tmp_path / "here.new" / "out"
+    assert leftovers(out) == []
+    begun_there = opened(out)
+    assert 0 < campaign_progress(begun_there, out).runs < RUNS
+    conduct(begun_there, out, InThisProcess)
+    assert rows(begun_there, out).equals(rows(campaign, whole))
 
 
 @pytest.mark.parametrize("seed", range(len(QUICK)))

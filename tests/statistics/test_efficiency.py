@@ -1,20 +1,24 @@
 """Parameters are as good as their own covariance says, from poor CAD values."""
 
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 from typing import NamedTuple
 
 import numpy as np
 import pytest
 from scipy.stats import chi2
 
+from orbident.campaigns.executors import InThisProcess, local
+from orbident.campaigns.seeds import Series, over_seeds
 from orbident.estimation.identify import Method, identify
 from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.description import Robot
+from orbident.simulation.free_floating import FreeFloating
 from orbident.simulation.measure import measure
 from orbident.simulation.simulate import float_along
 from orbident.studies import paper_tables
 from orbident.studies.run_spatial import spatial_robot, spatial_trajectory
+from orbident.threads import at_hand
 
 OFF = 0.2
 """Every entry of `theta` is off by this part of itself, up or down."""
@@ -48,25 +52,37 @@ def off_by(robot: Robot, seed: int) -> Robot:
 
 
 @cache
-def campaign(runs: int, method: Method) -> Campaign:
-    """Section 4's motion with Section 3.5's noise."""
+def flight() -> FreeFloating:
+    """Section 4's motion."""
     robot = spatial_robot()
-    trajectory = spatial_trajectory(robot)
-    motion = float_along(robot, trajectory, paper_tables.SPATIAL_RATE)
+    return float_along(robot, spatial_trajectory(robot), paper_tables.SPATIAL_RATE)
+
+
+def run(method: Method, seed: int) -> np.ndarray:
+    """Section 3.5's noise: errors, their deviations, and the whitened square of all."""
+    robot = spatial_robot()
     sets, theta = minimal_sets(robot), robot.theta
     true, beta = np.concatenate([sets.pi(theta), sets.phi(theta)]), sets.beta(theta)
-    errors, std, nees = [], [], []
-    for seed in range(runs):
-        recording = measure(robot, motion, trajectory, seed)
-        found = identify(off_by(robot, seed), recording, method)
-        assert found.status == "ok"
-        assert found.warnings == ()
-        values = np.concatenate([found.pi.values, found.phi.values])
-        errors.append([*(values - true), found.mass.value - robot.mass])
-        std.append([*found.pi.std, *found.phi.std, found.mass.std])
-        miss = found.base.values - beta
-        nees.append(miss @ np.linalg.solve(found.base_covariance, miss))
-    return Campaign(np.array(errors), np.array(std), np.array(nees), beta.size)
+    recording = measure(robot, flight(), spatial_trajectory(robot), seed)
+    found = identify(off_by(robot, seed), recording, method)
+    assert found.status == "ok"
+    assert found.warnings == ()
+    values = np.concatenate([found.pi.values, found.phi.values])
+    errors = [*(values - true), found.mass.value - robot.mass]
+    std = [*found.pi.std, *found.phi.std, found.mass.std]
+    miss = found.base.values - beta
+    nees = miss @ np.linalg.solve(found.base_covariance, miss)
+    return np.array([*errors, *std, nees])
+
+
+@cache
+def campaign(runs: int, method: Method) -> Campaign:
+    """All seeds; many of them on all processors."""
+    where = local(at_hand()) if runs == LONG else InThisProcess
+    (made,) = over_seeds([Series(partial(run, method), range(runs))], where)
+    errors, std = np.split(made.runs[:, :-1], 2, axis=1)
+    dof = minimal_sets(spatial_robot()).base.T.shape[0]
+    return Campaign(errors, std, made.runs[:, -1], dof)
 
 
 @pytest.mark.parametrize("runs", RUNS)

@@ -73,7 +73,7 @@ def conduct(
 
 def campaign_progress(campaign: Campaign, folder: Path) -> Done:
     """How far a campaign is, whoever runs it."""
-    done = [chunk for chunk in campaign.chunks if path_of(folder, chunk).exists()]
+    done = [chunk for chunk in campaign.spec.chunks if path_of(folder, chunk).exists()]
     failed = sum(1 for _ in failed_runs(folder))
     return Done(sum(map(len, done)), campaign.spec.runs, failed)
 
@@ -90,7 +90,7 @@ def failure_of(folder: Path, k: int) -> Path:
 
 
 def _missing(campaign: Campaign, folder: Path) -> Iterator[range]:
-    for chunk in campaign.chunks:
+    for chunk in campaign.spec.chunks:
         if not path_of(folder, chunk).exists():
             yield chunk
 

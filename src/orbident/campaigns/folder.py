@@ -12,7 +12,6 @@ import tempfile
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from functools import cached_property
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -56,12 +55,6 @@ class Campaign:
     def case(self, k: int) -> Case:
         """Run `k`."""
         return Case.of(self.spec, self.subjects, k)
-
-    @cached_property
-    def chunks(self) -> tuple[range, ...]:
-        """The runs of each file."""
-        runs, size = self.spec.runs, self.spec.chunk
-        return tuple(range(k, min(k + size, runs)) for k in range(0, runs, size))
 
 
 def begin(file: SpecFile, folder: Path, paper_motion: PaperMotion) -> Campaign:

@@ -71,7 +71,7 @@ def repeat_run(campaign: Campaign, folder: Path, k: int) -> Rerun:
 
 
 def _same(campaign: Campaign, folder: Path, k: int, rows: list[Row]) -> bool | None:
-    chunk = next(chunk for chunk in campaign.chunks if k in chunk)
+    chunk = next(chunk for chunk in campaign.spec.chunks if k in chunk)
     path = path_of(folder, chunk)
     if not path.exists():
         return None

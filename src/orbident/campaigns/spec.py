@@ -21,8 +21,15 @@ SCHEMA = "orbident/campaign/1"
 PAPER = "paper"
 """Instead of a trajectory file: the exciting motion of the paper for that robot."""
 
-Text = Annotated[str, Field(min_length=1)]
+FILES = 200
+"""Files of a campaign that does not say how many runs each has: enough that workers
+are done at nearly the same time."""
 
+FEWEST, MOST = 5, 100
+"""Runs of such a file: writing one takes as long as a tenth of a run, and of 100 runs
+at a quarter of a second a fault loses half a minute."""
+
+Text = Annotated[str, Field(min_length=1)]
 
 DrawnShare = Annotated[Distribution | None, drawn_from("share")]
 DrawnAngle = Annotated[Distribution | None, drawn_from("angle")]
@@ -71,9 +78,17 @@ class Spec(MappingSchema):
     runs: Annotated[int, Field(ge=1, le=10_000_000, strict=True)]
     entropy: Annotated[int, Field(ge=0, lt=2**64, strict=True)] = 0
     """Run `k` draws from `SeedSequence(entropy, spawn_key=(k,))`."""
-    chunk: Annotated[int, Field(ge=1, le=10_000, strict=True)] = 20
+    chunk: Annotated[int, Field(ge=1, le=10_000, strict=True)] | None = None
     """Runs in one file: what is computed again at most after a fault."""
     disperse: Disperse = Disperse()
+
+    @property
+    def chunks(self) -> tuple[range, ...]:
+        """The runs of each file."""
+        size = self.chunk or min(max(self.runs // FILES, FEWEST), MOST)
+        return tuple(
+            range(k, min(k + size, self.runs)) for k in range(0, self.runs, size)
+        )
 
     @model_validator(mode="after")
     def _complete(self) -> "Spec":

@@ -12,7 +12,7 @@ from orbident.estimation.check import LEVELS
 
 def levels(campaign: Campaign, folder: Path) -> Table:
     """How many results of each robot and method may be trusted."""
-    rows = read_rows(campaign, folder)
+    rows = read_rows(campaign, folder, ("robot", "method", "level"))
     keys = zip(*(rows[name].to_pylist() for name in ("robot", "method")), strict=True)
     seen = Counter(zip(keys, rows["level"].to_pylist(), strict=True))
     table = Table("robot", "method", box=None)

@@ -18,6 +18,9 @@ from orbident.files.text import write_text
 WIDTH = 110
 """Columns of a table, in a narrower terminal too: a number is never cut short."""
 
+PERIOD = 600.0
+"""s before now by which the time left is told: steps of a campaign may take minutes."""
+
 
 class Output:
     """One verb's results, in words and as JSON."""
@@ -83,7 +86,13 @@ def progress(what: str) -> Iterator[Any]:
     console = Console(stderr=True)
     # FORCE_COLOR makes rich take a file for a terminal.
     hidden = not (console.is_terminal and sys.stderr.isatty())
-    with Progress(*columns, console=console, transient=True, disable=hidden) as bar:
+    with Progress(
+        *columns,
+        console=console,
+        transient=True,
+        disable=hidden,
+        speed_estimate_period=PERIOD,
+    ) as bar:
         task = bar.add_task(what, total=None)
 
         def show(fraction: float, words: str = what) -> None:

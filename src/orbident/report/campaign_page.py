@@ -4,6 +4,7 @@ import json
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from pathlib import Path
+from shlex import quote
 
 import numpy as np
 import pyarrow as pa
@@ -11,7 +12,12 @@ import pyarrow as pa
 from orbident.campaigns.campaign_table import read_rows
 from orbident.campaigns.conduct import failed_runs
 from orbident.campaigns.folder import REPORT, Campaign
-from orbident.campaigns.statistics import MethodStatistics, Parameter, method_statistics
+from orbident.campaigns.statistics import (
+    Dependence,
+    MethodStatistics,
+    Parameter,
+    method_statistics,
+)
 from orbident.errors import InputError
 from orbident.estimation.bound import cramer_rao
 from orbident.estimation.check import Check, Level, worst
@@ -67,12 +73,13 @@ def campaign_report(campaign: Campaign, folder: Path, rows: pa.Table) -> str:
         verdict=Verdict(worst(checks), "", checks, ()),
         sections=[
             *(
-                section
+                _errors(group, bounds[group.robot], folder, k)
                 for k, group in enumerate(found)
-                for section in _sections(group, bounds[group.robot], folder, k)
             ),
             *_refusals(found),
             *_failed(failures),
+            *(each for k, group in enumerate(found) for each in _dependences(group, k)),
+            *(_distributions(group, k) for k, group in enumerate(found)),
         ],
     )
 
@@ -107,61 +114,76 @@ def _within(interval: tuple[float, float]) -> bool:
     return interval[0] <= 0.95 <= interval[1]
 
 
-def _sections(
-    group: MethodStatistics, bounds: Bounds, folder: Path, k: int
-) -> Iterator[Section]:
-    known = group.parameters
-    title = f"{group.robot}, {group.method.replace('-', ' ')}"
+def _title(group: MethodStatistics) -> str:
+    return f"{group.robot}, {group.method.replace('-', ' ')}"
+
+
+def _errors(group: MethodStatistics, bounds: Bounds, folder: Path, k: int) -> Section:
     refused = group.rows.num_rows - group.accepted.num_rows
-    yield Section(
+    rows = tuple(_rows(group.parameters, bounds))
+    return Section(
         name=f"errors{k}",
-        title=title,
+        title=_title(group),
         words=(
             f"{group.rows.num_rows} results, {refused} of them refused and not counted "
-            "below. Errors are estimate less truth; the bound (Cramér-Rao) is that of "
-            "the robot as its file describes it.",
+            "below. Errors are estimate less truth, SI; the bound (Cramér-Rao) is that "
+            "of the robot as its file describes it; z is an error over the deviation "
+            "that the result states.",
         ),
         tables=(
-            ReportTable("Errors and 95 % intervals", HEAD, tuple(_rows(known, bounds))),
+            ReportTable("Errors and 95 % intervals", HEAD, rows),
             *_worst(group, folder),
         ),
-        charts=tuple(_charts(known, k)),
     )
+
+
+def _dependences(group: MethodStatistics, k: int) -> Iterator[Section]:
+    """What errors depend on, if anything was drawn."""
     strongest = group.dependences(STRONGEST)
-    if strongest:
-        yield Section(
-            name=f"dependences{k}",
-            title=f"{title}: what errors depend on",
-            words=(
-                "Rank correlation (Spearman) of errors over their deviations, or of "
-                "their sizes, with what was drawn; chance is that of any pair being "
-                "so strongly correlated where nothing is.",
+    if not strongest:
+        return
+    yield Section(
+        name=f"dependences{k}",
+        title=f"{_title(group)}: what errors depend on",
+        words=(
+            "Rank correlation (Spearman) of errors over their deviations, or of "
+            "their sizes, with what was drawn; chance is that of any pair being "
+            "so strongly correlated where nothing is.",
+        ),
+        tables=(
+            ReportTable(
+                "The strongest",
+                ("drawn", "parameter", "rank correlation", "chance"),
+                tuple(map(_correlation, strongest)),
             ),
-            tables=(
-                ReportTable(
-                    "The strongest",
-                    ("drawn", "parameter", "rank correlation", "chance"),
-                    tuple(
-                        TableRow(
-                            (
-                                each.draw,
-                                f"size of {each.parameter}"
-                                if each.of_size
-                                else each.parameter,
-                                signed(each.rho),
-                                short(each.chance, 2),
-                            )
-                        )
-                        for each in strongest
-                    ),
-                ),
-            ),
-            charts=tuple(
-                Chart(f"scatter{k}-{i}", f"{each.parameter} over {each.draw}", figure)
-                for i, each in enumerate(strongest[:DRAWN])
-                for figure in (dependence(each),)
-            ),
-        )
+        ),
+        charts=tuple(
+            Chart(
+                f"scatter{k}-{i}",
+                f"{each.parameter} over {each.draw}",
+                dependence(each),
+            )
+            for i, each in enumerate(strongest[:DRAWN])
+        ),
+    )
+
+
+def _correlation(each: Dependence) -> TableRow:
+    name = f"size of {each.parameter}" if each.of_size else each.parameter
+    return TableRow((each.draw, name, signed(each.rho), short(each.chance, 2)))
+
+
+def _distributions(group: MethodStatistics, k: int) -> Section:
+    return Section(
+        name=f"distributions{k}",
+        title=f"{_title(group)}: distributions of errors",
+        words=(
+            "Left the errors over their deviations beside the normal density, right "
+            "their quantiles against the normal ones: on the line where intervals say "
+            "what is true.",
+        ),
+        charts=tuple(_charts(group.parameters, k)),
+    )
 
 
 HEAD = (
@@ -205,7 +227,12 @@ def _worst(group: MethodStatistics, folder: Path) -> Iterator[ReportTable]:
             ("run", "parameter", "error", "to make it again"),
             tuple(
                 TableRow(
-                    (str(k), name, signed(z), f"orbident campaign rerun {folder} {k}")
+                    (
+                        str(k),
+                        name,
+                        signed(z),
+                        f"orbident campaign rerun {quote(str(folder))} {k}",
+                    )
                 )
                 for k, name, z in found
             ),
