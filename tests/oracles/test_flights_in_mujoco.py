@@ -180,7 +180,8 @@ def _size(case: Case, result: Result) -> float:
         )
     phase = np.pi * np.linspace(ENDS, 1 - ENDS, 200)
     torque, variance = np.zeros((2, phase.size, 3))
-    for name, fit in fits.items():
+    slow = {name: fit for name, fit in fits.items() if "torque" in fit.group}
+    for name, fit in slow.items():
         _, axis, *waves = name.split(".")
         wave = np.cos(int(waves[0]) * phase) if waves else np.ones_like(phase)
         torque[:, "xyz".index(axis)] += fit.value * wave

@@ -79,7 +79,7 @@ class Solution(NamedTuple):
 
     state: Unknowns
     linear: Linear
-    """The equations at a state within a twentieth of a deviation of `state`; without
+    """The equations at a state within a hundredth of a deviation of `state`; without
     links, which would take much memory."""
     end: End
     prior: Prior
