@@ -2,6 +2,8 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
@@ -17,9 +19,12 @@ from orbident.preprocessing.screening import (
 )
 from orbident.preprocessing.settings import Settings
 from orbident.preprocessing.smoothing import fits_of, smooth
-from orbident.recordings.long_recording import LongRecording
+from orbident.recordings.long_recording import LongRecording, Stretch
 from orbident.robot.description import Robot
 from orbident.threads import ahead
+
+Rejected = Mapping[str, Mapping[str, int]]
+"""How many samples were left out, by column and reason."""
 
 COLUMNS = ("q", "qd", "w", "x_WB", "qd_rw", "v_S")
 
@@ -37,44 +42,49 @@ class Stretches:
     """Of the whole recording, once it has been read: to look for them takes longer than
     all else."""
 
-    def with_rejected(
-        self,
-    ) -> Iterator[tuple[Samples, Mapping[str, Mapping[str, int]]]]:
+    def with_rejected(self) -> Iterator[tuple[Samples, Rejected]]:
         """Consecutive samples, each once; and what was left out of each stretch."""
-        return ahead(
-            (cut(samples, own), rejected)
-            for samples, own, rejected in self._with_others()
-        )
+        return ahead(map(_own, self._with_others()))
 
     def with_rates(self) -> Iterator[tuple[Samples, Float[np.ndarray, "n 3"]]]:
         """The same, and their smoothed base rates, rad/s."""
-        for samples, own, _ in self._with_others():
-            rate, _ = smoothed_rate(samples, self.settings)
-            yield cut(samples, own), rate[own]
 
-    def _with_others(
-        self,
-    ) -> Iterator[tuple[Samples, slice, Mapping[str, Mapping[str, int]]]]:
-        """Samples of a stretch and beside it; which are its own; what was rejected."""
+        def with_rate(
+            part: WithOthers,
+        ) -> tuple[Samples, Float[np.ndarray, "n 3"]]:
+            rate, _ = smoothed_rate(part.samples, self.settings)
+            return cut(part.samples, part.own), rate[part.own].copy()
+
+        return map(with_rate, self._with_others())
+
+    def _with_others(self) -> Iterator["WithOthers"]:
+        """All stretches, with the samples beside them.
+
+        Nothing here holds one while the next is read: each takes much memory.
+        """
         moved = self._moved()
         stretches = self.recording.stretches(
             lambda name: moved + self.settings.beside(name), self.size
         )
         found: dict[str, list[np.ndarray]] = {}
-        for recording, own, first in stretches:
-            if self._spikes:
-                at_hand = spikes_within(
-                    self._spikes[0], first, first + recording.t.size
-                )
-            else:
-                at_hand = spikes(recording)
-                for name, rows in spikes_within(at_hand, own.start, own.stop).items():
-                    found.setdefault(name, []).append(rows + first + own.start)
-            clean = without(recording, at_hand, own)
-            every = samples_of(self.robot, clean.recording, self.late, self.settings)
-            yield every, own, clean.rejected
+        yield from map(partial(self._sampled, found), stretches)
         if not self._spikes:
             self._spikes.append({n: np.concatenate(rows) for n, rows in found.items()})
+
+    def _sampled(
+        self, found: dict[str, list[np.ndarray]], stretch: Stretch
+    ) -> "WithOthers":
+        """One stretch; its spikes are added to those found before it."""
+        recording, own, first = stretch
+        if self._spikes:
+            at_hand = spikes_within(self._spikes[0], first, first + recording.t.size)
+        else:
+            at_hand = spikes(recording)
+            for name, rows in spikes_within(at_hand, own.start, own.stop).items():
+                found.setdefault(name, []).append(rows + first + own.start)
+        clean = without(recording, at_hand, own)
+        samples = samples_of(self.robot, clean.recording, self.late, self.settings)
+        return WithOthers(samples, own, clean.rejected)
 
     def _moved(self) -> int:
         """Samples by which clocks are apart, at most."""
@@ -82,6 +92,19 @@ class Stretches:
         behind = delays(self.robot, digest, self.late).values()
         step = float(np.median(np.diff(digest.t)))
         return int(np.ceil(max(map(abs, behind)) / step))
+
+
+class WithOthers(NamedTuple):
+    """The samples of a stretch, and of rows beside it."""
+
+    samples: Samples
+    own: slice
+    """Those of the stretch itself."""
+    rejected: Rejected
+
+
+def _own(part: WithOthers) -> tuple[Samples, Rejected]:
+    return cut(part.samples, part.own), part.rejected
 
 
 def cut(samples: Samples, rows: slice) -> Samples:

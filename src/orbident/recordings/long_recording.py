@@ -109,10 +109,14 @@ class LongRecording:
         parts: list[Columns] = []
         row = 0
         for batch in self.batches():
-            for start in starts - row:
+            for start in (starts - row).tolist():
                 own = slice(max(start, 0), max(start + SPAN, 0))
-                if batch["t"][own].size:
-                    parts.append({name: x[own].copy() for name, x in batch.items()})
+                part = {name: x[own].copy() for name, x in batch.items()}
+                if part["t"].size > 1:
+                    # What is wrong in a row is said with the row's own number.
+                    _recording(self._from(row + own.start), part)
+                if part["t"].size:
+                    parts.append(part)
             row += batch["t"].size
         return _recording(self.source, _joined(parts))
 
@@ -140,13 +144,19 @@ class LongRecording:
                 further *= 2
             end = min(end, table["t"].size)
             stop = end + (after or FARTHEST)
-            name = f"{self.source}, from row {first + 1} on" if first else self.source
             rows = {name: x[:stop] for name, x in table.items()}
-            yield Stretch(_recording(name, rows), slice(own, end), first)
+            recording = _recording(self._from(first), rows)
+            yield Stretch(recording, slice(own, end), first)
             before = _reach(table, slice(end - 1, None, -1), beside) or FARTHEST
             dropped = max(end - before, 0)
             held.drop(dropped)
+            # Held no longer while the next one is read.
+            del table, rows, recording
             first, own = first + dropped, end - dropped
+
+    def _from(self, first: int) -> str:
+        """What rows from this one on are called in messages, which count from them."""
+        return f"{self.source}, from row {first + 1} on" if first else self.source
 
 
 class _Held:

@@ -124,3 +124,43 @@ def test_what_is_wrong_far_on_is_refused_there(recording: Recording):
     words = r"long.csv, from row 130973 on: column 't', row 19029: 0.0 s does not come"
     with pytest.raises(InputError, match=words):
         list(stretches)
+
+
+def test_what_is_wrong_is_said_with_where_its_rows_begin(recording: Recording):
+    t = recording.t.copy()
+    t[90_000] = t[80_000]
+    batches = LongRecording.of(recording).batches
+
+    def wrong():
+        row = 0
+        for batch in batches():
+            yield {**batch, "t": t[row : row + batch["t"].size]}
+            row += batch["t"].size
+
+    long = LongRecording("held", ROWS, wrong, lambda: recording)
+    with pytest.raises(InputError, match=r"held, from row (\d+) on: .*row (\d+): 800"):
+        _ = long.digest
+    with pytest.raises(InputError, match=r"held.*row .*: 800.0 s does not come"):
+        list(long.stretches(lambda _: 100))
+
+
+@pytest.mark.parametrize("spoiled", ["cut off", "text"])
+def test_files_that_are_spoiled_far_inside(
+    spoiled: str, recording: Recording, tmp_path: Path
+):
+    path = tmp_path / ("long.parquet" if spoiled == "cut off" else "long.csv")
+    write_recording(recording, path)
+    content = path.read_bytes()
+    if spoiled == "cut off":
+        path.write_bytes(content[: len(content) // 2])
+    else:
+        at = content.index(b"\n", len(content) // 2) + 1
+        path.write_bytes(content[:at] + b"late" + content[at:])
+    with pytest.raises(InputError, match=r"not a readable Parquet|column 't', row"):
+        digest_of(path)
+
+
+def digest_of(path: Path) -> Recording:
+    opened = open_recording(path)
+    assert isinstance(opened, LongRecording)
+    return opened.digest

@@ -7,12 +7,17 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float
 
+<<<<<<< HEAD
 from orbident.estimation.convergence import Convergence
+=======
+from orbident import _core
+>>>>>>> large
 from orbident.estimation.output_error.lasting import at_level, innovated
 from orbident.estimation.output_error.problem import BySensor, Problem, Unknowns
 from orbident.estimation.output_error.sensors import some_of
 from orbident.estimation.output_error.shooting import TURN_AND_BIASES
 from orbident.estimation.output_error.solver import Solution, solved
+from orbident.recordings.long_recording import LARGE
 
 NORMAL = 1.4826
 """Std over median absolute value, of Gaussian noise."""
@@ -176,7 +181,10 @@ def fitted(
         state, prior = solution.state, solution.prior
         # Its rows take as much memory as those of the next one.
         del solution
+        if problem.t.size >= LARGE:
+            _core.give_back_memory()
         solution = solved(problem, used, prior, state, progress, steps)
+    del used
     residuals = {
         name: _over_noise(problem, solution, name, before[name])
         * (before[name] / level)
