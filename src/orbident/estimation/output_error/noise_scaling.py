@@ -7,11 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float
 
-<<<<<<< HEAD
-from orbident.estimation.convergence import Convergence
-=======
 from orbident import _core
->>>>>>> large
+from orbident.estimation.convergence import Convergence
 from orbident.estimation.output_error.lasting import at_level, innovated
 from orbident.estimation.output_error.problem import BySensor, Problem, Unknowns
 from orbident.estimation.output_error.sensors import some_of
