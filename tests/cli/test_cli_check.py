@@ -157,3 +157,15 @@ def test_the_viewer_is_opened_after_it(
     assert shown == []
     orbident("check", "cepheus-like", "--view").done()
     assert shown == ["cepheus-like"]
+
+
+def test_simulate_says_which_sensors_are_left_out(orbident: Orbident):
+    path = robot_file(Path(), ARM)
+    motion = (
+        "schema: orbident/trajectory/1\nduration: 1\njoints: {joint1: {}, joint2: {}}\n"
+    )
+    Path("m.yaml").write_text(motion)
+    ran = orbident("simulate", path, "m.yaml", "--noise", "sensors", "-o", "r.csv")
+    assert ran.status == 0
+    assert "nothing is said of joints, wheels, gyro or attitude" in ran.err
+    orbident("simulate", path, "m.yaml", "-o", "ideal.csv").done()

@@ -58,6 +58,7 @@ def simulate(
     from orbident.cli.output import Output, progress
     from orbident.files.replacing import check_free
     from orbident.recordings.tables import check_writable, write_recording
+    from orbident.robot.oddities import odd_sensors
     from orbident.robot.robot_file import load_robot
     from orbident.simulation.simulate import simulate as simulated
     from orbident.trajectories.trajectory_file import load_trajectory
@@ -72,6 +73,8 @@ def simulate(
             described, motion, rate=rate, noise=noise.value, seed=seed, truth=truth
         )
         write_recording(recording, out)
+    if noise.value == "sensors":
+        output.warn(odd_sensors(described))
     duration = float(recording.t[-1])
     output.say(
         f"simulated {described.name} along {trajectory}: {recording.t.size} samples "

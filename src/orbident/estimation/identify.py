@@ -67,8 +67,8 @@ def identify(
             takes it from the wheels of a base at rest, or as zero where everything
             was at rest before the wheels spun up; `"first-sample"` subtracts the
             first sample (Eq. 24).
-        burn: of the same robot, joints locked, by a known thrust: the mass that it
-            tells (Eq. 40) is put beside the others. What `weigh` needs.
+        burn: of the same robot, joints locked, by a known thrust, as `weigh` needs it:
+            its mass (Eq. 40) is compared with the others.
         progress: is called with the fraction of the samples that is done.
 
     Raises:

@@ -27,10 +27,14 @@ def oddities(robot: Robot) -> tuple[str, ...]:
         *_without_limits(robot),
         *_flat(robot),
         *_without_wheels(robot),
-        *_without_sensors(robot),
-        *_taken_as_exact(robot),
+        *odd_sensors(robot),
         *_far_point(robot),
     )
+
+
+def odd_sensors(robot: Robot) -> tuple[str, ...]:
+    """What is odd about the sensors: a sentence for each."""
+    return (*_without_sensors(robot), *_taken_as_exact(robot))
 
 
 def _massless(robot: Robot) -> list[str]:

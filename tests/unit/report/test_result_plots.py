@@ -120,7 +120,7 @@ def test_convergence(result):
     assert cost.get_xlabel() == size.get_xlabel() == "step"
     assert size.get_title(loc="left") == "largest change (standard deviations)"
     # A curve a round, of all costs, and of the sizes of steps.
-    curves = [line.get_xydata().tolist() for line in cost.lines]
+    curves = [np.asarray(line.get_xydata()).tolist() for line in cost.lines]
     assert curves == [[[0, 1e6], [1, 90]], [[2, 80]]]
     assert size.lines[1].get_ydata() == [1e-3]
     assert cost.get_yscale() == size.get_yscale() == "log"
