@@ -119,7 +119,7 @@ def test_an_application_for_cfs(spatial: Path, tmp_path: Path):
 
 @needs("arm-none-eabi-g++", "arm-none-eabi-size")
 def test_it_is_compiled_for_a_small_processor(spatial: Path, tmp_path: Path):
-    for level, most in (("-Os", 26_000), ("-O2", 30_000)):
+    for level, most in (("-Os", 24_500), ("-O2", 30_000)):
         object_ = tmp_path / "flight.o"
         flags = (*FLIGHT, *CORTEX, level, "-fstack-usage", *includes(spatial))
         source = spatial / "flight.cpp"
