@@ -44,6 +44,10 @@ def tls_settings(folder: Path) -> dict[str, str]:
     return {f"DASK_DISTRIBUTED__COMM__{name}": x for name, x in settings.items()}
 
 
+LIFE = 3600.0
+"""s; a campaign after the other may run on it."""
+
+
 class Cluster:
     """A scheduler, and the two workers that it starts again when they die."""
 
@@ -58,5 +62,5 @@ class Cluster:
 def cluster() -> Iterator[Cluster]:
     """One with the settings of this process's environment."""
     command = (sys.executable, "-c", SCHEDULER)
-    with started(command=command, stdin=subprocess.PIPE) as process:
+    with started(command=command, stdin=subprocess.PIPE, limit=LIFE) as process:
         yield Cluster(process)

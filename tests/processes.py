@@ -39,6 +39,7 @@ def started(
     *arguments: object,
     command: Sequence[str] = ORBIDENT,
     ignoring_interrupts: bool = False,
+    limit: float = LIMIT,
     **options: Any,
 ) -> Iterator[subprocess.Popen[str]]:
     """A command that is killed when the block ends, or takes too long.
@@ -47,6 +48,7 @@ def started(
         arguments: of the command.
         command: `orbident`, or another.
         ignoring_interrupts: as a shell starts what runs in a script's background.
+        limit: s, that it may take.
         options: of `subprocess.Popen`.
     """
     caught: dict[str, Any] = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
@@ -57,11 +59,11 @@ def started(
         **(caught | options),
     )
     # A read that waits for a line ends with the process.
-    limit = threading.Timer(LIMIT, process.kill)
-    limit.start()
+    timer = threading.Timer(limit, process.kill)
+    timer.start()
     try:
         yield process
     finally:
-        limit.cancel()
+        timer.cancel()
         process.kill()
         process.communicate(timeout=LIMIT)

@@ -166,8 +166,7 @@ def disturbed_on(where: Cluster, given: Path, out: Path, numbers: random.Random)
             process.wait(timeout=30.0)
             return victim
         if victim == "worker":
-            while not (workers := workers_of(where.process.pid)):
-                time.sleep(0.005)
+            workers = workers_of(where.process.pid)
             os.kill(numbers.choice(workers), signal.SIGKILL)
             # Another worker does what that one had, and the command goes on.
             status, said = ended(process)
@@ -198,6 +197,7 @@ def test_many_on_a_cluster(
                 out = tmp_path / str(seed)
                 victim = disturbed_on(where, given, out, numbers)
                 seen[victim] += 1
+                print(victim, flush=True)
                 if made(out) == RUNS:
                     check_resumed(given, undisturbed, out)
                     seed += 1

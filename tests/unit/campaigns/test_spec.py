@@ -24,6 +24,24 @@ def test_distributions_have_units(tmp_path: Path):
     assert given == Distribution("uniform", (-np.pi, 1.0))
 
 
+@pytest.mark.parametrize(
+    ("runs", "chunk", "files", "size"),
+    [
+        (3, None, 1, 3),
+        (500, None, 100, 5),
+        (2000, None, 200, 10),
+        (10**5, None, 1000, 100),
+        (2000, 7, 286, 7),
+    ],
+)
+def test_files_are_neither_many_nor_large(
+    tmp_path: Path, runs: int, chunk: int | None, files: int, size: int
+):
+    chunks = load_spec(write_campaign(tmp_path, runs=runs, chunk=chunk)).spec.chunks
+    assert (len(chunks), len(chunks[0])) == (files, size)
+    assert [k for each in chunks for k in each] == list(range(runs))
+
+
 def test_what_is_drawn():
     random = np.random.default_rng(0)
     normal = Distribution("normal", (2.0,)).draw(random, 10_000)
