@@ -47,7 +47,7 @@ class Polytope(NamedTuple):
 
 def polytope_of(motions: JointMotions, limits: Limits) -> Polytope:
     """The joint limits at the inner nodes; at the ends nothing can be changed."""
-    bounded = np.isfinite(limits.position).all(axis=1)
+    bounded = np.asarray(np.isfinite(limits.position).all(axis=1))
     lower, upper = np.where(bounded[:, None], limits.position, 0.0).T
     middle = (upper + lower) / 2
     sizes = (

@@ -168,7 +168,7 @@ def test_20_random_robots(built: Path, tmp_path: Path):
             seed,
             random_parents(random, joints),
             slide,
-            random_wheels(seed, (seed % 4) * ["held"]),
+            random_wheels(seed, ["held" for _ in range(seed % 4)]),
             base=5.0,
         )
         robot = replace(robot, sensors=sensors)

@@ -16,7 +16,6 @@ from dataclasses import replace
 
 import numpy as np
 from jaxtyping import Float
-from scipy.linalg import qr
 
 from orbident.estimation.causes.trial import STEPS
 from orbident.estimation.check import worst
@@ -82,8 +81,8 @@ def _left_by_jumps(
         axes: in which it is conserved.
     """
     N, C, z = rows[:, :axes], rows[:, :-1], rows[:, -1]
-    Q, R, _ = qr(C, mode="economic", pivoting=True)
-    Q = Q[:, np.abs(np.diag(R)) > RANK * np.abs(R[0, 0])]
+    U, size, _ = np.linalg.svd(C, full_matrices=False)
+    Q = U[:, size > RANK * size[0]]
     r = z - Q @ (Q.T @ z)
     by_sample = (-1, axes)
 
