@@ -1,29 +1,25 @@
 """The word on a terminal while a verb loads its libraries."""
 
 import os
-import subprocess
-import sys
 
 import pytest
-
-ORBIDENT = (sys.executable, "-m", "orbident.cli.app")
+from processes import started
 
 
 def on_a_terminal(*words: str) -> bytes:
     """All that a terminal is sent."""
     pty = pytest.importorskip("pty", reason="Windows has no pseudo-terminals")
     ours, theirs = pty.openpty()
-    process = subprocess.Popen([*ORBIDENT, *words], stdout=theirs, stderr=theirs)
-    os.close(theirs)
     sent = b""
-    # Linux ends the reading of a terminal that nobody writes to with an error.
-    try:
-        while part := os.read(ours, 4096):
-            sent += part
-    except OSError:
-        pass
+    with started(*words, stdout=theirs, stderr=theirs):
+        os.close(theirs)
+        # Linux ends the reading of a terminal that nobody writes to with an error.
+        try:
+            while part := os.read(ours, 4096):
+                sent += part
+        except OSError:
+            pass
     os.close(ours)
-    process.wait()
     return sent
 
 

@@ -84,8 +84,8 @@ auto gathered(const OwnedFilter& filter, const OwnedState& before, const Array& 
   return std::make_tuple(state, squares, rows);
 }
 
-bool scaled_of(const OwnedFilter& filter, const OwnedState& state) {
-  return scaled(filter.view(), state.at);
+bool scaled_of(const OwnedFilter& filter, const OwnedState& state, double mass) {
+  return scaled(filter.view(), state.at, mass);
 }
 
 struct OwnedWatch {
@@ -199,7 +199,7 @@ void bind_recursive(nb::module_& m) {
       .def("restored", &restored, nb::arg("numbers"))
       .def("step", &step_of, nb::arg("state"), nb::arg("t"), nb::arg("sample"))
       .def("gathered", &gathered, nb::arg("state"), nb::arg("t"), nb::arg("samples"))
-      .def("scaled", &scaled_of, nb::arg("state"))
+      .def("scaled", &scaled_of, nb::arg("state"), nb::arg("mass"))
       .def("run", &run, nb::arg("state"), nb::arg("watch"), nb::arg("threshold"), nb::arg("t"),
            nb::arg("samples"));
   nb::class_<OwnedWatch>(m, "Watch", "What a change detector remembers; a constant.")

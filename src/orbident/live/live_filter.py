@@ -178,7 +178,7 @@ class LiveFilter:
         values = {
             "beta": state.beta.tolist(),
             "std": np.linalg.norm(np.linalg.inv(state.root), axis=1).tolist(),
-            "scale": core.scaled(state),
+            "scale": core.scaled(state, self._robot.mass),
             "counts": dict(self.carried.counts),
         }
         return Event("estimate", state.t, values)

@@ -29,8 +29,8 @@ enum orbident_code {
   ORBIDENT_DONE = 0,
   ORBIDENT_NO_VELOCITY = 1, /* the sample counts for the momentum alone: it has no velocity of S */
   ORBIDENT_CHANGED = 2,     /* the robot changed: a capture, a release, a loss */
-  ORBIDENT_NO_SCALE = 3,    /* nothing told the scale, since no wheel turned: the estimate and its deviations
-                               are those of a robot with the mass that was believed beforehand */
+  ORBIDENT_NO_SCALE = 3,    /* the estimate is given, but nothing told its scale: no wheel that turns.
+                               All but the quotients of its numbers is what was believed beforehand */
 
   ORBIDENT_INCOMPLETE = -1, /* a number of the sample is NaN or infinite: it does not count */
   ORBIDENT_ABSURD = -2,     /* a number beyond all reason, or a quaternion of zeros: it does not count */

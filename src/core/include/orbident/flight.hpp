@@ -157,7 +157,7 @@ int orbident_get(const orbident_robot* robot, orbident_real* memory, int quantit
   if (quantity == ORBIDENT_DEVIATIONS) deviations(model, at.filter, at.room, out);
   for (int i = 0; from && i < count; ++i) out[i] = from[i];
   const bool of_beta = quantity == ORBIDENT_BETA || quantity == ORBIDENT_DEVIATIONS;
-  return of_beta && !scaled(model, at.filter) ? ORBIDENT_NO_SCALE : ORBIDENT_DONE;
+  return of_beta && !scaled(model, at.filter, robot->beta[0]) ? ORBIDENT_NO_SCALE : ORBIDENT_DONE;
 }
 
 }  // extern "C"

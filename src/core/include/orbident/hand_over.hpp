@@ -81,7 +81,9 @@ ORBIDENT_WIDEST inline bool linear(const FilterModel& model, const FilterState& 
 }
 
 // Whether the momentum equation has a known term that is more than noise: else the samples tell no scale.
-inline bool scaled(const FilterModel& model, const FilterState& state) {
+// Noise counts as that of a robot of the mass M_0: without a scale the estimate shrinks to nothing, and
+// beside so small a robot's noise anything would be known.
+inline bool scaled(const FilterModel& model, const FilterState& state, Real M_0) {
   const FilterSizes size = model.sizes();
   if (held_in_beta(state)) return true;
   Real known = 0.0;
@@ -89,7 +91,8 @@ inline bool scaled(const FilterModel& model, const FilterState& state) {
     const Real z = state.R[static_cast<long>(i) * size.R_stride() + size.parameters];
     known += z * z;
   }
-  return model.laws.robot.wheels > 0 && known > KNOWN * static_cast<Real>(model.sets.pis);
+  const Real part = state.beta[0] / M_0;
+  return model.laws.robot.wheels > 0 && known * part * part > KNOWN * static_cast<Real>(model.sets.pis);
 }
 
 // Tests one more point, and hands over after enough of them.
@@ -100,7 +103,8 @@ inline void hand_over_if_linear(const FilterModel& model, FilterState& state, Fi
   if (k > size.parameters) return;
   const bool more = linear(model, state, point, room);
   if (more && point + 1 == LINEAR_POINTS) {
-    if (!scaled(model, state)) return;
+    solve_triangle(state.prior, size.beta_stride(), k, room.beta);
+    if (!scaled(model, state, room.beta[size.iotas])) return;
     rows_of_beta(model, state, state.top + n, size.top_stride(), n, padded(n + k + 1) - n, room);
   }
   *state.linear = more ? Real(point + 1) : Real(0);

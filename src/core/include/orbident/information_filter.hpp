@@ -111,12 +111,12 @@ inline Innovation take_in(const FilterModel& model, FilterState& state, Real t,
   return innovation;
 }
 
-// Of M_0, to which M is held as long as nothing tells the scale.
+// Of M_0, to which M is held where nothing can tell the scale.
 constexpr Real HELD = Real(1e-3);
 
 // One Gauss-Newton step from the last beta: [R J | z + R (J beta - y)] and the prior, triangular.
 //
-// Without a scale M is held at M_0. The lighter a robot, the better it fits equations without a known term, and
+// Without a wheel M is held at M_0. The lighter a robot, the better it fits equations without a known term, and
 // the less their noise is, which is D's and U's: the estimate would shrink to nothing, ever faster.
 inline void relinearise(const FilterModel& model, FilterState& state, FilterRoom& room) {
   const ParametersOfBeta& sets = model.sets;
@@ -157,7 +157,7 @@ inline void relinearise(const FilterModel& model, FilterState& state, FilterRoom
     fold(state.root + first * stride + first, stride, room.block + first, stride, count,
          stride - first, left);
   }
-  if (scaled(model, state)) return;
+  if (model.laws.robot.wheels > 0) return;
   // (M - M_0) / (HELD M_0)
   solve_triangle(state.prior, stride, k, room.beta);
   for (int i = 0; i < stride; ++i) room.block[i] = 0.0;

@@ -71,7 +71,7 @@ def causes(solved: Solved) -> Iterator[Check]:
     else:
         # Without a fit nothing else can be scored.
         found = [_explained(one, now) for one in missing_wheel(problem) if one.accepted]
-        happened = None if found else event(problem)
+        happened = event(problem) if solved.hindered and not found else None
         if happened is not None:
             found = [_found(happened.reason, happened.remedy)]
         yield from found

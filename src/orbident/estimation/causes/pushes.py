@@ -23,6 +23,7 @@ from orbident.estimation.criteria import judge
 from orbident.estimation.estimate import Estimator, Progress
 from orbident.estimation.linear_fits import rows_of
 from orbident.estimation.momentum_problem import MomentumProblem
+from orbident.estimation.output_error.disturbances import LONGEST
 from orbident.estimation.output_error.estimator import OutputError
 from orbident.estimation.solve import Solved
 from orbident.model.wheel_arrays import wheels_of
@@ -32,6 +33,9 @@ RANK = 1e-9
 
 AROUND = 10
 """Samples before and after the jump in which the push may last."""
+
+FEWEST = 4 * AROUND
+"""Samples of a recording in which a jump is looked for."""
 
 
 def with_push(solved: Solved, estimator: Estimator, progress: Progress) -> Solved:
@@ -43,13 +47,12 @@ def with_push(solved: Solved, estimator: Estimator, progress: Progress) -> Solve
         progress: is called with the fraction of the work that is done.
     """
     other = not isinstance(estimator, OutputError)
-    if other or solved.hindered or not _refused(solved):
-        return solved
     problem, t = solved.problem, solved.problem.samples.t
+    sized = FEWEST <= t.size <= LONGEST
+    if other or solved.hindered or not sized or not _refused(solved):
+        return solved
     row = jump_of_momenta(problem)
-    pushed = problem.amended(
-        pushed=(t[max(row - AROUND, 0)], t[min(row + AROUND, t.size - 1)])
-    )
+    pushed = problem.amended(pushed=(t[row - AROUND], t[row + AROUND]))
     estimate = replace(estimator, steps=STEPS).estimate(pushed, progress)
     again = Solved(pushed, [], estimate, estimate)
     return solved if _refused(again) else again
@@ -68,7 +71,8 @@ def jump_of_momenta(problem: MomentumProblem) -> int:
     left = _left_by_jumps(rows_h, len(regressors.momentum_axes))
     if samples.v_S:
         left += _left_by_jumps(rows_v, len(regressors.velocity_axes))
-    return int(np.argmin(left))
+    # A jump at either end is a constant momentum or none.
+    return AROUND + int(np.argmin(left[AROUND:-AROUND]))
 
 
 def _left_by_jumps(

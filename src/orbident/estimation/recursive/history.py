@@ -150,9 +150,9 @@ def filter_history(
             changes.append(
                 detector.change(float(t[done - 1]), onset, float(tests[count - 1, 2]))
             )
-            scale |= kalman.core.scaled(state.core)
+            scale |= kalman.core.scaled(state.core, robot.mass)
             state, watch = kalman.opened(state, opening), detector.start()
             std[count - 1] = np.sqrt(np.diag(state.covariance))
     beta, std, tests = map(np.concatenate, zip(*parts, strict=True))
-    scale |= kalman.core.scaled(state.core)
+    scale |= kalman.core.scaled(state.core, robot.mass)
     return FilterHistory(beta, std, tests, tuple(changes), scale, state)
