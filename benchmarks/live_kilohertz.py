@@ -34,7 +34,7 @@ LIVE, SENDER = 0, 1
 VELOCITY_STD = 1e-3
 """m/s."""
 PERIODS = np.arange(1, 61)
-"""Of the joints' motion: the flight's duration over these."""
+"""Periods of the joints' motion in a flight."""
 
 
 def main() -> None:

@@ -22,7 +22,7 @@ from orbident.model.inertia import inertia_at
 from orbident.robot.description import Robot
 
 BANDWIDTH, DAMPING = 0.3, 0.8
-"""Of the correction: rad/s, and a part of the critical one."""
+"""Bandwidth of the correction in rad/s, and its damping over the critical one."""
 SHORT = 0.005
 """s, of the differences that rates are made of."""
 
@@ -33,10 +33,10 @@ class Plan(NamedTuple):
     joints: Callable[[float], tuple[np.ndarray, np.ndarray]]
     """Positions and rates."""
     attitude: Callable[[float], Rotation]
-    """Of the hub in inertial axes."""
+    """Attitude of the hub in inertial axes."""
 
     def rate(self, t: float) -> np.ndarray:
-        """Of the hub, hub axes, rad/s."""
+        """Angular velocity of the hub in hub axes, rad/s."""
         now, later = self.attitude(t), self.attitude(t + SHORT)
         return (now.inv() * later).as_rotvec() / SHORT
 

@@ -1,6 +1,6 @@
 """A free flyer of Basilisk captures a body: when is it found, and what does it weigh?
 
-Wheels hold the hub to a planned attitude while the arm moves. They are told what the
+Wheels hold the hub to a planned attitude while the arm moves. They are given what the
 arm will take from the hub's momentum, by CAD or by what is identified meanwhile.
 
 python examples/basilisk/capture.py
@@ -87,7 +87,7 @@ class Found(NamedTuple):
     masses: dict[str, tuple[float, float, float]]
     """Before and after the capture: true, estimated, and its deviation, kg."""
     error: float
-    """Of the hub's attitude after the capture, root mean square, rad."""
+    """Root mean square error of the hub's attitude after the capture, rad."""
 
 
 def run(by_cad: bool = False) -> Found:

@@ -77,7 +77,7 @@ class MassProperties(sysModel.SysModel):
                 self.identified = self._with(event.of["beta"])
 
     def _with(self, beta: list[float]) -> Robot:
-        """Of all robots with these base parameters, one: no motion tells them apart."""
+        """One of all robots that have these base parameters."""
         theta = minimal_sets(self._robot).base.theta_of @ beta
         return replace(self._robot, theta=theta.reshape(self._robot.theta.shape))
 
