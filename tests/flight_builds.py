@@ -37,7 +37,7 @@ def exported(
 def exported_of(
     robot: Robot, folder: Path, duration: float, rate: float, seed: int = 0
 ) -> Path:
-    """The same of a robot that has no file."""
+    """Export the flight filter of a robot that has no file."""
     motion = random_motion(robot, duration=duration, seed=seed)
     recording = simulate(robot, motion, rate=rate, noise="sensors", seed=seed)
     export_flight(robot, samples_of(robot, recording), None, folder)

@@ -31,7 +31,7 @@ def test_the_same_samples(origin, sha256, start, end, used):
 
 
 def test_a_result_of_parts_of_two_recordings(orbident: Orbident):
-    """Its RUN is read again by all verbs that take one."""
+    """A RUN of several recordings is read by all verbs that take one."""
     robot = load_robot("paper-spatial")
     motion = random_motion(robot, duration=20.0)
     for seed in (1, 2):

@@ -27,7 +27,7 @@ from orbident.campaigns.executors import InThisProcess
 from orbident.campaigns.folder import opened
 
 RUNS = 8
-"""Of a campaign, each in a file of its own."""
+"""Runs of the campaign, each in a file of its own."""
 
 WITH_OWN_MOUNTS = ("unshare", "--map-root-user", "--mount")
 ON_A_SMALL_DISK = """

@@ -19,7 +19,7 @@ WIDTH = 110
 """Columns of a table, in a narrower terminal too: a number is never cut short."""
 
 PERIOD = 600.0
-"""s before now by which the time left is told: steps of a campaign may take minutes."""
+"""Seconds before now whose progress predicts the time left: steps may take minutes."""
 
 
 class Output:

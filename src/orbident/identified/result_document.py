@@ -144,7 +144,7 @@ def _equation(name: str) -> str:
 
 
 _Equation = Annotated[str, AfterValidator(_equation)]
-"""Of several recordings after the name of one: `second flight: gyro`."""
+"""Name of an equation; where there are several recordings, as in `flight 2: gyro`."""
 
 
 class _Residual(_Part):

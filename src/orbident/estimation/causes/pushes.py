@@ -39,7 +39,7 @@ FEWEST = 4 * AROUND
 
 
 def with_push(solved: Solved, estimator: Estimator, progress: Progress) -> Solved:
-    """The same with a push among the unknowns, if it is refused without and not with.
+    """Solve again with a push among the unknowns, if only that makes it acceptable.
 
     Args:
         solved: a recording without a push.

@@ -198,7 +198,7 @@ def _on_the_base(followed: Followed) -> Iterator[Disturbance]:
 def _lost_by_wheels(followed: Followed) -> Iterator[Disturbance]:
     """A wheel that slows down unseen gives its momentum to the rest of the robot.
 
-    About the vertical of a table it cannot be told from a torque, and need not be.
+    About the vertical of a table a loss and a torque are the same.
     """
     none = nothing(followed)
     t = followed.t[:, None] - followed.t[0]
