@@ -27,4 +27,5 @@ def stream(samples: Samples, w_smooth: np.ndarray | None = None) -> Iterator[Sam
             qd_rw=at.qd_rw[k],
             v_S=at.v_S[k] if at.moving[k] else nothing,
             w_smooth=w if w_smooth is None else w_smooth[k],
+            h_given=np.zeros(3),
         )

@@ -13,7 +13,7 @@ from orbident.estimation.output_error.estimator import OutputError
 def fits_remembered() -> Iterator[None]:
     """Remember fits by output error while other methods identify the recording.
 
-    All methods make the same problem of it, but for its clocks.
+    All methods make the same problem of it, but for its clocks and a push.
     """
     fit = OutputError.estimate
     # With the problem: a robot that is gone leaves its `id` to another one.
@@ -28,6 +28,7 @@ def fits_remembered() -> Iterator[None]:
             self.steps,
             id(problem.robot),
             problem.initial_momentum,
+            problem.samples.pushed,
             recording.t.tobytes(),
             tuple(sorted(columns.items())),
             tuple(sorted(problem.late.items())),

@@ -72,13 +72,14 @@ def scored(spoiled: Spoiled, method: Method, causes: bool = False) -> Score:
             method=method,
             initial_momentum=spoiled.initial_momentum,
         )
+        if causes and result.status == "rejected":
+            result = result.with_causes()
     except oi.InputError as error:
         return score("refused", UNKNOWN, str(error))
     except Exception as error:
         return score("crashed", UNKNOWN, f"{type(error).__name__}: {error}")
     if result.status == "rejected":
-        reasons = (result.with_causes() if causes else result).warnings
-        return score("refused", UNKNOWN, *reasons)
+        return score("refused", UNKNOWN, *result.warnings)
     misses = min(
         (misses_of(result, robot) for robot in spoiled.true), key=lambda m: m.base
     )

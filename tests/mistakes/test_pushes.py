@@ -7,6 +7,7 @@ from scipy.spatial.transform import Rotation
 from spoiled import Spoiled
 from wrong_motions import burst, changing
 
+from orbident.estimation.estimators import Method
 from orbident.estimation.identify import identify
 from orbident.estimation.result import Result
 from orbident.model.minimal_sets import minimal_sets
@@ -16,9 +17,12 @@ AT, FOR = 10.0, 0.2
 """s."""
 
 
-def identified(spoiled: Spoiled) -> Result:
+def identified(spoiled: Spoiled, method: Method = "maximum-likelihood") -> Result:
     return identify(
-        spoiled.robot, spoiled.recording, initial_momentum=spoiled.initial_momentum
+        spoiled.robot,
+        spoiled.recording,
+        method,
+        initial_momentum=spoiled.initial_momentum,
     )
 
 
@@ -48,6 +52,18 @@ def test_a_burst_is_identified(name: str):
     assert "with care" in {check.level for check in result.checks}
     begin, end = (float(words.split()[k]) for k in (5, 7))
     assert begin < AT < AT + FOR < end
+
+
+@pytest.mark.parametrize(
+    ("name", "method"),
+    [(SPACE, "structured"), (SPACE, "recursive"), (TABLE, "least-squares")],
+)
+def test_other_methods_leave_the_burst_out(name: str, method: Method):
+    result = identified(burst(1.0, AT, FOR)(clean(name)), method)
+    assert result.status == "ok", result.warnings
+    robot = clean(name).robot
+    off = result.base.values - minimal_sets(robot).beta(robot.theta)
+    assert np.max(np.abs(off) / result.base.std) < 5
 
 
 @pytest.mark.parametrize("name", [SPACE, TABLE])

@@ -230,5 +230,6 @@ def test_without_the_orbit_nothing_is_wrong(flight, runs: int):
         groups = {fit.group for fit in result.disturbances.values()}
         print(seed, result.status, groups, result.warnings[:1])
         if result.status == "ok":
-            assert any("torque" in group for group in groups)
+            # What wheels lose may explain it too: then the torque is named beside it.
+            assert any("a torque acts" in words for words in result.warnings)
             assert np.abs(off(result, robot)).max() < 5

@@ -173,12 +173,14 @@ def test_tilt_and_drag_are_identified_with_the_parameters(flown, runs):
         **{f"drag.{body}": c for body, (c, _) in DRAG.items()},
         **{f"drag.{body}.turning": c_r for body, (_, c_r) in DRAG.items()},
     }
-    z = []
+    z, refused = [], []
     for seed in range(runs):
         result = identify(
             flown.robot, recorded(flown, seed), initial_momentum="at-rest"
         )
-        assert result.status == "ok", result.warnings
+        if result.status == "rejected":
+            refused.append(result.warnings)
+            continue
         assert set(result.disturbances) == set(acts)
         z += list(off(result, flown.robot))
         for name, true in acts.items():
@@ -186,6 +188,9 @@ def test_tilt_and_drag_are_identified_with_the_parameters(flown, runs):
             z.append((fit.value - true) / fit.std)
     inside = np.mean(np.abs(z) < 1.96)
     print(f"{inside:.3f} of {len(z)} inside, rms {np.sqrt(np.mean(np.square(z))):.2f}")
+    # In one of a hundred noise looks like a slow torque, which would hide the mass.
+    assert len(refused) <= 0.02 * runs, refused
+    assert all("perhaps a torque acts" in words for _, words, *_ in refused)
     assert np.abs(z).max() < FAR
     # Errors of a run go together: of 20 runs chance moves the part inside by 2 %.
     assert runs < MANY or 0.93 < inside < 0.97

@@ -45,8 +45,8 @@ def transition(
     dt = sample.t - state.t
     turned = rotation(sample) + state.R_WB
     integral = dt * turned / 2
-    h_cm = spread(state.nuisances[:n_h], h)
-    turn = noise.integrated * (-cross_matrix(h_cm) @ integral)[np.ix_(h, h)]
+    momentum = spread(state.nuisances[:n_h], h) + sample.h_given
+    turn = noise.integrated * (-cross_matrix(momentum) @ integral)[np.ix_(h, h)]
     back, bias = np.eye(n), np.arange(n_h + n_v, 2 * n_h + n_v)
     back[np.ix_(np.arange(n_h), bias)] -= turn
     speeds, last = np.arange(n_h, n_h + n_v), np.arange(n - n_v, n)
@@ -101,12 +101,13 @@ def laws(robot: Robot, noise: Noise, state: State, sample: Sample, axes: Axes) -
     no_phi, no_pi = np.zeros((h.size, W.shape[1])), np.zeros((v.size, Y.shape[1]))
     A_rw = np.array([wheel.inertia * wheel.axis for wheel in robot.wheels])
     h_rw = sample.qd_rw @ A_rw.reshape(-1, 3)
-    rhs_h = -h_rw[h] - D @ excess
+    rhs_h = (R_BW @ sample.h_given - h_rw)[h] - D @ excess
     rhs_v = (R_BW @ sample.v_S)[v] + U @ excess
     R_h, R_v = R_BW[np.ix_(h, h)], R_BW[np.ix_(v, v)]
     momentum = np.hstack([-R_h, none_h, -D, b_a, Y, no_phi, rhs_h[:, None]])
     velocity = np.hstack([none_v, R_v, U, b_v, no_pi, W, rhs_v[:, None]])
-    turn = (R_BW @ cross_matrix(spread(state.nuisances[: h.size], h)))[h]
+    momentum_then = spread(state.nuisances[: h.size], h) + sample.h_given
+    turn = (R_BW @ cross_matrix(momentum_then))[h]
     D_q, J_cm = D_q[h], J_cm[v]
     G_h, G_v = noise.gyro * D, -noise.gyro * U
     C_h = np.hstack([G_h, noise.joint_rates * D_q, noise.attitude * turn])

@@ -170,7 +170,7 @@ def _forms(problem: MomentumProblem, estimate: Estimate) -> Iterator[Check]:
     declared noise say that the equations hold, they do not count.
     """
     goodness = estimate.goodness
-    if problem.samples.wrenches or (goodness is not None and goodness.declared):
+    if problem.samples.unknown_thrust or (goodness is not None and goodness.declared):
         return
     mass = problem.linear_mass
     if mass.value > 0 and mass.spread < SPREAD:

@@ -10,6 +10,7 @@ from jaxtyping import Float
 from orbident.estimation.convergence import Convergence
 from orbident.estimation.found import BetaEstimate, EstimatedParameters, found_beta
 from orbident.estimation.momentum_problem import MomentumProblem
+from orbident.estimation.output_error.acting import Given
 from orbident.estimation.output_error.disturbance_sizes import DisturbanceFit
 from orbident.estimation.output_error.sensitivity import CalibrationFit, Sensitivity
 from orbident.estimation.output_error.shared import Shared
@@ -93,6 +94,8 @@ class Estimate:
     """Where the search ended, where these are what is fitted."""
     shared: Callable[[], Shared] | None = None
     """What it says to other recordings of the robot, where it can."""
+    given: Callable[[], Given | None] = lambda: None
+    """What acted from outside has given to the momenta, where something did."""
 
 
 @runtime_checkable
@@ -123,7 +126,7 @@ def estimate_of_beta(
 ) -> Estimate:
     """The estimate of a method whose unknowns are the base parameters."""
     mass, masses = Quantity(*beta.mass), dict[str, Quantity]()
-    if not problem.samples.wrenches:
+    if not problem.samples.unknown_thrust:
         linear = problem.linear_mass
         masses["Eq. 32"] = Quantity(linear.value, linear.std)
     return Estimate(

@@ -140,6 +140,9 @@ def widened(estimate: Estimate, shown: Estimate, whole: bool) -> Estimate:
         mass=mass,
         masses={**estimate.masses, routes[-1]: mass},
         sensitivity=shown.sensitivity,
+        disturbances=shown.disturbances,
+        suspected=shown.suspected,
+        instead=shown.instead,
     )
 
 

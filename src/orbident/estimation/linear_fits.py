@@ -2,7 +2,7 @@
 
 Both are written in base axes, which turns their rows and changes nothing else:
 
-    Y pi - R_0^T h_cm = -A_rw qd_rw
+    Y pi - R_0^T h_cm = -A_rw qd_rw + R_0^T h_given
     W phi + R_0^T v_cm = R_0^T v_S
 
 Where `v_S` is an integrated accelerometer, its constant bias `b` is one more unknown:
@@ -148,15 +148,19 @@ def rows_of(
     """
     turning, moving = regressors.momentum_axes, regressors.velocity_axes
     R_BW = np.swapaxes(quaternion_matrix(batch.x_WB), 1, 2)
+
+    def in_base(x: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n 3"]:
+        return np.einsum("nij,nj->ni", R_BW, x)
+
     R_turning = R_BW[:, turning][:, :, turning]
     Y, W = regressors(batch.q, batch.qd, batch.w)
-    h = -batch.qd_rw @ wheels.A_rw.T
+    h = in_base(batch.h_given) - batch.qd_rw @ wheels.A_rw.T
     if known is None:
         momentum = [-R_turning, Y, h[:, turning, None]]
     else:
         h = h + R_BW @ known.h
         momentum = [Y - R_turning @ known.Y_in, -R_turning, h[:, turning, None]]
-    v = (R_BW @ batch.v_S[:, :, None])[:, moving]
+    v = in_base(batch.v_S)[:, moving, None]
     nuisances = [R_BW] if drift is None else [R_BW, R_BW @ drift]
     velocity = [*(by[:, moving][:, :, moving] for by in nuisances), W, v]
     return _stacked(momentum, batch.turning), _stacked(velocity, batch.moving)
@@ -197,11 +201,11 @@ def known_momentum(
 def _seen_from_inertial_axes(
     regressors: Regressors, wheels: Wheels, first: Batch
 ) -> tuple[Float[np.ndarray, "3"], Float[np.ndarray, "h pi"]]:
-    """`R_0 A_rw qd_rw` and `R_0 Y` of a batch's only sample."""
+    """`R_0 A_rw qd_rw - h_given` and `R_0 Y` of a batch's only sample."""
     R_WB = quaternion_matrix(first.x_WB[0])
     Y, _ = regressors(first.q, first.qd, first.w)
     turning = regressors.momentum_axes
-    h_rw = R_WB @ (wheels.A_rw @ first.qd_rw[0])
+    h_rw = R_WB @ (wheels.A_rw @ first.qd_rw[0]) - first.h_given[0]
     return h_rw, R_WB[np.ix_(turning, turning)] @ Y[0]
 
 

@@ -22,7 +22,7 @@ from orbident.preprocessing.point_velocity import COUNTED, FELT
 from orbident.preprocessing.samples import Samples, samples_of
 from orbident.preprocessing.screening import NO_SENSORS, screened
 from orbident.preprocessing.settings import LONGEST, Settings
-from orbident.recordings.long_recording import SPANS, STRETCH, LongRecording
+from orbident.recordings.long_recording import SPANS, LongRecording
 from orbident.robot.description import Robot
 
 NOT_LOCAL = {INTEGRATED, FUSED, FELT, COUNTED}
@@ -34,7 +34,7 @@ def long_problems(
     recording: LongRecording,
     initial_momentum: InitialMomentum,
     progress: Callable[[float], object],
-    size: int = STRETCH,
+    size: int | None = None,
 ) -> list[MomentumProblem] | None:
     """As `momentum_problems`, of a recording that is read in stretches.
 
@@ -43,7 +43,7 @@ def long_problems(
         recording: of the free-floating robot.
         initial_momentum: what is known of the momentum.
         progress: is called with the fraction of the rows that is done.
-        size: rows of a stretch.
+        size: rows of a stretch, where not as many as fit into memory.
 
     Returns:
         Problems whose recording and samples are those of the digest, and whose linear
@@ -54,6 +54,7 @@ def long_problems(
         InputError: as `momentum_problems`.
     """
     check_regular(robot)
+    size = size or recording.stretch
     recording.digest.check_joints(robot)
     clean = screened(robot, recording.digest)
     heads = {name.partition(".")[0] for name in clean.recording.columns}

@@ -19,6 +19,7 @@ from orbident.estimation.convergence import Convergence
 from orbident.estimation.estimate import Goodness, SensorFit
 from orbident.estimation.found import BetaEstimate, hidden_of
 from orbident.estimation.linear_fits import Fits, InitialMomentum
+from orbident.estimation.output_error.acting import Given
 from orbident.estimation.output_error.beforehand import (
     first_momentum,
     prior_of,
@@ -93,6 +94,8 @@ class Likelihood:
     """Where the search ended with nothing acting from outside."""
     shared: Callable[[], Shared]
     """What the recording says to others of the robot."""
+    given: Callable[[], Given | None]
+    """What acted from outside has given to the momenta."""
 
 
 def maximum_likelihood(
@@ -182,6 +185,7 @@ def maximum_likelihood(
         shared=partial(shared_of, problem, found.solution, unseen),
         suspected={group: each.falls for group, each in suspects.items()},
         instead=instead,
+        given=partial(_given, problem, found.solution.state),
     )
 
 
@@ -266,6 +270,10 @@ def _biases(
                 "std": float(np.sqrt(max(C[first + k, first + k], 0.0))),
             }
     return biases
+
+
+def _given(problem: Problem, at: Unknowns) -> Given | None:
+    return problem.acting.given(at.beta, at.calibration, at.selected)
 
 
 def _calibration(problem: Problem, solution: Solution) -> dict[str, CalibrationFit]:

@@ -17,6 +17,7 @@ from orbident.estimation.linear_fits import (
     known_momentum,
 )
 from orbident.estimation.mass import Mass, mass_of
+from orbident.estimation.output_error.acting import Given
 from orbident.estimation.stretches import Stretches
 from orbident.model.minimal_sets import MinimalSets, minimal_sets
 from orbident.model.regularity import check_regular
@@ -75,6 +76,9 @@ class MomentumProblem:
     @property
     def exact(self) -> bool:
         """Whether the linear fits leave no more than integration and float32 do."""
+        if self.samples.unknown_thrust:
+            # Without its momentum no parameters at all may fit.
+            return False
         fits = self.fits.pi, self.fits.phi
         return all(fit.unexplained <= ROUNDING * fit.explained for fit in fits)
 
@@ -87,6 +91,14 @@ class MomentumProblem:
         return self.amended(
             recording=replace(recording, t=recording.t[:samples], columns=columns)
         )
+
+    def without(self, given: Given) -> "MomentumProblem":
+        """The problem of the same motion, without what acts from outside."""
+        samples = self.samples.without(given.t, given.h, given.v)
+        fits = fit(
+            self.robot, self.sets, samples, self.initial_momentum, lambda _: None
+        )
+        return replace(self, samples=samples, fits=fits)
 
     def amended(
         self,

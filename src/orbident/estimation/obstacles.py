@@ -26,7 +26,7 @@ def obstacles(problem: MomentumProblem) -> list[Check]:
 
     They know nothing of thrust, and a recording with some is not judged by them.
     """
-    scale = [] if problem.samples.wrenches else _no_scale(problem)
+    scale = [] if problem.samples.unknown_thrust else _no_scale(problem)
     return [*_clocks_apart(problem), *scale, *_no_velocity(problem)]
 
 

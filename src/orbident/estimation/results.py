@@ -145,7 +145,7 @@ def _mass_forms(
         routes: the mass by every route, the method's own last.
         M: the method's own.
     """
-    if problem.samples.wrenches:
+    if problem.samples.unknown_thrust:
         return NO_ROUTES
     mass = problem.linear_mass
     kept = [

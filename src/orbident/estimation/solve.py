@@ -2,6 +2,7 @@
 
 from typing import NamedTuple
 
+from orbident import _core
 from orbident.errors import InputError
 from orbident.estimation.check import Check
 from orbident.estimation.estimate import Estimate, Estimator, Progress
@@ -12,6 +13,8 @@ from orbident.estimation.long_problem import long_problems
 from orbident.estimation.momentum_problem import MomentumProblem, momentum_problems
 from orbident.estimation.obstacles import obstacles
 from orbident.estimation.output_error.estimator import OutputError
+from orbident.estimation.recursive.recursive_estimator import Recursive
+from orbident.files.names import joined
 from orbident.recordings.long_recording import LongRecording
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
@@ -51,39 +54,74 @@ def solve(
     problems = _problems(
         robot, recording, initial_momentum, lambda done: progress(done / 2)
     )
-    if problems[0].samples.wrenches and not isinstance(estimator, OutputError):
-        raise InputError(
-            f"{recording.source}: thrusters or torquers acted, and {estimator.name} "
-            "knows nothing of that: its result would be wrong; use --method "
-            "maximum-likelihood"
-        )
-    if robot.disturbances and not isinstance(estimator, OutputError):
-        raise InputError(
-            f"{', '.join(robot.disturbances)} is said to act from outside, and "
-            f"{estimator.name} cannot identify it: its result would be wrong; use "
-            "--method maximum-likelihood"
-        )
-    if any(robot.momentum_walk) and isinstance(estimator, LeastSquares):
-        raise InputError(
-            f"{robot.name}: momentum_walk says that momentum changes at random, and "
-            "least-squares takes it to be constant: its deviations would be too small; "
-            "use --method structured or maximum-likelihood"
-        )
+    if not isinstance(estimator, OutputError):
+        _check_outside(problems[0], estimator)
     clear = [problem for problem in problems if not obstacles(problem)]
     if not clear:
         problem = problems[0]
         # Nothing can be estimated: what linear fits show is kept for a look.
         estimate = LeastSquares().estimate(problem, later)
         return Solved(problem, obstacles(problem), estimate, None)
+    give_back = _core.give_back_memory if clear[0].stretches else lambda: None
+    give_back()
     problem, shown = evidence(clear, estimator, later)
-    if shown is not None and isinstance(estimator, OutputError):
-        return Solved(problem, [], shown, shown)
-    estimate = estimator.estimate(problem, later)
+    give_back()
     if shown is None:
-        return Solved(problem, [], estimate, None)
+        return Solved(problem, [], estimator.estimate(problem, later), None)
+    return solved_by(estimator, problem, shown, later)
+
+
+def solved_by(
+    estimator: Estimator, problem: MomentumProblem, shown: Estimate, progress: Progress
+) -> Solved:
+    """Estimate by a method what the sensors have shown already.
+
+    Args:
+        estimator: the method.
+        problem: of a recording.
+        shown: the estimate of it by output error.
+        progress: is called with the fraction of the work that is done.
+    """
+    if isinstance(estimator, OutputError):
+        return Solved(problem, [], shown, shown)
+    whole = in_whole(problem)
+    given = shown.given() if whole else None
+    if given is not None:
+        problem = problem.without(given)
+    estimate = estimator.estimate(problem, progress)
     off = difference(estimate.found.base, shown.found.base)
-    whole = problem.samples.t.size <= MOST
     return Solved(problem, [], widened(estimate, shown, whole), shown, off)
+
+
+def in_whole(problem: MomentumProblem) -> bool:
+    """Whether output error fits all samples, and not only the first."""
+    return problem.stretches is None and problem.samples.t.size <= MOST
+
+
+def _check_outside(problem: MomentumProblem, estimator: Estimator) -> None:
+    """What acts from outside is identified by output error, as far as that goes.
+
+    Raises:
+        InputError: it does not go far enough.
+    """
+    robot, samples = problem.robot, problem.samples
+    acting = [*robot.disturbances]
+    if samples.wrenches:
+        acting.append("thrust")
+    if any(robot.momentum_walk) and isinstance(estimator, LeastSquares):
+        acting.append("a walk of the momentum")
+    if acting and not in_whole(problem):
+        raise InputError(
+            f"{samples.source}: {joined(acting)} is said to act from outside, and "
+            f"{estimator.name} can take that into account in recordings of at most "
+            f"{MOST} samples: its result would be wrong; use --method "
+            "maximum-likelihood"
+        )
+    if samples.wrenches and not robot.wheels and isinstance(estimator, Recursive):
+        raise InputError(
+            f"{robot.name} has no wheel, and recursive cannot find the scale of its "
+            "parameters by thrust alone; use another method"
+        )
 
 
 def _problems(

@@ -75,7 +75,7 @@ def robot_header(
     return _TEMPLATE.format(
         memory=memory,
         state=state,
-        measured=2 * joints + wheels + 13,
+        measured=2 * joints + wheels + 16,
         betas=1 + sigmas + iotas,
         meaning="\n".join(_meaning(robot, kalman)),
         body=body,

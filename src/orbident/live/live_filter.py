@@ -317,7 +317,7 @@ def _ran(before: Running, samples: Float[np.ndarray, "n all"]) -> Ran:
         before.watch,
         tools.detector.threshold,
         t,
-        np.ascontiguousarray(samples[:, 1:]),
+        _packed(samples),
     )
     sound = np.isfinite(beta[:size]).all(axis=1) & np.isfinite(std[:size]).all(axis=1)
     lost = not sound.all()
@@ -332,8 +332,14 @@ def _ran(before: Running, samples: Float[np.ndarray, "n all"]) -> Ran:
     return Ran(Running(tools, state, watch), size, change, lost, counts)
 
 
+def _packed(samples: Float[np.ndarray, "n all"]) -> Float[np.ndarray, "n packed"]:
+    """As the filter takes them: without their times, and with nothing that acted."""
+    return np.hstack([samples[:, 1:], np.zeros((len(samples), 3))])
+
+
 def _started(tools: Tools, row: Float[np.ndarray, " all"]) -> Running | None:
     """A filter that begins at this sample, if it counts."""
-    state = tools.kalman.core.start(tools.prior.beta, tools.prior.root, row[1:], None)
+    first = _packed(row[None])[0]
+    state = tools.kalman.core.start(tools.prior.beta, tools.prior.root, first, None)
     running = Running(tools, state, tools.detector.start())
     return running if _ran(running, row[None]).counts["counted"] else None

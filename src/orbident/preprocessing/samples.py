@@ -1,7 +1,7 @@
 """What the regressors need of a recording, sample by sample, without copying it."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -35,6 +35,8 @@ class Batch(NamedTuple):
     """Whether all that the momentum equation needs was measured."""
     moving: Bool[np.ndarray, " n"]
     """Whether the velocity of S was measured too."""
+    h_given: Float[np.ndarray, "n 3"]
+    """What acted from outside has given to the angular momentum, N m s."""
 
 
 @dataclass(frozen=True)
@@ -64,6 +66,9 @@ class Samples:
     """Where the recording came from, for messages."""
     pushed: tuple[float, float] | None = None
     """From when to when something pushed the robot, s, where that is known."""
+    h_given: Columns = ()
+    """Angular momentum that was given from outside so far, inertial axes, N m s, where
+    that is known: `v_S` is then without what was given to the CM's velocity."""
 
     def batches(self, size: int) -> Iterator[Batch]:
         """All samples in batches of this size; the last one is what remains."""
@@ -108,7 +113,39 @@ class Samples:
         x_WB[~turning, 3] = 1.0
         unknown = np.zeros((turning.size, 3))
         v_S = np.where(moving[:, None], v_S if self.v_S else unknown, unknown)
-        return Batch(q, qd, w, x_WB, qd_rw, v_S, turning, moving)
+        h_given = _table(self.h_given, rows) if self.h_given else unknown
+        return Batch(q, qd, w, x_WB, qd_rw, v_S, turning, moving, h_given)
+
+    @property
+    def unknown_thrust(self) -> bool:
+        """Whether thrust acts of whose momentum nothing is known yet."""
+        return bool(self.wrenches) and not self.h_given
+
+    def without(
+        self,
+        t: Float[np.ndarray, " nodes"],
+        h: Float[np.ndarray, "nodes 3"],
+        v: Float[np.ndarray, "nodes 3"],
+    ) -> "Samples":
+        """The samples of the same motion without what acts from outside.
+
+        Those while something pushes are left out.
+
+        Args:
+            t: times at which it is known what was given, s.
+            h: to the angular momentum about the CM until then, inertial axes, N m s.
+            v: to the velocity of the CM, m/s.
+        """
+
+        def at_samples(x: Float[np.ndarray, "nodes 3"]) -> Columns:
+            return tuple(np.interp(self.t, t, column) for column in x.T)
+
+        begin, end = self.pushed or (np.inf, -np.inf)
+        # How a push acts while it lasts is known in outline only.
+        lasting = (self.t >= begin) & (self.t <= end)
+        w = tuple(np.where(lasting, np.nan, column) for column in self.w)
+        v_S = (own - more for own, more in zip(self.v_S, at_samples(v), strict=False))
+        return replace(self, w=w, v_S=tuple(v_S), h_given=at_samples(h))
 
     @property
     def biased(self) -> bool:

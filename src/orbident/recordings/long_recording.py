@@ -15,14 +15,14 @@ from orbident.recordings.recording import Recording, check_cut, within
 SPANS = 5
 """An odd number: one is in the middle."""
 
-SPAN = 2**15
+SPAN = 2**14
 """Rows of each."""
 
 LARGE = SPANS * SPAN
 """Rows from which a recording is read in stretches."""
 
-STRETCH = 2**16
-"""Rows that are worked on at once."""
+AT_ONCE = 2**20
+"""Numbers that are worked on at once: what is derived of them takes 100 MB."""
 
 FEWEST = 2**12
 """Rows that are read beside them first,"""
@@ -67,6 +67,11 @@ class LongRecording:
                 yield {name: x[rows] for name, x in columns.items()}
 
         return cls(recording.source, recording.t.size, batches, lambda: recording)
+
+    @property
+    def stretch(self) -> int:
+        """Rows that are worked on at once: fewer where there are more columns."""
+        return AT_ONCE // (1 + len(self.digest.columns))
 
     def between(
         self, start: float = -math.inf, end: float = math.inf
@@ -120,9 +125,7 @@ class LongRecording:
             row += batch["t"].size
         return _recording(self.source, _joined(parts))
 
-    def stretches(
-        self, beside: Callable[[str], int], size: int = STRETCH
-    ) -> Iterator[Stretch]:
+    def stretches(self, beside: Callable[[str], int], size: int) -> Iterator[Stretch]:
         """All rows, each once its stretch's own.
 
         Args:

@@ -232,7 +232,7 @@ static int refusals(void) {
     bad |= orbident_step(&ROBOT, memory, (orbident_real)(1.05 + 0.1 * same), sample) < 0 && ROBOT.momenta > 1;
   }
   read_sample(1);
-  sample[ROBOT_MEASURED - 4] = (orbident_real)NAN;
+  sample[ROBOT_MEASURED - 7] = (orbident_real)NAN;
   bad |= orbident_step(&ROBOT, memory, 2, sample) != ORBIDENT_NO_VELOCITY;
   sample[0] = (orbident_real)INFINITY;
   bad |= orbident_step(&ROBOT, memory, 3, sample) != ORBIDENT_INCOMPLETE;
@@ -258,7 +258,7 @@ int main(int count, char** words) {
   /* With a known momentum too, and without a velocity. */
   const orbident_real h_cm[3] = {1, 2, 3};
   read_sample(0);
-  sample[ROBOT_MEASURED - 6] = (orbident_real)NAN;
+  sample[ROBOT_MEASURED - 9] = (orbident_real)NAN;
   if (orbident_init(&ROBOT, other, ROBOT_MEMORY, sample, h_cm) != ORBIDENT_DONE) return 1;
   return refusals();
 }

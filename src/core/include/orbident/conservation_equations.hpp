@@ -2,10 +2,11 @@
 //
 // In base axes, with the rate w = w_gyro - b_g - n,
 //
-//   Y pi - R_0^T h_cm - D b_g = -A_rw qd_rw                     (Eqs. 2, 19)
+//   Y pi - R_0^T h_cm - D b_g = -A_rw qd_rw + R_0^T h_given     (Eqs. 2, 19)
 //   W phi + R_0^T v_cm + U b_g = R_0^T v_S                      (Eq. 29)
 //
-// with D = d h_rs / dw and U = d (velocity of the CM relative to S) / dw = -[r_cm]x at the parameters
+// with what thrusters and the like have given to the momentum, h_given, D = d h_rs / dw and
+// U = d (velocity of the CM relative to S) / dw = -[r_cm]x at the parameters
 // known so far. The gyro's noise n adds D n and -U n on the right; the noise of attitude and joint
 // rates adds to that.
 //
@@ -18,6 +19,9 @@
 #include "orbident/regressors.hpp"
 
 namespace orbident {
+
+using Vector = Vector3<Real>;
+using Matrix = Matrix3<Real>;
 
 // Standard deviations, SI; white ones are those of a sample.
 struct SensorNoise {
@@ -69,15 +73,20 @@ struct Measurement {
   const Real* qd_rw;
   const Real* v_S;       // inertial axes, m/s
   const Real* w_smooth;  // the rate with less noise
+  const Real* h_given;   // angular momentum that acted from outside so far, inertial axes, N m s
 };
 
-constexpr int measurement_size(int joints, int wheels) { return 2 * joints + wheels + 13; }
+constexpr int measurement_size(int joints, int wheels) { return 2 * joints + wheels + 16; }
 
 inline Measurement measurement_at(const Robot& robot, const Real* packed) {
   const int n = robot.tree.joints;
   const Real* const w = packed + 2 * n;
   const Real* const v_S = w + 7 + robot.wheels;
-  return {packed, packed + n, w, w + 3, w + 7, v_S, v_S + 3};
+  return {packed, packed + n, w, w + 3, w + 7, v_S, v_S + 3, v_S + 6};
+}
+
+inline Vector given_momentum(const Measurement& at) {
+  return Vector(at.h_given[0], at.h_given[1], at.h_given[2]);
 }
 
 // Memory for the rows of one sample; the caller's.
@@ -89,9 +98,6 @@ struct EquationMemory {
   Real* Y;        // 3 x pi
   Real* W;        // 3 x phi
 };
-
-using Vector = Vector3<Real>;
-using Matrix = Matrix3<Real>;
 
 // Places and weighs the bodies of beta; D follows from what all of them weigh.
 inline void configure_beta(const ConservationModel& model, const Real* beta, const Real* q,
@@ -124,12 +130,12 @@ struct EquationNoise {
 };
 
 // The gyro's noise times [D; -U]. The others: the joint rates' times D_q and J_cm, a turn of the attitude,
-// which turns R_0^T h_cm, and the velocity's own.
+// which turns R_0^T h, h = h_cm + h_given, and the velocity's own.
 inline EquationNoise equation_noise(const ConservationModel& model, const Bodies<Real>& at,
                                     const SystemInertia<Real>& all, const Matrix& U,
-                                    const Matrix& R_WB, const Vector& h_cm) {
+                                    const Matrix& R_WB, const Vector& h) {
   const SensorNoise& noise = model.noise;
-  const Matrix turn = noise.attitude * (R_WB.transpose() * cross_matrix(h_cm));
+  const Matrix turn = noise.attitude * (R_WB.transpose() * cross_matrix(h));
   EquationNoise of{{Matrix::Zero(), turn * turn.transpose()},
                    {Matrix::Zero(), noise.velocity * noise.velocity * Matrix::Identity()}};
   for (int k = 0; k < model.axes.momenta; ++k) {
@@ -147,10 +153,10 @@ inline EquationNoise equation_noise(const ConservationModel& model, const Bodies
 }
 
 // The rows [h_cm, v_cm, b_g, b_a, pi, phi | right-hand side], momentum first; the velocity's are zero
-// where v_S was not measured. D, U and the noise's gains are evaluated at beta and h_cm. Returns the
+// where v_S was not measured. D, U and the noise's gains are evaluated at beta and h. Returns the
 // noise of these rows, which are not yet whitened.
 inline EquationNoise conservation_equations(const ConservationModel& model, const Real* beta,
-                                            const Vector& h_cm, const Measurement& at,
+                                            const Vector& h, const Measurement& at,
                                             const Matrix& R_WB, EquationMemory& memory, Real* rows,
                                             int stride) {
   const Tree& tree = model.robot.tree;
@@ -178,7 +184,8 @@ inline EquationNoise conservation_equations(const ConservationModel& model, cons
 
   const int n = model.nuisances(), rhs = n + pis + phis;
   for (int k = 0; k < axes.all() * stride; ++k) rows[k] = 0.0;
-  const Vector known = -wheel_momentum(model.robot, at.qd_rw) - all.D * excess;
+  Vector known = R_WB.transpose() * given_momentum(at);
+  known -= wheel_momentum(model.robot, at.qd_rw) + all.D * excess;
   for (int i = 0; i < axes.momenta; ++i) {
     const int axis = axes.momentum[i];
     Real* const row = rows + i * stride;
@@ -203,7 +210,7 @@ inline EquationNoise conservation_equations(const ConservationModel& model, cons
       row[rhs] = told[axis];
     }
   }
-  return equation_noise(model, bodies, all, U, R_WB, h_cm);
+  return equation_noise(model, bodies, all, U, R_WB, h);
 }
 
 }  // namespace orbident

@@ -176,7 +176,7 @@ inline void start(const FilterModel& model, const Real* beta_0, const Real* root
   Vector h = all.D * Vector(at.w[0], at.w[1], at.w[2]) + wheel_momentum(laws.robot, at.qd_rw);
   for (int k = 0; k < laws.robot.tree.joints; ++k)
     h += at.qd[k] * (bodies.momentum[k].h - all.r_cm.cross(bodies.momentum[k].p));
-  h = R_WB * h;
+  h = R_WB * h - given_momentum(at);
   if (h_cm) h = Vector(h_cm[0], h_cm[1], h_cm[2]);
   Real* const x = room.x;
   for (int i = 0; i < size.nuisances; ++i) x[i] = 0.0;

@@ -110,7 +110,7 @@ long orbident_state(const orbident_robot* robot);
 
 /* Begins at a first sample, which sets the scale of the momentum and is not used up: step with it too.
  *   memory   `numbers` of them; best at a multiple of 64 bytes
- *   sample   [q, qd, w, x_WB, qd_rw, v_S, w_smooth], see conservation_equations.hpp
+ *   sample   [q, qd, w, x_WB, qd_rw, v_S, w_smooth, h_given], see conservation_equations.hpp
  *   h_cm     the momentum where it is known, inertial axes, N m s; else a null pointer
  * Returns ORBIDENT_DONE, _INCOMPLETE, _ABSURD or _NO_MEMORY. */
 int orbident_init(const orbident_robot* robot, orbident_real* memory, long numbers,

@@ -54,6 +54,7 @@ inline Counts counts(const FilterModel& model, const FilterState& state, Real t,
   };
   look(at.q, needed);
   look(at.w_smooth, 3);
+  look(at.h_given, 3);
   if (!all) return Counts::incomplete;
   const Vector v_S(at.v_S[0], at.v_S[1], at.v_S[2]);
   if (v_S.allFinite()) look(at.v_S, 3);
@@ -78,15 +79,15 @@ inline Innovation take_in(const FilterModel& model, FilterState& state, Real t,
     for (int i = 0; i < size.rows; ++i) room.rows[i * stride + n + y] = 0.0;
     return {room.rows + n + y, stride, 0.0, 0, reason};
   }
-  const Vector h_cm = momentum_in(model, state.x);
+  const Vector h = momentum_in(model, state.x) + given_momentum(at);
   const Matrix R_WB = quaternion_matrix<Real>(Quaternion<Real>(at.x_WB));
   const Real dt = std::isnan(*state.t) ? Real(0) : t - *state.t;
   const Eigen::Map<Eigen::Matrix<Real, 3, 3, Eigen::RowMajor>> R_before(state.R_WB);
   const Matrix integral = dt / 2 * (R_before + R_WB);
-  const EquationNoise noise = conservation_equations(model.laws, state.beta, h_cm, at, R_WB, room.equations,
+  const EquationNoise noise = conservation_equations(model.laws, state.beta, h, at, R_WB, room.equations,
                                                      room.rows, stride);
   const int top_stride = size.top_stride();
-  const Matrix of_gyro = predict_nuisances(model.laws, state.top, top_stride, n + y + 1, integral, h_cm,
+  const Matrix of_gyro = predict_nuisances(model.laws, state.top, top_stride, n + y + 1, integral, h,
                                            dt, room.kick, room.covariance);
   const int R_stride = reduced ? size.beta_stride() : size.R_stride();
   if (reduced) rows_of_beta(model, state, room.rows + n, stride, size.rows, R_stride, room);

@@ -12,20 +12,18 @@ What the push adds is then an unknown of maximum likelihood, from which samples 
 lasts are left out.
 """
 
-from dataclasses import replace
-
 import numpy as np
 from jaxtyping import Float
 
 from orbident.estimation.causes.trial import STEPS
-from orbident.estimation.check import worst
+from orbident.estimation.check import only_vague
 from orbident.estimation.criteria import judge
 from orbident.estimation.estimate import Estimator, Progress
 from orbident.estimation.linear_fits import rows_of
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.output_error.disturbances import LONGEST
 from orbident.estimation.output_error.estimator import OutputError
-from orbident.estimation.solve import Solved
+from orbident.estimation.solve import Solved, in_whole, solved_by
 from orbident.model.wheel_arrays import wheels_of
 
 RANK = 1e-9
@@ -46,21 +44,26 @@ def with_push(solved: Solved, estimator: Estimator, progress: Progress) -> Solve
         estimator: by which it was solved.
         progress: is called with the fraction of the work that is done.
     """
-    other = not isinstance(estimator, OutputError)
     problem, t = solved.problem, solved.problem.samples.t
-    sized = FEWEST <= t.size <= LONGEST
-    if other or solved.hindered or not sized or not _refused(solved):
+    # An exact recording shows none: its sensors are not fitted.
+    by_sensors = solved.shown is not None and (
+        isinstance(estimator, OutputError) or in_whole(problem)
+    )
+    sized = FEWEST <= t.size <= LONGEST and by_sensors
+    if solved.hindered or not sized or _fits(solved):
         return solved
+    # As it was recorded: nothing is subtracted that was taken for something else.
+    problem = problem.amended()
     row = jump_of_momenta(problem)
     pushed = problem.amended(pushed=(t[row - AROUND], t[row + AROUND]))
-    estimate = replace(estimator, steps=STEPS).estimate(pushed, progress)
-    again = Solved(pushed, [], estimate, estimate)
-    return solved if _refused(again) else again
+    shown = OutputError(steps=STEPS).estimate(pushed, progress)
+    again = solved_by(estimator, pushed, shown, progress)
+    return again if _fits(again) else solved
 
 
-def _refused(solved: Solved) -> bool:
-    checks = judge(solved, dict(solved.estimate.masses)).checks
-    return worst(checks) == "do not trust"
+def _fits(solved: Solved) -> bool:
+    """Whether nothing is wrong; a mass that is not told is no sign of a push."""
+    return only_vague(judge(solved, dict(solved.estimate.masses)).checks)
 
 
 def jump_of_momenta(problem: MomentumProblem) -> int:

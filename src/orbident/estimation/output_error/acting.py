@@ -11,6 +11,7 @@ An accelerometer feels `F / M + b`.
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
@@ -34,6 +35,17 @@ from orbident.robot.description import MomentumWalk
 
 ROWS = 15
 """A node has so many: h_cm, its rate, r_cm, v_cm and what is felt, three axes each."""
+
+
+class Given(NamedTuple):
+    """What acted from outside has given to the momenta since the first row."""
+
+    t: Float[np.ndarray, " nodes"]
+    """s."""
+    h: Float[np.ndarray, "nodes 3"]
+    """To the angular momentum about the system CM, inertial axes, N m s."""
+    v: Float[np.ndarray, "nodes 3"]
+    """To the velocity of the system CM, inertial axes, m/s."""
 
 
 class Acting:
@@ -97,7 +109,7 @@ class Acting:
         if not (sizes or self.recorded or "nadir" in self.followed.surroundings):
             return np.zeros((0, ROWS, 1))
         every = (*self.recorded, *(self.disturbances if sizes else ()))
-        r = by_step(self.followed.moments @ beta / beta[0])
+        r = by_step(self.followed.to_cm(beta))
         tide = by_step(gravity_gradient(self.followed, beta))
         total = nothing(self.followed)._replace(torque=tide)
         pushing = [k for k in sizes if every[k].effect.force.any()]
@@ -107,15 +119,34 @@ class Acting:
                 total = total.plus(every[k].effect.times(size))
         own = self._moved([total, *(every[k].effect for k in pushing)], r, beta[0])
         still = [k for k in sizes if k not in pushing]
-        columns = self._without_force(tuple(still))
-        own[..., 0] += columns @ np.array([sizes[k] for k in still])
-        table = np.concatenate([own, columns], axis=2)
+        table = self._without_force(tuple(still))
+        table[..., 0] = 0.0
+        table[..., 0] = own[..., 0] + table @ np.array([0, *(sizes[k] for k in still)])
         if pushing:
-            order = [[*pushing, *still].index(k) for k in sizes]
+            table = np.concatenate([table, own[..., 1:]], axis=2)
+            order = [[*still, *pushing].index(k) for k in sizes]
             table = table[..., [0, *(1 + place for place in order)]]
         if not total.force.any():
             return table
         return np.concatenate([table, self._by_beta(total, r, beta[0])], axis=2)
+
+    def given(
+        self,
+        beta: Float[np.ndarray, " beta"],
+        gains: Float[np.ndarray, " selected"],
+        selected: Float[np.ndarray, " selected"],
+    ) -> Given | None:
+        """What has been given at these parameters; None where nothing acts.
+
+        Args:
+            beta: base parameters.
+            gains: of the selected calibrations and disturbances,
+            selected: and their places.
+        """
+        table = self.table(beta, gains, selected)
+        if not table.size:
+            return None
+        return Given(self.followed.t, table[:, 0:3, 0], table[:, 9:12, 0])
 
     def forget(self) -> None:
         """Free the tables that were last asked for: of all groups 10 kB a row."""
@@ -123,13 +154,17 @@ class Acting:
 
     def _without_force(
         self, which: tuple[int, ...]
-    ) -> Float[np.ndarray, "nodes rows effects"]:
-        """What torques and pulls of size one do: the same at all parameters."""
+    ) -> Float[np.ndarray, "nodes rows columns"]:
+        """What torques and pulls of size one do: the same at all parameters.
+
+        Before them is a column for what all do together, so that nobody copies them.
+        """
         if self._still is None or self._still[0] != which:
             every = (*self.recorded, *self.disturbances) if which else ()
             effects = [every[k].effect for k in which]
             nowhere = np.zeros((self.followed.t.size // 2, 3, 3))
-            self._still = which, self._moved(effects, nowhere, 1.0)
+            together = nothing(self.followed)
+            self._still = which, self._moved([together, *effects], nowhere, 1.0)
         return self._still[1]
 
     def _moved(

@@ -69,11 +69,12 @@ class OutputError:
             signals=likelihood.signals,
             solution=likelihood.solution,
             shared=likelihood.shared,
+            given=likelihood.given,
         )
 
 
 def _first(problem: MomentumProblem) -> Float[np.ndarray, " beta"]:
     """A first `beta` by the linear fits; these know nothing of thrust: then by CAD."""
-    if problem.samples.wrenches:
+    if problem.samples.unknown_thrust:
         return problem.sets.beta(problem.robot.theta)
     return beta_of_fits(problem.robot, problem.sets, problem.fits).values

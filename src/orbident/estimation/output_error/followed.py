@@ -142,11 +142,19 @@ class Followed:
             by_theta[:, :, PER_BODY * i : PER_BODY * (i + 1)] = own
         return self.R_WB @ (by_theta @ self.sets.base.theta_of)
 
+    def to_cm(self, beta: Float[np.ndarray, " beta"]) -> Float[np.ndarray, "nodes 3"]:
+        """From S to the system CM with these parameters; inertial axes, m."""
+        theta = (self.sets.base.theta_of @ beta).reshape(-1, PER_BODY)
+        at = self.poses
+        first_moment = np.einsum("nbi,b->ni", at.d, theta[:, MASS])
+        first_moment += np.einsum("nbij,bj->ni", at.R, theta[:, FIRST_MOMENT])
+        return self.in_inertial(first_moment / beta[0])
+
     @cached_property
     def nominal_cm(self) -> Motion:
         """The system CM, by CAD."""
         beta = self.sets.beta(self.robot.theta)
-        r = self.S.r + self.moments @ beta / beta[0]
+        r = self.S.r + self.to_cm(beta)
         return Motion(r, np.gradient(r, self.t, axis=0))
 
     def point(self, body: int, p: Float[np.ndarray, "3"]) -> Motion:

@@ -182,6 +182,8 @@ def fitted(
             _core.give_back_memory()
         solution = solved(problem, used, prior, state, progress, steps)
     del used
+    if problem.t.size >= LARGE:
+        _core.give_back_memory()
     residuals = {
         name: _over_noise(problem, solution, name, before[name])
         * (before[name] / level)

@@ -82,7 +82,7 @@ def _packed(
     complete = at.turning & np.isfinite(rate).all(axis=1)
     complete &= (samples.t >= first) & (samples.t <= last)
     v_S = np.where(at.moving[:, None], at.v_S, np.nan)
-    every = np.hstack([at.q, at.qd, at.w, at.x_WB, at.qd_rw, v_S, rate])
+    every = np.hstack([at.q, at.qd, at.w, at.x_WB, at.qd_rw, v_S, rate, at.h_given])
     return samples.t[complete], every[complete]
 
 

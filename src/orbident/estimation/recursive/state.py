@@ -7,6 +7,9 @@ from jaxtyping import Float, Shaped
 
 from orbident import _core
 
+NOTHING_GIVEN = np.zeros(3)
+"""Nothing acted from outside."""
+
 
 class Sample(NamedTuple):
     """What was measured at one time, float32 or float64; NaN where nothing was.
@@ -26,6 +29,8 @@ class Sample(NamedTuple):
     """Velocity of S, inertial axes, m/s."""
     w_smooth: Shaped[np.ndarray, "3"]
     """The rate with less noise, where regressors are evaluated; or the gyro again."""
+    h_given: Shaped[np.ndarray, "3"] = NOTHING_GIVEN
+    """Angular momentum that was given from outside so far, inertial axes, N m s."""
 
 
 class State(NamedTuple):

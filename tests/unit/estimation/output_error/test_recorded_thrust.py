@@ -103,9 +103,28 @@ def test_without_wheels(robot, flight, seed):
     assert not result.disturbances
 
 
-def test_only_maximum_likelihood_knows_of_it(robot, flight):
-    with pytest.raises(InputError, match="use --method maximum-likelihood"):
-        identify(robot, recorded(robot, flight, 0), "structured")
+@pytest.mark.parametrize("method", ["structured", "least-squares"])
+def test_by_other_methods(robot, flight, method):
+    """What thrust has given to the momenta is a known term of Eqs. 24 and 31."""
+    result = identify(robot, recorded(robot, flight, 0), method)
+    assert result.status == "ok", result.warnings
+    z = (result.base.values - minimal_sets(robot).beta(robot.theta)) / result.base.std
+    assert np.abs(z).max() < 4
+    assert result.mass.std < 0.02 * robot.mass
+
+
+def test_the_recursion_needs_a_wheel(robot, flight):
+    with pytest.raises(InputError, match="has no wheel, and recursive cannot find"):
+        identify(robot, recorded(robot, flight, 0), "recursive")
+
+
+@pytest.mark.parametrize("method", ["structured", "least-squares", "recursive"])
+def test_only_maximum_likelihood_takes_long_recordings(robot, flight, method):
+    seen, repeated = recorded(robot, flight, 0), 8
+    columns = {name: np.tile(x, repeated) for name, x in seen.columns.items()}
+    t = np.arange(repeated * seen.t.size) / RATE
+    with pytest.raises(InputError, match="recordings of at most 8192 samples"):
+        identify(robot, replace(seen, t=t, columns=columns), method)
 
 
 def test_there_is_no_such_thruster(robot, flight):

@@ -103,8 +103,3 @@ def test_there_is_no_such_torquer(robot: Robot, made: Made):
     other = {"torquer.my.dipole": np.ones(seen.t.size)}
     with pytest.raises(InputError, match="no torquer 'my', only 'mx', 'mz'; rename"):
         identify(robot, seen.with_columns(other))
-
-
-def test_only_maximum_likelihood_knows_of_it(robot: Robot, made: Made):
-    with pytest.raises(InputError, match="use --method maximum-likelihood"):
-        identify(robot, recorded(robot, made, 0), "structured")

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from small_problems import small_problem, small_recording, small_robot
 
-from orbident.errors import InputError
 from orbident.estimation.estimators import Method
 from orbident.estimation.identify import identify
 from orbident.estimation.linear_fits import InitialMomentum
@@ -211,11 +210,9 @@ def test_intervals(where, said, method, request):
     assert 0.90 < held < 0.99
 
 
-class TestRefused:
-    def test_least_squares(self, space):
-        with pytest.raises(InputError, match="use --method structured"):
-            space.identified(space.declared(), 0, "least-squares")
-
-    def test_a_walk_of_unknown_size_by_another_method(self, space):
-        with pytest.raises(InputError, match="torque_walk is said to act"):
-            space.identified(space.asked(), 0, "structured")
+def test_every_method_takes_a_walk_of_unknown_size_into_account(space):
+    """It is known once maximum likelihood has followed the momentum."""
+    for method in ("least-squares", "structured"):
+        result = space.identified(space.asked(), 2, method)
+        assert result.status == "ok", result.warnings
+        assert np.abs(space.off(result)).max() < FAR

@@ -208,7 +208,7 @@ def random_samples(robot: Robot, count: int) -> list[Sample]:
     random, joints = np.random.default_rng(1), len(robot.joints)
     samples = []
     for k in range(count):
-        w, noise, v_S = random.standard_normal((3, 3))
+        w, noise, v_S, h_given = random.standard_normal((4, 3))
         x_WB = random_quaternion(random)
         if robot.motion == "planar":
             w[:2] = noise[:2] = x_WB[:2] = 0.0
@@ -216,7 +216,7 @@ def random_samples(robot: Robot, count: int) -> list[Sample]:
         q, qd = random.standard_normal((2, joints))
         qd_rw = 10.0 * random.standard_normal(len(robot.wheels))
         smooth = w + 0.1 * noise
-        samples.append(Sample(0.1 * k, q, qd, w, x_WB, qd_rw, v_S, smooth))
+        samples.append(Sample(0.1 * k, q, qd, w, x_WB, qd_rw, v_S, smooth, h_given))
     return samples
 
 
