@@ -21,8 +21,8 @@ from orbident.simulation.simulate import simulate
 from orbident.viewer.replay_page import ReplayPage
 from orbident.viewer.server import PERIOD, close, open_server
 
-PATIENCE = 60.0
-"""A processor that draws instead of a graphics card, and is shared, takes seconds."""
+PATIENCE = 180.0
+"""s. A processor that draws instead of a graphics card, and is shared, takes long."""
 WIDTH, HEIGHT = 900, 700
 SCENE = (0, 160, 520, 520)
 """Where nothing but the scene is drawn: left, top, right, bottom, pixels."""
