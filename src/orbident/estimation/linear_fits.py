@@ -49,7 +49,7 @@ class Fits(NamedTuple):
     """Norm of the wheels' momentum over these samples, N m s."""
     surprise: float
     """How much the first sample, with nominal inertia, contradicts a momentum that was
-    taken as known; over the wheels' momentum."""
+    taken as known; over the wheels' momentum, root mean square."""
 
 
 class KnownMomentum(NamedTuple):
@@ -111,7 +111,7 @@ def fit(
         phi=solve_factor(R_v, layout_v, moving * axes_v),
         samples=turning,
         h_rw=float(h_rw),
-        surprise=_surprise(robot, sets, samples, known),
+        surprise=_surprise(robot, sets, samples, known, float(h_rw / np.sqrt(done))),
     )
 
 
@@ -210,19 +210,24 @@ def _seen_from_inertial_axes(
 
 
 def _surprise(
-    robot: Robot, sets: MinimalSets, samples: Samples, known: KnownMomentum | None
+    robot: Robot,
+    sets: MinimalSets,
+    samples: Samples,
+    known: KnownMomentum | None,
+    size: float,
 ) -> float:
-    """`|h_rw + R_0 Y pi_nominal - h_cm| / |h_rw|` at the first sample."""
+    """`|h_rw + R_0 Y pi_nominal - h_cm| / size` at the first sample.
+
+    The size is the root mean square of the wheels' momentum in the whole recording: at
+    the first sample wheels may stand still.
+    """
     first = samples.first()
-    if known is None or first is None:
+    if known is None or first is None or not size:
         return 0.0
     axes = np.array(sets.regressors.momentum_axes)
     h_rw, Y_in = _seen_from_inertial_axes(sets.regressors, wheels_of(robot), first)
-    h_rw = h_rw[axes]
     h_rs = (Y_in - known.Y_in) @ sets.pi(robot.theta)
-    size = np.linalg.norm(h_rw)
-    error = np.linalg.norm(h_rw + h_rs - known.h[axes])
-    return float(error / size) if size else 0.0
+    return float(np.linalg.norm(h_rw[axes] + h_rs - known.h[axes]) / size)
 
 
 def _check_enough(source: str, samples: int, axes: int, unknowns: int) -> None:
