@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from random_motions import random_motion
 
-from orbident.errors import InputError
 from orbident.estimation.bound import cramer_rao
 from orbident.estimation.identify import identify
 from orbident.model.minimal_sets import minimal_sets
@@ -38,9 +37,11 @@ def robot_with(sensors) -> Robot:
     return replace(load_robot("cepheus-like"), sensors=sensors)
 
 
-def off(robot: Robot, recording) -> tuple[str, np.ndarray]:
+def off(
+    robot: Robot, recording, method: str = "maximum-likelihood"
+) -> tuple[str, np.ndarray]:
     """The level, and errors of the base parameters over their deviations."""
-    result = identify(robot, recording, initial_momentum="at-rest")
+    result = identify(robot, recording, method, "at-rest")
     found = result.diagnostics or result
     true = minimal_sets(robot).beta(robot.theta)
     std = np.sqrt(np.diag(found.base_covariance))
@@ -60,8 +61,22 @@ def test_what_lasts_is_refused_if_it_is_taken_as_white():
     assert np.abs(errors).max() < 4
     level, _ = off(robot_with(WHITE), recording)
     assert level == "do not trust"
-    with pytest.raises(InputError, match="noise that lasts"):
-        identify(robot_with(LASTS), recording, "recursive", "at-rest")
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_the_filter_takes_what_lasts_into_account(seed: int):
+    """It sees no change of the robot in it, and its intervals hold."""
+    robot, recording = robot_with(LASTS), flight(seed)
+    level, errors = off(robot, recording, "recursive")
+    assert level == "trust"
+    assert np.abs(errors).max() < 4
+    by_filter, best = (
+        identify(robot, recording, method, "at-rest").base.std
+        for method in ("recursive", "maximum-likelihood")
+    )
+    # No estimate is better than the best one; noise that lasts is not modelled exactly.
+    assert (by_filter >= 0.999 * best).all()
+    assert (by_filter < 3 * best).all()
 
 
 def test_deviations_are_those_of_the_bound():

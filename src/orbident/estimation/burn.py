@@ -9,6 +9,7 @@ The CM answers the thrusters (Eqs. 33 to 36), and S turns with the base about it
 Joints are locked, so `c` is a constant: an unknown as `r_0` and `v_0` are.
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -21,6 +22,7 @@ from orbident.preprocessing.base_motion import base_motion
 from orbident.preprocessing.rates import at_times, fill
 from orbident.preprocessing.settings import Settings
 from orbident.preprocessing.velocity import bias_response, velocity_from_accelerometer
+from orbident.preprocessing.wrenches import Wrenches, recorded_thrust
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 
@@ -43,6 +45,8 @@ class Burn(NamedTuple):
     """Its integral."""
     rows: Int[np.ndarray, " n"]
     """Rows of the recording."""
+    gain: float
+    """Standard deviation of the impulse's size, over the impulse."""
 
 
 class Rows(NamedTuple):
@@ -60,37 +64,58 @@ def burn_of(robot: Robot, recording: Recording, late: float) -> Burn:
     A force lasts from its row until the next one that has a force.
 
     Args:
-        robot: with the noise of its sensors, where that is known.
-        recording: force and attitude.
+        robot: with its thrusters, and the noise of its sensors, where that is known.
+        recording: what the thrusters did, or their net force; and the attitude.
         late: by how much the attitude's times are behind the gyro's, s.
 
     Raises:
-        InputError: a column is missing, the force is zero throughout, or there is no
-            row from where on both force and attitude are known.
+        InputError: a column is missing, nothing was fired, or force and attitude are
+            not known together.
     """
-    force = _held(recording.vector("force"))
+    pushes = _pushes(robot, recording)
     recording.vector("attitude", "xyzw")
-    if not np.nan_to_num(force).any():
-        raise InputError(
-            f"{recording.source}: columns 'force.x' to '.z' are zero throughout; "
-            "record a burn, and the net thruster force in base axes, N"
-        )
     base = base_motion(recording, robot.sensors, late, Settings())
     label = f"{recording.source}: attitude"
     x_WB = fill(recording.t, same_sign(np.column_stack(base.x_WB)), label)
-    known = np.flatnonzero(np.isfinite(np.hstack([force, x_WB])).all(axis=1))
-    if known.size < 2:
+    known = np.flatnonzero(np.isfinite(x_WB).all(axis=1))
+    each = np.stack([push.force[known] for push in pushes], axis=2)
+    F = each.sum(axis=2)
+    if known.size < 2 or not F.any():
         raise InputError(
-            f"{recording.source}: {known.size} rows with force and attitude; the two "
-            "must be recorded together"
+            f"{recording.source}: nothing was fired while the attitude is known; force "
+            "and attitude must be recorded together"
         )
-    t, F = recording.t[known], force[known]
+    t = recording.t[known]
     R_WB = Rotation.from_quat(x_WB[known]).as_matrix()
     turned = np.cross(np.eye(3), F[:, None, :])
     forces = np.concatenate([F[:, None, :], turned], axis=1).transpose(0, 2, 1)
     impulse, carried = _integrated(t, R_WB, forces)
+    gain = _gain(_integrated(t, R_WB, each)[0], [push.gain for push in pushes])
     w = np.column_stack(base.w)[known]
-    return Burn(t, x_WB[known], w, forces, impulse, carried, known)
+    return Burn(t, x_WB[known], w, forces, impulse, carried, known, gain)
+
+
+def _pushes(robot: Robot, recording: Recording) -> Wrenches:
+    """All that pushed; a net force is taken as it was recorded."""
+    thrust, net = recorded_thrust(robot, recording)
+    if thrust or net:
+        return (*thrust, *(wrench._replace(gain=0.0) for wrench in net))
+    if not any(name.startswith("thruster.") for name in recording.columns):
+        # Whose message says what is missing.
+        recording.vector("force")
+    raise InputError(
+        f"{recording.source}: thrust is zero throughout; record a burn, and the net "
+        "force of the thrusters in base axes (force.x .y .z, N) or what each did "
+        "(thruster.NAME.force, N, or thruster.NAME.duty)"
+    )
+
+
+def _gain(J: Float[np.ndarray, "n 3 pushes"], gains: Sequence[float]) -> float:
+    """How uncertain the impulse's size is, by the parts that each push has in it."""
+    total = J.sum(axis=2)
+    at = np.argmax(np.linalg.norm(total, axis=1))
+    parts = total[at] @ J[at] / (total[at] @ total[at])
+    return float(np.linalg.norm(parts * gains))
 
 
 def position_rows(burn: Burn, recording: Recording, late: float) -> Rows:
@@ -155,16 +180,9 @@ def _crossing(w: Vectors) -> Matrices:
     return np.cross(w[:, None, :], np.eye(3)).transpose(0, 2, 1)
 
 
-def _held(x: Vectors) -> Vectors:
-    """Each row without a sample has that of the row before."""
-    valid = np.isfinite(x).all(axis=1)
-    last = np.maximum.accumulate(np.where(valid, np.arange(len(x)), 0))
-    return x[last]
-
-
 def _integrated(
-    t: Float[np.ndarray, " n"], R_WB: Matrices, F: Float[np.ndarray, "n 3 4"]
-) -> tuple[Float[np.ndarray, "n 3 4"], Float[np.ndarray, "n 3 4"]]:
+    t: Float[np.ndarray, " n"], R_WB: Matrices, F: Float[np.ndarray, "n 3 k"]
+) -> tuple[Float[np.ndarray, "n 3 k"], Float[np.ndarray, "n 3 k"]]:
     """`integral of R_0 F` and its integral, `R_0` linear and `F` constant in a step."""
     h = np.diff(t)[:, None, None]
     before, after = R_WB[:-1] @ F[:-1], R_WB[1:] @ F[:-1]
@@ -173,7 +191,7 @@ def _integrated(
     return pushed, _summed(carried)
 
 
-def _summed(steps: Float[np.ndarray, "m 3 4"]) -> Float[np.ndarray, "n 3 4"]:
+def _summed(steps: Float[np.ndarray, "m 3 k"]) -> Float[np.ndarray, "n 3 k"]:
     return np.concatenate([np.zeros_like(steps[:1]), np.cumsum(steps, axis=0)])
 
 

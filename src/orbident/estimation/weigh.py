@@ -74,12 +74,15 @@ def weigh(robot: Robot, recording: Recording) -> Weighing:
 
     Eq. 40 for all samples and axes, by least squares; the attitude need not be held.
     Of position and velocity the one that tells the mass better is used, and the
-    accelerometer where there is neither.
+    accelerometer where there is neither. A net force is taken as it was recorded; the
+    deviation holds how uncertain each thruster's own force is (`gain` in the robot
+    file).
 
     Args:
         robot: its nominal inertia is not used.
-        recording: net thruster force (base axes, N), attitude, joint positions, and
-            position, velocity or accelerometer of S, before, during and after a burn.
+        recording: net thruster force (base axes, N) or what each thruster did,
+            attitude, joint positions, and position, velocity or accelerometer of S,
+            before, during and after a burn.
 
     Raises:
         InputError: a column is missing or empty, the force is zero throughout, or a
@@ -108,7 +111,7 @@ def weigh(robot: Robot, recording: Recording) -> Weighing:
     fit, samples = fits[signal]
     warnings = _doubts(fit)
     return Weighing(
-        mass=NOWHERE if warnings else _mass(fit),
+        mass=NOWHERE if warnings else _mass(fit, burn.gain),
         signal=signal,
         samples=samples,
         impulse=burn.impulse[-1, :, 0],
@@ -155,9 +158,10 @@ def _uncertainty(fit: LinearFit) -> float:
     return float(fit.covariance[0, 0]) if fit.determined[0] else np.inf
 
 
-def _mass(fit: LinearFit) -> Quantity:
+def _mass(fit: LinearFit, gain: float) -> Quantity:
     M = 1 / float(fit.values[0])
-    return Quantity(M, M**2 * float(np.sqrt(fit.covariance[0, 0])))
+    measured = M**2 * float(np.sqrt(fit.covariance[0, 0]))
+    return Quantity(M, float(np.hypot(measured, M * gain)))
 
 
 def _doubts(fit: LinearFit) -> tuple[str, ...]:

@@ -29,9 +29,12 @@ class RecordedWrench(NamedTuple):
     """Of a torquer, A m^2: the field makes a torque of it."""
 
 
+Wrenches = tuple[RecordedWrench, ...]
+
+
 def recorded_wrenches(
     robot: Robot, recording: Recording, around: Surroundings
-) -> tuple[RecordedWrench, ...]:
+) -> Wrenches:
     """Wrenches of thrusters and torquers, or net ones, without those that never act.
 
     Args:
@@ -44,13 +47,12 @@ def recorded_wrenches(
             robot file; it is recorded twice; a force without its torque; or a dipole
             without the field.
     """
-    thrust = _acting(_of_thrusters(robot, recording))
-    net = _acting(_net(recording))
-    if thrust and net:
+    thrust, net = recorded_thrust(robot, recording)
+    if any(np.isnan(wrench.torque).any() for wrench in net):
         raise InputError(
-            f"{recording.source}: the columns 'force.*' are the net force of all "
-            "thrusters, and 'thruster.*' are there too: they would count twice; remove "
-            "one of them"
+            f"{recording.source}: 'force.x .y .z' act, and 'torque.x .y .z' (about "
+            "S) are missing, without which the momentum is not known; add them, or "
+            "give each thruster's own force as 'thruster.NAME.force'"
         )
     magnetic = _acting(_of_torquers(robot, recording))
     if magnetic and "field" not in around:
@@ -62,7 +64,28 @@ def recorded_wrenches(
     return (*thrust, *net, *magnetic)
 
 
-def _acting(wrenches: Iterator[RecordedWrench]) -> tuple[RecordedWrench, ...]:
+def recorded_thrust(robot: Robot, recording: Recording) -> tuple[Wrenches, Wrenches]:
+    """Wrenches of the thrusters, or the net one, without those that never act.
+
+    Args:
+        robot: with thrusters.
+        recording: what they did. The net torque is NaN where it was not recorded.
+
+    Raises:
+        InputError: as `recorded_wrenches` says of thrusters.
+    """
+    thrust = _acting(_of_thrusters(robot, recording))
+    net = _acting(_net(recording))
+    if thrust and net:
+        raise InputError(
+            f"{recording.source}: the columns 'force.*' are the net force of all "
+            "thrusters, and 'thruster.*' are there too: they would count twice; remove "
+            "one of them"
+        )
+    return thrust, net
+
+
+def _acting(wrenches: Iterator[RecordedWrench]) -> Wrenches:
     return tuple(w for w in wrenches if any(x.any() for x in w[2:]))
 
 
@@ -112,16 +135,11 @@ def _newton(thruster: Thruster, recording: Recording) -> Float[np.ndarray, " sam
 
 def _net(recording: Recording) -> Iterator[RecordedWrench]:
     force, torque = (_vector(recording, name) for name in ("force", "torque"))
-    if torque is None:
-        if force is not None and force.any():
-            raise InputError(
-                f"{recording.source}: 'force.x .y .z' act, and 'torque.x .y .z' (about "
-                "S) are missing, without which the momentum is not known; add them, or "
-                "give each thruster's own force as 'thruster.NAME.force'"
-            )
+    if torque is None and (force is None or not force.any()):
         return
-    zero = np.zeros_like(torque)
+    zero = np.zeros((recording.t.size, 3))
     force = zero if force is None else force
+    torque = np.full_like(zero, np.nan) if torque is None else torque
     yield RecordedWrench("wrench", NET_GAIN, force, torque, zero)
 
 

@@ -1,6 +1,7 @@
 """What the sensors' noise is, sample by sample."""
 
-from typing import NamedTuple
+from collections.abc import Mapping
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -8,10 +9,12 @@ from orbident.errors import InputError
 from orbident.estimation.linear_fits import fit
 from orbident.estimation.tachometers import rate_noise
 from orbident.model.minimal_sets import minimal_sets
+from orbident.model.wheel_arrays import wheels_of
 from orbident.preprocessing.base_motion import INTEGRATED, SMOOTHED
 from orbident.preprocessing.histories import DERIVED, MEASURED
 from orbident.preprocessing.point_velocity import SMOOTHED as DIFFERENTIATED
 from orbident.preprocessing.samples import Samples
+from orbident.robot.coloured_noise import coloured_noise
 from orbident.robot.description import Robot
 from orbident.robot.sensor_bias import bias_std, bias_walk
 
@@ -55,7 +58,8 @@ class Noise(NamedTuple):
     joint_rates: float = 0.0
     """White noise of a joint rate sample, rad/s or m/s."""
     momentum_walk: float = 0.0
-    """Random walk of the angular momentum, N m s/sqrt(s)."""
+    """Random walk of the angular momentum, or of the attitude in which it is seen,
+    N m s/sqrt(s)."""
     accelerometer: bool = False
     """Whether the velocity is integrated from one, and its bias an unknown."""
     declared: bool = True
@@ -79,6 +83,7 @@ def noise_of(robot: Robot, samples: Samples, seen: float = 0.0) -> Noise:
         for key in ("gyro", "accelerometer", "attitude", "position", "joints")
     )
     angle, std = attitude.get("angle", 0.0), position.get("std", 0.0)
+    walks = coloured_noise(attitude).random_walk.max()
     walk = force.get("velocity_random_walk", 0.0) if samples.biased else 0.0
     measured = samples.origins["base_rate"] != SMOOTHED
     integrated = samples.origins["attitude"] == INTEGRATED
@@ -93,21 +98,25 @@ def noise_of(robot: Robot, samples: Samples, seen: float = 0.0) -> Noise:
         if samples.origins["wheel_speeds"] == MEASURED and robot.wheels:
             rate = np.hypot(rate, rate_noise(robot))
     else:
-        rate = COLOURED * angle / MEMORY
+        rate = COLOURED * _changing(attitude, angle) / MEMORY
     smoothed = samples.origins["velocity"] == DIFFERENTIATED and std
-    velocity = COLOURED * std / MEMORY if smoothed else FINE * walk * np.sqrt(dt)
+    velocity = FINE * walk * np.sqrt(dt)
+    if smoothed:
+        velocity = COLOURED * _changing(position, std) / MEMORY
     return Noise(
         gyro=max(float(rate), LEAST),
         velocity=float(velocity or _left_over(robot, samples)),
         gyro_bias=max(bias_std("gyro", gyro), LEAST) if measured else LEAST,
         gyro_walk=bias_walk(gyro) if measured else 0.0,
         integrated=float(integrated),
-        attitude=0.0 if integrated or not measured else angle,
+        attitude=0.0 if integrated or not measured else _as_white(attitude, dt),
         velocity_walk=float(np.hypot(walk, robot.momentum_walk.force / robot.mass)),
         accelerometer_bias=max(bias_std("accelerometer", force), LEAST),
         accelerometer_walk=bias_walk(force),
         joint_rates=joints.get("position", 0.0) / MEMORY if derived else 0.0,
-        momentum_walk=robot.momentum_walk.torque,
+        momentum_walk=float(
+            np.hypot(robot.momentum_walk.torque, walks * _spin(robot, samples))
+        ),
         accelerometer=samples.biased,
         declared=bool(velocity),
     )
@@ -140,9 +149,36 @@ def declared_noise(robot: Robot, dt: float, velocity: float | None) -> Noise:
         velocity=max(velocity or 0.0, LEAST),
         gyro_bias=max(bias_std("gyro", gyro), LEAST),
         gyro_walk=bias_walk(gyro),
-        attitude=attitude.get("angle", 0.0),
+        attitude=_as_white(attitude, dt),
         joint_rates=joints.get("tachometer") or joints.get("position", 0.0) / MEMORY,
     )
+
+
+def _changing(section: Mapping[str, Any], white: float) -> float:
+    """How much the noise of a pose changes within `MEMORY`, rad or m."""
+    lasting = coloured_noise(section)
+    markov = lasting.markov_std**2 * -np.expm1(-MEMORY / lasting.correlation_time)
+    walk = lasting.random_walk**2 * MEMORY
+    return float(np.sqrt(white**2 + (2 * markov + walk).max()))
+
+
+def _as_white(attitude: Mapping[str, Any], dt: float) -> float:
+    """White noise that tells as little as that of an attitude, rad.
+
+    The spectral density of a first-order Gauss-Markov process is at most
+    `2 markov_std^2 correlation_time`; that of white noise is its variance times `dt`.
+    """
+    lasting = coloured_noise(attitude)
+    markov = 2 * lasting.markov_std**2 * lasting.correlation_time / dt
+    return float(np.sqrt(attitude.get("angle", 0.0) ** 2 + markov.max()))
+
+
+def _spin(robot: Robot, samples: Samples) -> float:
+    """The wheels' momentum, root mean square, which a wrong attitude turns, N m s."""
+    if not robot.wheels:
+        return 0.0
+    h_rw = wheels_of(robot).A_rw @ np.array(samples.qd_rw)
+    return float(np.sqrt(np.nanmean(np.sum(h_rw**2, axis=0))))
 
 
 def _left_over(robot: Robot, samples: Samples) -> float:

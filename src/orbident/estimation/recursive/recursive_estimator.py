@@ -4,7 +4,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from orbident.errors import InputError
 from orbident.estimation.estimate import (
     Estimate,
     Goodness,
@@ -16,7 +15,6 @@ from orbident.estimation.estimate import (
 from orbident.estimation.found import BetaEstimate
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.recursive.history import recursive_history
-from orbident.robot.coloured_noise import coloured_noise
 
 
 @dataclass(frozen=True)
@@ -32,11 +30,9 @@ class Recursive:
         """Take the samples one by one.
 
         Raises:
-            InputError: no sample is complete, or noise lasts that the filter takes for
-                a change of the robot.
+            InputError: no sample is complete.
         """
         robot, samples = problem.robot, problem.samples
-        _check_white(problem)
         history = recursive_history(robot, samples, problem.h_cm, progress=progress)
         nothing = np.zeros((history.beta.shape[1], 0))
         last = BetaEstimate(history.beta[-1], history.covariance, nothing)
@@ -56,14 +52,3 @@ class Recursive:
             biases=biases_of_sensors(problem, history.biases),
             history=history,
         )
-
-
-def _check_white(problem: MomentumProblem) -> None:
-    for name in ("attitude", "position"):
-        section = problem.robot.sensors.get(name) or {}
-        if problem.recording.has(f"{name}.x") and not coloured_noise(section).absent:
-            raise InputError(
-                f"{problem.robot.name}: sensors.{name}: declares noise that lasts "
-                "(markov_std, random_walk), which the recursive filter would take for "
-                "changes of the robot; use --method maximum-likelihood"
-            )
