@@ -104,7 +104,8 @@ def watched(lines: list[bytes], state: Path) -> bool:
     listener.start()
     started = sent(lines, port, process.pid)
     time.sleep(5.0)
-    process.send_signal(signal.SIGINT)
+    # In the background of a shell SIGINT is ignored.
+    process.send_signal(signal.SIGTERM)
     listener.join()
     _, _, usage = os.wait4(process.pid, 0)
     estimates = [(at, e) for at, e in told if e["event"] == "estimate"]
