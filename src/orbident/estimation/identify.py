@@ -59,10 +59,10 @@ def identify(
         method: an estimator, or the name of one with its usual options:
             `"maximum-likelihood"` fits all sensors at once; `"structured"` the
             equations 24 and 31, for what `pi` and `phi` are made of; `"least-squares"`
-            is the paper's: `pi` and `phi` each for itself, with deviations that know
-            white noise only, no bias and no drift; `"recursive"` goes sample by sample,
-            from CAD values that are 30 % uncertain, and watches for changes of the
-            robot.
+            is the paper's: it estimates `pi` and `phi` separately, and its standard
+            deviations count white noise but neither biases nor drifts;
+            `"recursive"` goes sample by sample, from CAD values that are 30 %
+            uncertain, and watches for changes of the robot.
         initial_momentum: `"unknown"` estimates the momentum with `pi`; `"at-rest"`
             takes it from the wheels of a base at rest, or as zero where everything
             was at rest before the wheels spun up; `"first-sample"` subtracts the

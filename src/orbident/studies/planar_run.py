@@ -119,7 +119,7 @@ def run_noisy(
         flights: all flights of Section 5.
         filters: the filters of the paper's method.
         seed: the seed of the three recordings' noise.
-        method: the method of `identify`, on the recordings as they are.
+        method: the method of `identify`, which takes the recordings unfiltered.
     """
     seeds = (len(flights) * seed + k for k in range(len(flights)))
     records = Records(

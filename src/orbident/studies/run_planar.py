@@ -166,8 +166,9 @@ def run_planar(
     """Fly, identify by Eqs. 24 and 31, weigh by Eq. 40, predict Eq. 47's run.
 
     Args:
-        noise: `"paper"` for encoders and motion capture, and the paper's processing of
-            them beside `method` on the recordings as they are.
+        noise: `"paper"` adds the noise of encoders and motion capture. The robot is
+            then identified twice: by the paper's method, which filters signals first,
+            and by `method`, which takes them unfiltered.
         seeds: runs with noise, one a seed; the flights are the same.
         first_seed: of them.
         method: of `identify`; with ideal sensors there is no other.

@@ -105,8 +105,9 @@ def run_spatial(
         noise: `"paper"` for Section 3.5's.
         seeds: runs with noise, one a seed.
         first_seed: of them.
-        method: `"paper"`'s (filters, Eq. 24 with the first sample subtracted), or one
-            of `identify`'s on the recordings as they are.
+        method: `"paper"` filters the recordings and solves Eq. 24 with the first sample
+            subtracted. Every other one is a method of `identify`, which takes the
+            recordings unfiltered.
         progress: is called with the fraction done.
         executors: where all seeds but the first are run.
 
