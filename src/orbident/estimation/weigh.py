@@ -85,10 +85,11 @@ def weigh(robot: Robot, recording: Recording) -> Weighing:
             before, during and after a burn.
 
     Raises:
-        InputError: a column is missing or empty, the force is zero throughout, or a
-            joint moved.
+        InputError: a column is missing, empty or of a thruster that the robot lacks,
+            the force is zero throughout, or a joint moved.
     """
     recording.check_joints(robot)
+    recording.check_thrusters(robot)
     _check_locked(robot, recording)
     found = [s for s in SIGNALS if recording.has(*(f"{s}.{k}" for k in "xyz"))]
     if not found:

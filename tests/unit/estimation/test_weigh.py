@@ -203,6 +203,8 @@ def test_thrusters_with_gains():
     part = 0.05 * 0.3**2 / (0.3**2 + 0.5**2)
     assert by_thrusters.mass.std == pytest.approx(TABLE.mass * part, rel=1e-5)
     refused(fired(force[:, 0] / 0.2), "'thruster.t1.duty'", "between 0", robot=robot)
+    lacking = replace(PLANAR, thrusters=(other,))
+    refused(fired(force[:, 0]), "no thruster 't1'", robot=lacking)
 
 
 def rejected(recording, *words):
