@@ -83,7 +83,7 @@ def noise_of(robot: Robot, samples: Samples, seen: float = 0.0) -> Noise:
         for key in ("gyro", "accelerometer", "attitude", "position", "joints")
     )
     angle, std = attitude.get("angle", 0.0), position.get("std", 0.0)
-    walks = coloured_noise(attitude).random_walk.max()
+    turns = coloured_noise(attitude).random_walk.max()
     walk = force.get("velocity_random_walk", 0.0) if samples.biased else 0.0
     measured = samples.origins["base_rate"] != SMOOTHED
     integrated = samples.origins["attitude"] == INTEGRATED
@@ -103,6 +103,7 @@ def noise_of(robot: Robot, samples: Samples, seen: float = 0.0) -> Noise:
     velocity = FINE * walk * np.sqrt(dt)
     if smoothed:
         velocity = COLOURED * _changing(position, std) / MEMORY
+    seen_to_walk = turns * _spin(robot, samples) if turns else 0.0
     return Noise(
         gyro=max(float(rate), LEAST),
         velocity=float(velocity or _left_over(robot, samples)),
@@ -114,9 +115,7 @@ def noise_of(robot: Robot, samples: Samples, seen: float = 0.0) -> Noise:
         accelerometer_bias=max(bias_std("accelerometer", force), LEAST),
         accelerometer_walk=bias_walk(force),
         joint_rates=joints.get("position", 0.0) / MEMORY if derived else 0.0,
-        momentum_walk=float(
-            np.hypot(robot.momentum_walk.torque, walks * _spin(robot, samples))
-        ),
+        momentum_walk=float(np.hypot(robot.momentum_walk.torque, seen_to_walk)),
         accelerometer=samples.biased,
         declared=bool(velocity),
     )
