@@ -66,12 +66,14 @@ def _attitude(robot: Robot) -> Iterator[Convention]:
             f"the quaternion of the attitude is {words}", _quaternion(change)
         )
 
-    yield quaternion("scalar first", lambda x: np.roll(x, -1, axis=1))
     yield quaternion("the inverse, from inertial to base axes", lambda x: CONJUGATE * x)
-    yield quaternion(
-        "scalar first, and the inverse",
-        lambda x: CONJUGATE * np.roll(x, -1, axis=1),
-    )
+    # In a plane such an attitude does not turn about z, and screening refuses it.
+    if robot.motion == "spatial":
+        yield quaternion("scalar first", lambda x: np.roll(x, -1, axis=1))
+        yield quaternion(
+            "scalar first, and the inverse",
+            lambda x: CONJUGATE * np.roll(x, -1, axis=1),
+        )
     for words, R in _other_axes(robot):
         if np.linalg.det(R) < 0:
             continue
