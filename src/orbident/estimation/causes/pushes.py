@@ -62,7 +62,7 @@ def with_push(solved: Solved, estimator: Estimator, progress: Progress) -> Solve
 
 
 def _fits(solved: Solved) -> bool:
-    """Whether nothing is wrong; a mass that is not told is no sign of a push."""
+    """Whether nothing is wrong; an uncertain mass is no sign of a push."""
     return only_vague(judge(solved, dict(solved.estimate.masses)).checks)
 
 
