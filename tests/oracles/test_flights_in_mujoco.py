@@ -54,7 +54,8 @@ recordings of it that differ in their noise 15 are accepted though a parameter i
 30 deviations: see the decision on what acts from outside."""
 
 Verdict = Literal["identified", "not named", "refused", "hidden", "wrong"]
-"""Hidden is what a result says it could not see, and that it could do so much harm."""
+"""Hidden is what a result says to be careful of: that it could not see it, and that it
+could do so much harm."""
 
 
 @dataclass(frozen=True)
@@ -109,7 +110,8 @@ def scored(case: Case) -> Score:
     size = _size(case, result) if named else np.nan
     verdict: Verdict = "identified" if named and size < FAR else "not named"
     if max(far, said) > WRONG:
-        verdict = "hidden" if not named and far < _unseen(result, group) else "wrong"
+        warned = result.level == "with care" and far < _unseen(result, group)
+        verdict = "hidden" if warned and not named else "wrong"
     return Score(
         case,
         verdict,

@@ -110,8 +110,9 @@ def identify(
 
         check_absent(out, force)
     described = load_robot(robot)
-    asked = (*described.disturbances, *map(str, disturbance or ()))
-    described = replace(described, disturbances=asked)
+    if disturbance:
+        asked = (*(described.disturbances or ()), *map(str, disturbance))
+        described = replace(described, disturbances=asked)
     with progress("reading"):
         tables = [cut(open_recording(each), start, end) for each in recordings]
         pushed = None if burn is None else read_recording(burn)

@@ -11,9 +11,6 @@ TITLES = {
     "pi": "pi: what the angular momentum shows",
 }
 
-HARM = 5.0
-"""Deviations: what could shift a parameter further, unseen, is worth a line."""
-
 
 def summary(result: Any, out: Path | None, everything: bool) -> list[str]:
     """The lines of a result, on one screen of 24 lines unless everything is wanted.
@@ -121,23 +118,14 @@ def _disturbances(result: Any) -> list[str]:
 
 
 def _sensitivity(result: Any) -> list[str]:
-    """What is taken for zero may do: errors of instruments, and what acts unseen."""
+    """What errors of instruments that are taken for zero may do."""
     table = result.sensitivity()
     if table is None:
         return []
     name, unit, parameter, shift = table.worst()
-    lines = [
+    return [
         f"{table.instruments} errors of instruments are taken for zero: 1 {unit} of "
         f"{name} would",
         f"shift {parameter} by {number(shift, '.2g')} sigmas (see 'tolerances' in the "
         "docs; all: --json)",
     ]
-    name, _, parameter, shift = table.worst(unseen=True)
-    if shift > HARM:
-        lines += [
-            f"{name} is taken for zero, as nothing shows it: too faint to be seen, it "
-            "could",
-            f"shift {parameter} by up to {number(shift, '.2g')} sigmas; if it may act, "
-            f"say so (--disturbance {name})",
-        ]
-    return lines

@@ -19,6 +19,7 @@ from orbident.estimation.residual_checks import CAUSES, residual_checks
 from orbident.estimation.reweighting import unsettled_weights
 from orbident.estimation.solve import Solved
 from orbident.files.names import joined, listed
+from orbident.model.formulas import formulas_of
 
 # Deviations between two estimates of the same recording that are no chance.
 FAR = 3.0
@@ -26,6 +27,8 @@ FAR = 3.0
 SPREAD = 0.5
 # A mass counts as determined if its deviation is below this part of it.
 VAGUE = 0.3
+# Deviations: what could shift a parameter further, unseen, calls for care.
+HARM = 5.0
 # So many neighbours are named; more are given by the first and the last.
 LISTED = 20
 # So many sizes of what acts from outside are written out.
@@ -73,6 +76,7 @@ def judge(solved: Solved, masses: dict[str, Quantity]) -> Judgement:
             *_changes(estimate),
             *_disturbances(estimate, problem),
             *_two_explanations(problem, shown or estimate),
+            *_unseen(estimate, problem),
             *agreement_of_routes(masses),
             *beside_nominal(estimate.mass, robot.mass, len(robot.wheels)),
         ]
@@ -216,6 +220,32 @@ def _two_explanations(problem: MomentumProblem, shown: Estimate) -> Iterator[Che
             "is late, declare its latency in the robot file; else see that wheel "
             "speeds were measured and not commanded only",
         )
+
+
+def _unseen(estimate: Estimate, problem: MomentumProblem) -> Iterator[Check]:
+    """Care is needed where something may act too faintly to be seen, and do harm.
+
+    Only who recorded it knows that nothing does: the data cannot say.
+    """
+    if not estimate.unseen or problem.robot.disturbances is not None:
+        return
+    std = np.sqrt(np.diag(estimate.found.base.covariance))
+    groups = [*estimate.unseen]
+    shifts = np.nan_to_num(np.array([estimate.unseen[group] for group in groups]) / std)
+    row, column = np.unravel_index(shifts.argmax(), shifts.shape)
+    group, largest = groups[row], float(shifts[row, column])
+    names = formulas_of(problem.robot, problem.sets).base.names
+    reason = (
+        f"perhaps {IN_WORDS[group]}, too faint to be seen: it could shift "
+        f"{names[column]} by up to {largest:.2g} sigmas, which no deviation holds"
+    )
+    harms = largest > HARM
+    remedy = (
+        f"if it may act, say so (--disturbance {group}); if you know that nothing like "
+        "it acts, say that in the robot file (disturbances: [])"
+    )
+    level: Level = "with care" if harms else "trust"
+    yield Check("unseen", level, reason, remedy if harms else "", largest, HARM)
 
 
 def _disturbances(estimate: Estimate, problem: MomentumProblem) -> Iterator[Check]:

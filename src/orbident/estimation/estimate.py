@@ -75,6 +75,8 @@ class Estimate:
     suspected: Mapping[str, float] = field(default_factory=dict)
     """What may act too and is not sure, by its group: the fall in chi-square if it were
     an unknown."""
+    unseen: Mapping[str, Float[np.ndarray, " beta"]] = field(default_factory=dict)
+    """How far off `beta` could be by what acts too faintly to be seen, by its group."""
     instead: Mapping[str, Float[np.ndarray, " beta"]] = field(default_factory=dict)
     """What may act in place of a torque, by its group: how far off `beta` is then."""
     calibration: Mapping[str, CalibrationFit] = field(default_factory=dict)

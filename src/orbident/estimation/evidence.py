@@ -142,6 +142,7 @@ def widened(estimate: Estimate, shown: Estimate, whole: bool) -> Estimate:
         sensitivity=shown.sensitivity,
         disturbances=shown.disturbances,
         suspected=shown.suspected,
+        unseen=shown.unseen,
         instead=shown.instead,
     )
 

@@ -75,6 +75,8 @@ class Likelihood:
     """What acted from outside."""
     suspected: dict[str, float]
     """What may act too, by its group: how far chi-square would fall."""
+    unseen: dict[str, Float[np.ndarray, " beta"]]
+    """How far off `beta` could be by what acts too faintly to be seen, by its group."""
     instead: dict[str, Float[np.ndarray, " beta"]]
     """What may act in place of a torque, by its group: how far off `beta` is then."""
     sensors: dict[str, SensorFit]
@@ -166,9 +168,10 @@ def maximum_likelihood(
     estimate = estimate_of(found.solution, prior_std(robot, sets))
     faint = taken_for_zero(zeros)
     suspects = {group: each for group, each in faint.items() if each.suspected}
+    unseen = {group: each.unseen for group, each in faint.items() if not each.suspected}
     apart = np.reshape([*instead.values()], (-1, beta.size)).T
-    unseen = np.hstack([apart, *(each.off for each in suspects.values())])
-    covariance = estimate.covariance + unseen @ unseen.T
+    off = np.hstack([apart, *(each.off for each in suspects.values())])
+    covariance = estimate.covariance + off @ off.T
     return Likelihood(
         estimate=estimate._replace(covariance=covariance),
         biases=_biases(robot, sensors, found),
@@ -180,10 +183,11 @@ def maximum_likelihood(
         convergence=found.convergence,
         signals=sensor_signals(robot, problem, sensors, found),
         calibration=_calibration(problem, found.solution),
-        sensitivity=lambda: with_unseen(sensitivity(zeros), faint),
+        sensitivity=lambda: with_unseen(sensitivity(zeros), unseen),
         solution=plain.solution,
-        shared=partial(shared_of, problem, found.solution, unseen),
+        shared=partial(shared_of, problem, found.solution, off),
         suspected={group: each.falls for group, each in suspects.items()},
+        unseen=unseen,
         instead=instead,
         given=partial(_given, problem, found.solution.state),
     )

@@ -39,12 +39,9 @@ class SensitivityTable:
         """How many errors are of instruments."""
         return sum(unit != UNSEEN for unit in self.units)
 
-    def worst(self, unseen: bool = False) -> tuple[str, str, str, float]:
-        """The error that shifts most, its unit, which parameter, and by how much.
-
-        With `unseen` it is what may act from outside, else an instrument's error.
-        """
-        own = np.array([(unit == UNSEEN) == unseen for unit in self.units])
+    def worst(self) -> tuple[str, str, str, float]:
+        """The instrument's error that shifts most, its unit, what, and by how much."""
+        own = np.array([unit != UNSEEN for unit in self.units])
         size = np.where(own, np.nan_to_num(np.abs(self.shifts)), -1.0)
         row, column = np.unravel_index(size.argmax(), size.shape)
         where = self.errors[column], self.units[column], self.parameters[row]

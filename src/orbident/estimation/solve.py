@@ -105,7 +105,7 @@ def _check_outside(problem: MomentumProblem, estimator: Estimator) -> None:
         InputError: it does not go far enough.
     """
     robot, samples = problem.robot, problem.samples
-    acting = [*robot.disturbances]
+    acting = [*(robot.disturbances or ())]
     if samples.wrenches:
         acting.append("thrust")
     if any(robot.momentum_walk) and isinstance(estimator, LeastSquares):

@@ -75,7 +75,9 @@ def assembled(
         thrusters=tuple(_thruster(entry) for entry in file.thrusters),
         torquers=tuple(_torquer(entry) for entry in file.torquers),
         pads=_pads(file, bodies),
-        disturbances=tuple(map(str, file.disturbances)),
+        disturbances=None
+        if file.disturbances is None
+        else tuple(map(str, file.disturbances)),
         momentum_walk=MomentumWalk(file.momentum_walk.torque, file.momentum_walk.force),
         orbit=orbit,
         structure=structure,

@@ -133,8 +133,9 @@ class Robot:
     """Structure of bodies by name; a body that is absent is arbitrary."""
     pads: Mapping[str, Float[np.ndarray, "3"]] = field(default_factory=dict)
     """The middle of each body's air bearings, in the body's frame, m, by its name."""
-    disturbances: tuple[str, ...] = ()
-    """What is known to act from outside, by `disturbance_groups`."""
+    disturbances: tuple[str, ...] | None = None
+    """What acts from outside, by `disturbance_groups`, and nothing else does; None if
+    nobody has said."""
     momentum_walk: MomentumWalk = field(default_factory=MomentumWalk)
     """How strong unknown torques and forces are that change quickly."""
     orbit: Orbit | None = None
@@ -179,7 +180,7 @@ class Robot:
         walks = (
             f"{name}_walk" for name, q in self.momentum_walk._asdict().items() if q
         )
-        return tuple(dict.fromkeys((*self.disturbances, *film, *walks)))
+        return tuple(dict.fromkeys((*(self.disturbances or ()), *film, *walks)))
 
     @property
     def free_parameters(self) -> tuple[int, ...]:

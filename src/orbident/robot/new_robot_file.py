@@ -91,8 +91,13 @@ sensors:
 {wheels}"""
 
 _TAIL = """
+# All that acts from outside, such as [pull, drag] on a table; [] if you know that
+# nothing does. Without this line a result may be "with care", because something may act
+# that is too faint to be seen.
+# disturbances: []
+
 # What else may stand here is in the reference "The robot file": what is known of bodies
-# (structure), thrusters, calibration errors (tolerances), what acts from outside.
+# (structure), thrusters, calibration errors (tolerances).
 """
 
 

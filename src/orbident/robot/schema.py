@@ -141,7 +141,7 @@ class RobotFile(MappingSchema):
     thrusters: tuple[ThrusterEntry, ...] = ()
     torquers: tuple[TorquerEntry, ...] = ()
     pads: dict[str, Vector3] = Field(default_factory=dict)
-    disturbances: tuple[DisturbanceGroup, ...] = ()
+    disturbances: tuple[DisturbanceGroup, ...] | None = None
     momentum_walk: MomentumWalkEntry = MomentumWalkEntry()
     orbit: OrbitEntry | None = None
     limits: dict[str, LimitEntry] = Field(default_factory=dict)

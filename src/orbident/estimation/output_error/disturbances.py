@@ -146,7 +146,7 @@ def requested(problem: Problem, names: Collection[str]) -> tuple[str, ...]:
         )
     followed = problem.acting.followed
     possible = followed.tracked and problem.t.size <= LONGEST
-    if not possible and FILM not in followed.robot.disturbances:
+    if not possible and FILM not in (followed.robot.disturbances or ()):
         # Pads imply it, which is no reason to refuse.
         names = [name for name in names if name != FILM]
     every = {each.group for each in problem.acting.disturbances} if names else set()

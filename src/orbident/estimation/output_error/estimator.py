@@ -60,6 +60,7 @@ class OutputError:
             biases=likelihood.biases,
             disturbances=likelihood.disturbances,
             suspected=likelihood.suspected,
+            unseen=likelihood.unseen,
             instead=likelihood.instead,
             calibration=likelihood.calibration,
             sensitivity=likelihood.sensitivity,

@@ -55,14 +55,14 @@ def _triangular(rows: Float[np.ndarray, "rows n"]) -> Float[np.ndarray, "_ n"]:
 
 
 def shared_of(
-    problem: Problem, solution: Solution, unseen: Float[np.ndarray, "beta n"]
+    problem: Problem, solution: Solution, off: Float[np.ndarray, "beta n"]
 ) -> Shared:
     """What a recording says of what it shares, its own unknowns eliminated.
 
     Args:
         problem: a recording's equations.
         solution: of these.
-        unseen: deviations of `beta` that its equations do not know of.
+        off: deviations of `beta` that its equations do not know of.
     """
     state, prior, errors = solution.state, solution.prior, problem.declared
     common = common_factor(problem, solution.weights, state)
@@ -76,9 +76,9 @@ def shared_of(
     factor = alone.added(common, state)
     left = _triangular(factor[:, [*own, *shared, -1]])[len(own) : -1, len(own) :]
     left[:, -1] += left[:, :-1] @ state.common[shared]
-    # `beta` is off by each of `unseen` times an unknown of unit variance.
-    n, m = unseen.shape
-    rows = np.column_stack([left[:, :n] @ unseen, left])
+    # `beta` is off by each of `off` times an unknown of unit variance.
+    n, m = off.shape
+    rows = np.column_stack([left[:, :n] @ off, left])
     left = _triangular(np.vstack([np.eye(m, rows.shape[1]), rows]))[m:, m:]
     return Shared(state.beta, errors, left)
 

@@ -12,7 +12,8 @@ and the mean square error of an estimate that takes them for zero is, beside `C`
 
     B (C_c + c c') B'                                   (as in Hausman 1978)
 
-What is fainter is in no deviation; the sensitivity table says how far off it could be.
+What is fainter is in no deviation. The sensitivity table says how far off it could be.
+Where that is far, the result calls for care unless the robot file says what acts.
 """
 
 from collections.abc import Iterator, Mapping
@@ -81,14 +82,15 @@ def taken_for_zero(zeros: TakenForZero) -> dict[str, Faint]:
     return found
 
 
-def with_unseen(table: Sensitivity, groups: Mapping[str, Faint]) -> Sensitivity:
+def with_unseen(
+    table: Sensitivity, unseen: Mapping[str, Float[np.ndarray, " beta"]]
+) -> Sensitivity:
     """The sensitivity table with how far what acts unseen could shift parameters.
 
     Args:
         table: of errors of instruments.
-        groups: that are taken for zero; what is suspected is in the deviations.
+        unseen: the largest shifts of `beta`, by the group of what acts.
     """
-    unseen = {name: each.unseen for name, each in groups.items() if not each.suspected}
     return table._replace(
         names=(*table.names, *unseen),
         units=(*table.units, *(UNSEEN for _ in unseen)),
