@@ -15,8 +15,8 @@ from typing import Literal
 
 import numpy as np
 import pytest
-from acting_in_mujoco import Burst, Capture, Swell
-from seventeen_flights import Case, cases
+from acting_in_mujoco import Burst, Capture, Swell, Torque
+from seventeen_flights import SPEED, Case, cases
 
 from orbident.estimation.identify import identify
 from orbident.estimation.linear_fits import InitialMomentum
@@ -256,6 +256,20 @@ def test_a_flight_ends_well(k: int):
         assert begin < acts.at < end
     else:
         assert score.verdict == "identified"
+
+
+def test_a_torque_may_give_more_momentum_than_the_wheels_have():
+    """The linear fits know of no torque, and see nothing that answers the wheels: four
+    times their momentum comes from outside."""
+    case = cases(7)[1]
+    wheel, *others = case.flight.robot.wheels
+    assert not others
+    acts = case.flight.acts
+    assert isinstance(acts, Torque)
+    given = np.linalg.norm(acts.vector) * case.flight.motion.duration
+    assert given > 4 * wheel.inertia * SPEED
+    score = scored(case)
+    assert score.verdict == "identified", score.row()
 
 
 if __name__ == "__main__":

@@ -125,10 +125,20 @@ def estimate_of_beta(
     route: str,
     rms: Mapping[str, float | None],
     goodness: Goodness | None,
+    disturbed: bool = False,
 ) -> Estimate:
-    """The estimate of a method whose unknowns are the base parameters."""
+    """The estimate of a method whose unknowns are the base parameters.
+
+    Args:
+        problem: of a recording.
+        beta: what was found.
+        route: to the mass, in words.
+        rms: the root mean square residual of each sensor or equation; SI.
+        goodness: how large all residuals are.
+        disturbed: something was found to act, of which Eq. 32 knows nothing.
+    """
     mass, masses = Quantity(*beta.mass), dict[str, Quantity]()
-    if not problem.samples.unknown_thrust:
+    if not (problem.samples.unknown_thrust or disturbed):
         linear = problem.linear_mass
         masses["Eq. 32"] = Quantity(linear.value, linear.std)
     return Estimate(

@@ -27,7 +27,6 @@ from orbident.estimation.check import Check
 from orbident.estimation.estimate import Estimate
 from orbident.estimation.evidence import WORTH, misfit
 from orbident.estimation.momentum_problem import MomentumProblem
-from orbident.estimation.obstacles import wheels_are_idle
 from orbident.estimation.residual_checks import NOISY
 from orbident.estimation.solve import Solved
 
@@ -50,7 +49,7 @@ def causes(solved: Solved) -> Iterator[Check]:
     for words in stale(problem.robot, problem.recording):
         yield _found(words, "record each sample once, when it is taken")
         return
-    if wheels_are_idle(problem) and any(one.name == "scale" for one in solved.hindered):
+    if any(one.name == "scale" for one in solved.hindered):
         # That is the cause: without a scale whatever is freed may seem to explain it.
         return
     # A jump spoils the linear equations, where it may look like a wrong sign.

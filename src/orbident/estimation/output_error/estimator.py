@@ -55,6 +55,7 @@ class OutputError:
                 "maximum likelihood",
                 rms,
                 likelihood.goodness,
+                disturbed=bool(likelihood.disturbances),
             ),
             sensors=sensors,
             biases=likelihood.biases,
