@@ -135,12 +135,12 @@ def solved(
         factor = prior.added(here.common, state)
         g = _damped(factor, damping)
         moved = state.moved(here.step(g), g)
-        change = factor[:-1, :-1] @ g
+        change, whole = factor[:-1, :-1] @ g, factor[:-1, -1]
         size = float(np.linalg.norm(change))
         # What nothing shows would take an undamped step too far, again and again.
         if size < SMALL and damping <= DAMPING:
             # The last step may take much of the defects away: what is left is known.
-            left = float(factor[-1, -1] ** 2)
+            left = float(factor[-1, -1] ** 2 + np.sum((whole - change) ** 2))
             taken.append(Step(left, size))
             return solution_at(moved, here, prior, weights, True, left, tuple(taken))
         if problem.t.size >= LARGE:
@@ -154,7 +154,7 @@ def solved(
             moved = moved.moved(there.step(g), g)
             there, new_cost = equations_at(problem, weights, prior, moved)
         if new_cost < cost:
-            expected = change @ (2 * factor[:-1, -1] - change)
+            expected = change @ (2 * whole - change)
             gain = float((cost - new_cost) / expected)
             state, here, cost, raised = moved, there, new_cost, RAISED
             damping *= max(1 / 3, 1 - (2 * gain - 1) ** 3)
