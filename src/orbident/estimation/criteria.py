@@ -141,12 +141,17 @@ def _mass(
 ) -> Iterator[Check]:
     """Whether the mass is determined, and its forms of Eq. 32 agree."""
     M, std = estimate.mass.value, estimate.mass.std
+    level: Level
     yield from _forms(problem, shown)
-    # Another method's deviations hold how far it is from what the sensors show.
-    own = estimate is shown
-    level: Level = "do not trust" if own else "with care"
-    richer = "record a richer or longer motion, with more momentum in the wheels"
-    remedy = richer if own else "identify by maximum-likelihood"
+    if estimate is not shown:
+        # Its deviations hold how far it is from what the sensors show.
+        level, remedy = "with care", "identify by maximum-likelihood"
+    elif estimate.suspected:
+        # They hold that something acts, though perhaps nothing does.
+        level, remedy = "with care", "say in the robot file what acts (disturbances)"
+    else:
+        level = "do not trust"
+        remedy = "record a richer or longer motion, with more momentum in the wheels"
     history = estimate.history
     if history is not None and not history.determined[0]:
         yield Check(

@@ -167,8 +167,10 @@ def maximum_likelihood(
     zeros, found, groups, plain, instead = fit
     estimate = estimate_of(found.solution, prior_std(robot, sets))
     faint = taken_for_zero(zeros)
-    suspects = {group: each for group, each in faint.items() if each.suspected}
-    unseen = {group: each.unseen for group, each in faint.items() if not each.suspected}
+    # Who says what acts has said that nothing else does: chance explains it.
+    silent = robot.disturbances is None
+    suspects = {name: each for name, each in faint.items() if silent and each.suspected}
+    unseen = {name: each.unseen for name, each in faint.items() if name not in suspects}
     apart = np.reshape([*instead.values()], (-1, beta.size)).T
     off = np.hstack([apart, *(each.off for each in suspects.values())])
     covariance = estimate.covariance + off @ off.T

@@ -83,7 +83,9 @@ def _no_scale(problem: MomentumProblem) -> list[Check]:
         return [_refused("at rest", reason, "use --initial-momentum unknown")]
     # Where it varies by more, a torque may hide that they explain it: the fit decides.
     unexplained = pi.explained**2 <= EXPLAINED * _known(problem) ** 2
-    if _known(problem) <= STEADY * fits.h_rw or (_varies_little(problem) and unexplained):
+    if _known(problem) <= STEADY * fits.h_rw or (
+        _varies_little(problem) and unexplained
+    ):
         reason, remedy = _why_no_scale(problem)
         return [_refused("scale", f"pi has no scale: {reason}", remedy)]
     return []

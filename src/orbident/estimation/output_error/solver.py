@@ -190,7 +190,9 @@ def equations_at(
     with np.errstate(over="ignore", invalid="ignore"):
         there = linear(problem, weights, state)
         cost = there.cost + prior.cost(state)
-    return there, cost if np.isfinite(there.factor).all() else np.inf
+        # Squares of it are needed too.
+        size = np.linalg.norm(there.factor)
+    return there, cost if np.isfinite(size) else np.inf
 
 
 def _damped(

@@ -20,7 +20,7 @@ FAINT = 6e-6
 
 
 def estimated(recording: Recording, *said: str) -> Estimate:
-    robot = replace(with_sensors(small_robot()), disturbances=said)
+    robot = replace(with_sensors(small_robot()), disturbances=said or None)
     problem, *_ = momentum_problems(robot, recording, "at-rest", lambda _: None)
     return OutputError().estimate(problem, lambda _: None)
 
@@ -36,6 +36,12 @@ def test_mean_square_errors_are_those_of_a_fit_with_it_and_the_difference():
     square = np.diag(other.covariance) + (one.values - other.values) ** 2
     # To first order: what is left is of the second.
     assert np.diag(one.covariance) == pytest.approx(square, rel=0.02)
+
+
+def test_who_says_what_acts_suspects_nothing_else():
+    recording = noisy(under_a_couple(FAINT), 0)
+    assert [*estimated(recording).suspected] == ["torque"]
+    assert not estimated(recording, "pull").suspected
 
 
 def test_nothing_is_suspected_where_nothing_acts():
