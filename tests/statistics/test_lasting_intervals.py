@@ -97,7 +97,7 @@ def test_intervals_hold_what_is_true():
     """Pooled over 1200 flights of 8 parameters."""
     errors = np.array([off(robot_with(LASTS), flight(seed))[1] for seed in range(1200)])
     inside = np.mean(np.abs(errors) < 1.96)
-    # The parameters of a flight are correlated: as 2.5 independent ones, chance is 0.4 %
-    # of the cases, and 1.3 % of the size.
+    # The parameters of a flight are correlated: as 2.5 independent ones, chance is
+    # 0.4 % of the cases, and 1.3 % of the size.
     assert 0.94 < inside < 0.96
     assert np.sqrt(np.mean(errors**2)) == pytest.approx(1.0, abs=0.04)
