@@ -4,8 +4,8 @@ A group of disturbances is taken for zero unless noise hardly ever looks like it
 the robot's own motion shows nearly as the group does, parameters take its place, and
 are then far off though sensors show little. So where noise alone looks as much like it
 in fewer than one of a hundred recordings, deviations hold both that the group acts and
-that it does not, unless the robot file says what acts. If its numbers `c` were unknowns,
-the others would change by `B c`,
+that it does not, unless the robot file says what acts. If its numbers `c` were
+unknowns, the others would change by `B c`,
 
     R_x B = -R_xc,   C_c = (R_c' R_c)^-1,   c = C_c R_c' z,
 
