@@ -48,7 +48,7 @@ def load_robot(source: str | Path) -> Robot:
     suffix = path.suffix.lower()
     if suffix in _YAML:
         return _from_robot_file(path, place=str(path))
-    if suffix == ".urdf" or (suffix in SUFFIXES and path.is_file()):
+    if suffix in SUFFIXES:
         return _from_model(path)
     raise InputError(_not_a_robot(path))
 

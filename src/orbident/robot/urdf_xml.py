@@ -41,7 +41,8 @@ def checked_xml(text: str, place: str) -> ET.Element:
     root = parsed_xml(text, place)
     if root.tag != "robot":
         raise InputError(
-            f"{place}: the root element is <{root.tag}>; a URDF has <robot>"
+            f"{place}: the root element is <{root.tag}>; give <robot> (URDF, xacro), "
+            "<mujoco> (MJCF) or <sdf> (SDF)"
         )
     links, joints = root.findall("link"), root.findall("joint")
     if not links:

@@ -7,7 +7,6 @@ before version 1.5 and with `use_parent_model_frame` in the model's.
 import math
 import re
 import xml.etree.ElementTree as ET
-from contextlib import suppress
 
 import numpy as np
 from jaxtyping import Float
@@ -29,8 +28,8 @@ from orbident.robot.urdf_xml import numbers_in, parsed_xml, unique_names
 KINDS = ("revolute", "continuous", "prismatic", "fixed")
 WORLD = "world"
 FLAT = "give one flat model, as 'gz sdf -p FILE' writes it"
-IN_JOINT_AXES = (1, 5)
-"""The version from which on an axis is in the joint's axes."""
+NEWEST, IN_JOINT_AXES = 12, 5
+"""Versions are 1.0 to 1.12; from 1.5 on an axis is in the joint's axes."""
 
 _PREFIX = re.compile(r"(?:</?|\s(?=[\w.-]+:[\w.-]+\s*=\s*['\"]))[\w.-]+:(?=\w)")
 """Gazebo does not ask that a prefix such as `gz:` is declared, as XML does."""
@@ -45,11 +44,13 @@ def read_sdf(text: str, place: str) -> Urdf:
 
     Raises:
         InputError: malformed XML, no model or several, models in the model or by
-            <include>, a link without <inertial>, names that are missing, unknown or
+            <include>, a version that is not known, a link without mass or inertia,
+            names that are missing, unknown or
             given twice, frames that stand on each other, joints that are neither
             revolute, prismatic nor fixed, text where numbers belong.
     """
     root = parsed_xml(_PREFIX.sub(lambda found: found[0][:-1] + "_", text), place)
+    version = _version(root, place)
     model = _model(root, place)
     name = model.get("name") or "robot"
     for tag in ("include", "model"):
@@ -57,14 +58,20 @@ def read_sdf(text: str, place: str) -> Urdf:
             raise InputError(
                 f"{place}: model '{name}' has another one in it (<{tag}>); " + FLAT
             )
-    return _Reader(model, place, _version(root) < IN_JOINT_AXES).tree(name)
+    return _Reader(model, place, version < IN_JOINT_AXES).tree(name)
 
 
-def _version(root: ET.Element) -> tuple[int, ...]:
-    """The version by its numbers: 1.10 comes after 1.9."""
-    with suppress(ValueError):
-        return tuple(map(int, root.get("version", "").split(".")))
-    return IN_JOINT_AXES
+def _version(root: ET.Element, place: str) -> int:
+    """The number after the dot: 1.10 comes after 1.9."""
+    found = root.get("version")
+    for number in range(NEWEST + 1):
+        if found == f"1.{number}":
+            return number
+    said = "no version" if found is None else f"version {quoted(found)}"
+    raise InputError(
+        f"{place}: <sdf> has {said}; give the version of SDFormat in which the file is "
+        f"written, from '1.0' to '1.{NEWEST}', as frames and axes depend on it"
+    )
 
 
 def _model(root: ET.Element, place: str) -> ET.Element:
@@ -156,11 +163,21 @@ class _Reader:
             raise InputError(f"{where}: <{tag}> is missing; add it")
         return text
 
-    def _number(
-        self, element: ET.Element, tag: str, default: float, where: str
+    def _number(self, element: ET.Element, tag: str, where: str) -> float:
+        """The number in this child; zero without it."""
+        text = element.findtext(tag, "0")
+        return numbers_in(text, 1, f"{where}: <{tag}>")[0]
+
+    def _given(
+        self, element: ET.Element, tag: str, otherwise: str, where: str
     ) -> float:
-        text = element.findtext(tag)
-        return default if text is None else numbers_in(text, 1, f"{where}: <{tag}>")[0]
+        """The number in a child for which SDF has a default that nobody means."""
+        if element.find(tag) is None:
+            raise InputError(
+                f"{where}: <{tag}> is missing, for which SDF takes {otherwise}; give "
+                "it, zero for a link that has none"
+            )
+        return self._number(element, tag, where)
 
     def _link(self, name: str, at: SdfPose) -> UrdfLink:
         where = f"{self.place}: link '{name}'"
@@ -170,17 +187,15 @@ class _Reader:
                 f"{where}: <inertial> is missing, for which SDF takes 1 kg; give its "
                 "mass and inertia, zeros for a link that has none"
             )
-        mass = self._number(inertial, "mass", 1.0, where)
+        mass = self._given(inertial, "mass", "1 kg", where)
         if mass < 0:
             raise InputError(f"{where}: found mass {mass:g} kg; give zero or more")
         own = own_pose(inertial, where)
         com = self.frames.pose(name).of(own).seen_from(at)
         given = inertial.find("inertia")
         given = ET.Element("inertia") if given is None else given
-        xx, yy, zz = (self._number(given, f"i{a}{a}", 1.0, where) for a in "xyz")
-        xy, xz, yz = (
-            self._number(given, f"i{ab}", 0.0, where) for ab in ("xy", "xz", "yz")
-        )
+        xx, yy, zz = (self._given(given, f"i{a}{a}", "1 kg m^2", where) for a in "xyz")
+        xy, xz, yz = (self._number(given, f"i{ab}", where) for ab in ("xy", "xz", "yz"))
         I = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
         return UrdfLink(name, mass, com.p, com.R @ I @ com.R.T)
 
@@ -188,9 +203,8 @@ class _Reader:
         element, where = self.joints[name], f"{self.place}: joint '{name}'"
         kind = element.get("type")
         if kind not in KINDS:
-            raise InputError(
-                f"{where}: found type {quoted(kind)}; give one of {', '.join(KINDS)}"
-            )
+            found = "no type" if kind is None else f"type {quoted(kind)}"
+            raise InputError(f"{where}: found {found}; give one of {', '.join(KINDS)}")
         parent, child = self._end(name, "parent"), self._end(name, "child")
         placed = at[child].seen_from(at[parent])
         axis, position, velocity = np.array([1.0, 0.0, 0.0]), None, None

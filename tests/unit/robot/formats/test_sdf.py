@@ -46,14 +46,33 @@ def load(folder: Path, text: str) -> Robot:
 
 BAD = {
     "cut off": (ARM[:200], "malformed XML"),
+    "no version": (ARM.replace(" version='1.9'", ""), "<sdf> has no version"),
+    "unknown version": (sdf(link("base"), version="2.0"), "<sdf> has version '2.0'"),
+    "text for version": (sdf(link("base"), version="new"), "<sdf> has version 'new'"),
+    "no mass": (
+        sdf(link("base", INERTIAL.replace("<mass>2</mass>", ""))),
+        "link 'base': <mass> is missing, for which SDF takes 1 kg",
+    ),
+    "no inertia": (
+        sdf(link("base", "<inertial><mass>2</mass></inertial>")),
+        "link 'base': <ixx> is missing, for which SDF takes 1 kg m^2",
+    ),
+    "part of an inertia": (
+        sdf(link("base", INERTIAL.replace("<izz>2</izz>", ""))),
+        "link 'base': <izz> is missing",
+    ),
+    "no type": (
+        ARM.replace(" type='revolute'", ""), "joint 'j': found no type",
+    ),
     "no model": ("<sdf version='1.9'/>", "found 0 models"),
     "two models": (
-        "<sdf><world name='w'><model name='a'/><model name='b'/></world></sdf>",
+        "<sdf version='1.9'><world name='w'><model name='a'/><model name='b'/></world>"
+        "</sdf>",
         "found 2 models",
     ),
     "no links": (sdf(), "no <link>"),
     "all included": (
-        "<sdf><include><uri>model://x</uri></include></sdf>",
+        "<sdf version='1.9'><include><uri>model://x</uri></include></sdf>",
         "the model is included from another file",
     ),
     "included": (sdf("<include><uri>model://x</uri></include>"), "<include>"),
@@ -73,7 +92,7 @@ BAD = {
         "'base': <pose>: found '0 0 x 0 0 0'",
     ),
     "five numbers": (
-        sdf(link("base", "<inertial><pose>0 0 0 0 0</pose></inertial>")),
+        sdf(link("base", INERTIAL.replace("<mass>", "<pose>0 0 0 0 0</pose><mass>"))),
         "give 6 finite numbers",
     ),
     "no quaternion": (
@@ -200,7 +219,8 @@ def test_a_model_that_is_static_alone_and_a_world(tmp_path: Path):
     assert load(tmp_path, static).mass == 2.0
     models = static.split(">", 1)[1].removesuffix("</sdf>")
     models += sdf(link("base"), link("arm"), joint()).split(">", 1)[1]
-    world = f"<sdf><world name='w'>{models.removesuffix('</sdf>')}</world></sdf>"
+    models = models.removesuffix("</sdf>")
+    world = f"<sdf version='1.9'><world name='w'>{models}</world></sdf>"
     assert load(tmp_path, world).bodies == ("base", "arm")
 
 
@@ -215,7 +235,6 @@ def test_ends_that_are_frames(tmp_path: Path):
     [
         ("1.9", "", [0, 0, 1]),
         ("1.10", "", [0, 0, 1]),
-        ("", "", [0, 0, 1]),
         # Turned by 90 degrees about x, the model's z is the joint's -(-y) = y.
         ("1.4", "", [0, 1, 0]),
         ("1.6", "<use_parent_model_frame>1</use_parent_model_frame>", [0, 1, 0]),

@@ -1,9 +1,9 @@
 """The blocks of a page, and how each is run.
 
 python                     run, in one namespace a page
-bash                       run: commands of orbident, which must end with status 0
+sh                         run: commands of orbident, but for those in `SHOWN`
+text                       after sh: what its commands print
 LANGUAGE title="FILE"      written to that file
-sh                         shown only, but its commands of orbident must be right
 anything else              shown only
 """
 
@@ -13,7 +13,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[1]
 PAGES = (ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md")))
 BLOCK = re.compile(r"^```(\w+)[ ]?(.*?)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
