@@ -38,7 +38,7 @@ SPIN = 150.0
 """rad/s."""
 
 MANY = 300
-"""Runs with other noise: some five minutes."""
+"""Runs with other noise: some ten minutes."""
 
 FAR = 4.0
 """Deviations."""
@@ -173,14 +173,12 @@ def test_tilt_and_drag_are_identified_with_the_parameters(flown, runs):
         **{f"drag.{body}": c for body, (c, _) in DRAG.items()},
         **{f"drag.{body}.turning": c_r for body, (_, c_r) in DRAG.items()},
     }
-    z, refused = [], []
+    z = []
     for seed in range(runs):
         result = identify(
             flown.robot, recorded(flown, seed), initial_momentum="at-rest"
         )
-        if result.status == "rejected":
-            refused.append(result.warnings)
-            continue
+        assert result.status == "ok", result.warnings
         assert set(result.disturbances) == set(acts)
         # It was at rest, and its wheel too: that is no reason to wonder.
         assert not any("was the robot at rest" in words for words in result.warnings)
@@ -190,9 +188,6 @@ def test_tilt_and_drag_are_identified_with_the_parameters(flown, runs):
             z.append((fit.value - true) / fit.std)
     inside = np.mean(np.abs(z) < 1.96)
     print(f"{inside:.3f} of {len(z)} inside, rms {np.sqrt(np.mean(np.square(z))):.2f}")
-    # In one of a hundred noise looks like a slow torque, which would hide the mass.
-    assert len(refused) <= 0.02 * runs, refused
-    assert all("perhaps a torque acts" in words for _, words, *_ in refused)
     assert np.abs(z).max() < FAR
     # Errors of a run go together: of 300 runs chance moves the part inside by 0.6 %.
     assert runs < MANY or 0.93 < inside < 0.97
