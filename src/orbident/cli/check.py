@@ -16,7 +16,7 @@ def check(
     json: Json = None,
     quiet: Quiet = False,
 ) -> None:
-    """Show a robot's tree, masses and sensors, and what is odd."""
+    """Show a robot's tree, masses and sensors, and what looks wrong."""
     from orbident.cli.output import Output
     from orbident.cli.robot_tree import robot_tree, sensor_lines
     from orbident.cli.view import view as show

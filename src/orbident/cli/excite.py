@@ -117,7 +117,7 @@ def excite(
     json: Json = None,
     quiet: Quiet = False,
 ) -> None:
-    """Design a motion that excites every parameter, or compare some.
+    """Design a motion that excites every parameter, or compare motions.
 
     Limits of positions and rates hold at all times, between samples too.
     """

@@ -57,7 +57,7 @@ def live(
         ),
     ] = False,
 ) -> None:
-    """Estimate while samples come, as lines of CSV or JSON."""
+    """Identify while samples arrive, as lines of CSV or JSON."""
     import sys
     from contextlib import ExitStack
 

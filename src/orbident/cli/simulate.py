@@ -54,7 +54,7 @@ def simulate(
     json: Json = None,
     quiet: Quiet = False,
 ) -> None:
-    """Float the robot along a trajectory and record it."""
+    """Simulate a free-floating robot on a trajectory, and record it."""
     from orbident.cli.output import Output, progress
     from orbident.files.replacing import check_free
     from orbident.recordings.tables import check_writable, write_recording

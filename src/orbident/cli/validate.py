@@ -26,8 +26,8 @@ def validate(
 ) -> None:
     """Predict a recording that was not used, and judge the errors.
 
-    The exit status is 1 if the standard deviations of the parameters and the noise of
-    the sensors do not explain the errors.
+    The exit status is 1 if the parameters differ by more than chance from those that
+    this recording alone would give.
     """
     import typer
 

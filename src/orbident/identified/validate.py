@@ -81,7 +81,8 @@ class Validation:
                 sensors = f"{left:.3g} {unit}" if np.isfinite(left) else "unknown"
                 lines.append(
                     f"{'':9} expected: {std:.3g} {unit} by the parameters' deviations, "
-                    f"{sensors} by the sensors (what a fit of this recording leaves)"
+                    f"{sensors} by the sensors: what remains if the parameters are "
+                    "fitted to this recording"
                 )
         if self.dof:
             lines.append(
@@ -161,16 +162,19 @@ def _compared(result: Result, own: Result, scores: Validation) -> Validation:
     chi2, dof = float(z @ z), int(known.sum())
     p = float(chdtrc(dof, chi2))
     if p >= CHANCE:
-        reason = "the deviations of the parameters and the sensors explain the errors"
+        reason = (
+            "the parameters differ from those that this recording alone would give by "
+            "no more than the standard deviations of both allow"
+        )
         verdict = "explained"
     else:
         worst = int(np.argmax(np.abs(d / std)))
         name = np.array(result.base.names)[both][worst]
         reason = (
-            "the errors are larger than the deviations of the parameters and the "
-            f"sensors explain: with this recording {name} alone differs by "
-            f"{abs(d[worst] / std[worst]):.2g} combined deviations; has the robot "
-            "changed, or is one of both recordings or its deviations wrong?"
+            "the parameters differ from those that this recording alone would give by "
+            f"more than chance: {name} by {abs(d[worst] / std[worst]):.2g} combined "
+            "standard deviations; the robot may have changed, or one of the two "
+            "recordings or its deviations are wrong"
         )
         verdict = "not explained"
     return replace(

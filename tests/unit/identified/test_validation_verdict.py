@@ -45,7 +45,7 @@ def test_parameters_that_are_wrong_do_not(result, seed):
     scores = oi.validate(moved(result, 8.0), clean_space(seed=seed).recording)
     assert scores.verdict == "not explained"
     assert scores.p_value < 1e-4
-    assert "combined deviations" in scores.reason
+    assert "combined standard deviations" in scores.reason
 
 
 def test_a_recording_that_is_wrong_is_no_proof(flown, result):

@@ -103,7 +103,7 @@ BASE, TIP = link("base"), link("tip")
         ("<robot", r"malformed XML: .*line 1"),
         ("", "malformed XML"),
         ("\x00\x01", "malformed XML"),
-        ("<sdf/>", r"the root element is <sdf>; give <robot> \(URDF"),
+        ("<sdf/>", "the root element is <sdf>; give <robot>"),
         (robot(), "no <link>"),
         ("<robot><link name='a'/></robot>", "<robot>: the attribute 'name' is missing"),
         (robot("<link/>"), "<link> number 1: the attribute 'name' is missing"),

@@ -101,6 +101,15 @@ def open_log(path: Path) -> Iterator[Log]:
         yield Log(path, found, kind.notes(path))
 
 
+_UTF_16 = (b"\xff\xfe", b"\xfe\xff")
+"""What text in UTF-16 begins with."""
+
+
+def _is_version_4(start: bytes) -> bool:
+    """Whether it begins with the type of a matrix, a number below 5000."""
+    return min(int.from_bytes(start[:4], "little"), int.from_bytes(start[:4])) < 5000
+
+
 def _check_start(path: Path, kind: FileKind) -> None:
     """Refuse what is not what its suffix says."""
     with path.open("rb") as file:
@@ -113,6 +122,15 @@ def _check_start(path: Path, kind: FileKind) -> None:
                 f"{path}: is by its content a file of {other.name}, not {kind.name}; "
                 f"rename it to {path.stem}{other.suffixes[0]}"
             )
+    if start.startswith(_UTF_16):
+        raise InputError(
+            f"{path}: is text in UTF-16, which is not read; save it as CSV in UTF-8"
+        )
+    if kind.name == "MATLAB" and _is_version_4(start):
+        raise InputError(
+            f"{path}: is a MATLAB file of version 4, which is not read; load it in "
+            "MATLAB and save it again with 'save -v7'"
+        )
     if kind.begins and not start.startswith(kind.begins):
         raise InputError(
             f"{path}: does not begin as a {kind.name} file does; write it again"

@@ -121,7 +121,9 @@ def _content(
     if kind == _STRUCT:
         return _struct(parts, sizes, order)
     if kind == _CELL:
-        cells = (_matrix(each.data, order).field for each in parts)
+        cells = [_matrix(each.data, order).field for each in parts]
+        if cells and all(map(_is_text, cells)):
+            return cells[0]
         return {str(k): each for k, each in enumerate(cells)}
     if kind not in _NUMERIC:
         return unusable(_problem(kind, parts))
@@ -132,6 +134,10 @@ def _content(
         raise ValueError(f"{numbers.size} numbers are no matrix of {sizes}")
     matrix = numbers.reshape(sizes, order="F")
     return field_of(matrix.shape, matrix.dtype, lambda: matrix)
+
+
+def _is_text(field: LogField | Tree) -> bool:
+    return isinstance(field, LogField) and field.problem.startswith("holds text")
 
 
 def _struct(parts: Iterator[_Element], sizes: tuple[int, ...], order: str) -> Tree:

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from conversions import HEAD
 from log_writers import KINDS, write_log, write_ulog
+from scipy.io import savemat
 
 from orbident.errors import InputError
 from orbident.recordings.tables import read_recording
@@ -215,6 +216,10 @@ def test_another_version(tmp_path: Path):
     )
     path = tmp_path / "log.mat"
     path.write_bytes(np.array([0, 2, 1, 0, 2], "<i4").tobytes() + b"q\0" + bytes(16))
+    assert "is a MATLAB file of version 4, which is not read" in (
+        refusal(path, entry("mat"))
+    )
+    path.write_bytes(b"MATHLAB 5.0 MAT-file" + bytes(128))
     assert "does not begin as a MATLAB file does; write it again, with 'save -v7'" in (
         refusal(path, entry("mat"))
     )
@@ -266,3 +271,27 @@ def test_repeated_and_late_rows_are_counted(tmp_path: Path):
     assert report.topics[0].out_of_order == 1
     q = read_recording(tmp_path / "r.csv").column("joint.a.position")
     assert q[5] == TABLE["q"][6]
+
+
+def test_version_4_of_matlab(tmp_path: Path):
+    path = tmp_path / "r.mat"
+    savemat(path, {"t": np.arange(3.0)}, format="4")
+    assert "is a MATLAB file of version 4" in refusal(path, entry("mat"))
+
+
+@pytest.mark.parametrize("coding", ["utf-16-le", "utf-16-be"])
+def test_text_in_utf_16(tmp_path: Path, coding: str):
+    path = tmp_path / "log.csv"
+    path.write_bytes("\ufefft,q\n0,1\n".encode(coding))
+    said = refusal(path, entry("csv"))
+    assert said == (
+        f"{path}: is text in UTF-16, which is not read; save it as CSV in UTF-8"
+    )
+
+
+def test_a_cell_array_of_text_is_one_field(tmp_path: Path):
+    path = tmp_path / "r.mat"
+    cells = np.array(["start", "stop"], dtype=object)
+    savemat(path, {"log": {"timestamp": np.arange(2.0), "q": cells}})
+    said = refusal(path, entry("mat"))
+    assert "field 'q' holds text, 'start'; write it as numbers" in said
