@@ -4,7 +4,6 @@
 #include <nanobind/stl/tuple.h>
 
 #include <algorithm>
-#include <limits>
 
 #include "arrays.hpp"
 #include "orbident/parallel.hpp"
@@ -27,27 +26,24 @@ auto smooth_columns(const Array& t_, const Array& x_, const Array& density_, con
       std_rate(columns, n);
   {
     nb::gil_scoped_release release;
-    const auto smooth = [&](std::ptrdiff_t c) {
-      const SampledColumn column{t.data(),           x.data() + c,     columns,          h.data()[c],
-                                 noise_std.data()[c], offset.data()[c], density.data()[c]};
-      std::ptrdiff_t first = 0, last = n - 1;
-      while (first < n && !column.sampled(first)) ++first;
-      while (last > first && !column.sampled(last)) --last;
-      for (Out<2>* out : {&value, &rate, &acceleration, &std_x, &std_rate}) {
-        double* const row = out->data() + c * n;
-        std::fill(row, row + first, std::numeric_limits<double>::quiet_NaN());
-        std::fill(row + std::min(last + 1, n), row + n, std::numeric_limits<double>::quiet_NaN());
+    const std::ptrdiff_t groups = (columns + SIDE_BY_SIDE - 1) / SIDE_BY_SIDE;
+    const auto smooth = [&](std::ptrdiff_t group) {
+      SampledColumn from[SIDE_BY_SIDE];
+      SmoothedColumn to[SIDE_BY_SIDE];
+      for (int l = 0; l < SIDE_BY_SIDE; ++l) {
+        // Lanes that are left over have the last column again.
+        const std::ptrdiff_t c = std::min(group * SIDE_BY_SIDE + l, columns - 1);
+        from[l] = {x.data() + c,          columns,          h.data()[c],
+                   noise_std.data()[c], offset.data()[c], density.data()[c]};
+        to[l] = {value.data() + c * n, rate.data() + c * n, acceleration.data() + c * n,
+                 std_x.data() + c * n, std_rate.data() + c * n};
       }
-      if (first < n)
-        smooth_column(column, first, last,
-                      SmoothedColumn{value.data() + c * n, rate.data() + c * n,
-                                             acceleration.data() + c * n, std_x.data() + c * n,
-                                             std_rate.data() + c * n});
+      smooth_side_by_side(t.data(), n, from, to);
     };
     parallel_for(
-        columns, threads,
+        groups, threads,
         [&](std::ptrdiff_t from, std::ptrdiff_t to) {
-          for (std::ptrdiff_t c = from; c < to; ++c) smooth(c);
+          for (std::ptrdiff_t k = from; k < to; ++k) smooth(k);
         },
         1);
   }

@@ -4,9 +4,11 @@ The rows are those of the recursive filter (the core's `information_filter.hpp`)
 depend on the estimate and are made again with it, until it has settled.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
+from jaxtyping import Float
 
 from orbident.estimation.convergence import SMALL, Step
 from orbident.estimation.estimate import (
@@ -21,8 +23,10 @@ from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.nonlinear_fit import beta_of_fits, nonlinear_fit
 from orbident.estimation.prior_std import prior_std
 from orbident.estimation.recursive.filter import Extended
-from orbident.estimation.recursive.given import pieces_of
+from orbident.estimation.recursive.given import none_complete, pieces_of
+from orbident.estimation.recursive.kept_pieces import Piece
 from orbident.estimation.recursive.prior import GaussianPrior
+from orbident.estimation.recursive.state import State
 from orbident.model.derivatives import sets_of_beta
 
 PASSES = 30
@@ -39,20 +43,19 @@ class Structured:
         """Make the equations and solve them, again and again.
 
         Raises:
-            InputError: the noise of the base rate is not known.
+            InputError: there is no complete sample, or the noise of the base rate is
+                not known.
         """
         robot, sets = problem.robot, problem.sets
         wide, nominal = prior_std(robot, sets), sets.beta(robot.theta)
         noise, pieces = pieces_of(problem)
         kalman = Extended.of(robot, noise)
-        first = next(every[0] for t, every in pieces() if t.size)
         found, taken = beta_of_fits(robot, sets, problem.fits), list[Step]()
         while True:
             before = GaussianPrior(found.values, np.diag(1 / wide))
-            state, squares, rows = kalman.begun(before, first, problem.h_cm), 0.0, 0
-            for t, every in pieces():
-                state, own, count = kalman.gathered(state, t, every)
-                squares, rows = squares + own, rows + count
+            state, squares, rows = _gathered(
+                kalman, before, problem.h_cm, pieces(), problem.samples.source
+            )
             R, z = state.R_z[:, :-1], state.R_z[:, -1]
             found = nonlinear_fit(sets, nominal, wide, R, z)
             std = np.sqrt(np.diag(found.covariance))
@@ -76,3 +79,22 @@ class Structured:
             converged=size < SMALL,
             convergence=tuple(taken),
         )
+
+
+def _gathered(
+    kalman: Extended,
+    before: GaussianPrior,
+    h_cm: Float[np.ndarray, "3"] | None,
+    pieces: Iterator[Piece],
+    source: str,
+) -> tuple[State, float, int]:
+    """What all samples say, linearised about the estimate before."""
+    state, squares, rows = None, 0.0, 0
+    for t, samples in pieces:
+        if t.size:
+            state = state or kalman.begun(before, samples[0], h_cm)
+            state, own, count = kalman.gathered(state, t, samples)
+            squares, rows = squares + own, rows + count
+    if state is None:
+        raise none_complete(source)
+    return state, squares, rows

@@ -2,6 +2,8 @@
 
 import math
 from collections.abc import Mapping, Sequence
+from functools import partial
+from itertools import chain
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -10,7 +12,13 @@ from jaxtyping import Float
 from orbident.preprocessing.angles import unwrapped
 from orbident.preprocessing.rates import at_times, fill
 from orbident.preprocessing.settings import Settings
-from orbident.preprocessing.smoothing import Smoothed, fits_of, smooth
+from orbident.preprocessing.smoothing import (
+    AT_ONCE,
+    Roughness,
+    Smoothed,
+    fits_of,
+    smooth,
+)
 from orbident.recordings.recording import Recording
 from orbident.threads import side_by_side
 
@@ -73,22 +81,35 @@ def histories(
         InputError: a column has too few samples.
     """
 
-    def one(name: str) -> _History:
-        position, measured = f"{what}.{name}.position", f"{what}.{name}.{rate}"
-        tachometer = sensor.get("tachometer") if recording.has(position) else None
-        if recording.has(measured) and not tachometer:
-            q = [_at(recording, position, late)] if recording.has(position) else []
-            return _History(q, _at(recording, measured, late), np.nan, MEASURED)
+    def group(names: Sequence[str]) -> list[_History]:
+        at = {name: f"{what}.{name}.position" for name in names}
+        measured = {name: f"{what}.{name}.{rate}" for name in names}
+        tachometer = sensor.get("tachometer")
+        both = [n for n in names if recording.has(at[n], measured[n]) and tachometer]
+        derived = [n for n in names if n in both or not recording.has(measured[n])]
         noise = encoder_noise(sensor)
-        smoothed = _smoothed(recording, position, noise, late, settings)
-        std = np.nanmedian(smoothed.std_x[:, 0]) / smoothed.noise_std[0]
-        q, qd, origin = [smoothed.x[:, 0]], smoothed.rate[:, 0], DERIVED
-        if recording.has(measured):
-            read = _smoothed(recording, measured, tachometer, late, settings)
-            qd, origin = _combined(smoothed, read), BOTH
-        return _History(q, qd, float(std**2), origin)
+        angles = _smoothed(recording, [at[n] for n in derived], noise, late, settings)
+        read = _smoothed(
+            recording, [measured[n] for n in both], tachometer, late, settings
+        )
 
-    every = [*side_by_side(one, names)]
+        def one(name: str) -> _History:
+            angle = angles.get(at[name])
+            if angle is None:
+                q = [at[name]] if recording.has(at[name]) else []
+                q = [_at(recording, column, late) for column in q]
+                qd = _at(recording, measured[name], late)
+                return _History(q, qd, np.nan, MEASURED)
+            std = np.nanmedian(angle.std_x) / angle.noise_std[0]
+            qd, origin = angle.rate[:, 0], DERIVED
+            if name in both:
+                qd, origin = _combined(angle, read[measured[name]]), BOTH
+            return _History([angle.x[:, 0]], qd, float(std**2), origin)
+
+        return [one(name) for name in names]
+
+    groups = [names[k : k + AT_ONCE] for k in range(0, len(names), AT_ONCE)]
+    every = [*chain.from_iterable(side_by_side(group, groups))]
     return Histories(
         tuple(q for each in every for q in each.positions),
         tuple(each.rate for each in every),
@@ -118,20 +139,30 @@ def _combined(angle: Smoothed, rate: Smoothed) -> Float[np.ndarray, " samples"]:
 
 def _smoothed(
     recording: Recording,
-    name: str,
+    names: Sequence[str],
     noise: float | None,
     late: float,
     settings: Settings,
-) -> Smoothed:
-    label = f"{recording.source}: column '{name}'"
-    column, t = recording.column(name), recording.t
-    if name.endswith(".position") and settings.once(
-        f"turns of {name}", lambda: _within_a_turn(t, column)
-    ):
-        column = unwrapped(t, column)
-    x = column[:, None]
-    fits = settings.smoothers(name, lambda: fits_of(t, x, noise, label))
-    return smooth(t, x, noise, t + late, label, fits)
+) -> dict[str, Smoothed]:
+    """Each of these columns, by its name."""
+    if not names:
+        return {}
+    t, x = recording.t, np.empty((recording.t.size, len(names)))
+    fits: list[Roughness] = []
+    for k, name in enumerate(names):
+        label, column = f"{recording.source}: column '{name}'", recording.column(name)
+        if name.endswith(".position") and settings.once(
+            f"turns of {name}", partial(_within_a_turn, t, column)
+        ):
+            column = unwrapped(t, column)
+        x[:, k] = column
+        find = partial(fits_of, t, x[:, k : k + 1], noise, label)
+        fits += settings.smoothers(name, find)
+    found = smooth(t, x, noise, t + late, recording.source, fits)
+    return {
+        name: Smoothed(*(part[..., k : k + 1] for part in found))
+        for k, name in enumerate(names)
+    }
 
 
 def _within_a_turn(

@@ -24,6 +24,9 @@ SLOW = 64.0
 """Samples that smoothing reaches over. Beyond, a stretch is too short to show how rough
 the motion is; and `AVERAGED` of them are as good as one."""
 
+AT_ONCE = 4
+"""Columns that the core smooths in the time of one."""
+
 TRIED = 8
 """Densities that are tried at once."""
 

@@ -8,6 +8,8 @@
 #include <type_traits>
 #include <vector>
 
+#include "orbident/householder.hpp"
+
 namespace orbident {
 
 // Steps between two places where the state is remembered.
@@ -16,7 +18,7 @@ constexpr std::ptrdiff_t STEPS_A_BLOCK = 1024;
 // forward(k, state) moves the state and returns what it leaves behind, for k = 0 .. steps - 1;
 // turn(state) sees the last state; back(k, left) follows for k = steps - 1 .. 0.
 template <class State, class Forward, class Turn, class Back>
-void forward_and_back(std::ptrdiff_t steps, State state, Forward&& forward, Turn&& turn,
+ORBIDENT_INLINE void forward_and_back(std::ptrdiff_t steps, State state, Forward&& forward, Turn&& turn,
                       Back&& back) {
   std::vector<State> starts;
   for (std::ptrdiff_t k = 0; k < steps; ++k) {

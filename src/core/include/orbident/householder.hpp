@@ -29,9 +29,11 @@
 #endif
 // Short loops are copied into every caller and unrolled, unless the compiler is asked for little code (-Os).
 #if defined(__GNUC__) && !defined(__OPTIMIZE_SIZE__)
-#define ORBIDENT_INLINE __attribute__((always_inline)) inline
+#define ORBIDENT_INLINED __attribute__((always_inline))
+#define ORBIDENT_INLINE ORBIDENT_INLINED inline
 #define ORBIDENT_UNROLLED _Pragma("GCC unroll 8")
 #else
+#define ORBIDENT_INLINED
 #define ORBIDENT_INLINE inline
 #define ORBIDENT_UNROLLED
 #endif

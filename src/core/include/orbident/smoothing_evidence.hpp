@@ -4,6 +4,8 @@
 //   -2 log L = misfit / R + log_det + (n - 4) log R,   R the variance of the noise.
 #pragma once
 
+#include <algorithm>
+
 #include "orbident/white_snap.hpp"
 
 namespace orbident {
@@ -21,15 +23,19 @@ ORBIDENT_WIDEST inline void evidence_of(const double* t, const double* x, std::p
   using namespace white_snap;
   Information<DENSITIES> known;
   Triangle<DENSITIES> noise;
-  double root[DENSITIES], left[DENSITIES];
-  for (int l = 0; l < DENSITIES; ++l) root[l] = std::sqrt(density[l]);
-  measure(x[0], known, left);
-  double dt = 0.0;
-  Motion step;
+  Motion<DENSITIES> step;
+  double densities[DENSITIES], dt[DENSITIES], seen[DENSITIES], y[DENSITIES], left[DENSITIES];
+  std::copy_n(density, DENSITIES, densities);
+  std::fill_n(seen, DENSITIES, 1.0);
+  std::fill_n(y, DENSITIES, x[0]);
+  measure(y, seen, known, left);
   for (std::ptrdiff_t k = 1; k < n; ++k) {
-    if (t[k] - t[k - 1] != dt) step = motion(dt = t[k] - t[k - 1], 1.0);
-    advance(step, root, known, noise);
-    measure(x[k], known, left);
+    std::fill_n(dt, DENSITIES, t[k] - t[k - 1]);
+    std::fill_n(y, DENSITIES, x[k]);
+    motion(dt, densities, step);
+    advance(step, known, noise);
+    measure(y, seen, known, left);
+    ORBIDENT_LANES
     for (int l = 0; l < DENSITIES; ++l) {
       double det = 1.0;
       for (int i = 0; i < ORDER; ++i) det *= noise[i][i][l];
@@ -37,6 +43,7 @@ ORBIDENT_WIDEST inline void evidence_of(const double* t, const double* x, std::p
       found.log_det[l] += 2 * std::log(std::abs(det));
     }
   }
+  ORBIDENT_LANES
   for (int l = 0; l < DENSITIES; ++l) {
     for (int i = 0; i < ORDER; ++i)
       found.log_det[l] += 2 * std::log(std::abs(known.rows[i][ORDER + i][l]));

@@ -11,10 +11,16 @@
 // samples may be free of noise but for rounding.
 #pragma once
 
-#include <Eigen/Core>
 #include <cmath>
 
 #include "orbident/householder.hpp"
+
+// One number of each column or density: before it is unrolled, such a loop becomes a vector's.
+#if defined(__GNUC__)
+#define ORBIDENT_LANES _Pragma("omp simd")
+#else
+#define ORBIDENT_LANES
+#endif
 
 namespace orbident::white_snap {
 
@@ -22,19 +28,16 @@ namespace orbident::white_snap {
 // of noise-free data three digits, and rates of smooth motion are three times noisier.
 constexpr int ORDER = 4;
 
-using State = Eigen::Matrix<double, ORDER, 1>;
-using Square = Eigen::Matrix<double, ORDER, ORDER>;
-
 // Equations, one a row, as [coefficients | right side]: columns of w, of s, and the right side. Each
-// number stands for N densities, side by side: rotations follow one another, and a processor has
-// nothing else to do while it waits for their roots.
+// number stands for N columns or densities, side by side: rotations follow one another, and a processor
+// has nothing else to do while it waits for their roots.
 constexpr int RIGHT = 2 * ORDER, WIDTH = RIGHT + 1;
 template <int N>
 using Row = double[WIDTH][N];
 template <int N>
 using Triangle = Row<N>[ORDER];
-// Those of one density.
-using SnapRows = Eigen::Matrix<double, ORDER, WIDTH, Eigen::RowMajor>;
+template <int N>
+using Square = double[ORDER][ORDER][N];
 
 // What the samples so far say of the state: R s = z + N(0, 1) in the columns of s, R upper
 // triangular; zero where nothing is known.
@@ -44,14 +47,17 @@ struct Information {
 };
 
 // The state given all samples: its mean and covariance.
+template <int N>
 struct Estimate {
-  State mean;
-  Square covariance;
+  double mean[ORDER][N];
+  Square<N> covariance;
 };
 
-// F(dt)^-1 = F(-dt), and G = F^-1 B.
+// F(dt)^-1 = F(-dt), of which the first row is kept, and G = F^-1 B, which is upper triangular.
+template <int N>
 struct Motion {
-  Square F_inv, G;
+  double F_inv[ORDER][N];
+  Square<N> G;
 };
 
 constexpr double factorial(int n) { return n < 2 ? 1.0 : n * factorial(n - 1); }
@@ -75,25 +81,27 @@ struct UnitNoise {
 //   B_ij = dt^p sqrt(density dt) sqrt(2k+1) p! / ((p-k)! (p+k+1)!),   G_ij = (-1)^(i+j) B_ij:
 //
 // seen from the end of the step, the odd polynomials change their sign.
-inline Motion motion(double dt, double density) {
+template <int N>
+ORBIDENT_INLINE void motion(const double (&dt)[N], const double (&density)[N], Motion<N>& step) {
   constexpr UnitNoise unit;
-  Motion step;
-  step.F_inv.setZero();
-  double power = 1.0, scale = std::sqrt(density * dt);
-  for (int k = 0; k < ORDER; ++k) {
-    const int i = ORDER - 1 - k;
-    step.F_inv.diagonal(k).setConstant(power / factorial(k));
-    power *= -dt;
-    for (int j = 0; j < ORDER; ++j) step.G(i, j) = unit.G[i][j] * scale;
-    scale *= dt;
+  ORBIDENT_LANES
+  for (int l = 0; l < N; ++l) {
+    double power = 1.0, scale = std::sqrt(density[l] * dt[l]);
+    for (int k = 0; k < ORDER; ++k) {
+      const int i = ORDER - 1 - k;
+      step.F_inv[k][l] = power / factorial(k);
+      power *= -dt[l];
+      for (int j = i; j < ORDER; ++j) step.G[i][j][l] = unit.G[i][j] * scale;
+      scale *= dt[l];
+    }
   }
-  return step;
 }
 
 // Givens: two equations turned so that b[k] vanishes; both are zero before k.
 template <int N>
 ORBIDENT_INLINE void turn(Row<N>& __restrict a, Row<N>& __restrict b, int k) {
   double c[N], s[N];
+  ORBIDENT_LANES
   for (int l = 0; l < N; ++l) {
     const double norm = std::sqrt(a[k][l] * a[k][l] + b[k][l] * b[k][l]);
     // Where nothing is known yet, both stay as they are.
@@ -102,6 +110,7 @@ ORBIDENT_INLINE void turn(Row<N>& __restrict a, Row<N>& __restrict b, int k) {
     s[l] = b[k][l] / whole;
   }
   for (int j = k; j < WIDTH; ++j)
+    ORBIDENT_LANES
     for (int l = 0; l < N; ++l) {
       const double before = a[j][l];
       a[j][l] = c[l] * before + s[l] * b[j][l];
@@ -109,29 +118,30 @@ ORBIDENT_INLINE void turn(Row<N>& __restrict a, Row<N>& __restrict b, int k) {
     }
 }
 
-// Moves by one step: w = 0 + N(0, 1) and R (F^-1 s+ - root G w) = z + N(0, 1), in which w is
-// eliminated; `root` multiplies the noise of each density. Leaves the equations
-// U w + T s+ = b + N(0, 1) that hold w, U upper triangular, in `noise`.
+// Moves by one step: w = 0 + N(0, 1) and R (F^-1 s+ - G w) = z + N(0, 1), in which w is eliminated.
+// Leaves the equations U w + T s+ = b + N(0, 1) that hold w, U upper triangular, in `noise`.
 template <int N>
-ORBIDENT_INLINE void advance(const Motion& step, const double (&root)[N], Information<N>& known,
-                             Triangle<N>& noise) {
+ORBIDENT_INLINE void advance(const Motion<N>& step, Information<N>& known, Triangle<N>& noise) {
   Triangle<N>& rows = known.rows;
 #pragma GCC unroll 4
   for (int i = 0; i < ORDER; ++i) {
     Row<N> R = {};
     for (int j = i; j < ORDER; ++j)
+      ORBIDENT_LANES
       for (int l = 0; l < N; ++l) R[j][l] = rows[i][ORDER + j][l];
     for (int k = 0; k < ORDER; ++k)
+      ORBIDENT_LANES
       for (int l = 0; l < N; ++l) {
         double by_w = 0.0, by_s = 0.0;
-        for (int j = i; j < ORDER; ++j) {
-          by_w += R[j][l] * step.G(j, k);
-          if (j <= k) by_s += R[j][l] * step.F_inv(j, k);
+        for (int j = i; j <= k; ++j) {
+          by_w += R[j][l] * step.G[j][k][l];
+          by_s += R[j][l] * step.F_inv[k - j][l];
         }
-        rows[i][k][l] = -by_w * root[l];
+        rows[i][k][l] = -by_w;
         rows[i][ORDER + k][l] = by_s;
       }
     for (int k = 0; k < WIDTH; ++k)
+      ORBIDENT_LANES
       for (int l = 0; l < N; ++l) noise[i][k][l] = k == i ? 1.0 : 0.0;
   }
   // In each column from the bottom row up, so that R F^-1 stays a triangle; in this order, diagonal
@@ -142,53 +152,99 @@ ORBIDENT_INLINE void advance(const Motion& step, const double (&root)[N], Inform
     for (int i = 0; i + d < ORDER; ++i) turn<N>(noise[i + d], rows[i], i + d);
 }
 
-// Takes in a sample, x = y + N(0, 1); what it leaves unexplained is in `left`.
+// Takes in a sample, x = y + N(0, 1), where `seen` is 1; where it is 0, there is none. What it leaves
+// unexplained is in `left`.
 template <int N>
-ORBIDENT_INLINE void measure(double y, Information<N>& known, double (&left)[N]) {
+ORBIDENT_INLINE void measure(const double (&y)[N], const double (&seen)[N], Information<N>& known,
+                             double (&left)[N]) {
   Row<N> sample = {};
+  ORBIDENT_LANES
   for (int l = 0; l < N; ++l) {
-    sample[ORDER][l] = 1.0;
-    sample[RIGHT][l] = y;
+    sample[ORDER][l] = seen[l];
+    sample[RIGHT][l] = y[l];
   }
 #pragma GCC unroll 4
   for (int i = 0; i < ORDER; ++i) turn<N>(known.rows[i], sample, ORDER + i);
+  ORBIDENT_LANES
   for (int l = 0; l < N; ++l) left[l] = sample[RIGHT][l];
 }
 
 // From the state after a step to the state before it: s = F^-1 s+ - G w with
 // w = U^-1 (b - T s+ + N(0, 1)).
-inline void retreat(const Motion& step, const SnapRows& noise, Estimate& at) {
+template <int N>
+ORBIDENT_INLINE void retreat(const Motion<N>& step, const Triangle<N>& noise, Estimate<N>& at) {
   // U^-1 [1 T b].
-  SnapRows X = noise;
-  X.leftCols<ORDER>().setIdentity();
+  Triangle<N> X;
+#pragma GCC unroll 4
   for (int i = ORDER - 1; i >= 0; --i) {
-    for (int k = i + 1; k < ORDER; ++k) X.row(i) -= noise(i, k) * X.row(k);
-    X.row(i) /= noise(i, i);
+    for (int c = i; c < WIDTH; ++c)
+      ORBIDENT_LANES
+      for (int l = 0; l < N; ++l) {
+        double x = c == i ? 1.0 : c < ORDER ? 0.0 : noise[i][c][l];
+        for (int k = i + 1; k < ORDER && (c >= ORDER || k <= c); ++k) x -= noise[i][k][l] * X[k][c][l];
+        X[i][c][l] = x / noise[i][i][l];
+      }
   }
-  const Square N = step.G * X.leftCols<ORDER>();
-  const Square L = step.F_inv + step.G * X.middleCols<ORDER>(ORDER);
-  const State g = step.G * X.col(RIGHT);
-  const Square PLT = at.covariance * L.transpose();
-  at.mean = (L * at.mean - g).eval();
-  at.covariance.noalias() = L * PLT;
-  at.covariance.noalias() += N * N.transpose();
+  // s = L s+ - g + V N(0, 1).
+  Square<N> V, L, PLT;
+  double mean[ORDER][N];
+#pragma GCC unroll 4
+  for (int i = 0; i < ORDER; ++i)
+    ORBIDENT_LANES
+    for (int l = 0; l < N; ++l) {
+      for (int c = i; c < ORDER; ++c) {
+        V[i][c][l] = 0.0;
+        for (int k = i; k <= c; ++k) V[i][c][l] += step.G[i][k][l] * X[k][c][l];
+      }
+      for (int c = 0; c < ORDER; ++c) {
+        double by_s = 0.0;
+        for (int k = i; k < ORDER; ++k) by_s += step.G[i][k][l] * X[k][ORDER + c][l];
+        L[i][c][l] = c < i ? by_s : step.F_inv[c - i][l] + by_s;
+      }
+      mean[i][l] = 0.0;
+      for (int k = 0; k < ORDER; ++k) mean[i][l] += L[i][k][l] * at.mean[k][l];
+      for (int k = i; k < ORDER; ++k) mean[i][l] -= step.G[i][k][l] * X[k][RIGHT][l];
+    }
+  for (int i = 0; i < ORDER; ++i)
+    for (int c = 0; c < ORDER; ++c)
+      ORBIDENT_LANES
+      for (int l = 0; l < N; ++l) {
+        PLT[i][c][l] = 0.0;
+        for (int k = 0; k < ORDER; ++k) PLT[i][c][l] += at.covariance[i][k][l] * L[c][k][l];
+      }
+  for (int i = 0; i < ORDER; ++i)
+    ORBIDENT_LANES
+    for (int l = 0; l < N; ++l) {
+      at.mean[i][l] = mean[i][l];
+      for (int c = i; c < ORDER; ++c) {
+        double sum = 0.0;
+        for (int k = 0; k < ORDER; ++k) sum += L[i][k][l] * PLT[k][c][l];
+        for (int k = c; k < ORDER; ++k) sum += V[i][k][l] * V[c][k][l];
+        at.covariance[i][c][l] = at.covariance[c][i][l] = sum;
+      }
+    }
 }
 
-// The last state from all that is known: R^-1 z and (R^T R)^-1.
-inline Estimate final_estimate(const Information<1>& known) {
-  const Eigen::Map<const SnapRows> rows(known.rows[0][0]);
-  const auto R = rows.middleCols<ORDER>(ORDER);
-  Square inverse = Square::Identity();
-  State mean = rows.col(RIGHT);
+// The last state from all that is known, R^-1 z and (R^T R)^-1, of column l.
+template <int N>
+inline void final_estimate(const Information<N>& known, int l, Estimate<N>& at) {
+  // R^-1 [1 z].
+  double X[ORDER][ORDER + 1] = {};
   for (int i = ORDER - 1; i >= 0; --i) {
-    for (int k = i + 1; k < ORDER; ++k) {
-      inverse.row(i) -= R(i, k) * inverse.row(k);
-      mean[i] -= R(i, k) * mean[k];
+    X[i][i] = 1.0;
+    X[i][ORDER] = known.rows[i][RIGHT][l];
+    for (int c = i; c <= ORDER; ++c) {
+      for (int k = i + 1; k < ORDER; ++k) X[i][c] -= known.rows[i][ORDER + k][l] * X[k][c];
+      X[i][c] /= known.rows[i][ORDER + i][l];
     }
-    inverse.row(i) /= R(i, i);
-    mean[i] /= R(i, i);
   }
-  return {mean, inverse * inverse.transpose()};
+  for (int i = 0; i < ORDER; ++i) {
+    at.mean[i][l] = X[i][ORDER];
+    for (int c = 0; c < ORDER; ++c) {
+      at.covariance[i][c][l] = 0.0;
+      for (int k = 0; k < ORDER; ++k) at.covariance[i][c][l] += X[i][k] * X[c][k];
+    }
+  }
 }
 
 }  // namespace orbident::white_snap

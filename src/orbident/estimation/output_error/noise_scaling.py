@@ -159,6 +159,8 @@ def fitted(
     rounds = lost = 0
     taken: Convergence = ()
     while True:
+        if problem.t.size >= LARGE:
+            _core.give_back_memory()
         rounds += 1
         taken += tuple(step._replace(round=rounds) for step in solution.convergence)
         lost = 0 if solution.converged else lost + 1
@@ -189,6 +191,8 @@ def fitted(
         * (before[name] / level)
         for name, level in levels.items()
     }
+    # They say all that the solution's own residuals do.
+    solution = solution._replace(linear=solution.linear.without_rows())
     parts = {
         name: whitened(problem.weights[name], table, unknowns[name])
         for name, table in residuals.items()

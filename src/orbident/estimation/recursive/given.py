@@ -8,6 +8,7 @@ from jaxtyping import Float
 
 from orbident.errors import InputError
 from orbident.estimation.momentum_problem import MomentumProblem
+from orbident.estimation.recursive.kept_pieces import KeptPieces, Piece
 from orbident.estimation.recursive.noise import Noise, noise_of
 from orbident.estimation.stretches import smoothed_rate
 from orbident.preprocessing.histories import DERIVED
@@ -33,8 +34,8 @@ class Pieces(NamedTuple):
     """The same of a recording that may be long."""
 
     noise: Noise
-    every: Callable[[], Iterator[tuple[np.ndarray, np.ndarray]]]
-    """Times, s, and packed samples, piece by piece, from the first one each time."""
+    every: Callable[[], Iterator[Piece]]
+    """From the first one each time; some may be empty."""
 
 
 def given_of(robot: Robot, samples: Samples) -> Given:
@@ -48,11 +49,16 @@ def given_of(robot: Robot, samples: Samples) -> Given:
     ends = float(samples.t[0]), float(samples.t[-1])
     t, every = _packed(samples, rate, *_trusted(samples, *ends))
     if not t.size:
-        raise InputError(
-            f"{samples.source}: no complete sample; record joints, wheels, gyro and "
-            "attitude together"
-        )
+        raise none_complete(samples.source)
     return Given(t, every, noise)
+
+
+def none_complete(source: str) -> InputError:
+    """What a recording without a sample is told."""
+    return InputError(
+        f"{source}: no complete sample; record joints, wheels, gyro and attitude "
+        "together"
+    )
 
 
 def pieces_of(problem: MomentumProblem) -> Pieces:
@@ -64,26 +70,27 @@ def pieces_of(problem: MomentumProblem) -> Pieces:
     robot, samples, stretches = problem.robot, problem.samples, problem.stretches
     if stretches is None or problem.extent is None:
         given = given_of(robot, samples)
-        return Pieces(given.noise, lambda: iter([(given.t, given.samples)]))
+        return Pieces(given.noise, lambda: iter([Piece(given.t, given.samples)]))
     _, scatter = smoothed_rate(samples, stretches.settings)
     ends = _trusted(samples, problem.extent.start, problem.extent.end)
 
-    def packed() -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    def packed() -> Iterator[Piece]:
         for part, rate in stretches.with_rates():
             yield _packed(part, rate, *ends)
 
-    return Pieces(noise_of(robot, samples, scatter), lambda: ahead(packed()))
+    kept = KeptPieces(packed)
+    return Pieces(noise_of(robot, samples, scatter), lambda: ahead(kept()))
 
 
 def _packed(
     samples: Samples, rate: Float[np.ndarray, "samples 3"], first: float, last: float
-) -> tuple[Float[np.ndarray, " n"], Float[np.ndarray, "n all"]]:
+) -> Piece:
     at = samples.batch(0, samples.t.size)
     complete = at.turning & np.isfinite(rate).all(axis=1)
     complete &= (samples.t >= first) & (samples.t <= last)
     v_S = np.where(at.moving[:, None], at.v_S, np.nan)
     every = np.hstack([at.q, at.qd, at.w, at.x_WB, at.qd_rw, v_S, rate, at.h_given])
-    return samples.t[complete], every[complete]
+    return Piece(samples.t[complete], every[complete])
 
 
 def _trusted(samples: Samples, start: float, end: float) -> tuple[float, float]:
