@@ -54,7 +54,7 @@ def given_of(robot: Robot, samples: Samples) -> Given:
 
 
 def none_complete(source: str) -> InputError:
-    """What a recording without a sample is told."""
+    """The error of a recording without a complete sample."""
     return InputError(
         f"{source}: no complete sample; record joints, wheels, gyro and attitude "
         "together"
