@@ -11,7 +11,7 @@ from selenium.webdriver.support.wait import WebDriverWait
 
 from orbident.report.write import report_page
 
-SIZES = {"desk": (1400, 900), "phone": (400, 800)}
+SIZES = {"desk": (1400, 900), "small": (1000, 800), "phone": (400, 800)}
 
 PATIENCE = 60.0
 """s: on two busy cores."""
@@ -65,6 +65,15 @@ def test_every_chart_is_drawn(page: Chrome):
     )
     assert empty == []
     assert page.execute_script("return document.querySelectorAll('.chart').length") > 8
+
+
+def test_no_column_of_a_table_beside_a_chart_is_cut(page: Chrome):
+    cut = page.execute_script(
+        "return [...document.querySelectorAll('.beside details[open]')]"
+        ".filter((d) => d.scrollWidth > d.clientWidth + 1)"
+        ".map((d) => d.innerText.slice(0, 40))"
+    )
+    assert cut == []
 
 
 def test_the_verdict_is_seen_first(page: Chrome):

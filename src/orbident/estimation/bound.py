@@ -86,7 +86,8 @@ def _check_noise(robot: Robot) -> None:
     if not any(section.get(key, 0.0) > 0 for section, key in sections):
         raise InputError(
             f"{robot.name}: sensors: found no noise of gyro, accelerometer, attitude "
-            "or position; the bound follows from it: give it in the robot file"
+            "or position, from which the least deviations are computed; add the noise "
+            "of the sensors to the robot file"
         )
 
 
