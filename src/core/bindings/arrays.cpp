@@ -11,8 +11,8 @@
 namespace orbident::python {
 namespace {
 
-// 64 MB: batches of some hundred samples of the largest regressors.
-constexpr std::size_t MOST = 8'000'000;
+// 16 MB: batches of some hundred samples of large regressors.
+constexpr std::size_t MOST = 2'000'000;
 
 // Freed blocks, the oldest first.
 std::vector<Block>& freed_blocks() {

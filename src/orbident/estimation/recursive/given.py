@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
+from orbident import _core
 from orbident.errors import InputError
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.recursive.kept_pieces import KeptPieces, Piece
@@ -19,6 +20,10 @@ from orbident.threads import ahead
 
 ENDS = 0.5
 """s: so near to the ends of a recording a smoothed rate is ten times as wrong."""
+
+
+PACKED = 4096
+"""Samples that are packed at once: all of them at once take their memory four times."""
 
 
 class Given(NamedTuple):
@@ -74,23 +79,31 @@ def pieces_of(problem: MomentumProblem) -> Pieces:
     _, scatter = smoothed_rate(samples, stretches.settings)
     ends = _trusted(samples, problem.extent.start, problem.extent.end)
 
-    def packed() -> Iterator[Piece]:
-        for part, rate in stretches.with_rates():
-            yield _packed(part, rate, *ends)
+    noise = noise_of(robot, samples, scatter)
+    _core.give_back_memory()
 
-    kept = KeptPieces(packed)
-    return Pieces(noise_of(robot, samples, scatter), lambda: ahead(kept()))
+    def packed(part: tuple[Samples, Float[np.ndarray, "n 3"]]) -> Piece:
+        return _packed(*part, *ends)
+
+    # Nothing here holds a part while the next one is worked out.
+    kept = KeptPieces(lambda: map(packed, stretches.with_rates()))
+    return Pieces(noise, lambda: ahead(kept()))
 
 
 def _packed(
     samples: Samples, rate: Float[np.ndarray, "samples 3"], first: float, last: float
 ) -> Piece:
-    at = samples.batch(0, samples.t.size)
-    complete = at.turning & np.isfinite(rate).all(axis=1)
-    complete &= (samples.t >= first) & (samples.t <= last)
-    v_S = np.where(at.moving[:, None], at.v_S, np.nan)
-    every = np.hstack([at.q, at.qd, at.w, at.x_WB, at.qd_rw, v_S, rate, at.h_given])
-    return Piece(samples.t[complete], every[complete])
+    trusted = np.isfinite(rate).all(axis=1)
+    trusted &= (samples.t >= first) & (samples.t <= last)
+    times, tables = [], []
+    for k, at in enumerate(samples.batches(PACKED)):
+        own = slice(k * PACKED, (k + 1) * PACKED)
+        complete = at.turning & trusted[own]
+        v_S = np.where(at.moving[:, None], at.v_S, np.nan)
+        every = [at.q, at.qd, at.w, at.x_WB, at.qd_rw, v_S, rate[own], at.h_given]
+        times.append(samples.t[own][complete])
+        tables.append(np.hstack(every)[complete])
+    return Piece(np.concatenate(times), np.concatenate(tables))
 
 
 def _trusted(samples: Samples, start: float, end: float) -> tuple[float, float]:

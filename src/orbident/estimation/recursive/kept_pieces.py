@@ -51,6 +51,8 @@ class KeptPieces:
                 file = None
             shapes.append(piece.samples.shape)
             yield piece
+            # Held no longer while the next one is worked out.
+            del piece
         self._file, self._shapes = file, shapes
 
     def _read(self, file: IO[bytes]) -> Iterator[Piece]:
