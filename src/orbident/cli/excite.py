@@ -45,7 +45,8 @@ Harmonics = Annotated[
 Criterion = Annotated[
     Objective | None,
     typer.Option(
-        help="What is made small. cond: the condition number of Y-hat. d, a, e: the "
+        help="What is made small. cond: the condition number of the "
+        "stacked regressor. d, a, e: the "
         "geometric mean, root mean square or largest standard deviation of all "
         "parameters. The default is d where the robot file declares sensors, and cond "
         "otherwise or with --like-paper."
