@@ -9,7 +9,10 @@ def report(
     json: Json = None,
     quiet: Quiet = False,
 ) -> None:
-    """Write RUN/report.html, one page that needs no network."""
+    """Write RUN/report.html, one page that needs no network.
+
+    It says whether to trust the result, and why.
+    """
     from orbident.cli.output import Output
     from orbident.files.locking import locked
     from orbident.files.replacing import check_free
