@@ -118,9 +118,10 @@ def excite(
     json: Json = None,
     quiet: Quiet = False,
 ) -> None:
-    """Design a motion that excites every parameter, or compare motions.
+    """Design a motion that excites every parameter.
 
-    Limits of positions and rates hold at all times, between samples too.
+    Limits of positions and rates hold at all times, between samples too. With
+    --compare, motions that exist are scored instead.
     """
     from orbident.cli.output import Output, progress
     from orbident.files.replacing import check_free
