@@ -21,17 +21,26 @@ if TYPE_CHECKING:
     from orbident.estimation.recursive.recursive_estimator import Recursive as Recursive
     from orbident.estimation.result import Result as Result
     from orbident.estimation.structured import Structured as Structured
+    from orbident.estimation.weigh import Weighing as Weighing
     from orbident.estimation.weigh import weigh as weigh
     from orbident.excitation.design import design_excitation as design_excitation
+    from orbident.identified.comparison import Comparison as Comparison
     from orbident.identified.comparison import compare as compare
     from orbident.identified.run_folder import load_result as load_result
     from orbident.identified.run_folder import save_result as save_result
+    from orbident.identified.validate import Validation as Validation
     from orbident.identified.validate import validate as validate
+    from orbident.model.minimal_sets import MinimalSets as MinimalSets
     from orbident.model.minimal_sets import minimal_sets as minimal_sets
+    from orbident.model.reconstruction import Dynamics as Dynamics
     from orbident.recordings.recording import Recording as Recording
     from orbident.recordings.tables import read_recording as read_recording
     from orbident.recordings.tables import write_recording as write_recording
+    from orbident.recordings.topics.conversion_report import (
+        ConversionReport as ConversionReport,
+    )
     from orbident.recordings.topics.convert import convert_file as convert_file
+    from orbident.recordings.topics.survey import Surveyed as Surveyed
     from orbident.recordings.topics.survey import survey_file as survey_file
     from orbident.robot.description import Robot as Robot
     from orbident.robot.robot_file import bundled_robots as bundled_robots
@@ -44,17 +53,24 @@ if TYPE_CHECKING:
     from orbident.trajectories.trajectory_file import save_trajectory as save_trajectory
 
 _PUBLIC = {
+    "Comparison": "orbident.identified.comparison",
+    "ConversionReport": "orbident.recordings.topics.conversion_report",
+    "Dynamics": "orbident.model.reconstruction",
     "Environment": "orbident.trajectories.environment",
     "InitialState": "orbident.trajectories.trajectory",
     "InputError": "orbident.errors",
     "LeastSquares": "orbident.estimation.least_squares",
+    "MinimalSets": "orbident.model.minimal_sets",
     "OutputError": "orbident.estimation.output_error.estimator",
     "Recording": "orbident.recordings.recording",
     "Recursive": "orbident.estimation.recursive.recursive_estimator",
     "Result": "orbident.estimation.result",
     "Robot": "orbident.robot.description",
     "Structured": "orbident.estimation.structured",
+    "Surveyed": "orbident.recordings.topics.survey",
     "Trajectory": "orbident.trajectories.trajectory",
+    "Validation": "orbident.identified.validate",
+    "Weighing": "orbident.estimation.weigh",
     "bundled_robots": "orbident.robot.robot_file",
     "compare": "orbident.identified.comparison",
     "convert_file": "orbident.recordings.topics.convert",

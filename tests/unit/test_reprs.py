@@ -1,6 +1,8 @@
 """What a session shows of an object: a few lines that say what it is, no arrays."""
 
+import inspect
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 import report_runs
@@ -8,7 +10,6 @@ import report_runs
 import orbident as oi
 from orbident.estimation.quantities import Quantity
 from orbident.estimation.sensitivity_table import SensitivityTable
-from orbident.recordings.topics.survey import Surveyed
 
 LINES, LONGEST = 24, 1500
 """A terminal's screen, and what a notebook's cell shows without scrolling."""
@@ -24,6 +25,17 @@ def shown(thing: object) -> str:
 
 def test_the_version():
     assert oi.__version__.count(".") == 2
+
+
+def test_what_public_functions_return_is_public():
+    for name in dir(oi):
+        thing = getattr(oi, name)
+        if not inspect.isfunction(thing):
+            continue
+        returned = inspect.signature(thing).return_annotation
+        for kind in (returned, *get_args(returned)):
+            if getattr(kind, "__module__", "").startswith("orbident."):
+                assert getattr(oi, kind.__name__) is kind
 
 
 def test_a_robot_and_its_sets():
@@ -75,8 +87,23 @@ def test_what_is_made_of_results():
 def test_topics_of_a_file(tmp_path: Path):
     (tmp_path / "log.csv").write_text("t,x\n0,1\n1,2\n")
     [topic] = oi.survey_file(tmp_path / "log.csv")
-    assert isinstance(topic, Surveyed)
+    assert isinstance(topic, oi.Surveyed)
     shown(topic)
+
+
+def test_a_file_that_was_converted(tmp_path: Path):
+    rows = "".join(f"{t},{t}\n" for t in range(4))
+    (tmp_path / "log.csv").write_text(f"t,w\n{rows}")
+    (tmp_path / "map.yaml").write_text(
+        "schema: orbident/topic-map/1\n"
+        "topics:\n"
+        "  - {topic: /, type: table, stamp: {t: s}, take: {gyro.z: rad/s},\n"
+        "     fields: {gyro.z: w}, frame: base}\n"
+    )
+    report = oi.convert_file(
+        tmp_path / "log.csv", tmp_path / "map.yaml", tmp_path / "flight.csv"
+    )
+    assert shown(report).startswith("log.csv: 4 samples over 3 s from / (4)")
 
 
 def test_a_run_is_kept_where_a_text_says(tmp_path: Path):

@@ -37,7 +37,7 @@ Folder = Annotated[
 ]
 
 
-@campaign.command(RUN)
+@campaign.command(RUN, epilog="Example: orbident campaign run spec.yaml -o campaign")
 def run(
     spec: Annotated[
         Path, typer.Argument(metavar="SPEC", help="A campaign file (YAML).")
@@ -63,7 +63,7 @@ def run(
     json: Json = None,
     quiet: Quiet = False,
 ) -> None:
-    """Make the runs that are missing; 'run' may be left out."""
+    """Make the runs that are missing; the word 'run' may be left out."""
     from orbident.campaigns.conduct import conduct
     from orbident.campaigns.executors import local
     from orbident.campaigns.folder import begin
@@ -91,7 +91,7 @@ def run(
         raise typer.Exit(1)
 
 
-@campaign.command()
+@campaign.command(epilog="Example: orbident campaign status campaign")
 def status(folder: Folder, json: Json = None, quiet: Quiet = False) -> None:
     """Show how far a campaign is.
 
@@ -108,7 +108,7 @@ def status(folder: Folder, json: Json = None, quiet: Quiet = False) -> None:
     output.write_json(_document(begun, folder, done))
 
 
-@campaign.command()
+@campaign.command(epilog="Example: orbident campaign rerun campaign 17")
 def rerun(
     folder: Folder,
     number: Annotated[

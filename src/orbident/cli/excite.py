@@ -45,7 +45,8 @@ Harmonics = Annotated[
 Criterion = Annotated[
     Objective | None,
     typer.Option(
-        help="What is made small. cond: the condition number of Y-hat. d, a, e: the "
+        help="What is made small. cond: the condition number of the "
+        "stacked regressor. d, a, e: the "
         "geometric mean, root mean square or largest standard deviation of all "
         "parameters. The default is d where the robot file declares sensors, and cond "
         "otherwise or with --like-paper."
@@ -117,9 +118,10 @@ def excite(
     json: Json = None,
     quiet: Quiet = False,
 ) -> None:
-    """Design a motion that excites every parameter, or compare motions.
+    """Design a motion that excites every parameter.
 
-    Limits of positions and rates hold at all times, between samples too.
+    Limits of positions and rates hold at all times, between samples too. With
+    --compare, motions that exist are scored instead.
     """
     from orbident.cli.output import Output, progress
     from orbident.files.replacing import check_free

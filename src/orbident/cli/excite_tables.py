@@ -81,8 +81,9 @@ def designed(found: Any, paper: Any) -> list[Any]:
         f"designed a motion of {found.duration:g} s and "
         f"{counted(len(found.joints), 'joint')}",
         f"objective {made['objective']}: {_number(made['value'])}, the best of "
-        f"{made['starts']} starts (random motions: {made['median_random_start']:.4g}, "
-        f"the best of them {_number(made['best_random_start'])})",
+        f"{counted(made['starts'], 'start')} (random motions: "
+        f"{made['median_random_start']:.4g}, the best of them "
+        f"{_number(made['best_random_start'])})",
     ]
     if paper is not None and paper.quoted is not None:
         lines.append(f"the paper quotes a condition number of {paper.quoted:g} for its")

@@ -15,7 +15,7 @@ def export(
         Path,
         typer.Argument(
             metavar="RUN",
-            help="A folder that 'identify -o' wrote; with --flight, a robot too.",
+            help="A folder that 'identify -o' wrote. With --flight, it may be a robot.",
         ),
     ],
     out: Annotated[

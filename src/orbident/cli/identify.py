@@ -61,7 +61,7 @@ def identify(
         list[DisturbanceGroup] | None,
         typer.Option(
             metavar="GROUP",
-            help="Something that is known to act from outside, such as `pull` on a "
+            help="Something that is known to act from outside, such as 'pull' on a "
             "table that is not level; may be given several times. All others are "
             "tested for. The how-to 'What acts from outside' explains the names.",
         ),

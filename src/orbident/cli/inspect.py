@@ -20,8 +20,8 @@ def inspect(
         Path | None,
         typer.Option(
             metavar="TRAJ",
-            help="Show the least standard deviation, too, that the robot's sensors "
-            "allow on this trajectory (the Cramér-Rao bound).",
+            help="Show for this trajectory the least standard deviations that the "
+            "robot's sensors allow (the Cramér-Rao bound).",
         ),
     ] = None,
     initial_momentum: MomentumKnown = InitialMomentum.unknown,

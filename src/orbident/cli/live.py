@@ -17,8 +17,8 @@ def live(
         int | None,
         typer.Option(
             metavar="PORT",
-            help="Read datagrams of this port, not standard input; each has one line "
-            "or several. Ctrl-C ends it.",
+            help="Read datagrams at this port instead of standard input; each has one "
+            "line or several. Ctrl-C ends it.",
             min=0,
             max=65535,
         ),
@@ -26,13 +26,16 @@ def live(
     host: Annotated[
         str | None,
         typer.Option(
-            help="Address to read datagrams at, 127.0.0.1 if none is given; 0.0.0.0 "
-            "for all networks, from where anybody can send samples then."
+            help="Address to receive datagrams at (default 127.0.0.1, for this machine "
+            "alone). With 0.0.0.0, anybody on the network can send samples."
         ),
     ] = None,
     every: Annotated[
         float,
-        typer.Option(metavar="S", help="Time of the samples between two estimates, s."),
+        typer.Option(
+            metavar="SECONDS",
+            help="Time from one estimate to the next, by the times of the samples.",
+        ),
     ] = 1.0,
     velocity_std: Annotated[
         float | None,
@@ -46,8 +49,8 @@ def live(
         Path | None,
         typer.Option(
             metavar="FILE",
-            help="Keep there what is carried from sample to sample, at every estimate, "
-            "and go on from there at the next start.",
+            help="Keep the state of the filter in this file, written at every "
+            "estimate, and continue from it at the next start.",
         ),
     ] = None,
     view: Annotated[

@@ -14,12 +14,14 @@ def new(
         typer.Argument(metavar="FILE", help="The robot file to write (.yaml)."),
     ],
     joints: Annotated[
-        int, typer.Option(help="Joints of the arm, one after the other.", min=1, max=60)
+        int, typer.Option(help="Number of joints of the arm.", min=1, max=60)
     ] = 3,
-    wheels: Annotated[int, typer.Option(help="Reaction wheels.", min=0, max=60)] = 3,
+    wheels: Annotated[
+        int, typer.Option(help="Number of reaction wheels.", min=0, max=60)
+    ] = 3,
     dh: Annotated[
         bool,
-        typer.Option("--dh", help="A table of Denavit and Hartenberg for the arm."),
+        typer.Option("--dh", help="Describe the arm by a Denavit-Hartenberg table."),
     ] = False,
     force: Force = False,
     json: Json = None,

@@ -9,11 +9,15 @@ def report(
     json: Json = None,
     quiet: Quiet = False,
 ) -> None:
-    """Write RUN/report.html, one page that needs no network."""
+    """Write RUN/report.html, one page that needs no network.
+
+    It says whether to trust the result, and why.
+    """
     from orbident.cli.output import Output
     from orbident.files.locking import locked
     from orbident.files.replacing import check_free
     from orbident.identified.run_folder import REPORT, load_result
+    from orbident.report.verdict import verdict_of
     from orbident.report.write import write_report
 
     output = Output(json, quiet)
@@ -22,5 +26,6 @@ def report(
     result = load_result(run)
     with locked(run):
         path = write_report(result, run)
+    output.say(f"the report of {run} says: {verdict_of(result).headline.lower()}")
     output.say(f"written: {path}")
     output.write_json({"report": str(path)})

@@ -4,7 +4,10 @@ from orbident.cli.options import Json, Quiet
 
 
 def robots(json: Json = None, quiet: Quiet = False) -> None:
-    """List the bundled robots, whose names can stand for ROBOT."""
+    """List the robots that come with Orbident.
+
+    Each name can be given wherever a command takes ROBOT.
+    """
     from rich.table import Table
 
     from orbident.cli.output import Output
@@ -26,7 +29,7 @@ def robots(json: Json = None, quiet: Quiet = False) -> None:
         *words, mass = entry.values()
         table.add_row(*map(str, words), f"{mass:.6g}")
     output.say(
-        f"{len(entries)} robots come with Orbident; each name can stand for ROBOT",
+        f"{len(entries)} robots come with Orbident; each name can be given as ROBOT",
         table,
     )
     output.write_json({"robots": entries})

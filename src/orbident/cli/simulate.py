@@ -38,7 +38,8 @@ def simulate(
     noise: Annotated[
         NoiseChoice,
         typer.Option(
-            help="none: ideal sensors of everything. sensors: those of the robot file."
+            help="none: ideal sensors for every signal. sensors: those of the robot "
+            "file, with their noise."
         ),
     ] = NoiseChoice.none,
     seed: Annotated[

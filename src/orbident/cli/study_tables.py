@@ -6,6 +6,9 @@ from typing import Any
 import numpy as np
 from rich.table import Table
 
+FILTERED = "compared with the filtered record, as in the paper"
+MEASURED = "compared with the record as measured, whose noise is part of these errors"
+
 
 def spatial_lines(done: Any) -> list[Any]:
     """Table 4, without noise or with it."""
@@ -50,6 +53,8 @@ def planar_lines(done: Any) -> list[Any]:
         words = "the paper's method (M by Eq. 32)" if name == "paper" else name
         lines += ["", f"by {words}", "", _identified_table(method.rows)]
         lines += ["", _validation_line(method.validation, done.noisy)]
+        if done.noisy:
+            lines.append(FILTERED if name == "paper" else MEASURED)
     weighing, condition = done.mass.weighing, done.condition_number
     return [
         *lines,

@@ -29,8 +29,8 @@ def view(
     host: Annotated[
         str,
         typer.Option(
-            help="Address to listen at; 0.0.0.0 for all networks, where the printed "
-            "address holds a token that is asked for."
+            help="Address to listen at; 0.0.0.0 for all networks. The printed address "
+            "then holds a secret token, without which nobody can see the robot."
         ),
     ] = "127.0.0.1",
     port: Annotated[

@@ -21,7 +21,7 @@ class Check:
     reason: str
     """What was found, and what it means."""
     remedy: str = ""
-    """What to do; empty where it is passed."""
+    """What to do. Of a rule that is passed, empty or what to mind all the same."""
     statistic: float = float("nan")
     limit: float = float("nan")
     """The value of `statistic` beyond which the rule is broken; NaN without one."""
@@ -30,6 +30,11 @@ class Check:
     def passed(self) -> bool:
         """Whether there is nothing to say against the result."""
         return self.level == "trust"
+
+    @property
+    def calls_for_care(self) -> bool:
+        """Whether there is something to do or to mind, passed or not."""
+        return bool(self.remedy) or not self.passed
 
     @property
     def words(self) -> str:

@@ -269,10 +269,11 @@ def _disturbances(estimate: Estimate, problem: MomentumProblem) -> Iterator[Chec
                 f"{name} = {fit.value:.3g} +- {fit.std:.1g} {fit.unit}"
                 for name, fit in own.items()
             )
+        said = group in problem.robot.said_to_act
         yield Check(
             f"{group} from outside",
-            "trust" if group in problem.robot.said_to_act else "with care",
+            "trust" if said else "with care",
             f"{in_words[group]}: {sizes}; it was identified with the parameters, one "
             f"of which would be off by {largest.shift:.2g} sigmas without it",
-            LOST if group == "wheel_loss" else "",
+            LOST if group == "wheel_loss" and not said else "",
         )

@@ -18,7 +18,12 @@ DISAGREE = 5.0
 """Combined deviations by which two masses differ that cannot both be right,"""
 
 MATTERS = 0.03
-"""and this part of the mass: Eq. 32's deviation counts white noise only."""
+"""and this part of the mass: by less, the other route is in doubt, not the result."""
+
+WHITE_ONLY = (
+    "use the first: the deviations of Eq. 32 count white noise only, so they are too "
+    "narrow where encoders or a drift add to it"
+)
 
 TIMES = 3.0
 """So many times the nominal mass is no error of a CAD model."""
@@ -58,6 +63,8 @@ def agreement_of_routes(masses: dict[str, Quantity]) -> Iterator[Check]:
     """Whether the last route's mass is one of the others'.
 
     The statistic is how far beyond both limits, of sigmas and of percent, the worst is.
+    Beyond the limit of sigmas alone the result stands, and the remedy says which mass
+    to use.
     """
     *others, (route, M) = masses.items()
     if not others:
@@ -67,15 +74,16 @@ def agreement_of_routes(masses: dict[str, Quantity]) -> Iterator[Check]:
     # Both are to be broken.
     over = {name: min(apart[name] / DISAGREE, part[name] / MATTERS) for name in apart}
     far = [name for name in over if over[name] > 1]
+    no_chance = far or [name for name in apart if apart[name] > DISAGREE]
     words = [
-        f"{value.value:.5g} +- {value.std:.1g} kg by {name} ({apart[name]:.2g} sigmas, "
-        f"{100 * part[name]:.2g} %)"
+        f"{value.value:.6g} +- {value.std:.2g} kg by {name} ({apart[name]:.2g} sigmas "
+        f"apart, {100 * part[name]:.2g} %)"
         for name, value in others
-        if name in far or not far
+        if name in no_chance or not no_chance
     ]
     reason = (
-        f"mass: {M.value:.5g} +- {M.std:.1g} kg by {route}, "
-        f"{'but' if far else 'and'} {', '.join(words)}"
+        f"mass: {M.value:.6g} +- {M.std:.2g} kg by {route}, "
+        f"{'but' if no_chance else 'and'} {', '.join(words)}"
     )
     level: Level = "with care" if far else "trust"
     remedy = ""
@@ -84,11 +92,8 @@ def agreement_of_routes(masses: dict[str, Quantity]) -> Iterator[Check]:
             "check the burn's force" if BURN in masses else f"weigh the robot ({BURN})"
         )
         remedy += ", or record a richer motion"
-    elif max(apart.values()) > DISAGREE:
-        reason += (
-            f"; a difference below {100 * MATTERS:.0f} % is no doubt, since deviations "
-            "of Eq. 32 count white noise only"
-        )
+    elif no_chance:
+        remedy = "check the burn's force" if BURN in no_chance else WHITE_ONLY
     yield Check("routes to the mass", level, reason, remedy, max(over.values()), 1.0)
 
 

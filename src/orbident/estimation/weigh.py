@@ -36,12 +36,12 @@ NOWHERE = Quantity(float("nan"), float("nan"))
 
 @dataclass(frozen=True, repr=False)
 class Weighing:
-    """The total mass, and what it rests on."""
+    """The total mass by a thruster burn, and what it was found from."""
 
     mass: Quantity
     """kg; NaN where the status is rejected."""
     signal: str
-    """What of S it was found from."""
+    """The signal of S that it was found from, such as `"position"`."""
     samples: int
     """How many samples were used."""
     impulse: Float[np.ndarray, "3"]
@@ -49,7 +49,9 @@ class Weighing:
     rms: float
     """Root mean square of the residual: m, or m/s."""
     status: Literal["ok", "rejected"]
+    """`"rejected"` if the burn does not determine the mass."""
     warnings: tuple[str, ...]
+    """What a person should know of it, in sentences."""
 
     def __repr__(self) -> str:
         """The mass and what it was found from."""
@@ -70,13 +72,13 @@ class Weighing:
 
 
 def weigh(robot: Robot, recording: Recording) -> Weighing:
-    """Total mass from how S answers a known force, joints locked (Eqs. 33 to 40).
+    """Find the total mass from a known force on the locked robot (Eqs. 33 to 40).
 
     Eq. 40 for all samples and axes, by least squares; the attitude need not be held.
-    Of position and velocity the one that tells the mass better is used, and the
-    accelerometer where there is neither. A net force is taken as it was recorded; the
-    deviation holds how uncertain each thruster's own force is (`gain` in the robot
-    file).
+    Of position and velocity the one is used by which the mass has the smaller
+    deviation, and the accelerometer where there is neither. A net force is taken as it
+    was recorded; the deviation holds how uncertain each thruster's own force is (`gain`
+    in the robot file).
 
     Args:
         robot: its nominal inertia is not used.

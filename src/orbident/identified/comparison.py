@@ -29,7 +29,9 @@ class Comparison:
     """What changed between two results."""
 
     status: Literal["changed", "no change", "rejected"]
+    """`"rejected"` if one of the results is."""
     warnings: tuple[str, ...]
+    """What a person should know of it, in sentences."""
     change: ChiSquare | None = None
     """Chi-square of the base parameters' difference; None for rejected results."""
     explanations: tuple[Explanation, ...] = ()

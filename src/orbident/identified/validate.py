@@ -41,13 +41,17 @@ WITHIN = 1.96
 
 @dataclass(frozen=True, repr=False)
 class Validation:
-    """Prediction errors; NaN where there was nothing to compare with."""
+    """How well a result predicts a recording, by signal.
+
+    Errors are NaN where the recording has nothing to compare with.
+    """
 
     nrmse: dict[str, float]
     """RMS of the error over the RMS of the measured signal about its mean."""
     rms: dict[str, float]
     """RMS of the error: gyro in rad/s, velocity in m/s."""
     samples: int
+    """Number of samples that were predicted."""
     std: dict[str, float]
     """RMS of the predicted signals' deviations, as the parameters have theirs."""
     inside: dict[str, float]

@@ -1,4 +1,4 @@
-"""What no free-floating recording of a robot can tell, in words."""
+"""What no free-floating recording of a robot can determine, in words."""
 
 import numpy as np
 
@@ -19,7 +19,8 @@ def not_identifiable(robot: Robot, sets: MinimalSets) -> list[str]:
     if not robot.wheels:
         sentences.append(
             "the scale of pi, and so the total mass: without a reaction wheel the "
-            "momentum equation has no known term; declare the robot's wheels"
+            "momentum equation has no known term; declare the robot's wheels, or "
+            "record its thrusters or magnetic torquers"
         )
     T = sets.base.T
     seen = np.sum(np.linalg.qr(T.T)[0] ** 2, axis=1)

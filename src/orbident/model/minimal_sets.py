@@ -103,12 +103,15 @@ class MinimalSets:
     """The minimal sets of a robot, and the regressors that go with them."""
 
     regressors: Regressors
+    """The functions that give `Y` and `W`."""
     base: BaseParameters
+    """The base parameters `beta = [M, sigma, iota]`, as combinations of `theta`."""
     pi_of_beta: Float[np.ndarray, "pi beta"]
     """`pi = pi_of_beta beta + pi_of_products (sigma_a sigma_b / M)`."""
     pi_of_products: Any
     """Sparse, a `scipy.sparse.csr_array`: most products have a `pi` of their own."""
     pairs: Int[np.ndarray, "pairs 2"]
+    """Which two `sigma`, `a` and `b`, each product is of."""
 
     def __repr__(self) -> str:
         """How many parameters each set has."""

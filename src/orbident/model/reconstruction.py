@@ -37,8 +37,9 @@ TILT = [3, 4]
 class Dynamics:
     """`H+ v' + c+ = Q` (Eq. 13) over `v = [v_cm, w, qd, qd_rw]`, base axes.
 
-    `q` and `v` are one state, or many, state first. What the parameters do not tell is
-    NaN: in the plane, the rows and columns of the base's rates about x and y.
+    `q` and `v` are one state, or many, state first. What the parameters do not
+    determine is NaN: in the plane, the rows and columns of the base's rates about x
+    and y.
     """
 
     robot: Robot
@@ -244,7 +245,7 @@ class Dynamics:
         return deviations(self.robot, directions, q, v)
 
     def _shown(self, entries: Any, rows: int) -> Any:
-        """The entries, with NaN for what a planar motion does not tell."""
+        """The entries, with NaN for what a planar motion does not determine."""
         if self.robot.motion == "planar":
             entries[..., TILT] = np.nan
             if rows == 2:

@@ -147,8 +147,8 @@ def _dependences(group: MethodStatistics, k: int) -> Iterator[Section]:
         title=f"{_title(group)}: what errors depend on",
         words=(
             "Rank correlation (Spearman) of errors over their deviations, or of "
-            "their sizes, with what was drawn; chance is that of any pair being "
-            "so strongly correlated where nothing is.",
+            "their sizes, with what was drawn. Chance is the probability that any "
+            "pair is so strongly correlated although nothing depends on it.",
         ),
         tables=(
             ReportTable(
@@ -178,9 +178,9 @@ def _distributions(group: MethodStatistics, k: int) -> Section:
         name=f"distributions{k}",
         title=f"{_title(group)}: distributions of errors",
         words=(
-            "Left the errors over their deviations beside the normal density, right "
-            "their quantiles against the normal ones: on the line where intervals say "
-            "what is true.",
+            "On the left are the errors over their deviations, beside the normal "
+            "density. On the right are their quantiles against those of the normal "
+            "distribution: points on the line mean that the intervals are right.",
         ),
         charts=tuple(_charts(group.parameters, k)),
     )

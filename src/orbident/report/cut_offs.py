@@ -36,9 +36,8 @@ def cut_offs(found: Mapping[str, CutOff]) -> Section | None:
         name="cut-offs",
         title="Spectra and cut-offs",
         words=(
-            "Amplitude of every line of the first recording's spectra, the noise's "
-            "RMS, and where the low-pass filters cut: where distortion and noise are "
-            "least together.",
+            "The spectra of the first recording, the RMS of the noise, and the cut-off "
+            "of each low-pass filter, where distortion and noise together are least.",
         ),
         charts=tuple(
             Chart(

@@ -51,8 +51,8 @@ def fits(result: Result, signals: Signals) -> Section | None:
         name="fit",
         title="Measured and predicted",
         words=(
-            f"{words} Bands are 95 % of the noise found; curves are drawn as finely "
-            "as a screen shows.",
+            f"{words} Bands are 95 % of the noise found; curves have as many points "
+            "as a screen can show.",
         ),
         tables=tuple(_tables(result)),
         charts=tuple(chart for signal in signals for chart in _charts(signal)),

@@ -19,8 +19,8 @@ def identifiability(result: Result) -> Section:
         name="identifiability",
         title="What free floating cannot identify",
         words=(
-            "The base parameters are all that the motion depends on. Of single "
-            "bodies no free-floating recording shows more than this, however rich:",
+            "The base parameters are all that the motion depends on. No free-floating "
+            "recording, however rich, shows more of single bodies. It leaves open:",
             *words,
         )
         if words

@@ -104,13 +104,16 @@ def recursion(trail: Trail | None) -> Section | None:
         name="recursion",
         title="Sample by sample",
         words=(
-            "From CAD values that are 30 % uncertain; bands are 95 %. Above its "
-            "threshold the detector takes the robot for changed, and begins anew.",
+            "The filter starts from CAD values that are 30 % uncertain; bands are "
+            "95 %. Where the detector is above its threshold, the robot has probably "
+            "changed, and the filter starts again.",
         ),
         charts=(
             Chart("course", "Parameters over time", stacked(panels, "t (s)")),
             Chart(
-                "detector", "What the filter was surprised by", stacked(seen, "t (s)")
+                "detector",
+                "How far samples are from what was expected",
+                stacked(seen, "t (s)"),
             ),
         ),
     )

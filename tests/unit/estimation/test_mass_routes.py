@@ -102,15 +102,36 @@ def test_the_check_says_how_far():
     near = {"Eq. 32": Quantity(1105.0, 0.4), "maximum likelihood": ours}
     (check,) = agreement_of_routes(near)
     assert check.passed
-    assert "1105 +- 0.4 kg by Eq. 32 (10 sigmas, 0.45 %)" in check.reason
-    assert "white noise only" in check.reason
+    assert check.calls_for_care
+    assert "but 1105 +- 0.4 kg by Eq. 32 (10 sigmas apart, 0.45 %)" in check.reason
+    assert "white noise only" in check.remedy
     assert check.statistic < check.limit
     far = {**near, "Eq. 32": Quantity(1050.0, 0.4)}
-    far["maximum likelihood"] = far.pop("maximum likelihood")
     (check,) = agreement_of_routes(far)
     assert check.level == "with care"
     assert "weigh the robot" in check.remedy
     assert check.statistic > check.limit
+
+
+def test_a_difference_by_chance_needs_no_care():
+    ours = Quantity(1110.0, 0.3)
+    (check,) = agreement_of_routes(
+        {"Eq. 32": Quantity(1108.0, 0.4), "maximum likelihood": ours}
+    )
+    assert not check.calls_for_care
+    assert "and 1108 +- 0.4 kg by Eq. 32 (4 sigmas apart" in check.reason
+
+
+def test_only_the_route_that_is_off_is_named():
+    masses = {
+        "Eq. 40": Quantity(1120.0, 0.4),
+        "Eq. 32": Quantity(1109.8, 0.4),
+        "maximum likelihood": Quantity(1110.0, 0.3),
+    }
+    (check,) = agreement_of_routes(masses)
+    assert check.passed
+    assert "Eq. 32" not in check.words
+    assert check.remedy == "check the burn's force"
 
 
 @pytest.mark.parametrize("times", [0.4, 0.7, 1.0, 1.3, 2.9])

@@ -12,6 +12,7 @@ import plotly.graph_objects as go
 import pytest
 import report_runs
 
+from orbident.estimation.check import Check
 from orbident.estimation.result import Result
 from orbident.report.charts import label, numbers
 from orbident.report.page import embedded
@@ -73,6 +74,14 @@ def test_sections(page: str):
         *("Numerische Mathematik", "N m s", "0.360 rad/s"),
     ):
         assert words in seen.text, words
+
+
+def test_a_route_that_is_off_has_no_tick():
+    """A rule that is passed may still call for care, and the result stands."""
+    routes = Check("routes to the mass", "trust", "1110 kg, but 1106 kg", "use this")
+    page = report_page(replace(report_runs.result(), checks=(routes,)))
+    assert '<li class="doubt">1110 kg, but 1106 kg; use this</li>' in page
+    assert "Trust it" in page
 
 
 def test_nothing_from_elsewhere(page: str):

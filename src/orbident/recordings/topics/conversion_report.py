@@ -57,20 +57,30 @@ class TopicReport:
         return [f"{self.topic}: {each}" for each in (*said, self.note) if each]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class ConversionReport:
-    """A file that became a recording."""
+    """What `convert_file` did: the recording, and what became of every message."""
 
     file: str
+    """The file that was read."""
     recording: str
+    """The recording that was written."""
     samples: int
-    """Rows."""
+    """Rows of the recording."""
     start_ns: int
     """Absolute time of `t = 0`, ns."""
     duration: float
-    """s."""
+    """Time of the last row, s."""
     topics: tuple[TopicReport, ...]
+    """What became of the messages of every entry of the map."""
     warnings: tuple[str, ...]
+    """What was odd, in sentences."""
+
+    def __repr__(self) -> str:
+        """How long the recording is and what it was made from."""
+        made = f"{self.file}: {self.samples} samples over {self.duration:.6g} s"
+        topics = ", ".join(f"{topic.topic} ({topic.used})" for topic in self.topics)
+        return "\n".join([f"{made} from {topics}", *self.warnings])
 
     def to_json(self) -> dict[str, Any]:
         """As `orbident convert --json` writes it."""

@@ -41,10 +41,11 @@ def convert_file(
     recording: str | os.PathLike[str],
     progress: Callable[[float], None] | None = None,
 ) -> ConversionReport:
-    """Writes a file's mapped topics as a recording, .parquet or .csv.
+    """Write the mapped topics of a file as a recording, .parquet or .csv.
 
-    Rows are the union of all stamps; `t` is 0 at the first. Of a bag, however large,
-    values wait in files without names beside the recording: memory holds their times.
+    Rows are the union of all stamps; `t` is 0 at the first. The values of a bag,
+    however large, wait in temporary files beside the recording; only their times are
+    held in memory.
 
     Args:
         file: a ROS bag, an MCAP file, or one of MATLAB, HDF5, PX4's ULog, NumPy,

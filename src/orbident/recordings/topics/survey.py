@@ -23,9 +23,10 @@ _SAID_EVERY = 4096
 
 @dataclass(frozen=True)
 class Surveyed:
-    """One topic."""
+    """A topic of a file that `survey_file` looked through."""
 
     topic: "Topic | Group"
+    """Its name, type and number of messages."""
     rate: float | None
     """Hz, on the recorder's clock; None for fewer than two messages, and for a table
     whose time has no unit."""
