@@ -103,7 +103,8 @@ def test_a_file_that_was_converted(tmp_path: Path):
     report = oi.convert_file(
         tmp_path / "log.csv", tmp_path / "map.yaml", tmp_path / "flight.csv"
     )
-    assert shown(report).startswith("log.csv: 4 samples over 3 s from / (4)")
+    log = tmp_path / "log.csv"
+    assert shown(report).startswith(f"{log}: 4 samples over 3 s from / (4)")
 
 
 def test_a_run_is_kept_where_a_text_says(tmp_path: Path):
