@@ -31,6 +31,7 @@ def test_like_the_paper(orbident):
     ).done()
     assert "paper quotes a condition number of 153" in ran.out
     assert "proven for all times" in ran.out
+    assert "--initial-momentum at-rest" in ran.out
     made = load_trajectory("made.yaml")
     assert made.duration == 20.0
     assert made.initial.wheel_speed == {"rw": -170.0}

@@ -140,6 +140,7 @@ def excite(
         described, (duration, harmonics), like, like_paper, limits
     )
     from orbident.excitation.design import design_excitation
+    from orbident.excitation.start import was_at_rest
     from orbident.trajectories.trajectory_file import save_trajectory
 
     with progress("preparing") as show:
@@ -160,7 +161,8 @@ def excite(
     output.warn(design_doubts(found))
     if was_interrupted(found):
         output.warn([INTERRUPTED])
-    output.say(*designed(found, paper), f"written: {out}")
+    at_rest = was_at_rest(described, given.initial, given.start)
+    output.say(*designed(found, paper, at_rest), f"written: {out}")
     output.write_json(written(found, paper, out))
     if was_interrupted(found):
         sys.stdout.flush()

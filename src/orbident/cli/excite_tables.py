@@ -40,6 +40,12 @@ AGREEMENT = 0.02
 """Relative difference of the search's score and the final one that is worth a word."""
 
 
+KNOWN_AT_REST = (
+    "the base turns because its wheels spin up from rest: identify the recording with\n"
+    "--initial-momentum at-rest"
+)
+
+
 def design_doubts(found: Any) -> list[str]:
     """What makes a design doubtful."""
     made, sentences = found.design, []
@@ -67,12 +73,13 @@ def excites_all(found: Any) -> bool:
     return value is not None and value < SINGULAR
 
 
-def designed(found: Any, paper: Any) -> list[Any]:
+def designed(found: Any, paper: Any, at_rest: bool) -> list[Any]:
     """A designed trajectory in words.
 
     Args:
         found: the trajectory.
         paper: the paper's case, or None.
+        at_rest: the robot is at rest before its wheels spin up.
     """
     from rich.table import Table
 
@@ -103,7 +110,9 @@ def designed(found: Any, paper: Any) -> list[Any]:
         f"{_number(proven['excursion'])} rad; wheels {_number(proven['wheel_speed'])} "
         "rad/s"
     )
-    return [*lines, "", "proven for all times, with nominal inertia:", table, base]
+    proof = ["", "proven for all times, with nominal inertia:", table, base]
+    known = [KNOWN_AT_REST] if at_rest else []
+    return [*lines, *proof, *known]
 
 
 def written(found: Any, paper: Any, out: Path) -> dict[str, Any]:
