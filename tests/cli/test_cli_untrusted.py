@@ -166,10 +166,10 @@ def test_velocity_with_the_wrong_sign(orbident: Orbident, flight: Recording):
 
 
 def test_attitude_the_other_way_round(orbident: Orbident, flight: Recording):
-    """Inertial axes in base axes: the residual is 56 % of the wheels' momentum."""
+    """Inertial axes in base axes: that is the cause, and is said first."""
     wrong = {f"attitude.{k}": -flight.columns[f"attitude.{k}"] for k in "xyz"}
     written(flight, "r.csv", replace=wrong)
     result, said = identified(orbident, "paper-spatial", "r.csv")
     assert missing(result["pi"]) == result["pi"]["names"]
     assert missing(result["phi"]) == result["phi"]["names"]
-    assert "the attitude (scalar last" in said
+    assert "the quaternion of the attitude is the inverse, from inertial to base" in said
