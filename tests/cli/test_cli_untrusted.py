@@ -172,4 +172,4 @@ def test_attitude_the_other_way_round(orbident: Orbident, flight: Recording):
     result, said = identified(orbident, "paper-spatial", "r.csv")
     assert missing(result["pi"]) == result["pi"]["names"]
     assert missing(result["phi"]) == result["phi"]["names"]
-    assert "the quaternion of the attitude is the inverse, from inertial to base" in said
+    assert "the quaternion of the attitude is the inverse, from inertial" in said
