@@ -26,7 +26,7 @@ class Surveyed:
     """A topic of a file that `survey_file` looked through."""
 
     topic: "Topic | Group"
-    """Show the name, type and number of messages."""
+    """The topic, with its name, type and number of messages."""
     rate: float | None
     """Hz, on the recorder's clock; None for fewer than two messages, and for a table
     whose time has no unit."""
