@@ -74,6 +74,9 @@ def test_blocks_and_threads_do_not_show(seed, rows):
         found, _core.smooth_columns(t, x, *units, threads=2), strict=True
     ):
         np.testing.assert_array_equal(once, again)
+    alone = _core.smooth_rates(t, x, *units, threads=2)
+    for once, again in zip(found[:2], alone, strict=True):
+        np.testing.assert_array_equal(once, again)
     # Without its first samples a column has its blocks elsewhere; 500 samples on it
     # has forgotten them.
     moved = _core.smooth_columns(t[100:], x[100:], *units)

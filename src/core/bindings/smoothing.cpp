@@ -12,43 +12,76 @@
 namespace orbident::python {
 namespace {
 
-auto smooth_columns(const Array& t_, const Array& x_, const Array& density_, const Array& h_,
-                    const Array& noise_std_, const Array& offset_, int threads) {
+// Columns of samples at common times, and how each of them is to be smoothed.
+struct Columns {
+  In<1> t;
+  In<2> x;
+  In<1> density, h, noise_std, offset;
+  std::ptrdiff_t rows() const { return t.size(0); }
+  std::ptrdiff_t count() const { return x.size(1); }
+};
+
+Columns columns_of(const Array& t_, const Array& x_, const Array& density, const Array& h,
+                   const Array& noise_std, const Array& offset) {
   const auto t = input<1>("t", t_, {ANY});
-  const std::ptrdiff_t n = t.size(0);
-  const auto x = input<2>("x", x_, {n, ANY});
+  const auto x = input<2>("x", x_, {t.size(0), ANY});
   const std::ptrdiff_t columns = x.size(1);
-  const auto density = input<1>("density", density_, {columns});
-  const auto h = input<1>("h", h_, {columns});
-  const auto noise_std = input<1>("noise_std", noise_std_, {columns});
-  const auto offset = input<1>("offset", offset_, {columns});
-  Out<2> value(columns, n), rate(columns, n), acceleration(columns, n), std_x(columns, n),
-      std_rate(columns, n);
-  {
-    nb::gil_scoped_release release;
-    const std::ptrdiff_t groups = (columns + SIDE_BY_SIDE - 1) / SIDE_BY_SIDE;
-    const auto smooth = [&](std::ptrdiff_t group) {
-      SampledColumn from[SIDE_BY_SIDE];
-      SmoothedColumn to[SIDE_BY_SIDE];
-      for (int l = 0; l < SIDE_BY_SIDE; ++l) {
-        // Lanes that are left over have the last column again.
-        const std::ptrdiff_t c = std::min(group * SIDE_BY_SIDE + l, columns - 1);
-        from[l] = {x.data() + c,          columns,          h.data()[c],
-                   noise_std.data()[c], offset.data()[c], density.data()[c]};
-        to[l] = {value.data() + c * n, rate.data() + c * n, acceleration.data() + c * n,
-                 std_x.data() + c * n, std_rate.data() + c * n};
-      }
-      smooth_side_by_side(t.data(), n, from, to);
-    };
-    parallel_for(
-        groups, threads,
-        [&](std::ptrdiff_t from, std::ptrdiff_t to) {
-          for (std::ptrdiff_t k = from; k < to; ++k) smooth(k);
-        },
-        1);
-  }
+  return {t,
+          x,
+          input<1>("density", density, {columns}),
+          input<1>("h", h, {columns}),
+          input<1>("noise_std", noise_std, {columns}),
+          input<1>("offset", offset, {columns})};
+}
+
+// SIDE_BY_SIDE columns at once; place(c) is where the results of column c go.
+template <class Smooth, class Place>
+void smooth_all(const Columns& columns, int threads, const Smooth& smooth, const Place& place) {
+  nb::gil_scoped_release release;
+  const std::ptrdiff_t count = columns.count();
+  const auto smooth_group = [&](std::ptrdiff_t group) {
+    SampledColumn from[SIDE_BY_SIDE];
+    SmoothedColumn to[SIDE_BY_SIDE];
+    for (int l = 0; l < SIDE_BY_SIDE; ++l) {
+      // Lanes that are left over have the last column again.
+      const std::ptrdiff_t c = std::min(group * SIDE_BY_SIDE + l, count - 1);
+      from[l] = {columns.x.data() + c,          count,
+                 columns.h.data()[c],           columns.noise_std.data()[c],
+                 columns.offset.data()[c],      columns.density.data()[c]};
+      to[l] = place(c);
+    }
+    smooth(columns.t.data(), columns.rows(), from, to);
+  };
+  parallel_for(
+      (count + SIDE_BY_SIDE - 1) / SIDE_BY_SIDE, threads,
+      [&](std::ptrdiff_t from, std::ptrdiff_t to) {
+        for (std::ptrdiff_t k = from; k < to; ++k) smooth_group(k);
+      },
+      1);
+}
+
+auto smooth_columns(const Array& t, const Array& x, const Array& density, const Array& h,
+                    const Array& noise_std, const Array& offset, int threads) {
+  const Columns columns = columns_of(t, x, density, h, noise_std, offset);
+  const std::ptrdiff_t n = columns.rows(), count = columns.count();
+  Out<2> value(count, n), rate(count, n), acceleration(count, n), std_x(count, n), std_rate(count, n);
+  smooth_all(columns, threads, smooth_side_by_side, [&](std::ptrdiff_t c) -> SmoothedColumn {
+    return {value.data() + c * n, rate.data() + c * n, acceleration.data() + c * n,
+            std_x.data() + c * n, std_rate.data() + c * n};
+  });
   return std::make_tuple(value.give(), rate.give(), acceleration.give(), std_x.give(),
                          std_rate.give());
+}
+
+auto smooth_rates(const Array& t, const Array& x, const Array& density, const Array& h,
+                  const Array& noise_std, const Array& offset, int threads) {
+  const Columns columns = columns_of(t, x, density, h, noise_std, offset);
+  const std::ptrdiff_t n = columns.rows(), count = columns.count();
+  Out<2> value(count, n), rate(count, n);
+  smooth_all(columns, threads, rates_side_by_side, [&](std::ptrdiff_t c) -> SmoothedColumn {
+    return {value.data() + c * n, rate.data() + c * n, nullptr, nullptr, nullptr};
+  });
+  return std::make_tuple(value.give(), rate.give());
 }
 
 auto smoothing_evidence(const Array& t_, const Array& x_, const Array& density_, int threads) {
@@ -89,6 +122,9 @@ void bind_smoothing(nb::module_& m) {
   m.def("smooth_columns", &smooth_columns, nb::arg("t"), nb::arg("x"), nb::arg("density"),
         nb::arg("h"), nb::arg("noise_std"), nb::arg("offset"), nb::arg("threads") = 1,
         "Value, rate, acceleration, std of value and of rate, each columns by rows.");
+  m.def("smooth_rates", &smooth_rates, nb::arg("t"), nb::arg("x"), nb::arg("density"), nb::arg("h"),
+        nb::arg("noise_std"), nb::arg("offset"), nb::arg("threads") = 1,
+        "Value and rate alone, each columns by rows.");
   m.def("smoothing_evidence", &smoothing_evidence, nb::arg("t"), nb::arg("x"), nb::arg("density"),
         nb::arg("threads") = 1, "Misfit and log determinant, stretches by densities.");
 }

@@ -4,7 +4,7 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.preprocessing.settings import Settings
-from orbident.preprocessing.smoothing import fits_of, smooth
+from orbident.preprocessing.smoothing import fits_of, smooth_rates
 
 
 def attitude_rates(
@@ -33,7 +33,7 @@ def attitude_rates(
     label, signed = f"{name}: attitude", same_sign(fixes)
     settings = settings or Settings()
     fits = settings.smoothers("attitude", lambda: fits_of(t, signed, name=label))
-    smoothed = smooth(t, signed, name=label, fits=fits)
+    smoothed = smooth_rates(t, signed, t, label, fits)
     size = np.linalg.norm(smoothed.x, axis=1, keepdims=True)
     # Of the unit quaternion x / |x|; what changes |x| drops out of the vector part.
     x, x_dot = smoothed.x / size, smoothed.rate / size

@@ -14,10 +14,12 @@ from orbident.preprocessing.rates import at_times, fill
 from orbident.preprocessing.settings import Settings
 from orbident.preprocessing.smoothing import (
     AT_ONCE,
+    Rates,
     Roughness,
     Smoothed,
     fits_of,
     smooth,
+    smooth_rates,
 )
 from orbident.recordings.recording import Recording
 from orbident.threads import side_by_side
@@ -88,9 +90,12 @@ def histories(
         both = [n for n in names if recording.has(at[n], measured[n]) and tachometer]
         derived = [n for n in names if n in both or not recording.has(measured[n])]
         noise = encoder_noise(sensor)
-        angles = _smoothed(recording, [at[n] for n in derived], noise, late, settings)
+        every = bool(both) or not all(settings.knows(_share(at[n])) for n in derived)
+        angles = _smoothed(
+            recording, [at[n] for n in derived], noise, late, settings, every
+        )
         read = _smoothed(
-            recording, [measured[n] for n in both], tachometer, late, settings
+            recording, [measured[n] for n in both], tachometer, late, settings, every
         )
 
         def one(name: str) -> _History:
@@ -100,11 +105,11 @@ def histories(
                 q = [_at(recording, column, late) for column in q]
                 qd = _at(recording, measured[name], late)
                 return _History(q, qd, np.nan, MEASURED)
-            std = np.nanmedian(angle.std_x) / angle.noise_std[0]
+            share = settings.once(_share(at[name]), partial(_share_of, angle))
             qd, origin = angle.rate[:, 0], DERIVED
             if name in both:
                 qd, origin = _combined(angle, read[measured[name]]), BOTH
-            return _History([angle.x[:, 0]], qd, float(std**2), origin)
+            return _History([angle.x[:, 0]], qd, share, origin)
 
         return [one(name) for name in names]
 
@@ -128,8 +133,12 @@ class _History(NamedTuple):
     origin: str
 
 
-def _combined(angle: Smoothed, rate: Smoothed) -> Float[np.ndarray, " samples"]:
+def _combined(
+    angle: Smoothed | Rates, rate: Smoothed | Rates
+) -> Float[np.ndarray, " samples"]:
     """The rate by the angle and by the tachometer, weighted by their variances."""
+    assert isinstance(angle, Smoothed)
+    assert isinstance(rate, Smoothed)
     by_angle, by_rate = (
         np.maximum(std[:, 0], LEAST) ** -2.0 for std in (angle.std_rate, rate.std_x)
     )
@@ -143,8 +152,9 @@ def _smoothed(
     noise: float | None,
     late: float,
     settings: Settings,
-) -> dict[str, Smoothed]:
-    """Each of these columns, by its name."""
+    every: bool,
+) -> dict[str, Smoothed | Rates]:
+    """Each of these columns, by its name; with deviations where `every`."""
     if not names:
         return {}
     t, x = recording.t, np.empty((recording.t.size, len(names)))
@@ -158,11 +168,26 @@ def _smoothed(
         x[:, k] = column
         find = partial(fits_of, t, x[:, k : k + 1], noise, label)
         fits += settings.smoothers(name, find)
-    found = smooth(t, x, noise, t + late, recording.source, fits)
+    at, source = t + late, recording.source
+    found = (
+        smooth(t, x, noise, at, source, fits)
+        if every
+        else smooth_rates(t, x, at, source, fits)
+    )
     return {
-        name: Smoothed(*(part[..., k : k + 1] for part in found))
+        name: type(found)(*(part[..., k : k + 1] for part in found))
         for k, name in enumerate(names)
     }
+
+
+def _share(column: str) -> str:
+    return f"share of {column}"
+
+
+def _share_of(angle: Smoothed | Rates) -> float:
+    """Variance of a smoothed position over that of a sample."""
+    assert isinstance(angle, Smoothed)
+    return float((np.nanmedian(angle.std_x) / angle.noise_std[0]) ** 2)
 
 
 def _within_a_turn(

@@ -9,7 +9,7 @@ from jaxtyping import Float
 from orbident.preprocessing.histories import MEASURED, Columns
 from orbident.preprocessing.rates import at_times
 from orbident.preprocessing.settings import Settings
-from orbident.preprocessing.smoothing import fits_of, smooth
+from orbident.preprocessing.smoothing import fits_of, smooth_rates
 from orbident.preprocessing.velocity import (
     velocity_from_accelerometer,
     velocity_from_increments,
@@ -56,7 +56,7 @@ def point_velocity(
         label = f"{recording.source}: position"
         t, r_S = recording.t, recording.vector("position")
         fits = settings.smoothers("position", lambda: fits_of(t, r_S, name=label))
-        rate = smooth(t, r_S, None, at, label, fits).rate
+        rate = smooth_rates(t, r_S, at, label, fits).rate
         return PointVelocity(tuple(rate.T), SMOOTHED)
     for sensor, how in (("accelerometer", FELT), ("velocity_increment", COUNTED)):
         if recording.has(*(f"{sensor}.{k}" for k in "xyz")):

@@ -37,6 +37,10 @@ class Settings:
             self._found[name] = find()
         return self._found[name]
 
+    def knows(self, name: str) -> bool:
+        """Whether something was found under this name."""
+        return name in self._found
+
     def smoothers(
         self, name: str, find: Callable[[], list[Roughness]]
     ) -> list[Roughness]:

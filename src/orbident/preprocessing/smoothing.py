@@ -1,6 +1,6 @@
 """Position, rate and acceleration of columns, as smooth as their noise says."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -50,6 +50,14 @@ class Smoothed(NamedTuple):
     std_rate: Float[np.ndarray, "m columns"]
     noise_std: Float[np.ndarray, " columns"]
     """Noise of the samples, as given or as estimated; NaN where 4 say nothing."""
+
+
+class Rates(NamedTuple):
+    """The same columns, and only these: they take half the time and memory."""
+
+    x: Float[np.ndarray, "m columns"]
+    rate: Float[np.ndarray, "m columns"]
+    """Per second."""
 
 
 class Column(NamedTuple):
@@ -114,22 +122,47 @@ def smooth(
     _check_times(t, name)
     fits = fits_of(t, x, std, name) if fits is None else fits
     noise_std = np.array([fit.noise_std for fit in fits])
+    found = _smoothed(_core.smooth_columns, t, x, at, name, fits)
+    return Smoothed(*found, noise_std=noise_std)
+
+
+def smooth_rates(
+    t: Float[np.ndarray, " samples"],
+    x: Float[np.ndarray, "samples columns"],
+    at: Float[np.ndarray, " m"],
+    name: str,
+    fits: Sequence[Roughness],
+) -> Rates:
+    """Values and rates as `smooth` finds them; its arguments and errors."""
+    _check_times(t, name)
+    return Rates(*_smoothed(_core.smooth_rates, t, x, at, name, fits))
+
+
+def _smoothed(
+    columns: Callable[..., tuple[np.ndarray, ...]],
+    t: np.ndarray,
+    x: np.ndarray,
+    at: np.ndarray | None,
+    name: str,
+    fits: Sequence[Roughness],
+) -> list[Float[np.ndarray, "m columns"]]:
+    """What a function of the core makes of the columns."""
     # Times of samples alone need no others among them.
     at = None if at is None or np.array_equal(at, t) else at
     grid, samples = (t, x) if at is None else _with_times(t, x, at, name)
-    smoothed = _core.smooth_columns(
+    found = columns(
         grid,
         np.ascontiguousarray(samples),
         np.array([fit.ratio for fit in fits]),
         np.array([fit.h for fit in fits]),
-        noise_std,
+        np.array([fit.noise_std for fit in fits]),
         np.array([fit.offset for fit in fits]),
         processors(),
     )
-    if at is not None:
-        rows = np.searchsorted(grid, at)
-        smoothed = [values[:, rows] for values in smoothed]
-    return Smoothed(*(values.T for values in smoothed), noise_std=noise_std)
+    if at is None:
+        return [values.T for values in found]
+    rows = np.searchsorted(grid, at)
+    return [values[:, rows].T for values in found]
 
 
 def fits_of(

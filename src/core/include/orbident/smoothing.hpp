@@ -25,7 +25,7 @@ struct SampledColumn {
   bool sampled(std::ptrdiff_t k) const { return !std::isnan(x[k * stride]); }
 };
 
-// One value a row of the column.
+// One value a row of the column. What follows the rate is null where nobody asks for it.
 struct SmoothedColumn {
   double* x;
   double* rate;
@@ -37,9 +37,9 @@ struct SmoothedColumn {
 // The smoothing splines of columns at n common times t, each from its first to its last sample; NaN beyond.
 // A column has the same operations in the same order whatever is beside it: its results are the same to
 // the last bit.
-ORBIDENT_WIDEST inline void smooth_side_by_side(const double* t, std::ptrdiff_t n,
-                                                const SampledColumn* columns,
-                                                const SmoothedColumn* out) {
+template <bool WITH_COVARIANCE>
+ORBIDENT_INLINE void smooth_lanes(const double* t, std::ptrdiff_t n, const SampledColumn* columns,
+                                  const SmoothedColumn* out) {
   using namespace white_snap;
   constexpr int N = SIDE_BY_SIDE;
   double h[N], density[N];
@@ -94,20 +94,34 @@ ORBIDENT_WIDEST inline void smooth_side_by_side(const double* t, std::ptrdiff_t 
       if (first[l] <= k && k <= last[l]) {
         to.x[k] = at.mean[0][l] + column.offset;
         to.rate[k] = at.mean[1][l] / h[l];
-        to.acceleration[k] = at.mean[2][l] / (h[l] * h[l]);
-        to.std_x[k] = column.noise_std * std::sqrt(at.covariance[0][0][l]);
-        to.std_rate[k] = column.noise_std * std::sqrt(at.covariance[1][1][l]) / h[l];
+        if constexpr (WITH_COVARIANCE) {
+          to.acceleration[k] = at.mean[2][l] / (h[l] * h[l]);
+          to.std_x[k] = column.noise_std * std::sqrt(at.covariance[0][0][l]);
+          to.std_rate[k] = column.noise_std * std::sqrt(at.covariance[1][1][l]) / h[l];
+        }
       } else {
         for (double* value : {to.x, to.rate, to.acceleration, to.std_x, to.std_rate})
-          value[k] = std::numeric_limits<double>::quiet_NaN();
+          if (value) value[k] = std::numeric_limits<double>::quiet_NaN();
       }
     }
     if (k > 0) {
       move(k);
-      retreat(step, left.noise, at);
+      retreat<WITH_COVARIANCE>(step, left.noise, at);
     }
   };
   forward_and_back(n, Information<N>(), forward, [](const Information<N>&) {}, back);
+}
+
+// The same with all that a SmoothedColumn has room for, or with values and rates alone.
+ORBIDENT_WIDEST inline void smooth_side_by_side(const double* t, std::ptrdiff_t n,
+                                                const SampledColumn* columns,
+                                                const SmoothedColumn* out) {
+  smooth_lanes<true>(t, n, columns, out);
+}
+ORBIDENT_WIDEST inline void rates_side_by_side(const double* t, std::ptrdiff_t n,
+                                               const SampledColumn* columns,
+                                               const SmoothedColumn* out) {
+  smooth_lanes<false>(t, n, columns, out);
 }
 
 }  // namespace orbident

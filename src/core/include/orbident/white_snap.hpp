@@ -170,14 +170,14 @@ ORBIDENT_INLINE void measure(const double (&y)[N], const double (&seen)[N], Info
 }
 
 // From the state after a step to the state before it: s = F^-1 s+ - G w with
-// w = U^-1 (b - T s+ + N(0, 1)).
-template <int N>
+// w = U^-1 (b - T s+ + N(0, 1)). The mean alone takes two thirds of the time.
+template <bool WITH_COVARIANCE, int N>
 ORBIDENT_INLINE void retreat(const Motion<N>& step, const Triangle<N>& noise, Estimate<N>& at) {
   // U^-1 [1 T b].
   Triangle<N> X;
 #pragma GCC unroll 4
   for (int i = ORDER - 1; i >= 0; --i) {
-    for (int c = i; c < WIDTH; ++c)
+    for (int c = WITH_COVARIANCE ? i : ORDER; c < WIDTH; ++c)
       ORBIDENT_LANES
       for (int l = 0; l < N; ++l) {
         double x = c == i ? 1.0 : c < ORDER ? 0.0 : noise[i][c][l];
@@ -186,16 +186,12 @@ ORBIDENT_INLINE void retreat(const Motion<N>& step, const Triangle<N>& noise, Es
       }
   }
   // s = L s+ - g + V N(0, 1).
-  Square<N> V, L, PLT;
+  Square<N> L;
   double mean[ORDER][N];
 #pragma GCC unroll 4
   for (int i = 0; i < ORDER; ++i)
     ORBIDENT_LANES
     for (int l = 0; l < N; ++l) {
-      for (int c = i; c < ORDER; ++c) {
-        V[i][c][l] = 0.0;
-        for (int k = i; k <= c; ++k) V[i][c][l] += step.G[i][k][l] * X[k][c][l];
-      }
       for (int c = 0; c < ORDER; ++c) {
         double by_s = 0.0;
         for (int k = i; k < ORDER; ++k) by_s += step.G[i][k][l] * X[k][ORDER + c][l];
@@ -206,23 +202,32 @@ ORBIDENT_INLINE void retreat(const Motion<N>& step, const Triangle<N>& noise, Es
       for (int k = i; k < ORDER; ++k) mean[i][l] -= step.G[i][k][l] * X[k][RIGHT][l];
     }
   for (int i = 0; i < ORDER; ++i)
-    for (int c = 0; c < ORDER; ++c)
+    ORBIDENT_LANES
+    for (int l = 0; l < N; ++l) at.mean[i][l] = mean[i][l];
+  if constexpr (WITH_COVARIANCE) {
+    Square<N> V, PLT;
+    for (int i = 0; i < ORDER; ++i)
       ORBIDENT_LANES
       for (int l = 0; l < N; ++l) {
-        PLT[i][c][l] = 0.0;
-        for (int k = 0; k < ORDER; ++k) PLT[i][c][l] += at.covariance[i][k][l] * L[c][k][l];
+        for (int c = i; c < ORDER; ++c) {
+          V[i][c][l] = 0.0;
+          for (int k = i; k <= c; ++k) V[i][c][l] += step.G[i][k][l] * X[k][c][l];
+        }
+        for (int c = 0; c < ORDER; ++c) {
+          PLT[i][c][l] = 0.0;
+          for (int k = 0; k < ORDER; ++k) PLT[i][c][l] += at.covariance[i][k][l] * L[c][k][l];
+        }
       }
-  for (int i = 0; i < ORDER; ++i)
-    ORBIDENT_LANES
-    for (int l = 0; l < N; ++l) {
-      at.mean[i][l] = mean[i][l];
-      for (int c = i; c < ORDER; ++c) {
-        double sum = 0.0;
-        for (int k = 0; k < ORDER; ++k) sum += L[i][k][l] * PLT[k][c][l];
-        for (int k = c; k < ORDER; ++k) sum += V[i][k][l] * V[c][k][l];
-        at.covariance[i][c][l] = at.covariance[c][i][l] = sum;
-      }
-    }
+    for (int i = 0; i < ORDER; ++i)
+      ORBIDENT_LANES
+      for (int l = 0; l < N; ++l)
+        for (int c = i; c < ORDER; ++c) {
+          double sum = 0.0;
+          for (int k = 0; k < ORDER; ++k) sum += L[i][k][l] * PLT[k][c][l];
+          for (int k = c; k < ORDER; ++k) sum += V[i][k][l] * V[c][k][l];
+          at.covariance[i][c][l] = at.covariance[c][i][l] = sum;
+        }
+  }
 }
 
 // The last state from all that is known, R^-1 z and (R^T R)^-1, of column l.
