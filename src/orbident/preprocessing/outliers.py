@@ -4,8 +4,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Bool, Float
-from scipy.ndimage import median_filter, percentile_filter
+from jaxtyping import Bool, Float, Int
+from numpy.lib.stride_tricks import sliding_window_view
+from scipy.ndimage import median_filter
 
 from orbident import _core
 from orbident.errors import InputError
@@ -22,7 +23,8 @@ SUSPECT = 6.0
 """Times the local scatter: one sample in five hundred million of Gaussian noise."""
 
 USUAL = 90
-"""Percentile of the steps from sample to sample around."""
+"""Of so many of the steps from sample to sample around, the usual one is the largest
+but for itself."""
 
 LEAP = 4.0
 """Times that step: the sharpest turns of a joint that is sampled well stay below it."""
@@ -75,49 +77,81 @@ def find_spikes(
         InputError: there are fewer than 5 valid samples, infinite values, or times that
             do not increase.
     """
-    valid = np.flatnonzero(~np.isnan(x))
-    if valid.size < 5:
-        raise InputError(
-            f"{name} has {valid.size} samples; spikes show among 5 or more"
-        )
-    mask = np.zeros(x.size, dtype=bool)
-    for start in range(0, valid.size, BLOCK):
-        around = valid[max(start - NEIGHBOURHOOD, 0) : start + BLOCK + NEIGHBOURHOOD]
-        found = around[_spiky(t[around], x[around])]
-        own = valid[start : start + BLOCK]
-        mask[found[(own[0] <= found) & (found <= own[-1])]] = True
-    mask[valid[:ENDS]] = mask[valid[-ENDS:]] = False
-    return Spikes(mask, int(mask.sum()))
+    valid = ~np.isnan(x)
+    count = int(valid.sum())
+    if count < 5:
+        raise InputError(f"{name} has {count} samples; spikes show among 5 or more")
+    if count < x.size:
+        t, x = t[valid], x[valid]
+    spiky = np.zeros(count, dtype=bool)
+    for start in range(0, count, BLOCK):
+        first, end = max(start - NEIGHBOURHOOD, 0), start + BLOCK
+        around = slice(first, end + NEIGHBOURHOOD)
+        spiky[start:end] = _spiky(t[around], x[around])[start - first : end - first]
+    spiky[:ENDS] = spiky[-ENDS:] = False
+    mask = np.zeros(valid.size, dtype=bool)
+    mask[valid] = spiky
+    return Spikes(mask, int(spiky.sum()))
 
 
 def _spiky(t: np.ndarray, x: np.ndarray) -> Bool[np.ndarray, " n"]:
     steps = np.abs(np.diff(x, prepend=x[0], append=x[-1]))
-    leap = LEAP * percentile_filter(steps, USUAL, NEIGHBOURHOOD, mode="reflect")
-    leaps, least = steps > leap / 2, BIT * np.abs(x).max()
+    padded = np.pad(steps, NEIGHBOURHOOD // 2, mode="symmetric")
+    around_each = sliding_window_view(padded, NEIGHBOURHOOD)
+
+    def leap(edges: slice | np.ndarray) -> Float[np.ndarray, " k"]:
+        return LEAP * np.partition(around_each[edges], USUAL, axis=1)[:, USUAL]
+
+    # In all neighbourhoods is what takes most of the time: first what may be a leap.
+    may = _close(np.flatnonzero(steps > LEAP * _usual_at_least(padded) / 2))
+    at = _close(may[steps[may] > leap(may) / 2])
+    least = BIT * np.abs(x).max()
     spiky = np.zeros(x.size, dtype=bool)
-    for own in _eventful(leaps):
+    for own in _eventful(at, x.size):
         around = slice(max(own.start - BESIDE, 0), own.stop + BESIDE)
         there = slice(own.start - around.start, own.stop - around.start)
         expected = _core.expected_samples(t[around], x[around], FARTHEST, processors())
         residual = np.abs(x[around] - expected)
         scatter = SIGMA * median_filter(residual, NEIGHBOURHOOD, mode="reflect")
-        beyond = np.maximum(SUSPECT * np.maximum(scatter, least)[there], leap[:-1][own])
-        spiky[own] = _bursts(residual[there] > beyond, leaps[own.start : own.stop + 1])
+        edges = slice(own.start, own.stop + 1)
+        sharpest = leap(edges)
+        beyond = np.maximum(SUSPECT * np.maximum(scatter, least)[there], sharpest[:-1])
+        spiky[own] = _bursts(residual[there] > beyond, steps[edges] > sharpest / 2)
     return spiky
 
 
-def _eventful(leaps: Bool[np.ndarray, " edges"]) -> Iterator[slice]:
+def _usual_at_least(padded: Float[np.ndarray, " m"]) -> Float[np.ndarray, " edges"]:
+    """What the usual step around each edge is at least.
+
+    A neighbourhood contains a whole block of half its size. No more samples of that
+    than of the neighbourhood are larger than the usual one.
+    """
+    block = NEIGHBOURHOOD // 2
+    larger = NEIGHBOURHOOD - 1 - USUAL
+    blocks = padded[: padded.size // block * block].reshape(-1, block)
+    least = np.partition(blocks, block - 1 - larger, axis=1)[:, block - 1 - larger]
+    edges = np.arange(padded.size - 2 * block)
+    # The neighbourhood of an edge begins with it, in what is padded.
+    return least[-(-edges // block)]
+
+
+def _close(edges: Int[np.ndarray, " n"]) -> Int[np.ndarray, " k"]:
+    """Those near enough to another one to enclose a burst with it."""
+    if edges.size < 2:
+        return edges[:0]
+    near = np.diff(edges) <= LONGEST
+    return edges[np.append(near, False) | np.insert(near, 0, False)]
+
+
+def _eventful(at: Int[np.ndarray, " k"], samples: int) -> Iterator[slice]:
     """Samples that may be in a burst, which two leaps close to each other enclose.
 
     Most of a recording is far from any, and need not be looked at.
     """
-    at = np.flatnonzero(leaps)
-    before, after = np.diff(at, prepend=-np.inf), np.diff(at, append=np.inf)
-    at = at[np.minimum(before, after) <= LONGEST]
     apart = np.flatnonzero(np.diff(at) > 2 * (LONGEST + 1 + BESIDE)) + 1
     for every in np.split(at, apart) if at.size else ():
         first, last = int(every[0]) - LONGEST - 1, int(every[-1]) + LONGEST + 1
-        yield slice(max(first, 0), min(last, leaps.size - 1))
+        yield slice(max(first, 0), min(last, samples))
 
 
 def _bursts(
