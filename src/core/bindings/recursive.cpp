@@ -7,6 +7,7 @@
 
 #include "arrays.hpp"
 #include "filter.hpp"
+#include "gathering.hpp"
 #include "orbident/change_detection.hpp"
 #include "orbident/opening.hpp"
 
@@ -64,24 +65,16 @@ auto step_of(const OwnedFilter& filter, const OwnedState& before, double t, cons
 }
 
 auto gathered(const OwnedFilter& filter, const OwnedState& before, const Array& t_,
-              const Array& samples_) {
-  const FilterModel model = filter.view();
+              const Array& samples_, int threads) {
   const auto t = input<1>("t", t_, {ANY});
   const auto samples = input<2>("samples", samples_, {t.size(0), filter.measured()});
   auto state = std::make_shared<OwnedState>(before);
-  double squares = 0.0;
-  std::ptrdiff_t rows = 0;
+  Gathered found;
   {
     nb::gil_scoped_release release;
-    Room room(model);
-    for (std::ptrdiff_t k = 0; k < t.size(0); ++k) {
-      const Innovation innovation = take_in(model, state->at, t.data()[k],
-                                            samples.data() + k * filter.measured(), room.at);
-      squares += innovation.nis;
-      rows += innovation.dof;
-    }
+    found = gather(filter, *state, t.data(), samples.data(), t.size(0), threads);
   }
-  return std::make_tuple(state, squares, rows);
+  return std::make_tuple(state, found.squares, found.rows);
 }
 
 bool scaled_of(const OwnedFilter& filter, const OwnedState& state, double mass) {
@@ -198,7 +191,8 @@ void bind_recursive(nb::module_& m) {
       .def("opened", &opened, nb::arg("state"), nb::arg("change"), nb::arg("t") = nb::none())
       .def("restored", &restored, nb::arg("numbers"))
       .def("step", &step_of, nb::arg("state"), nb::arg("t"), nb::arg("sample"))
-      .def("gathered", &gathered, nb::arg("state"), nb::arg("t"), nb::arg("samples"))
+      .def("gathered", &gathered, nb::arg("state"), nb::arg("t"), nb::arg("samples"),
+           nb::arg("threads") = 1)
       .def("scaled", &scaled_of, nb::arg("state"), nb::arg("mass"))
       .def("run", &run, nb::arg("state"), nb::arg("watch"), nb::arg("threshold"), nb::arg("t"),
            nb::arg("samples"));

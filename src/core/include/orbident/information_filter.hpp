@@ -66,6 +66,54 @@ inline Counts counts(const FilterModel& model, const FilterState& state, Real t,
   return same ? Counts::repeated : Counts::yes;
 }
 
+// What belongs to the rows of a sample that are not whitened yet.
+struct SampleEquations {
+  EquationNoise noise;
+  Matrix R_WB;
+  Vector h;  // inertial axes
+  bool moving;
+};
+
+// Writes the rows [x | y] of one sample, or [x | beta], linearised about the estimate.
+inline SampleEquations equations_of(const FilterModel& model, const FilterState& state,
+                                    const Measurement& at, Real* rows, FilterRoom& room) {
+  const FilterSizes size = model.sizes();
+  const int stride = size.row_stride();
+  SampleEquations found;
+  found.h = momentum_in(model, state.x) + given_momentum(at);
+  found.R_WB = quaternion_matrix<Real>(Quaternion<Real>(at.x_WB));
+  found.moving = Vector(at.v_S[0], at.v_S[1], at.v_S[2]).allFinite();
+  found.noise = conservation_equations(model.laws, state.beta, found.h, at, found.R_WB, room.equations,
+                                       rows, stride);
+  if (held_in_beta(state))
+    rows_of_beta(model, state, rows + size.nuisances, stride, size.rows, size.beta_stride(), room);
+  return found;
+}
+
+// Moves the nuisances on to the time t of a sample that counts, and takes what its rows say of them; what is
+// left of these, whitened, is about the parameters alone.
+inline void take_nuisances_in(const FilterModel& model, FilterState& state, Real t, const Real* w,
+                              const SampleEquations& sample, Real* rows, FilterRoom& room) {
+  const FilterSizes size = model.sizes();
+  const ConservedAxes& axes = model.laws.axes;
+  const int n = size.nuisances, y = held_in_beta(state) ? size.betas() : size.parameters;
+  const int stride = size.row_stride(), top_stride = size.top_stride();
+  const Real dt = std::isnan(*state.t) ? Real(0) : t - *state.t;
+  const Eigen::Map<Eigen::Matrix<Real, 3, 3, Eigen::RowMajor>> R_before(state.R_WB);
+  const Matrix integral = dt / 2 * (R_before + sample.R_WB);
+  const Matrix of_gyro = predict_nuisances(model.laws, state.top, top_stride, n + y + 1, integral, sample.h,
+                                           dt, room.kick, room.covariance);
+  whiten_law(sample.noise.momentum, axes.momentum, axes.momenta, of_gyro, axes.momenta, state.top,
+             top_stride, rows, stride, n + y + 1);
+  if (sample.moving)
+    whiten_law(sample.noise.velocity, axes.velocity, axes.velocities, of_gyro, axes.momenta, state.top,
+               top_stride, rows + axes.momenta * stride, stride, n + y + 1);
+  fold(state.top, top_stride, rows, stride, size.rows, padded(n + y + 1), n);
+  *state.t = t;
+  for (int i = 0; i < 3; ++i) state.w[i] = w[i];
+  for (int i = 0; i < 9; ++i) state.R_WB[i] = sample.R_WB(i / 3, i % 3);
+}
+
 // Takes the equations of one sample in, linearised about the estimate, which stays.
 inline Innovation take_in(const FilterModel& model, FilterState& state, Real t,
                           const Real* packed, FilterRoom& room) {
@@ -79,36 +127,16 @@ inline Innovation take_in(const FilterModel& model, FilterState& state, Real t,
     for (int i = 0; i < size.rows; ++i) room.rows[i * stride + n + y] = 0.0;
     return {room.rows + n + y, stride, 0.0, 0, reason};
   }
-  const Vector h = momentum_in(model, state.x) + given_momentum(at);
-  const Matrix R_WB = quaternion_matrix<Real>(Quaternion<Real>(at.x_WB));
-  const Real dt = std::isnan(*state.t) ? Real(0) : t - *state.t;
-  const Eigen::Map<Eigen::Matrix<Real, 3, 3, Eigen::RowMajor>> R_before(state.R_WB);
-  const Matrix integral = dt / 2 * (R_before + R_WB);
-  const EquationNoise noise = conservation_equations(model.laws, state.beta, h, at, R_WB, room.equations,
-                                                     room.rows, stride);
-  const int top_stride = size.top_stride();
-  const Matrix of_gyro = predict_nuisances(model.laws, state.top, top_stride, n + y + 1, integral, h,
-                                           dt, room.kick, room.covariance);
+  const SampleEquations sample = equations_of(model, state, at, room.rows, room);
+  take_nuisances_in(model, state, t, at.w, sample, room.rows, room);
   const int R_stride = reduced ? size.beta_stride() : size.R_stride();
-  if (reduced) rows_of_beta(model, state, room.rows + n, stride, size.rows, R_stride, room);
-  const ConservedAxes& axes = model.laws.axes;
-  const bool moving = Vector(at.v_S[0], at.v_S[1], at.v_S[2]).allFinite();
-  whiten_law(noise.momentum, axes.momentum, axes.momenta, of_gyro, axes.momenta, state.top, top_stride,
-             room.rows, stride, n + y + 1);
-  if (moving)
-    whiten_law(noise.velocity, axes.velocity, axes.velocities, of_gyro, axes.momenta, state.top,
-               top_stride, room.rows + axes.momenta * stride, stride, n + y + 1);
-  fold(state.top, top_stride, room.rows, stride, size.rows, padded(n + y + 1), n);
   fold(reduced ? state.root : state.R, R_stride, room.rows + n, stride, size.rows, R_stride, y);
-  *state.t = t;
-  for (int i = 0; i < 3; ++i) state.w[i] = at.w[i];
-  for (int i = 0; i < 9; ++i) state.R_WB[i] = R_WB(i / 3, i % 3);
   Innovation innovation{room.rows + n + y, stride, 0.0, size.rows, reason};
   for (int i = 0; i < size.rows; ++i) {
     const Real white = innovation.white[i * stride];
     innovation.nis += white * white;
   }
-  if (!moving) innovation.dof = axes.momenta;
+  if (!sample.moving) innovation.dof = model.laws.axes.momenta;
   return innovation;
 }
 

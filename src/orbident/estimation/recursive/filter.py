@@ -21,6 +21,7 @@ from orbident.model.derivatives import derivatives_of_beta, sets_of_beta
 from orbident.model.minimal_sets import MinimalSets, minimal_sets
 from orbident.model.reconstruction import root_of
 from orbident.robot.description import Robot
+from orbident.threads import processors
 
 ROUNDING = 1e-10
 """Entries of the minimal sets' maps, over the largest one, that are zero but for
@@ -126,7 +127,7 @@ class Extended:
             the squared residuals of the equations, which are of unit variance; and how
             many equations these are.
         """
-        after, squares, rows = self.core.gathered(state.core, t, samples)
+        after, squares, rows = self.core.gathered(state.core, t, samples, processors())
         return State(after), squares, rows
 
     def biases(

@@ -99,6 +99,34 @@ def test_handing_over_costs_a_tenth_of_a_deviation(robot: Robot, sets: MinimalSe
     np.testing.assert_allclose(ratios, 1.0, atol=0.02)
 
 
+def test_many_samples_at_once_say_what_they_say_one_by_one(robot: Robot):
+    """In blocks, and on any number of threads."""
+    recording = simulate(robot, random_motion(robot, duration=60.0), noise="sensors")
+    t, every, noise = given_of(robot, samples_of(robot, recording))
+    # Not complete, without a velocity, and of a gyro that is dead.
+    every[7], every[8, 16:19] = np.nan, np.nan
+    every[20, 6:9] = every[19, 6:9]
+    t, every = (
+        np.tile(t, 5) + np.repeat(60.0 * np.arange(5), t.size),
+        np.tile(every, (5, 1)),
+    )
+    core = Extended.of(robot, noise).core
+    start = core.start(cad_prior(robot).beta, cad_prior(robot).root, every[0], None)
+    blocks, squares, rows = core.gathered(start, t, every, 2)
+    again, *_ = core.gathered(start, t, every, 1)
+    np.testing.assert_array_equal(blocks.numbers, again.numbers)
+    state, left, count = start, 0.0, 0
+    for k in range(t.size):
+        state, more, own = core.gathered(state, t[k : k + 1], every[k : k + 1])
+        left, count = left + more, count + own
+    assert rows == count
+    assert 0 < 6 * t.size - rows < 6 * 15
+    assert squares == pytest.approx(left, rel=1e-10)
+    for part in ("R_z", "top"):
+        one, other = (getattr(State(each), part) for each in (blocks, state))
+        np.testing.assert_allclose(np.abs(one), np.abs(other), rtol=1e-6, atol=1e-6)
+
+
 def test_a_robot_at_rest_is_not_handed_over(robot: Robot, every: list[Sample]):
     """It shows its inertia in one configuration, and hardly anything of its CM."""
     kalman = Extended.of(robot, FINE)
