@@ -2,8 +2,9 @@
 
 import functools
 import os
+from collections import deque
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from contextvars import ContextVar
 from typing import ParamSpec, TypeVar
 
@@ -44,11 +45,27 @@ def ahead(items: Iterator[Item]) -> Iterator[Item]:
 def side_by_side(
     work: Callable[[Item], Returned], items: Iterable[Item]
 ) -> Iterator[Returned]:
-    """`map`, in threads: for work that is done in the core."""
+    """`map`, in threads: for work that is done in the core, which has one thread then.
+
+    One more item than there are threads is held at most, however many there are.
+    """
     if processors() == 1:
-        return map(work, items)
+        yield from map(work, items)
+        return
+
+    def alone(item: Item) -> Returned:
+        _alone.set(True)
+        return work(item)
+
     with ThreadPoolExecutor(processors()) as threads:
-        return threads.map(work, items)
+        coming: deque[Future[Returned]] = deque()
+        for item in items:
+            coming.append(threads.submit(alone, item))
+            del item
+            if len(coming) > processors():
+                yield coming.popleft().result()
+        while coming:
+            yield coming.popleft().result()
 
 
 def one_blas_thread(

@@ -9,8 +9,8 @@ Where `v_S` is an integrated accelerometer, its constant bias `b` is one more un
 `R_0^T (integral of R_0) b` is added on the left.
 """
 
-from collections.abc import Callable, Iterable, Iterator
-from itertools import chain
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from typing import Literal, NamedTuple, get_args
 
 import numpy as np
@@ -61,58 +61,138 @@ class KnownMomentum(NamedTuple):
     """`R_0 Y` of the first sample, where Eq. 24 subtracts it; else zero."""
 
 
+class Factors(NamedTuple):
+    """What samples say, as triangular factors: those of any samples can be joined."""
+
+    R_h: Float[np.ndarray, "h_columns h_columns"]
+    """Of Eq. 24."""
+    R_v: Float[np.ndarray, "v_columns v_columns"]
+    """Of Eq. 31."""
+    rows: int
+    turning: int
+    """Samples that have all of Eq. 24,"""
+    moving: int
+    """and of Eq. 31 too."""
+    h_rw: float
+    """Norm of the wheels' momentum, N m s."""
+
+    def and_of(self, other: "Factors") -> "Factors":
+        """What both say."""
+        return Factors(
+            fold(self.R_h, other.R_h),
+            fold(self.R_v, other.R_v),
+            self.rows + other.rows,
+            self.turning + other.turning,
+            self.moving + other.moving,
+            float(np.hypot(self.h_rw, other.h_rw)),
+        )
+
+
+@dataclass(frozen=True)
+class LinearEquations:
+    """Eqs. 24 and 31 of one recording, for any of its samples."""
+
+    regressors: Regressors
+    wheels: Wheels
+    known: KnownMomentum | None
+    layout_h: Layout
+    layout_v: Layout
+
+    @classmethod
+    def of(
+        cls,
+        robot: Robot,
+        sets: MinimalSets,
+        samples: Samples,
+        initial_momentum: InitialMomentum,
+    ) -> "LinearEquations":
+        """Those of a recording of which these are all samples, or a digest."""
+        regressors, pis = sets.regressors, sets.pi_of_beta.shape[0]
+        known = known_momentum(robot, sets, samples, initial_momentum)
+        # Beside v_cm, the bias of an accelerometer.
+        nuisances = len(regressors.velocity_axes) * (2 if samples.biased else 1)
+        return cls(
+            regressors,
+            wheels_of(robot),
+            known,
+            momentum_layout(regressors, known, pis),
+            Layout(nuisances, sets.base.sigmas, 0),
+        )
+
+    def folded(
+        self, samples: Samples, progress: Callable[[float], object] = lambda _: None
+    ) -> Factors:
+        """What some samples say."""
+        axes = len(self.regressors.momentum_axes)
+        R_h = np.zeros((self.layout_h.columns,) * 2)
+        R_v = np.zeros((self.layout_v.columns,) * 2)
+        rows = turning = moving = 0
+        h_rw = 0.0
+        size = max(BATCH, NUMBERS // (axes * self.layout_h.columns))
+        for batch, drift in batches_with_drift(samples, size):
+            progress(min(rows / samples.t.size, 1.0))
+            rows += batch.turning.size
+            rows_h, rows_v = rows_of(
+                self.regressors, self.wheels, self.known, batch, drift
+            )
+            R_h, R_v = fold(R_h, rows_h), fold(R_v, rows_v)
+            turning += int(batch.turning.sum())
+            moving += int(batch.moving.sum())
+            h_rw = np.hypot(h_rw, np.linalg.norm(self.wheels.A_rw @ batch.qd_rw.T))
+        return Factors(R_h, R_v, rows, turning, moving, float(h_rw))
+
+    def solved(
+        self, robot: Robot, sets: MinimalSets, samples: Samples, factors: Factors
+    ) -> Fits:
+        """Both estimates.
+
+        Args:
+            robot: geometry and wheels.
+            sets: its minimal sets.
+            samples: of the recording, or of a digest of it.
+            factors: of all samples.
+
+        Raises:
+            InputError: there are fewer equations than unknowns.
+        """
+        axes_h, axes_v = (
+            len(axes)
+            for axes in (self.regressors.momentum_axes, self.regressors.velocity_axes)
+        )
+        turning, layout = factors.turning, self.layout_h
+        unknowns = layout.nuisances + layout.parameters
+        _check_enough(samples.source, turning, axes_h, unknowns)
+        size = factors.h_rw / np.sqrt(factors.rows)
+        return Fits(
+            pi=solve_factor(factors.R_h, layout, turning * axes_h),
+            phi=solve_factor(factors.R_v, self.layout_v, factors.moving * axes_v),
+            samples=turning,
+            h_rw=factors.h_rw,
+            surprise=_surprise(robot, sets, samples, self.known, size),
+        )
+
+
 def fit(
     robot: Robot,
     sets: MinimalSets,
     samples: Samples,
     initial_momentum: InitialMomentum,
     progress: Callable[[float], object],
-    stretches: Iterable[Samples] | None = None,
 ) -> Fits:
     """Estimate `pi` and `phi` from all samples.
 
     Args:
         robot: geometry and wheels.
         sets: its minimal sets.
-        samples: of a recording, or of a digest of it.
+        samples: of a recording.
         initial_momentum: what is known of the momentum.
-        progress: is called with the fraction of `samples` that is done.
-        stretches: all samples, where `samples` are those of a digest.
+        progress: is called with the fraction of the samples that is done.
 
     Raises:
         InputError: there are fewer equations than unknowns.
     """
-    wheels, regressors = wheels_of(robot), sets.regressors
-    axes_h, axes_v = len(regressors.momentum_axes), len(regressors.velocity_axes)
-    pis, phis = sets.pi_of_beta.shape[0], sets.base.sigmas
-    known = known_momentum(robot, sets, samples, initial_momentum)
-    layout_h = momentum_layout(regressors, known, pis)
-    # Beside v_cm, the bias of an accelerometer.
-    layout_v = Layout(axes_v * (2 if samples.biased else 1), phis, 0)
-    R_h = np.zeros((layout_h.columns,) * 2)
-    R_v = np.zeros((layout_v.columns,) * 2)
-    turning = moving = done = 0
-    h_rw = 0.0
-    size = max(BATCH, NUMBERS // (axes_h * layout_h.columns))
-    every = (samples,) if stretches is None else stretches
-    for batch, drift in chain.from_iterable(
-        batches_with_drift(each, size) for each in every
-    ):
-        progress(min(done / samples.t.size, 1.0))
-        done += batch.turning.size
-        rows_h, rows_v = rows_of(regressors, wheels, known, batch, drift)
-        R_h, R_v = fold(R_h, rows_h), fold(R_v, rows_v)
-        turning += int(batch.turning.sum())
-        moving += int(batch.moving.sum())
-        h_rw = np.hypot(h_rw, np.linalg.norm(wheels.A_rw @ batch.qd_rw.T))
-    _check_enough(samples.source, turning, axes_h, layout_h.nuisances + pis)
-    return Fits(
-        pi=solve_factor(R_h, layout_h, turning * axes_h),
-        phi=solve_factor(R_v, layout_v, moving * axes_v),
-        samples=turning,
-        h_rw=float(h_rw),
-        surprise=_surprise(robot, sets, samples, known, float(h_rw / np.sqrt(done))),
-    )
+    equations = LinearEquations.of(robot, sets, samples, initial_momentum)
+    return equations.solved(robot, sets, samples, equations.folded(samples, progress))
 
 
 def batches_with_drift(

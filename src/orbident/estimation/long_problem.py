@@ -2,24 +2,32 @@
 
 What only the whole can tell is found from a digest of the recording: clocks, how rough
 and how noisy each column is, what is measured and what is derived. Then the equations
-of all its samples are folded into one triangular factor, stretch by stretch.
+of all its samples are folded into one triangular factor, in one pass.
 """
 
 from collections import Counter
 from collections.abc import Callable, Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 from orbident.estimation.clocks import base_clocks, joint_clocks
 from orbident.estimation.extent import Extent
-from orbident.estimation.linear_fits import InitialMomentum, fit
-from orbident.estimation.momentum_problem import MomentumProblem
-from orbident.estimation.stretches import Stretches, cut
+from orbident.estimation.linear_fits import (
+    Factors,
+    InitialMomentum,
+    LinearEquations,
+    fit,
+)
+from orbident.estimation.momentum_problem import MomentumProblem, on_clocks
+from orbident.estimation.recursive.given import packed, trusted
+from orbident.estimation.recursive.kept_pieces import KeptPieces, Piece
+from orbident.estimation.stretches import Part, Stretches, cut, smoothed_rate
 from orbident.model.minimal_sets import minimal_sets
 from orbident.model.regularity import check_regular
 from orbident.preprocessing.base_motion import FUSED, INTEGRATED
 from orbident.preprocessing.delays import corrections
 from orbident.preprocessing.point_velocity import COUNTED, FELT
-from orbident.preprocessing.samples import Samples, samples_of
+from orbident.preprocessing.samples import samples_of
 from orbident.preprocessing.screening import NO_SENSORS, screened
 from orbident.preprocessing.settings import LONGEST, Settings
 from orbident.recordings.long_recording import SPANS, LongRecording
@@ -29,32 +37,19 @@ NOT_LOCAL = {INTEGRATED, FUSED, FELT, COUNTED}
 """How a signal is obtained that depends on all samples before, or on all there are."""
 
 
-def long_problems(
-    robot: Robot,
-    recording: LongRecording,
-    initial_momentum: InitialMomentum,
-    progress: Callable[[float], object],
-    size: int | None = None,
+def digest_problems(
+    robot: Robot, recording: LongRecording, initial_momentum: InitialMomentum
 ) -> list[MomentumProblem] | None:
-    """As `momentum_problems`, of a recording that is read in stretches.
-
-    Args:
-        robot: geometry, wheels and structure.
-        recording: of the free-floating robot.
-        initial_momentum: what is known of the momentum.
-        progress: is called with the fraction of the rows that is done.
-        size: rows of a stretch, where not as many as fit into memory.
+    """As `momentum_problems`, of a digest of the recording.
 
     Returns:
-        Problems whose recording and samples are those of the digest, and whose linear
-        fits are of all samples; None where something must be integrated over the whole
-        recording, so that it has to be in memory.
+        None where something must be integrated over the whole recording, so that it
+        has to be in memory.
 
     Raises:
         InputError: as `momentum_problems`.
     """
     check_regular(robot)
-    size = size or recording.stretch
     recording.digest.check_joints(robot)
     clean = screened(robot, recording.digest)
     heads = {name.partition(".")[0] for name in clean.recording.columns}
@@ -62,78 +57,127 @@ def long_problems(
         return None
     sets = minimal_sets(robot)
     clocks = base_clocks(robot, clean.recording)
-    samples = samples_of(robot, clean.recording, corrections(clocks))
+    late = corrections(clocks)
+    samples = samples_of(robot, clean.recording, late, Settings(LONGEST))
     if NOT_LOCAL & set(samples.origins.values()):
         return None
+    span = samples.t.size // SPANS
+    middle = cut(samples, slice(SPANS // 2 * span, (SPANS // 2 + 1) * span))
+    seen = joint_clocks(robot, sets, middle, initial_momentum)
+    punctual = {name: delay._replace(believed=False) for name, delay in seen.items()}
     problem = MomentumProblem(
         robot,
         sets,
         clean.recording,
         {},
         clean.notes,
-        clocks,
+        clocks | punctual,
         samples,
         initial_momentum,
         fit(robot, sets, samples, initial_momentum, lambda _: None),
     )
-    first = _of_all(problem, recording, progress, size)
-    span = samples.t.size // SPANS
-    middle = cut(first.samples, slice(SPANS // 2 * span, (SPANS // 2 + 1) * span))
-    late = joint_clocks(robot, sets, middle, initial_momentum)
-    punctual = {name: delay._replace(believed=False) for name, delay in late.items()}
-    first = replace(first, clocks=clocks | punctual)
-    if late == punctual:
-        return [first]
-    other = replace(problem, clocks=clocks | late)
-    return [first, _of_all(other, recording, progress, size)]
+    return (
+        [problem] if seen == punctual else [problem, on_clocks(problem, clocks | seen)]
+    )
 
 
-def _of_all(
+def whole(
     problem: MomentumProblem,
     recording: LongRecording,
+    again: bool,
     progress: Callable[[float], object],
-    size: int,
+    size: int | None = None,
 ) -> MomentumProblem:
-    """The problem with linear fits of all samples, on the clocks that it has."""
-    robot, given = problem.robot, problem.initial_momentum
+    """The problem of all samples, on the clocks that it has.
+
+    Args:
+        problem: of a digest.
+        recording: the whole of it.
+        again: whether an estimator needs all samples again.
+        progress: is called with the fraction of the rows that is done.
+        size: rows of a stretch, where not as many as fit into memory.
+
+    Returns:
+        The problem whose recording and samples are those of the digest, and whose
+        linear fits are of all samples.
+
+    Raises:
+        InputError: as `momentum_problems`.
+    """
+    robot, sets = problem.robot, problem.sets
     settings = Settings(LONGEST)
     late = corrections(problem.clocks)
+    every = Stretches(robot, recording, late, settings, size or recording.stretch)
     # Joints that never move are held; which these are is known after one pass.
     settings.locked = {}
     while True:
         samples = samples_of(robot, problem.recording, late, settings)
-        every = Stretches(robot, recording, late, settings, size)
-        seen = _Seen(every, progress)
-        fits = fit(robot, problem.sets, samples, given, lambda _: None, iter(seen))
-        extent = seen.extent
-        assert extent is not None
-        locked = extent.locked(robot.joint_names)
+        if again:
+            smoothed_rate(samples, settings)
+        equations = LinearEquations.of(robot, sets, samples, problem.initial_momentum)
+        one_pass = _Pass(every, equations, trusted(samples) if again else None)
+        pieces = KeptPieces(one_pass.pieces) if again else None
+        total = None
+        for seen, piece in one_pass():
+            total = total.and_of(seen) if total else seen
+            if pieces and piece:
+                pieces.keep(piece)
+            progress(total.extent.rows / recording.rows)
+        assert total is not None
+        locked = total.extent.locked(robot.joint_names)
         if settings.locked or not locked:
             break
         settings.locked = locked
     return replace(
         problem,
         samples=samples,
-        fits=fits,
-        stretches=every,
-        extent=extent,
-        rejected={name: {"spike": n} for name, n in seen.spikes.items()},
+        fits=equations.solved(robot, sets, samples, total.factors),
+        extent=total.extent,
+        pieces=pieces,
+        rejected={name: {"spike": n} for name, n in total.spikes.items()},
     )
 
 
-class _Seen:
-    """Stretches, and what they amount to once all have passed."""
+@dataclass(frozen=True)
+class _Pass:
+    """One pass through a recording, as often as it is called."""
 
-    def __init__(self, every: Stretches, progress: Callable[[float], object]) -> None:
-        self._every, self._progress = every, progress
-        self.extent: Extent | None = None
-        self.spikes: Counter[str] = Counter()
+    stretches: Stretches
+    equations: LinearEquations
+    trusted: tuple[float, float] | None
+    """Between these times samples are packed, s."""
 
-    def __iter__(self) -> Iterator[Samples]:
-        for samples, rejected in self._every.with_rejected():
-            own = Extent.of(samples)
-            self.extent = self.extent.and_of(own) if self.extent else own
-            for name, why in rejected.items():
-                self.spikes[name] += sum(why.values())
-            yield samples
-            self._progress(self.extent.rows / self._every.recording.rows)
+    def __call__(self) -> Iterator[tuple["_Seen", Piece | None]]:
+        """What each stretch says, and its packed samples."""
+        return self.stretches.each(lambda part: (self._seen(part), self._piece(part)))
+
+    def pieces(self) -> Iterator[Piece]:
+        """The packed samples alone."""
+        return (piece for piece in self.stretches.each(self._piece) if piece)
+
+    def _seen(self, part: Part) -> "_Seen":
+        own = cut(part.samples, part.own)
+        spikes = {name: sum(why.values()) for name, why in part.rejected.items()}
+        return _Seen(self.equations.folded(own), Extent.of(own), Counter(spikes))
+
+    def _piece(self, part: Part) -> Piece | None:
+        if self.trusted is None:
+            return None
+        rate = smoothed_rate(part.samples, self.stretches.settings)[part.own]
+        return packed(cut(part.samples, part.own), rate, self.trusted)
+
+
+class _Seen(NamedTuple):
+    """What the samples of some stretches amount to."""
+
+    factors: Factors
+    extent: Extent
+    spikes: Counter[str]
+
+    def and_of(self, other: "_Seen") -> "_Seen":
+        """What both do, the other being later."""
+        return _Seen(
+            self.factors.and_of(other.factors),
+            self.extent.and_of(other.extent),
+            self.spikes + other.spikes,
+        )

@@ -18,7 +18,7 @@ from orbident.estimation.linear_fits import (
 )
 from orbident.estimation.mass import Mass, mass_of
 from orbident.estimation.output_error.acting import Given
-from orbident.estimation.stretches import Stretches
+from orbident.estimation.recursive.kept_pieces import KeptPieces
 from orbident.model.minimal_sets import MinimalSets, minimal_sets
 from orbident.model.regularity import check_regular
 from orbident.preprocessing.delays import Delay, corrections
@@ -50,10 +50,10 @@ class MomentumProblem:
     initial_momentum: InitialMomentum
     fits: Fits
     """Eqs. 24 and 31, each for itself: where every search starts."""
-    stretches: Stretches | None = None
-    """All samples, where `recording` and `samples` are those of a digest."""
     extent: Extent | None = None
-    """What all samples span, where `samples` are those of a digest."""
+    """What all samples span, where `recording` and `samples` are those of a digest."""
+    pieces: KeptPieces | None = None
+    """All samples then, packed, where an estimator needs them again."""
 
     @property
     def late(self) -> dict[str, float]:
@@ -115,7 +115,7 @@ class MomentumProblem:
             sets=self.sets if same else minimal_sets(robot),
             recording=recording or self.recording,
         )
-        again = _on_clocks(changed, self.clocks)
+        again = on_clocks(changed, self.clocks)
         known = pushed or self.samples.pushed
         return replace(again, samples=replace(again.samples, pushed=known))
 
@@ -166,12 +166,10 @@ def momentum_problems(
         _core.give_back_memory()
     if late == punctual:
         return [problem]
-    return [problem, _on_clocks(problem, clocks | late)]
+    return [problem, on_clocks(problem, clocks | late)]
 
 
-def _on_clocks(
-    problem: MomentumProblem, clocks: Mapping[str, Delay]
-) -> MomentumProblem:
+def on_clocks(problem: MomentumProblem, clocks: Mapping[str, Delay]) -> MomentumProblem:
     """The same recording on other clocks."""
     robot, given = problem.robot, problem.initial_momentum
     samples = samples_of(robot, problem.recording, corrections(clocks))
@@ -181,6 +179,6 @@ def _on_clocks(
         clocks=clocks,
         samples=samples,
         fits=fits,
-        stretches=None,
         extent=None,
+        pieces=None,
     )

@@ -9,7 +9,7 @@ from orbident.estimation.estimate import Estimate, Estimator, Progress
 from orbident.estimation.evidence import MOST, difference, evidence, widened
 from orbident.estimation.least_squares import LeastSquares
 from orbident.estimation.linear_fits import InitialMomentum
-from orbident.estimation.long_problem import long_problems
+from orbident.estimation.long_problem import digest_problems, whole
 from orbident.estimation.momentum_problem import MomentumProblem, momentum_problems
 from orbident.estimation.obstacles import obstacles
 from orbident.estimation.output_error.estimator import OutputError
@@ -52,7 +52,7 @@ def solve(
         progress((1 + done) / 2)
 
     problems = _problems(
-        robot, recording, initial_momentum, lambda done: progress(done / 2)
+        robot, recording, initial_momentum, estimator, lambda done: progress(done / 2)
     )
     if not isinstance(estimator, OutputError):
         _check_outside(problems[0], estimator)
@@ -62,7 +62,7 @@ def solve(
         # Nothing can be estimated: what linear fits show is kept for a look.
         estimate = LeastSquares().estimate(problem, later)
         return Solved(problem, obstacles(problem), estimate, None)
-    give_back = _core.give_back_memory if clear[0].stretches else lambda: None
+    give_back = _core.give_back_memory if clear[0].extent else lambda: None
     give_back()
     problem, shown = evidence(clear, estimator, later)
     give_back()
@@ -95,7 +95,7 @@ def solved_by(
 
 def in_whole(problem: MomentumProblem) -> bool:
     """Whether output error fits all samples, and not only the first."""
-    return problem.stretches is None and problem.samples.t.size <= MOST
+    return problem.extent is None and problem.samples.t.size <= MOST
 
 
 def _check_outside(problem: MomentumProblem, estimator: Estimator) -> None:
@@ -128,11 +128,24 @@ def _problems(
     robot: Robot,
     recording: Recording | LongRecording,
     initial_momentum: InitialMomentum,
+    estimator: Estimator,
     progress: Progress,
 ) -> list[MomentumProblem]:
     if isinstance(recording, LongRecording):
-        found = long_problems(robot, recording, initial_momentum, progress)
+        found = digest_problems(robot, recording, initial_momentum)
         if found is not None:
-            return found
+            again = not isinstance(estimator, LeastSquares)
+            problem = _on_best_clocks(found, estimator)
+            return [whole(problem, recording, again, progress)]
         recording = recording.read()
     return momentum_problems(robot, recording, initial_momentum, progress)
+
+
+def _on_best_clocks(
+    problems: list[MomentumProblem], estimator: Estimator
+) -> MomentumProblem:
+    """The one that explains the sensors best; each is to be folded for minutes."""
+    clear = [problem for problem in problems if not obstacles(problem)]
+    if len(clear) < 2:
+        return [*clear, *problems][0]
+    return evidence(clear, estimator, lambda _: None).problem

@@ -1,9 +1,9 @@
 """The samples of a long recording, stretch by stretch."""
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
 from functools import partial
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 from jaxtyping import Float
@@ -11,80 +11,52 @@ from jaxtyping import Float
 from orbident.preprocessing.base_motion import SMOOTHED
 from orbident.preprocessing.delays import delays
 from orbident.preprocessing.samples import Samples, samples_of
-from orbident.preprocessing.screening import (
-    FoundSpikes,
-    spikes,
-    spikes_within,
-    without,
-)
+from orbident.preprocessing.screening import without_spikes
 from orbident.preprocessing.settings import Settings
-from orbident.preprocessing.smoothing import fits_of, smooth
+from orbident.preprocessing.smoothing import Roughness, fits_of, smooth_rates
 from orbident.recordings.long_recording import LongRecording, Stretch
 from orbident.robot.description import Robot
-from orbident.threads import ahead
+from orbident.threads import side_by_side
 
-Rejected = Mapping[str, Mapping[str, int]]
-"""How many samples were left out, by column and reason."""
+Taken = TypeVar("Taken")
 
 COLUMNS = ("q", "qd", "w", "x_WB", "qd_rw", "v_S")
 
 
+class Part(NamedTuple):
+    """The samples of a stretch, and of rows beside it."""
+
+    samples: Samples
+    own: slice
+    """Those of the stretch itself."""
+    rejected: Mapping[str, Mapping[str, int]]
+    """How many of these were left out, by column and reason."""
+
+
 @dataclass(frozen=True)
 class Stretches:
-    """The samples of a long recording, stretch by stretch, again and again."""
+    """The samples of a long recording, stretch by stretch."""
 
     robot: Robot
     recording: LongRecording
     late: Mapping[str, float]
     settings: Settings
     size: int
-    _spikes: list[FoundSpikes] = field(default_factory=list)
-    """Of the whole recording, once it has been read: to look for them takes longer than
-    all else."""
 
-    def with_rejected(self) -> Iterator[tuple[Samples, Rejected]]:
-        """Consecutive samples, each once; and what was left out of each stretch."""
-        return ahead(map(_own, self._with_others()))
+    def each(self, take: Callable[[Part], Taken]) -> Iterator[Taken]:
+        """What becomes of each stretch, in order; several are worked on at once."""
 
-    def with_rates(self) -> Iterator[tuple[Samples, Float[np.ndarray, "n 3"]]]:
-        """The same, and their smoothed base rates, rad/s."""
+        def taken(stretch: Stretch) -> Taken:
+            recording, own = stretch
+            clean = without_spikes(recording, own)
+            samples = samples_of(self.robot, clean.recording, self.late, self.settings)
+            return take(Part(samples, own, clean.rejected))
 
-        def with_rate(
-            part: WithOthers,
-        ) -> tuple[Samples, Float[np.ndarray, "n 3"]]:
-            rate, _ = smoothed_rate(part.samples, self.settings)
-            return cut(part.samples, part.own), rate[part.own].copy()
-
-        return map(with_rate, self._with_others())
-
-    def _with_others(self) -> Iterator["WithOthers"]:
-        """All stretches, with the samples beside them.
-
-        Nothing here holds one while the next is read: each takes much memory.
-        """
         moved = self._moved()
         stretches = self.recording.stretches(
             lambda name: moved + self.settings.beside(name), self.size
         )
-        found: dict[str, list[np.ndarray]] = {}
-        yield from map(partial(self._sampled, found), stretches)
-        if not self._spikes:
-            self._spikes.append({n: np.concatenate(rows) for n, rows in found.items()})
-
-    def _sampled(
-        self, found: dict[str, list[np.ndarray]], stretch: Stretch
-    ) -> "WithOthers":
-        """One stretch; its spikes are added to those found before it."""
-        recording, own, first = stretch
-        if self._spikes:
-            at_hand = spikes_within(self._spikes[0], first, first + recording.t.size)
-        else:
-            at_hand = spikes(recording)
-            for name, rows in spikes_within(at_hand, own.start, own.stop).items():
-                found.setdefault(name, []).append(rows + first + own.start)
-        clean = without(recording, at_hand, own)
-        samples = samples_of(self.robot, clean.recording, self.late, self.settings)
-        return WithOthers(samples, own, clean.rejected)
+        return side_by_side(taken, stretches)
 
     def _moved(self) -> int:
         """Samples by which clocks are apart, at most."""
@@ -94,32 +66,17 @@ class Stretches:
         return int(np.ceil(max(map(abs, behind)) / step))
 
 
-class WithOthers(NamedTuple):
-    """The samples of a stretch, and of rows beside it."""
-
-    samples: Samples
-    own: slice
-    """Those of the stretch itself."""
-    rejected: Rejected
-
-
-def _own(part: WithOthers) -> tuple[Samples, Rejected]:
-    return cut(part.samples, part.own), part.rejected
-
-
 def cut(samples: Samples, rows: slice) -> Samples:
-    """Some rows, copied: the others' memory is free again."""
+    """Some rows, not copied."""
     columns = {
-        name: tuple(column[rows].copy() for column in getattr(samples, name))
+        name: tuple(column[rows] for column in getattr(samples, name))
         for name in COLUMNS
     }
-    return replace(samples, t=samples.t[rows].copy(), **columns)
+    return replace(samples, t=samples.t[rows], **columns)
 
 
-def smoothed_rate(
-    samples: Samples, settings: Settings
-) -> tuple[Float[np.ndarray, "samples 3"], float]:
-    """The base rate as smooth as joint rates are, and the gyro's scatter, rad/s.
+def smoothed_rate(samples: Samples, settings: Settings) -> Float[np.ndarray, "n 3"]:
+    """The base rate as smooth as joint rates are, rad/s.
 
     Args:
         samples: consecutive ones.
@@ -127,8 +84,30 @@ def smoothed_rate(
     """
     w = np.column_stack(samples.w)
     if samples.origins["base_rate"] == SMOOTHED:
-        return w, 0.0
-    t, name = samples.t, f"{samples.source}: gyro"
-    fits = settings.smoothers("gyro", lambda: fits_of(t, w, name=name))
-    smoothed = smooth(t, w, name=name, fits=fits)
-    return smoothed.x, float(np.nan_to_num(smoothed.noise_std).max())
+        return w
+    fits = _roughness(samples, w, settings)
+    return smooth_rates(samples.t, w, samples.t, _gyro_of(samples), fits).x
+
+
+def scatter(samples: Samples, settings: Settings) -> float:
+    """How far the gyro's samples scatter about the smoothed rate, rad/s.
+
+    Args:
+        samples: of the whole recording, or of a digest of it.
+        settings: of the whole recording.
+    """
+    if samples.origins["base_rate"] == SMOOTHED:
+        return 0.0
+    fits = _roughness(samples, np.column_stack(samples.w), settings)
+    return float(np.nan_to_num([fit.noise_std for fit in fits]).max())
+
+
+def _roughness(
+    samples: Samples, w: Float[np.ndarray, "n 3"], settings: Settings
+) -> list[Roughness]:
+    find = partial(fits_of, samples.t, w, name=_gyro_of(samples))
+    return settings.smoothers("gyro", find)
+
+
+def _gyro_of(samples: Samples) -> str:
+    return f"{samples.source}: gyro"

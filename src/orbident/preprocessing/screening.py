@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float
 
 from orbident.errors import InputError
 from orbident.preprocessing.outliers import find_spikes
@@ -44,10 +44,6 @@ MOSTLY = 0.9
 """Part of the samples that counts as all: single ones may be wrong."""
 
 
-FoundSpikes = Mapping[str, Int[np.ndarray, " spikes"]]
-"""Their rows, by column."""
-
-
 @dataclass(frozen=True)
 class Screened:
     """A recording without what cannot be true, and what was taken out."""
@@ -84,51 +80,19 @@ def without_spikes(recording: Recording, own: slice = np.s_[:]) -> Screened:
         recording: of any sensors.
         own: the rows in which spikes are counted.
     """
-    return without(recording, spikes(recording), own)
-
-
-def spikes(recording: Recording) -> FoundSpikes:
-    """The rows of all spikes, by column; those that have none are absent."""
-    found = {}
+    spoiled, rejected = {}, {}
     for names in _sensors(recording):
-        for name in names:
-            rows = np.flatnonzero(_spikes(recording, name))
-            if rows.size:
-                found[name] = rows
-    return found
-
-
-def without(
-    recording: Recording, found: FoundSpikes, own: slice = np.s_[:]
-) -> Screened:
-    """Take out the spikes that were found.
-
-    Args:
-        recording: of any sensors.
-        found: its spikes.
-        own: the rows in which they are counted.
-    """
-    if not found:
+        spiky = {name: _spikes(recording, name) for name in names}
+        bad = np.logical_or.reduce([*spiky.values()])
+        for name in names if bad.any() else ():
+            spoiled[name] = np.where(bad, np.nan, recording.columns[name])
+        for name, rows in spiky.items():
+            if count := int(rows[own].sum()):
+                rejected[name] = {"spike": count}
+    if not spoiled:
         return Screened(recording, {})
-    columns, rejected = dict(recording.columns), {}
-    for names in _sensors(recording):
-        bad = [found[name] for name in names if name in found]
-        for name in names if bad else ():
-            columns[name] = columns[name].copy()
-            columns[name][np.concatenate(bad)] = np.nan
-    first, end, _ = own.indices(recording.t.size)
-    for name, rows in spikes_within(found, first, end).items():
-        rejected[name] = {"spike": rows.size}
+    columns = {**recording.columns, **spoiled}
     return Screened(replace(recording, columns=columns), rejected)
-
-
-def spikes_within(found: FoundSpikes, first: int, end: int) -> FoundSpikes:
-    """The spikes in some rows, counted from the first of these."""
-    inside = {
-        name: rows[(rows >= first) & (rows < end)] - first
-        for name, rows in found.items()
-    }
-    return {name: rows for name, rows in inside.items() if rows.size}
 
 
 def spikes_in_words(rejected: Mapping[str, Mapping[str, int]]) -> tuple[str, ...]:

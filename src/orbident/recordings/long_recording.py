@@ -39,8 +39,6 @@ class Stretch(NamedTuple):
     recording: Recording
     own: slice
     """The rows that are no other stretch's."""
-    first: int
-    """Where its first row is in the whole recording."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,7 +147,7 @@ class LongRecording:
             stop = end + (after or FARTHEST)
             rows = {name: x[:stop] for name, x in table.items()}
             recording = _recording(self._from(first), rows)
-            yield Stretch(recording, slice(own, end), first)
+            yield Stretch(recording, slice(own, end))
             before = _reach(table, slice(end - 1, None, -1), beside) or FARTHEST
             dropped = max(end - before, 0)
             held.drop(dropped)

@@ -14,11 +14,12 @@ import pytest
 
 from orbident.estimation.identify import identify
 from orbident.estimation.linear_fits import Fits, fit
-from orbident.estimation.long_problem import long_problems
+from orbident.estimation.long_problem import digest_problems, whole
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.structured import Structured
 from orbident.preprocessing.samples import samples_of
 from orbident.preprocessing.screening import screened
+from orbident.preprocessing.settings import LONGEST, Settings
 from orbident.recordings.long_recording import LongRecording
 from orbident.recordings.recording import Recording
 from orbident.recordings.tables import write_recording
@@ -74,9 +75,9 @@ def again(robot: Robot) -> Recording:
 
 def in_stretches(robot: Robot, recording: Recording, size: int) -> MomentumProblem:
     long = LongRecording.of(recording)
-    found = long_problems(robot, long, "unknown", lambda _: None, size)
+    found = digest_problems(robot, long, "unknown")
     assert found is not None
-    return found[0]
+    return whole(found[0], long, True, lambda _: None, size)
 
 
 @pytest.fixture(scope="module")
@@ -95,9 +96,10 @@ def assert_same(found: Fits, wanted: Fits) -> None:
 def test_it_is_what_it_is_in_memory(
     robot: Robot, recording: Recording, problem: MomentumProblem
 ):
-    clean, every = screened(robot, recording), problem.stretches
-    assert every is not None
-    samples = samples_of(robot, clean.recording, every.late, every.settings)
+    clean, settings = screened(robot, recording), Settings(LONGEST)
+    # What the digest decides.
+    samples_of(robot, problem.recording, problem.late, settings)
+    samples = samples_of(robot, clean.recording, problem.late, settings)
     wanted = fit(robot, problem.sets, samples, "unknown", lambda _: None)
     assert_same(problem.fits, wanted)
     assert problem.rejected == clean.rejected
@@ -120,10 +122,10 @@ def test_parts_change_nothing(
 def test_structured_equations_go_on_from_stretch_to_stretch(
     robot: Robot, recording: Recording, problem: MomentumProblem
 ):
-    whole = in_stretches(robot, recording, ROWS)
+    at_once = in_stretches(robot, recording, ROWS)
     one, other = (
         Structured().estimate(each, lambda _: None).found.base
-        for each in (problem, whole)
+        for each in (problem, at_once)
     )
     std = np.sqrt(np.diag(other.covariance))
     assert np.max(np.abs(one.values - other.values) / std) < SAME
@@ -159,4 +161,4 @@ def test_a_file_is_identified_as_its_recording(robot: Robot, tmp_path: Path):
 def test_what_must_be_integrated_is_read_whole(robot: Robot, recording: Recording):
     columns = {n: x for n, x in recording.columns.items() if "attitude" not in n}
     long = LongRecording.of(replace(recording, columns=columns))
-    assert long_problems(robot, long, "unknown", lambda _: None) is None
+    assert digest_problems(robot, long, "unknown") is None

@@ -66,7 +66,7 @@ def test_every_row_is_one_stretchs_own(
 ):
     wanted = {"t": 100, "gyro.x": 200, "position.x": 50}
     t, first = [], 0
-    for stretch, own, _ in long.stretches(wanted.__getitem__, size):
+    for stretch, own in long.stretches(wanted.__getitem__, size):
         t.append(stretch.t[own])
         assert set(stretch.columns) == {"gyro.x", "position.x"}
         end = first + t[-1].size

@@ -6,12 +6,11 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from orbident import _core
 from orbident.errors import InputError
 from orbident.estimation.momentum_problem import MomentumProblem
-from orbident.estimation.recursive.kept_pieces import KeptPieces, Piece
+from orbident.estimation.recursive.kept_pieces import Piece
 from orbident.estimation.recursive.noise import Noise, noise_of
-from orbident.estimation.stretches import smoothed_rate
+from orbident.estimation.stretches import scatter, smoothed_rate
 from orbident.preprocessing.histories import DERIVED
 from orbident.preprocessing.samples import Samples
 from orbident.preprocessing.settings import Settings
@@ -49,10 +48,9 @@ def given_of(robot: Robot, samples: Samples) -> Given:
     Raises:
         InputError: there is none, or the noise of the base rate is not known.
     """
-    rate, scatter = smoothed_rate(samples, Settings())
-    noise = noise_of(robot, samples, scatter)
-    ends = float(samples.t[0]), float(samples.t[-1])
-    t, every = _packed(samples, rate, *_trusted(samples, *ends))
+    settings = Settings()
+    t, every = packed(samples, smoothed_rate(samples, settings), trusted(samples))
+    noise = noise_of(robot, samples, scatter(samples, settings))
     if not t.size:
         raise none_complete(samples.source)
     return Given(t, every, noise)
@@ -72,42 +70,46 @@ def pieces_of(problem: MomentumProblem) -> Pieces:
     Raises:
         InputError: as `given_of`.
     """
-    robot, samples, stretches = problem.robot, problem.samples, problem.stretches
-    if stretches is None or problem.extent is None:
+    robot, samples, kept = problem.robot, problem.samples, problem.pieces
+    if kept is None:
         given = given_of(robot, samples)
         return Pieces(given.noise, lambda: iter([Piece(given.t, given.samples)]))
-    _, scatter = smoothed_rate(samples, stretches.settings)
-    ends = _trusted(samples, problem.extent.start, problem.extent.end)
-
-    noise = noise_of(robot, samples, scatter)
-    _core.give_back_memory()
-
-    def packed(part: tuple[Samples, Float[np.ndarray, "n 3"]]) -> Piece:
-        return _packed(*part, *ends)
-
-    # Nothing here holds a part while the next one is worked out.
-    kept = KeptPieces(lambda: map(packed, stretches.with_rates()))
+    noise = noise_of(robot, samples, scatter(samples, Settings()))
     return Pieces(noise, lambda: ahead(kept()))
 
 
-def _packed(
-    samples: Samples, rate: Float[np.ndarray, "samples 3"], first: float, last: float
+def packed(
+    samples: Samples,
+    rate: Float[np.ndarray, "samples 3"],
+    times: tuple[float, float],
 ) -> Piece:
-    trusted = np.isfinite(rate).all(axis=1)
-    trusted &= (samples.t >= first) & (samples.t <= last)
-    times, tables = [], []
+    """The samples that are complete and as good as they are said to be, one a row.
+
+    Args:
+        samples: consecutive ones.
+        rate: the smoothed base rate, rad/s.
+        times: between these they are that good, s.
+    """
+    good = np.isfinite(rate).all(axis=1)
+    good &= (samples.t >= times[0]) & (samples.t <= times[1])
+    kept, tables = [], []
     for k, at in enumerate(samples.batches(PACKED)):
         own = slice(k * PACKED, (k + 1) * PACKED)
-        complete = at.turning & trusted[own]
+        complete = at.turning & good[own]
         v_S = np.where(at.moving[:, None], at.v_S, np.nan)
         every = [at.q, at.qd, at.w, at.x_WB, at.qd_rw, v_S, rate[own], at.h_given]
-        times.append(samples.t[own][complete])
+        kept.append(samples.t[own][complete])
         tables.append(np.hstack(every)[complete])
-    return Piece(np.concatenate(times), np.concatenate(tables))
+    return Piece(np.concatenate(kept), np.concatenate(tables))
 
 
-def _trusted(samples: Samples, start: float, end: float) -> tuple[float, float]:
-    """First and last time at which rates are as good as they are said to be, s."""
+def trusted(samples: Samples) -> tuple[float, float]:
+    """First and last time at which rates are as good as they are said to be, s.
+
+    Args:
+        samples: of the whole recording, or of a digest of it.
+    """
+    start, end = float(samples.t[0]), float(samples.t[-1])
     derived = DERIVED in samples.origins["joint_rates"]
     margin = ENDS if derived and end - start > 4 * ENDS else 0.0
     return start + margin, end - margin

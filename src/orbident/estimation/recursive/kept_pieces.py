@@ -1,4 +1,4 @@
-"""Packed samples that are worked out once and read again from a temporary file."""
+"""Packed samples that are read again from a temporary file."""
 
 import tempfile
 import weakref
@@ -22,38 +22,34 @@ class Piece(NamedTuple):
 class KeptPieces:
     """Pieces of a long recording, one after another, again and again.
 
-    The first whole pass writes them to a file without a name, which is gone when the
-    process is. Where there is no room for it, each pass works them out anew.
+    They are kept in a file without a name, which is gone when the process is. Where
+    there is no room for it, each pass works them out anew.
     """
 
-    def __init__(self, pieces: Callable[[], Iterator[Piece]]) -> None:
-        """`pieces` are worked out from the first one on each time."""
-        self._pieces = pieces
+    def __init__(self, anew: Callable[[], Iterator[Piece]]) -> None:
+        """`anew` works all pieces out, from the first one on."""
+        self._anew = anew
         self._shapes: list[tuple[int, ...]] = []
-        self._file: IO[bytes] | None = None
+        self._file = _without_name()
+        if self._file is not None:
+            weakref.finalize(self, _close, self._file)
+
+    def keep(self, piece: Piece) -> None:
+        """Keep one more, which comes after the others."""
+        if self._file is None:
+            return
+        try:
+            for table in piece:
+                self._file.write(np.ascontiguousarray(table).data)
+            self._file.flush()
+            self._shapes.append(piece.samples.shape)
+        except OSError:
+            _close(self._file)
+            self._file = None
 
     def __call__(self) -> Iterator[Piece]:
         """All pieces, from the first one on."""
-        return self._worked_out() if self._file is None else self._read(self._file)
-
-    def _worked_out(self) -> Iterator[Piece]:
-        file, shapes = _without_name(), list[tuple[int, ...]]()
-        if file is not None:
-            weakref.finalize(self, _close, file)
-        for piece in self._pieces():
-            try:
-                if file is not None:
-                    for table in piece:
-                        file.write(np.ascontiguousarray(table).data)
-                    file.flush()
-            except OSError:
-                _close(file)
-                file = None
-            shapes.append(piece.samples.shape)
-            yield piece
-            # Held no longer while the next one is worked out.
-            del piece
-        self._file, self._shapes = file, shapes
+        return self._anew() if self._file is None else self._read(self._file)
 
     def _read(self, file: IO[bytes]) -> Iterator[Piece]:
         file.seek(0)
@@ -69,8 +65,7 @@ def _without_name() -> IO[bytes] | None:
     return None
 
 
-def _close(file: IO[bytes] | None) -> None:
+def _close(file: IO[bytes]) -> None:
     # What the disk refused before is refused here again.
     with suppress(OSError):
-        if file is not None:
-            file.close()
+        file.close()

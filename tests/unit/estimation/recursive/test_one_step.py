@@ -25,7 +25,7 @@ from orbident.estimation.recursive.filter import Extended
 from orbident.estimation.recursive.noise import Noise, noise_of
 from orbident.estimation.recursive.prior import GaussianPrior, cad_prior
 from orbident.estimation.recursive.state import Info, Sample, State, packed
-from orbident.estimation.stretches import smoothed_rate
+from orbident.estimation.stretches import scatter, smoothed_rate
 from orbident.model.derivatives import derivatives_of_beta, sets_of_beta
 from orbident.model.minimal_sets import minimal_sets
 from orbident.preprocessing.samples import samples_of
@@ -81,8 +81,9 @@ def one_step(name: str, before: int) -> Case:
     motion = random_motion(robot, duration=12.0, start=start)
     noise = "none" if name == "tree" else "sensors"
     samples = samples_of(robot, simulate(robot, motion, rate=10.0, noise=noise))
-    rate, scatter = smoothed_rate(samples, Settings())
-    stds = noise_of(robot, samples, scatter)
+    settings = Settings()
+    rate = smoothed_rate(samples, settings)
+    stds = noise_of(robot, samples, scatter(samples, settings))
     if name == "tree":
         stds = Noise(1e-4, 1e-4, joint_rates=1e-4, attitude=1e-4, gyro_walk=1e-5)
     kalman = Extended.of(robot, stds)
