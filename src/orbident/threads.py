@@ -47,7 +47,7 @@ def side_by_side(
 ) -> Iterator[Returned]:
     """`map`, in threads: for work that is done in the core, which has one thread then.
 
-    One more item than there are threads is held at most, however many there are.
+    No more items are held than there are threads, however many there are.
     """
     if processors() == 1:
         yield from map(work, items)
@@ -62,7 +62,7 @@ def side_by_side(
         for item in items:
             coming.append(threads.submit(alone, item))
             del item
-            if len(coming) > processors():
+            if len(coming) == processors():
                 yield coming.popleft().result()
         while coming:
             yield coming.popleft().result()

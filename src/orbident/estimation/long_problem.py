@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
+from orbident import _core
 from orbident.estimation.clocks import base_clocks, joint_clocks
 from orbident.estimation.extent import Extent
 from orbident.estimation.linear_fits import (
@@ -104,17 +105,21 @@ def whole(
     Raises:
         InputError: as `momentum_problems`.
     """
-    robot, sets = problem.robot, problem.sets
-    settings = Settings(LONGEST)
+    robot, settings = problem.robot, Settings(LONGEST)
     late = corrections(problem.clocks)
     every = Stretches(robot, recording, late, settings, size or recording.stretch)
     # Joints that never move are held; which these are is known after one pass.
     settings.locked = {}
     while True:
         samples = samples_of(robot, problem.recording, late, settings)
+        # Those of before are held no longer.
+        problem = replace(problem, samples=samples)
         if again:
             smoothed_rate(samples, settings)
-        equations = LinearEquations.of(robot, sets, samples, problem.initial_momentum)
+        equations = LinearEquations.of(
+            robot, problem.sets, samples, problem.initial_momentum
+        )
+        _core.give_back_memory()
         one_pass = _Pass(every, equations, trusted(samples) if again else None)
         pieces = KeptPieces(one_pass.pieces) if again else None
         total = None
@@ -130,8 +135,7 @@ def whole(
         settings.locked = locked
     return replace(
         problem,
-        samples=samples,
-        fits=equations.solved(robot, sets, samples, total.factors),
+        fits=equations.solved(robot, problem.sets, samples, total.factors),
         extent=total.extent,
         pieces=pieces,
         rejected={name: {"spike": n} for name, n in total.spikes.items()},

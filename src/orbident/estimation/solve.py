@@ -135,8 +135,9 @@ def _problems(
         found = digest_problems(robot, recording, initial_momentum)
         if found is not None:
             again = not isinstance(estimator, LeastSquares)
-            problem = _on_best_clocks(found, estimator)
-            return [whole(problem, recording, again, progress)]
+            found = [_on_best_clocks(found, estimator)]
+            # The digest's own samples are held by nobody else.
+            return [whole(found.pop(), recording, again, progress)]
         recording = recording.read()
     return momentum_problems(robot, recording, initial_momentum, progress)
 

@@ -21,7 +21,7 @@ SPAN = 2**14
 LARGE = SPANS * SPAN
 """Rows from which a recording is read in stretches."""
 
-AT_ONCE = 2**20
+AT_ONCE = 3 * 2**18
 """Numbers that are worked on at once: what is derived of them takes 100 MB."""
 
 FEWEST = 2**12

@@ -33,7 +33,6 @@ def read_parquet(path: Path) -> dict[str, np.ndarray]:
             start = rows.stop
         if start != file.metadata.num_rows:
             raise pa.ArrowInvalid(f"{start} of {file.metadata.num_rows} rows found")
-    pa.default_memory_pool().release_unused()
     return columns
 
 
@@ -112,3 +111,5 @@ def _batches(
             .to_numpy(zero_copy_only=False)
             for name in names
         }
+        # Arrow keeps as much again as it decodes.
+        pa.default_memory_pool().release_unused()
