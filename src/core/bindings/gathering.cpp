@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::ptrdiff_t HALVES = 2;
 
-// Numbers in the rows of a block: they stay in a processor's own cache.
+// Numbers in the rows of a block: with fewer, threads cost what they save; more leave the caches.
 constexpr std::ptrdiff_t NUMBERS = 1 << 19;
 
 class Gathering {

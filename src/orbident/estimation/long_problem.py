@@ -58,8 +58,8 @@ def digest_problems(
         return None
     sets = minimal_sets(robot)
     clocks = base_clocks(robot, clean.recording)
-    late = corrections(clocks)
-    samples = samples_of(robot, clean.recording, late, Settings(LONGEST))
+    settings = Settings(LONGEST)
+    samples = samples_of(robot, clean.recording, corrections(clocks), settings)
     if NOT_LOCAL & set(samples.origins.values()):
         return None
     span = samples.t.size // SPANS
@@ -77,9 +77,8 @@ def digest_problems(
         initial_momentum,
         fit(robot, sets, samples, initial_momentum, lambda _: None),
     )
-    return (
-        [problem] if seen == punctual else [problem, on_clocks(problem, clocks | seen)]
-    )
+    late = [] if seen == punctual else [on_clocks(problem, clocks | seen)]
+    return [problem, *late]
 
 
 def whole(

@@ -13,9 +13,11 @@ import numpy as np
 import pytest
 
 from orbident.estimation.identify import identify
+from orbident.estimation.least_squares import LeastSquares
 from orbident.estimation.linear_fits import Fits, fit
 from orbident.estimation.long_problem import digest_problems, whole
 from orbident.estimation.momentum_problem import MomentumProblem
+from orbident.estimation.solve import solve
 from orbident.estimation.structured import Structured
 from orbident.preprocessing.samples import samples_of
 from orbident.preprocessing.screening import screened
@@ -51,17 +53,23 @@ def robot() -> Robot:
 @pytest.fixture(scope="module")
 def recording(robot: Robot) -> Recording:
     """A recording with noise, gaps, and a spike."""
-    clean = again(robot)
+    clean = noisy(again(robot), 1.0)
+    columns = {name: x.copy() for name, x in clean.columns.items()}
+    columns["joint.joint1.position"][5::7] = np.nan
+    columns["wheel.rw_x.speed"][::2] = np.nan
+    columns["joint.joint2.position"][4000] += 1.0
+    return Recording(clean.t, columns, "long")
+
+
+def noisy(clean: Recording, factor: float) -> Recording:
+    """Of encoders, wheel speeds, a gyro, attitudes and velocities."""
     random, columns = np.random.default_rng(0), {}
     for name, x in clean.columns.items():
         if name.endswith(".velocity") or name.startswith("position"):
             continue
         noise = STD[name.split(".")[0]] * random.standard_normal(ROWS)
-        columns[name] = x + noise
-    columns["joint.joint1.position"][5::7] = np.nan
-    columns["wheel.rw_x.speed"][::2] = np.nan
-    columns["joint.joint2.position"][4000] += 1.0
-    return Recording(clean.t, columns, "long")
+        columns[name] = x + factor * noise
+    return replace(clean, columns=columns)
 
 
 def again(robot: Robot) -> Recording:
@@ -162,3 +170,22 @@ def test_what_must_be_integrated_is_read_whole(robot: Robot, recording: Recordin
     columns = {n: x for n, x in recording.columns.items() if "attitude" not in n}
     long = LongRecording.of(replace(recording, columns=columns))
     assert digest_problems(robot, long, "unknown") is None
+
+
+def test_a_late_clock_is_corrected(robot: Robot, monkeypatch: pytest.MonkeyPatch):
+    """Joints and wheels show what was 20 ms ago."""
+    monkeypatch.setattr("orbident.estimation.evidence.MOST", 1000)
+    fine = noisy(again(robot), 0.1)
+    flight = int(np.flatnonzero(np.diff(fine.t) > 0.5)[0]) + 1
+    columns = dict(fine.columns)
+    for name in (n for n in columns if n.startswith(("joint", "wheel"))):
+        columns[name] = np.roll(columns[name], 1)
+        columns[name][::flight] = np.nan
+    late = replace(fine, columns=columns)
+    assert len(digest_problems(robot, LongRecording.of(late), "unknown") or ()) == 2
+    assert len(digest_problems(robot, LongRecording.of(fine), "unknown") or ()) == 1
+    long = LongRecording.of(late)
+    found = solve(robot, long, "unknown", LeastSquares(), lambda _: None)
+    clock = found.problem.clocks["joints"]
+    assert clock.believed
+    assert clock.late == pytest.approx(0.02, abs=3 * clock.std)
