@@ -65,14 +65,14 @@ class Factors(NamedTuple):
     """What samples say, as triangular factors: those of any samples can be joined."""
 
     R_h: Float[np.ndarray, "h_columns h_columns"]
-    """Of Eq. 24."""
+    """Triangular factor of the momentum equation's rows (Eq. 24)."""
     R_v: Float[np.ndarray, "v_columns v_columns"]
-    """Of Eq. 31."""
+    """Triangular factor of the velocity equation's rows (Eq. 31)."""
     rows: int
     turning: int
-    """Samples that have all of Eq. 24,"""
+    """Samples in which all that the momentum equation needs was measured."""
     moving: int
-    """and of Eq. 31 too."""
+    """Samples in which the velocity of S was measured too."""
     h_rw: float
     """Norm of the wheels' momentum, N m s."""
 

@@ -23,8 +23,8 @@ SUSPECT = 6.0
 """Times the local scatter: one sample in five hundred million of Gaussian noise."""
 
 USUAL = 90
-"""Of so many of the steps from sample to sample around, the usual one is the largest
-but for itself."""
+"""The usual step from sample to sample in a neighbourhood: so many of its steps are
+smaller, which is its 90th percentile."""
 
 LEAP = 4.0
 """Times that step: the sharpest turns of a joint that is sampled well stay below it."""

@@ -62,7 +62,7 @@ def recording(robot: Robot) -> Recording:
 
 
 def noisy(clean: Recording, factor: float) -> Recording:
-    """Of encoders, wheel speeds, a gyro, attitudes and velocities."""
+    """The recording with white noise on all sensors but those left out here."""
     random, columns = np.random.default_rng(0), {}
     for name, x in clean.columns.items():
         if name.endswith(".velocity") or name.startswith("position"):
