@@ -8,10 +8,9 @@ import numpy as np
 from clean_recordings import Recorded, clean_space
 from edited_recordings import changed
 
-from orbident.estimation.estimate import Estimate
+from orbident.estimation.estimate import Estimate, Solved
 from orbident.estimation.estimators import estimator_of
 from orbident.estimation.momentum_problem import MomentumProblem, momentum_problems
-from orbident.estimation.solve import Solved
 from orbident.robot.description import Robot
 
 SECONDS = 30.0

@@ -7,14 +7,8 @@ from instruments import Errors, TrueMotion, no_errors
 from random_robots import random_start, random_swing
 
 from orbident import _core
-from orbident.estimation.output_error.problem import (
-    NO_ROWS,
-    NOTHING,
-    OUTSIDE,
-    SENSORS,
-    Linear,
-    Unknowns,
-)
+from orbident.estimation.output_error.problem import NO_ROWS, NOTHING, SENSORS
+from orbident.estimation.solution import OUTSIDE, Linear, Unknowns
 from orbident.model.core_robot import core_tree
 from orbident.model.inertia import inertia_at
 from orbident.model.minimal_sets import minimal_sets

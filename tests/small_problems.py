@@ -11,12 +11,11 @@ from orbident.estimation.output_error.beforehand import prior_of
 from orbident.estimation.output_error.problem import (
     NOTHING,
     Problem,
-    Unknowns,
     problem_of,
     start_of,
 )
 from orbident.estimation.output_error.sensors import sensors_of
-from orbident.estimation.output_error.solver import Prior
+from orbident.estimation.solution import Prior, Unknowns
 from orbident.model.minimal_sets import minimal_sets
 from orbident.preprocessing.delays import SENSORS
 from orbident.preprocessing.samples import samples_of

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 from problem_folder import DESCRIPTION, TRUTH, digest, mean_square, parameters_of
 
-from orbident.estimation.bound import cramer_rao
+from orbident.excitation.bound import cramer_rao
 from orbident.model.inertia import inertia_at
 from orbident.model.wheel_arrays import wheels_of
 from orbident.recordings.recording import Recording

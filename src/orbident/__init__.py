@@ -13,6 +13,8 @@ oi.validate(result, oi.read_recording("other.csv"))
 import importlib
 from typing import TYPE_CHECKING, Any
 
+from orbident.estimation.provided import provide
+
 if TYPE_CHECKING:
     from orbident.errors import InputError as InputError
     from orbident.estimation.identify import identify as identify
@@ -89,6 +91,11 @@ _PUBLIC = {
     "weigh": "orbident.estimation.weigh",
     "write_recording": "orbident.recordings.tables",
 }
+
+provide("causes", "orbident.diagnosis.causes:causes")
+provide("plot", "orbident.report.result_plots:Plots")
+provide("to_mujoco", "orbident.identified.made_models:mujoco_spec")
+provide("to_pinocchio", "orbident.identified.made_models:pinocchio_model")
 
 
 def __getattr__(name: str) -> Any:

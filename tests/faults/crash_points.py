@@ -17,8 +17,8 @@ import numpy as np
 from made_results import exact_result
 
 from orbident.errors import InputError
-from orbident.estimation.predicted import Signal
 from orbident.estimation.result import Result
+from orbident.estimation.signals import Signal
 from orbident.files.folder_replacing import is_committed
 from orbident.files.replacing import UNFINISHED
 from orbident.files.text import write_text

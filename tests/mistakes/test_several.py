@@ -12,8 +12,9 @@ from several_flights import flights_of, recorded, with_payload
 
 import orbident as oi
 from orbident.errors import InputError
-from orbident.estimation.output_error.calibration import Calibration
-from orbident.estimation.output_error.shared import Shared, together
+from orbident.estimation.output_error.shared import together
+from orbident.estimation.shared import Shared
+from orbident.estimation.unknowns import Calibration
 
 TABLE = "table 3"
 

@@ -12,7 +12,8 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from orbident.estimation.recursive.history import History, recursive_history
+from orbident.estimation.recursion import History
+from orbident.estimation.recursive.history import recursive_history
 from orbident.model.minimal_sets import minimal_sets
 from orbident.preprocessing.samples import samples_of
 from orbident.robot.description import Robot

@@ -4,7 +4,7 @@ import pytest
 from random_motions import random_motion
 from threadpoolctl import threadpool_info, threadpool_limits
 
-from orbident.estimation import identify as module
+from orbident.diagnosis import causes as module
 from orbident.estimation.identify import identify
 from orbident.robot.robot_file import load_robot
 from orbident.simulation.simulate import simulate
@@ -24,12 +24,12 @@ def test_causes_are_searched_for_with_one_blas_thread(monkeypatch: pytest.Monkey
         used.append(blas_threads())
         return []
 
-    monkeypatch.setattr(module, "causes", causes)
+    monkeypatch.setattr(module, "_causes", causes)
     robot = load_robot("paper-spatial")
     recording = simulate(robot, random_motion(robot, wheel_speed=0.0))
     with threadpool_limits(limits=2, user_api="blas"):
         result = identify(robot, recording, "least-squares")
         assert result.status == "rejected"
-        result.causes()
+        result.with_causes()
         assert 2 in blas_threads()
     assert used == [{1}]

@@ -76,7 +76,7 @@ def inspect(
 
 
 def _bound(robot: Any, trajectory: Path, initial_momentum: InitialMomentum) -> Any:
-    from orbident.estimation.bound import cramer_rao
+    from orbident.excitation.bound import cramer_rao
     from orbident.trajectories.trajectory_file import load_trajectory
 
     return cramer_rao(robot, load_trajectory(trajectory), initial_momentum.value)

@@ -41,9 +41,9 @@ def noise(
     the samples show it, noise that lasts.
     """
     from orbident.cli.output import Output, progress
-    from orbident.estimation.rest_noise import rest_noise, sensor_section
     from orbident.files.names import counted
     from orbident.files.replacing import check_free
+    from orbident.noise.rest_noise import rest_noise, sensor_section
     from orbident.recordings.tables import read_recording
 
     output = Output(json, quiet)

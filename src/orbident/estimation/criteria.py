@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Bool
 
 from orbident.estimation.check import Check, Level
-from orbident.estimation.estimate import Estimate
+from orbident.estimation.estimate import Estimate, Solved
 from orbident.estimation.kinetic_energy import positive_energy
 from orbident.estimation.mass_routes import agreement_of_routes, beside_nominal
 from orbident.estimation.momentum_problem import MomentumProblem
@@ -17,7 +17,6 @@ from orbident.estimation.quantities import Quantity
 from orbident.estimation.recursive.changes import changes_in_words
 from orbident.estimation.residual_checks import CAUSES, residual_checks
 from orbident.estimation.reweighting import unsettled_weights
-from orbident.estimation.solve import Solved
 from orbident.files.names import joined, listed
 from orbident.model.formulas import formulas_of
 

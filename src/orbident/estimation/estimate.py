@@ -7,17 +7,19 @@ from typing import NamedTuple, Protocol, runtime_checkable
 import numpy as np
 from jaxtyping import Float
 
+from orbident.estimation.check import Check
 from orbident.estimation.convergence import Convergence
 from orbident.estimation.found import BetaEstimate, EstimatedParameters, found_beta
-from orbident.estimation.momentum_problem import MomentumProblem
-from orbident.estimation.output_error.acting import Given
-from orbident.estimation.output_error.disturbance_sizes import DisturbanceFit
-from orbident.estimation.output_error.sensitivity import CalibrationFit, Sensitivity
-from orbident.estimation.output_error.shared import Shared
-from orbident.estimation.output_error.solver import Solution
-from orbident.estimation.predicted import Signals
+from orbident.estimation.momentum_problem import (
+    MomentumProblem,
+    OutsideMomentum,
+)
 from orbident.estimation.quantities import Quantity
-from orbident.estimation.recursive.history import History
+from orbident.estimation.recursion import History
+from orbident.estimation.shared import Shared
+from orbident.estimation.signals import Signals
+from orbident.estimation.solution import Solution
+from orbident.estimation.unknowns import CalibrationFit, DisturbanceFit, Sensitivity
 from orbident.preprocessing.histories import MEASURED
 
 Progress = Callable[[float], object]
@@ -96,7 +98,7 @@ class Estimate:
     """Where the search ended, where these are what is fitted."""
     shared: Callable[[], Shared] | None = None
     """What it says to other recordings of the robot, where it can."""
-    given: Callable[[], Given | None] = lambda: None
+    given: Callable[[], OutsideMomentum | None] = lambda: None
     """What acted from outside has given to the momenta, where something did."""
 
 
@@ -169,3 +171,18 @@ def whiteness(values: Float[np.ndarray, "samples axes"]) -> float:
     """Correlation of neighbouring residuals, all axes together: 0 for white noise."""
     power = np.sum(values**2)
     return float(np.sum(values[:-1] * values[1:]) / power) if power else 0.0
+
+
+class Solved(NamedTuple):
+    """An estimate, not yet judged."""
+
+    problem: MomentumProblem
+    hindered: list[Check]
+    """What about the recording itself forbids a result."""
+    estimate: Estimate
+    shown: Estimate | None
+    """The estimate by output error; None where nothing can be estimated, and for exact
+    recordings, which need none."""
+    off: float = 0.0
+    """The largest difference of these two in the estimate's own deviations, which
+    include it from then on."""

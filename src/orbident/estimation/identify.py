@@ -7,15 +7,14 @@ from pathlib import Path
 from typing import get_args
 
 from orbident.errors import InputError
-from orbident.estimation.causes.causes import causes
-from orbident.estimation.causes.pushes import with_push
 from orbident.estimation.criteria import judge
-from orbident.estimation.estimate import Estimate, Estimator, Progress
+from orbident.estimation.estimate import Estimate, Estimator, Progress, Solved
 from orbident.estimation.estimators import IN_STRETCHES, Method, estimator_of
 from orbident.estimation.linear_fits import INITIAL_MOMENTA, InitialMomentum
 from orbident.estimation.mass_routes import BURN, is_a_mass
 from orbident.estimation.one_of_several import as_one
 from orbident.estimation.output_error.estimator import OutputError
+from orbident.estimation.pushes import with_push
 from orbident.estimation.quantities import Quantity
 from orbident.estimation.result import Result
 from orbident.estimation.results import result_of
@@ -25,7 +24,7 @@ from orbident.estimation.several import (
     labels_of,
     solved_together,
 )
-from orbident.estimation.solve import Solved, solve
+from orbident.estimation.solve import solve
 from orbident.estimation.weigh import Weighing, weigh
 from orbident.recordings.long_recording import LARGE, LongRecording
 from orbident.recordings.recording import Recording
@@ -153,8 +152,7 @@ def _judged(
     )
     if result.status == "ok":
         return result
-    # They are searched for after this verb has returned, and its limit with it.
-    return replace(result, causes=one_blas_thread(lambda: tuple(causes(solved))))
+    return replace(result, solved=solved)
 
 
 def _in_stretches(recording: Opened, estimator: Estimator) -> Opened:

@@ -13,6 +13,7 @@ from typing import NamedTuple
 from orbident import _core
 from orbident.estimation.clocks import base_clocks, joint_clocks
 from orbident.estimation.extent import Extent
+from orbident.estimation.kept_pieces import KeptPieces, Piece
 from orbident.estimation.linear_fits import (
     Factors,
     InitialMomentum,
@@ -21,7 +22,6 @@ from orbident.estimation.linear_fits import (
 )
 from orbident.estimation.momentum_problem import MomentumProblem, on_clocks
 from orbident.estimation.recursive.given import packed, trusted
-from orbident.estimation.recursive.kept_pieces import KeptPieces, Piece
 from orbident.estimation.stretches import Part, Stretches, cut, smoothed_rate
 from orbident.model.minimal_sets import minimal_sets
 from orbident.model.regularity import check_regular

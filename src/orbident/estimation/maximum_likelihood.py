@@ -19,16 +19,13 @@ from orbident.estimation.convergence import Convergence
 from orbident.estimation.estimate import Goodness, SensorFit
 from orbident.estimation.found import BetaEstimate, hidden_of
 from orbident.estimation.linear_fits import Fits, InitialMomentum
-from orbident.estimation.output_error.acting import Given
+from orbident.estimation.momentum_problem import OutsideMomentum
 from orbident.estimation.output_error.beforehand import (
     first_momentum,
     prior_of,
     with_others,
 )
-from orbident.estimation.output_error.disturbance_sizes import (
-    DisturbanceFit,
-    identified,
-)
+from orbident.estimation.output_error.disturbance_sizes import identified
 from orbident.estimation.output_error.disturbances import (
     requested,
     start_with,
@@ -37,26 +34,23 @@ from orbident.estimation.output_error.disturbances import (
 from orbident.estimation.output_error.forms import PUSH, SLOW
 from orbident.estimation.output_error.noise_scaling import Fitted, fitted
 from orbident.estimation.output_error.problem import (
-    OUTSIDE,
-    Linear,
     Problem,
-    Unknowns,
     linear,
     problem_of,
     start_of,
 )
-from orbident.estimation.output_error.sensitivity import (
-    CalibrationFit,
-    Sensitivity,
-    sensitivity,
-)
+from orbident.estimation.output_error.sensitivity import sensitivity
 from orbident.estimation.output_error.sensors import Sensors, sensors_of
-from orbident.estimation.output_error.shared import Shared, shared_of
-from orbident.estimation.output_error.solver import STEPS, Prior, Solution, solved
+from orbident.estimation.output_error.shared import shared_of
+from orbident.estimation.output_error.solver import STEPS, solved
 from orbident.estimation.output_error.suspected import taken_for_zero, with_unseen
 from orbident.estimation.output_error.walk_density import with_densities
-from orbident.estimation.predicted import Signals, sensor_signals
+from orbident.estimation.predicted import sensor_signals
 from orbident.estimation.prior_std import prior_std
+from orbident.estimation.shared import Shared
+from orbident.estimation.signals import Signals
+from orbident.estimation.solution import OUTSIDE, Linear, Prior, Solution, Unknowns
+from orbident.estimation.unknowns import CalibrationFit, DisturbanceFit, Sensitivity
 from orbident.model.minimal_sets import MinimalSets, conserved_axes
 from orbident.preprocessing.delays import delays
 from orbident.preprocessing.samples import Samples
@@ -96,7 +90,7 @@ class Likelihood:
     """Where the search ended with nothing acting from outside."""
     shared: Callable[[], Shared]
     """What the recording says to others of the robot."""
-    given: Callable[[], Given | None]
+    given: Callable[[], OutsideMomentum | None]
     """What acted from outside has given to the momenta."""
 
 
@@ -278,7 +272,7 @@ def _biases(
     return biases
 
 
-def _given(problem: Problem, at: Unknowns) -> Given | None:
+def _given(problem: Problem, at: Unknowns) -> OutsideMomentum | None:
     return problem.acting.given(at.beta, at.calibration, at.selected)
 
 

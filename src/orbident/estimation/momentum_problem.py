@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
@@ -10,6 +11,7 @@ from jaxtyping import Float
 from orbident import _core
 from orbident.estimation.clocks import base_clocks, joint_clocks
 from orbident.estimation.extent import Extent
+from orbident.estimation.kept_pieces import KeptPieces
 from orbident.estimation.linear_fits import (
     Fits,
     InitialMomentum,
@@ -17,8 +19,6 @@ from orbident.estimation.linear_fits import (
     known_momentum,
 )
 from orbident.estimation.mass import Mass, mass_of
-from orbident.estimation.output_error.acting import Given
-from orbident.estimation.recursive.kept_pieces import KeptPieces
 from orbident.model.minimal_sets import MinimalSets, minimal_sets
 from orbident.model.regularity import check_regular
 from orbident.preprocessing.delays import Delay, corrections
@@ -30,6 +30,17 @@ from orbident.robot.description import Robot
 
 ROUNDING = 1e-7
 """Residuals over the signal: what integration and float32 leave."""
+
+
+class OutsideMomentum(NamedTuple):
+    """What acted from outside has given to the momenta since the first row."""
+
+    t: Float[np.ndarray, " nodes"]
+    """s."""
+    h: Float[np.ndarray, "nodes 3"]
+    """To the angular momentum about the system CM, inertial axes, N m s."""
+    v: Float[np.ndarray, "nodes 3"]
+    """To the velocity of the system CM, inertial axes, m/s."""
 
 
 @dataclass(frozen=True)
@@ -92,7 +103,7 @@ class MomentumProblem:
             recording=replace(recording, t=recording.t[:samples], columns=columns)
         )
 
-    def without(self, given: Given) -> "MomentumProblem":
+    def without(self, given: OutsideMomentum) -> "MomentumProblem":
         """The problem of the same motion, without what acts from outside."""
         samples = self.samples.without(given.t, given.h, given.v)
         fits = fit(

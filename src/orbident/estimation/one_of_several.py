@@ -5,9 +5,9 @@ from dataclasses import fields, replace
 from typing import Any, TypeVar
 
 from orbident.estimation.check import Check
-from orbident.estimation.predicted import Signals
 from orbident.estimation.quantities import Identified
 from orbident.estimation.result import Result
+from orbident.estimation.signals import Signals
 
 T = TypeVar("T")
 
@@ -39,7 +39,7 @@ def as_one(
         rejected=every("rejected"),
         origins=every("origins"),
         samples=sum(one.samples for one in results),
-        causes=refused.causes,
+        solved=refused.solved,
         signals=lambda: _signals(results, labels),
     )
     if one.status == "ok" or last.status == "rejected":

@@ -9,7 +9,7 @@ from scipy.special import chdtri
 from orbident.estimation.check import Check, Level
 from orbident.estimation.estimate import Estimate
 from orbident.estimation.momentum_problem import ROUNDING, MomentumProblem
-from orbident.estimation.predicted import Signal
+from orbident.estimation.signals import Signal
 from orbident.estimation.whiteness import low_frequencies
 
 # Std of residuals over the declared noise: chi-square of its square is worth a word.

@@ -2,25 +2,23 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 from orbident.errors import InputError
 from orbident.estimation.check import Check, Level, worst
 from orbident.estimation.convergence import Convergence
+from orbident.estimation.estimate import Solved
 from orbident.estimation.linear_fits import Fits, InitialMomentum
-from orbident.estimation.output_error.disturbance_sizes import DisturbanceFit
-from orbident.estimation.output_error.sensitivity import CalibrationFit
 from orbident.estimation.parameter_table import short_table
-from orbident.estimation.predicted import Signals
+from orbident.estimation.provided import provided
 from orbident.estimation.quantities import Identified, nulled
-from orbident.estimation.recursive.history import History
+from orbident.estimation.recursion import History
 from orbident.estimation.sensitivity_table import SensitivityTable
+from orbident.estimation.signals import Signals
+from orbident.estimation.unknowns import CalibrationFit, DisturbanceFit
 from orbident.model.reconstruction import Dynamics, reconstructed
 from orbident.preprocessing.delays import Delay
 from orbident.robot.description import Robot
-
-if TYPE_CHECKING:
-    from orbident.report.result_plots import Plots
 
 SCHEMA = "orbident/result/2"
 
@@ -57,10 +55,8 @@ class Result(Identified):
         default=lambda: None, compare=False, repr=False
     )
     """What errors of the other instruments would shift; None where it is not known."""
-    causes: Callable[[], tuple[Check, ...]] = field(
-        default=tuple, compare=False, repr=False
-    )
-    """What explains a refusal once it is put right; it takes some seconds."""
+    solved: Solved | None = field(default=None, compare=False, repr=False)
+    """What a refused result was judged by, in which its cause is looked for."""
     clocks: Mapping[str, Delay]
     """How far each sensor's clock is behind that of the base rate."""
     rejected: Mapping[str, Mapping[str, int]]
@@ -151,7 +147,8 @@ class Result(Identified):
         Causes are put right one at a time and the recording is fitted again, which
         takes some seconds.
         """
-        return replace(self, checks=(*self.causes(), *self.checks), causes=tuple)
+        causes = () if self.solved is None else provided("causes")(self.solved)
+        return replace(self, checks=(*causes, *self.checks), solved=None)
 
     def check_accepted(self) -> None:
         """Refuse to go on with what must not be trusted.
@@ -176,15 +173,13 @@ class Result(Identified):
         return reconstructed(self.robot, self.base.values, self.base_covariance)
 
     @property
-    def plot(self) -> "Plots":
+    def plot(self) -> Any:
         """The charts of the report as figures of matplotlib: `result.plot.mass()`.
 
         Raises:
             MissingLibraryError: matplotlib is not installed.
         """
-        from orbident.report.result_plots import Plots
-
-        return Plots(self)
+        return provided("plot")(self)
 
     def to_pinocchio(self) -> Any:
         """The robot as a `pinocchio.Model` without gravity; each wheel is a joint.
@@ -197,9 +192,7 @@ class Result(Identified):
             InputError: the result is rejected or not complete, no bodies that can
                 exist have its parameters, or a library is not installed.
         """
-        from orbident.identified.made_models import pinocchio_model
-
-        return pinocchio_model(self)
+        return provided("to_pinocchio")(self)
 
     def to_mujoco(self) -> Any:
         """The robot as a `mujoco.MjSpec` without gravity; each wheel is a joint.
@@ -211,9 +204,7 @@ class Result(Identified):
             InputError: the result is rejected or not complete, no bodies that can
                 exist have its parameters, or a library is not installed.
         """
-        from orbident.identified.made_models import mujoco_spec
-
-        return mujoco_spec(self)
+        return provided("to_mujoco")(self)
 
     def to_json(self) -> dict[str, Any]:
         """The content of `result.json`."""

@@ -20,7 +20,7 @@ from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.motion import motion_of
 from orbident.estimation.output_error.suspected import suspects_in_words
 from orbident.estimation.output_error.torques_or_losses import instead_in_words
-from orbident.estimation.predicted import Signals, equation_signals
+from orbident.estimation.predicted import equation_signals
 from orbident.estimation.quantities import (
     NO_ROUTES,
     EstimatedSet,
@@ -31,6 +31,7 @@ from orbident.estimation.quantities import (
 )
 from orbident.estimation.result import Result
 from orbident.estimation.sensitivity_table import SensitivityTable
+from orbident.estimation.signals import Signals
 from orbident.estimation.triangular import condition_numbers
 from orbident.estimation.weigh import Weighing
 from orbident.model.formulas import Formulas, SetFormulas, formulas_of, mass_forms

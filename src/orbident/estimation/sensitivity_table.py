@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from orbident.estimation.output_error.sensitivity import UNSEEN
 from orbident.estimation.quantities import nulled
+from orbident.estimation.unknowns import UNSEEN
 
 
 @dataclass(frozen=True, repr=False)

@@ -15,11 +15,11 @@ from scipy.special import chdtri
 
 from orbident.errors import InputError
 from orbident.estimation.check import Check
-from orbident.estimation.estimate import Progress
+from orbident.estimation.estimate import Progress, Solved
 from orbident.estimation.output_error.estimator import OutputError
-from orbident.estimation.output_error.shared import Shared, together
+from orbident.estimation.output_error.shared import together
 from orbident.estimation.prior_std import exact_std
-from orbident.estimation.solve import Solved
+from orbident.estimation.shared import Shared
 from orbident.files.names import listed
 from orbident.recordings.recording import Recording
 

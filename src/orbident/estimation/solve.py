@@ -1,11 +1,8 @@
 """The estimate from a robot and a recording, and what judges it."""
 
-from typing import NamedTuple
-
 from orbident import _core
 from orbident.errors import InputError
-from orbident.estimation.check import Check
-from orbident.estimation.estimate import Estimate, Estimator, Progress
+from orbident.estimation.estimate import Estimate, Estimator, Progress, Solved
 from orbident.estimation.evidence import MOST, difference, evidence, widened
 from orbident.estimation.least_squares import LeastSquares
 from orbident.estimation.linear_fits import InitialMomentum
@@ -18,21 +15,6 @@ from orbident.files.names import joined
 from orbident.recordings.long_recording import LongRecording
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
-
-
-class Solved(NamedTuple):
-    """An estimate, not yet judged."""
-
-    problem: MomentumProblem
-    hindered: list[Check]
-    """What about the recording itself forbids a result."""
-    estimate: Estimate
-    shown: Estimate | None
-    """The estimate by output error; None where nothing can be estimated, and for exact
-    recordings, which need none."""
-    off: float = 0.0
-    """The largest difference of these two in the estimate's own deviations, which
-    include it from then on."""
 
 
 def solve(

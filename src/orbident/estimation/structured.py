@@ -19,12 +19,12 @@ from orbident.estimation.estimate import (
     estimate_of_beta,
     rms_of_equations,
 )
+from orbident.estimation.kept_pieces import Piece
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.nonlinear_fit import beta_of_fits, nonlinear_fit
 from orbident.estimation.prior_std import prior_std
 from orbident.estimation.recursive.filter import Extended
 from orbident.estimation.recursive.given import none_complete, pieces_of
-from orbident.estimation.recursive.kept_pieces import Piece
 from orbident.estimation.recursive.prior import GaussianPrior
 from orbident.estimation.recursive.state import State
 from orbident.model.derivatives import sets_of_beta

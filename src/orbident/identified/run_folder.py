@@ -13,9 +13,6 @@ import numpy as np
 from orbident.errors import InputError
 from orbident.estimation.check import Check
 from orbident.estimation.convergence import Step
-from orbident.estimation.output_error.disturbance_sizes import DisturbanceFit
-from orbident.estimation.output_error.sensitivity import CalibrationFit
-from orbident.estimation.predicted import Signals
 from orbident.estimation.quantities import (
     EstimatedSet,
     Identified,
@@ -25,6 +22,8 @@ from orbident.estimation.quantities import (
 )
 from orbident.estimation.result import SCHEMA, Result
 from orbident.estimation.sensitivity_table import SensitivityTable
+from orbident.estimation.signals import Signals
+from orbident.estimation.unknowns import CalibrationFit, DisturbanceFit
 from orbident.files.folder_replacing import (
     finish,
     is_committed,

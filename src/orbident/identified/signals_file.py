@@ -8,7 +8,7 @@ import pyarrow as pa
 import pyarrow.parquet as parquet
 
 from orbident.errors import InputError
-from orbident.estimation.predicted import Signal, Signals
+from orbident.estimation.signals import Signal, Signals
 
 SCHEMA = pa.schema(
     [

@@ -13,7 +13,8 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident import _core
-from orbident.estimation.recursive.changes import Change, Detector
+from orbident.estimation.recursion import Change
+from orbident.estimation.recursive.changes import Detector
 from orbident.estimation.recursive.filter import Extended
 from orbident.estimation.recursive.noise import declared_noise
 from orbident.estimation.recursive.prior import (

@@ -13,9 +13,9 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.estimation.check import worst
-from orbident.estimation.noise_model import NoiseModel
-from orbident.estimation.rest_noise import AxisNoise
 from orbident.files.text import write_text
+from orbident.noise.noise_model import NoiseModel
+from orbident.noise.rest_noise import AxisNoise
 from orbident.report.charts import (
     MEASURED,
     PREDICTED,

@@ -19,8 +19,8 @@ from orbident.campaigns.statistics import (
     method_statistics,
 )
 from orbident.errors import InputError
-from orbident.estimation.bound import cramer_rao
 from orbident.estimation.check import Check, Level, worst
+from orbident.excitation.bound import cramer_rao
 from orbident.files.text import write_text
 from orbident.model.formulas import formulas_of
 from orbident.model.minimal_sets import minimal_sets

@@ -4,8 +4,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from orbident.estimation.predicted import Signal, Signals, sensor_of
 from orbident.estimation.result import Result
+from orbident.estimation.signals import Signal, Signals, sensor_of
 from orbident.report.charts import (
     ERROR,
     LIMIT,

@@ -8,8 +8,8 @@ from jaxtyping import Float
 
 from orbident.errors import InputError
 from orbident.estimation.convergence import SMALL
-from orbident.estimation.predicted import Signals
 from orbident.estimation.result import Result
+from orbident.estimation.signals import Signals
 from orbident.report.charts import shortened
 from orbident.report.conditioning import correlations
 from orbident.report.convergence_section import COST, SIZE, is_wide, rounds, spacing

@@ -5,9 +5,9 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float, Int
 
-from orbident.estimation.output_error.sensitivity import UNSEEN
 from orbident.estimation.result import Result
 from orbident.estimation.sensitivity_table import SensitivityTable
+from orbident.estimation.unknowns import UNSEEN
 from orbident.report.charts import Figure, label, numbers
 from orbident.report.conditioning import COLORS
 from orbident.report.section import Chart, Section

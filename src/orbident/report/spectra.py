@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from orbident.estimation.predicted import Signal
+from orbident.estimation.signals import Signal
 
 LAGS = 40
 """Samples."""

@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from orbident.estimation.predicted import Signals
 from orbident.estimation.result import Result
+from orbident.estimation.signals import Signals
 from orbident.files.text import write_text
 from orbident.identified.run_folder import HISTORY, REPORT, VALIDATION
 from orbident.report.conditioning import conditioning

@@ -12,8 +12,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from orbident.errors import InputError
-from orbident.estimation.predicted import Signal, Signals
 from orbident.estimation.result import Result
+from orbident.estimation.signals import Signal, Signals
 from orbident.model.kinematics import poses
 from orbident.model.rotations import quaternion_matrix, rotate
 from orbident.recordings.bags.mcap_writer import MessageLog, message, writing_mcap

@@ -3,13 +3,13 @@
 import time
 
 from orbident.estimation.criteria import judge
+from orbident.estimation.estimate import Solved
 from orbident.estimation.least_squares import LeastSquares
 from orbident.estimation.linear_fits import InitialMomentum
 from orbident.estimation.momentum_problem import momentum_problems
 from orbident.estimation.obstacles import obstacles
 from orbident.estimation.result import Result
 from orbident.estimation.results import result_of
-from orbident.estimation.solve import Solved
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 

@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.estimation.criteria import judge
-from orbident.estimation.estimate import Estimate
+from orbident.estimation.estimate import Estimate, Solved
 from orbident.estimation.found import EstimatedParameters, found_beta
 from orbident.estimation.least_squares import LeastSquares
 from orbident.estimation.maximum_likelihood import estimate_of
@@ -16,7 +16,7 @@ from orbident.estimation.output_error.estimator import OutputError
 from orbident.estimation.prior_std import prior_std
 from orbident.estimation.result import Result
 from orbident.estimation.results import result_of
-from orbident.estimation.solve import Solved, solve
+from orbident.estimation.solve import solve
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.studies.filters import Filters

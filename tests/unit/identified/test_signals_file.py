@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from orbident.errors import InputError
-from orbident.estimation.predicted import Signal
+from orbident.estimation.signals import Signal
 from orbident.identified.signals_file import read_signals, write_signals
 
 RANDOM = np.random.default_rng(5)

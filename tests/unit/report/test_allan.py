@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from orbident.estimation.noise_model import Level, NoiseModel
+from orbident.noise.noise_model import Level, NoiseModel
 from orbident.report.allan import allan_deviation, model_deviation
 
 

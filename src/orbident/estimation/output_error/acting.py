@@ -11,11 +11,11 @@ An accelerometer feels `F / M + b`.
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 
+from orbident.estimation.momentum_problem import OutsideMomentum
 from orbident.estimation.output_error.followed import (
     Followed,
     at_nodes,
@@ -35,17 +35,6 @@ from orbident.robot.description import MomentumWalk
 
 ROWS = 15
 """A node has so many: h_cm, its rate, r_cm, v_cm and what is felt, three axes each."""
-
-
-class Given(NamedTuple):
-    """What acted from outside has given to the momenta since the first row."""
-
-    t: Float[np.ndarray, " nodes"]
-    """s."""
-    h: Float[np.ndarray, "nodes 3"]
-    """To the angular momentum about the system CM, inertial axes, N m s."""
-    v: Float[np.ndarray, "nodes 3"]
-    """To the velocity of the system CM, inertial axes, m/s."""
 
 
 class Acting:
@@ -135,7 +124,7 @@ class Acting:
         beta: Float[np.ndarray, " beta"],
         gains: Float[np.ndarray, " selected"],
         selected: Float[np.ndarray, " selected"],
-    ) -> Given | None:
+    ) -> OutsideMomentum | None:
         """What has been given at these parameters; None where nothing acts.
 
         Args:
@@ -146,7 +135,7 @@ class Acting:
         table = self.table(beta, gains, selected)
         if not table.size:
             return None
-        return Given(self.followed.t, table[:, 0:3, 0], table[:, 9:12, 0])
+        return OutsideMomentum(self.followed.t, table[:, 0:3, 0], table[:, 9:12, 0])
 
     def forget(self) -> None:
         """Free the tables that were last asked for: of all groups 10 kB a row."""

@@ -5,11 +5,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from orbident.estimation.linear_fits import Fits, InitialMomentum, known_momentum
-from orbident.estimation.output_error.calibration import Calibration
-from orbident.estimation.output_error.problem import NOTHING, OUTSIDE, Outside
-from orbident.estimation.output_error.shared import Shared
-from orbident.estimation.output_error.solver import Prior
+from orbident.estimation.output_error.problem import NOTHING
 from orbident.estimation.prior_std import prior_std
+from orbident.estimation.shared import Shared
+from orbident.estimation.solution import OUTSIDE, Outside, Prior
+from orbident.estimation.unknowns import Calibration
 from orbident.model.minimal_sets import MinimalSets
 from orbident.preprocessing.samples import Samples
 from orbident.robot.description import Robot

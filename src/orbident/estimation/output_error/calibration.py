@@ -5,30 +5,14 @@ tolerance it is zero.
 """
 
 from collections.abc import Collection, Iterator, Mapping
-from typing import Literal, NamedTuple
 
 import numpy as np
 
+from orbident.estimation.unknowns import Calibration, Unit
 from orbident.model.minimal_sets import conserved_axes
 from orbident.robot.description import Robot
 
-Unit = Literal["rad", "m", "1", "s"]
-
 UNIT_OF_ZERO: dict[str, Unit] = {"revolute": "rad", "prismatic": "m"}
-
-
-class Calibration(NamedTuple):
-    """One calibration error; it is zero where the instrument is perfect."""
-
-    name: str
-    """Such as `joint.elbow.zero` or `gyro.scale.x`."""
-    unit: Unit
-    acts: bool
-    """Whether anything that was recorded depends on it."""
-    std: float
-    """The tolerance that the robot file declares; zero where the error is zero."""
-    place: int = 0
-    """Place in the order of the core's `calibration.hpp`."""
 
 
 def calibrations_of(robot: Robot, recorded: Collection[str]) -> tuple[Calibration, ...]:

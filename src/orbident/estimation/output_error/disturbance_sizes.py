@@ -4,27 +4,15 @@ Its numbers are among the common unknowns that a solution selects.
 """
 
 from collections.abc import Collection, Iterator, Mapping
-from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float, Int
 
 from orbident.estimation.output_error.forms import Disturbance
-from orbident.estimation.output_error.problem import OUTSIDE, Problem, Unknowns
-from orbident.estimation.output_error.solver import Solution
+from orbident.estimation.output_error.problem import Problem
 from orbident.estimation.output_error.walks import WALKS
-
-
-class DisturbanceFit(NamedTuple):
-    """One number of what acted from outside, identified with the parameters; SI."""
-
-    group: str
-    unit: str
-    value: float
-    std: float
-    shift: float
-    """How far off the base parameter that it concerns most would be, in its deviations,
-    had the group been left out."""
+from orbident.estimation.solution import OUTSIDE, Solution, Unknowns
+from orbident.estimation.unknowns import DisturbanceFit
 
 
 def identified(

@@ -21,11 +21,12 @@ from orbident.estimation.output_error.disturbance_sizes import (
 )
 from orbident.estimation.output_error.forms import IN_WORDS, NEEDS, SLOW, STEADY
 from orbident.estimation.output_error.noise_scaling import Fitted
-from orbident.estimation.output_error.problem import Problem, Unknowns
-from orbident.estimation.output_error.sensitivity import TakenForZero, fall
-from orbident.estimation.output_error.solver import Prior, Solution
+from orbident.estimation.output_error.problem import Problem
+from orbident.estimation.output_error.sensitivity import TakenForZero
 from orbident.estimation.output_error.torques_or_losses import instead
 from orbident.estimation.output_error.walks import WALKS
+from orbident.estimation.solution import Prior, Solution, Unknowns
+from orbident.estimation.unknowns import fall
 
 CHANCE = 1e-4
 """Probability that a disturbance is seen in noise alone."""

@@ -9,8 +9,11 @@ from orbident.estimation.estimate import Estimate, Progress, estimate_of_beta
 from orbident.estimation.maximum_likelihood import maximum_likelihood
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.nonlinear_fit import beta_of_fits
-from orbident.estimation.output_error.shared import Shared
 from orbident.estimation.output_error.solver import STEPS
+from orbident.estimation.shared import Shared
+
+FEW_STEPS = 12
+"""Steps of a search that tries an amendment: where it is right, fewer are needed."""
 
 
 @dataclass(frozen=True)

@@ -6,17 +6,15 @@ after interval and eliminates what belongs to one of them alone, from both ends 
 recording to a boundary in its middle, the meeting one.
 """
 
-from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Bool, Float
-from scipy.linalg import solve_triangular
 from scipy.spatial.transform import Rotation, Slerp
 
 from orbident import _core
 from orbident.estimation.output_error.acting import Acting
-from orbident.estimation.output_error.calibration import Calibration, calibrations_of
+from orbident.estimation.output_error.calibration import calibrations_of
 from orbident.estimation.output_error.followed import Followed
 from orbident.estimation.output_error.lasting import (
     Lasting,
@@ -31,6 +29,8 @@ from orbident.estimation.output_error.shooting import (
     looseness,
     substeps_of,
 )
+from orbident.estimation.solution import BySensor, Linear, Outside, Unknowns
+from orbident.estimation.unknowns import Calibration
 from orbident.model.core_robot import core_tree
 from orbident.model.minimal_sets import MinimalSets
 from orbident.model.wheel_arrays import wheels_of
@@ -44,24 +44,7 @@ SENSORS = ("gyro", "accelerometer", "attitude", "joints", "position", "velocity"
 NO_ROWS = np.zeros((0, 3))
 """The samples of a sensor that was not recorded."""
 
-NOTHING_SELECTED = np.zeros(0)
-"""Every instrument is perfect."""
 
-BySensor = Mapping[str, Float[np.ndarray, "rows axes"]]
-
-
-class Outside(NamedTuple):
-    """The first common unknowns; the core's `outside.hpp` has the same order."""
-
-    h_cm: Float[np.ndarray, "3"]
-    """Angular momentum at time zero, inertial axes, N m s."""
-    v_cm: Float[np.ndarray, "3"]
-    """Velocity of the system CM at time zero, inertial axes, m/s."""
-    r_cm: Float[np.ndarray, "3"]
-    """Position of the system CM at time zero, inertial axes, m."""
-
-
-OUTSIDE = 3 * len(Outside._fields)
 NOTHING = Outside(*np.zeros((len(Outside._fields), 3)))
 
 
@@ -89,119 +72,6 @@ class Problem(NamedTuple):
     def declared(self) -> tuple[Calibration, ...]:
         """The calibration errors that have a tolerance: the unknown ones."""
         return tuple(each for each in self.calibrations if each.std)
-
-
-class Unknowns(NamedTuple):
-    """Where the equations are linearised."""
-
-    x_WB: Float[np.ndarray, "boundaries 4"]
-    """The attitude where intervals meet."""
-    local: Float[np.ndarray, "boundaries local"]
-    """Turn (always zero), biases, lasting noise, corrections of joints and rates."""
-    common: Float[np.ndarray, " common"]
-    """`h_cm`, `v_cm`, `r_cm`, `beta` and what is selected."""
-    selected: Float[np.ndarray, " selected"] = NOTHING_SELECTED
-    """Places of the calibrations, then of the disturbances, that are unknowns; all
-    others are zero."""
-
-    @property
-    def beta(self) -> Float[np.ndarray, " beta"]:
-        """`[M, sigma, iota]`."""
-        return self.common[OUTSIDE : self.common.size - self.selected.size]
-
-    @property
-    def calibration(self) -> Float[np.ndarray, " selected"]:
-        """Errors of instruments, SI or relative, and sizes of disturbances."""
-        return self.common[self.common.size - self.selected.size :]
-
-    def selecting(self, places: Float[np.ndarray, " selected"]) -> "Unknowns":
-        """The state with these as unknowns too, at zero."""
-        return self._replace(
-            common=np.append(self.common, np.zeros(places.size)),
-            selected=np.append(self.selected, places),
-        )
-
-    def moved(
-        self, z: Float[np.ndarray, "boundaries local"], g: Float[np.ndarray, " common"]
-    ) -> "Unknowns":
-        """The state after a step."""
-        turn, v, s = z[:, :3], self.x_WB[:, :3], self.x_WB[:, 3:]
-        vector = v + (s * turn + np.cross(v, turn)) / 2
-        x = np.hstack([vector, s - np.sum(v * turn, axis=1, keepdims=True) / 2])
-        local = self.local + z
-        local[:, :3] = 0.0
-        unit = x / np.linalg.norm(x, axis=1, keepdims=True)
-        return self._replace(x_WB=unit, local=local, common=self.common + g)
-
-
-class Linear(NamedTuple):
-    """All equations at a state, linear in changes of it, with `z` eliminated."""
-
-    factor: Float[np.ndarray, "n n"]
-    """Triangular, over `[z, g, rhs]` with the `z` of the meeting boundary."""
-    links: Float[np.ndarray, "intervals local columns"]
-    """Rows of each interval over `[z, z on the meeting boundary's side, g, rhs]`."""
-    cost: float
-    """Sum of the squared whitened residuals and defects."""
-    residuals: dict[str, Float[np.ndarray, "rows axes"]]
-    """Over the white noise; zero where there was no sample."""
-
-    def without_rows(self) -> "Linear":
-        """The same without what is large: links and residuals."""
-        return self._replace(links=self.links[:0].copy(), residuals={})
-
-    @property
-    def given_up(self) -> bool:
-        """Whether that is so."""
-        return not len(self.links)
-
-    @property
-    def local(self) -> int:
-        """How many unknowns a boundary has."""
-        return self.links.shape[1]
-
-    @property
-    def common(self) -> Float[np.ndarray, "n n"]:
-        """The part of the factor over `[g, rhs]`."""
-        return self.factor[self.local :, self.local :]
-
-    def step(self, g: Float[np.ndarray, " g"]) -> Float[np.ndarray, "boundaries local"]:
-        """`z` of every boundary, for any `g`."""
-        n = self.local
-        top = self.factor[:n]
-        z = solve_triangular(top[:, :n], top[:, -1] - top[:, n:-1] @ g)
-        return _core.boundaries(self.links, z, g)
-
-    def at_the_end(self) -> "End":
-        """The last boundary's `z`, from that of `[z, g]` at the meeting.
-
-        Each link gives `R z = e - F z_before - G g`, with `e` of unit covariance.
-        """
-        n = self.local
-        by, own = np.eye(n, len(self.factor) - 1), np.zeros((n, n))
-        # One after another: a table of all would be as large as the links.
-        for link in self.links[len(self.links) // 2 :]:
-            solved = np.linalg.solve(
-                link[:, :n], np.hstack([np.eye(n), -link[:, n:-1]])
-            )
-            root, on = solved[:, :n], solved[:, n : 2 * n]
-            by = on @ by
-            by[:, n:] += solved[:, 2 * n :]
-            own = on @ own @ on.T + root @ root.T
-        return End(by, own)
-
-
-class End(NamedTuple):
-    """The last boundary's `z`, as `by [z, g] + N(0, own)` of the meeting one."""
-
-    by: Float[np.ndarray, "local unknowns"]
-    own: Float[np.ndarray, "local local"]
-
-    def covariance(
-        self, C: Float[np.ndarray, "unknowns unknowns"]
-    ) -> Float[np.ndarray, "local local"]:
-        """From that of `[z, g]` at the meeting."""
-        return self.by @ C @ self.by.T + self.own
 
 
 def linear(problem: Problem, weights: BySensor, state: Unknowns) -> Linear:

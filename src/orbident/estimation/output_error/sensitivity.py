@@ -16,20 +16,19 @@ left to be explained too is not in these equations; so what `|w|^2` falls by doe
 count.
 """
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float
 from scipy.linalg import solve_triangular
 
-from orbident.estimation.output_error.calibration import Calibration
 from orbident.estimation.output_error.disturbance_sizes import places_of
-from orbident.estimation.output_error.problem import OUTSIDE, Problem, common_factor
-from orbident.estimation.output_error.solver import Solution
+from orbident.estimation.output_error.problem import Problem, common_factor
 from orbident.estimation.output_error.walks import WALKS
+from orbident.estimation.solution import OUTSIDE, Solution
+from orbident.estimation.unknowns import Calibration, Freed, Sensitivity
 
 SMALL_ERROR = {
     "rad": ("mrad", 1e-3),
@@ -38,65 +37,6 @@ SMALL_ERROR = {
     "s": ("ms", 1e-3),
 }
 """What a table counts errors in, by their SI unit."""
-
-UNSEEN = "unseen"
-"""In place of a unit: as large as may act from outside and not be seen."""
-
-
-class CalibrationFit(NamedTuple):
-    """A calibration error; SI or relative."""
-
-    value: float
-    std: float
-    tolerance: float
-    """The standard deviation beforehand, as the robot file declares it."""
-
-
-class Freed(NamedTuple):
-    """A calibration error as it would be if it alone were an unknown."""
-
-    name: str
-    value: float
-    """SI or relative."""
-    std: float
-    chi2_drop: float
-    """How much chi-square would fall; chi-square of one degree without an error."""
-
-
-class Sensitivity(NamedTuple):
-    """What undeclared calibration errors would do to the base parameters."""
-
-    names: tuple[str, ...]
-    units: tuple[str, ...]
-    """Units of the errors: mrad, mm, % or ms; or `UNSEEN`."""
-    shift: Float[np.ndarray, "beta errors"]
-    """Change of the estimated `[M, sigma, iota]` by an error of one unit, SI; the
-    largest one, without its sign, by what acts unseen."""
-    covariance: Float[np.ndarray, "beta beta"]
-    """Covariance of the estimated `[M, sigma, iota]`."""
-    freed: tuple[Freed, ...]
-    left: Float[np.ndarray, "rows columns"]
-    """`[R_c, z]`: the equations of the errors after those of all other unknowns."""
-
-    def falls(self, which: Sequence[int]) -> float:
-        """How much chi-square would fall if all of these were unknowns."""
-        return fall(self.left, np.array(which))
-
-    def in_deviations(
-        self, derivative: Float[np.ndarray, "parameters beta"]
-    ) -> Float[np.ndarray, "parameters errors"]:
-        """The shifts of parameters with this derivative, over their own deviations."""
-        C = derivative @ self.covariance @ derivative.T
-        return derivative @ self.shift / np.sqrt(np.diag(C))[:, None]
-
-
-def fall(
-    left: Float[np.ndarray, "rows columns"], which: Int[np.ndarray, " some"]
-) -> float:
-    """How far chi-square would fall if these columns of `[R_c, z]` were unknowns."""
-    R, z = left[:, list(which)], left[:, -1]
-    after = z - R @ np.linalg.lstsq(R, z)[0]
-    return float(z @ z - after @ after)
 
 
 @dataclass(frozen=True)

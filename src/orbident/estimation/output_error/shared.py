@@ -7,51 +7,13 @@ needs: with them beside its own it is fitted as if both were fitted at once.
 """
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 
-from orbident.estimation.output_error.calibration import Calibration
-from orbident.estimation.output_error.problem import OUTSIDE, Problem, common_factor
-from orbident.estimation.output_error.solver import NO_EQUATIONS, Solution
-
-
-class Shared(NamedTuple):
-    """Whitened equations of `beta` and of errors of instruments, to first order."""
-
-    beta: Float[np.ndarray, " beta"]
-    """Near where they were linearised."""
-    errors: tuple[Calibration, ...]
-    """Those that have a tolerance, which is not among the equations."""
-    equations: Float[np.ndarray, "rows columns"]
-    """`[R, z]` over `[beta | errors]`."""
-
-    def over(self, errors: Sequence[Calibration]) -> Float[np.ndarray, "rows columns"]:
-        """The equations over `beta` and these errors; all others are eliminated."""
-        wanted = {each.name for each in errors}
-        more = [each for each in self.errors if each.name not in wanted]
-        n, m = self.beta.size, len(more)
-        of_error = {
-            each.name: column
-            for each, column in zip(self.errors, self.equations[:, n:-1].T, strict=True)
-        }
-        none = np.zeros(len(self.equations))
-        rows = np.column_stack(
-            [
-                *(of_error[each.name] for each in more),
-                self.equations[:, :n],
-                *(of_error.get(each.name, none) for each in errors),
-                self.equations[:, -1],
-            ]
-        )
-        known = np.zeros((m, rows.shape[1]))
-        np.fill_diagonal(known, [1 / each.std for each in more])
-        return _triangular(np.vstack([known, rows]))[m : rows.shape[1] - 1, m:]
-
-
-def _triangular(rows: Float[np.ndarray, "rows n"]) -> Float[np.ndarray, "_ n"]:
-    return np.asarray(np.linalg.qr(rows, mode="r"))
+from orbident.estimation.output_error.problem import Problem, common_factor
+from orbident.estimation.shared import Shared, _triangular
+from orbident.estimation.solution import NO_EQUATIONS, OUTSIDE, Solution
 
 
 def shared_of(

@@ -4,22 +4,21 @@ The damping follows the ratio of the fall in cost to that expected (Nielsen 1999
 """
 
 from collections.abc import Callable
-from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 from scipy.linalg import solve_triangular
 
 from orbident.estimation.convergence import SMALL, Convergence, Step
-from orbident.estimation.output_error.problem import (
-    BySensor,
-    End,
-    Linear,
-    Problem,
-    Unknowns,
-    linear,
-)
+from orbident.estimation.output_error.problem import Problem, linear
 from orbident.estimation.overflow import check_finite
+from orbident.estimation.solution import (
+    BySensor,
+    Linear,
+    Prior,
+    Solution,
+    Unknowns,
+)
 from orbident.estimation.triangular import fold
 from orbident.recordings.long_recording import LARGE
 
@@ -30,74 +29,6 @@ LEAST_DAMPING = 1e-6
 MOST_DAMPING = 1e9
 RAISED = 2.0
 """Times, where a step did not help; twice as much at the next."""
-
-
-NO_EQUATIONS = np.zeros((0, 1))
-"""What is known without another recording of the robot."""
-
-
-class Prior(NamedTuple):
-    """What is known of the common unknowns beforehand."""
-
-    values: Float[np.ndarray, " common"]
-    std: Float[np.ndarray, " common"]
-    others: Float[np.ndarray, "rows columns"] = NO_EQUATIONS
-    """Whitened equations over the first unknowns, `[A, b]`: of other recordings."""
-
-    def extended(self, std: Float[np.ndarray, " more"]) -> "Prior":
-        """The prior with more unknowns, which are zero with these deviations."""
-        return self._replace(
-            values=np.append(self.values, np.zeros(std.size)),
-            std=np.append(self.std, std),
-        )
-
-    def added(
-        self, factor: Float[np.ndarray, "n n"], state: Unknowns
-    ) -> Float[np.ndarray, "n n"]:
-        """Add the prior to a triangular factor over changes of `[g, rhs]`."""
-        rhs = (self.values - state.common) / self.std
-        factor = fold(factor, np.column_stack([np.diag(1 / self.std), rhs]))
-        if not len(self.others):
-            return factor
-        first = self.others.shape[1] - 1
-        rows = np.zeros((len(self.others), len(factor)))
-        rows[:, :first], rows[:, -1] = self.others[:, :-1], self._unexplained(state)
-        return fold(factor, rows)
-
-    def cost(self, state: Unknowns) -> float:
-        """Squared, whitened."""
-        own = (state.common - self.values) / self.std
-        return float(np.sum(own**2) + np.sum(self._unexplained(state) ** 2))
-
-    def _unexplained(self, state: Unknowns) -> Float[np.ndarray, " rows"]:
-        A, b = self.others[:, :-1], self.others[:, -1]
-        return b - A @ state.common[: A.shape[1]]
-
-
-class Solution(NamedTuple):
-    """Where the cost is least."""
-
-    state: Unknowns
-    linear: Linear
-    """The equations at a state within a hundredth of a deviation of `state`; without
-    links, which would take much memory."""
-    end: End
-    prior: Prior
-    weights: BySensor
-    converged: bool
-    cost: float
-    """The sum of the squares of all whitened residuals and priors."""
-    convergence: Convergence = ()
-    """How the search got there."""
-
-    @property
-    def covariance(self) -> Float[np.ndarray, "n n"]:
-        """The covariance of `[z, g]`, `z` of the meeting boundary, to first order."""
-        n = self.linear.local
-        factor = self.linear.factor.copy()
-        factor[n:, n:] = self.prior.added(self.linear.common, self.state)
-        root = solve_triangular(factor[:-1, :-1], np.eye(len(factor) - 1))
-        return np.asarray(root @ root.T)
 
 
 def solved(

@@ -27,13 +27,9 @@ from scipy.special import chdtri
 
 from orbident.estimation.output_error.disturbance_sizes import places_of
 from orbident.estimation.output_error.forms import IN_WORDS
-from orbident.estimation.output_error.problem import OUTSIDE
-from orbident.estimation.output_error.sensitivity import (
-    UNSEEN,
-    Sensitivity,
-    TakenForZero,
-    fall,
-)
+from orbident.estimation.output_error.sensitivity import TakenForZero
+from orbident.estimation.solution import OUTSIDE
+from orbident.estimation.unknowns import UNSEEN, Sensitivity, fall
 
 SUSPICIOUS = 1e-2
 """Probability that noise alone looks as much like any of the groups."""

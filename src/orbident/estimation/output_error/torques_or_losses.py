@@ -17,7 +17,7 @@ from orbident.estimation.output_error.disturbance_sizes import places_of
 from orbident.estimation.output_error.forms import IN_WORDS, STEADY
 from orbident.estimation.output_error.noise_scaling import Fitted
 from orbident.estimation.output_error.problem import Problem
-from orbident.estimation.output_error.solver import Solution
+from orbident.estimation.solution import Solution
 
 LOSS = "wheel_loss"
 

@@ -18,8 +18,8 @@ from scipy.optimize import minimize
 
 from orbident.estimation.output_error.disturbance_sizes import members, places_of
 from orbident.estimation.output_error.problem import Problem
-from orbident.estimation.output_error.solver import Solution
 from orbident.estimation.output_error.walks import WALKS
+from orbident.estimation.solution import Solution
 
 RANGE = 1e6
 """How far a density may be from the last guess, as a factor."""

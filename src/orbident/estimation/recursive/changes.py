@@ -15,13 +15,13 @@ threshold in a whole run is at most the sum over all.
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 from scipy.special import chdtrc, chdtri
 
 from orbident import _core
+from orbident.estimation.recursion import Change
 
 COLOUR = 2.0
 """Smoothed joint rates keep an encoder's error for half a second: sums of innovations
@@ -30,19 +30,6 @@ vary by up to so much more than white ones."""
 
 FEW = 3
 """Changes that are named one by one: a recording hardly has more."""
-
-
-class Change(NamedTuple):
-    """A change that was found."""
-
-    t: float
-    """When it was found, s."""
-    onset: float
-    """The first sample that shows it, most likely, s."""
-    statistic: float
-    """`g`, over its threshold."""
-    confidence: float
-    """One less the probability that a run without any change shows this much."""
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,8 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.errors import InputError
+from orbident.estimation.kept_pieces import Piece
 from orbident.estimation.momentum_problem import MomentumProblem
-from orbident.estimation.recursive.kept_pieces import Piece
 from orbident.estimation.recursive.noise import Noise, noise_of
 from orbident.estimation.stretches import scatter, smoothed_rate
 from orbident.preprocessing.histories import DERIVED

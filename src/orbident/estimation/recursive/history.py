@@ -4,9 +4,10 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Float
 
-from orbident.estimation.recursive.changes import Change, Detector
+from orbident.estimation.recursion import Change, History
+from orbident.estimation.recursive.changes import Detector
 from orbident.estimation.recursive.filter import Extended
 from orbident.estimation.recursive.given import Given, given_of
 from orbident.estimation.recursive.prior import (
@@ -24,35 +25,6 @@ PART = 1024
 
 LEARNT = 0.5
 """Below this part of what it was beforehand, an uncertainty comes from the samples."""
-
-
-class History(NamedTuple):
-    """One row a sample that counted."""
-
-    t: Float[np.ndarray, " n"]
-    beta: Float[np.ndarray, "n beta"]
-    std: Float[np.ndarray, "n beta"]
-    pi: Float[np.ndarray, "n pi"]
-    phi: Float[np.ndarray, "n phi"]
-    M: Float[np.ndarray, " n"]
-    nis: Float[np.ndarray, " n"]
-    """Normalised innovation squared: chi-square with `dof` degrees of freedom."""
-    dof: Float[np.ndarray, " n"]
-    statistic: Float[np.ndarray, " n"]
-    """The detector's statistic over its threshold."""
-    changes: tuple[Change, ...]
-    covariance: Float[np.ndarray, "beta beta"]
-    """The covariance of the last `beta`."""
-    determined: Bool[np.ndarray, " beta"]
-    """Whether the samples, and not the prior, tell the last `beta`: without a wheel
-    nothing tells the scale."""
-    scale: bool
-    """Whether the wheels' momentum told the scale of `pi`. Where it did not, `beta`,
-    `pi` and `M` are NaN, and no change can be told."""
-    declared: bool
-    """Whether the noise of all sensors is, that the innovations are whitened with."""
-    biases: dict[str, dict[str, float]]
-    """Biases of the sensors at the end: `value` and `std`."""
 
 
 class FilterHistory(NamedTuple):

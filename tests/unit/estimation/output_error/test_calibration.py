@@ -20,9 +20,10 @@ from small_problems import (
 
 from orbident.estimation.maximum_likelihood import estimate_of
 from orbident.estimation.output_error.calibration import calibrations_of
-from orbident.estimation.output_error.problem import OUTSIDE, linear
-from orbident.estimation.output_error.solver import Solution, solved
+from orbident.estimation.output_error.problem import linear
+from orbident.estimation.output_error.solver import solved
 from orbident.estimation.prior_std import prior_std
+from orbident.estimation.solution import OUTSIDE, Solution
 from orbident.model.minimal_sets import minimal_sets
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot

@@ -7,7 +7,8 @@ import pytest
 from random_robots import random_robot, random_wheels
 from segments import Segment, segment_of
 
-from orbident.estimation.output_error.problem import SENSORS, Linear
+from orbident.estimation.output_error.problem import SENSORS
+from orbident.estimation.solution import Linear
 
 pytestmark = pytest.mark.core
 

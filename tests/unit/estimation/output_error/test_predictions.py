@@ -15,7 +15,8 @@ from random_robots import (
 )
 from segments import Segment, segment_of
 
-from orbident.estimation.output_error.problem import SENSORS, Unknowns
+from orbident.estimation.output_error.problem import SENSORS
+from orbident.estimation.solution import Unknowns
 from orbident.robot.description import Robot
 
 ROBOTS = {

@@ -16,12 +16,13 @@ from small_problems import (
 from orbident.estimation.output_error.problem import linear
 from orbident.estimation.output_error.sensitivity import (
     SMALL_ERROR,
-    Freed,
     TakenForZero,
     _freed,
     sensitivity,
 )
-from orbident.estimation.output_error.solver import Solution, solved
+from orbident.estimation.output_error.solver import solved
+from orbident.estimation.solution import Solution
+from orbident.estimation.unknowns import Freed
 from orbident.model.derivatives import derivatives_of_beta
 from orbident.model.minimal_sets import minimal_sets
 from orbident.recordings.recording import Recording

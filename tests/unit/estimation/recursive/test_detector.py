@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from scipy.stats import chi2
 
-from orbident.estimation.recursive.changes import COLOUR, Change, Detector
+from orbident.estimation.recursion import Change
+from orbident.estimation.recursive.changes import COLOUR, Detector
 
 
 def watched(detector: Detector, white: np.ndarray) -> Change | None:

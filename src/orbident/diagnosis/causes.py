@@ -1,0 +1,239 @@
+"""Why a recording is refused: causes are tried, and what explains it is named."""
+
+from collections.abc import Callable, Iterable, Iterator
+from functools import partial
+
+import numpy as np
+
+from orbident.diagnosis.events import event
+from orbident.diagnosis.fast_clocks import fast_clocks
+from orbident.diagnosis.frames import beside, missing_wheel
+from orbident.diagnosis.instruments import freed, kinds
+from orbident.diagnosis.jumps import jumps, steps
+from orbident.diagnosis.late_clocks import already_corrected, clocks
+from orbident.diagnosis.linear_test import (
+    FALLS,
+    CorrectedConvention,
+    tried_conventions,
+)
+from orbident.diagnosis.noisier_sensors import noisier_sensors, wandering
+from orbident.diagnosis.outlying import spikes
+from orbident.diagnosis.shifts import drifts, soft_joints
+from orbident.diagnosis.stale import stale
+from orbident.diagnosis.suspects import score
+from orbident.diagnosis.suspects import tried as put_right
+from orbident.diagnosis.trial import Trial, amended_trial
+from orbident.estimation.check import Check
+from orbident.estimation.estimate import Estimate, Solved
+from orbident.estimation.evidence import WORTH, misfit
+from orbident.estimation.momentum_problem import MomentumProblem
+from orbident.estimation.residual_checks import NOISY
+from orbident.threads import one_blas_thread
+
+EXPLAINS = 100.0
+"""Fall in chi-square from which on a cause is worth a word though others are left."""
+
+HARDLY = 0.9
+"""Times: a convention that leaves larger residuals than as recorded is none."""
+
+MOST = 0.5
+"""Part of what a trial explains that clocks did which had been corrected before it."""
+
+LIKELIEST = 3
+"""So many are tried, of all that have a score."""
+
+
+@one_blas_thread
+def causes(solved: Solved) -> tuple[Check, ...]:
+    """What is most likely wrong with a refused recording; it takes some seconds."""
+    return tuple(_causes(solved))
+
+
+def _causes(solved: Solved) -> Iterator[Check]:
+    problem, shown = solved.problem, solved.shown
+    for words in stale(problem.robot, problem.recording):
+        yield _found(words, "record each sample once, when it is taken")
+        return
+    if any(one.name == "scale" for one in solved.hindered):
+        # That is the cause: without a scale whatever is freed may seem to explain it.
+        return
+    # A jump spoils the linear equations, where it may look like a wrong sign.
+    now = misfit(shown) if shown else np.inf
+    jumped = [_sure(one, now) for one in jumps(problem, shown)] if shown else []
+    if any(one.accepted for one in jumped):
+        yield _explained(min(jumped, key=_rank), now)
+        return
+    wrong, *_ = conventions = tried_conventions(problem)
+    # That parameters are of a likelier sign is not enough where it can be tried.
+    plain = wrong.residuals_alone > FALLS or not (shown and wrong.convention.columns)
+    if wrong.falls > FALLS and plain:
+        times = f"{wrong.falls:.2g}"
+        yield _found(
+            f"{wrong.convention.cause}: with that put right the residuals of Eqs. 24 "
+            f"and 31 are {times} times smaller",
+            "correct the recording or the robot file",
+            wrong.falls,
+        )
+    elif shown:
+        yield from _by_trials(solved, shown, conventions, jumped)
+    else:
+        # Without a fit nothing else can be scored.
+        found = [_explained(one, now) for one in missing_wheel(problem) if one.accepted]
+        happened = event(problem) if solved.hindered and not found else None
+        if happened is not None:
+            found = [_found(happened.reason, happened.remedy)]
+        yield from found
+
+
+def _by_trials(
+    solved: Solved,
+    shown: Estimate,
+    conventions: list[CorrectedConvention],
+    jumped: list[Trial],
+) -> Iterator[Check]:
+    """What output error finds, or what may have happened."""
+    now, corrected = misfit(shown), already_corrected(solved.problem)
+    before = corrected.before.misfit if corrected else now
+    if corrected and before < now and corrected.before.estimate:
+        # Clocks seemed late because of what is looked for.
+        shown, now = corrected.before.estimate, before
+        solved = solved._replace(problem=corrected.recorded, shown=shown)
+    trials = [*jumped, *_tried(solved, conventions, before)]
+    if corrected and now < before:
+        trials.append(Trial(corrected.cause, False, now))
+    best = _best(trials)
+    if best is not None and best.accepted:
+        if corrected and before - now > MOST * (before - best.misfit):
+            best = best._replace(cause=f"{corrected.cause}, and {best.cause}")
+        yield _explained(best, before)
+        return
+    falls = before - best.misfit if best else -np.inf
+    # Then no event is left to explain, though the residuals may not be white.
+    shrunk = best is not None and _as_noise(best.estimate) and not _as_noise(shown)
+    # As an event, too, makes clocks seem late, parts are on the clocks as recorded.
+    problem = corrected.recorded if corrected else solved.problem
+    happened = None if shrunk else event(problem)
+    if happened is not None:
+        yield _found(happened.reason, happened.remedy)
+    elif best is not None and falls > EXPLAINS:
+        yield _found(
+            f"perhaps {best.cause}: with that put right chi-square falls by "
+            f"{falls:.2g}, more than by any other cause that was tried, though the "
+            "recording is still refused",
+            "see whether more than one thing is wrong: with tolerances in the robot "
+            "file errors of several instruments are estimated at once",
+            falls,
+        )
+    else:
+        yield _found(
+            "no part of the recording fits, and no cause that was tried explains it "
+            "(perhaps something moves in the robot: a loose mass, sloshing, flexible "
+            "joints)",
+            "remove what acts",
+        )
+
+
+def _explained(best: Trial, before: float) -> Check:
+    """A trial that is accepted."""
+    falls = before - best.misfit
+    return _found(
+        f"{best.cause}: with that put right the recording is accepted "
+        f"(chi-square falls by {falls:.2g})",
+        "correct it, or declare its tolerance in the robot file"
+        if best.tolerable
+        else "correct it",
+        falls,
+    )
+
+
+def _tried(
+    solved: Solved, conventions: list[CorrectedConvention], before: float
+) -> list[Trial]:
+    """The plainest first: where some of these explain all, the rest need not be.
+
+    All others are tried in the order of what they would explain to first order.
+    """
+    problem, trials = solved.problem, list[Trial]()
+    for some in (
+        noisier_sensors,
+        spikes,
+        partial(_written, conventions),
+        lambda _: _likeliest(solved),
+        # Wrong inertias of known wheels may look like another one.
+        missing_wheel,
+        clocks,
+        wandering,
+    ):
+        trials += [_sure(one, before) for one in some(problem)]
+        if any(one.accepted for one in trials):
+            break
+    return trials
+
+
+def _sure(one: Trial, before: float) -> Trial:
+    """Accepted by no chance: it explains more, or samples show it by themselves."""
+    explains = one.seen or before - one.misfit > WORTH
+    return one._replace(accepted=one.accepted and explains)
+
+
+def _written(
+    conventions: list[CorrectedConvention], problem: MomentumProblem
+) -> Iterator[Trial]:
+    """The best of joints and wheels, which output error sees though Eq. 24 does not."""
+    first = [one.convention for one in conventions if one.falls > HARDLY]
+    for convention in [each for each in first if each.columns][:LIKELIEST]:
+        right = convention.recording(problem.recording)
+        yield amended_trial(convention.cause, problem, recording=right)
+
+
+def _likeliest(solved: Solved) -> Iterator[Trial]:
+    """Suspects and kinds of instruments' errors with the best scores, tried."""
+    problem, shown = solved.problem, solved.shown
+    if shown is None or shown.solution is None or shown.sensitivity is None:
+        return
+    price = np.log(problem.samples.t.size)
+    worth: list[tuple[float, Callable[[], Iterable[Trial]]]] = []
+    table = shown.sensitivity()
+    names = [each.name for each in table.freed]
+    for kind in kinds(problem.robot):
+        errors = kind.errors(names)
+        if errors:
+            gain = table.falls(errors) - price * len(errors)
+            worth.append((gain, partial(freed, problem, kind)))
+    for suspect in (
+        *beside(problem),
+        *steps(problem, shown),
+        *drifts(problem),
+        *soft_joints(problem),
+        *fast_clocks(problem),
+    ):
+        first = score(problem, shown.solution, suspect)
+        gain = first.falls - price * first.numbers.size
+        worth.append((gain, partial(put_right, problem, suspect, first, misfit(shown))))
+    worth.sort(key=lambda one: -one[0])
+    for gain, put in worth[:LIKELIEST]:
+        if gain > WORTH:
+            yield from put()
+
+
+def _as_noise(estimate: Estimate | None) -> bool:
+    """Whether the residuals are as small as noise."""
+    goodness = estimate and estimate.goodness
+    return bool(goodness and goodness.per_dof < NOISY**2)
+
+
+def _best(trials: list[Trial]) -> Trial | None:
+    """The best trial; of those that explain alike the one that was likelier."""
+    best = min(trials, key=_rank, default=None)
+    if best is None or not best.accepted:
+        return best
+    alike = best.misfit + WORTH
+    return next(one for one in trials if one.accepted and one.misfit < alike)
+
+
+def _rank(trial: Trial) -> tuple[bool, float]:
+    return not trial.accepted, trial.misfit
+
+
+def _found(reason: str, remedy: str, statistic: float = float("nan")) -> Check:
+    return Check("cause", "do not trust", reason, remedy, statistic)

@@ -1,0 +1,141 @@
+"""Signs, units, orders and axes: all that people write differently.
+
+What is put right is the samples that were derived from a recording, but for the
+attitude, which gyro and base rate are fused with.
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from itertools import permutations, product
+
+import numpy as np
+from jaxtyping import Float
+from scipy.spatial.transform import Rotation
+
+from orbident.diagnosis.convention import DEGREE, Convention, of_all, scaled
+from orbident.diagnosis.shown import of_vector
+from orbident.estimation.momentum_problem import MomentumProblem
+from orbident.preprocessing.delays import corrections
+from orbident.preprocessing.samples import Samples, samples_of
+from orbident.robot.description import Robot
+
+UNITS_OF_LENGTH = (("mm", 1e-3), ("cm", 1e-2))
+UNITS_OF_TIME = (("ms (milliseconds)", 1e-3), ("minutes", 60.0))
+
+CONJUGATE = np.array([-1.0, -1.0, -1.0, 1.0])
+
+Matrix = Float[np.ndarray, "3 3"]
+Change = Callable[[np.ndarray], np.ndarray]
+
+
+def conventions(problem: MomentumProblem) -> Iterator[Convention]:
+    """Everything that may have been written differently, one at a time."""
+    robot, recording = problem.robot, problem.recording
+    yield from of_all("joint", robot.joint_names)
+    yield from of_all("wheel", robot.wheel_names)
+    if recording.has("gyro.x"):
+        yield from _vector(robot, "gyro", "w")
+        yield scaled(("w",), DEGREE, "the gyro is in degrees per second")
+        yield Convention("the gyro is in inertial axes, not in the base's", _to_base)
+    point = "position" if recording.has("position.x") else "velocity"
+    if problem.samples.v_S:
+        yield from _vector(robot, point, "v_S")
+        for unit, size in UNITS_OF_LENGTH:
+            yield scaled(("v_S",), size, f"the {point} is in {unit}")
+    if recording.has("attitude.x"):
+        yield from _attitude(robot)
+    for unit, size in UNITS_OF_TIME:
+        cause = f"the time is in {unit}, not in s"
+        yield scaled(_rates(problem), 1 / size, cause)
+
+
+def _vector(robot: Robot, name: str, vector: str) -> Iterator[Convention]:
+    for words, R in _other_axes(robot):
+        what = words if words.startswith("the sign") else f"the axes ({words})"
+        # A rotation of the position is one of the inertial axes the other way round.
+        inertial = vector == "v_S" and np.linalg.det(R) > 0
+        of = f"{name}, or the inertial axes of the attitude," if inertial else name
+        one = what.startswith("the sign of") and not inertial
+        verb = "differs" if one else "differ"
+        yield Convention(f"{what} of the {of} {verb}", _turned(vector, R))
+
+
+def _attitude(robot: Robot) -> Iterator[Convention]:
+    def quaternion(words: str, change: Change) -> Convention:
+        return Convention(
+            f"the quaternion of the attitude is {words}", _quaternion(change)
+        )
+
+    yield quaternion("the inverse, from inertial to base axes", lambda x: CONJUGATE * x)
+    # In a plane such an attitude does not turn about z, and screening refuses it.
+    if robot.motion == "spatial":
+        yield quaternion("scalar first", lambda x: np.roll(x, -1, axis=1))
+        yield quaternion(
+            "scalar first, and the inverse",
+            lambda x: CONJUGATE * np.roll(x, -1, axis=1),
+        )
+    for words, R in _other_axes(robot):
+        if np.linalg.det(R) < 0:
+            continue
+        R_BS = Rotation.from_matrix(R)
+        yield Convention(
+            f"the attitude sensor is turned in the base: {words}",
+            _quaternion(lambda x, R_BS=R_BS: (Rotation.from_quat(x) * R_BS).as_quat()),
+        )
+
+
+def _other_axes(robot: Robot) -> Iterator[tuple[str, Matrix]]:
+    """All ways to call the axes: what was recorded as x is the first, signs and all."""
+    for order in permutations(range(3)):
+        for signs in product((1, -1), repeat=3):
+            R = np.zeros((3, 3))
+            R[range(3), order] = signs
+            if robot.motion == "planar" and R[2, 2] != 1:
+                continue
+            flipped = [k for k, sign in zip("xyz", signs, strict=True) if sign < 0]
+            if order != (0, 1, 2):
+                used = (
+                    "-" * (s < 0) + "xyz"[k] for s, k in zip(signs, order, strict=True)
+                )
+                yield f"the order: x, y, z are its {', '.join(used)}", R
+            elif len(flipped) == 3:
+                yield "the signs", R
+            elif flipped:
+                signs_of = "the sign of" if len(flipped) == 1 else "the signs of"
+                yield f"{signs_of} {' and '.join(flipped)}", R
+
+
+def _rates(problem: MomentumProblem) -> tuple[str, ...]:
+    """What was derived from positions and angles."""
+    gyro = problem.recording.has("gyro.x")
+    velocity = problem.recording.has("velocity.x")
+    return "qd", "qd_rw", *(() if gyro else ("w",)), *(() if velocity else ("v_S",))
+
+
+def _turned(vector: str, R: Matrix) -> Callable[[MomentumProblem], Samples]:
+    def amended(problem: MomentumProblem) -> Samples:
+        turned = R @ np.array(getattr(problem.samples, vector))
+        return replace(problem.samples, **{vector: tuple(turned)})
+
+    return amended
+
+
+def _quaternion(change: Change) -> Callable[[MomentumProblem], Samples]:
+    def amended(problem: MomentumProblem) -> Samples:
+        recording = problem.recording
+        x = recording.vector("attitude", "xyzw")
+        seen = np.isfinite(x).all(axis=1)
+        x[seen] = change(x[seen])
+        written = recording.with_columns(of_vector("attitude", x))
+        return samples_of(problem.robot, written, corrections(problem.clocks))
+
+    return amended
+
+
+def _to_base(problem: MomentumProblem) -> Samples:
+    x = problem.recording.vector("attitude", "xyzw")
+    w = np.column_stack(problem.samples.w)
+    seen = np.isfinite(x).all(axis=1) & np.isfinite(w).all(axis=1)
+    turned = np.full_like(w, np.nan)
+    turned[seen] = Rotation.from_quat(x[seen]).inv().apply(w[seen])
+    return replace(problem.samples, w=tuple(np.ascontiguousarray(turned.T)))

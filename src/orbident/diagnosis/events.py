@@ -1,0 +1,134 @@
+"""Whether a recording is good until something happens, and what that may have been."""
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+from scipy.special import chdtri
+
+from orbident.diagnosis.shown import without
+from orbident.diagnosis.trial import Trial, amended_trial
+from orbident.estimation.linear_fits import InitialMomentum
+from orbident.estimation.momentum_problem import MomentumProblem
+
+HALVINGS = 4
+"""How often the stretch of time in which the event may lie is halved."""
+
+FEWEST = 20
+"""Samples of a part that may be identified for itself."""
+
+CHANCE = 5.7e-7
+"""Probability that parameters of one body differ so much: that of five deviations."""
+
+MASKED = ("position", "attitude")
+"""Sensors that may jump or drift for themselves."""
+
+BY_PART = "identify the part that fits, or remove what acts"
+
+
+class Event(NamedTuple):
+    """What happened in the course of a recording, in words."""
+
+    reason: str
+    remedy: str = BY_PART
+
+
+def event(problem: MomentumProblem) -> Event | None:
+    """What happened; None where no part of the recording fits.
+
+    Only what is said to fit was tried: what stands in brackets after "perhaps" are
+    usual reasons, which nothing here tests.
+    """
+    t = problem.recording.t
+    good, bad, before = _until(problem)
+    if before is None:
+        return None
+    at = f"between t = {t[good - 1]:.3g} and {t[bad - 1]:.3g} s"
+    after = _part(problem, slice(bad, None), "unknown")
+    same = after.fits and not _differ(before, after)
+    unclear = not after.fits and problem.initial_momentum == "at-rest"
+    # A push through the CM shows in positions alone, which then drift evenly.
+    pushed = ", or the robot was pushed (perhaps by a thruster's burst)"
+    pushed = f"{pushed}," if same else f"{pushed} or changed," if unclear else ""
+    for sensor in MASKED:
+        later = np.arange(problem.recording.t.size) >= good
+        rest = without(problem.recording, sensor, later)
+        if amended_trial("", problem, recording=rest).accepted:
+            return Event(
+                f"the {sensor} drifts, or has a jump (a step){pushed} {at}: without "
+                "its samples from then on the recording is accepted"
+            )
+    if unclear:
+        return Event(
+            f"the recording fits up to an event {at} (perhaps a push, such as a "
+            "thruster's burst, or the robot changed by a capture)"
+        )
+    if not after.fits:
+        return Event(
+            f"the recording stops to fit {at}, and what follows does not fit either "
+            "(perhaps an external torque acts, by drag or friction, or a wheel's speed "
+            "is not as recorded)"
+        )
+    if not same:
+        return Event(
+            f"the robot changed {at} (a capture or a release): before and after the "
+            "recording fits, with different parameters",
+            "identify the rows before and those after each by themselves, and compare "
+            "the two results: that says what was captured",
+        )
+    return Event(
+        f"an event {at}: before and after the recording fits, with the same parameters "
+        "(perhaps a push, such as a thruster's burst)",
+        "give the rows before and those after as two recordings of one robot: each has "
+        "a momentum of its own",
+    )
+
+
+def _until(problem: MomentumProblem) -> tuple[int, int, Trial | None]:
+    """Rows of the longest beginning that fits, and of the shortest that does not.
+
+    What acts must act from the first beginning on: an event that is not long ago may
+    pass for a disturbance.
+    """
+    rows = problem.recording.t.size
+    good, bad, found = 0, rows, None
+    for _ in range(HALVINGS):
+        middle = (good + bad) // 2
+        tried = _part(problem, slice(middle), problem.initial_momentum)
+        if tried.fits and (found is None or _acting(tried) <= _acting(found)):
+            good, found = middle, tried
+        else:
+            bad = middle
+    return good, bad, found
+
+
+def _acting(tried: Trial) -> set[str]:
+    """The groups of what acts from outside."""
+    assert tried.estimate is not None
+    return {fit.group for fit in tried.estimate.disturbances.values()}
+
+
+def _part(
+    problem: MomentumProblem, rows: slice, initial_momentum: InitialMomentum
+) -> Trial:
+    recording = problem.recording
+    if recording.t[rows].size < FEWEST:
+        return Trial("", False, np.inf)
+    columns = {name: column[rows] for name, column in recording.columns.items()}
+    part = replace(recording, t=recording.t[rows], columns=columns)
+    known = replace(problem, initial_momentum=initial_momentum)
+    return amended_trial("", known, recording=part)
+
+
+def _differ(one: Trial, other: Trial) -> bool:
+    """Whether base parameters of two parts are those of different robots."""
+    assert one.estimate is not None
+    assert other.estimate is not None
+    a, b = one.estimate.found.base, other.estimate.found.base
+    both = np.flatnonzero(a.determined & b.determined)
+    off = (a.values - b.values)[both]
+    C = (a.covariance + b.covariance)[np.ix_(both, both)]
+    # With their correlations: all may share a doubt about the scale.
+    std = np.sqrt(np.diag(C))
+    z, C = off / std, C / np.outer(std, std)
+    return bool(z @ np.linalg.solve(C, z) > chdtri(both.size, CHANCE))

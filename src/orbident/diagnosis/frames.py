@@ -1,0 +1,203 @@
+"""Suspects beside the robot file: inertial axes, unknown wheels, outer torques."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+
+import numpy as np
+from jaxtyping import Float
+from scipy.spatial.transform import Rotation
+
+from orbident.diagnosis.linear_test import FALLS, ROWS
+from orbident.diagnosis.shown import of_vector
+from orbident.diagnosis.suspects import Numbers, Score, Suspect, tried
+from orbident.diagnosis.trial import Trial
+from orbident.estimation.linear_fits import rows_of
+from orbident.estimation.momentum_problem import MomentumProblem
+from orbident.model.minimal_sets import conserved_axes
+from orbident.model.wheel_arrays import wheels_of
+from orbident.robot.description import Wheel
+
+SMALL = 1e-4
+"""rad, N m s, or of the wheels' momentum."""
+
+TINY = 1e-9
+"""N m s: of a robot without wheels."""
+
+Momentum = Float[np.ndarray, "n 3"]
+"""Base axes, N m s."""
+
+POWERS = (2, 3, 4)
+"""Powers of time: the momentum changes so under a torque that changes."""
+
+EXTRA = "unknown"
+"""Begins the names of wheels that stand for momentum which the robot file lacks."""
+
+
+def beside(problem: MomentumProblem) -> Iterator[Suspect]:
+    """What is neither an instrument's error nor one of geometry."""
+    axes = np.eye(3)[list(conserved_axes(problem.robot)[0])]
+    if problem.recording.has("position.x", "attitude.x"):
+        yield _inertial_axes(axes)
+    yield from _spin_down(problem)
+    if problem.robot.motion != "planar":
+        yield from _wheel_axes(problem)
+    yield _torque(problem, axes)
+
+
+def missing_wheel(problem: MomentumProblem) -> Iterator[Trial]:
+    """A constant momentum in base axes, if Eq. 24 has a place for one.
+
+    Along that of wheels whose speeds are constant it would be another scale.
+    """
+    if problem.robot.motion == "planar" or not problem.robot.wheels:
+        return
+    across = across_of(np.nanmean(_momenta(problem).sum(axis=0), axis=0))
+    missing = _missing_momentum(problem, across)
+    if missing is None:
+        return
+
+    def words(c: Numbers) -> str:
+        return (
+            "a wheel is missing in the robot file: a constant momentum of "
+            f"{np.linalg.norm(c):.3g} N m s or more in base axes is not declared"
+        )
+
+    steady = np.ones((problem.samples.t.size, 1))
+    small = np.full(len(across), SMALL)
+    suspect = _with_momentum(words, small, lambda c: steady * (c @ across))
+    yield from tried(problem, suspect, Score(missing, np.ones(2), 0.0), np.inf)
+
+
+def _missing_momentum(
+    problem: MomentumProblem, axes: Float[np.ndarray, "n 3"]
+) -> Float[np.ndarray, " n"] | None:
+    """`h` of `Y pi - R_0^T h_cm + h = -A_rw qd_rw`; None where it explains little."""
+    regressors, wheels = problem.sets.regressors, wheels_of(problem.robot)
+    batch = problem.samples.batch(0, ROWS)
+    rows, _ = rows_of(regressors, wheels, None, batch, None)
+    rows = rows.reshape(len(batch.turning), 3, -1)[batch.turning]
+    known, b = rows[..., :-1].reshape(3 * len(rows), -1), rows[..., -1].ravel()
+    A = np.hstack([np.tile(axes.T, (len(rows), 1)), known])
+    x, without = np.linalg.lstsq(A, b)[0], np.linalg.lstsq(known, b)[0]
+    before, after = np.linalg.norm(b - known @ without), np.linalg.norm(b - A @ x)
+    return x[: len(axes)] if before > FALLS * after else None
+
+
+def across_of(axis: Float[np.ndarray, "3"]) -> Float[np.ndarray, "2 3"]:
+    """Two directions across an axis."""
+    return np.linalg.svd(axis[None])[2][1:]
+
+
+def _inertial_axes(axes: Float[np.ndarray, "n 3"]) -> Suspect:
+    def words(c: Numbers) -> str:
+        angle = np.degrees(np.linalg.norm(c))
+        return (
+            "attitude and position are in different inertial axes (frames), turned by "
+            f"{angle:.3g} deg"
+        )
+
+    def corrected(problem: MomentumProblem, c: Numbers) -> MomentumProblem:
+        R = Rotation.from_rotvec(c @ axes)
+        turned = R.apply(problem.recording.vector("position"))
+        columns = of_vector("position", turned)
+        return replace(problem, recording=problem.recording.with_columns(columns))
+
+    return Suspect(words, np.full(len(axes), SMALL), corrected)
+
+
+def _spin_down(problem: MomentumProblem) -> Iterator[Suspect]:
+    """Speeds that change though they are recorded as constant."""
+    for wheel, h in zip(problem.robot.wheels, _momenta(problem), strict=True):
+        mean = np.nanmean(h, axis=0)
+        if np.nanstd(h @ wheel.axis) > 1e-2 * np.linalg.norm(mean):
+            continue
+
+        def words(c: Numbers, name: str = wheel.name) -> str:
+            return (
+                f"the speed of wheel {name} changes by {100 * c[0]:.2g} % over the "
+                "recording, which shows it as constant"
+            )
+
+        lost = np.outer(_elapsed(problem), mean)
+        yield _with_momentum(words, np.array([SMALL]), lambda c, lost=lost: c[0] * lost)
+
+
+def _wheel_axes(problem: MomentumProblem) -> Iterator[Suspect]:
+    for wheel, h in zip(problem.robot.wheels, _momenta(problem), strict=True):
+        across = across_of(wheel.axis)
+
+        def words(c: Numbers, name: str = wheel.name) -> str:
+            angle = np.degrees(np.linalg.norm(c))
+            axis = f"the axis of wheel {name} in the robot file"
+            return f"{axis} is tilted by {angle:.2g} deg"
+
+        def turned(
+            c: Numbers, h: Momentum = h, across: np.ndarray = across
+        ) -> Momentum:
+            return Rotation.from_rotvec(c @ across).apply(h) - h
+
+        yield _with_momentum(words, np.full(2, SMALL), turned)
+
+
+def _torque(problem: MomentumProblem, axes: Float[np.ndarray, "n 3"]) -> Suspect:
+    """The robot's momentum in inertial axes grows by `c f(t)`: that of wheels falls."""
+    by_power = _elapsed(problem)[:, None] ** np.array(POWERS)
+    h = max(float(np.linalg.norm(np.nanmean(np.abs(_momenta(problem)), axis=1))), TINY)
+    x = np.column_stack(problem.samples.x_WB)
+    seen = np.isfinite(x).all(axis=1)
+    R_BW = Rotation.from_quat(x[seen]).inv()
+
+    def gained(c: Numbers) -> Float[np.ndarray, "powers 3"]:
+        return h * np.reshape(c, (len(POWERS), -1)) @ axes
+
+    def words(c: Numbers) -> str:
+        T = float(np.ptp(problem.samples.t))
+        size = np.linalg.norm(gained(c).sum(axis=0)) / T
+        return (
+            "an external torque that changes with time acts, by drag, friction or "
+            f"another disturbance, of about {size:.1g} N m"
+        )
+
+    def lost(c: Numbers) -> Momentum:
+        momentum = np.zeros((x.shape[0], 3))
+        momentum[seen] = -R_BW.apply(by_power[seen] @ gained(c))
+        return momentum
+
+    return _with_momentum(words, np.full(len(POWERS) * len(axes), SMALL), lost)
+
+
+def _with_momentum(
+    words: Callable[[Numbers], str],
+    small: Numbers,
+    momentum: Callable[[Numbers], Momentum],
+) -> Suspect:
+    """A momentum in base axes that the robot file or the wheels' speeds lack."""
+
+    def corrected(problem: MomentumProblem, c: Numbers) -> MomentumProblem:
+        robot, samples = problem.robot, problem.samples
+        turning = list(conserved_axes(robot)[0])
+        speeds = tuple(np.ascontiguousarray(momentum(c)[:, turning].T))
+        wheels = [Wheel(f"{EXTRA}_{k}", np.eye(3)[k], 1.0) for k in turning]
+        columns = {
+            f"wheel.{wheel.name}.speed": speed
+            for wheel, speed in zip(wheels, speeds, strict=True)
+        }
+        return replace(
+            problem,
+            robot=replace(robot, wheels=(*robot.wheels, *wheels)),
+            samples=replace(samples, qd_rw=(*samples.qd_rw, *speeds)),
+            recording=problem.recording.with_columns(columns),
+        )
+
+    return Suspect(words, small, corrected)
+
+
+def _elapsed(problem: MomentumProblem) -> Float[np.ndarray, " n"]:
+    t = problem.samples.t
+    return (t - t[0]) / (t[-1] - t[0])
+
+
+def _momenta(problem: MomentumProblem) -> Float[np.ndarray, "wheels n 3"]:
+    """The momentum of each wheel, base axes, N m s."""
+    speeds = np.reshape(problem.samples.qd_rw, (-1, problem.samples.t.size))
+    return np.einsum("kw,wn->wnk", wheels_of(problem.robot).A_rw, speeds)

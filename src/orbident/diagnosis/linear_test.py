@@ -1,0 +1,120 @@
+"""Which convention makes the linear equations 24 and 31 fit best."""
+
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+
+from orbident.diagnosis.convention import Convention
+from orbident.diagnosis.conventions import conventions
+from orbident.errors import InputError
+from orbident.estimation.linear_fits import fit
+from orbident.estimation.momentum_problem import MomentumProblem
+from orbident.preprocessing.samples import Samples
+
+ROWS = 1000
+"""So many samples from the beginning of a recording show a wrong convention as well as
+all of them do."""
+
+FALLS = 2.0
+"""Times that the residuals of both equations together must be smaller."""
+
+PLAINLY = 1.1
+"""Times better than a simpler suspicion, which comes before."""
+
+UNLIKELY = 1e3
+"""Times that residuals count where `pi` or `phi` is far from the nominal one: a gain
+leaves the residuals as they are."""
+
+TINY = 1e-300
+
+FARTHEST = 5.0
+"""Times: bodies are known better than that before they are built."""
+
+
+class CorrectedConvention(NamedTuple):
+    """A convention, put right."""
+
+    convention: Convention
+    falls: float
+    """The residuals as recorded, over those with the convention put right."""
+    residuals_alone: float
+    """The same, whether or not parameters are of a likely sign and size."""
+
+
+def tried_conventions(problem: MomentumProblem) -> list[CorrectedConvention]:
+    """Each convention with the factor by which it lowers the residuals, best first.
+
+    A later one counts only where it is plainly better than all before.
+    """
+    part = problem.beginning(ROWS)
+    before = _left(part, part.samples)
+    found = []
+    for convention in conventions(part):
+        left = _misfit(part, convention)
+        falls = before.misfit / left.misfit if left.misfit > 0 else 0.0
+        alone = before.residuals / left.residuals if left.residuals > 0 else 0.0
+        found.append(CorrectedConvention(convention, falls, alone))
+    best, worth = 0.0, {}
+    for k, one in enumerate(found):
+        if one.falls > PLAINLY * best:
+            best = one.falls
+            worth[k] = one
+    others = [one for k, one in enumerate(found) if k not in worth]
+    first = sorted(worth.values(), key=lambda one: -one.falls)
+    return [*first[:1], *sorted([*first[1:], *others], key=lambda one: -one.falls)]
+
+
+class _Left(NamedTuple):
+    """What the linear equations leave."""
+
+    residuals: float
+    """Over all that there is to explain, of both equations."""
+    far: int = 0
+    """How many of `pi` and `phi` are of an unlikely sign or size."""
+
+    @property
+    def misfit(self) -> float:
+        return self.residuals * UNLIKELY**self.far
+
+
+def _misfit(problem: MomentumProblem, convention: Convention) -> _Left:
+    try:
+        return _left(problem, convention.amended(problem))
+    except InputError:
+        return _Left(np.inf)
+
+
+def linear_misfit(problem: MomentumProblem, samples: Samples) -> float:
+    """Residuals over all that there is to explain, more where parameters are unlikely.
+
+    Args:
+        problem: whose minimal sets count.
+        samples: of its recording, as they would be.
+
+    Raises:
+        InputError: there are fewer equations than unknowns.
+    """
+    return _left(problem, samples).misfit
+
+
+def _left(problem: MomentumProblem, samples: Samples) -> _Left:
+    robot, sets = problem.robot, problem.sets
+    fits = fit(robot, sets, samples, problem.initial_momentum, lambda _: None)
+    left = [
+        each.unexplained / np.hypot(each.explained, each.unexplained)
+        for each in (fits.pi, fits.phi)
+        if each.explained > 0
+    ]
+    if not np.isfinite(left).all():
+        return _Left(np.inf)
+    far = _far(fits.pi.values, sets.pi(robot.theta)) + _far(
+        fits.phi.values, sets.phi(robot.theta)
+    )
+    return _Left(float(np.prod(left)), far)
+
+
+def _far(values: Float[np.ndarray, " n"], nominal: Float[np.ndarray, " n"]) -> bool:
+    """Opposite, or of another size."""
+    gain = float(values @ nominal) / max(float(nominal @ nominal), TINY)
+    return not 1 / FARTHEST < gain < FARTHEST

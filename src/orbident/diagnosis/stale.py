@@ -1,0 +1,51 @@
+"""Samples that are the same as the one before: a logger that holds, a dead encoder."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from orbident.diagnosis.shown import shown_by
+from orbident.recordings.recording import Recording
+from orbident.robot.description import Robot
+
+OFTEN = 0.3
+"""Part of the samples that repeat: noise never does, coarse encoders less often."""
+
+LONG = 10
+"""Samples in a row that are the same though the others are not."""
+
+
+def stale(robot: Robot, recording: Recording) -> Iterator[str]:
+    """What repeats, in words; first what does so throughout."""
+    same = {}
+    for sensor, x in shown_by(robot, recording).items():
+        most = x[:, np.argmax(np.nanstd(x, axis=0))]
+        seen = np.isfinite(most)
+        if np.ptp(most[seen]) > 0:
+            again = np.diff(most[seen]) == 0
+            same[sensor.replace(".", " ")] = recording.t[seen][1:], again
+    often = {name: np.mean(again) for name, (_, again) in same.items() if again.size}
+    held = [name for name, part in often.items() if part > OFTEN]
+    if len(held) == len(often) > 0:
+        yield "rows repeat: all sensors show the same again and again"
+    elif held:
+        words = ", ".join(f"{name} in {often[name]:.0%} of the rows" for name in held)
+        yield f"samples repeat the one before: {words}"
+    for name, (t, again) in same.items():
+        run = _longest(again)
+        if name not in held and run is not None:
+            start, end = run
+            words = f"{name} is stuck: the same value from t = {t[start]:.4g} to "
+            yield f"{words}{t[end]:.4g} s"
+
+
+def _longest(again: np.ndarray) -> tuple[int, int] | None:
+    """The longest run, where it is long; a sensor that rests for long is not stuck."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], again.astype(int), [0]])))
+    starts, ends = edges[::2], edges[1::2]
+    if not starts.size:
+        return None
+    k = int(np.argmax(ends - starts))
+    if ends[k] - starts[k] < LONG:
+        return None
+    return int(starts[k]), int(ends[k] - 1)

@@ -1,0 +1,140 @@
+"""Suspects: what may be wrong by some numbers, and how much that would explain.
+
+At the best fit every other unknown follows a small change `c` of the suspect to first
+order, so the whitened residuals that are left, `r(c) = r + D c`, are known after one
+more linearisation for each number. The sum of their squares would fall by that of the
+part of `r` in the span of `D` (score test).
+"""
+
+from collections.abc import Callable, Iterator
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+
+from orbident.diagnosis.trial import Trial, trial
+from orbident.errors import InputError
+from orbident.estimation.evidence import WORTH
+from orbident.estimation.momentum_problem import MomentumProblem
+from orbident.estimation.output_error.problem import linear, problem_of
+from orbident.estimation.output_error.sensors import sensors_of
+from orbident.estimation.solution import Solution
+from orbident.preprocessing.delays import delays
+
+ROUNDS = 4
+"""Most rounds of a trial and a better guess, as long as it explains more."""
+
+SETTLED = 0.3
+"""Deviations: a change of the guess that is less brings nothing."""
+
+Numbers = Float[np.ndarray, " numbers"]
+
+
+class Suspect(NamedTuple):
+    """What may be wrong by some numbers, SI."""
+
+    words: Callable[[Numbers], str]
+    """What is wrong, with the numbers: a clause."""
+    small: Numbers
+    """A change of each number whose effect is in proportion to it."""
+    corrected: Callable[[MomentumProblem, Numbers], MomentumProblem]
+    """Robot and recording with these numbers put right; not yet fitted again."""
+
+
+class Score(NamedTuple):
+    """How a suspect would explain what is left."""
+
+    numbers: Numbers
+    std: Numbers
+    falls: float
+    """How much the sum of squares would fall."""
+
+
+NOTHING = Score(np.zeros(0), np.zeros(0), 0.0)
+
+
+def score(problem: MomentumProblem, solution: Solution, suspect: Suspect) -> Score:
+    """The numbers that lower the sum of squares most, to first order.
+
+    Args:
+        problem: as it is fitted.
+        solution: its best fit.
+        suspect: who is at zero there.
+    """
+    zero, columns = np.zeros_like(suspect.small), []
+    # What overflows has no score.
+    with np.errstate(all="ignore"):
+        try:
+            r = _left(suspect.corrected(problem, zero), solution)
+            for k, small in enumerate(suspect.small):
+                c = zero.copy()
+                c[k] = small
+                moved = _left(suspect.corrected(problem, c), solution)
+                columns.append((moved - r) / small)
+        except (InputError, np.linalg.LinAlgError):
+            return NOTHING
+        D = np.column_stack(columns)
+        sized = np.linalg.norm(D, axis=0)
+    if not np.isfinite(sized).all() or not sized.all():
+        return NOTHING
+    numbers = -np.linalg.lstsq(D, r)[0]
+    std = np.sqrt(np.diag(np.linalg.pinv(D.T @ D)))
+    after = r + D @ numbers
+    return Score(numbers, std, float(r @ r - after @ after))
+
+
+def tried(
+    problem: MomentumProblem, suspect: Suspect, first: Score, before: float
+) -> Iterator[Trial]:
+    """Identify again with the suspect put right, from a first guess of the numbers.
+
+    Args:
+        problem: as it is fitted.
+        suspect: what is put right.
+        first: the guess.
+        before: the misfit now: what makes it worse is not tried again.
+    """
+    numbers, best = first.numbers, Trial("", False, np.inf)
+    for _ in range(ROUNDS):
+        try:
+            right = suspect.corrected(problem, numbers).amended()
+        except InputError:
+            break
+        found = trial(suspect.words(numbers), right)
+        price = numbers.size * np.log(problem.samples.t.size)
+        found = found._replace(misfit=found.misfit + price)
+        if not (found.accepted or found.misfit < best.misfit - WORTH):
+            break
+        best = found
+        if found.accepted or found.misfit > before:
+            break
+        if found.estimate is None or found.estimate.solution is None:
+            break
+        more = score(right, found.estimate.solution, suspect)
+        if not more.falls or np.all(abs(more.numbers) < SETTLED * more.std):
+            break
+        numbers = numbers + more.numbers
+    yield best
+
+
+def _left(changed: MomentumProblem, solution: Solution) -> Float[np.ndarray, " n"]:
+    """The whitened residuals of all sensors where all else follows."""
+    robot = changed.robot
+    sensors = sensors_of(
+        robot, changed.recording, delays(robot, changed.recording, changed.late)
+    )
+    equations = problem_of(robot, changed.sets, changed.samples, sensors)
+    # The places of calibrations are others where there are other wheels.
+    places = np.array([float(each.place) for each in equations.declared])
+    same = equations.boundaries.size == len(solution.state.x_WB)
+    same &= all(len(each) == equations.t.size for each in solution.weights.values())
+    if not same or places.size != solution.state.selected.size:
+        raise InputError("other rows, intervals or calibration errors: not comparable")
+    state = solution.state._replace(selected=places)
+    here = linear(equations, solution.weights, state)
+    # After one step of all other unknowns.
+    factor = solution.prior.added(here.common, state)
+    g = np.linalg.solve(factor[:-1, :-1], factor[:-1, -1])
+    there = linear(equations, solution.weights, state.moved(here.step(g), g))
+    left = [table.ravel() for table in there.residuals.values()]
+    return np.concatenate(left)

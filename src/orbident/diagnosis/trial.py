@@ -1,0 +1,64 @@
+"""A recording with one thing put right: is it accepted then?"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from orbident.errors import InputError
+from orbident.estimation.check import only_vague, worst
+from orbident.estimation.criteria import judge
+from orbident.estimation.estimate import Estimate, Solved
+from orbident.estimation.evidence import misfit
+from orbident.estimation.momentum_problem import MomentumProblem
+from orbident.estimation.obstacles import obstacles
+from orbident.estimation.output_error.estimator import FEW_STEPS, OutputError
+from orbident.recordings.recording import Recording
+from orbident.robot.description import Robot
+
+
+class Trial(NamedTuple):
+    """What came of it."""
+
+    cause: str
+    accepted: bool
+    misfit: float
+    """Minus twice the logarithm of the likelihood, but for a constant."""
+    estimate: Estimate | None = None
+    seen: bool = False
+    """Whether samples show it by themselves: then no fall in the misfit is wanted."""
+    tolerable: bool = False
+    """Whether the robot file can declare a tolerance that covers it."""
+    fits: bool = False
+    """Whether it is accepted, or shows too little of the mass and nothing wrong."""
+
+
+def trial(cause: str, problem: MomentumProblem) -> Trial:
+    """Identify by output error, and judge.
+
+    Args:
+        cause: what is put right in it.
+        problem: as it would be.
+    """
+    if obstacles(problem):
+        return Trial(cause, False, np.inf)
+    try:
+        shown = OutputError(steps=FEW_STEPS).estimate(problem, lambda _: None)
+    except InputError:  # Equations that overflow.
+        return Trial(cause, False, np.inf)
+    judgement = judge(Solved(problem, [], shown, shown), dict(shown.masses))
+    accepted = worst(judgement.checks) != "do not trust"
+    fits = only_vague(judgement.checks)
+    return Trial(cause, accepted, misfit(shown), shown, fits=fits)
+
+
+def amended_trial(
+    cause: str,
+    problem: MomentumProblem,
+    robot: Robot | None = None,
+    recording: Recording | None = None,
+) -> Trial:
+    """Identify with another robot file or recording; what is impossible fits badly."""
+    try:
+        return trial(cause, problem.amended(robot, recording))
+    except InputError:
+        return Trial(cause, False, np.inf)

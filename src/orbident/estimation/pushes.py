@@ -1,0 +1,104 @@
+"""A push for a short time, such as a thruster's burst, is no reason to refuse.
+
+After it both momenta are others. Eqs. 24 and 31 are linear in all that is unknown, so
+that the time at which a jump of the momenta explains most is found without a search:
+with `r` the residuals without a jump, and `J` its columns less what the others explain,
+their squares fall by
+
+    r' J (J' J)^-1 J' r,        J = (1 - Q Q') N [t >= time]
+
+where `N` are the columns of a constant momentum, and `Q` spans those of all unknowns.
+What the push adds is then an unknown of maximum likelihood, from which samples while it
+lasts are left out.
+"""
+
+import numpy as np
+from jaxtyping import Float
+
+from orbident.estimation.check import only_vague
+from orbident.estimation.criteria import judge
+from orbident.estimation.estimate import Estimator, Progress, Solved
+from orbident.estimation.linear_fits import rows_of
+from orbident.estimation.momentum_problem import MomentumProblem
+from orbident.estimation.output_error.disturbances import LONGEST
+from orbident.estimation.output_error.estimator import FEW_STEPS, OutputError
+from orbident.estimation.solve import in_whole, solved_by
+from orbident.model.wheel_arrays import wheels_of
+
+RANK = 1e-9
+"""Part of the largest singular value below which columns are dependent."""
+
+AROUND = 10
+"""Samples before and after the jump in which the push may last."""
+
+FEWEST = 4 * AROUND
+"""Samples of a recording in which a jump is looked for."""
+
+
+def with_push(solved: Solved, estimator: Estimator, progress: Progress) -> Solved:
+    """Solve again with a push among the unknowns, if only that makes it acceptable.
+
+    Args:
+        solved: a recording without a push.
+        estimator: by which it was solved.
+        progress: is called with the fraction of the work that is done.
+    """
+    problem, t = solved.problem, solved.problem.samples.t
+    # An exact recording shows none: its sensors are not fitted.
+    by_sensors = solved.shown is not None and (
+        isinstance(estimator, OutputError) or in_whole(problem)
+    )
+    sized = FEWEST <= t.size <= LONGEST and by_sensors
+    if solved.hindered or not sized or _fits(solved):
+        return solved
+    # As it was recorded: nothing is subtracted that was taken for something else.
+    problem = problem.amended()
+    row = jump_of_momenta(problem)
+    pushed = problem.amended(pushed=(t[row - AROUND], t[row + AROUND]))
+    shown = OutputError(steps=FEW_STEPS).estimate(pushed, progress)
+    again = solved_by(estimator, pushed, shown, progress)
+    return again if _fits(again) else solved
+
+
+def _fits(solved: Solved) -> bool:
+    """Whether nothing is wrong; an uncertain mass is no sign of a push."""
+    return only_vague(judge(solved, dict(solved.estimate.masses)).checks)
+
+
+def jump_of_momenta(problem: MomentumProblem) -> int:
+    """The first sample after the jump of both momenta that explains most."""
+    samples, regressors = problem.samples, problem.sets.regressors
+    wheels, batch = wheels_of(problem.robot), samples.batch(0, samples.t.size)
+    rows_h, rows_v = rows_of(regressors, wheels, None, batch, samples.drift())
+    left = _left_by_jumps(rows_h, len(regressors.momentum_axes))
+    if samples.v_S:
+        left += _left_by_jumps(rows_v, len(regressors.velocity_axes))
+    # A jump at either end is a constant momentum or none.
+    return AROUND + int(np.argmin(left[AROUND:-AROUND]))
+
+
+def _left_by_jumps(
+    rows: Float[np.ndarray, "rows columns"], axes: int
+) -> Float[np.ndarray, " samples"]:
+    """Minus twice the logarithm of the likelihood with a jump at each sample.
+
+    Args:
+        rows: of one equation, first the columns of a constant momentum.
+        axes: in which it is conserved.
+    """
+    N, C, z = rows[:, :axes], rows[:, :-1], rows[:, -1]
+    U, size, _ = np.linalg.svd(C, full_matrices=False)
+    Q = U[:, size > RANK * size[0]]
+    r = z - Q @ (Q.T @ z)
+    by_sample = (-1, axes)
+
+    def later(products: Float[np.ndarray, "samples ..."]) -> np.ndarray:
+        """Sums over all samples from each one on."""
+        return np.cumsum(products[::-1], axis=0)[::-1]
+
+    n = N.reshape(*by_sample, axes)
+    b = later(np.einsum("kia,ki->ka", n, r.reshape(by_sample)))
+    QN = later(np.einsum("kic,kia->kca", Q.reshape(*by_sample, Q.shape[1]), n))
+    M = later(np.einsum("kia,kib->kab", n, n)) - np.swapaxes(QN, 1, 2) @ QN
+    fallen = np.einsum("ka,kab,kb->k", b, np.linalg.pinv(M, RANK, hermitian=True), b)
+    return z.size * np.log(np.maximum(r @ r - fallen, 0.0) + 1e-300)

@@ -1,0 +1,213 @@
+"""Where the likelihood is largest: the unknowns there, and the equations about them."""
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+from scipy.linalg import solve_triangular
+
+from orbident import _core
+from orbident.estimation.convergence import Convergence
+from orbident.estimation.triangular import fold
+
+NOTHING_SELECTED = np.zeros(0)
+"""Every instrument is perfect."""
+
+
+BySensor = Mapping[str, Float[np.ndarray, "rows axes"]]
+
+
+class Outside(NamedTuple):
+    """The first common unknowns; the core's `outside.hpp` has the same order."""
+
+    h_cm: Float[np.ndarray, "3"]
+    """Angular momentum at time zero, inertial axes, N m s."""
+    v_cm: Float[np.ndarray, "3"]
+    """Velocity of the system CM at time zero, inertial axes, m/s."""
+    r_cm: Float[np.ndarray, "3"]
+    """Position of the system CM at time zero, inertial axes, m."""
+
+
+OUTSIDE = 3 * len(Outside._fields)
+
+
+class Unknowns(NamedTuple):
+    """Where the equations are linearised."""
+
+    x_WB: Float[np.ndarray, "boundaries 4"]
+    """The attitude where intervals meet."""
+    local: Float[np.ndarray, "boundaries local"]
+    """Turn (always zero), biases, lasting noise, corrections of joints and rates."""
+    common: Float[np.ndarray, " common"]
+    """`h_cm`, `v_cm`, `r_cm`, `beta` and what is selected."""
+    selected: Float[np.ndarray, " selected"] = NOTHING_SELECTED
+    """Places of the calibrations, then of the disturbances, that are unknowns; all
+    others are zero."""
+
+    @property
+    def beta(self) -> Float[np.ndarray, " beta"]:
+        """`[M, sigma, iota]`."""
+        return self.common[OUTSIDE : self.common.size - self.selected.size]
+
+    @property
+    def calibration(self) -> Float[np.ndarray, " selected"]:
+        """Errors of instruments, SI or relative, and sizes of disturbances."""
+        return self.common[self.common.size - self.selected.size :]
+
+    def selecting(self, places: Float[np.ndarray, " selected"]) -> "Unknowns":
+        """The state with these as unknowns too, at zero."""
+        return self._replace(
+            common=np.append(self.common, np.zeros(places.size)),
+            selected=np.append(self.selected, places),
+        )
+
+    def moved(
+        self, z: Float[np.ndarray, "boundaries local"], g: Float[np.ndarray, " common"]
+    ) -> "Unknowns":
+        """The state after a step."""
+        turn, v, s = z[:, :3], self.x_WB[:, :3], self.x_WB[:, 3:]
+        vector = v + (s * turn + np.cross(v, turn)) / 2
+        x = np.hstack([vector, s - np.sum(v * turn, axis=1, keepdims=True) / 2])
+        local = self.local + z
+        local[:, :3] = 0.0
+        unit = x / np.linalg.norm(x, axis=1, keepdims=True)
+        return self._replace(x_WB=unit, local=local, common=self.common + g)
+
+
+class Linear(NamedTuple):
+    """All equations at a state, linear in changes of it, with `z` eliminated."""
+
+    factor: Float[np.ndarray, "n n"]
+    """Triangular, over `[z, g, rhs]` with the `z` of the meeting boundary."""
+    links: Float[np.ndarray, "intervals local columns"]
+    """Rows of each interval over `[z, z on the meeting boundary's side, g, rhs]`."""
+    cost: float
+    """Sum of the squared whitened residuals and defects."""
+    residuals: dict[str, Float[np.ndarray, "rows axes"]]
+    """Over the white noise; zero where there was no sample."""
+
+    def without_rows(self) -> "Linear":
+        """The same without what is large: links and residuals."""
+        return self._replace(links=self.links[:0].copy(), residuals={})
+
+    @property
+    def given_up(self) -> bool:
+        """Whether that is so."""
+        return not len(self.links)
+
+    @property
+    def local(self) -> int:
+        """How many unknowns a boundary has."""
+        return self.links.shape[1]
+
+    @property
+    def common(self) -> Float[np.ndarray, "n n"]:
+        """The part of the factor over `[g, rhs]`."""
+        return self.factor[self.local :, self.local :]
+
+    def step(self, g: Float[np.ndarray, " g"]) -> Float[np.ndarray, "boundaries local"]:
+        """`z` of every boundary, for any `g`."""
+        n = self.local
+        top = self.factor[:n]
+        z = solve_triangular(top[:, :n], top[:, -1] - top[:, n:-1] @ g)
+        return _core.boundaries(self.links, z, g)
+
+    def at_the_end(self) -> "End":
+        """The last boundary's `z`, from that of `[z, g]` at the meeting.
+
+        Each link gives `R z = e - F z_before - G g`, with `e` of unit covariance.
+        """
+        n = self.local
+        by, own = np.eye(n, len(self.factor) - 1), np.zeros((n, n))
+        # One after another: a table of all would be as large as the links.
+        for link in self.links[len(self.links) // 2 :]:
+            solved = np.linalg.solve(
+                link[:, :n], np.hstack([np.eye(n), -link[:, n:-1]])
+            )
+            root, on = solved[:, :n], solved[:, n : 2 * n]
+            by = on @ by
+            by[:, n:] += solved[:, 2 * n :]
+            own = on @ own @ on.T + root @ root.T
+        return End(by, own)
+
+
+class End(NamedTuple):
+    """The last boundary's `z`, as `by [z, g] + N(0, own)` of the meeting one."""
+
+    by: Float[np.ndarray, "local unknowns"]
+    own: Float[np.ndarray, "local local"]
+
+    def covariance(
+        self, C: Float[np.ndarray, "unknowns unknowns"]
+    ) -> Float[np.ndarray, "local local"]:
+        """From that of `[z, g]` at the meeting."""
+        return self.by @ C @ self.by.T + self.own
+
+
+NO_EQUATIONS = np.zeros((0, 1))
+"""What is known without another recording of the robot."""
+
+
+class Prior(NamedTuple):
+    """What is known of the common unknowns beforehand."""
+
+    values: Float[np.ndarray, " common"]
+    std: Float[np.ndarray, " common"]
+    others: Float[np.ndarray, "rows columns"] = NO_EQUATIONS
+    """Whitened equations over the first unknowns, `[A, b]`: of other recordings."""
+
+    def extended(self, std: Float[np.ndarray, " more"]) -> "Prior":
+        """The prior with more unknowns, which are zero with these deviations."""
+        return self._replace(
+            values=np.append(self.values, np.zeros(std.size)),
+            std=np.append(self.std, std),
+        )
+
+    def added(
+        self, factor: Float[np.ndarray, "n n"], state: Unknowns
+    ) -> Float[np.ndarray, "n n"]:
+        """Add the prior to a triangular factor over changes of `[g, rhs]`."""
+        rhs = (self.values - state.common) / self.std
+        factor = fold(factor, np.column_stack([np.diag(1 / self.std), rhs]))
+        if not len(self.others):
+            return factor
+        first = self.others.shape[1] - 1
+        rows = np.zeros((len(self.others), len(factor)))
+        rows[:, :first], rows[:, -1] = self.others[:, :-1], self._unexplained(state)
+        return fold(factor, rows)
+
+    def cost(self, state: Unknowns) -> float:
+        """Squared, whitened."""
+        own = (state.common - self.values) / self.std
+        return float(np.sum(own**2) + np.sum(self._unexplained(state) ** 2))
+
+    def _unexplained(self, state: Unknowns) -> Float[np.ndarray, " rows"]:
+        A, b = self.others[:, :-1], self.others[:, -1]
+        return b - A @ state.common[: A.shape[1]]
+
+
+class Solution(NamedTuple):
+    """Where the cost is least."""
+
+    state: Unknowns
+    linear: Linear
+    """The equations at a state within a hundredth of a deviation of `state`; without
+    links, which would take much memory."""
+    end: End
+    prior: Prior
+    weights: BySensor
+    converged: bool
+    cost: float
+    """The sum of the squares of all whitened residuals and priors."""
+    convergence: Convergence = ()
+    """How the search got there."""
+
+    @property
+    def covariance(self) -> Float[np.ndarray, "n n"]:
+        """The covariance of `[z, g]`, `z` of the meeting boundary, to first order."""
+        n = self.linear.local
+        factor = self.linear.factor.copy()
+        factor[n:, n:] = self.prior.added(self.linear.common, self.state)
+        root = solve_triangular(factor[:-1, :-1], np.eye(len(factor) - 1))
+        return np.asarray(root @ root.T)

@@ -1,0 +1,1 @@
+"""What a recording at rest says of the noise of its sensors."""

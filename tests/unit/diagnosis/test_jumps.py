@@ -1,0 +1,59 @@
+"""Steps that no smooth motion makes."""
+
+import numpy as np
+import pytest
+from cause_problems import fitted, problem_with
+
+from orbident.diagnosis.jumps import FAR, jump_of, jumps, steps
+from orbident.diagnosis.suspects import score
+
+ONES = np.ones(3)
+T = np.arange(300) * 0.1
+NOISE = 1e-4 * np.random.default_rng(0).standard_normal((T.size, 1))
+SMOOTH = np.sin(0.7 * T)[:, None] + NOISE
+
+
+def test_a_smooth_motion_does_not_jump():
+    found = jump_of("joint.a", T, SMOOTH)
+    assert found is not None
+    assert found.times < FAR
+
+
+@pytest.mark.parametrize("size", [-0.02, 0.005])
+def test_the_row_and_the_size_of_a_jump(size: float):
+    found = jump_of("joint.a", T, SMOOTH + size * (T[140] <= T)[:, None])
+    assert found is not None
+    assert found.times > FAR
+    assert found.row == 140
+    # The step's own deviation is some three times that of a sample.
+    assert found.size[0] == pytest.approx(size, abs=1e-3)
+    assert found.rate[0] == pytest.approx(0.7 * np.cos(0.7 * T[140]), abs=0.02)
+
+
+def test_too_few_samples_show_nothing():
+    assert jump_of("joint.a", T[:20], SMOOTH[:20]) is None
+
+
+def test_a_joint_that_slips_is_put_right():
+    later = np.arange(301) >= 150
+    problem = problem_with(
+        {"joint.joint2.position": lambda q: q + 0.02 * later[: q.size]}
+    )
+    (found,) = jumps(problem, fitted(problem))
+    assert found.accepted
+    assert "joint joint2 slips" in found.cause
+    assert "t = 15 s" in found.cause
+
+
+def test_a_gyro_that_jumps_by_less_than_it_shows():
+    """In the gyro's residuals the step stands out, and its row and size are found."""
+    later = np.arange(301) >= 150
+    problem = problem_with({"gyro.y": lambda w: w + 5e-4 * later[: w.size]})
+    shown = fitted(problem)
+    assert [*jumps(problem, shown)] == []
+    suspect = next(each for each in steps(problem, shown) if "gyro" in each.words(ONES))
+    assert shown.solution is not None
+    first = score(problem, shown.solution, suspect)
+    assert "t = 15 s" in suspect.words(first.numbers)
+    far = 5 * first.std.max()
+    np.testing.assert_allclose(first.numbers, [0.0, 5e-4, 0.0], atol=far)

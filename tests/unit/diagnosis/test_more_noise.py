@@ -1,0 +1,33 @@
+"""Noise beyond what is declared."""
+
+import numpy as np
+from cause_problems import problem_with
+
+from orbident.diagnosis.noisier_sensors import noisier_sensors, wandering
+
+
+def test_declared_noise_is_not_suspected():
+    assert [*noisier_sensors(problem_with())] == []
+
+
+def test_encoders_that_are_noisier():
+    random = np.random.default_rng(3)
+    (found,) = noisier_sensors(
+        problem_with(
+            {
+                f"joint.joint{k}.position": lambda q: (
+                    q + 5e-4 * random.standard_normal(q.size)
+                )
+                for k in (1, 2, 3)
+            }
+        )
+    )
+    assert found.accepted
+    assert "noise of the joints is 0.0005" in found.cause
+
+
+def test_a_bias_that_wanders():
+    (found,) = wandering(
+        problem_with({"gyro.x": lambda w: w + 1e-4 * np.sin(np.arange(w.size) / 80)})
+    )
+    assert "bias of the gyro drifts" in found.cause
