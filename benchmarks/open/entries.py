@@ -16,10 +16,7 @@ from orbident.estimation.estimators import METHODS
 from orbident.estimation.result import Result
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
-from orbident.studies.filters import Filters
-from orbident.studies.imu_method import from_imu
-from orbident.studies.mocap_method import from_mocap
-from orbident.studies.paper_method import paper_method
+from orbident.studies.paper_method import Filters, from_imu, from_mocap, paper_method
 from orbident.trajectories.trajectory import InitialState
 
 Entry = Callable[[Robot, Recording, str], Answer]

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from running import Orbident
 
-from orbident.studies import self_test
+from orbident.studies import spatial
 
 
 def test_all_is_well(orbident: Orbident):
@@ -33,8 +33,8 @@ def test_what_is_said(orbident: Orbident, monkeypatch: pytest.MonkeyPatch):
 
 
 def test_a_wrong_result(orbident: Orbident, monkeypatch: pytest.MonkeyPatch):
-    found = self_test.SelfTest("paper-spatial", 15, 0.02, 2.0)
-    monkeypatch.setattr(self_test, "self_test", lambda: found)
+    found = spatial.SelfTest("paper-spatial", 15, 0.02, 2.0)
+    monkeypatch.setattr(spatial, "self_test", lambda: found)
     ran = orbident("doctor")
     assert ran.status == 1
     assert "largest error 0.02, but at most 1e-06 is right; install again" in ran.err
@@ -47,7 +47,7 @@ def test_a_broken_library(orbident: Orbident, monkeypatch: pytest.MonkeyPatch):
     def broken() -> None:
         raise OSError("libstdc++.so.6: no such\nfile")
 
-    monkeypatch.setattr(self_test, "self_test", broken)
+    monkeypatch.setattr(spatial, "self_test", broken)
     monkeypatch.setattr(
         "orbident.cli.doctor._installed",
         lambda name: None if name == "pyarrow" else "1.0",

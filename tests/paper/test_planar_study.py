@@ -10,15 +10,16 @@ from scipy.spatial.transform import Rotation
 from orbident.errors import InputError
 from orbident.simulation.thrusters import thrust
 from orbident.studies import paper_tables
-from orbident.studies.flight_record import measured_record
 from orbident.studies.planar import (
+    Flights,
     burn_pulses,
+    fly_planar,
+    measured_record,
     planar_robot,
     planar_trajectory,
     validation_command,
 )
-from orbident.studies.planar_figures import write_figures
-from orbident.studies.planar_flights import Flights, fly_planar
+from orbident.studies.planar_run import write_figures
 from orbident.studies.run_planar import PlanarStudy, run_planar
 
 ROBOT = planar_robot()

@@ -9,7 +9,7 @@ import typer
 from orbident.cli.options import Json, Quiet
 
 if TYPE_CHECKING:
-    from orbident.studies.self_test import SelfTest
+    from orbident.studies.spatial import SelfTest
 
 _DEVELOPERS = ("docs", "test")
 """Extras that nobody needs who only uses Orbident."""
@@ -61,7 +61,7 @@ def doctor(json: Json = None, quiet: Quiet = False) -> None:
 def _tested() -> "tuple[SelfTest | None, list[str]]":
     """The self-test, and what is wrong."""
     try:
-        from orbident.studies.self_test import LARGEST_ERROR, self_test
+        from orbident.studies.spatial import LARGEST_ERROR, self_test
 
         tested = self_test()
     # Whatever is broken about the installation is what was asked for.

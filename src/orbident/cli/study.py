@@ -226,7 +226,7 @@ def _write_data(done: Any, name: Study, folder: Path) -> Path:
     if name != Study.planar:
         recordings = (done.recording,)
     else:
-        from orbident.studies.planar_figures import write_figures
+        from orbident.studies.planar_run import write_figures
 
         recordings = done.recordings
         write_figures(done.figures, folder)

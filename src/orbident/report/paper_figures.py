@@ -7,8 +7,8 @@ import numpy as np
 
 from orbident.report.drawing import Axes, Drawing, kept
 from orbident.report.section import Picture
-from orbident.studies.paper_comparison import PaperRow
-from orbident.studies.planar_figures import Figure
+from orbident.studies.paper_tables import PaperRow
+from orbident.studies.planar_run import Figure
 
 COLORS = "#4477aa", "#ee6677", "#228833", "#ccbb44"
 """Told apart by the colour-blind too (Tol 2021, bright)."""

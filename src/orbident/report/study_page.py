@@ -16,9 +16,8 @@ from orbident.report.real_table import real_table
 from orbident.report.section import ReportTable, Section, TableRow
 from orbident.report.verdict import verdict_of
 from orbident.report.write import sections_of, seen
-from orbident.studies import paper_comparison
 from orbident.studies.control import ControlStudy
-from orbident.studies.paper_tables import PLANAR_IDENTIFIED
+from orbident.studies.paper_tables import PLANAR_IDENTIFIED, PaperRow
 from orbident.studies.run_planar import PlanarStudy
 from orbident.studies.run_spatial import SpatialStudy
 from orbident.studies.run_table import TableStudy
@@ -144,7 +143,7 @@ def _control(done: ControlStudy) -> Sequence[Section]:
 
 
 def _columns(
-    rows: Sequence[paper_comparison.PaperRow], paper: str = "true", decimals: int = 2
+    rows: Sequence[PaperRow], paper: str = "true", decimals: int = 2
 ) -> tuple[tuple[str, ...], tuple[TableRow, ...]]:
     """Head and rows of a table, without columns in which nothing stands."""
     head = (
@@ -176,7 +175,7 @@ def _method(name: str) -> str:
     return "the paper's method" if name == "paper" else name.replace("-", " ")
 
 
-def _beside_table6(row: paper_comparison.PaperRow) -> paper_comparison.PaperRow:
+def _beside_table6(row: PaperRow) -> PaperRow:
     """The row with what the paper identified, but for M: the paper's is the burn's."""
     paper = None if row.name == "M" else PLANAR_IDENTIFIED[row.name]
     return replace(row, paper_true=paper)

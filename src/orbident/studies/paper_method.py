@@ -1,6 +1,11 @@
 """The paper's method: linear fits of signals that were filtered beforehand."""
 
 import time
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float
 
 from orbident.estimation.criteria import judge
 from orbident.estimation.estimate import Solved
@@ -10,8 +15,152 @@ from orbident.estimation.momentum_problem import momentum_problems
 from orbident.estimation.obstacles import obstacles
 from orbident.estimation.result import Result
 from orbident.estimation.results import result_of
+from orbident.preprocessing.attitude_fusion import integrate_gyro
+from orbident.preprocessing.cut_off import CutOff, choose_cut_off
+from orbident.preprocessing.low_pass import low_pass
+from orbident.preprocessing.rates import spline_rates
+from orbident.preprocessing.velocity import velocity_from_accelerometer
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
+from orbident.studies import paper_tables
+from orbident.trajectories.trajectory import InitialState
+
+Columns = dict[str, Float[np.ndarray, " n"]]
+
+
+class Filtered(NamedTuple):
+    """A position and its rate, both without their noise."""
+
+    x: Float[np.ndarray, " n"]
+    rate: Float[np.ndarray, " n"]
+
+
+@dataclass(frozen=True)
+class Filters:
+    """Butterworth filters, each with the cut-off of the first samples it saw.
+
+    As the paper does it (Section 5.3), whose cut-offs were chosen once from FFTs.
+    """
+
+    cut_offs: dict[str, CutOff] = field(default_factory=dict)
+    """Cut-offs of the filters, by signal."""
+
+    def smooth(
+        self, t: Float[np.ndarray, " n"], x: Float[np.ndarray, " n"], name: str
+    ) -> Float[np.ndarray, " n"]:
+        """Samples without their noise.
+
+        Args:
+            t: times, evenly spaced, s.
+            x: any unit, without gaps.
+            name: of the signal.
+
+        Raises:
+            InputError: there are gaps, or the samples are not evenly spaced.
+        """
+        if name not in self.cut_offs:
+            self.cut_offs[name] = choose_cut_off(t, x, name=name)
+        cut_off = self.cut_offs[name].frequency
+        return low_pass(t, x[:, None], cut_off, name=name)[:, 0]
+
+    def with_rate(
+        self, t: Float[np.ndarray, " n"], x: Float[np.ndarray, " n"], name: str
+    ) -> Filtered:
+        """Filtered, differentiated, and filtered again.
+
+        With the position's cut-off both times: noise is white, and so told from the
+        signal, only before it is differentiated.
+        """
+        smooth = self.smooth(t, x, name)
+        return Filtered(smooth, self.smooth(t, spline_rates(t, smooth), name))
+
+    def joints_and_wheels(self, robot: Robot, recording: Recording) -> Columns:
+        """Positions and rates of joints, and speeds of wheels, from their encoders.
+
+        Raises:
+            InputError: a column is missing or has gaps, or the samples are not evenly
+                spaced.
+        """
+        t, columns = recording.t, {}
+        for name in robot.joint_names:
+            position = f"joint.{name}.position"
+            joint = self.with_rate(t, recording.column(position), position)
+            columns[position] = joint.x
+            columns[f"joint.{name}.velocity"] = joint.rate
+        for name in robot.wheel_names:
+            angle = f"wheel.{name}.position"
+            wheel = self.with_rate(t, recording.column(angle), angle)
+            columns[f"wheel.{name}.speed"] = wheel.rate
+        return columns
+
+
+def from_imu(
+    robot: Robot, recording: Recording, initial: InitialState, filters: Filters
+) -> Recording:
+    """Encoders differentiated; attitude and velocity of S by integration.
+
+    Args:
+        robot: whose joints and wheels were recorded.
+        recording: joint and wheel positions, gyro and accelerometer, evenly sampled.
+        initial: attitude of the base and velocity of S at the first sample.
+        filters: of encoders and gyro.
+
+    Raises:
+        InputError: a column is missing or has gaps, or the samples are not evenly
+            spaced.
+    """
+    t = recording.t
+    gyro = [f"gyro.{k}" for k in "xyz"]
+    w = [filters.smooth(t, recording.column(name), name) for name in gyro]
+    x_WB = integrate_gyro(t, np.column_stack(w), initial.attitude)
+    felt = velocity_from_accelerometer(t, x_WB, recording.vector("accelerometer"))
+    columns = filters.joints_and_wheels(robot, recording)
+    columns |= dict(zip(gyro, w, strict=True))
+    columns |= {f"attitude.{k}": x for k, x in zip("xyzw", x_WB.T, strict=True)}
+    v_S = initial.velocity + felt
+    columns |= {f"velocity.{k}": v for k, v in zip("xyz", v_S.T, strict=True)}
+    return Recording(t, columns, source=recording.source)
+
+
+def from_mocap(robot: Robot, recording: Recording, filters: Filters) -> Recording:
+    """Rates of everything by differentiation, in the plane.
+
+    The paper filters what motion capture gives only after it is differentiated. The
+    two may change places but for the ends of the record.
+
+    Args:
+        robot: whose joints and wheels were recorded; it moves in the plane.
+        recording: joint and wheel positions, attitude and position, evenly sampled.
+        filters: of encoders and motion capture.
+
+    Raises:
+        InputError: a column is missing or has gaps, or the samples are not evenly
+            spaced.
+    """
+    t = recording.t
+    yaw = filters.with_rate(t, yaw_of(recording.vector("attitude", "xyzw")), "attitude")
+    r_S = {
+        axis: filters.with_rate(t, recording.column(name), name)
+        for axis, name in (("x", "position.x"), ("y", "position.y"))
+    }
+    nothing = np.zeros(t.size)
+    columns = filters.joints_and_wheels(robot, recording)
+    columns |= {"gyro.x": nothing, "gyro.y": nothing, "gyro.z": yaw.rate}
+    columns |= {"attitude.x": nothing, "attitude.y": nothing}
+    columns |= {"attitude.z": np.sin(yaw.x / 2), "attitude.w": np.cos(yaw.x / 2)}
+    columns |= {f"velocity.{axis}": filtered.rate for axis, filtered in r_S.items()}
+    columns["velocity.z"] = nothing
+    return Recording(t, columns, source=recording.source)
+
+
+def yaw_of(x_WB: Float[np.ndarray, "n 4"]) -> Float[np.ndarray, " n"]:
+    """How far the base has turned about z, over full turns, rad.
+
+    Args:
+        x_WB: unit quaternions about z, of either sign, scalar last.
+    """
+    # Twice the half angle, which a quaternion and its negative see pi apart.
+    return 2 * np.unwrap(np.arctan2(x_WB[:, 2], x_WB[:, 3]), period=np.pi)
 
 
 def paper_method(
@@ -35,3 +184,21 @@ def paper_method(
     judgement = judge(Solved(problem, obstacles(problem), estimate, None), masses)
     elapsed = time.perf_counter() - started
     return result_of(problem, method.name, estimate, judgement, masses, None, elapsed)
+
+
+STRETCH = 1.0
+"""s before and after the burn over which a slope is taken."""
+
+
+def mass_by_slopes(burn: Recording) -> float:
+    """`M = F dt / (v_2 - v_1)` along y (Eq. 40), kg.
+
+    Args:
+        burn: Section 5.5's, attitude held; position of S, m.
+    """
+    t, y = burn.t, burn.column("position.y")
+    on, off = paper_tables.BURN_START, paper_tables.BURN_START + paper_tables.BURN_LASTS
+    before = (t >= on - STRETCH) & (t <= on)
+    after = (t >= off) & (t <= off + STRETCH)
+    v_1, v_2 = (float(np.polyfit(t[part], y[part], 1)[0]) for part in (before, after))
+    return paper_tables.BURN_FORCE[1] * paper_tables.BURN_LASTS / (v_2 - v_1)

@@ -19,18 +19,19 @@ from orbident.identified.validate import Validation
 from orbident.preprocessing.cut_off import CutOff
 from orbident.robot.description import Robot
 from orbident.studies import paper_tables
-from orbident.studies.filters import Filters
-from orbident.studies.paper_comparison import PaperRow
-from orbident.studies.planar import planar_robot, planar_trajectory
-from orbident.studies.planar_figures import Figure, Measured, planar_figures
-from orbident.studies.planar_flights import Flights, fly_planar
+from orbident.studies.paper_method import Filters
+from orbident.studies.paper_tables import PaperRow
+from orbident.studies.planar import Flights, fly_planar, planar_robot, planar_trajectory
 from orbident.studies.planar_run import (
     SCORED,
+    Figure,
+    Measured,
     PaperFilters,
     PlanarReading,
     PlanarRun,
     Records,
     Table6,
+    planar_figures,
     run_ideal,
     run_noisy,
 )

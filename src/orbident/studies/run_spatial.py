@@ -25,13 +25,36 @@ from orbident.simulation.free_floating import FreeFloating
 from orbident.simulation.measure import measure
 from orbident.simulation.simulate import float_along, motion_recording
 from orbident.studies import paper_tables
-from orbident.studies.filters import Filters
-from orbident.studies.imu_method import from_imu
-from orbident.studies.noise_sources import sensors_alone
-from orbident.studies.paper_comparison import PaperRow
-from orbident.studies.paper_method import paper_method
+from orbident.studies.paper_method import Filters, from_imu, paper_method
+from orbident.studies.paper_tables import PaperRow
 from orbident.studies.spatial import spatial_robot, spatial_trajectory
 from orbident.trajectories.trajectory import Trajectory
+
+COEFFICIENTS = {
+    "gyro": (),
+    "accelerometer": (),
+    "joints": ("position",),
+    "wheels": ("position",),
+    "attitude": ("angle",),
+    "position": ("std",),
+}
+"""What a sensor's section must give even where it is zero."""
+
+
+def sensors_alone(sensors: Mapping[str, Any], noisy: str) -> dict[str, Any]:
+    """A sensor section with the noise of one sensor only; the others are ideal.
+
+    Args:
+        sensors: as in `Robot.sensors`.
+        noisy: the sensor that keeps its noise.
+    """
+    ideal = {
+        sensor: dict.fromkeys(COEFFICIENTS[sensor], 0.0)
+        for sensor in sensors
+        if sensor in COEFFICIENTS
+    }
+    return {**sensors, **ideal, noisy: sensors[noisy]}
+
 
 EXACT = 1e-9
 """Relative error below which a noise-free parameter counts as recovered,"""

@@ -17,17 +17,20 @@ from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.simulation.flight import FreeFlying
 from orbident.studies import paper_tables
-from orbident.studies.filters import Filters
-from orbident.studies.flight_record import measured_record
-from orbident.studies.planar import planar_trajectory
+from orbident.studies.paper_method import Filters
+from orbident.studies.planar import measured_record, planar_trajectory
 from orbident.studies.planar_run import Table6
-from orbident.studies.table import (
+from orbident.studies.table_flights import (
+    PAPER,
+    WITH,
+    WITHOUT,
+    TableRun,
     fly_table,
+    read_table,
     table_environment,
     table_robot,
     truly_acting,
 )
-from orbident.studies.table_run import PAPER, WITH, WITHOUT, TableRun, read_table
 from orbident.trajectories.trajectory import Trajectory
 
 FAR = 5.0

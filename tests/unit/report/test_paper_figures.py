@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from orbident.report.paper_figures import draw_errors, draw_figures
-from orbident.studies.paper_comparison import PaperRow
-from orbident.studies.planar_figures import Figure
+from orbident.studies.paper_tables import PaperRow
+from orbident.studies.planar_run import Figure
 
 T = np.linspace(0, 1, 50)
 FIGURES = {

@@ -21,7 +21,7 @@ from orbident.simulation.control_laws import (
 from orbident.simulation.flight import FlyingState, FreeFlying
 from orbident.simulation.free_floating import BaseState
 from orbident.simulation.free_flying import free_flying
-from orbident.studies.control_law import Slew
+from orbident.studies.control import Slew
 
 X, Y, Z = np.eye(3)
 RANDOM = np.random.default_rng(1)

@@ -11,7 +11,7 @@ from orbident.simulation.flight import FlyingState, FreeFlying, standing
 from orbident.simulation.free_floating import BaseState
 from orbident.simulation.free_flying import free_flying
 from orbident.simulation.thrusters import Pulse
-from orbident.studies.flight_record import ideal_record, measured_record
+from orbident.studies.planar import ideal_record, measured_record
 
 ROBOT = load_robot("cepheus-like")
 LEVEL = np.array([0.0, 0.0, 0.0, 1.0])

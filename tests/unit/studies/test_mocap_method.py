@@ -5,8 +5,7 @@ from scipy.spatial.transform import Rotation
 from orbident.errors import InputError
 from orbident.recordings.recording import Recording
 from orbident.robot.robot_file import load_robot
-from orbident.studies.filters import Filters
-from orbident.studies.mocap_method import from_mocap, yaw_of
+from orbident.studies.paper_method import Filters, from_mocap, yaw_of
 
 ROBOT = load_robot("cepheus-like")
 T = np.arange(2001) / 100

@@ -8,7 +8,7 @@ import pytest
 from orbident.cli.real_table_lines import real_table_lines
 from orbident.report.study_page import write_study_report
 from orbident.robot.units import STANDARD_GRAVITY
-from orbident.studies import table
+from orbident.studies import table_flights
 from orbident.studies.planar import planar_trajectory
 from orbident.studies.run_table import FAR, TableStudy, run_table
 from orbident.trajectories.environment import Environment
@@ -18,16 +18,16 @@ from orbident.trajectories.environment import Environment
 def slow_sensors() -> TableStudy:
     """A fifth of the samples: seconds instead of a minute."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setitem(table.SENSORS, "rate", 10.0)
+        patch.setitem(table_flights.SENSORS, "rate", 10.0)
         return run_table(first_seed=3)
 
 
 def test_the_wheel_spins_up_from_rest_by_a_torque_that_ends():
-    robot = table.table_robot()
-    flight = table.fly_table(robot, planar_trajectory(robot))
+    robot = table_flights.table_robot()
+    flight = table_flights.fly_table(robot, planar_trajectory(robot))
     assert not flight.v_S[0].any()
     assert not flight.qd_rw[0].any()
-    spun_up = flight.t > table.SPIN_UP
+    spun_up = flight.t > table_flights.SPIN_UP
     assert np.abs(flight.tau_rw).max() < 0.05
     assert np.abs(flight.tau_rw[spun_up]).max() < 1e-12
     # Against the inertial frame the rotor turns as fast as the paper's.
@@ -37,10 +37,10 @@ def test_the_wheel_spins_up_from_rest_by_a_torque_that_ends():
 
 def test_what_a_result_may_name_is_what_the_table_does():
     """At the CM's first place, the pull is that of the environment there."""
-    robot = table.table_robot()
-    given = table.table_environment(robot)
-    flight = table.fly_table(robot, planar_trajectory(robot))
-    true = table.truly_acting(robot, flight)
+    robot = table_flights.table_robot()
+    given = table_flights.table_environment(robot)
+    flight = table_flights.fly_table(robot, planar_trajectory(robot))
+    true = table_flights.truly_acting(robot, flight)
     x, y, _ = flight.r_cm[0]
     assert given.tilt is not None
     expected = STANDARD_GRAVITY * given.tilt[0] + 8e-5 * x - 5e-5 * y
