@@ -27,7 +27,7 @@ from orbident.simulation.environment.outside import recorded_thrust
 from orbident.simulation.environment.steady import Slow
 from orbident.simulation.flight import FreeFlying, standing
 from orbident.simulation.free_flying import free_flying
-from orbident.simulation.random_streams import stream
+from orbident.simulation.noise_processes import stream
 from orbident.trajectories.environment import Environment
 
 G = 9.80665

@@ -11,9 +11,9 @@ from random_robots import DUAL_ARM, random_robot, random_wheels
 from scipy.spatial.transform import Rotation
 
 from orbident.robot.description import Robot
-from orbident.simulation.attitude import integrate_attitude, rate_law, step_nodes
 from orbident.simulation.control_laws import Hold
 from orbident.simulation.flight_steps import Drive, WrenchPoint, integrate, vehicle_of
+from orbident.simulation.free_floating import integrate_attitude, rate_law, step_nodes
 from orbident.simulation.free_flying import free_flying
 
 ROBOT = random_robot(3, DUAL_ARM, (4,), random_wheels(1, ("free", "held")))

@@ -16,10 +16,8 @@ from orbident.excitation.design import (
     LIMIT_STEPS_A_PERIOD,
     design_excitation,
 )
-from orbident.excitation.extremes import NODES
-from orbident.excitation.guarantee import floated, proven_within
-from orbident.excitation.joint_limits import inner_point, polytope_of
-from orbident.excitation.joint_motions import joint_motions
+from orbident.excitation.guarantee import NODES, floated, proven_within
+from orbident.excitation.joint_limits import inner_point, joint_motions, polytope_of
 from orbident.robot.description import Robot
 from orbident.trajectories.trajectory import Trajectory
 

@@ -27,7 +27,7 @@ from orbident.robot.parameters import (
     inertia_about_com,
 )
 from orbident.simulation.measure import measure_truth
-from orbident.simulation.random_streams import stream
+from orbident.simulation.noise_processes import stream
 from orbident.simulation.simulate import RATE, made_along
 from orbident.trajectories.trajectory import InitialState, Trajectory
 

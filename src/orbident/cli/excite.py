@@ -140,7 +140,7 @@ def excite(
         described, (duration, harmonics), like, like_paper, limits
     )
     from orbident.excitation.design import design_excitation
-    from orbident.excitation.start import was_at_rest
+    from orbident.excitation.floating import was_at_rest
     from orbident.trajectories.trajectory_file import save_trajectory
 
     with progress("preparing") as show:

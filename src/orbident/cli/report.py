@@ -17,7 +17,7 @@ def report(
     from orbident.files.locking import locked
     from orbident.files.replacing import check_free
     from orbident.identified.run_folder import REPORT, load_result
-    from orbident.report.verdict import verdict_of
+    from orbident.report.page import verdict_of
     from orbident.report.write import write_report
 
     output = Output(json, quiet)

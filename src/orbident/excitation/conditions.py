@@ -7,7 +7,9 @@ from jaxtyping import Float
 
 from orbident.errors import InputError
 from orbident.excitation.criterion import Basis
-from orbident.excitation.start import usual_initial
+from orbident.excitation.floating import (
+    usual_initial,
+)
 from orbident.robot.description import Robot
 from orbident.trajectories.trajectory import InitialState, Trajectory
 

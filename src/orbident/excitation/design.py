@@ -9,13 +9,12 @@ import numpy as np
 from orbident.errors import InputError
 from orbident.excitation.conditions import Conditions, conditions_for
 from orbident.excitation.criterion import OBJECTIVES, Objective
-from orbident.excitation.descent import Feasible
 from orbident.excitation.design_problem import DesignProblem, problem_for
 from orbident.excitation.guarantee import Proven, proven_within
 from orbident.excitation.information import weights_of
 from orbident.excitation.joint_limits import check_ends, inner_point, polytope_of
 from orbident.excitation.scores import CriterionValues, scores_of
-from orbident.excitation.search import Effort, Progress, Searched, search
+from orbident.excitation.search import Effort, Feasible, Progress, Searched, search
 from orbident.robot.description import Robot
 from orbident.threads import one_blas_thread
 from orbident.trajectories.trajectory import Trajectory

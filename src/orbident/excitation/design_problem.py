@@ -1,6 +1,6 @@
 """What a search minimises: a criterion, over all plausible robots, within limits."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import ceil
 from typing import NamedTuple
 
@@ -20,13 +20,19 @@ from orbident.excitation.criterion import (
     spectrum_of,
     spectrum_of_rows,
 )
-from orbident.excitation.floating import Craft, Gradient, NodalMotion, craft_of
+from orbident.excitation.floating import (
+    Craft,
+    Gradient,
+    NodalMotion,
+    craft_of,
+    nutation,
+    was_at_rest,
+)
 from orbident.excitation.information import Information, Sensing, sensing_of
-from orbident.excitation.joint_motions import JointMotions, joint_motions
-from orbident.excitation.plausible_robots import plausible_robots
-from orbident.excitation.start import nutation, was_at_rest
+from orbident.excitation.joint_limits import JointMotions, joint_motions
 from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.description import Robot
+from orbident.robot.parameters import FIRST_MOMENT, INERTIA, MASS
 
 STEPS = 64
 """The fewest steps of the grid."""
@@ -234,3 +240,29 @@ def steps_for(robot: Robot, given: Conditions, objective: Objective) -> int:
         steps *= FINER_FOR_SENSORS
     steps = max(steps, ceil(2 * unknowns / axes))
     return max(steps, min(ceil(turned / STEP_ANGLE), MOST_STEPS))
+
+
+ROBOTS = 6
+"""Plausible robots beside the nominal one: the worst of more is hardly worse."""
+
+
+def plausible_robots(robot: Robot, uncertainty: float) -> list[Robot]:
+    """Each body heavier or lighter and longer or shorter, by a factor of its own.
+
+    A body of mass m (1 + e) and size l (1 + f) can exist if the nominal one can, and
+    keeps its CM's axis and its principal axes.
+
+    Args:
+        robot: with the nominal inertia; the first of those returned.
+        uncertainty: standard deviation of e and f.
+    """
+    if uncertainty == 0.0:
+        return [robot]
+    random = np.random.default_rng(0)
+    e, f = uncertainty * random.standard_normal((2, ROBOTS, len(robot.theta)))
+    heavier, longer = np.exp(e), np.exp(f)
+    thetas = np.repeat(robot.theta[None], ROBOTS, axis=0)
+    thetas[:, :, MASS] *= heavier
+    thetas[:, :, FIRST_MOMENT] *= (heavier * longer)[..., None]
+    thetas[:, :, INERTIA] *= (heavier * longer**2)[..., None]
+    return [robot, *(replace(robot, theta=theta) for theta in thetas)]

@@ -7,17 +7,149 @@ from jaxtyping import Float
 
 from orbident.errors import InputError
 from orbident.excitation.conditions import Conditions, Limits
-from orbident.excitation.extremes import (
-    NODES,
-    BaseExtremes,
-    Extremes,
-    base_extremes_of,
-    extremes_of,
-)
-from orbident.excitation.joint_motions import JointMotions
+from orbident.excitation.joint_limits import JointMotions
+from orbident.model.wheel_arrays import wheels_of
 from orbident.robot.description import Robot
+from orbident.robot.parameters import (
+    FIRST_MOMENT,
+    INERTIA,
+    INERTIA_ENTRIES,
+    MASS,
+    inertia_about_com,
+)
 from orbident.simulation.free_floating import BaseState, FreeFloating, free_floating
 from orbident.trajectories.trajectory import Trajectory
+
+NODES = 4001
+
+LEAST_INERTIA = 1e-12
+"""kg m^2: a massless base cannot bound the inertia, and nothing is proven then."""
+
+
+class Extremes(NamedTuple):
+    """Bounds for all times, never too small."""
+
+    position: Float[np.ndarray, "joints 2"]
+    """Lowest and highest, rad or m."""
+    velocity: Float[np.ndarray, " joints"]
+    """Largest magnitude."""
+    acceleration: Float[np.ndarray, " joints"]
+
+
+class BaseExtremes(NamedTuple):
+    """Bounds for all times, never too small; infinite where nothing can be proven."""
+
+    rate: float
+    """Norm of the base's angular velocity, rad/s."""
+    excursion: float
+    """Angle from the first attitude, rad; at most pi."""
+    wheel_speed: float
+    """Speed of the fastest wheel, rad/s."""
+
+
+class _Norms(NamedTuple):
+    """Root integrals over the mass of the links."""
+
+    r: float
+    u: float
+    a: float
+
+
+def extremes_of(trajectory: Trajectory) -> Extremes:
+    """The extremes of every joint over the whole duration."""
+    t = np.linspace(0.0, trajectory.duration, NODES)
+    motion = trajectory.motion
+    beyond = t[1] ** 2 / 8
+    most = [motion.bound(order) for order in range(8)]
+    for order in (5, 4, 3, 2, 1):
+        sampled = np.abs(motion.derivative(order, t)).max(axis=0)
+        most[order] = sampled + beyond * most[order + 2]
+    q = motion.derivative(0, t)
+    over = beyond * most[2]
+    position = np.stack([q.min(axis=0) - over, q.max(axis=0) + over], axis=1)
+    return Extremes(position, most[1], most[2])
+
+
+def base_extremes_of(
+    robot: Robot, motion: FreeFloating, joints: Extremes
+) -> BaseExtremes:
+    """The extremes of the base over the whole duration, with nominal inertia.
+
+    Args:
+        robot: with its nominal inertia.
+        motion: at times that are evenly spaced over the whole duration.
+        joints: proven extremes of the same motion.
+    """
+    t = motion.t
+    least = _least_inertia(robot)
+    if least <= LEAST_INERTIA:
+        return BaseExtremes(np.inf, np.inf, np.inf)
+    norms = _norms(robot, joints)
+    h_cm = float(np.linalg.norm(motion.h_cm))
+    wheels = wheels_of(robot)
+    spin = motion.qd_rw[0] + wheels.free * (wheels.axes.T @ motion.w[0])
+    h_rw = float(np.linalg.norm(wheels.A_rw @ spin))
+    sampled = float(np.linalg.norm(motion.w, axis=1).max())
+    rate = (h_cm + norms.r * norms.u + h_rw) / least
+    planar = robot.motion == "planar"
+    change = np.inf
+    for _ in range(3):
+        # In the plane R_0^T h_cm is constant.
+        torque = (0.0 if planar else h_cm) * rate + norms.r * norms.a
+        change = (torque + 2 * norms.r * norms.u * rate) / least
+        rate = min(rate, sampled + change * t[1] / 2)
+    half = np.abs(motion.attitude @ motion.attitude[0])
+    turned = float(2 * np.arccos(np.clip(half, 0.0, 1.0)).max())
+    excursion = turned + rate * t[1] / 2 + motion.attitude_error
+    free_change = change * t[1] / 2 if wheels.free.any() else 0.0
+    fastest = float(np.abs(motion.qd_rw).max(initial=0.0))
+    return BaseExtremes(
+        float(rate), float(min(excursion, np.pi)), float(fastest + free_change)
+    )
+
+
+def _least_inertia(robot: Robot) -> float:
+    """Below every eigenvalue of `D`, free wheels apart, kg m^2."""
+    if robot.theta[0, MASS] <= 0:
+        return 0.0
+    wheels = wheels_of(robot)
+    I = inertia_about_com(robot.theta[0]) - (wheels.A_rw * wheels.free) @ wheels.axes.T
+    return float(I[2, 2] if robot.motion == "planar" else np.linalg.eigvalsh(I)[0])
+
+
+def _norms(robot: Robot, joints: Extremes) -> _Norms:
+    """Recursively from the base: each body's largest rates and accelerations."""
+    d, v, a, w, alpha = np.zeros((5, len(robot.bodies)))
+    com = robot.theta[0, FIRST_MOMENT] / robot.theta[0, MASS]
+    for k, joint in enumerate(robot.joints):
+        j, rate, acceleration = joint.parent, joints.velocity[k], joints.acceleration[k]
+        slides = joint.kind == "prismatic"
+        slide = np.abs(joints.position[k]).max() if slides else 0.0
+        arm = np.linalg.norm(joint.p_PJ) + slide
+        # Distances are from the base's CM; rates are zero there.
+        from_parent = arm if j else np.linalg.norm(joint.p_PJ - com) + slide
+        d[k + 1] = d[j] + from_parent
+        v[k + 1] = v[j] + w[j] * arm + slides * rate
+        a[k + 1] = a[j] + (alpha[j] + w[j] ** 2) * arm
+        a[k + 1] += slides * (acceleration + 2 * w[j] * rate)
+        w[k + 1] = w[j] + (not slides) * rate
+        alpha[k + 1] = alpha[j] + (not slides) * (acceleration + w[j] * rate)
+    m, spread = np.abs(robot.theta[1:, MASS]), _spread(robot.theta[1:])
+    root, d, v, a, w, alpha = np.sqrt(m), d[1:], v[1:], a[1:], w[1:], alpha[1:]
+    # |c| <= sqrt(m_links) |r| / M takes r from the base's CM to that of the system.
+    to_cm = 1 + m.sum() / robot.mass
+    return _Norms(
+        r=float(np.linalg.norm(root * d + spread) * to_cm),
+        u=float(np.linalg.norm(root * v + spread * w)),
+        a=float(np.linalg.norm(root * a + spread * (alpha + w**2))),
+    )
+
+
+def _spread(theta: Float[np.ndarray, "bodies 10"]) -> Float[np.ndarray, " bodies"]:
+    """Root of `integral |rho|^2 dm = tr I / 2`, about the body's origin."""
+    diagonal = [row == column for row, column in INERTIA_ENTRIES]
+    return np.sqrt(np.abs(theta[:, INERTIA][:, diagonal].sum(axis=1)) / 2)
+
 
 ACCURATE = 1e-6
 """Accuracy of the attitude, rad: bounds and scores need no better one."""

@@ -15,7 +15,7 @@ from orbident.excitation.criterion import (
     log_criterion,
     spectrum_of,
 )
-from orbident.excitation.floating import craft_of
+from orbident.excitation.floating import craft_of, was_at_rest
 from orbident.excitation.guarantee import floated
 from orbident.excitation.information import (
     Information,
@@ -23,7 +23,6 @@ from orbident.excitation.information import (
     sensing_of,
     weights_of,
 )
-from orbident.excitation.start import was_at_rest
 from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.description import Robot
 from orbident.simulation.free_floating import FreeFloating

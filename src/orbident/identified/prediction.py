@@ -21,7 +21,7 @@ from orbident.model.wheel_arrays import wheels_of
 from orbident.preprocessing.delays import corrections
 from orbident.preprocessing.samples import Batch, samples_of
 from orbident.recordings.recording import Recording
-from orbident.simulation.attitude import RateLaw, float_attitude, rate_law
+from orbident.simulation.free_floating import RateLaw, float_attitude, rate_law
 
 TOLERANCE = 1e-8
 """The error of the predicted attitude, rad: below what any sensor sees."""

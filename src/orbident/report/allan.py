@@ -26,9 +26,7 @@ from orbident.report.charts import (
     stacked,
 )
 from orbident.report.numbers import short
-from orbident.report.page import page
-from orbident.report.section import Chart, ReportTable, Section, TableRow
-from orbident.report.verdict import Verdict
+from orbident.report.page import Chart, ReportTable, Section, TableRow, Verdict, page
 
 PER_DECADE = 10
 

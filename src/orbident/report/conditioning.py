@@ -5,7 +5,7 @@ import numpy as np
 from orbident.estimation.result import Result
 from orbident.report.charts import Figure, label, numbers
 from orbident.report.numbers import short
-from orbident.report.section import Chart, ReportTable, Section, TableRow
+from orbident.report.page import Chart, ReportTable, Section, TableRow
 
 CLOSE = 0.95
 """A correlation worth a word."""

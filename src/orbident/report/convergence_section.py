@@ -18,7 +18,7 @@ from orbident.report.charts import (
     line,
     stacked,
 )
-from orbident.report.section import Chart, Section
+from orbident.report.page import Chart, Section
 
 COST = "cost"
 SIZE = "largest change (standard deviations)"

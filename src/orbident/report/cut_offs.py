@@ -12,13 +12,13 @@ from orbident.report.charts import (
     Figure,
     Panel,
     decades,
+    extremes,
     label,
     line,
     stacked,
 )
-from orbident.report.decimation import extremes
 from orbident.report.numbers import short
-from orbident.report.section import Chart, Section
+from orbident.report.page import Chart, Section
 
 UNITS = {"gyro": "rad/s", "position": "m"}
 """Units by the beginning of a signal's name; all other signals are angles."""

@@ -6,7 +6,7 @@ from pathlib import Path
 from orbident.extras import extra
 from orbident.files.replacing import replacing
 from orbident.files.text import write_text
-from orbident.report.section import Picture
+from orbident.report.page import Picture
 
 with extra("report", "drawing a figure"):
     from matplotlib import rc_context

@@ -7,7 +7,7 @@ from orbident.estimation.result import Result
 from orbident.model.identifiability import not_identifiable
 from orbident.model.minimal_sets import minimal_sets
 from orbident.report.numbers import NONE, short
-from orbident.report.section import ReportTable, Section, TableRow
+from orbident.report.page import ReportTable, Section, TableRow
 from orbident.robot.description import Joint
 
 

@@ -6,10 +6,115 @@ import json
 from collections.abc import Sequence
 from functools import lru_cache
 from math import isfinite
+from typing import Any, NamedTuple
 
+import numpy as np
+
+from orbident.estimation.check import Check, Level
+from orbident.estimation.result import Result
 from orbident.extras import extra
-from orbident.report.section import Section
-from orbident.report.verdict import Verdict
+from orbident.report.numbers import interval_text, short, with_std
+
+
+class TableRow(NamedTuple):
+    """One row of a table."""
+
+    cells: tuple[str, ...]
+    note: str = ""
+    """Note in small letters below the row: a formula."""
+    marked: bool = False
+    """Whether the eye is to find it."""
+
+
+class ReportTable(NamedTuple):
+    """A table of numbers, with units in its head."""
+
+    title: str
+    head: tuple[str, ...]
+    rows: tuple[TableRow, ...]
+    in_words: bool = False
+    """Whether its cells are words more than numbers."""
+    folded: bool = False
+    """Whether a click opens it."""
+
+
+class Chart(NamedTuple):
+    """A plotly figure as plain data; a colour may be the name of one of the page's."""
+
+    name: str
+    """Unique in a report."""
+    title: str
+    figure: dict[str, Any]
+    first: bool = False
+    """Whether it begins a line of the page."""
+    wide: bool = False
+    """Whether it takes a whole line; on a narrow screen it is scrolled."""
+
+
+class Picture(NamedTuple):
+    """A drawing that is kept as a file too."""
+
+    title: str
+    svg: str
+
+    @property
+    def source(self) -> str:
+        """The drawing inside the page, where its styles and names touch no other's."""
+        packed = base64.b64encode(self.svg.encode()).decode()
+        return f"data:image/svg+xml;base64,{packed}"
+
+
+class Section(NamedTuple):
+    """A heading and what stands below it."""
+
+    name: str
+    """Unique in a report."""
+    title: str
+    words: tuple[str, ...] = ()
+    tables: tuple[ReportTable, ...] = ()
+    charts: tuple[Chart, ...] = ()
+    pictures: tuple[Picture, ...] = ()
+
+
+HEADLINES: dict[Level, str] = {
+    "trust": "Trust it",
+    "with care": "Usable, with reservations",
+    "do not trust": "Do not trust it",
+}
+
+
+class Verdict(NamedTuple):
+    """The head of a report."""
+
+    level: Level
+    mass: str
+    """The mass in words; empty where there is none."""
+    checks: tuple[Check, ...]
+    notes: tuple[str, ...]
+    """What was done to the recording."""
+
+    @property
+    def headline(self) -> str:
+        """The level, as an advice."""
+        return HEADLINES[self.level]
+
+    @property
+    def style(self) -> str:
+        """The level, as a style's name."""
+        return self.level.replace(" ", "-")
+
+
+def verdict_of(result: Result) -> Verdict:
+    """The checks of a result; this module adds none."""
+    return Verdict(result.level, mass_in_words(result), result.checks, result.notes)
+
+
+def mass_in_words(result: Result) -> str:
+    """The mass with its interval."""
+    M, std = result.mass.value, result.mass.std
+    if not np.isfinite(M):
+        return ""
+    return f"{with_std(M, std)} ± {short(std, 2)} kg (95 %: {interval_text(M, std)} kg)"
 
 
 def page(

@@ -16,7 +16,7 @@ from orbident.report.numbers import (
     signed,
     with_std,
 )
-from orbident.report.section import Chart, ReportTable, Section, TableRow
+from orbident.report.page import Chart, ReportTable, Section, TableRow
 
 TITLES = {
     "base": "Base parameters: what free floating can identify",

@@ -16,14 +16,14 @@ from orbident.report.charts import (
     PREDICTED,
     Panel,
     Trace,
+    extremes,
     history,
     line,
     numbers,
     stacked,
 )
-from orbident.report.decimation import extremes
 from orbident.report.numbers import NINETY_FIVE
-from orbident.report.section import Chart, Section
+from orbident.report.page import Chart, Section
 
 UNITS = {"M": "kg", "sigma": "kg m", "iota": "kg m²"}
 

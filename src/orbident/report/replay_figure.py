@@ -12,10 +12,14 @@ from orbident.files.text import read_text, write_text
 from orbident.identified.run_folder import REPLAY
 from orbident.recordings.recording import Recording
 from orbident.report.charts import ERROR, Figure, numbers
-from orbident.report.section import Chart, Section
+from orbident.report.page import Chart, Section
 from orbident.robot.description import Robot
-from orbident.scene.motion_history import MotionHistory, centroidal_momentum, placed
-from orbident.scene.replay import recorded_motion
+from orbident.scene.replay import (
+    MotionHistory,
+    centroidal_momentum,
+    placed,
+    recorded_motion,
+)
 from orbident.scene.scene import Scene, scene_of
 from orbident.scene.shapes import Shape, box
 

@@ -10,16 +10,14 @@ from orbident.errors import InputError
 from orbident.estimation.convergence import SMALL
 from orbident.estimation.result import Result
 from orbident.estimation.signals import Signals
-from orbident.report.charts import shortened
+from orbident.report.charts import extremes, shortened, with_gaps
 from orbident.report.conditioning import correlations
 from orbident.report.convergence_section import COST, SIZE, is_wide, rounds, spacing
-from orbident.report.decimation import extremes, with_gaps
 from orbident.report.drawing import Axes, Drawing
-from orbident.report.fit import axis_labels
+from orbident.report.fit import autocorrelation, axis_labels, residuals, spectrum
 from orbident.report.numbers import NINETY_FIVE
 from orbident.report.parameter_section import differences, surest_routes
 from orbident.report.sensitivity_figure import largest_shifts
-from orbident.report.spectra import autocorrelation, residuals, spectrum
 
 COLORS = ("#4477aa", "#ee6677", "#228833", "#ccbb44", "#66ccee", "#aa3377", "#bbbbbb")
 """Told apart by the colour-blind too (Tol 2021, bright)."""

@@ -10,7 +10,7 @@ from orbident.estimation.sensitivity_table import SensitivityTable
 from orbident.estimation.unknowns import UNSEEN
 from orbident.report.charts import Figure, label, numbers
 from orbident.report.conditioning import COLORS
-from orbident.report.section import Chart, Section
+from orbident.report.page import Chart, Section
 
 MOST = 20
 """Rows and columns of which the numbers can be read."""

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from orbident.errors import InputError
 from orbident.report.numbers import NONE, short
-from orbident.report.section import ReportTable, Section, TableRow
+from orbident.report.page import ReportTable, Section, TableRow
 
 UNITS = {"gyro": "rad/s", "velocity": "m/s"}
 

@@ -11,15 +11,13 @@ from orbident.report.conditioning import conditioning
 from orbident.report.convergence_section import convergence
 from orbident.report.fit import fits
 from orbident.report.limits import excitation, identifiability
-from orbident.report.page import page
+from orbident.report.page import Section, page, verdict_of
 from orbident.report.parameter_section import masses, parameters
 from orbident.report.provenance import provenance, references
 from orbident.report.recursion import Trail, read_trail, recursion
 from orbident.report.replay_figure import replay_sections
-from orbident.report.section import Section
 from orbident.report.sensitivity_figure import sensitivities
 from orbident.report.validation_section import read_validation
-from orbident.report.verdict import verdict_of
 
 METHODS = {
     "least-squares": "least squares",

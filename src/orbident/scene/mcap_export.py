@@ -19,8 +19,7 @@ from orbident.model.rotations import quaternion_matrix, rotate
 from orbident.recordings.bags.mcap_writer import MessageLog, message, writing_mcap
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
-from orbident.scene.motion_history import MotionHistory
-from orbident.scene.replay import predicted_motion
+from orbident.scene.replay import MotionHistory, predicted_motion
 
 WORLD, PREDICTED, FEATURE_FRAME = "world", "predicted/", "feature_point"
 

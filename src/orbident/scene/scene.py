@@ -9,9 +9,17 @@ from jaxtyping import Float
 from orbident.identified.rotors import wheel_joints
 from orbident.identified.urdf_export import links_of
 from orbident.robot.description import Robot, Wheel
-from orbident.scene.made_shapes import made_shapes, robot_size
-from orbident.scene.shapes import MARK, WHEEL, Shape, box, cylinder, z_towards
-from orbident.scene.urdf_shapes import link_shapes
+from orbident.scene.shapes import (
+    MARK,
+    WHEEL,
+    Shape,
+    box,
+    cylinder,
+    link_shapes,
+    made_shapes,
+    robot_size,
+    z_towards,
+)
 
 DISC = 0.35
 """Radius of a wheel that is only declared, of the base's smallest half extent."""

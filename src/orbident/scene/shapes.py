@@ -1,9 +1,18 @@
 """Triangles and their colour: all that a picture of a robot is made of."""
 
+import math
+import xml.etree.ElementTree as ET
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float, Int
+
+from orbident.extras import MissingLibraryError
+from orbident.robot.description import Robot
+from orbident.robot.parameters import FIRST_MOMENT, MASS, inertia_about_com
+from orbident.robot.urdf import rotation_of
+from orbident.scene.mesh_files import mesh_file, read_mesh
 
 Colour = tuple[int, int, int]
 
@@ -104,3 +113,188 @@ def z_towards(direction: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3 3"]:
     x = np.cross(side, direction)
     x /= np.linalg.norm(x)
     return np.column_stack([x, np.cross(direction, x), direction])
+
+
+THIN = 0.025
+"""Radius of a rod, of the robot's size."""
+STRAIGHT = 0.01
+"""Products of inertia below this part of the largest moment turn no box."""
+
+
+def robot_size(robot: Robot) -> float:
+    """The longest way from S along the joints to a joint or a CM, m."""
+    reach = np.zeros(len(robot.bodies))
+    for k, joint in enumerate(robot.joints):
+        reach[k + 1] = reach[joint.parent] + np.linalg.norm(joint.p_PJ)
+    ends = [reach[i] + np.linalg.norm(_com(robot, i)) for i in range(reach.size)]
+    base = np.linalg.norm(_even_lengths(robot.theta[0])[0]) / 2
+    return float(max(*ends, base)) or 1.0
+
+
+def made_shapes(robot: Robot, body: int, size: float) -> list[Shape]:
+    """A body from what momentum knows of it: joints, CM and inertia.
+
+    The base is the box of even density that has its inertia, with rods to its joints. A
+    link is a rod from its joint to each next one; the last one ends as far behind its
+    CM as the CM is from its joint.
+
+    Args:
+        robot: with its nominal inertia.
+        body: index of the body.
+        size: of the robot, m.
+    """
+    com = _com(robot, body)
+    joints = [joint.p_PJ for joint in robot.joints if joint.parent == body]
+    if body == 0:
+        lengths, R = _even_lengths(robot.theta[0])
+        base = box(np.maximum(lengths, 0.05 * size), BASE)
+        shapes, start, ends, colour = [base.moved(0, R, com)], com, joints, BASE
+    else:
+        colour = LINKS[(body - 1) % len(LINKS)]
+        shapes = [_hub(robot, body, size)]
+        start, ends = np.zeros(3), joints or [2 * com]
+    shapes += [
+        rod(start, end, THIN * size, colour)
+        for end in ends
+        if np.linalg.norm(end - start) > THIN * size
+    ]
+    return [shape._replace(frame=body) for shape in shapes]
+
+
+def _hub(robot: Robot, body: int, size: float) -> Shape:
+    """A short cylinder along the joint's axis."""
+    hub = cylinder(1.4 * THIN * size, 3 * THIN * size, BASE)
+    return hub.moved(0, z_towards(robot.joints[body - 1].axis), np.zeros(3))
+
+
+def _com(robot: Robot, body: int) -> Float[np.ndarray, "3"]:
+    theta_i = robot.theta[body]
+    return theta_i[FIRST_MOMENT] / theta_i[MASS] if theta_i[MASS] else np.zeros(3)
+
+
+def _even_lengths(
+    theta_i: Float[np.ndarray, "10"],
+) -> tuple[Float[np.ndarray, "3"], Float[np.ndarray, "3 3"]]:
+    """Side lengths, m, and axes of the box of even density with this inertia."""
+    m = theta_i[MASS]
+    if m <= 0:
+        return np.zeros(3), np.eye(3)
+    I = inertia_about_com(theta_i)
+    moments, R = np.diag(I), np.eye(3)
+    if np.abs(I - np.diag(moments)).max() > STRAIGHT * np.abs(moments).max():
+        moments, R = np.linalg.eigh(I)
+    # I_k = m/12 (the other two lengths squared)
+    squares = 6 / m * (moments.sum() - 2 * moments)
+    return np.sqrt(np.maximum(squares, 0.0)), R
+
+
+class LinkShapes(NamedTuple):
+    """The shapes of the links, each in its link's frame."""
+
+    by_link: dict[str, tuple[Shape, ...]]
+    """Empty where nothing can be shown."""
+    missing: tuple[str, ...]
+    """Meshes that are not there or cannot be read."""
+    refusal: str
+    """Why no mesh can be read: the library for it is not installed; else empty."""
+
+
+def link_shapes(urdf: str, folder: Path | None) -> LinkShapes:
+    """The visuals of every link; its collision shapes where a visual cannot be had.
+
+    What is wrong with a shape costs this shape, not the robot.
+
+    Args:
+        urdf: the text, well-formed.
+        folder: of the URDF, for meshes; none are looked for where absent.
+    """
+    root = ET.fromstring(urdf)
+    colours = {
+        material.get("name", ""): material.find("color")
+        for material in root.findall("material")
+    }
+    reader = _Reader(folder, colours, [], [])
+    by_link = {}
+    for link in root.findall("link"):
+        visuals = [reader.shape(each) for each in link.findall("visual")]
+        if None in visuals:
+            visuals += [reader.shape(each) for each in link.findall("collision")]
+        shown = [shape for shape in visuals if shape is not None]
+        by_link[link.get("name", "")] = tuple(shown)
+    missing = tuple(dict.fromkeys(reader.missing))
+    return LinkShapes(by_link, missing, "".join(reader.refusals[:1]))
+
+
+class _Reader(NamedTuple):
+    folder: Path | None
+    colours: dict[str, ET.Element | None]
+    missing: list[str]
+    refusals: list[str]
+
+    def shape(self, element: ET.Element) -> Shape | None:
+        """What a <visual> or <collision> shows; None where it cannot be had."""
+        geometry = next(iter(element.find("geometry") or ()), None)
+        if geometry is None:
+            return None
+        try:
+            made = self._geometry(geometry, self._colour(element.find("material")))
+            placed = None if made is None else _placed(made, element.find("origin"))
+        except (ValueError, OverflowError):
+            return None
+        return placed
+
+    def _geometry(self, geometry: ET.Element, colour: Colour) -> Shape | None:
+        def lengths(name: str, count: int) -> Float[np.ndarray, " n"]:
+            return np.abs(_numbers(geometry.get(name), count))
+
+        if geometry.tag == "box":
+            return box(lengths("size", 3), colour)
+        if geometry.tag == "sphere":
+            return sphere(lengths("radius", 1)[0], colour)
+        if geometry.tag == "cylinder":
+            (radius,), (length,) = lengths("radius", 1), lengths("length", 1)
+            return cylinder(radius, length, colour)
+        return self._mesh(geometry, colour) if geometry.tag == "mesh" else None
+
+    def _mesh(self, geometry: ET.Element, colour: Colour) -> Shape | None:
+        name = geometry.get("filename", "")
+        path = mesh_file(name, self.folder) if self.folder else None
+        try:
+            mesh = read_mesh(path) if path else None
+        except MissingLibraryError as refusal:
+            self.refusals.append(str(refusal))
+            mesh = None
+        if mesh is None:
+            self.missing.append(name)
+            return None
+        scale = _numbers(geometry.get("scale"), 3, 1.0)
+        return Shape(0, mesh[0] * scale, mesh[1], colour)
+
+    def _colour(self, material: ET.Element | None) -> Colour:
+        if material is None:
+            return BASE
+        own = material.find("color")
+        colour = self.colours.get(material.get("name", "")) if own is None else own
+        if colour is None:
+            return BASE
+        r, g, b, _ = np.clip(255 * _numbers(colour.get("rgba"), 4), 0, 255)
+        return round(r), round(g), round(b)
+
+
+def _placed(shape: Shape, origin: ET.Element | None) -> Shape:
+    if origin is None:
+        return shape
+    rpy, xyz = (_numbers(origin.get(name), 3, 0.0) for name in ("rpy", "xyz"))
+    return shape.moved(0, rotation_of(rpy), xyz)
+
+
+def _numbers(
+    text: str | None, count: int, default: float | None = None
+) -> Float[np.ndarray, " n"]:
+    """The numbers of an attribute; ValueError where they are not as many or not so."""
+    if text is None and default is not None:
+        return np.full(count, float(default))
+    numbers = [float(word) for word in (text or "").split()]
+    if len(numbers) != count or not all(map(math.isfinite, numbers)):
+        raise ValueError(text)
+    return np.array(numbers)

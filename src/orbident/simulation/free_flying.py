@@ -14,8 +14,7 @@ from orbident.robot.description import Robot
 from orbident.simulation.control_laws import JointLaw, WheelLaw, WheelLimits
 from orbident.simulation.environment.moving import Path
 from orbident.simulation.environment.outside import Wrenches, outside_of, true_pulses
-from orbident.simulation.flight import FlyingState, FreeFlying
-from orbident.simulation.flight_checks import check_flight, check_laws
+from orbident.simulation.flight import FlyingState, FreeFlying, check_flight, check_laws
 from orbident.simulation.flight_steps import (
     AT_S,
     Drive,

@@ -1,20 +1,80 @@
 """A motion as the sensors of a robot would record it."""
 
-from collections.abc import Iterator, Sequence
-from typing import NamedTuple
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, fields
+from typing import Any, NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 
 from orbident.errors import InputError
+from orbident.files.names import suggestion
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.simulation.free_floating import FreeFloating, JointMotion
-from orbident.simulation.random_streams import stream
+from orbident.simulation.inertial import Accelerometer, Gyro
+from orbident.simulation.noise_processes import stream
 from orbident.simulation.sensor import Reading, Sensor
-from orbident.simulation.sensor_models import SensorModels, sensor_models
+from orbident.simulation.tracking import AttitudeTracker, Encoder, PositionTracker
 from orbident.simulation.truth import Truth, truth_of
 from orbident.trajectories.trajectory import Trajectory
+
+KINDS: dict[str, type[Sensor]] = {
+    "gyro": Gyro,
+    "accelerometer": Accelerometer,
+    "joints": Encoder,
+    "wheels": Encoder,
+    "attitude": AttitudeTracker,
+    "position": PositionTracker,
+}
+"""Trackers by the keys of their sections."""
+
+
+@dataclass(frozen=True)
+class SensorModels:
+    """What is measured; None is not."""
+
+    gyro: Gyro | None = None
+    accelerometer: Accelerometer | None = None
+    joints: Encoder | None = None
+    wheels: Encoder | None = None
+    attitude: AttitudeTracker | None = None
+    position: PositionTracker | None = None
+
+
+def sensor_models(section: Mapping[str, Any]) -> SensorModels:
+    """The sensors that a sensor section declares.
+
+    Args:
+        section: as in `Robot.sensors`, SI. By sensor, the fields of its class; `rate`
+            beside them is the recording's and no sensor.
+
+    Raises:
+        InputError: an unknown sensor or key, a missing key, or a bad value.
+    """
+    unknown = [key for key in section if key not in {*KINDS, "rate"}]
+    if unknown:
+        known = suggestion(str(unknown[0]), tuple(KINDS), "keys")
+        raise InputError(f"sensors: unknown key {unknown[0]!r}; {known}")
+    return SensorModels(
+        **{key: _sensor(key, section[key]) for key in KINDS if key in section}
+    )
+
+
+def _sensor(key: str, given: Mapping[str, Any]) -> Any:
+    names = tuple(field.name for field in fields(KINDS[key]))
+    for name in given:
+        if name not in names:
+            known = suggestion(str(name), names, "keys")
+            raise InputError(f"sensors.{key}: unknown key {name!r}; {known}")
+    try:
+        return KINDS[key](**given)
+    except InputError as error:
+        raise InputError(f"sensors.{key}.{error}") from None
+    except TypeError:
+        raise InputError(
+            f"sensors.{key}: a key is missing; give {', '.join(names)}"
+        ) from None
 
 
 def measure(

@@ -12,7 +12,7 @@ from orbident.model.regularity import check_regular
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.simulation.control_laws import Driven
-from orbident.simulation.environment.directions import seen_from_base
+from orbident.simulation.environment.orbital import seen_from_base
 from orbident.simulation.environment.outside import arc_of, recorded_thrust
 from orbident.simulation.flight import FreeFlying, standing
 from orbident.simulation.free_floating import BaseState, FreeFloating, free_floating

@@ -8,7 +8,7 @@ import numpy as np
 from orbident.errors import InputError
 from orbident.excitation.conditions import Conditions, conditions_for
 from orbident.excitation.criterion import Basis
-from orbident.excitation.start import spun_up
+from orbident.excitation.floating import spun_up
 from orbident.model.minimal_sets import minimal_sets
 from orbident.model.paper_bases import (
     Columns,

@@ -1,6 +1,4 @@
-"""The paper's numbers, as printed: Tables 1 to 6, Sections 3.5 and 5. Beside
-them what was estimated.
-"""
+"""The numbers of Tables 1 to 6 and Sections 3.5 and 5, as printed; ours beside them."""
 
 from dataclasses import dataclass
 from typing import Any

@@ -4,13 +4,9 @@ from typing import Any
 
 import numpy as np
 
-from orbident.scene.motion_history import MotionHistory, centroidal_momentum, placed
-from orbident.scene.replay import Replay
+from orbident.scene.replay import MotionHistory, Replay, centroidal_momentum, placed
 from orbident.scene.scene import Scene
-from orbident.viewer.arrows import Arrows
-from orbident.viewer.drawn_robot import DrawnRobot
-from orbident.viewer.plots import Plot
-from orbident.viewer.stage import Floor, heading
+from orbident.viewer.stage import Arrows, DrawnRobot, Floor, Plot, heading
 
 MOST_TIMES = 5000
 """Kept for playing."""

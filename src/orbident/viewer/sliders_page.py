@@ -6,12 +6,10 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.robot.description import Joint, Robot
-from orbident.scene.motion_history import MotionHistory, centroidal_momentum, placed
 from orbident.scene.reaction import BasePose, reaction
+from orbident.scene.replay import MotionHistory, centroidal_momentum, placed
 from orbident.scene.scene import Scene
-from orbident.viewer.arrows import TOTAL
-from orbident.viewer.drawn_robot import DrawnRobot
-from orbident.viewer.stage import Floor, heading
+from orbident.viewer.stage import TOTAL, DrawnRobot, Floor, heading
 
 FREE = np.pi
 """How far a slider goes where the joint has no stops, rad or m."""

@@ -1,12 +1,16 @@
 """What stands around the robot: floor, light and camera."""
 
 import html
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from jaxtyping import Float
+from scipy.spatial.transform import Rotation
 
+from orbident.scene.replay import CentroidalMomentum
 from orbident.scene.scene import Scene
+from orbident.scene.shapes import Colour
 
 CELLS = 40
 """Cells of the floor, in each direction."""
@@ -71,4 +75,200 @@ def heading(server: Any, title: str, *lines: str) -> None:
     server.gui.add_html(
         '<div style="padding:0.5em 1em;font-size:0.85em;overflow-wrap:anywhere;'
         f'max-height:12em;overflow-y:auto"><b>{html.escape(title)}</b>{words}</div>'
+    )
+
+
+GHOST: Colour = (102, 204, 238)
+FAINT = 0.35
+"""Opacity of a ghost."""
+
+
+class DrawnRobot:
+    """The frames of a scene, with their shapes; they move as one."""
+
+    def __init__(self, server: Any, name: str, scene: Scene, ghost: bool = False):
+        """Draw it, with all frames at the origin.
+
+        Args:
+            server: viser's.
+            name: of the node above all frames, unlike every other one's.
+            scene: what to draw.
+            ghost: in one colour, and transparent.
+        """
+        self._server = server
+        self._root = server.scene.add_frame(name, show_axes=False)
+        count = len(scene.robot.bodies) + len(scene.robot.wheels)
+        self._frames = [
+            server.scene.add_frame(f"{name}/{k}", show_axes=False) for k in range(count)
+        ]
+        for k, shape in enumerate(scene.shapes):
+            server.scene.add_mesh_simple(
+                f"{name}/{shape.frame}/{k}",
+                shape.vertices,
+                shape.faces,
+                color=GHOST if ghost else shape.colour,
+                opacity=FAINT if ghost else None,
+                flat_shading=True,
+                side="double",
+            )
+
+    def place(
+        self, R: Float[np.ndarray, "frames 3 3"], p: Float[np.ndarray, "frames 3"]
+    ) -> None:
+        """Put every frame there, page axes, m."""
+        quaternions = Rotation.from_matrix(R).as_quat(scalar_first=True)
+        for frame, x, at in zip(self._frames, quaternions, p, strict=True):
+            frame.wxyz, frame.position = x, at
+
+    def show(self, visible: bool) -> None:
+        """Or hide."""
+        self._root.visible = visible
+
+
+LONGEST = 1.1
+"""Length of the longest arrow, of the size: it must come out of the robot."""
+SHORTEST = 0.02
+"""Shorter ones are not drawn."""
+
+TOTAL: Colour = (40, 40, 40)
+BODIES: Colour = (68, 119, 170)
+WHEELS: Colour = (238, 119, 51)
+LINEAR: Colour = (34, 136, 51)
+
+
+class Arrows:
+    """Angular momentum about the CM, in all and in parts, and linear momentum."""
+
+    def __init__(self, server: Any, momentum: CentroidalMomentum, size: float):
+        """Nothing is drawn yet.
+
+        Args:
+            server: viser's.
+            momentum: over time, inertial axes.
+            size: how far the robot reaches, m.
+        """
+        self._size, self._cm = size, momentum.r_cm
+        angular = [momentum.h_rs + momentum.h_rw, momentum.h_rs, momentum.h_rw]
+        self._longest = max(_longest(h) for h in angular), _longest(momentum.p)
+        unit = [LONGEST * size / (largest or 1.0) for largest in self._longest]
+        scaled = [*(h * unit[0] for h in angular), momentum.p * unit[1]]
+        self._arrows = np.stack(scaled, axis=1)
+        self._colours = np.array([TOTAL, BODIES, WHEELS, LINEAR])
+        self._ball = server.scene.add_icosphere("/cm", 0.03 * size, color=TOTAL)
+        self._handle = server.scene.add_arrows(
+            "/momentum",
+            np.zeros((0, 2, 3)),
+            np.zeros((0, 3), np.uint8),
+            shaft_radius=0.012 * size,
+            head_radius=0.03 * size,
+            head_length=0.08 * size,
+        )
+
+    def place(self, k: int, origin: Float[np.ndarray, "3"]) -> None:
+        """As at the time `k`, seen from `origin`."""
+        at = self._cm[k] - origin
+        long = np.linalg.norm(self._arrows[k], axis=1) > SHORTEST * self._size
+        ends = at + self._arrows[k][long]
+        self._ball.position = at
+        self._handle.points = np.stack([np.broadcast_to(at, ends.shape), ends], axis=1)
+        self._handle.colors = self._colours[long].astype(np.uint8)
+
+    def show(self, visible: bool) -> None:
+        """Or hide."""
+        self._ball.visible = self._handle.visible = visible
+
+    def legend(self) -> str:
+        """What the colours and lengths mean, as HTML."""
+        angular, linear = self._longest
+        rows = [
+            (TOTAL, "angular momentum about the CM"),
+            (BODIES, "of which bodies"),
+            (WHEELS, f"of which wheels; longest {angular:.3g} N m s"),
+            (LINEAR, f"linear momentum; longest {linear:.3g} N s"),
+        ]
+        lines = [
+            f'<div><span style="color:rgb{colour}">&#9650;</span> {text}</div>'
+            for colour, text in rows
+        ]
+        return f'<div style="font-size:0.8em;padding:0 1em">{"".join(lines)}</div>'
+
+
+def _longest(vectors: Float[np.ndarray, "n 3"]) -> float:
+    return float(np.linalg.norm(vectors, axis=1).max())
+
+
+MOST_POINTS = 400
+"""Most points of a curve: the panel is not wider."""
+COLOURS = ("#ee6677", "#228833", "#4477aa", "#aa3377", "#ccbb44", "#66ccee")
+NOW = "#222222"
+
+
+class Plot:
+    """Some curves, predicted ones dashed, and the present time."""
+
+    def __init__(
+        self,
+        server: Any,
+        title: str,
+        t: Float[np.ndarray, " n"],
+        curves: Float[np.ndarray, "n k"],
+        names: Sequence[str],
+        dashed: Float[np.ndarray, "n k"] | None = None,
+    ):
+        """Draw it below what is in the panel.
+
+        Args:
+            server: viser's.
+            title: with the unit.
+            t: times, s.
+            curves: one a column.
+            names: of the curves.
+            dashed: the same, predicted.
+        """
+        columns = curves if dashed is None else np.hstack([curves, dashed])
+        chosen = np.arange(0, t.size, -(-t.size // MOST_POINTS))
+        self._t = t[chosen]
+        self._columns = [np.array(column) for column in columns[chosen].T]
+        looks = [{"stroke": _colour(k), "width": 1.5} for k in range(len(names))]
+        faint = [{**look, "dash": (6, 4)} for look in looks]
+        series = [{}, *looks, *(faint if dashed is not None else ()), {"stroke": NOW}]
+        low, high = float(np.nanmin(columns)), float(np.nanmax(columns))
+        room = 0.05 * (high - low) or 1.0
+        self._ends = low - room, high + room
+        words = "dashed: predicted" if dashed is not None else ""
+        server.gui.add_html(_caption(title, names, words))
+        self._handle = server.gui.add_uplot(
+            self._data(0),
+            tuple(series),
+            scales={"x": {"time": False}, "y": {"range": self._ends}},
+            legend={"show": False},
+            height=150,
+            padding=(10, 16, 0, 0),
+        )
+
+    def place(self, t: float) -> None:
+        """Move the line there, s."""
+        self._handle.data = self._data(int(np.searchsorted(self._t, t)))
+
+    def _data(self, k: int) -> tuple[Float[np.ndarray, " n"], ...]:
+        # From the lower end at one sample to the upper one at the next: upright, but
+        # for the width of a pixel.
+        now = np.full(self._t.size, np.nan)
+        k = min(k, self._t.size - 2)
+        now[k : k + 2] = self._ends
+        return (self._t, *self._columns, now)
+
+
+def _colour(k: int) -> str:
+    return COLOURS[k % len(COLOURS)]
+
+
+def _caption(title: str, names: Sequence[str], words: str) -> str:
+    listed = " ".join(
+        f'<span style="color:{_colour(k)}">{html.escape(name)}</span>'
+        for k, name in enumerate(names)
+    )
+    return (
+        '<div style="font-size:0.8em;padding:0 1em;overflow-wrap:anywhere">'
+        f"<b>{html.escape(title)}</b> {listed} {words}</div>"
     )

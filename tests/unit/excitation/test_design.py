@@ -11,11 +11,10 @@ from random_robots import random_robot, random_wheels
 
 from orbident.errors import InputError
 from orbident.excitation.conditions import conditions_for, limits_of
-from orbident.excitation.descent import Descent
 from orbident.excitation.design import design_excitation, usual_objective
-from orbident.excitation.design_problem import STEPS, steps_for
-from orbident.excitation.plausible_robots import plausible_robots
-from orbident.excitation.start import was_at_rest
+from orbident.excitation.design_problem import STEPS, plausible_robots, steps_for
+from orbident.excitation.floating import was_at_rest
+from orbident.excitation.search import Descent
 from orbident.robot.parameters import inertia_about_com
 from orbident.robot.physical_inertia import nonphysical
 from orbident.studies.exciting import paper_case

@@ -3,8 +3,7 @@ import pytest
 from random_motions import random_motion
 from random_robots import random_planar_robot, random_robot, random_wheels
 
-from orbident.excitation.extremes import NODES, base_extremes_of, extremes_of
-from orbident.excitation.guarantee import floated
+from orbident.excitation.guarantee import NODES, base_extremes_of, extremes_of, floated
 from orbident.simulation.free_floating import BaseState, free_floating
 from orbident.trajectories.trajectory import Trajectory
 

@@ -7,8 +7,7 @@ import pytest
 from random_motions import random_motion
 from random_robots import random_robot, random_wheels
 
-from orbident.excitation.floating import NodalMotion, craft_of
-from orbident.excitation.start import was_at_rest
+from orbident.excitation.floating import NodalMotion, craft_of, was_at_rest
 from orbident.model.inertia import inertia
 from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.description import Robot

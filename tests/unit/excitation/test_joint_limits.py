@@ -5,8 +5,12 @@ import pytest
 
 from orbident.errors import InputError
 from orbident.excitation.conditions import limits_of
-from orbident.excitation.joint_limits import check_ends, inner_point, polytope_of
-from orbident.excitation.joint_motions import joint_motions
+from orbident.excitation.joint_limits import (
+    check_ends,
+    inner_point,
+    joint_motions,
+    polytope_of,
+)
 from orbident.robot.robot_file import load_robot
 
 NAMES = ("joint1", "joint2")

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from orbident.excitation.conditions import limits_of
-from orbident.excitation.joint_motions import joint_motions
+from orbident.excitation.joint_limits import joint_motions
 from orbident.robot.robot_file import load_robot
 from orbident.trajectories.trajectory import Trajectory
 

@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 
 from orbident.excitation.conditions import conditions_for, limits_of
-from orbident.excitation.descent import OUTSIDE, Feasible
 from orbident.excitation.design_problem import DesignProblem, problem_for
 from orbident.excitation.joint_limits import inner_point, polytope_of
-from orbident.excitation.search import Effort, Searched, search
+from orbident.excitation.search import OUTSIDE, Effort, Feasible, Searched, search
 
 
 @pytest.fixture(scope="module")

@@ -5,7 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from orbident.report.decimation import extremes, with_gaps
+from orbident.report.charts import extremes, with_gaps
 
 
 @pytest.mark.parametrize("columns", [1, 7, 100])

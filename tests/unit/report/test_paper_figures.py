@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from orbident.report.paper_figures import draw_errors, draw_figures
+from orbident.report.study_page import draw_errors, draw_figures
 from orbident.studies.paper_tables import PaperRow
 from orbident.studies.planar_run import Figure
 

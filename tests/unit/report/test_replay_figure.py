@@ -18,8 +18,7 @@ from orbident.report.replay_figure import (
     write_replay,
 )
 from orbident.robot.robot_file import load_robot
-from orbident.scene.motion_history import centroidal_momentum, placed
-from orbident.scene.replay import recorded_motion
+from orbident.scene.replay import centroidal_momentum, placed, recorded_motion
 from orbident.scene.scene import scene_of
 from orbident.simulation.simulate import simulate
 

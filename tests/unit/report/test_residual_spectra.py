@@ -5,7 +5,7 @@ import pytest
 from scipy.signal import welch
 
 from orbident.estimation.estimate import whiteness
-from orbident.report.spectra import LINES, autocorrelation, power_density, spectrum
+from orbident.report.fit import LINES, autocorrelation, power_density, spectrum
 
 RANDOM = np.random.default_rng(3)
 WHITE = RANDOM.standard_normal(20_000)

@@ -13,7 +13,7 @@ from orbident.errors import InputError
 from orbident.estimation.convergence import Step
 from orbident.estimation.result import Result
 from orbident.estimation.sensitivity_table import SensitivityTable
-from orbident.report.spectra import autocorrelation, spectrum
+from orbident.report.fit import autocorrelation, spectrum
 
 UNITS = {"momentum": "N m s", "velocity": "m/s"}
 

@@ -2,7 +2,7 @@
 
 import report_runs
 
-from orbident.report.verdict import verdict_of
+from orbident.report.page import verdict_of
 
 
 def test_refused():

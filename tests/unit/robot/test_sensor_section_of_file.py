@@ -4,7 +4,7 @@ import pytest
 
 from orbident.errors import InputError
 from orbident.robot.sensor_suites import SUITES
-from orbident.simulation.sensor_models import sensor_models
+from orbident.simulation.measure import sensor_models
 
 
 def test_every_key_of_a_sensor_may_stand_in_the_file(load_yaml):

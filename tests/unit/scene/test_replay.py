@@ -11,8 +11,7 @@ from orbident.errors import InputError
 from orbident.estimation.identify import identify
 from orbident.recordings.recording import Recording
 from orbident.robot.robot_file import load_robot
-from orbident.scene.motion_history import centroidal_momentum
-from orbident.scene.replay import predicted_motion, recorded_motion
+from orbident.scene.replay import centroidal_momentum, predicted_motion, recorded_motion
 from orbident.simulation.simulate import simulate
 
 

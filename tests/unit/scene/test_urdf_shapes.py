@@ -12,8 +12,7 @@ from processes import finished
 from scipy.spatial.transform import Rotation
 
 from orbident.scene.mesh_files import MOST_BYTES, mesh_file, read_mesh
-from orbident.scene.shapes import BASE
-from orbident.scene.urdf_shapes import link_shapes
+from orbident.scene.shapes import BASE, link_shapes
 
 PLACE = '<origin xyz="1 2 3" rpy="0.3 -0.4 0.5"/>'
 

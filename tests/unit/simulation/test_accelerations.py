@@ -11,8 +11,8 @@ from random_robots import (
 )
 
 from orbident.model.rotations import quaternion_matrix
-from orbident.simulation.accelerations import accelerations
 from orbident.simulation.free_floating import free_floating
+from orbident.simulation.truth import accelerations
 
 PARENTS = (0, 1, 0)
 SWING = random_swing(2, len(PARENTS))

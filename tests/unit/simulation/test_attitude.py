@@ -4,7 +4,7 @@ from random_robots import random_quaternion
 
 from orbident.errors import InputError
 from orbident.model.rotations import rotation_angle
-from orbident.simulation.attitude import (
+from orbident.simulation.free_floating import (
     MOST_SUBSTEPS,
     RateLaw,
     float_attitude,

@@ -4,8 +4,7 @@ from random_robots import random_quaternion
 from scipy.spatial.transform import Rotation
 
 from orbident.errors import InputError
-from orbident.simulation.encoder import Encoder
-from orbident.simulation.tracking import AttitudeTracker, PositionTracker
+from orbident.simulation.tracking import AttitudeTracker, Encoder, PositionTracker
 
 ANGLES = np.linspace(-3.0, 300.0, 100_000)[:, None]
 ATTITUDES = np.array([random_quaternion(np.random.default_rng(k)) for k in range(20)])

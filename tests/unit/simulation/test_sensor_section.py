@@ -7,7 +7,7 @@ from random_motions import random_motion
 from orbident.errors import InputError
 from orbident.robot.robot_file import load_robot
 from orbident.robot.sensor_suites import SUITES, sensor_suite
-from orbident.simulation.sensor_models import SensorModels, sensor_models
+from orbident.simulation.measure import SensorModels, sensor_models
 from orbident.simulation.simulate import simulate
 
 

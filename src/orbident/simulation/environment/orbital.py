@@ -15,7 +15,10 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.errors import InputError
-from orbident.model.rotations import rotate, rotate_back
+from orbident.model.rotations import (
+    rotate,
+    rotate_back,
+)
 from orbident.orbits.earth import MU
 from orbident.orbits.orbit import Arc
 from orbident.robot.parameters import inertia_about_com
@@ -25,7 +28,7 @@ from orbident.simulation.environment.moving import (
     Vectors,
     heavy_bodies,
 )
-from orbident.trajectories.environment import AirDrag, SolarPressure
+from orbident.trajectories.environment import AirDrag, Environment, SolarPressure
 
 SUNLIGHT = 4.54e-6
 """The pressure of light that is absorbed, at the Earth, N/m^2."""
@@ -96,3 +99,31 @@ def dipole(moment: tuple[float, ...], arc: Arc, moving: Moving) -> list[Load]:
 def _at(centre: tuple[float, ...], force: np.ndarray, moving: Moving) -> Load:
     """A force on the base, at a point in the frame of its link."""
     return moving.acting(0, np.array(centre) - moving.robot.feature_point, force)
+
+
+def seen_from_base(
+    environment: Environment,
+    arc: Arc | None,
+    t: Float[np.ndarray, " rows"],
+    R_WB: Float[np.ndarray, "rows 3 3"],
+) -> dict[str, Float[np.ndarray, " rows"]]:
+    """The columns `nadir`, `flow`, `field` and `sun`, without noise.
+
+    Args:
+        environment: perhaps with the sun's direction.
+        arc: of the orbit, if there is one.
+        t: the times of the rows, s.
+        R_WB: the attitude.
+    """
+    shown: dict[str, Vectors] = {}
+    if arc is not None:
+        speed = np.linalg.norm(arc.wind(t), axis=1, keepdims=True)
+        shown |= {"nadir": -arc.place(t), "flow": -arc.wind(t) / speed}
+        shown["field"] = arc.field(t)
+    if environment.solar_pressure is not None:
+        shown["sun"] = sun_of(environment.solar_pressure, arc, t)
+    return {
+        f"{name}.{axis}": column
+        for name, vectors in shown.items()
+        for axis, column in zip("xyz", rotate_back(R_WB, vectors).T, strict=True)
+    }

@@ -15,7 +15,7 @@ from orbident.robot.description import Robot
 from orbident.simulation.environment import air_table, orbital, steady
 from orbident.simulation.environment.moving import Force, Path, Vectors, at_rest
 from orbident.simulation.flight_steps import FlightStates, WrenchPoint
-from orbident.simulation.random_streams import stream
+from orbident.simulation.noise_processes import stream
 from orbident.simulation.thrusters import Pulse
 from orbident.trajectories.environment import Environment, Firing
 
