@@ -6,6 +6,7 @@ import sys
 import threading
 import time
 from collections.abc import Iterator
+from typing import TextIO
 
 from orbident.errors import InputError
 from orbident.live.lines import LONGEST
@@ -29,13 +30,16 @@ DROPS = 40
 number of those that the system had no room for, in four bytes."""
 
 
-def lines_of_input(handle: int) -> Iterator[list[bytes]]:
+def lines_of_input(given: TextIO | None) -> Iterator[list[bytes]]:
     """Whole lines as they come; of what comes faster than it is taken, many at once.
 
     Args:
-        handle: of an open file or pipe.
+        given: an open file or pipe; None where standard input was closed before the
+            command started.
     """
-    rest = b""
+    if given is None:
+        return
+    handle, rest = given.fileno(), b""
     while block := os.read(handle, BLOCK):
         *lines, rest = (rest + block).split(b"\n")
         rest = rest[:LONGEST]
@@ -88,6 +92,12 @@ class Datagrams:
         The system tells only with the next datagram, and only Linux does.
         """
         return self._unseen + self._left_out
+
+    @property
+    def waiting(self) -> int:
+        """Lines that have come and were not taken."""
+        with self._lock:
+            return sum(bool(line.strip()) for line in self._waiting.split(b"\n"))
 
     def lines(self) -> Iterator[list[bytes]]:
         """Lines as they come, without an end."""

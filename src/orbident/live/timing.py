@@ -1,51 +1,144 @@
-"""Which times of a stream to believe: a lone one far from its neighbours is wrong.
+"""Which times of a stream to believe, whatever the clocks of its senders say.
 
-A time that is wrong and far ahead would make every later sample late. One that is more
-than `GAP` from the one before is therefore believed only when the next one follows it.
+Samples whose times follow each other are of one clock, and one clock is believed at a
+time: as long as it goes on, what other clocks say is dropped. Another one takes over
+once it has gone on alone, so that a wrong time, a second sender or a clock that is set
+neither ends the run nor mixes what is true of two instants. Only differences of times
+count, to the microsecond: the zero of time does not matter.
 """
 
-from enum import Enum
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 
-GAP = 10.0
-"""s: samples that are further apart are those of an interruption, or of another clock;
-networks delay packets by less."""
+from orbident.live.rate_smoothing import HALF
+
+PAUSE = HALF
+"""s: a time that is further ahead is another clock's, or of after an interruption,
+across which nothing can be smoothed."""
+
+LATE = 10.0
+"""s: networks delay packets by less; what is further behind is another clock's."""
+
+ALONE = 1.0
+"""s, for which another clock has to go on alone, so that two senders that send many
+samples at once do not take over from each other in turn,"""
+
+WARM_UP = 50
+"""and for so many samples, which tell how far apart they are."""
+
+RATE = 1000
+"""Hz: a second of so many samples smooths the gyro's noise below what else is wrong
+with a rate, and one processor can take them in."""
+
+CLOCKS = 8
+"""That may wait to take over; more are no senders but times at random."""
+
+DIGITS = 6
+"""Of a time in seconds that count: what they tell is far below a sample's distance, and
+a double holds them of any time since 1970."""
+
+NEXT = "next"
+"""A sample that goes on where its clock's last one was."""
+
+Row = Float[np.ndarray, " all"]
+"""A sample, its time first."""
 
 
-class Leap(Enum):
-    """How a time is far from the one before."""
+@dataclass(eq=False)
+class StreamClock:
+    """Times that follow each other."""
 
-    waits = "the next sample will tell"
-    alone = "wrong"
-    forward = "samples are lacking"
-    back = "the clock was set back"
+    first: float
+    newest: float
+    rows: list[Row] = field(default_factory=list)
+    """Samples that wait for it to take over."""
+
+    @property
+    def ready(self) -> bool:
+        """Whether it has gone on long enough."""
+        return len(self.rows) >= WARM_UP and self.newest - self.first >= ALONE
+
+    def place(self, t: float) -> str:
+        """What a sample of time `t` is: the next one, `late`, `thinned` or none."""
+        ahead = round(t - self.newest, DIGITS)
+        if not -LATE <= ahead <= PAUSE:
+            return ""
+        if ahead <= 0:
+            return "late"
+        same = self._slot(t) == self._slot(self.newest)
+        return "thinned" if same else NEXT
+
+    def _slot(self, t: float) -> int:
+        return round(round(t - self.first, DIGITS) * RATE)
 
 
-class Run(NamedTuple):
-    """Samples that follow each other, and what comes behind them."""
+class Heard(NamedTuple):
+    """What a sample leads to."""
 
-    size: int
-    leap: Leap | None
-    """What the sample behind them is; None where there is none."""
+    rows: Sequence[Row] = ()
+    """Samples of the clock that is believed, to be taken in."""
+    crossed: bool = False
+    """Whether this clock has just taken over."""
 
 
-def next_run(before: float, t: Float[np.ndarray, " n"]) -> Run:
-    """How many samples follow the one before, and how the next one does not.
+@dataclass
+class StreamClocks:
+    """The clock that is believed, and others that wait to take over."""
 
-    Args:
-        before: time of the sample before, s; NaN if there is none.
-        t: all times that wait, s; none is NaN.
-    """
-    far = np.flatnonzero(np.abs(np.diff(t, prepend=before)) > GAP)
-    if not far.size:
-        return Run(t.size, None)
-    at = int(far[0])
-    if at + 1 == t.size:
-        return Run(at, Leap.waits)
-    if not abs(t[at + 1] - t[at]) <= GAP:
-        return Run(at, Leap.alone)
-    last = t[at - 1] if at else before
-    return Run(at, Leap.forward if t[at] > last else Leap.back)
+    believed: StreamClock | None = None
+    others: list[StreamClock] = field(default_factory=list)
+    """The one that was heard last is the last."""
+
+    def copied(self) -> "StreamClocks":
+        """One that can be changed without this one."""
+        others = [replace(each, rows=list(each.rows)) for each in self.others]
+        return StreamClocks(self.believed and replace(self.believed), others)
+
+    def waiting(self) -> int:
+        """How many samples of other clocks wait."""
+        return sum(len(each.rows) for each in self.others)
+
+    def hear(self, row: Row, counts: Counter[str]) -> Heard:
+        """Take the next sample in.
+
+        Args:
+            row: the sample; its time is a number.
+            counts: what became of samples that are dropped; it is changed.
+        """
+        t = float(row[0])
+        places = {}
+        for clock in (*filter(None, [self.believed]), *self.others):
+            place = clock.place(t)
+            if place == NEXT:
+                return self._go_on(clock, t, row, counts)
+            places[place] = clock
+        places.pop("", None)
+        if places:
+            counts[next(iter(places))] += 1
+            return Heard()
+        self.others.append(StreamClock(t, t, [row]))
+        if len(self.others) > CLOCKS:
+            counts["foreign"] += len(self.others.pop(0).rows)
+        return Heard()
+
+    def _go_on(
+        self, clock: StreamClock, t: float, row: Row, counts: Counter[str]
+    ) -> Heard:
+        clock.newest = t
+        crossed = clock is not self.believed
+        if crossed:
+            clock.rows.append(row)
+            self.others.remove(clock)
+            if not clock.ready:
+                self.others.append(clock)
+                return Heard()
+            self.believed = replace(clock, rows=[])
+        if self.others:
+            counts["foreign"] += self.waiting()
+            self.others = []
+        return Heard(clock.rows if crossed else [row], crossed)
