@@ -12,7 +12,7 @@ from orbident.estimation.recursive.prior import cad_prior
 from orbident.live.lines import Lines
 from orbident.live.live_filter import Event, LiveFilter
 from orbident.live.state_file import nothing_carried, read_state, save_state
-from orbident.live.timing import ALONE, WARM_UP
+from orbident.live.timing import ALONE, PAUSE, WARM_UP
 from orbident.model.formulas import formulas_of
 from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.description import Robot
@@ -124,8 +124,8 @@ class Session:
             came = ", ".join(f"{n} {name}" for name, n in counts.items() if n)
             raise InputError(
                 f"{self._source}: no estimate, since the filter begins with {WARM_UP} "
-                f"complete samples of one clock in {ALONE:g} s or more; found {came}: "
-                "check what is sent, t is in seconds"
+                f"complete samples, at most {PAUSE:g} s apart and in {ALONE:g} s or "
+                f"more; found {came}; check what is sent, t is in seconds"
             )
 
     def _no_columns(self) -> str:

@@ -74,7 +74,12 @@ class StreamClock:
         return "thinned" if same else NEXT
 
     def _slot(self, t: float) -> int:
-        return round(round(t - self.first, DIGITS) * RATE)
+        """Of which one sample is taken in: what is nearest to a multiple of 1 / RATE.
+
+        Halves are the earlier one's, so that slots of 10 kHz are all alike.
+        """
+        ticks, size = round((t - self.first) * 10**DIGITS), 10**DIGITS // RATE
+        return (ticks + size // 2 - 1) // size
 
 
 class Heard(NamedTuple):

@@ -1,5 +1,6 @@
 """Samples as they come, late, missing, repeated or absurd, and however grouped."""
 
+import copy
 import itertools
 
 import numpy as np
@@ -138,6 +139,68 @@ def test_a_clock_that_was_set_back():
     (clock,) = [event for event in told if event.kind == "clock"]
     assert clock.t == 0.0
     check_right(filter_)
+
+
+@pytest.mark.parametrize("zero", [1.0, -0.3, 1e3, 1.7e9])
+def test_the_zero_of_time_does_not_matter(zero: float):
+    rows = table()[:300]
+    here, there = fresh(), fresh()
+    here.take(rows.copy())
+    rows[:, 0] += zero
+    told = there.take(rows)
+    assert last(there).of == last(here).of
+    assert told[0].t == pytest.approx(zero + EVERY, abs=1e-6)
+
+
+@pytest.mark.parametrize("apart", [100.0, 3.0])
+def test_of_two_senders_one_counts(apart: float):
+    rows = table()
+    copies = rows.copy()
+    copies[:, 0] += apart
+    both = np.stack([rows, copies], axis=1).reshape(-1, rows.shape[1])
+    alone, among = fresh(), fresh()
+    expected, told = alone.take(rows), among.take(both)
+    assert values(told) == values(expected)
+    assert among.carried.counts["foreign"] == len(rows) - 1
+
+
+@pytest.mark.parametrize("leap", [2e9, -2e9])
+def test_a_clock_that_is_set(leap: float):
+    rows = table()
+    rows[300:, 0] += leap
+    filter_ = fresh()
+    told = filter_.take(rows)
+    (clock,) = [event for event in told if event.kind == "clock"]
+    assert (clock.t, clock.of["before"]) == (15.0 + leap, pytest.approx(14.95, abs=1.0))
+    assert filter_.carried.counts.keys() == {"counted", "unsmoothed"}
+    check_right(filter_)
+
+
+def test_an_interrupt_leaves_what_was_carried(monkeypatch: pytest.MonkeyPatch):
+    filter_, rows = fresh(), table()
+    filter_.take(rows[:200].copy())
+    before = copy.deepcopy(filter_.carried.counts)
+    expected = last(filter_)
+    with monkeypatch.context() as patched:
+        patched.setattr(LiveFilter, "estimate", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            filter_.take(rows[200:400].copy())
+    assert (last(filter_), filter_.carried.counts) == (expected, before)
+    assert filter_.carried.waiting == 12
+
+
+def interrupted(_: LiveFilter) -> None:
+    raise KeyboardInterrupt
+
+
+def test_no_mass_is_negative():
+    """Rates of the wrong sign: what it finds is wrong, but no number is impossible."""
+    rows = table()
+    rows[:, 1:] *= -1
+    filter_ = fresh()
+    told = filter_.take(rows)
+    assert "restart" in {event.kind for event in told}
+    assert all(event.of.get("beta", [1.0])[0] > 0 for event in told)
 
 
 def test_a_pause():
