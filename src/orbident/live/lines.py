@@ -10,7 +10,7 @@ from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
 from orbident.files.names import listed
 from orbident.recordings.columns import VECTORS, meaning
@@ -35,6 +35,13 @@ def needed_columns(robot: Robot) -> tuple[str, ...]:
         *vectors["attitude"],
         *(f"wheel.{name}.speed" for name in robot.wheel_names),
     )
+
+
+def complete(samples: Float[np.ndarray, "n all"]) -> Bool[np.ndarray, " n"]:
+    """Which samples, as `Lines` reads them, lack nothing but perhaps the velocity."""
+    there = np.isfinite(samples)
+    there[:, -6:-3] = True
+    return there.all(axis=1)
 
 
 class Read(NamedTuple):

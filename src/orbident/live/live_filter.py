@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from jaxtyping import Float
 
+from orbident.live.lines import complete
 from orbident.live.rate_smoothing import HALF, ready, smoothed_at, still_needed
 from orbident.live.running import Ran, Running, begun, ran_through, tools_of
 from orbident.live.timing import DIGITS, RATE, Row, StreamClocks
@@ -24,8 +25,11 @@ SPIKES = "spikes"
 EDGES = "unsmoothed"
 """Samples within half a second of the start, or of an interruption."""
 
+LARGEST = 1e6
+"""SI: what is more the core does not believe either,"""
+
 FARTHEST = 1e9
-"""s: the core believes no longer time between two samples (`LONGEST`)."""
+"""s: nor a longer time between two samples."""
 
 
 class Event(NamedTuple):
@@ -113,15 +117,14 @@ class LiveFilter:
         return self._told
 
     def _take(self, at: Carried, samples: Float[np.ndarray, "n all"]) -> None:
-        complete = np.isfinite(samples)
-        complete[:, -6:-3] = True
         if self._velocity_std is None:
             samples[:, -6:-3] = np.nan
-        whole = samples[complete.all(axis=1)]
-        if len(whole) < len(samples):
-            at.counts["missing"] += len(samples) - len(whole)
+        whole = samples[complete(samples)]
+        possible = whole[~(np.abs(whole[:, 1:]) >= LARGEST).any(axis=1)]
+        at.counts["missing"] += len(samples) - len(whole)
+        at.counts["absurd"] += len(whole) - len(possible)
         rows: list[Row] = []
-        for row in whole:
+        for row in possible:
             heard = at.clocks.hear(row, at.counts)
             if heard.crossed:
                 self._pass(rows, last=True)
@@ -195,7 +198,7 @@ class LiveFilter:
         """The filter, of as many samples a second as these are."""
         t = np.array([float(row[0]) for row in rows])
         steps = np.diff(np.round(t - self.carried.zero, DIGITS))
-        dt = max(float(np.median(steps)), 1 / RATE)
+        dt = max(round(float(np.median(steps)), DIGITS), 1 / RATE)
         return begun(tools_of(self._robot, dt, self._velocity_std), rows[0])
 
     def _run(

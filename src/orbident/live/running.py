@@ -113,7 +113,7 @@ def ran_through(before: Running, samples: Float[np.ndarray, "n all"]) -> Ran:
         t,
         _packed(samples),
     )
-    numbers = np.hstack([beta[:size], std[:size]])
+    numbers = np.hstack([beta[:size], std[:size], tests[:size]])
     sound = np.isfinite(numbers).all(axis=1) & (beta[:size, 0] > 0)
     lost = not sound.all()
     if lost:

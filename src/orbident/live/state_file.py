@@ -7,7 +7,6 @@ sizes are checked before anything is read that could be large.
 import hashlib
 import os
 from collections import Counter
-from collections.abc import Iterable
 from pathlib import Path
 from typing import Annotated, ClassVar, Literal
 
@@ -18,7 +17,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from orbident._core import Watch
 from orbident.errors import InputError
 from orbident.files.replacing import replacing
-from orbident.live.lines import needed_columns
+from orbident.live.lines import complete, needed_columns
 from orbident.live.live_filter import Carried
 from orbident.live.running import Running, Tools, begun, tools_of
 from orbident.live.timing import CLOCKS, LATE, RATE, StreamClock, StreamClocks
@@ -60,8 +59,9 @@ def save_state(path: Path, carried: Carried) -> None:
     clocks, running = carried.clocks, carried.running
     tables = [carried.past, carried.held, *(np.array(c.rows) for c in clocks.others)]
     believed = clocks.believed or StreamClock(np.nan, np.nan)
-    times = [carried.zero, carried.begin, carried.before, carried.due]
-    numbers = [np.array([*times, believed.first, believed.newest]), *tables]
+    times = [carried.zero, carried.begin, carried.before]
+    times += [believed.first, believed.newest, carried.due]
+    numbers = [np.array(times), *tables]
     if running is not None:
         numbers += [running.state.numbers, running.watch.numbers]
     head = LiveState(
@@ -132,8 +132,10 @@ def _read(path: Path, robot: Robot, velocity_std: float | None) -> Carried:
     if tools is not None:
         running = _running(tools, *parts[-2:])
         parts = parts[:-2]
-    past, held, *others = (part.reshape(-1, columns) for part in parts)
-    zero, begin, before, due, first, newest = map(float, times)
+        if not np.isfinite(times[:-1]).all():
+            raise ValueError
+    past, held, *others = (_samples(part.reshape(-1, columns)) for part in parts)
+    zero, begin, before, first, newest, due = map(float, times)
     believed = None if running is None else StreamClock(first, newest)
     clocks = StreamClocks(believed, list(map(_clock, others)))
     counts = Counter(head.counts)
@@ -148,14 +150,24 @@ def _running(
     rows, window = tools.detector.rows, tools.detector.window
     state = tools.kalman.core.restored(numbers)
     running = Running(tools, state, Watch.restored(rows, window, watched))
-    if not np.isfinite([*state.beta, *running.std]).all():
+    with np.errstate(over="ignore"):
+        std = running.std
+    if not np.isfinite([*state.beta, *std]).all():
         raise ValueError
     return running
 
 
-def _clock(rows: Iterable[np.ndarray]) -> StreamClock:
-    kept = list(rows)
-    return StreamClock(float(kept[0][0]), float(kept[-1][0]), kept)
+def _samples(rows: Float[np.ndarray, "n all"]) -> Float[np.ndarray, "n all"]:
+    """As they were taken: complete, and each later than the one before."""
+    if not (complete(rows).all() and (np.diff(rows[:, 0]) > 0).all()):
+        raise ValueError
+    return rows
+
+
+def _clock(rows: Float[np.ndarray, "n all"]) -> StreamClock:
+    if not len(rows):
+        raise ValueError
+    return StreamClock(float(rows[0, 0]), float(rows[-1, 0]), list(rows))
 
 
 def _another(path: Path) -> str:

@@ -61,7 +61,7 @@ def test_a_stream_gives_every_parameter():
     check_right(filter_)
     counts = filter_.carried.counts
     # Half a second at 20 Hz; at the end as much waits, and what tells spikes.
-    assert counts == {"counted": 579, "unsmoothed": 10}
+    assert +counts == {"counted": 579, "unsmoothed": 10}
     assert len(filter_.carried.held) == 12
 
 
@@ -172,7 +172,7 @@ def test_a_clock_that_is_set(leap: float):
     told = filter_.take(rows)
     (clock,) = [event for event in told if event.kind == "clock"]
     assert (clock.t, clock.of["before"]) == (15.0 + leap, pytest.approx(14.95, abs=1.0))
-    assert filter_.carried.counts.keys() == {"counted", "unsmoothed"}
+    assert (+filter_.carried.counts).keys() == {"counted", "unsmoothed"}
     check_right(filter_)
 
 
