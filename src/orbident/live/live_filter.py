@@ -16,7 +16,7 @@ from jaxtyping import Float
 from orbident.live.lines import complete
 from orbident.live.rate_smoothing import HALF, ready, smoothed_at, still_needed
 from orbident.live.running import Ran, Running, begun, ran_through, tools_of
-from orbident.live.timing import DIGITS, RATE, Row, StreamClocks
+from orbident.live.timing import DIGITS, Row, StreamClock, StreamClocks
 from orbident.robot.description import Robot
 
 SPIKES = "spikes"
@@ -126,9 +126,9 @@ class LiveFilter:
         rows: list[Row] = []
         for row in possible:
             heard = at.clocks.hear(row, at.counts)
-            if heard.crossed:
+            if heard.crossed is not None:
                 self._pass(rows, last=True)
-                self._cross(float(heard.rows[0][0]), heard.rows)
+                self._cross(heard.crossed)
                 rows = []
             rows += heard.rows
         self._pass(rows)
@@ -173,33 +173,22 @@ class LiveFilter:
         at.held = at.held[taken:]
         at.past = samples[still_needed(t[: first + taken]) : first + taken]
 
-    def _cross(self, t: float, rows: Sequence[Row]) -> None:
-        """Believe another clock.
-
-        Args:
-            t: the time of its first sample, s.
-            rows: its samples so far.
-        """
+    def _cross(self, clock: StreamClock) -> None:
+        """Believe another clock."""
         at = self.carried
         # Samples before it that have too few others behind them.
         at.counts[EDGES] += len(at.held)
         at.past, at.held = at.past[:0], at.held[:0]
         if at.running is None:
-            at.zero, at.before = t, 0.0
-            at.running = self._begun(rows)
-        now = round(t - at.zero, DIGITS)
+            at.zero, at.before = clock.first, 0.0
+            tools = tools_of(self._robot, clock.step, self._velocity_std)
+            at.running = begun(tools, clock.rows[0])
+        now = round(clock.first - at.zero, DIGITS)
         if not 0 <= now - at.before <= FARTHEST:
-            self._told.append(Event("clock", t, {"before": at.now}))
+            self._told.append(Event("clock", clock.first, {"before": at.now}))
             at.running = at.running.opened(now)
         at.begin = at.before = now
         at.due = now + self._every
-
-    def _begun(self, rows: Sequence[Row]) -> Running:
-        """The filter, of as many samples a second as these are."""
-        t = np.array([float(row[0]) for row in rows])
-        steps = np.diff(np.round(t - self.carried.zero, DIGITS))
-        dt = max(round(float(np.median(steps)), DIGITS), 1 / RATE)
-        return begun(tools_of(self._robot, dt, self._velocity_std), rows[0])
 
     def _run(
         self, running: Running, samples: Float[np.ndarray, "n all"], last: bool

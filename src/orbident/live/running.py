@@ -19,7 +19,7 @@ from orbident.estimation.recursive.prior import (
     factor_of,
 )
 from orbident.identified.flight_tables import robot_header
-from orbident.live.timing import Row
+from orbident.live.timing import RATE, Row
 from orbident.robot.description import Robot
 
 ONSET = 1.0
@@ -37,7 +37,7 @@ class Tools(NamedTuple):
     """What the filter of a robot and of a rate is made of."""
 
     dt: float
-    """From sample to sample, s."""
+    """From sample to sample as they are sent, s: the gyro's noise depends on it."""
     kalman: Extended
     prior: GaussianPrior
     opening: Float[np.ndarray, "beta beta"]
@@ -52,14 +52,14 @@ def tools_of(robot: Robot, dt: float, velocity_std: float | None) -> Tools:
 
     Args:
         robot: with the noise of its gyro.
-        dt: from sample to sample, s.
+        dt: from sample to sample as they are sent, s.
         velocity_std: of a velocity sample, m/s; None where none is measured.
 
     Raises:
         InputError: the gyro's noise is not declared.
     """
     kalman = Extended.of(robot, declared_noise(robot, dt, velocity_std))
-    window = max(Detector.window, round(ONSET / dt))
+    window = max(Detector.window, round(ONSET / max(dt, 1 / RATE)))
     detector = Detector(kalman.rows, window=window, samples=PER_ALARM)
     opening, prior = factor_of(cad_covariance(robot, UNCERTAINTY)), cad_prior(robot)
     table = robot_header(robot, kalman, prior, opening, detector)

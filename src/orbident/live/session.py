@@ -78,7 +78,7 @@ class Session:
         Raises:
             InputError: the state cannot be written.
         """
-        self._unfinished = len(lines)
+        self._unfinished = sum(bool(line.strip()) for line in lines)
         complete = not self._lines.lacking
         samples, unreadable = self._lines.take(lines)
         told = self._filter.take(samples)

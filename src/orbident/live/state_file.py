@@ -20,14 +20,23 @@ from orbident.files.replacing import replacing
 from orbident.live.lines import complete, needed_columns
 from orbident.live.live_filter import Carried
 from orbident.live.running import Running, Tools, begun, tools_of
-from orbident.live.timing import CLOCKS, LATE, RATE, StreamClock, StreamClocks
+from orbident.live.timing import (
+    ALONE,
+    CLOCKS,
+    DIGITS,
+    PAUSE,
+    RATE,
+    WARM_UP,
+    StreamClock,
+    StreamClocks,
+)
 from orbident.robot.description import Robot
 
 LINE = 2**12
 """Bytes of the first two lines, at most: a name and a number for each kind of count."""
 
-ROWS = int(LATE * RATE)
-"""Samples that wait for one clock are fewer."""
+ROWS = round(ALONE * RATE) + WARM_UP + 1
+"""Samples that wait for one thing are no more."""
 
 NUMBER = np.dtype("<f8")
 
@@ -38,8 +47,8 @@ class LiveState(BaseModel):
     model_config: ClassVar[ConfigDict] = ConfigDict(extra="forbid", strict=True)
 
     kind: Literal["orbident live state 1"] = "orbident live state 1"
-    dt: Annotated[float, Field(ge=1 / RATE, le=LATE)] | None
-    """From sample to sample, s; none before the filter has begun."""
+    dt: Annotated[float, Field(ge=10**-DIGITS, le=PAUSE)] | None
+    """From sample to sample as sent, s; none before the filter has begun."""
     mark: str
     """Of the robot and of all that the filter is made of."""
     counts: dict[str, Annotated[int, Field(ge=0)]]

@@ -56,12 +56,23 @@ class StreamClock:
     first: float
     newest: float
     rows: list[Row] = field(default_factory=list)
-    """Samples that wait for it to take over."""
+    """Samples that wait for it to take over,"""
+    thinned: int = 0
+    """and how many beside them were too many."""
 
     @property
     def ready(self) -> bool:
         """Whether it has gone on long enough."""
         return len(self.rows) >= WARM_UP and self.newest - self.first >= ALONE
+
+    @property
+    def step(self) -> float:
+        """From sample to sample as they are sent, s."""
+        t = np.array([float(row[0]) for row in self.rows])
+        steps = np.diff(np.round(t - self.first, DIGITS))
+        sent = len(self.rows) + self.thinned
+        step = round(float(np.median(steps)) * len(self.rows) / sent, DIGITS)
+        return max(step, 10**-DIGITS)
 
     def place(self, t: float) -> str:
         """What a sample of time `t` is: the next one, `late`, `thinned` or none."""
@@ -87,8 +98,8 @@ class Heard(NamedTuple):
 
     rows: Sequence[Row] = ()
     """Samples of the clock that is believed, to be taken in."""
-    crossed: bool = False
-    """Whether this clock has just taken over."""
+    crossed: StreamClock | None = None
+    """This clock, if it has just taken over."""
 
 
 @dataclass
@@ -124,7 +135,9 @@ class StreamClocks:
             places[place] = clock
         places.pop("", None)
         if places:
-            counts[next(iter(places))] += 1
+            place, clock = next(iter(places.items()))
+            counts[place] += 1
+            clock.thinned += place == "thinned"
             return Heard()
         self.others.append(StreamClock(t, t, [row]))
         if len(self.others) > CLOCKS:
@@ -135,15 +148,16 @@ class StreamClocks:
         self, clock: StreamClock, t: float, row: Row, counts: Counter[str]
     ) -> Heard:
         clock.newest = t
-        crossed = clock is not self.believed
-        if crossed:
+        rows, crossed = [row], None
+        if clock is not self.believed:
             clock.rows.append(row)
             self.others.remove(clock)
             if not clock.ready:
                 self.others.append(clock)
                 return Heard()
-            self.believed = replace(clock, rows=[])
+            rows, crossed = clock.rows, clock
+            self.believed = StreamClock(clock.first, t)
         if self.others:
             counts["foreign"] += self.waiting()
             self.others = []
-        return Heard(clock.rows if crossed else [row], crossed)
+        return Heard(rows, crossed)
