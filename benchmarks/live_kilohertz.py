@@ -114,10 +114,9 @@ def watched(lines: list[bytes], rate: float, state: Path) -> bool:
     print(f"estimates are {np.median(delays):.2f} s old, {max(delays):.2f} s at most")
     print(f"{usage.ru_utime + usage.ru_stime:.1f} s of CPU; counts: {counts}")
     print(f"sent {size} at {rate:g} Hz, lost {size - sum(counts.values())}, of which")
-    print(
-        f"{end['lost_datagrams']} are counted as lost datagrams; the mass is {end['mass']}"
-    )
-    right = {"counted", "unsmoothed", "thinned", "waiting"}
+    print(f"{end['lost_datagrams']} are counted as lost datagrams")
+    print(f"the mass is {end['mass']}, and truly {spatial_robot().mass:g} kg")
+    right = {"counted", "unsmoothed", "averaged", "waiting"}
     return sum(counts.get(name, 0) for name in right) == size
 
 

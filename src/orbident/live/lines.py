@@ -37,6 +37,12 @@ def needed_columns(robot: Robot) -> tuple[str, ...]:
     )
 
 
+def attitude_columns(robot: Robot) -> slice:
+    """Where a sample has its quaternion."""
+    first = 1 + 2 * len(robot.joints) + 3
+    return slice(first, first + 4)
+
+
 def complete(samples: Float[np.ndarray, "n all"]) -> Bool[np.ndarray, " n"]:
     """Which samples, as `Lines` reads them, lack nothing but perhaps the velocity."""
     there = np.isfinite(samples)

@@ -53,6 +53,7 @@ class Carried:
     """Samples that went through, of the last half second,"""
     held: Float[np.ndarray, "n all"]
     """and those that wait for others."""
+    clocks: StreamClocks
     running: Running | None = None
     zero: float = np.nan
     """Time of the first sample that was believed, s."""
@@ -62,7 +63,6 @@ class Carried:
     """Time of the last sample, s."""
     due: float = np.nan
     """Time of the next estimate to be told, s."""
-    clocks: StreamClocks = field(default_factory=StreamClocks)
     counts: Counter[str] = field(default_factory=Counter)
 
     @property
@@ -74,6 +74,10 @@ class Carried:
     def now(self) -> float:
         """The time of the last sample as it came, s."""
         return self.as_sent(self.before)
+
+    def since(self, t: float) -> float:
+        """The time from `zero` to a time as it was sent, s."""
+        return round(t - self.zero, DIGITS)
 
     def as_sent(self, t: float) -> float:
         """A time in the clock of the samples, s."""
@@ -106,7 +110,10 @@ class LiveFilter:
         """
         before, self._told = self.carried, []
         at = self.carried = replace(
-            before, counts=Counter(before.counts), clocks=before.clocks.copied()
+            before,
+            held=before.held.copy(),
+            counts=Counter(before.counts),
+            clocks=before.clocks.copied(),
         )
         try:
             self._take(at, samples)
@@ -130,8 +137,22 @@ class LiveFilter:
                 self._pass(rows, last=True)
                 self._cross(heard.crossed)
                 rows = []
-            rows += heard.rows
+            rows += [self._timed(each) for each in heard.rows]
+            if heard.more is not None:
+                self._average(rows if rows else at.held, self._timed(heard.more))
         self._pass(rows)
+
+    def _timed(self, row: Row) -> Row:
+        """With its time from `zero` instead of from its clock's first sample."""
+        at = self.carried
+        assert at.clocks.believed is not None
+        row[0] = round(float(row[0]) + at.since(at.clocks.believed.first), DIGITS)
+        return row
+
+    def _average(self, rows: list[Row] | np.ndarray, row: Row) -> None:
+        clocks = self.carried.clocks
+        assert clocks.believed is not None
+        rows[-1] = clocks.averaged(rows[-1], row, clocks.believed.together)
 
     def estimate(self) -> Event | None:
         """What is known now; None before the first sample."""
@@ -158,9 +179,7 @@ class LiveFilter:
         if at.running is None:
             return
         if rows:
-            more = np.array(rows)
-            more[:, 0] = np.round(more[:, 0] - at.zero, DIGITS)
-            at.held = np.vstack([at.held, more])
+            at.held = np.vstack([at.held, *rows])
         samples = np.vstack([at.past, at.held])
         t = samples[:, 0]
         behind = max(first, ready(t))
@@ -183,7 +202,7 @@ class LiveFilter:
             at.zero, at.before = clock.first, 0.0
             tools = tools_of(self._robot, clock.step, self._velocity_std)
             at.running = begun(tools, clock.rows[0])
-        now = round(clock.first - at.zero, DIGITS)
+        now = at.since(clock.first)
         if not 0 <= now - at.before <= FARTHEST:
             self._told.append(Event("clock", clock.first, {"before": at.now}))
             at.running = at.running.opened(now)

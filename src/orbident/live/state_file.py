@@ -6,7 +6,7 @@ sizes are checked before anything is read that could be large.
 
 import hashlib
 import os
-from collections import Counter
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, ClassVar, Literal
 
@@ -17,7 +17,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from orbident._core import Watch
 from orbident.errors import InputError
 from orbident.files.replacing import replacing
-from orbident.live.lines import complete, needed_columns
+from orbident.live.lines import attitude_columns, complete, needed_columns
 from orbident.live.live_filter import Carried
 from orbident.live.running import Running, Tools, begun, tools_of
 from orbident.live.timing import (
@@ -66,10 +66,11 @@ def save_state(path: Path, carried: Carried) -> None:
         InputError: the place cannot be written.
     """
     clocks, running = carried.clocks, carried.running
-    tables = [carried.past, carried.held, *(np.array(c.rows) for c in clocks.others)]
-    believed = clocks.believed or StreamClock(np.nan, np.nan)
-    times = [carried.zero, carried.begin, carried.before]
-    times += [believed.first, believed.newest, carried.due]
+    others = clocks.others
+    tables = [carried.past, carried.held, *(np.array(each.rows) for each in others)]
+    every = [clocks.believed or StreamClock(np.nan), *others]
+    times = [carried.zero, carried.begin, carried.before, carried.due]
+    times += [x for each in every for x in (each.first, each.newest, each.together)]
     numbers = [np.array(times), *tables]
     if running is not None:
         numbers += [running.state.numbers, running.watch.numbers]
@@ -89,7 +90,7 @@ def save_state(path: Path, carried: Carried) -> None:
 def nothing_carried(robot: Robot) -> Carried:
     """Before the first sample."""
     nothing = np.empty((0, len(needed_columns(robot)) + 6))
-    return Carried(nothing, nothing)
+    return Carried(nothing, nothing, StreamClocks(attitude_columns(robot)))
 
 
 def read_state(path: Path, robot: Robot, velocity_std: float | None) -> Carried:
@@ -119,13 +120,14 @@ def read_state(path: Path, robot: Robot, velocity_std: float | None) -> Carried:
 def _read(path: Path, robot: Robot, velocity_std: float | None) -> Carried:
     if not path.is_file():
         raise ValueError
+    carried, tools = nothing_carried(robot), None
+    columns = carried.held.shape[1]
     with path.open("rb") as file:
         checksum, line = file.readline(LINE), file.readline(LINE)
         head = LiveState.model_validate_json(line)
-        tools = None if head.dt is None else tools_of(robot, head.dt, velocity_std)
-        columns = nothing_carried(robot).held.shape[1]
-        sizes = [6, *(columns * rows for rows in head.rows)]
-        if tools is not None:
+        sizes = [4, 3 * (len(head.rows) - 1), *(columns * rows for rows in head.rows)]
+        if head.dt is not None:
+            tools = tools_of(robot, head.dt, velocity_std)
             if head.mark != tools.mark:
                 raise InputError(_another(path))
             fresh = begun(tools, np.zeros(columns))
@@ -136,19 +138,31 @@ def _read(path: Path, robot: Robot, velocity_std: float | None) -> Carried:
         body = file.read(left)
     if hashlib.sha256(line + body).hexdigest().encode() + b"\n" != checksum:
         raise ValueError
-    times, *parts = np.split(np.frombuffer(body, NUMBER), np.cumsum(sizes)[:-1])
-    running = None
+    parts = np.split(np.frombuffer(body, NUMBER), np.cumsum(sizes)[:-1])
+    carried.counts.update(head.counts)
+    _put(carried, columns, parts, tools)
+    return carried
+
+
+def _put(
+    carried: Carried, columns: int, parts: list[np.ndarray], tools: Tools | None
+) -> None:
+    """Put what the file holds in its places."""
     if tools is not None:
-        running = _running(tools, *parts[-2:])
+        carried.running = _running(tools, *parts[-2:])
         parts = parts[:-2]
+    times, clocks, *tables = parts
+    carried.past, carried.held, *others = (
+        _samples(table.reshape(-1, columns)) for table in tables
+    )
+    carried.zero, carried.begin, carried.before, carried.due = times.tolist()
+    own, *rest = clocks.reshape(-1, 3)
+    carried.clocks.others = list(map(_clock, rest, others))
+    if tools is not None:
+        carried.clocks.believed = replace(_clock(own, carried.held), rows=[])
+        # An estimate may never be due again.
         if not np.isfinite(times[:-1]).all():
             raise ValueError
-    past, held, *others = (_samples(part.reshape(-1, columns)) for part in parts)
-    zero, begin, before, first, newest, due = map(float, times)
-    believed = None if running is None else StreamClock(first, newest)
-    clocks = StreamClocks(believed, list(map(_clock, others)))
-    counts = Counter(head.counts)
-    return Carried(past, held, running, zero, begin, before, due, clocks, counts)
 
 
 def _running(
@@ -173,10 +187,13 @@ def _samples(rows: Float[np.ndarray, "n all"]) -> Float[np.ndarray, "n all"]:
     return rows
 
 
-def _clock(rows: Float[np.ndarray, "n all"]) -> StreamClock:
-    if not len(rows):
+def _clock(
+    numbers: Float[np.ndarray, "3"], rows: Float[np.ndarray, "n all"]
+) -> StreamClock:
+    first, newest, together = numbers.tolist()
+    if not (len(rows) and np.isfinite(numbers).all() and together >= 1):
         raise ValueError
-    return StreamClock(float(rows[0, 0]), float(rows[-1, 0]), list(rows))
+    return StreamClock(first, newest, int(together), [row.copy() for row in rows])
 
 
 def _another(path: Path) -> str:

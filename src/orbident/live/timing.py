@@ -32,8 +32,7 @@ WARM_UP = 50
 """and for so many samples, which tell how far apart they are."""
 
 RATE = 1000
-"""Hz: a second of so many samples smooths the gyro's noise below what else is wrong
-with a rate, and one processor can take them in."""
+"""Hz: what comes faster is averaged, since one processor can take in no more."""
 
 CLOCKS = 8
 """That may wait to take over; more are no senders but times at random."""
@@ -42,8 +41,9 @@ DIGITS = 6
 """Of a time in seconds that count: what they tell is far below a sample's distance, and
 a double holds them of any time since 1970."""
 
-NEXT = "next"
-"""A sample that goes on where its clock's last one was."""
+NEXT, AVERAGED, LATER = "next", "averaged", "late"
+"""A sample that goes on where its clock's last one was, or as near to it as no two are
+taken in, or that is not later."""
 
 Row = Float[np.ndarray, " all"]
 """A sample, its time first."""
@@ -51,53 +51,64 @@ Row = Float[np.ndarray, " all"]
 
 @dataclass(eq=False)
 class StreamClock:
-    """Times that follow each other."""
+    """Times that follow each other, which count from the first one."""
 
     first: float
-    newest: float
+    """As it was sent, s."""
+    newest: float = 0.0
+    together: int = 1
+    """Samples of which the last one is the average."""
     rows: list[Row] = field(default_factory=list)
-    """Samples that wait for it to take over,"""
-    thinned: int = 0
-    """and how many beside them were too many."""
+    """Samples that wait for it to take over."""
 
     @property
     def ready(self) -> bool:
         """Whether it has gone on long enough."""
-        return len(self.rows) >= WARM_UP and self.newest - self.first >= ALONE
+        return len(self.rows) >= WARM_UP and self.newest >= ALONE
 
     @property
     def step(self) -> float:
-        """From sample to sample as they are sent, s."""
-        t = np.array([float(row[0]) for row in self.rows])
-        steps = np.diff(np.round(t - self.first, DIGITS))
-        sent = len(self.rows) + self.thinned
-        step = round(float(np.median(steps)) * len(self.rows) / sent, DIGITS)
-        return max(step, 10**-DIGITS)
+        """From sample to sample, s."""
+        steps = np.diff([float(row[0]) for row in self.rows])
+        return max(round(float(np.median(steps)), DIGITS), 1 / RATE)
+
+    def since(self, t: float) -> float:
+        """The time since the first one, s."""
+        return round(t - self.first, DIGITS)
 
     def place(self, t: float) -> str:
-        """What a sample of time `t` is: the next one, `late`, `thinned` or none."""
-        ahead = round(t - self.newest, DIGITS)
-        if not -LATE <= ahead <= PAUSE:
+        """What a sample sent at `t` is: `NEXT`, `AVERAGED`, `LATER` or another's."""
+        since = self.since(t)
+        if not -LATE <= round(since - self.newest, DIGITS) <= PAUSE:
             return ""
-        if ahead <= 0:
-            return "late"
-        same = self._slot(t) == self._slot(self.newest)
-        return "thinned" if same else NEXT
+        if since <= self.newest:
+            return LATER
+        return AVERAGED if _slot(since) == _slot(self.newest) else NEXT
 
-    def _slot(self, t: float) -> int:
-        """Of which one sample is taken in: what is nearest to a multiple of 1 / RATE.
+    def add(self, row: Row, together: int = 1) -> None:
+        """Go on to a sample, whose time then counts from the first one.
 
-        Halves are the earlier one's, so that slots of 10 kHz are all alike.
+        Args:
+            row: it is changed.
+            together: of how many it is the average.
         """
-        ticks, size = round((t - self.first) * 10**DIGITS), 10**DIGITS // RATE
-        return (ticks + size // 2 - 1) // size
+        row[0] = self.newest = self.since(float(row[0]))
+        self.together = together
+
+
+def _slot(since: float) -> int:
+    """Which multiple of 1 / RATE is nearest; halves are the earlier one's."""
+    ticks, size = round(since * 10**DIGITS), 10**DIGITS // RATE
+    return (ticks + size // 2 - 1) // size
 
 
 class Heard(NamedTuple):
-    """What a sample leads to."""
+    """What a sample leads to. Times count from its clock's first one."""
 
     rows: Sequence[Row] = ()
     """Samples of the clock that is believed, to be taken in."""
+    more: Row | None = None
+    """One that is to be averaged into the last of them, as one of `together`."""
     crossed: StreamClock | None = None
     """This clock, if it has just taken over."""
 
@@ -106,14 +117,21 @@ class Heard(NamedTuple):
 class StreamClocks:
     """The clock that is believed, and others that wait to take over."""
 
+    attitude: slice
+    """Where a sample has its quaternion, whose sign is free."""
     believed: StreamClock | None = None
     others: list[StreamClock] = field(default_factory=list)
     """The one that was heard last is the last."""
 
     def copied(self) -> "StreamClocks":
         """One that can be changed without this one."""
-        others = [replace(each, rows=list(each.rows)) for each in self.others]
-        return StreamClocks(self.believed and replace(self.believed), others)
+        others = [
+            replace(each, rows=[row.copy() for row in each.rows])
+            for each in self.others
+        ]
+        return replace(
+            self, believed=self.believed and replace(self.believed), others=others
+        )
 
     def waiting(self) -> int:
         """How many samples of other clocks wait."""
@@ -123,31 +141,51 @@ class StreamClocks:
         """Take the next sample in.
 
         Args:
-            row: the sample; its time is a number.
-            counts: what became of samples that are dropped; it is changed.
+            row: the sample, with a time as it was sent; it is changed.
+            counts: what became of samples that are not taken in; it is changed.
         """
-        t = float(row[0])
-        places = {}
+        t, places = float(row[0]), {}
         for clock in (*filter(None, [self.believed]), *self.others):
             place = clock.place(t)
             if place == NEXT:
-                return self._go_on(clock, t, row, counts)
-            places[place] = clock
+                return self._go_on(clock, row, counts)
+            places.setdefault(place, clock)
         places.pop("", None)
         if places:
             place, clock = next(iter(places.items()))
             counts[place] += 1
-            clock.thinned += place == "thinned"
-            return Heard()
-        self.others.append(StreamClock(t, t, [row]))
+            return self._average(clock, row) if place == AVERAGED else Heard()
+        clock = StreamClock(t, rows=[row])
+        clock.add(row)
+        self.others.append(clock)
         if len(self.others) > CLOCKS:
             counts["foreign"] += len(self.others.pop(0).rows)
         return Heard()
 
-    def _go_on(
-        self, clock: StreamClock, t: float, row: Row, counts: Counter[str]
-    ) -> Heard:
-        clock.newest = t
+    def averaged(self, last: Row, row: Row, together: int) -> Row:
+        """The mean of samples of which `last` is that of all but one.
+
+        Args:
+            last: the mean of those before.
+            row: one more.
+            together: how many they are with it.
+        """
+        other = row.copy()
+        if last[self.attitude] @ row[self.attitude] < 0:
+            other[self.attitude] *= -1
+        mean = last + (other - last) / together
+        # Not every sample has a velocity.
+        return np.where(np.isnan(mean), np.fmax(last, other), mean)
+
+    def _average(self, clock: StreamClock, row: Row) -> Heard:
+        clock.add(row, clock.together + 1)
+        if clock is self.believed:
+            return Heard(more=row)
+        clock.rows[-1] = self.averaged(clock.rows[-1], row, clock.together)
+        return Heard()
+
+    def _go_on(self, clock: StreamClock, row: Row, counts: Counter[str]) -> Heard:
+        clock.add(row)
         rows, crossed = [row], None
         if clock is not self.believed:
             clock.rows.append(row)
@@ -156,8 +194,8 @@ class StreamClocks:
                 self.others.append(clock)
                 return Heard()
             rows, crossed = clock.rows, clock
-            self.believed = StreamClock(clock.first, t)
+            self.believed = replace(clock, rows=[])
         if self.others:
             counts["foreign"] += self.waiting()
             self.others = []
-        return Heard(rows, crossed)
+        return Heard(rows, None, crossed)
