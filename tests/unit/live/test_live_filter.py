@@ -130,6 +130,23 @@ def test_grouping_does_not_matter(groups: str):
     assert last(parts) == last(whole)
 
 
+def test_what_is_averaged_does_not_depend_on_grouping():
+    """Two samples in each of 300 milliseconds."""
+    rows = table()[:600]
+    rows[:, 0] = np.add.outer(0.005 * np.arange(300), [0.0, 0.0002]).ravel()
+    whole, parts, moved = fresh(), fresh(), fresh()
+    whole.take(rows.copy())
+    for start, end in itertools.pairwise([0, 31, 300, 301, 512, 513, 600]):
+        parts.take(rows[start:end].copy())
+    moved.take(rows + 1e9 * np.eye(1, rows.shape[1]))
+    assert last(parts) == last(whole)
+    assert last(moved).of == last(whole).of
+    np.testing.assert_array_equal(parts.carried.held, whole.carried.held)
+    counts = whole.carried.counts
+    assert counts["averaged"] == 300
+    assert sum(counts.values()) + whole.carried.waiting == 600
+
+
 def test_a_clock_that_was_set_back():
     rows = table()
     again = rows.copy()

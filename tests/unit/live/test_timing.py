@@ -88,3 +88,14 @@ def test_a_sender_is_found_among_times_at_random():
     kept, _, _ = believed(alternating(TIMES, wrong))
     assert kept == TIMES.tolist()
     assert len(kept) > WARM_UP
+
+
+def test_the_average_of_attitudes_and_of_velocities_that_lack():
+    clocks = StreamClocks(slice(1, 3))
+    first = np.array([0.0, 0.6, 0.8, np.nan, np.nan])
+    second = np.array([0.1, -0.6, -0.8, 3.0, np.nan])
+    third = np.array([0.2, 0.6, 0.8, np.nan, np.nan])
+    mean = clocks.averaged(first, second, 2)
+    np.testing.assert_array_equal(mean, [0.05, 0.6, 0.8, 3.0, np.nan])
+    mean = clocks.averaged(mean, third, 3)
+    np.testing.assert_allclose(mean, [0.1, 0.6, 0.8, 3.0, np.nan])
