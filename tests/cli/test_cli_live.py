@@ -1,6 +1,7 @@
 """`orbident live`: lines in, JSON lines out, and a restart."""
 
 import json
+import shlex
 import signal
 import socket
 from pathlib import Path
@@ -49,6 +50,10 @@ def test_datagrams(tmp_path: Path):
         start = json.loads(process.stdout.readline())
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
             sender.connect(("127.0.0.1", start["udp"]))
+            sender.send(b"{}")
+            refused = json.loads(process.stdout.readline())
+            assert (refused["event"], refused["t"]) == ("unreadable", None)
+            assert "found no column 't'" in refused["why"]
             for k in range(0, 200, 2):
                 sender.send(b"\n".join(lines[k : k + 2]))
             sender.send(b"\xff\x00 no sample")
@@ -61,7 +66,10 @@ def test_datagrams(tmp_path: Path):
         rest, errors = process.communicate(timeout=60)
     end = documents(rest)[-1]
     assert end["event"] == "end"
-    assert end["counts"]["unreadable"] == 1
+    assert end["counts"]["unreadable"] == 2
+    # All that came in time, and what the last half second waits for.
+    assert sum(end["counts"].values()) == 204
+    assert end["counts"]["waiting"] == 12
     assert process.returncode == 130
     assert errors == "orbident: interrupted\n"
 
@@ -72,19 +80,26 @@ def test_datagrams(tmp_path: Path):
         (b"", "no sample came"),
         (b"1,2,3\n4,5,6\n", "no line names the columns"),
         (b"t,gyro.x\n", "found no column 'joint.joint1.position'"),
-        (b"\n".join(csv_lines(samples())[:20]), "no estimate, since the filter"),
-        (HEADER + 60 * (b"\n" + b",".join(20 * [b"much"])), "60 lines that are no"),
-        (HEADER + 60 * (b"\n1" + 19 * b",nan"), "60 with a time came"),
+        (b"{}\n" + b"\n".join(csv_lines(samples())[:20]), "1 unreadable, 19 waiting"),
+        (HEADER + 60 * (b"\n" + b",".join(20 * [b"much"])), "60 unreadable"),
+        (HEADER + 60 * (b"\n1" + 19 * b",nan"), "60 missing"),
     ],
 )
 def test_streams_that_cannot_be(tmp_path: Path, text: bytes, message: str):
-    stream = tmp_path / "stream"
+    stream, state = tmp_path / "stream", tmp_path / "state"
     stream.write_bytes(text)
     with stream.open("rb") as given:
-        run = finished(*COMMAND, stdin=given)
+        run = finished(*COMMAND, "--state", state, stdin=given)
     assert run.returncode == 2
     assert message in run.stderr
     assert run.stderr.count("\n") == 1
+    assert not state.exists()
+
+
+def test_standard_input_that_is_closed():
+    run = finished("sh", "-c", f"exec {shlex.join(COMMAND)} <&-")
+    assert run.returncode == 2
+    assert "standard input: no sample came" in run.stderr
 
 
 def test_a_robot_without_noise(tmp_path: Path):

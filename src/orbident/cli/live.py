@@ -100,12 +100,13 @@ def live(
         if sockets is not None:
             start["udp"] = sockets.port
         _print(start)
-        given = sockets.lines() if sockets else lines_of_input(sys.stdin.fileno())
+        given = sockets.lines() if sockets else lines_of_input(sys.stdin)
         try:
             for lines in given:
                 session.take(lines, sinks)
         except KeyboardInterrupt:
-            session.end(sinks, sockets.lost if sockets else 0)
+            lost, waiting = (sockets.lost, sockets.waiting) if sockets else (0, 0)
+            session.end(sinks, lost, waiting)
             raise
         session.end(sinks)
 

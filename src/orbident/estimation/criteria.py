@@ -152,7 +152,14 @@ def _mass(
         level = "do not trust"
         remedy = "record a richer or longer motion, with more momentum in the wheels"
     history = estimate.history
-    if history is not None and not history.determined[0]:
+    if not np.isfinite(M):
+        yield Check(
+            "mass",
+            "do not trust",
+            "mass: the samples do not tell it, nor the scale of any parameter",
+            "record a longer motion, with more momentum in the wheels",
+        )
+    elif history is not None and not history.determined[0]:
         yield Check(
             "mass",
             level,

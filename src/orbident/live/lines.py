@@ -7,11 +7,11 @@ what is neither, is counted and left out.
 import json
 import math
 from collections.abc import Iterable, Sequence
+from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
-from orbident.errors import InputError
 from orbident.files.names import listed
 from orbident.recordings.columns import VECTORS, meaning
 from orbident.robot.description import Robot
@@ -37,6 +37,28 @@ def needed_columns(robot: Robot) -> tuple[str, ...]:
     )
 
 
+def attitude_columns(robot: Robot) -> slice:
+    """Where a sample has its quaternion."""
+    first = 1 + 2 * len(robot.joints) + 3
+    return slice(first, first + 4)
+
+
+def complete(samples: Float[np.ndarray, "n all"]) -> Bool[np.ndarray, " n"]:
+    """Which samples, as `Lines` reads them, lack nothing but perhaps the velocity."""
+    there = np.isfinite(samples)
+    there[:, -6:-3] = True
+    return there.all(axis=1)
+
+
+class Read(NamedTuple):
+    """What some lines were."""
+
+    samples: Float[np.ndarray, "n all"]
+    """The time, then all that the filter takes."""
+    unreadable: int
+    """Lines that were neither a header nor a sample."""
+
+
 class Lines:
     """Reads lines as they come; the header is what it remembers."""
 
@@ -56,30 +78,25 @@ class Lines:
         self._places: list[int] = []
         self.known = False
         """Whether a header, or an object with its columns, has come."""
-        self.unreadable = 0
-        """Lines so far that were neither a header nor a sample."""
+        self.lacking = ""
+        """What the first header, or object, lacked, and what to do."""
 
-    def take(self, lines: Iterable[bytes]) -> Float[np.ndarray, "n all"]:
-        """The samples of some lines: the time, then all that the filter takes.
-
-        Raises:
-            InputError: the first header, or the first object, lacks a column.
-        """
-        samples = []
+    def take(self, lines: Iterable[bytes]) -> Read:
+        """The samples of some lines."""
+        samples, unreadable = [], 0
         for line in lines:
             text = line.strip()
             if not text:
                 continue
             try:
                 sample = self._one(text)
-            except InputError:
-                raise
             except (ValueError, TypeError, OverflowError, RecursionError):
-                self.unreadable += 1
+                unreadable += 1
                 continue
             if sample is not None:
                 samples.append(sample)
-        return np.array(samples, dtype=float).reshape(-1, len(self._columns))
+        table = np.array(samples, dtype=float).reshape(-1, len(self._columns))
+        return Read(table, unreadable)
 
     def _one(self, text: bytes) -> list[float] | None:
         """One sample; none for a header."""
@@ -116,13 +133,11 @@ class Lines:
 
     def _check(self, names: Sequence[str]) -> None:
         lacking = [name for name in self._needed if name not in names]
-        if lacking and self.known:
-            raise ValueError
         if lacking:
-            what = meaning(lacking[0])
-            raise InputError(
-                f"{self._source}: found no column '{lacking[0]}' ({what}) among "
-                f"{listed(names)}; send it with every sample: nothing is derived from "
-                "later ones"
+            self.lacking = self.lacking or (
+                f"{self._source}: found no column '{lacking[0]}' "
+                f"({meaning(lacking[0])}) among {listed(names)}; send it with every "
+                "sample: nothing is derived from later ones"
             )
+            raise ValueError
         self.known = True

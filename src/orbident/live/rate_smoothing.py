@@ -11,6 +11,9 @@ from jaxtyping import Bool, Float
 HALF = 0.5
 """s, on either side. Bases of robots hardly change their rate faster."""
 
+REACH = HALF + 0.5e-6
+"""s: times have microseconds, so that rounding does not decide which samples count."""
+
 DEGREE = 4
 
 HANKEL = np.add.outer(np.arange(DEGREE + 1), np.arange(DEGREE + 1))
@@ -27,9 +30,8 @@ BESIDE = 2
 
 
 def ready(t: Float[np.ndarray, " n"]) -> int:
-    """How many of these samples, in the order in which they came, need wait no more."""
-    behind = np.searchsorted(np.maximum.accumulate(t), t + HALF) + BESIDE
-    waiting = behind >= t.size
+    """How many of these samples, in the order of their times, need wait no more."""
+    waiting = np.searchsorted(t, t + REACH) + BESIDE > t.size
     return int(waiting.argmax()) if waiting.any() else t.size
 
 
@@ -37,8 +39,7 @@ def still_needed(t: Float[np.ndarray, " n"]) -> int:
     """The first of these samples that later ones need."""
     if not t.size:
         return 0
-    newest = np.maximum.accumulate(t)
-    return max(0, int(np.searchsorted(newest, newest[-1] - HALF)) - BESIDE)
+    return max(0, int(np.searchsorted(t, t[-1] - REACH)) - BESIDE)
 
 
 def smoothed_at(
@@ -46,23 +47,20 @@ def smoothed_at(
 ) -> Float[np.ndarray, "some 3"]:
     """The rate at some of these samples; NaN where too few are near.
 
-    Only what came until half a second after a sample counts for it, so that it does
-    not matter how samples are grouped on their way.
-
     Args:
-        t: in the order in which they came, s.
+        t: in their order, s.
         w: the gyro's, rad/s.
         first: of the samples,
         last: and the one behind them, which are all ready.
     """
-    newest, usable = np.maximum.accumulate(t), _usable(w)
-    begins = np.searchsorted(newest, t[first:last] - HALF)
-    ends = 1 + np.searchsorted(newest, t[first:last] + HALF)
+    usable = _usable(w)
+    begins, ends = (
+        np.searchsorted(t, t[first:last] + reach) for reach in (-REACH, REACH)
+    )
     rates = np.full((last - first, 3), np.nan)
     for k, (start, end) in enumerate(zip(begins, ends, strict=True)):
-        x = (t[start:end] - t[first + k]) / HALF
-        near = usable[start:end] & (np.abs(x) <= 1)
-        x = x[near]
+        near = usable[start:end]
+        x = (t[start:end][near] - t[first + k]) / HALF
         if x.size >= FEWEST and np.ptp(x) > 1:
             rates[k] = _constant_term(x, w[start:end][near])
     return rates
@@ -73,12 +71,16 @@ def _constant_term(
 ) -> Float[np.ndarray, "3"]:
     """The polynomial's value at zero, by normal equations.
 
-    Sums over rows add one row after the other. Products of matrices would give other
-    bits for the same numbers at another address.
+    Sums along a row are of the same bits wherever it lies. Products of matrices would
+    give other bits for the same numbers at another address.
     """
-    powers = np.vander(x, 2 * DEGREE + 1, increasing=True)
-    sums = powers.sum(axis=0)
-    right = (powers[:, : DEGREE + 1, None] * w[:, None, :]).sum(axis=0)
+    powers = np.empty((2 * DEGREE + 1, x.size))
+    powers[0] = 1.0
+    for k in range(2 * DEGREE):
+        np.multiply(powers[k], x, out=powers[k + 1])
+    sums = powers.sum(axis=1)
+    columns = np.ascontiguousarray(w.T)
+    right = (powers[: DEGREE + 1, None] * columns).sum(axis=2)
     return np.linalg.solve(sums[HANKEL], right)[0]
 
 

@@ -7,10 +7,12 @@ from typing import Any
 import numpy as np
 
 from orbident.errors import InputError
+from orbident.estimation.recursive.noise import declared_noise
 from orbident.estimation.recursive.prior import cad_prior
 from orbident.live.lines import Lines
-from orbident.live.live_filter import WARM_UP, Event, LiveFilter
+from orbident.live.live_filter import Event, LiveFilter
 from orbident.live.state_file import nothing_carried, read_state, save_state
+from orbident.live.timing import ALONE, PAUSE, WARM_UP
 from orbident.model.formulas import formulas_of
 from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.description import Robot
@@ -40,8 +42,11 @@ class Session:
             state: file to begin from and to write to.
 
         Raises:
-            InputError: the state is damaged or of another robot.
+            InputError: the state is damaged or of another robot, or the noise of the
+                gyro is not declared.
         """
+        # Before any sample: what is sent must not end the run.
+        declared_noise(robot, 1.0, velocity_std)
         self._robot, self._state = robot, state
         carried = nothing_carried(robot)
         if state is not None:
@@ -49,7 +54,7 @@ class Session:
         self._lines = Lines(robot, source)
         self._filter = LiveFilter(robot, velocity_std, every, carried)
         self._source = source
-        self._whole = True
+        self._unreadable = self._unfinished = 0
 
     def start(self) -> dict[str, Any]:
         """The first document: names, formulas, and what is believed beforehand."""
@@ -71,54 +76,60 @@ class Session:
         """Take some lines in, and tell what they say.
 
         Raises:
-            InputError: the first header lacks a column, the noise of the gyro is not
-                declared, or the state cannot be written.
+            InputError: the state cannot be written.
         """
-        self._whole = False
-        told = self._filter.take(self._lines.take(lines))
-        self._whole = True
-        for event in told:
-            document = self._document(event)
+        self._unfinished = sum(bool(line.strip()) for line in lines)
+        complete = not self._lines.lacking
+        samples, unreadable = self._lines.take(lines)
+        told = self._filter.take(samples)
+        self._unreadable += unreadable
+        self._unfinished = 0
+        documents = [self._document(event) for event in told]
+        if complete and self._lines.lacking and not self._lines.known:
+            document = {"event": "unreadable", "t": None, "why": self._lines.lacking}
+            documents.insert(0, document)
+        for document in documents:
             for sink in sinks:
                 sink(document)
         if any(event.kind == "estimate" for event in told):
             self._save()
 
-    def end(self, sinks: Iterable[Sink], lost: int = 0) -> None:
+    def end(self, sinks: Iterable[Sink], lost: int = 0, waiting: int = 0) -> None:
         """Tell what is known at last, and keep the state.
 
         Args:
             sinks: that are told.
             lost: datagrams that were left out.
+            waiting: lines that have come and were not taken.
 
         Raises:
             InputError: what came gave no estimate, or the state cannot be written.
         """
-        # What was interrupted within a step is not to be gone on from.
-        if self._whole:
-            self._save()
-        last = self._filter.estimate()
-        counts = {**self._filter.carried.counts, "unreadable": self._lines.unreadable}
-        document: dict[str, Any] = {"event": "end", "t": None, "counts": counts}
+        at, last = self._filter.carried, self._filter.estimate()
+        counts = {
+            **at.counts,
+            "unreadable": self._unreadable,
+            "waiting": at.waiting + self._unfinished + waiting,
+        }
+        document: dict[str, Any] = {"event": "end", "t": None}
         if last is not None:
-            document |= self._document(last) | {"event": "end", "counts": counts}
-        document["lost_datagrams"] = lost
+            self._save()
+            document |= self._document(last) | {"event": "end"}
+        document |= {"counts": counts, "lost_datagrams": lost}
         for sink in sinks:
             sink(document)
         if not self._lines.known:
-            raise InputError(self._no_columns())
+            raise InputError(self._lines.lacking or self._no_columns())
         if last is None:
+            came = ", ".join(f"{n} {name}" for name, n in counts.items() if n)
             raise InputError(
-                f"{self._source}: no estimate, since the filter begins with "
-                f"{WARM_UP} samples of which one is complete; "
-                f"{len(self._filter.carried.held)} with a time came, and "
-                f"{self._lines.unreadable} lines that are no sample: check what is sent"
+                f"{self._source}: no estimate, since the filter begins with {WARM_UP} "
+                f"complete samples, at most {PAUSE:g} s apart and in {ALONE:g} s or "
+                f"more; found {came}; check what is sent, t is in seconds"
             )
 
     def _no_columns(self) -> str:
-        found = (
-            "no line names the columns" if self._lines.unreadable else "no sample came"
-        )
+        found = "no line names the columns" if self._unreadable else "no sample came"
         return (
             f"{self._source}: {found}; send a line such as "
             "'t,joint.joint1.position,..' first and then samples, or JSON objects"

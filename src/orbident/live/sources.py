@@ -6,12 +6,16 @@ import sys
 import threading
 import time
 from collections.abc import Iterator
+from typing import TextIO
 
 from orbident.errors import InputError
 from orbident.live.lines import LONGEST
 
 BLOCK = 2**16
 """Bytes that are taken at once, at most; no datagram is longer."""
+
+ATONCE = 2**20
+"""Bytes of datagrams that are taken at once, at most: a third of a second of 10 kHz."""
 
 KERNEL = 2**22
 """Bytes that the system is asked to keep while the receiving thread does not run."""
@@ -29,13 +33,16 @@ DROPS = 40
 number of those that the system had no room for, in four bytes."""
 
 
-def lines_of_input(handle: int) -> Iterator[list[bytes]]:
+def lines_of_input(given: TextIO | None) -> Iterator[list[bytes]]:
     """Whole lines as they come; of what comes faster than it is taken, many at once.
 
     Args:
-        handle: of an open file or pipe.
+        given: an open file or pipe; None where standard input was closed before the
+            command started.
     """
-    rest = b""
+    if given is None:
+        return
+    handle, rest = given.fileno(), b""
     while block := os.read(handle, BLOCK):
         *lines, rest = (rest + block).split(b"\n")
         rest = rest[:LONGEST]
@@ -89,12 +96,18 @@ class Datagrams:
         """
         return self._unseen + self._left_out
 
+    @property
+    def waiting(self) -> int:
+        """Lines that have come and were not taken."""
+        with self._lock:
+            return sum(bool(line.strip()) for line in self._waiting.split(b"\n"))
+
     def lines(self) -> Iterator[list[bytes]]:
         """Lines as they come, without an end."""
         while True:
             time.sleep(TOGETHER)
             with self._lock:
-                end = self._waiting.rfind(b"\n", 0, BLOCK) + 1
+                end = self._waiting.rfind(b"\n", 0, ATONCE) + 1
                 block = bytes(self._waiting[:end])
                 del self._waiting[:end]
             if block:

@@ -1,5 +1,6 @@
 """Samples as they come, late, missing, repeated or absurd, and however grouped."""
 
+import copy
 import itertools
 
 import numpy as np
@@ -17,7 +18,7 @@ EVERY = 5.0
 
 
 def table(captured_at: float | None = None) -> np.ndarray:
-    return Lines(robot(), "stream").take(csv_lines(samples(captured_at)))
+    return Lines(robot(), "stream").take(csv_lines(samples(captured_at))).samples
 
 
 def fresh() -> LiveFilter:
@@ -60,7 +61,7 @@ def test_a_stream_gives_every_parameter():
     check_right(filter_)
     counts = filter_.carried.counts
     # Half a second at 20 Hz; at the end as much waits, and what tells spikes.
-    assert counts == {"counted": 579, "unsmoothed": 10, "missing": 0}
+    assert +counts == {"counted": 579, "unsmoothed": 10}
     assert len(filter_.carried.held) == 12
 
 
@@ -101,7 +102,8 @@ def spoilt() -> tuple[np.ndarray, dict[str, int]]:
             made.append(time)
         if k == 400:
             made.append(late)
-    counts = {"missing": 2, "absurd": 2, "late": 1, "repeated": 1, "spikes": 1}
+    counts = {"missing": 2, "absurd": 1, "foreign": 1, "late": 1}
+    counts |= {"repeated": 1, "spikes": 1}
     return np.array(made), counts
 
 
@@ -128,6 +130,23 @@ def test_grouping_does_not_matter(groups: str):
     assert last(parts) == last(whole)
 
 
+def test_what_is_averaged_does_not_depend_on_grouping():
+    """Two samples in each of 300 milliseconds."""
+    rows = table()[:600]
+    rows[:, 0] = np.add.outer(0.005 * np.arange(300), [0.0, 0.0002]).ravel()
+    whole, parts, moved = fresh(), fresh(), fresh()
+    whole.take(rows.copy())
+    for start, end in itertools.pairwise([0, 31, 300, 301, 512, 513, 600]):
+        parts.take(rows[start:end].copy())
+    moved.take(rows + 1e9 * np.eye(1, rows.shape[1]))
+    assert last(parts) == last(whole)
+    assert last(moved).of == last(whole).of
+    np.testing.assert_array_equal(parts.carried.held, whole.carried.held)
+    counts = whole.carried.counts
+    assert counts["averaged"] == 300
+    assert sum(counts.values()) + whole.carried.waiting == 600
+
+
 def test_a_clock_that_was_set_back():
     rows = table()
     again = rows.copy()
@@ -137,6 +156,68 @@ def test_a_clock_that_was_set_back():
     (clock,) = [event for event in told if event.kind == "clock"]
     assert clock.t == 0.0
     check_right(filter_)
+
+
+@pytest.mark.parametrize("zero", [1.0, -0.3, 1e3, 1.7e9])
+def test_the_zero_of_time_does_not_matter(zero: float):
+    rows = table()[:300]
+    here, there = fresh(), fresh()
+    here.take(rows.copy())
+    rows[:, 0] += zero
+    told = there.take(rows)
+    assert last(there).of == last(here).of
+    assert told[0].t == pytest.approx(zero + EVERY, abs=1e-6)
+
+
+@pytest.mark.parametrize("apart", [100.0, 3.0])
+def test_of_two_senders_one_counts(apart: float):
+    rows = table()
+    copies = rows.copy()
+    copies[:, 0] += apart
+    both = np.stack([rows, copies], axis=1).reshape(-1, rows.shape[1])
+    alone, among = fresh(), fresh()
+    expected, told = alone.take(rows), among.take(both)
+    assert values(told) == values(expected)
+    assert among.carried.counts["foreign"] == len(rows) - 1
+
+
+@pytest.mark.parametrize("leap", [2e9, -2e9])
+def test_a_clock_that_is_set(leap: float):
+    rows = table()
+    rows[300:, 0] += leap
+    filter_ = fresh()
+    told = filter_.take(rows)
+    (clock,) = [event for event in told if event.kind == "clock"]
+    assert (clock.t, clock.of["before"]) == (15.0 + leap, pytest.approx(14.95, abs=1.0))
+    assert (+filter_.carried.counts).keys() == {"counted", "unsmoothed"}
+    check_right(filter_)
+
+
+def test_an_interrupt_leaves_what_was_carried(monkeypatch: pytest.MonkeyPatch):
+    filter_, rows = fresh(), table()
+    filter_.take(rows[:200].copy())
+    before = copy.deepcopy(filter_.carried.counts)
+    expected = last(filter_)
+    with monkeypatch.context() as patched:
+        patched.setattr(LiveFilter, "estimate", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            filter_.take(rows[200:400].copy())
+    assert (last(filter_), filter_.carried.counts) == (expected, before)
+    assert filter_.carried.waiting == 12
+
+
+def interrupted(_: LiveFilter) -> None:
+    raise KeyboardInterrupt
+
+
+def test_no_mass_is_negative():
+    """Rates of the wrong sign: what it finds is wrong, but no number is impossible."""
+    rows = table()
+    rows[:, 1:] *= -1
+    filter_ = fresh()
+    told = filter_.take(rows)
+    assert "restart" in {event.kind for event in told}
+    assert all(event.of.get("beta", [1.0])[0] > 0 for event in told)
 
 
 def test_a_pause():
