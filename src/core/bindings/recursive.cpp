@@ -8,8 +8,8 @@
 #include "arrays.hpp"
 #include "filter.hpp"
 #include "gathering.hpp"
-#include "orbident/change_detection.hpp"
 #include "orbident/opening.hpp"
+#include "orbident/sound_state.hpp"
 
 namespace orbident::python {
 namespace {
@@ -49,6 +49,8 @@ SharedState restored(const OwnedFilter& filter, const Array& numbers_) {
   const auto numbers =
       input<1>("numbers", numbers_, {static_cast<std::int64_t>(state->numbers().size())});
   state->put(numbers.data());
+  if (!is_sound(state->at, state->size))
+    throw nb::value_error("numbers: they are no state of a filter of this robot");
   return state;
 }
 
@@ -120,6 +122,8 @@ SharedWatch watch_from(int rows, int window, const Array& numbers_) {
   const double* const times = numbers.data() + watch->sums.size();
   std::copy(numbers.data(), times, watch->sums.begin());
   std::copy(times, numbers.data() + all, watch->times.begin());
+  if (!is_sound(watch->view(), times[window - 1]))
+    throw nb::value_error("numbers: they are no state of a detector");
   return watch;
 }
 
@@ -154,7 +158,9 @@ auto run(const OwnedFilter& filter, const OwnedState& before, const OwnedWatch& 
       const double now = t.data()[done];
       const Innovation innovation =
           step(model, state->at, now, samples.data() + done * filter.measured(), room.at);
-      const Likelihood most = watch_one(watch, now, innovation.white, innovation.stride);
+      Likelihood most{0.0, now};
+      if (innovation.counts == Counts::yes)
+        most = watch_one(watch, now, innovation.white, innovation.stride);
       if (most.g > threshold) onset = most.onset;
       std::copy(state->at.beta, state->at.beta + betas, beta.data() + done * betas);
       deviations(model, state->at, room.at, std.data() + done * betas);
