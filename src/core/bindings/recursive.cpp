@@ -37,6 +37,7 @@ SharedState opened(const OwnedFilter& filter, const OwnedState& before, const Ar
   const FilterModel model = filter.view();
   const FilterSizes size = model.sizes();
   const auto change = input<2>("change", change_, {size.betas(), size.betas()});
+  check_state(size, before);
   auto state = std::make_shared<OwnedState>(before);
   Room room(model);
   AlignedDoubles tables(static_cast<std::size_t>(opening_numbers(size)));
@@ -57,6 +58,7 @@ SharedState restored(const OwnedFilter& filter, const Array& numbers_) {
 auto step_of(const OwnedFilter& filter, const OwnedState& before, double t, const Array& sample_) {
   const FilterModel model = filter.view();
   const auto sample = input<1>("sample", sample_, {filter.measured()});
+  check_state(model.sizes(), before);
   auto state = std::make_shared<OwnedState>(before);
   Room room(model);
   const Innovation innovation = step(model, state->at, t, sample.data(), room.at);
@@ -70,6 +72,7 @@ auto gathered(const OwnedFilter& filter, const OwnedState& before, const Array& 
               const Array& samples_, int threads) {
   const auto t = input<1>("t", t_, {ANY});
   const auto samples = input<2>("samples", samples_, {t.size(0), filter.measured()});
+  check_state(filter.view().sizes(), before);
   auto state = std::make_shared<OwnedState>(before);
   Gathered found;
   {
@@ -80,6 +83,7 @@ auto gathered(const OwnedFilter& filter, const OwnedState& before, const Array& 
 }
 
 bool scaled_of(const OwnedFilter& filter, const OwnedState& state, double mass) {
+  check_state(filter.view().sizes(), state);
   return scaled(filter.view(), state.at, mass);
 }
 
@@ -111,7 +115,7 @@ auto given(const std::vector<double>& from) {
 using SharedWatch = std::shared_ptr<OwnedWatch>;
 
 SharedWatch make_watch(int rows, int window) {
-  if (rows < 1 || window < 1) throw nb::value_error("rows, window: give at least one of each");
+  check_watch(rows, window);
   return std::make_shared<OwnedWatch>(rows, window);
 }
 
@@ -142,6 +146,7 @@ auto run(const OwnedFilter& filter, const OwnedState& before, const OwnedWatch& 
   const FilterModel model = filter.view();
   const auto t = input<1>("t", t_, {ANY});
   const auto samples = input<2>("samples", samples_, {t.size(0), filter.measured()});
+  check_state(model.sizes(), before);
   auto state = std::make_shared<OwnedState>(before);
   auto after = std::make_shared<OwnedWatch>(watch_before);
   const int betas = state->size.betas();
