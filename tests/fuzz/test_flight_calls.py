@@ -21,7 +21,13 @@ SANITIZERS = ("-fsanitize=fuzzer,address,undefined", "-fno-sanitize-recover=unde
 def test_any_calls_give_no_nan_without_a_code(tmp_path: Path, scalar: str):
     folder = exported(tmp_path / "f", one_joint(tmp_path), 16.0, 10.0)
     out, paths = tmp_path / "calls", [f"-I{folder}", f"-I{folder / 'include'}"]
-    flags = ("-std=c++17", "-O1", "-g", "-ffp-contract=off", f"-DORBIDENT_REAL={scalar}")
+    flags = (
+        "-std=c++17",
+        "-O1",
+        "-g",
+        "-ffp-contract=off",
+        f"-DORBIDENT_REAL={scalar}",
+    )
     eigen = ("-isystem", folder / "eigen")
     ran("clang++", *flags, *SANITIZERS, *paths, *eigen, CALLS, "-o", out)
     inputs = os.environ.get("ORBIDENT_FUZZED", "20000")
