@@ -105,7 +105,7 @@ def _rigid_bodies(
     make("masses", made, q, True)
     make("inertia", made, q, THREADS)
     make("equations_of_motion", made, q, v, THREADS)
-    make("deviations", made, draw((2, thetas)), q, v, THREADS)
+    make("deviations", made, draw((2, K + 1, 10)), q, v, THREADS)
     make("momentum_terms", tree, draw((thetas, 4)), draw(4), q[0], qd[0], qd[1])
     make("floating_laws", made, q, qd, zero, np.ones(3), False, THREADS)
     nodes = 4 * (n - 1) + 1

@@ -28,7 +28,7 @@ constexpr int BETAS = ROBOT_BETAS, ROWS = ROBOT.momenta + ROBOT.velocities,
 
 Real memory[MEMORY], other[MEMORY], saved[STATE], sample[MEASURED], out[BETAS + NUISANCES + ROWS];
 Real t;
-long row;
+long row, steps;
 
 void demand(bool held, const char* what) {
   if (held) return;
@@ -92,6 +92,7 @@ int step(Bytes& bytes) {
   for (long i = 0; i < MEASURED; ++i) sample[i] = static_cast<Real>(GOLDEN_SAMPLE[row * MEASURED + i]);
   for (unsigned changed = bytes.one() % 8; changed > 4; --changed) sample[bytes.below(MEASURED)] = bytes.real();
   t += bytes.one() % 16 ? Real(0.1) : bytes.real();
+  ++steps;
   return orbident_step(&ROBOT, memory, t, sample);
 }
 
@@ -116,10 +117,16 @@ void save() {
 
 void spoil(Bytes& bytes) {
   if (orbident_save(&ROBOT, memory, saved) < 0) return;
-  // Most fields are a few numbers, and most numbers are those of the factors: half are drawn from the first.
-  for (unsigned changed = 1 + bytes.one() % 4; changed > 0; --changed)
-    saved[bytes.below(bytes.one() % 2 ? STATE : 128)] = bytes.real();
   const orbident::flight::Layout at = orbident::flight::layout(ROBOT, saved);
+  const orbident::FilterState& filter = at.filter;
+  Real* const field[] = {at.mark,    at.t,        at.white,   filter.t,     filter.w,   filter.R_WB,
+                         filter.linear, filter.top,  filter.R,   filter.beta,  filter.x,   filter.root,
+                         filter.prior,  at.watch.sums, at.watch.times, at.checksum, saved + STATE};
+  constexpr long FIELDS = sizeof field / sizeof *field - 1;
+  for (unsigned changed = 1 + bytes.one() % 3; changed > 0; --changed) {
+    Real* const* const of = field + bytes.below(FIELDS);
+    of[0][bytes.below(of[1] - of[0])] = bytes.real();
+  }
   if (bytes.one() % 8) {
     const std::uint32_t sum = orbident::crc32(saved, at.summed);
     at.checksum[0] = static_cast<Real>(sum >> 16);
@@ -131,6 +138,10 @@ void spoil(Bytes& bytes) {
 }
 
 }  // namespace
+
+extern "C" int LLVMFuzzerInitialize(int*, char***) {
+  return std::atexit([] { std::printf("%ld steps\n", steps); });
+}
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   Bytes bytes{data, size};
@@ -147,9 +158,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       case 3:
       case 4: spoil(bytes); break;
       case 5: detect(); break;
-      case 6:  // until it hands over to beta
-        for (int k = 0; k < 40; ++k) orbident_step(&ROBOT, memory, t += Real(0.1), sample), step(bytes);
-        break;
       default: step(bytes), detect();
     }
     look(memory);

@@ -33,4 +33,5 @@ def test_any_calls_give_no_nan_without_a_code(tmp_path: Path, scalar: str):
     inputs = os.environ.get("ORBIDENT_FUZZED", "20000")
     options = (f"-runs={inputs}", "-seed=1", "-max_len=512", "-len_control=0")
     told = finished(out, *options, f"-artifact_prefix={tmp_path}/", limit=36_000.0)
-    assert told.returncode == 0, told.stdout + told.stderr
+    assert told.returncode == 0, told.stderr[-4000:]
+    print(scalar, told.stdout)

@@ -48,12 +48,16 @@ def spoiled_arrays(value: np.ndarray) -> Iterator[np.ndarray]:
         one = value.copy()
         one.flat[one.size // 2 :][:1] = number
         yield from (one, np.full_like(value, number))
-    yield from (value.astype(np.float32), value.astype(int), value.astype(complex))
+    yield from (
+        value.astype(np.float32),
+        value.astype(complex),
+        np.zeros_like(value, int),
+    )
     yield from (value[None], np.zeros(()), np.zeros(0), np.zeros((0,) * value.ndim))
     yield np.broadcast_to(0.0, (BEYOND, *value.shape[1:]))
     yield value.T
-    for axis in range(value.ndim):
-        yield np.delete(value, 0, axis)
+    for axis, size in enumerate(value.shape):
+        yield value.take(range(1, size), axis)
         yield np.repeat(value, 2, axis)
         yield value.take([], axis)
 

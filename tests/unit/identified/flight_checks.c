@@ -263,7 +263,7 @@ static int refusals(void) {
   read_sample(1);
   sample[ROBOT_MEASURED - 7] = (orbident_real)NAN;
   bad |= orbident_step(&ROBOT, memory, 2, sample) != ORBIDENT_NO_VELOCITY;
-  bad |= orbident_detect(&ROBOT, memory, &detection) != ORBIDENT_DONE;
+  bad |= orbident_detect(&ROBOT, memory, &detection) < 0;
   sample[0] = (orbident_real)INFINITY;
   bad |= orbident_step(&ROBOT, memory, 3, sample) != ORBIDENT_INCOMPLETE;
   bad |= orbident_open(&ROBOT, memory, 0) != ORBIDENT_DONE;
