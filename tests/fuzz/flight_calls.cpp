@@ -127,11 +127,7 @@ void spoil(Bytes& bytes) {
     Real* const* const of = field + bytes.below(FIELDS);
     of[0][bytes.below(of[1] - of[0])] = bytes.real();
   }
-  if (bytes.one() % 8) {
-    const std::uint32_t sum = orbident::crc32(saved, at.summed);
-    at.checksum[0] = static_cast<Real>(sum >> 16);
-    at.checksum[1] = static_cast<Real>(sum & 0xffffu);
-  }
+  if (bytes.one() % 8) orbident::checksum(saved, at.summed, at.checksum);
   std::memcpy(other, memory, sizeof memory);
   const int code = orbident_restore(&ROBOT, memory, MEMORY, saved);
   demand(code >= 0 || std::memcmp(memory, other, sizeof memory) == 0, "a refused state changed the filter");
@@ -158,7 +154,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       case 3:
       case 4: spoil(bytes); break;
       case 5: detect(); break;
-      default: step(bytes), detect();
+      default:
+        for (unsigned more = 1 + bytes.one() % 8; more > 0; --more) step(bytes), detect();
     }
     look(memory);
   }

@@ -1,12 +1,13 @@
 """Calls of the flight filter under libFuzzer, AddressSanitizer and UBSan.
 
-ORBIDENT_FUZZED says how many inputs are tried; each is some ten to a hundred calls.
+ORBIDENT_FUZZED says how many inputs are tried; each takes a hundred samples, about.
 """
 
 import os
 import shutil
 from pathlib import Path
 
+import numpy as np
 import pytest
 from flight_builds import exported, one_joint, ran
 from processes import finished
@@ -30,8 +31,13 @@ def test_any_calls_give_no_nan_without_a_code(tmp_path: Path, scalar: str):
     )
     eigen = ("-isystem", folder / "eigen")
     ran("clang++", *flags, *SANITIZERS, *paths, *eigen, CALLS, "-o", out)
-    inputs = os.environ.get("ORBIDENT_FUZZED", "20000")
+    seeds, random = tmp_path / "seeds", np.random.default_rng(1)
+    seeds.mkdir()
+    for k in range(64):
+        (seeds / str(k)).write_bytes(random.bytes(512))
+    inputs = os.environ.get("ORBIDENT_FUZZED", "10000")
     options = (f"-runs={inputs}", "-seed=1", "-max_len=512", "-len_control=0")
-    told = finished(out, *options, f"-artifact_prefix={tmp_path}/", limit=36_000.0)
+    place = f"-artifact_prefix={tmp_path}/"
+    told = finished(out, seeds, *options, place, limit=36_000.0)
     assert told.returncode == 0, told.stderr[-4000:]
     print(scalar, told.stdout)

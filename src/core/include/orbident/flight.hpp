@@ -16,10 +16,10 @@ inline int checked(const Layout& at, bool sound, int code) {
 }
 
 // Whether all that is carried can be a filter's; the detector has not seen the last sample, or has.
-inline bool is_sound(const Layout& at, const FilterSizes& size) {
+inline bool is_sound(const Layout& at) {
   const bool seen = std::isnan(*at.t);
-  return (seen || *at.t == *at.filter.t) && is_finite(at.white, size.rows) &&
-         orbident::is_sound(at.filter, size) && orbident::is_sound(at.watch, *at.filter.t);
+  return (seen || *at.t == *at.filter.t) && is_finite(at.white, at.size.rows) &&
+         orbident::is_sound(at.filter, at.size) && orbident::is_sound(at.watch, *at.filter.t);
 }
 
 inline int status(const orbident_robot& robot, Real mark) {
@@ -67,7 +67,7 @@ int orbident_init(const orbident_robot* robot, orbident_real* memory, long numbe
   watch_nothing(at.watch);
   *at.t = NOT_A_NUMBER;
   *at.mark = static_cast<Real>(robot->mark);
-  return flight::checked(at, is_estimate(at.filter, model.sizes()), ORBIDENT_DONE);
+  return flight::checked(at, is_estimate(at.filter, at.size), ORBIDENT_DONE);
 }
 
 int orbident_save(const orbident_robot* robot, orbident_real* memory, orbident_real* saved) {
@@ -75,11 +75,8 @@ int orbident_save(const orbident_robot* robot, orbident_real* memory, orbident_r
   const flight::Layout at = flight::layout(*robot, memory);
   const int status = flight::status(*robot, *at.mark);
   if (status != ORBIDENT_DONE) return status;
-  const FilterSizes size = flight::model_of(*robot, at.joint, at.wheel).sizes();
-  if (!flight::is_sound(at, size)) return flight::checked(at, false, ORBIDENT_DONE);
-  const std::uint32_t sum = crc32(memory, at.summed);
-  at.checksum[0] = static_cast<Real>(sum >> 16);
-  at.checksum[1] = static_cast<Real>(sum & 0xffffu);
+  if (!flight::is_sound(at)) return flight::checked(at, false, ORBIDENT_DONE);
+  checksum(memory, at.summed, at.checksum);
   for (long i = 0; i < at.carried; ++i) saved[i] = memory[i];
   return ORBIDENT_DONE;
 }
@@ -93,11 +90,10 @@ int orbident_restore(const orbident_robot* robot, orbident_real* memory, long nu
   if (status != ORBIDENT_DONE) return status;
   // A layout is of an array that is written to; this one is only read.
   const flight::Layout from = flight::layout(*robot, const_cast<Real*>(saved));
-  const FilterSizes size = flight::model_of(*robot, at.joint, at.wheel).sizes();
-  const std::uint32_t sum = crc32(saved, from.summed);
-  const bool whole = from.checksum[0] == static_cast<Real>(sum >> 16) &&
-                     from.checksum[1] == static_cast<Real>(sum & 0xffffu);
-  if (!whole || !flight::is_sound(from, size)) return ORBIDENT_SPOILED;
+  Real halves[2];
+  checksum(saved, from.summed, halves);
+  const bool whole = halves[0] == from.checksum[0] && halves[1] == from.checksum[1];
+  if (!whole || !flight::is_sound(from)) return ORBIDENT_SPOILED;
   for (long i = 0; i < at.carried; ++i) memory[i] = saved[i];
   flight::prepare(*robot, memory, at);
   return ORBIDENT_DONE;
@@ -110,14 +106,14 @@ int orbident_step(const orbident_robot* robot, orbident_real* memory, orbident_r
   const int status = flight::status(*robot, *at.mark);
   if (status != ORBIDENT_DONE) return status;
   const FilterModel model = flight::model_of(*robot, at.joint, at.wheel);
-  const FilterSizes size = model.sizes();
+  const int rows = at.size.rows;
   const Innovation innovation = step(model, at.filter, t, sample, at.room);
-  for (int i = 0; i < size.rows; ++i) at.white[i] = innovation.white[i * innovation.stride];
+  for (int i = 0; i < rows; ++i) at.white[i] = innovation.white[i * innovation.stride];
   *at.t = NOT_A_NUMBER;
   if (innovation.counts != Counts::yes) return flight::code_of(innovation.counts);
   *at.t = t;
-  const int code = innovation.dof < size.rows ? ORBIDENT_NO_VELOCITY : ORBIDENT_DONE;
-  return flight::checked(at, is_finite(at.white, size.rows) && is_estimate(at.filter, size), code);
+  const int code = innovation.dof < rows ? ORBIDENT_NO_VELOCITY : ORBIDENT_DONE;
+  return flight::checked(at, is_finite(at.white, rows) && is_estimate(at.filter, at.size), code);
 }
 
 int orbident_detect(const orbident_robot* robot, orbident_real* memory, orbident_detection* out) {
@@ -143,7 +139,7 @@ int orbident_open(const orbident_robot* robot, orbident_real* memory, orbident_r
   open_up(model, at.filter, t, robot->opening, at.opening, at.room);
   watch_nothing(at.watch);
   *at.t = NOT_A_NUMBER;
-  return flight::checked(at, is_estimate(at.filter, model.sizes()), ORBIDENT_DONE);
+  return flight::checked(at, is_estimate(at.filter, at.size), ORBIDENT_DONE);
 }
 
 int orbident_get(const orbident_robot* robot, orbident_real* memory, int quantity,
@@ -153,7 +149,7 @@ int orbident_get(const orbident_robot* robot, orbident_real* memory, int quantit
   const int status = flight::status(*robot, *at.mark);
   if (status != ORBIDENT_DONE) return status;
   const FilterModel model = flight::model_of(*robot, at.joint, at.wheel);
-  const FilterSizes size = model.sizes();
+  const FilterSizes& size = at.size;
   const Real* from = nullptr;
   int count = -1;
   switch (quantity) {

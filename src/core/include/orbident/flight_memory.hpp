@@ -51,13 +51,14 @@ constexpr T* objects(Memory& memory, int count) {
 }
 
 struct Layout {
+  FilterSizes size;
   Real* mark;     // of the table: negative once the filter has diverged
   Real* t;        // of an innovation that the detector has not seen yet, s; else NaN
   Real* white;    // the last innovation
   FilterState filter;
   Watch watch;
   long summed;    // numbers so far, of which the checksum is
-  Real* checksum; // of a copy; two halves, which a float can hold
+  Real* checksum; // of a copy
   long carried;   // numbers so far
   Joint* joint;
   Wheel* wheel;
@@ -72,6 +73,7 @@ constexpr Layout layout(const FilterModel& model, int window, Real* first) {
   const Robot& robot = model.laws.robot;
   const int bodies = robot.tree.bodies();
   Layout at{};
+  at.size = size;
   at.mark = memory.take(1);
   at.t = memory.take(1);
   at.white = memory.take(size.rows);

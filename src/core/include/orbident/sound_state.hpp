@@ -63,15 +63,16 @@ inline bool is_sound(const Watch& watch, Real t) {
          is_finite(watch.sums, static_cast<long>(watch.window + 1) * watch.rows);
 }
 
-// CRC-32 of IEEE 802.3, as zlib's, of the numbers' bytes.
-inline std::uint32_t crc32(const Real* numbers, long count) {
+// CRC-32 of IEEE 802.3, as zlib's, of the numbers' bytes; in two halves, which a float can hold.
+inline void checksum(const Real* numbers, long count, Real* halves) {
   const auto* const byte = reinterpret_cast<const unsigned char*>(numbers);
   std::uint32_t crc = 0xffffffffu;
   for (long i = 0; i < count * static_cast<long>(sizeof(Real)); ++i) {
     crc ^= byte[i];
     for (int bit = 0; bit < 8; ++bit) crc = crc >> 1 ^ (crc & 1u ? 0xedb88320u : 0u);
   }
-  return ~crc;
+  halves[0] = static_cast<Real>(~crc >> 16);
+  halves[1] = static_cast<Real>(~crc & 0xffffu);
 }
 
 }  // namespace orbident
