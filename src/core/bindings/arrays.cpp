@@ -5,6 +5,7 @@
 #include <malloc.h>
 #endif
 
+#include <new>
 #include <string>
 #include <vector>
 
@@ -43,7 +44,10 @@ DoublesIn checked(const char* name, const Array& given, const std::int64_t* shap
                            "; give " + in_words(shape, n))
                               .c_str());
   }
-  return nb::cast<DoublesIn>(nb::cast(given));
+  DoublesIn array;
+  // Another order is copied, and there may be no room for the copy.
+  if (!nb::try_cast(nb::cast(given), array)) throw std::bad_alloc();
+  return array;
 }
 
 Block take_memory(std::size_t numbers) {

@@ -156,6 +156,7 @@ auto float_gradient(const OwnedFloating& owned, const Laws& laws,
   const Robot& robot = floating.robot;
   const MinimalSets sets = owned_sets.view();
   const std::int64_t K = robot.tree.joints, pis = sets.pis(), phis = sets.phis();
+  if (owned_sets.tree.view().joints != K) throw nb::value_error("sets: they are of another robot");
   const auto q = input<2>("q", q_, {ANY, K});
   const std::ptrdiff_t nodes = q.size(0), n = steps_of(nodes), m = n + 1;
   if (nodes != static_cast<std::ptrdiff_t>(laws.at.size()))

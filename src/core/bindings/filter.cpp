@@ -12,17 +12,6 @@ SensorNoise make_noise(const Array& noise_) {
   return {n[0], n[1], n[2], n[3], n[4], n[5], n[6], n[7], n[8], n[9], n[10], n[11] != 0.0};
 }
 
-std::vector<int> whole_numbers(const char* name, const In<1>& given, double below) {
-  std::vector<int> numbers;
-  for (std::ptrdiff_t k = 0; k < given.size(0); ++k) {
-    const double number = given.data()[k];
-    if (!(number >= 0 && number < below))
-      throw nb::value_error((std::string(name) + ": an index is out of range").c_str());
-    numbers.push_back(static_cast<int>(number));
-  }
-  return numbers;
-}
-
 int put_axes(const char* name, const Array& given_, int* axes) {
   const std::vector<int> given = whole_numbers(name, input<1>(name, given_, {ANY}), 3);
   if (given.empty() || given.size() > 3)
@@ -42,6 +31,8 @@ OwnedFilter make_filter(const OwnedRobot& robot, const OwnedMinimalSets& sets,
   const std::int64_t thetas = PER_BODY * robot.tree.view().bodies();
   const auto theta_of = input<2>("theta_of", theta_of_, {thetas, ANY});
   const std::int64_t betas = theta_of.size(1);
+  if (sets.tree.joints.size() != robot.tree.joints.size())
+    throw nb::value_error("sets: they are of another robot");
   if (sigmas != sets.view().phis() || betas < 1 + sigmas)
     throw nb::value_error("sigmas is not the number of first moments in beta");
   const int iotas = static_cast<int>(betas) - 1 - sigmas;

@@ -37,6 +37,7 @@ nb::dict tables_of(const OwnedFilter& filter) {
 }
 
 auto memory_of(const OwnedFilter& filter, int window) {
+  check_watch(filter.view().sizes().rows, window);
   const flight::Layout at = flight::layout(filter.view(), window, nullptr);
   return std::make_tuple(at.all, at.carried);
 }

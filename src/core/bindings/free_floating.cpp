@@ -117,7 +117,7 @@ auto attitudes(const Array& E, const Array& b, const Array& h_cm, const Array& x
   const auto t = input<1>("t", t_, {ANY});
   const std::ptrdiff_t samples = t.size(0);
   if (samples == 0) throw nb::value_error("t has no sample; give at least one");
-  const Nodes nodes = nodes_of(E, b, h_cm, 2 * substeps * (samples - 1) + 1);
+  const Nodes nodes = nodes_of(E, b, h_cm, 2 * std::int64_t(substeps) * (samples - 1) + 1);
   Quaternion<double> fine(input<1>("x_WB", x_, {4}).data()), coarse = fine;
   Out<2> path(samples, 4);
   double apart = 0.0;

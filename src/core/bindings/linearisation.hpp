@@ -1,6 +1,8 @@
 // The arguments and the memory of one linearisation of a recording's equations.
 #pragma once
 
+#include <limits>
+
 #include "recorded.hpp"
 
 namespace orbident::python {
@@ -80,7 +82,8 @@ struct Call {
        const Array& acting_,
        const Array& x_WB_, const Array& local_, const Array& common_, const Array& selected_,
        bool with_residuals)
-      : selected(indices(input<1>("selected", selected_, {ANY}))),
+      : selected(whole_numbers("selected", input<1>("selected", selected_, {ANY}),
+                               std::numeric_limits<int>::max())),
         tree(owned.tree),
         recorded(owned.view(static_cast<int>(selected.size()))),
         x_WB(input<2>("x_WB", x_WB_, {recorded.intervals + 1, 4})),
@@ -102,7 +105,6 @@ struct Call {
     colour(coloured_);
     const double* value = common.data() + OUTSIDE + recorded.columns.betas;
     for (std::size_t k = 0; k < selected.size(); ++k, ++value) {
-      if (selected[k] < 0) throw nb::value_error("selected: there is no calibration at this place");
       if (selected[k] < recorded.places().count())
         calibration[static_cast<std::size_t>(selected[k])] = *value;
       else

@@ -14,11 +14,6 @@ constexpr std::size_t SENSORS = 6;
 constexpr const char* SENSOR[SENSORS] = {"gyro",   "accelerometer", "attitude",
                                          "joints", "position",      "velocity"};
 
-// Indices that Python gives as float64.
-inline std::vector<int> indices(const In<1>& given) {
-  return {given.data(), given.data() + given.size(0)};
-}
-
 // Columns of numbers, each for itself.
 struct Columns {
   std::vector<In<1>> each;
@@ -100,15 +95,15 @@ inline OwnedRecorded make_recorded(const OwnedTree& tree, const Array& nominal, 
   const std::int64_t rows = t.size(0), at = knots.size(0);
   if (at < 2) throw nb::value_error("knots: give two at least");
   if (rows < 2) throw nb::value_error("t: give two rows at least");
-  const auto edge = indices(input<1>("edge", edge_, {ANY}));
+  const auto edge = whole_numbers("edge", input<1>("edge", edge_, {ANY}), static_cast<double>(rows) + 1.0);
   if (edge.size() < 2 || edge.front() != 0 || edge.back() != rows)
     throw nb::value_error("edge: the first must be 0 and the last the number of rows");
   for (std::size_t k = 1; k < edge.size(); ++k)
     if (edge[k] <= edge[k - 1]) throw nb::value_error("edge: an interval has no rows");
-  const auto with_corrections = indices(input<1>("corrected", corrected, {ANY}));
-  for (std::size_t k = 0; k < with_corrections.size(); ++k)
-    if (with_corrections[k] >= K || with_corrections[k] < 0 ||
-        (k > 0 && with_corrections[k] <= with_corrections[k - 1]))
+  const auto with_corrections =
+      whole_numbers("corrected", input<1>("corrected", corrected, {ANY}), static_cast<double>(K));
+  for (std::size_t k = 1; k < with_corrections.size(); ++k)
+    if (with_corrections[k] <= with_corrections[k - 1])
       throw nb::value_error("corrected: give indices of joints, in increasing order");
   if (substeps < 1 || (substeps > 1 && substeps % 2))
     throw nb::value_error("substeps: give 1 or an even number");

@@ -8,8 +8,8 @@
 #include "arrays.hpp"
 #include "filter.hpp"
 #include "gathering.hpp"
-#include "orbident/change_detection.hpp"
 #include "orbident/opening.hpp"
+#include "orbident/sound_state.hpp"
 
 namespace orbident::python {
 namespace {
@@ -37,6 +37,7 @@ SharedState opened(const OwnedFilter& filter, const OwnedState& before, const Ar
   const FilterModel model = filter.view();
   const FilterSizes size = model.sizes();
   const auto change = input<2>("change", change_, {size.betas(), size.betas()});
+  check_state(size, before);
   auto state = std::make_shared<OwnedState>(before);
   Room room(model);
   AlignedDoubles tables(static_cast<std::size_t>(opening_numbers(size)));
@@ -49,12 +50,15 @@ SharedState restored(const OwnedFilter& filter, const Array& numbers_) {
   const auto numbers =
       input<1>("numbers", numbers_, {static_cast<std::int64_t>(state->numbers().size())});
   state->put(numbers.data());
+  if (!is_sound(state->at, state->size))
+    throw nb::value_error("numbers: they are no state of a filter of this robot");
   return state;
 }
 
 auto step_of(const OwnedFilter& filter, const OwnedState& before, double t, const Array& sample_) {
   const FilterModel model = filter.view();
   const auto sample = input<1>("sample", sample_, {filter.measured()});
+  check_state(model.sizes(), before);
   auto state = std::make_shared<OwnedState>(before);
   Room room(model);
   const Innovation innovation = step(model, state->at, t, sample.data(), room.at);
@@ -68,6 +72,7 @@ auto gathered(const OwnedFilter& filter, const OwnedState& before, const Array& 
               const Array& samples_, int threads) {
   const auto t = input<1>("t", t_, {ANY});
   const auto samples = input<2>("samples", samples_, {t.size(0), filter.measured()});
+  check_state(filter.view().sizes(), before);
   auto state = std::make_shared<OwnedState>(before);
   Gathered found;
   {
@@ -78,6 +83,7 @@ auto gathered(const OwnedFilter& filter, const OwnedState& before, const Array& 
 }
 
 bool scaled_of(const OwnedFilter& filter, const OwnedState& state, double mass) {
+  check_state(filter.view().sizes(), state);
   return scaled(filter.view(), state.at, mass);
 }
 
@@ -109,7 +115,7 @@ auto given(const std::vector<double>& from) {
 using SharedWatch = std::shared_ptr<OwnedWatch>;
 
 SharedWatch make_watch(int rows, int window) {
-  if (rows < 1 || window < 1) throw nb::value_error("rows, window: give at least one of each");
+  check_watch(rows, window);
   return std::make_shared<OwnedWatch>(rows, window);
 }
 
@@ -120,6 +126,8 @@ SharedWatch watch_from(int rows, int window, const Array& numbers_) {
   const double* const times = numbers.data() + watch->sums.size();
   std::copy(numbers.data(), times, watch->sums.begin());
   std::copy(times, numbers.data() + all, watch->times.begin());
+  if (!is_sound(watch->view(), times[window - 1]))
+    throw nb::value_error("numbers: they are no state of a detector");
   return watch;
 }
 
@@ -138,6 +146,7 @@ auto run(const OwnedFilter& filter, const OwnedState& before, const OwnedWatch& 
   const FilterModel model = filter.view();
   const auto t = input<1>("t", t_, {ANY});
   const auto samples = input<2>("samples", samples_, {t.size(0), filter.measured()});
+  check_state(model.sizes(), before);
   auto state = std::make_shared<OwnedState>(before);
   auto after = std::make_shared<OwnedWatch>(watch_before);
   const int betas = state->size.betas();
@@ -154,7 +163,9 @@ auto run(const OwnedFilter& filter, const OwnedState& before, const OwnedWatch& 
       const double now = t.data()[done];
       const Innovation innovation =
           step(model, state->at, now, samples.data() + done * filter.measured(), room.at);
-      const Likelihood most = watch_one(watch, now, innovation.white, innovation.stride);
+      Likelihood most{0.0, now};
+      if (innovation.counts == Counts::yes)
+        most = watch_one(watch, now, innovation.white, innovation.stride);
       if (most.g > threshold) onset = most.onset;
       std::copy(state->at.beta, state->at.beta + betas, beta.data() + done * betas);
       deviations(model, state->at, room.at, std.data() + done * betas);

@@ -32,6 +32,18 @@ struct OwnedSparse {
   }
 };
 
+// Whole numbers that Python gives as float64, from zero to below a bound.
+inline std::vector<int> whole_numbers(const char* name, const In<1>& given, double below) {
+  std::vector<int> numbers;
+  for (std::ptrdiff_t k = 0; k < given.size(0); ++k) {
+    const double number = given.data()[k];
+    if (!(number >= 0 && number < below))
+      throw nb::value_error((std::string(name) + ": an index is out of range").c_str());
+    numbers.push_back(static_cast<int>(number));
+  }
+  return numbers;
+}
+
 // The entries of a matrix that are not zero.
 inline OwnedSparse sparse(const In<2>& dense) {
   OwnedSparse matrix;

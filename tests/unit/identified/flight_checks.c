@@ -11,7 +11,7 @@
 #include "robot.h"
 
 static orbident_real memory[ROBOT_MEMORY], other[ROBOT_MEMORY], sample[ROBOT_MEASURED];
-static orbident_real beta[ROBOT_BETAS], std[ROBOT_BETAS];
+static orbident_real beta[ROBOT_BETAS], std[ROBOT_BETAS], saved[ROBOT_STATE];
 static uint64_t seed;
 
 static double drawn(void) { /* xorshift64*; from 0 to 1 */
@@ -91,6 +91,7 @@ static int fuzz(long steps) {
     if (code == ORBIDENT_NOT_LATER && at == t && orbident_open(&ROBOT, memory, t) != ORBIDENT_DONE)
       begin(memory);
     code = orbident_detect(&ROBOT, memory, &detection);
+    if (code >= 0 && (isnan(detection.statistic) || !isfinite(detection.onset))) return 1;
     if (code == ORBIDENT_CHANGED) {
       ++changes;
       if (orbident_open(&ROBOT, memory, at) != ORBIDENT_DONE) begin(memory);
@@ -113,8 +114,7 @@ static int restore(long cycles) {
     read_sample(k);
     orbident_step(&ROBOT, now, (orbident_real)GOLDEN_TIME[k], sample);
     if (drawn() < 0.3) {
-      static orbident_real saved[ROBOT_STATE];
-      memcpy(saved, now, sizeof saved);
+      if (orbident_save(&ROBOT, now, saved) != ORBIDENT_DONE) return 1;
       memset(now, 0xff, sizeof memory);
       memset(next, 0xff, sizeof memory);
       if (orbident_restore(&ROBOT, next, ROBOT_MEMORY, saved) != ORBIDENT_DONE) return 1;
@@ -172,32 +172,61 @@ static int all_say(int code) {
   bad |= orbident_detect(&ROBOT, memory, &detection) != code;
   bad |= orbident_open(&ROBOT, memory, 5) != code;
   bad |= orbident_get(&ROBOT, memory, ORBIDENT_BETA, beta, ROBOT_BETAS) != code;
+  bad |= orbident_save(&ROBOT, memory, saved) != code;
   return bad | (orbident_restore(&ROBOT, other, ROBOT_MEMORY, memory) != code);
 }
 
-/* A state in which one number is spoiled is refused when it is restored. */
+/* A saved state in which one number is another is refused, and the filter that is there stays. */
 static int spoilt_states(void) {
-  const orbident_real bad_numbers[] = {(orbident_real)NAN, (orbident_real)INFINITY};
-  int refused = 0;
+  begin(memory);
+  if (orbident_save(&ROBOT, memory, saved) != ORBIDENT_DONE) return 1;
+  memset(other, 0, sizeof other);
   for (long i = 0; i < ROBOT_STATE; ++i)
-    for (int kind = 0; kind < 2; ++kind) {
-      begin(memory);
-      memory[i] = bad_numbers[kind];
-      const int code = orbident_restore(&ROBOT, other, ROBOT_MEMORY, memory);
-      refused += code == ORBIDENT_DIVERGED || code == ORBIDENT_NO_STATE;
-      if (code == ORBIDENT_DIVERGED &&
-          orbident_get(&ROBOT, other, ORBIDENT_BETA, beta, ROBOT_BETAS) != code)
-        return 1;
+    for (int kind = 0; kind < (int)(sizeof SPOILED / sizeof *SPOILED); ++kind) {
+      const orbident_real was = saved[i];
+      saved[i] = (orbident_real)SPOILED[kind];
+      if (memcmp(saved + i, &was, sizeof was) == 0 || i > ROBOT_STATE - 7) continue;
+      const int code = orbident_restore(&ROBOT, other, ROBOT_MEMORY, saved);
+      if (code != (i == 0 ? ORBIDENT_NO_STATE : ORBIDENT_SPOILED) || other[0] != 0) return 1;
+      saved[i] = was;
     }
-  /* The estimate, the nuisances and both diagonals at least. */
-  return refused < 2 * (2 * ROBOT_BETAS);
+  return orbident_restore(&ROBOT, other, ROBOT_MEMORY, saved) != ORBIDENT_DONE;
+}
+
+/* There is nothing to detect before a sample counts, nor twice of one. */
+static int detects_once(void) {
+  orbident_detection detection = {-1, -1};
+  begin(memory);
+  int bad = orbident_detect(&ROBOT, memory, &detection) != ORBIDENT_NO_SAMPLE;
+  sample[0] = (orbident_real)NAN;
+  bad |= orbident_step(&ROBOT, memory, 1, sample) != ORBIDENT_INCOMPLETE;
+  bad |= orbident_detect(&ROBOT, memory, &detection) != ORBIDENT_NO_SAMPLE;
+  read_sample(0);
+  bad |= orbident_step(&ROBOT, memory, (orbident_real)INFINITY, sample) != ORBIDENT_INCOMPLETE;
+  bad |= orbident_detect(&ROBOT, memory, &detection) != ORBIDENT_NO_SAMPLE;
+  bad |= detection.statistic != -1 || detection.onset != -1;
+  bad |= orbident_step(&ROBOT, memory, 1, sample) < 0;
+  bad |= orbident_detect(&ROBOT, memory, &detection) != ORBIDENT_DONE;
+  bad |= !(detection.statistic < 1) || detection.onset != 1;
+  return bad | (orbident_detect(&ROBOT, memory, &detection) != ORBIDENT_NO_SAMPLE);
+}
+
+/* What is not finite is not taken for a momentum or a time. */
+static int unknown_numbers(void) {
+  const orbident_real h_cm[3] = {1, (orbident_real)NAN, 3};
+  read_sample(0);
+  int bad = orbident_init(&ROBOT, memory, ROBOT_MEMORY, sample, h_cm) != ORBIDENT_INCOMPLETE;
+  bad |= all_say(ORBIDENT_NO_STATE);
+  begin(memory);
+  bad |= orbident_open(&ROBOT, memory, (orbident_real)INFINITY) != ORBIDENT_INCOMPLETE;
+  return bad | (orbident_open(&ROBOT, memory, (orbident_real)NAN) != ORBIDENT_INCOMPLETE);
 }
 
 static int refusals(void) {
   orbident_detection detection;
   orbident_robot another = ROBOT;
   another.mark = ROBOT.mark == 1 ? 2 : 1;
-  int bad = all_say(ORBIDENT_NO_STATE) | spoilt_states();
+  int bad = all_say(ORBIDENT_NO_STATE) | spoilt_states() | detects_once() | unknown_numbers();
   bad |= orbident_memory(&ROBOT) > ROBOT_MEMORY || orbident_state(&ROBOT) != ROBOT_STATE;
   read_sample(0);
   bad |= orbident_init(&ROBOT, memory, orbident_memory(&ROBOT) - 1, sample, 0) != ORBIDENT_NO_MEMORY;
@@ -234,9 +263,9 @@ static int refusals(void) {
   read_sample(1);
   sample[ROBOT_MEASURED - 7] = (orbident_real)NAN;
   bad |= orbident_step(&ROBOT, memory, 2, sample) != ORBIDENT_NO_VELOCITY;
+  bad |= orbident_detect(&ROBOT, memory, &detection) < 0;
   sample[0] = (orbident_real)INFINITY;
   bad |= orbident_step(&ROBOT, memory, 3, sample) != ORBIDENT_INCOMPLETE;
-  bad |= orbident_detect(&ROBOT, memory, &detection) != ORBIDENT_DONE;
   bad |= orbident_open(&ROBOT, memory, 0) != ORBIDENT_DONE;
   read_sample(2);
   bad |= orbident_step(&ROBOT, memory, 1, sample) < 0; /* the clock was set back */

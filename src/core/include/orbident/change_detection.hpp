@@ -42,7 +42,7 @@ inline Likelihood watch_one(Watch& watch, Real t, const Real* white, int stride)
   for (int i = 0; i < rows; ++i) now[i] += white[i * stride];
   watch.times[window - 1] = t;
   watch.times[window] = NOT_A_NUMBER;
-  Likelihood most{0.0, watch.times[0]};
+  Likelihood most{0.0, t};
   for (int j = 0; j < window; ++j) {
     if (std::isnan(watch.times[j])) continue;
     Real square = 0.0;

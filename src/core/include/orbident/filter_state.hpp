@@ -86,7 +86,7 @@ struct FilterRoom {
   Real* y;
   Real* phi;
   Real* beta;        // twice, and in both orders
-  Real* transposed;  // TILE rows of R
+  Real* transposed;  // TILE rows of R, or of root
   Real* shown;       // TILE rows of R J
   Real* block;       // BLOCK rows of [iota, M, sigma | z]
 };
@@ -109,7 +109,8 @@ constexpr FilterRoom room_in(const FilterModel& model, const Bodies<Real>& bodie
   room.y = memory.take(size.parameters);
   room.phi = memory.take(size.shown);
   room.beta = memory.take(2, size.betas());
-  room.transposed = memory.take(TILE, size.parameters);
+  const int most = size.betas() > size.parameters ? size.betas() : size.parameters;
+  room.transposed = memory.take(TILE, most);
   room.shown = memory.take(TILE, size.shown + 1);
   room.block = memory.take(BLOCK, size.beta_stride());
   return room;

@@ -24,7 +24,8 @@ extern "C" {
 
 typedef ORBIDENT_REAL orbident_real;
 
-/* What a call says. Below zero it changed nothing, unless said otherwise. */
+/* What a call says. Below zero it changed nothing, unless said otherwise. From zero on no number that it gives
+ * is NaN. */
 enum orbident_code {
   ORBIDENT_DONE = 0,
   ORBIDENT_NO_VELOCITY = 1, /* the sample counts for the momentum alone: it has no velocity of S */
@@ -42,7 +43,10 @@ enum orbident_code {
   ORBIDENT_NO_STATE = -6,   /* the array holds no filter of this robot: orbident_init or _restore first */
   ORBIDENT_DIVERGED = -7,   /* numbers ran out of range, and the estimate is lost; every call says so until
                                orbident_init or _restore */
-  ORBIDENT_NO_SUCH = -8     /* there is no such quantity, or `out` has another size than it */
+  ORBIDENT_NO_SUCH = -8,    /* there is no such quantity, or `out` has another size than it */
+  ORBIDENT_SPOILED = -9,    /* the saved state is damaged, or is none that orbident_save wrote: take an
+                               older copy, or begin anew */
+  ORBIDENT_NO_SAMPLE = -10  /* no sample counted since the last call: there is nothing to detect */
 };
 
 /* What orbident_get gives. */
@@ -112,12 +116,18 @@ long orbident_state(const orbident_robot* robot);
  *   memory   `numbers` of them; best at a multiple of 64 bytes
  *   sample   [q, qd, w, x_WB, qd_rw, v_S, w_smooth, h_given], see conservation_equations.hpp
  *   h_cm     the momentum where it is known, inertial axes, N m s; else a null pointer
- * Returns ORBIDENT_DONE, _INCOMPLETE, _ABSURD or _NO_MEMORY. */
+ * Returns ORBIDENT_DONE, _INCOMPLETE, _ABSURD or _DIVERGED, after which the array holds no filter, or
+ * _NO_MEMORY. */
 int orbident_init(const orbident_robot* robot, orbident_real* memory, long numbers,
                   const orbident_real* sample, const orbident_real* h_cm);
 
-/* Begins where another array was: `saved` is a copy of its first orbident_state numbers.
- * Returns ORBIDENT_DONE, _NO_MEMORY, _NO_STATE or _DIVERGED. */
+/* Writes orbident_state numbers to `saved`: a copy of the state, with a checksum.
+ * Returns ORBIDENT_DONE, _NO_STATE or _DIVERGED. */
+int orbident_save(const orbident_robot* robot, orbident_real* memory, orbident_real* saved);
+
+/* Begins where another array was when orbident_save wrote `saved`. The checksum and every number are looked at
+ * first: whether it is finite, a time not after the last one, a count in its range, a factor regular.
+ * Returns ORBIDENT_DONE, _NO_MEMORY, _NO_STATE, _SPOILED or _DIVERGED. */
 int orbident_restore(const orbident_robot* robot, orbident_real* memory, long numbers,
                      const orbident_real* saved);
 
@@ -125,13 +135,14 @@ int orbident_restore(const orbident_robot* robot, orbident_real* memory, long nu
 int orbident_step(const orbident_robot* robot, orbident_real* memory, orbident_real t,
                   const orbident_real* sample);
 
-/* Whether the robot changed, by the last step; call it once after every step.
- * Returns ORBIDENT_DONE, _CHANGED, _NO_STATE or _DIVERGED. */
+/* Whether the robot changed, by the last step; call it once after every step. It writes to `out` if its code
+ * is not below zero.
+ * Returns ORBIDENT_DONE, _CHANGED, _NO_SAMPLE, _NO_STATE or _DIVERGED. */
 int orbident_detect(const orbident_robot* robot, orbident_real* memory, orbident_detection* out);
 
 /* Goes on after a change: what is believed becomes as uncertain as the change may have made it, and
  * nothing is known of the momentum. Also where the clock was set: samples are taken from t on.
- * Returns ORBIDENT_DONE, _NO_STATE or _DIVERGED. */
+ * Returns ORBIDENT_DONE, _INCOMPLETE, _NO_STATE or _DIVERGED. */
 int orbident_open(const orbident_robot* robot, orbident_real* memory, orbident_real t);
 
 /* A quantity, as many numbers as it has.

@@ -8,32 +8,18 @@
 
 namespace orbident::flight {
 
-// Whether a factor's information is positive definite: its diagonal has no zero, and nothing overflowed.
-inline bool is_definite(const Real* factor, int stride, int rows) {
-  for (int i = 0; i < rows; ++i) {
-    const Real pivot = std::abs(factor[static_cast<long>(i) * stride + i]);
-    if (!(pivot > 0 && std::isfinite(pivot))) return false;
-  }
-  return true;
-}
-
-inline bool is_finite(const Real* numbers, int count) {
-  for (int i = 0; i < count; ++i)
-    if (!std::isfinite(numbers[i])) return false;
-  return true;
-}
-
-inline bool is_sound(const FilterState& state, const FilterSizes& size) {
-  return is_finite(state.beta, size.betas()) && is_finite(state.x, size.nuisances) &&
-         is_definite(state.root, size.beta_stride(), size.betas()) &&
-         is_definite(state.top, size.top_stride(), size.nuisances);
-}
-
-// Stops a filter whose numbers are not sound.
-inline int checked(const Layout& at, const FilterSizes& size, int code) {
-  if (is_sound(at.filter, size)) return code;
+// Stops a filter whose numbers ran out of range.
+inline int checked(const Layout& at, bool sound, int code) {
+  if (sound) return code;
   *at.mark = -std::abs(*at.mark);
   return ORBIDENT_DIVERGED;
+}
+
+// Whether all that is carried can be a filter's; the detector has not seen the last sample, or has.
+inline bool is_sound(const Layout& at) {
+  const bool seen = std::isnan(*at.t);
+  return (seen || *at.t == *at.filter.t) && is_finite(at.white, at.size.rows) &&
+         orbident::is_sound(at.filter, at.size) && orbident::is_sound(at.watch, *at.filter.t);
 }
 
 inline int status(const orbident_robot& robot, Real mark) {
@@ -70,8 +56,8 @@ int orbident_init(const orbident_robot* robot, orbident_real* memory, long numbe
   flight::Layout at = flight::layout(*robot, memory);
   if (numbers < at.all) return ORBIDENT_NO_MEMORY;
   const FilterModel model = flight::model_of(*robot, at.joint, at.wheel);
-  const FilterSizes size = model.sizes();
-  *at.mark = 0;
+  for (long i = 0; i < at.carried; ++i) memory[i] = 0;
+  if (h_cm && !is_finite(h_cm, 3)) return ORBIDENT_INCOMPLETE;
   *at.filter.t = NOT_A_NUMBER;
   for (int i = 0; i < 3; ++i) at.filter.w[i] = NOT_A_NUMBER;
   const Counts first = counts(model, at.filter, 0, measurement_at(model.laws.robot, sample));
@@ -80,9 +66,19 @@ int orbident_init(const orbident_robot* robot, orbident_real* memory, long numbe
   start(model, robot->beta, robot->root, sample, h_cm, at.filter, at.room);
   watch_nothing(at.watch);
   *at.t = NOT_A_NUMBER;
-  for (int i = 0; i < size.rows; ++i) at.white[i] = 0;
   *at.mark = static_cast<Real>(robot->mark);
-  return flight::checked(at, size, ORBIDENT_DONE);
+  return flight::checked(at, is_estimate(at.filter, at.size), ORBIDENT_DONE);
+}
+
+int orbident_save(const orbident_robot* robot, orbident_real* memory, orbident_real* saved) {
+  using namespace orbident;
+  const flight::Layout at = flight::layout(*robot, memory);
+  const int status = flight::status(*robot, *at.mark);
+  if (status != ORBIDENT_DONE) return status;
+  if (!flight::is_sound(at)) return flight::checked(at, false, ORBIDENT_DONE);
+  checksum(memory, at.summed, at.checksum);
+  for (long i = 0; i < at.carried; ++i) saved[i] = memory[i];
+  return ORBIDENT_DONE;
 }
 
 int orbident_restore(const orbident_robot* robot, orbident_real* memory, long numbers,
@@ -92,10 +88,15 @@ int orbident_restore(const orbident_robot* robot, orbident_real* memory, long nu
   if (numbers < at.all) return ORBIDENT_NO_MEMORY;
   const int status = flight::status(*robot, saved[0]);
   if (status != ORBIDENT_DONE) return status;
+  // A layout is of an array that is written to; this one is only read.
+  const flight::Layout from = flight::layout(*robot, const_cast<Real*>(saved));
+  Real halves[2];
+  checksum(saved, from.summed, halves);
+  const bool whole = halves[0] == from.checksum[0] && halves[1] == from.checksum[1];
+  if (!whole || !flight::is_sound(from)) return ORBIDENT_SPOILED;
   for (long i = 0; i < at.carried; ++i) memory[i] = saved[i];
   flight::prepare(*robot, memory, at);
-  const FilterModel model = flight::model_of(*robot, at.joint, at.wheel);
-  return flight::checked(at, model.sizes(), ORBIDENT_DONE);
+  return ORBIDENT_DONE;
 }
 
 int orbident_step(const orbident_robot* robot, orbident_real* memory, orbident_real t,
@@ -105,13 +106,14 @@ int orbident_step(const orbident_robot* robot, orbident_real* memory, orbident_r
   const int status = flight::status(*robot, *at.mark);
   if (status != ORBIDENT_DONE) return status;
   const FilterModel model = flight::model_of(*robot, at.joint, at.wheel);
-  const FilterSizes size = model.sizes();
+  const int rows = at.size.rows;
   const Innovation innovation = step(model, at.filter, t, sample, at.room);
-  *at.t = t;
-  for (int i = 0; i < size.rows; ++i) at.white[i] = innovation.white[i * innovation.stride];
+  for (int i = 0; i < rows; ++i) at.white[i] = innovation.white[i * innovation.stride];
+  *at.t = NOT_A_NUMBER;
   if (innovation.counts != Counts::yes) return flight::code_of(innovation.counts);
-  const int code = innovation.dof < size.rows ? ORBIDENT_NO_VELOCITY : ORBIDENT_DONE;
-  return flight::checked(at, size, code);
+  *at.t = t;
+  const int code = innovation.dof < rows ? ORBIDENT_NO_VELOCITY : ORBIDENT_DONE;
+  return flight::checked(at, is_finite(at.white, rows) && is_estimate(at.filter, at.size), code);
 }
 
 int orbident_detect(const orbident_robot* robot, orbident_real* memory, orbident_detection* out) {
@@ -119,7 +121,9 @@ int orbident_detect(const orbident_robot* robot, orbident_real* memory, orbident
   flight::Layout at = flight::layout(*robot, memory);
   const int status = flight::status(*robot, *at.mark);
   if (status != ORBIDENT_DONE) return status;
+  if (std::isnan(*at.t)) return ORBIDENT_NO_SAMPLE;
   const Likelihood most = watch_one(at.watch, *at.t, at.white, 1);
+  *at.t = NOT_A_NUMBER;
   out->statistic = most.g / robot->threshold;
   out->onset = most.onset;
   return most.g > robot->threshold ? ORBIDENT_CHANGED : ORBIDENT_DONE;
@@ -131,9 +135,11 @@ int orbident_open(const orbident_robot* robot, orbident_real* memory, orbident_r
   const int status = flight::status(*robot, *at.mark);
   if (status != ORBIDENT_DONE) return status;
   const FilterModel model = flight::model_of(*robot, at.joint, at.wheel);
+  if (!std::isfinite(t)) return ORBIDENT_INCOMPLETE;
   open_up(model, at.filter, t, robot->opening, at.opening, at.room);
   watch_nothing(at.watch);
-  return flight::checked(at, model.sizes(), ORBIDENT_DONE);
+  *at.t = NOT_A_NUMBER;
+  return flight::checked(at, is_estimate(at.filter, at.size), ORBIDENT_DONE);
 }
 
 int orbident_get(const orbident_robot* robot, orbident_real* memory, int quantity,
@@ -143,7 +149,7 @@ int orbident_get(const orbident_robot* robot, orbident_real* memory, int quantit
   const int status = flight::status(*robot, *at.mark);
   if (status != ORBIDENT_DONE) return status;
   const FilterModel model = flight::model_of(*robot, at.joint, at.wheel);
-  const FilterSizes size = model.sizes();
+  const FilterSizes& size = at.size;
   const Real* from = nullptr;
   int count = -1;
   switch (quantity) {
@@ -157,7 +163,8 @@ int orbident_get(const orbident_robot* robot, orbident_real* memory, int quantit
   if (quantity == ORBIDENT_DEVIATIONS) deviations(model, at.filter, at.room, out);
   for (int i = 0; from && i < count; ++i) out[i] = from[i];
   const bool of_beta = quantity == ORBIDENT_BETA || quantity == ORBIDENT_DEVIATIONS;
-  return of_beta && !scaled(model, at.filter, robot->beta[0]) ? ORBIDENT_NO_SCALE : ORBIDENT_DONE;
+  const bool scale = !of_beta || scaled(model, at.filter, robot->beta[0]);
+  return flight::checked(at, is_finite(out, count), scale ? ORBIDENT_DONE : ORBIDENT_NO_SCALE);
 }
 
 }  // extern "C"

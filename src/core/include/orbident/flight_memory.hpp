@@ -1,17 +1,17 @@
 // How a flight computer's filter lies in the caller's array, and its model from the constant table.
 //
-//   | mark, last sample, filter, detector | joints, wheels | room for one step |
+//   | mark, last sample, filter, detector, checksum | joints, wheels | room for one step |
 //
-// The first part is all that is carried from sample to sample. Nothing in it is an address, so that it
-// may be copied away, and back to another place.
+// The first part is all that is carried from sample to sample, and the checksum of a copy of it. Nothing
+// in it is an address, so that it may be copied away, and back to another place.
 #pragma once
 
 #include <new>
 
-#include "orbident/change_detection.hpp"
 #include "orbident/flight.h"
 #include "orbident/information_filter.hpp"
 #include "orbident/opening.hpp"
+#include "orbident/sound_state.hpp"
 
 namespace orbident::flight {
 
@@ -51,11 +51,14 @@ constexpr T* objects(Memory& memory, int count) {
 }
 
 struct Layout {
+  FilterSizes size;
   Real* mark;     // of the table: negative once the filter has diverged
-  Real* t;        // of the last step, s
+  Real* t;        // of an innovation that the detector has not seen yet, s; else NaN
   Real* white;    // the last innovation
   FilterState filter;
   Watch watch;
+  long summed;    // numbers so far, of which the checksum is
+  Real* checksum; // of a copy
   long carried;   // numbers so far
   Joint* joint;
   Wheel* wheel;
@@ -70,6 +73,7 @@ constexpr Layout layout(const FilterModel& model, int window, Real* first) {
   const Robot& robot = model.laws.robot;
   const int bodies = robot.tree.bodies();
   Layout at{};
+  at.size = size;
   at.mark = memory.take(1);
   at.t = memory.take(1);
   at.white = memory.take(size.rows);
@@ -77,6 +81,8 @@ constexpr Layout layout(const FilterModel& model, int window, Real* first) {
   at.watch = {size.rows, window, nullptr, nullptr};
   at.watch.sums = memory.take(window + 1, size.rows);
   at.watch.times = memory.take(window + 1);
+  at.summed = memory.used;
+  at.checksum = memory.take(2);
   at.carried = memory.used;
   at.joint = objects<Joint>(memory, robot.tree.joints);
   at.wheel = objects<Wheel>(memory, robot.wheels);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <exception>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -28,7 +29,13 @@ void parallel_for(std::ptrdiff_t count, int threads, Run&& run,
     }
   };
   std::vector<std::thread> others;
-  for (std::ptrdiff_t k = 1; k < parts; ++k) others.emplace_back(part, k);
+  for (std::ptrdiff_t k = 1; k < parts; ++k) {
+    try {
+      others.emplace_back(part, k);
+    } catch (const std::system_error&) {  // the system has no more threads
+      part(k);
+    }
+  }
   part(0);
   for (std::thread& other : others) other.join();
   for (const std::exception_ptr& error : failed)
