@@ -8,6 +8,7 @@ import numpy as np
 
 from orbident.errors import InputError
 from orbident.files.names import one_line, quoted, suggestion
+from orbident.recordings.written_units import split_name
 
 TIME_NAMES = ("t", "time", "times", "timestamp", "stamp", "tout", "time_s", "sec")
 """Names of fields that hold the time, wherever they stand; capitals do not matter."""
@@ -179,7 +180,7 @@ class Group:
 
 
 def _is_time(name: str) -> bool:
-    return name.lower() in TIME_NAMES
+    return split_name(name)[0].lower() in TIME_NAMES
 
 
 def groups(tree: Tree) -> dict[str, Group]:
