@@ -153,7 +153,10 @@ def _check_row(
         )
     for name, cell in zip(names, row, strict=True):
         if not _NUMBER.fullmatch(cell.strip().replace(dialect.decimal_point, ".")):
+            wanted = "a number, or leave the cell empty"
+            if name == "t":
+                wanted = "the time in seconds, or let 'orbident convert' read dates"
             raise InputError(
                 f"{path}: column '{name}', row {number}: found {quoted(cell)}; "
-                "give a number, or leave the cell empty"
+                f"give {wanted}"
             )

@@ -25,7 +25,9 @@ _NUMBER = re.compile(
     r"[+-]?(\d+[.,]?\d*|[.,]\d+)([eE][+-]?\d+)?|[+-]?(nan|inf|infinity)",
     re.ASCII | re.IGNORECASE,
 )
-_TIME = re.compile(r"\d+[-/:]\d+.*|.*\d\d:\d\d.*", re.ASCII)
+_TIME_OR_VECTOR = re.compile(
+    r"\d+[-/:]\d+.*|.*\d\d:\d\d.*|[\[({]\s*[-+.\d].*", re.ASCII
+)
 _SPACED_DATE = re.compile(
     r"\b(?:[A-Z][a-z]{2} \d\d?|\d\d? [A-Z][a-z]{2}) \d{4} (?=\d\d?:\d\d)"
 )
@@ -162,9 +164,7 @@ def _has_commas(lines: Iterable[str], separator: str) -> bool:
 def _begins(row: Sequence[str]) -> bool:
     """Whether its first cell that is not empty is a number, a time or a vector."""
     first = next((cell.strip() for cell in row if cell.strip()), "")
-    return bool(
-        _NUMBER.fullmatch(first) or _TIME.fullmatch(first) or first.startswith("[")
-    )
+    return bool(_NUMBER.fullmatch(first) or _TIME_OR_VECTOR.fullmatch(first))
 
 
 def _is_text(row: Sequence[str]) -> bool:

@@ -8,7 +8,7 @@ import numpy as np
 
 from orbident.errors import InputError
 from orbident.files.names import one_line, quoted, suggestion
-from orbident.recordings.written_units import split_name
+from orbident.recordings.written_units import split_name, written_unit
 
 TIME_NAMES = ("t", "time", "times", "timestamp", "stamp", "tout", "time_s", "sec")
 """Names of fields that hold the time, wherever they stand; capitals do not matter."""
@@ -135,6 +135,11 @@ class Group:
         """The field that is its time by its name."""
         names = (n for n, f in self.fields.items() if _is_time(n) and not f.problem)
         return next(names, None)
+
+    def unit(self, name: str) -> str:
+        """The unit of a field, as `UNITS` names it; empty if the file tells none."""
+        found = self.fields.get(name, self.fields.get(name.rpartition(".")[0]))
+        return written_unit(found.unit) if found else ""
 
     def column(self, name: str, place: str) -> np.ndarray:
         """One number a sample; `name.k` is column k, from 0, of a field with several.

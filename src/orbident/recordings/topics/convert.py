@@ -66,27 +66,28 @@ def convert_file(
     check_writable(out)
     is_preset = str(topic_map) in presets()
     path = preset_path(str(topic_map)) if is_preset else Path(topic_map)
-    place = f"preset '{topic_map}'" if is_preset else str(path)
-    entries = load_topic_map(path, place)
+    mapped = f"preset '{topic_map}'" if is_preset else str(path)
+    entries = load_topic_map(path, mapped)
     said = progress or (lambda fraction: None)
     with open_source(Path(file)) as source:
         missing = _missing(source, entries) if is_preset else ()
         if len(missing) == len(entries):
             raise InputError(
-                f"{source.path}: has none of the topics of {place}, only "
+                f"{source.path}: has none of the topics of {mapped}, only "
                 f"{listed(source.topics)}; write a map: 'orbident topics' proposes one"
             )
         tracks = [Track(entry, out) for entry in entries if entry.topic not in missing]
         try:
-            _collect(source, tracks, place, said)
-            used = [timed(track.finished(str(source.path))) for track in tracks]
-            check_times(str(source.path), used)
+            _collect(source, tracks, mapped, said)
+            place = str(source.path)
+            used = [timed(track.finished(place), place) for track in tracks]
+            check_times(place, used)
             report = _written(used, str(file), out, said)
         finally:
             for track in tracks:
                 track.rows.close()
     left_out = (
-        (f"{place}: the file has no topic {listed(missing)}: left out",)
+        (f"{mapped}: the file has no topic {listed(missing)}: left out",)
         if missing
         else ()
     )
