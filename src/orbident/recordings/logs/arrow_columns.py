@@ -6,12 +6,14 @@ from typing import Any
 
 import numpy as np
 import pyarrow as pa
-import pyarrow.compute as pc
+import pyarrow.compute
 
 from orbident.errors import InputError
 from orbident.files.names import first_duplicate, quoted
 from orbident.recordings.logs.group import LogField, Tree, field_of, unusable
 
+# Its functions are made when it is imported, where no type checker sees them.
+pc: Any = pyarrow.compute
 _FORMATS = (
     "%Y-%m-%dT%H:%M:%S",
     "%Y-%m-%d %H:%M:%S",

@@ -196,7 +196,8 @@ def test_names_that_are_repeated(tmp_path: Path):
     path = tmp_path / "log.csv"
     path.write_text(
         "Format Version,1.23,Take Name,run\n\n,Type,Body,Body,Body\n"
-        ",,Rotation,Position,\nFrame,Time (Seconds),X,X,Mean\n0,0.0,1,2,3\n1,0.1,1,2,3\n"
+        ",,Rotation,Position,\nFrame,Time (Seconds),X,X,Mean\n0,0.0,1,2,3\n"
+        "1,0.1,1,2,3\n"
     )
     assert survey_file(path)[0].labels == (
         "Frame",
