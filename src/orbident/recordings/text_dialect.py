@@ -4,7 +4,6 @@ import csv
 import io
 import os
 import re
-from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -183,16 +182,11 @@ def _has_units(above: Sequence[Sequence[str]]) -> bool:
 
 
 def _told_apart(names: list[str], above: Sequence[Sequence[str]]) -> list[str]:
-    """Names that are given twice, with what stands above them: `Position.X`."""
+    """Names of which one is given twice, with what stands above: `Position.X`."""
     for row in reversed(above):
-        if len(row) == len(names):
-            count = Counter(names)
-            names = [
-                ".".join(filter(None, (upper.strip(), name)))
-                if count[name] > 1 or not name
-                else name
-                for upper, name in zip(row, names, strict=True)
-            ]
+        if len(row) == len(names) and len(set(names)) < len(names):
+            pairs = zip((upper.strip() for upper in row), names, strict=True)
+            names = [".".join(filter(None, pair)) for pair in pairs]
     return names
 
 

@@ -138,8 +138,15 @@ class Group:
 
     def unit(self, name: str) -> str:
         """The unit of a field, as `UNITS` names it; empty if the file tells none."""
-        found = self.fields.get(name, self.fields.get(name.rpartition(".")[0]))
+        found = self._named(name)
         return written_unit(found.unit) if found else ""
+
+    def has(self, name: str) -> bool:
+        """Whether there is such a field, or the one of which it is a column."""
+        return self._named(name) is not None
+
+    def _named(self, name: str) -> LogField | None:
+        return self.fields.get(name, self.fields.get(name.rpartition(".")[0]))
 
     def column(self, name: str, place: str) -> np.ndarray:
         """One number a sample; `name.k` is column k, from 0, of a field with several.

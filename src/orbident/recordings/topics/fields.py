@@ -11,7 +11,7 @@ from pydantic import BeforeValidator, Field, model_validator
 from orbident.errors import InputError
 from orbident.recordings.logs.group import Group
 from orbident.recordings.topics.declared_units import DIMENSIONS, nanoseconds_of
-from orbident.recordings.topics.entry import Extraction, Name, Placed
+from orbident.recordings.topics.entry import Entry, Extraction, Name, Placed
 from orbident.recordings.topics.slots import Slot, slots_of
 from orbident.recordings.topics.stamps import stamp_fields, stamps_of
 from orbident.recordings.topics.targets import Target, target_of
@@ -218,3 +218,22 @@ class Table(Fields):
                         f"{known} in the file, but in {target.unit} in the map; "
                         "correct the map, or the file"
                     )
+
+
+def missing_of(entry: Entry, topics: Mapping[str, Any]) -> tuple[str, str] | None:
+    """What of a file an entry needs and the file has not: `("field", "q1")`.
+
+    Args:
+        entry: of a map.
+        topics: of the file, by name.
+
+    Returns:
+        "topic" or "field", and its name; None if nothing is missing.
+    """
+    topic = topics.get(entry.topic)
+    if topic is None or not topic.count:
+        return "topic", entry.topic
+    if not (isinstance(entry, Table) and isinstance(topic, Group)):
+        return None
+    named = [*entry.stamp, *(slot.field for slot in entry.slots if slot.field)]
+    return next((("field", name) for name in named if not topic.has(name)), None)
