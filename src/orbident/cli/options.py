@@ -56,7 +56,7 @@ LogFile = Annotated[
     typer.Argument(
         metavar="FILE",
         help="A ROS bag (of ROS 2 its folder), or a file of MCAP, MATLAB, HDF5, PX4 "
-        "ULog, NumPy (.npz), Parquet or CSV.",
+        "ULog, NumPy (.npz), Parquet, CSV or other text, or the folder of NASA's 42.",
     ),
 ]
 Preset = Annotated[
@@ -64,8 +64,8 @@ Preset = Annotated[
     typer.Option(
         "--preset",
         metavar="NAME",
-        help="A map that comes with Orbident: astrobee, basilisk, cepheus, "
-        "px4-spacecraft.",
+        help="A map that comes with Orbident: astrobee, basilisk, cepheus, nasa-42, "
+        "optitrack, px4-spacecraft, spot, xact.",
         autocompletion=_presets,
     ),
 ]

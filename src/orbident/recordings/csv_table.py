@@ -2,7 +2,6 @@
 
 import codecs
 import csv
-import os
 import re
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
@@ -15,7 +14,9 @@ import pyarrow.csv as arrow_csv
 
 from orbident.errors import InputError
 from orbident.files.names import quoted
-from orbident.recordings.columns import check_names
+from orbident.recordings.columns import check_names, is_known
+from orbident.recordings.text_dialect import TextDialect, opened_table, text_dialect
+from orbident.recordings.written_units import SI
 
 _BLOCK_BYTES = 1 << 20
 # Arrow trims blanks around numbers, but not before it compares with these.
@@ -32,9 +33,9 @@ def read_csv(path: Path) -> dict[str, np.ndarray]:
     Raises:
         InputError: The header is missing or refused, or a cell is not a number.
     """
-    names, _ = _header(path)
+    dialect = _checked_dialect(path)
     lines, start = csv_lines(path), 0
-    columns = {name: np.empty(lines) for name in names}
+    columns = {name: np.empty(lines) for name in dialect.names}
     for batch in csv_batches(path):
         rows = slice(start, start + batch["t"].size)
         for name, values in batch.items():
@@ -52,53 +53,34 @@ def csv_batches(
     Raises:
         InputError: As `read_csv`.
     """
-    names, header_lines = _header(path)
-    _check_separator(path, names)
-    check_names(str(path), names)
-    chosen = [name for name in names if wanted(name)]
+    dialect = _checked_dialect(path)
+    chosen = [name for name in dialect.names if wanted(name)]
     try:
-        yield from _batches(path, names, chosen, header_lines)
+        yield from _batches(path, dialect, chosen)
     except pa.ArrowException as error:
         with suppress(csv.Error):
-            _explain(path, names)
+            _explain(path, dialect)
         raise InputError(
             f"{path}: is not a readable CSV file ({str(error).splitlines()[0]})"
         ) from error
 
 
-def _header(path: Path) -> tuple[list[str], int]:
-    """The names, and how many lines of the file they take."""
-    try:
-        with path.open(encoding="utf-8-sig", newline="") as file:
-            reader = csv.reader(file)
-            header = next((row for row in reader if not _is_blank(row)), [])
-            lines = reader.line_num
-    except (UnicodeDecodeError, csv.Error) as error:
+def _checked_dialect(path: Path) -> TextDialect:
+    """How the file is written, its names and units those of a recording."""
+    dialect = text_dialect(path)
+    if not dialect.names:
         raise InputError(
-            f"{path}: is not UTF-8 text with comma-separated cells; "
-            "export it as CSV in UTF-8"
-        ) from error
-    names = [name.strip() for name in header]
-    if not names:
-        raise InputError(f"{path}: is empty; the first line must name the columns")
-    if all(_NUMBER.fullmatch(name) for name in names):
-        raise InputError(
-            f"{path}: line {lines} holds numbers where the column names should be; "
-            "add a first line such as t,joint.joint1.position"
+            f"{path}: line {dialect.lines + 1} holds numbers where the column names "
+            "should be; add a first line such as t,joint.joint1.position"
         )
-    return names, lines
-
-
-def _check_separator(path: Path, names: Sequence[str]) -> None:
-    """Name what stands between the cells where it is no comma."""
-    header = ",".join(names)
-    for separator, called in (("\t", "tabs"), (";", "semicolons")):
-        cells = [cell.strip() for cell in header.split(separator)]
-        if "t" not in names and "t" in cells and len(cells) > len(names):
+    check_names(str(path), dialect.names)
+    for name, unit in zip(dialect.names, dialect.units, strict=True):
+        if unit and is_known(name) and unit not in SI:
             raise InputError(
-                f"{path}: the cells are separated by {called}; export it with commas "
-                "between the cells, and with points in the numbers"
+                f"{path}: column '{name}' is in {unit}; a recording is in SI units: "
+                "let 'orbident topics' and 'orbident convert' make one of this file"
             )
+    return dialect
 
 
 def csv_lines(path: Path) -> int:
@@ -127,27 +109,21 @@ def csv_lines(path: Path) -> int:
     return 1 + line_feeds + returns
 
 
-def _skip_blank(row: arrow_csv.InvalidRow) -> str:
-    return "error" if row.text.strip() else "skip"
-
-
 def _batches(
-    path: Path, names: Sequence[str], chosen: Sequence[str], header_lines: int
+    path: Path, dialect: TextDialect, chosen: Sequence[str]
 ) -> Iterator[dict[str, np.ndarray]]:
-    number = pa.float64()
     read = arrow_csv.ReadOptions(
-        column_names=names, skip_rows=header_lines, block_size=_BLOCK_BYTES
+        column_names=dialect.names, skip_rows=dialect.lines, block_size=_BLOCK_BYTES
     )
-    parse = arrow_csv.ParseOptions(invalid_row_handler=_skip_blank)
     convert = arrow_csv.ConvertOptions(
-        column_types=dict.fromkeys(names, number),
+        column_types=dict.fromkeys(dialect.names, pa.float64()),
         null_values=_EMPTY,
         include_columns=chosen,
+        decimal_point=dialect.decimal_point,
     )
-    # Bytes: as text Arrow takes no name that is not UTF-8.
     with (
-        pa.OSFile(os.fsencode(path)) as file,
-        arrow_csv.open_csv(file, read, parse, convert) as reader,
+        opened_table(path, dialect) as file,
+        arrow_csv.open_csv(file, read, dialect.parse_options(), convert) as reader,
     ):
         for batch in reader:
             yield {
@@ -156,34 +132,31 @@ def _batches(
             }
 
 
-def _explain(path: Path, names: Sequence[str]) -> None:
+def _explain(path: Path, dialect: TextDialect) -> None:
     """Finds the first thing wrong, slowly; Arrow does not say where it is."""
     with path.open(encoding="utf-8-sig", errors="replace", newline="") as file:
-        lines = (row for row in csv.reader(file) if not _is_blank(row))
-        next(lines)
-        row = next(lines, None)
-        if row is None:
-            raise InputError(f"{path}: has column names but no rows; add the samples")
-        number = 1
-        while row is not None:
-            _check_row(path, names, number, row)
-            number += 1
-            row = next(lines, None)
+        number = 0
+        for number, row in enumerate(dialect.rows(file), 1):
+            _check_row(path, dialect, number, row)
+    if not number:
+        raise InputError(f"{path}: has column names but no rows; add the samples")
 
 
-def _is_blank(row: list[str]) -> bool:
-    return not row or (len(row) == 1 and not row[0].strip())
-
-
-def _check_row(path: Path, names: Sequence[str], number: int, row: list[str]) -> None:
+def _check_row(
+    path: Path, dialect: TextDialect, number: int, row: Sequence[str]
+) -> None:
+    names = dialect.names
     if len(row) != len(names):
         raise InputError(
             f"{path}: row {number} has {len(row)} cells but the header names "
             f"{len(names)} columns; make them equal"
         )
     for name, cell in zip(names, row, strict=True):
-        if not _NUMBER.fullmatch(cell.strip()):
+        if not _NUMBER.fullmatch(cell.strip().replace(dialect.decimal_point, ".")):
+            wanted = "a number, or leave the cell empty"
+            if name == "t":
+                wanted = "the time in seconds, or let 'orbident convert' read dates"
             raise InputError(
                 f"{path}: column '{name}', row {number}: found {quoted(cell)}; "
-                "give a number, or leave the cell empty"
+                f"give {wanted}"
             )

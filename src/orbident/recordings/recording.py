@@ -251,8 +251,8 @@ def _check_time(source: str, t: np.ndarray) -> None:
         k = int(late[0]) + 1
         raise InputError(
             f"{source}: column 't', row {k + 1}: {t[k]} s does not come after "
-            f"{t[k - 1]} s; times must be strictly increasing, so sort the rows "
-            "and drop repeated ones"
+            f"{t[k - 1]} s; times must be strictly increasing: sort the rows and drop "
+            "repeated ones, or cut the recording here if its clock was set or restarted"
         )
     short = np.flatnonzero(np.diff(t) < SHORTEST)
     if short.size:

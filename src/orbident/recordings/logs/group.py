@@ -8,6 +8,7 @@ import numpy as np
 
 from orbident.errors import InputError
 from orbident.files.names import one_line, quoted, suggestion
+from orbident.recordings.written_units import split_name, written_unit
 
 TIME_NAMES = ("t", "time", "times", "timestamp", "stamp", "tout", "time_s", "sec")
 """Names of fields that hold the time, wherever they stand; capitals do not matter."""
@@ -135,6 +136,18 @@ class Group:
         names = (n for n, f in self.fields.items() if _is_time(n) and not f.problem)
         return next(names, None)
 
+    def unit(self, name: str) -> str:
+        """The unit of a field, as `UNITS` names it; empty if the file tells none."""
+        found = self._named(name)
+        return written_unit(found.unit) if found else ""
+
+    def has(self, name: str) -> bool:
+        """Whether there is such a field, or the one of which it is a column."""
+        return self._named(name) is not None
+
+    def _named(self, name: str) -> LogField | None:
+        return self.fields.get(name, self.fields.get(name.rpartition(".")[0]))
+
     def column(self, name: str, place: str) -> np.ndarray:
         """One number a sample; `name.k` is column k, from 0, of a field with several.
 
@@ -179,7 +192,7 @@ class Group:
 
 
 def _is_time(name: str) -> bool:
-    return name.lower() in TIME_NAMES
+    return split_name(name)[0].lower() in TIME_NAMES
 
 
 def groups(tree: Tree) -> dict[str, Group]:

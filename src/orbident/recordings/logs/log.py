@@ -7,12 +7,18 @@ from pathlib import Path
 
 from orbident.errors import InputError
 from orbident.files.names import one_line, suggestion
-from orbident.recordings.logs.arrow_file import read_csv_log, read_parquet_log
+from orbident.recordings.logs.arrow_file import read_parquet_log
 from orbident.recordings.logs.group import Group, Tree, groups
 from orbident.recordings.logs.hdf5_file import MAGIC as HDF5_MAGIC
 from orbident.recordings.logs.hdf5_file import read_hdf5
 from orbident.recordings.logs.mat_file import read_mat
 from orbident.recordings.logs.npz_file import read_npz
+from orbident.recordings.logs.text_file import (
+    SUFFIXES,
+    read_text_folder,
+    read_text_table,
+    text_tables_in,
+)
 from orbident.recordings.logs.ulog_file import MAGIC, cut_off, read_ulog
 
 
@@ -35,8 +41,9 @@ KINDS = (
     FileKind("PX4 ULog", (".ulg", ".ulog"), read_ulog, (MAGIC,), cut_off),
     FileKind("NumPy", (".npz",), read_npz, (b"PK\x03\x04",)),
     FileKind("Parquet", (".parquet",), read_parquet_log, (b"PAR1",)),
-    FileKind("CSV", (".csv", ".tsv"), read_csv_log),
+    FileKind("CSV", SUFFIXES, read_text_table),
 )
+_FOLDER = FileKind("text tables", (), read_text_folder)
 _BY_SUFFIX = {suffix: kind for kind in KINDS for suffix in kind.suffixes}
 
 
@@ -64,7 +71,9 @@ class Log:
 
 
 def is_log(path: Path) -> bool:
-    """Whether it is a file of tables by its suffix."""
+    """Whether it is a file of tables by its suffix, or a folder of such text files."""
+    if path.is_dir():
+        return not (path / "metadata.yaml").exists() and bool(text_tables_in(path))
     return path.suffix.lower() in _BY_SUFFIX
 
 
@@ -76,10 +85,11 @@ def open_log(path: Path) -> Iterator[Log]:
         InputError: It is of another kind, damaged or empty, or the
             library that reads it is not installed.
     """
-    kind = _BY_SUFFIX[path.suffix.lower()]
+    kind = _FOLDER if path.is_dir() else _BY_SUFFIX[path.suffix.lower()]
     with ExitStack() as stack:
         try:
-            _check_start(path, kind)
+            if kind is not _FOLDER:
+                _check_start(path, kind)
             found = groups(kind.read(path, stack))
         except InputError:
             raise

@@ -125,7 +125,7 @@ def topic_report(timed: Timed, start_ns: int) -> TopicReport:
         rate=None if interval is None else 1e9 / interval,
         start=float(stamps[0] - start_ns) / 1e9,
         end=float(stamps[-1] - start_ns) / 1e9,
-        note="" if timed.clock in {entry.time, "stamp"} else _NO_STAMP,
+        note=timed.note or ("" if timed.clock in {entry.time, "stamp"} else _NO_STAMP),
     )
 
 

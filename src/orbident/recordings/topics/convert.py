@@ -20,8 +20,7 @@ from orbident.recordings.topics.conversion_report import (
     apart,
     topic_report,
 )
-from orbident.recordings.topics.entry import Entry
-from orbident.recordings.topics.fields import Table
+from orbident.recordings.topics.fields import Table, missing_of
 from orbident.recordings.topics.presets import preset_path, presets
 from orbident.recordings.topics.sources import open_source
 from orbident.recordings.topics.timing import Timed, check_times, timed
@@ -66,42 +65,41 @@ def convert_file(
     check_writable(out)
     is_preset = str(topic_map) in presets()
     path = preset_path(str(topic_map)) if is_preset else Path(topic_map)
-    place = f"preset '{topic_map}'" if is_preset else str(path)
-    entries = load_topic_map(path, place)
+    mapped = f"preset '{topic_map}'" if is_preset else str(path)
+    entries = load_topic_map(path, mapped)
     said = progress or (lambda fraction: None)
     with open_source(Path(file)) as source:
-        missing = _missing(source, entries) if is_preset else ()
+        missing = {
+            number: found
+            for number, entry in enumerate(entries)
+            if is_preset and (found := missing_of(entry, source.topics))
+        }
         if len(missing) == len(entries):
             raise InputError(
-                f"{source.path}: has none of the topics of {place}, only "
+                f"{source.path}: has none of the topics of {mapped}, only "
                 f"{listed(source.topics)}; write a map: 'orbident topics' proposes one"
             )
-        tracks = [Track(entry, out) for entry in entries if entry.topic not in missing]
+        tracks = [
+            Track(entry, out)
+            for number, entry in enumerate(entries)
+            if number not in missing
+        ]
         try:
-            _collect(source, tracks, place, said)
-            used = [timed(track.finished(str(source.path))) for track in tracks]
-            check_times(str(source.path), used)
+            _collect(source, tracks, mapped, said)
+            place = str(source.path)
+            used = [timed(track.finished(place), place) for track in tracks]
+            check_times(place, used)
             report = _written(used, str(file), out, said)
         finally:
             for track in tracks:
                 track.rows.close()
-    left_out = (
-        (f"{place}: the file has no topic {listed(missing)}: left out",)
-        if missing
-        else ()
-    )
+    left_out = [
+        f"{mapped}: the file has no {kind} {listed(dict.fromkeys(names))}: left out"
+        for kind in ("topic", "field")
+        if (names := [name for what, name in missing.values() if what == kind])
+    ]
     warnings = (*source.notes, *left_out, *report.warnings)
     return dataclasses.replace(report, warnings=warnings)
-
-
-def _missing(source: "Bag | Log", entries: Sequence[Entry]) -> tuple[str, ...]:
-    """Topics of a map that the file does not have, or that are empty, each once."""
-    topics = dict.fromkeys(entry.topic for entry in entries)
-    return tuple(
-        name
-        for name in topics
-        if name not in source.topics or not source.topics[name].count
-    )
 
 
 def _collect(

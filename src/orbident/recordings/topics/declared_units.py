@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from fractions import Fraction
 
 from pydantic import BeforeValidator
 
@@ -17,10 +18,22 @@ DIMENSIONS: Mapping[str, Mapping[str, float]] = {
     "acceleration": UNITS["acceleration"],
     "force": {"N": 1.0, "mN": 1e-3},
     "torque": {"N m": 1.0, "mN m": 1e-3},
+    "share": UNITS["share"],
+    "magnetic moment": {"A m^2": 1.0},
 }
 """Each unit's value in SI."""
 TIMES: Mapping[str, int] = {"s": 10**9, "ms": 10**6, "us": 10**3, "ns": 1}
 """Each unit of time in nanoseconds."""
+
+
+def nanoseconds_of(unit: str) -> int | None:
+    """How many a unit of time has, or a count of `0.2 s`; None where it is neither."""
+    number, _, name = unit.rpartition(" ")
+    try:
+        exact = Fraction(number or "1") * TIMES[name]
+    except (KeyError, ValueError, ZeroDivisionError):
+        return None
+    return int(exact) if exact > 0 and exact.denominator == 1 else None
 
 
 @dataclass(frozen=True)
@@ -40,15 +53,17 @@ def unit_of(*dimensions: str) -> Callable[[object], Unit]:
         InputError: by what is returned: the name is of none.
     """
     accepted = {
-        name: Unit(name, dimension, si)
+        "".join(name.split()): Unit(name, dimension, si)
         for dimension in dimensions
         for name, si in DIMENSIONS[dimension].items()
     }
 
     def read(given: object) -> Unit:
-        found = accepted.get(given) if isinstance(given, str) else None
+        # YAML reads the unit of a share, 1, as a number.
+        found = accepted.get("".join(str(given).split()))
         if found is None:
-            raise InputError(f"declare the messages' unit: {', '.join(accepted)}")
+            names = ", ".join(each.name for each in accepted.values())
+            raise InputError(f"declare the messages' unit: {names}")
         return found
 
     return read

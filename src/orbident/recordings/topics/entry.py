@@ -71,6 +71,11 @@ class Entry(MappingSchema):
         return "receive"
 
     @property
+    def counts(self) -> tuple[int, ...]:
+        """ns, what the counter of its times may count."""
+        return (1,)
+
+    @property
     @abstractmethod
     def columns(self) -> tuple[str, ...]:
         """The recording's columns that it fills."""

@@ -9,11 +9,11 @@ from jaxtyping import Float, Int
 from pydantic import BeforeValidator, Field, model_validator
 
 from orbident.errors import InputError
-from orbident.files.schema_parts import WrongValueError
 from orbident.recordings.logs.group import Group
-from orbident.recordings.topics.declared_units import TIMES
-from orbident.recordings.topics.entry import Extraction, Name, Placed
+from orbident.recordings.topics.declared_units import DIMENSIONS, nanoseconds_of
+from orbident.recordings.topics.entry import Entry, Extraction, Name, Placed
 from orbident.recordings.topics.slots import Slot, slots_of
+from orbident.recordings.topics.stamps import stamp_fields, stamps_of
 from orbident.recordings.topics.targets import Target, target_of
 
 
@@ -105,7 +105,7 @@ class Fields(Placed):
             if target.width == 1 or not given.field:
                 return (given,) * target.width
             parts = range(target.width)
-            return tuple(Slot(f"{given.field}.{k}", given.factor) for k in parts)
+            return tuple(given._replace(field=f"{given.field}.{k}") for k in parts)
         if len(given) != target.width:
             raise InputError(
                 f"fields: '{target.name}' has {len(given)} fields; give "
@@ -148,26 +148,15 @@ class Number(Fields):
     def samples(self, message: Any) -> Iterator[Extraction]:
         """The number, wherever it is wanted."""
         x = message.data
-        values = [s.factor * x if s.field else s.factor for s in self.slots]
+        values = [s.factor * x + s.offset for s in self.slots]
         yield Extraction(None, values)
-
-
-def _time_unit(value: object) -> dict[str, str]:
-    if isinstance(value, dict) and len(value) == 1:
-        (field, unit), *_ = value.items()
-        if isinstance(field, str) and isinstance(unit, str) and unit in TIMES:
-            return {field: unit}
-    raise WrongValueError(
-        "give the field that holds the time, and its unit: {time: s}, with one of "
-        + ", ".join(TIMES)
-    )
 
 
 class Table(Fields):
     """Fields over one time: a struct, a group, a topic of a log, a whole file."""
 
-    stamp: Annotated[Mapping[str, str], BeforeValidator(_time_unit)]
-    """The field that holds the time: its unit."""
+    stamp: Annotated[Mapping[str, str], BeforeValidator(stamp_fields)]
+    """The fields whose sum is the time, with their units."""
     time: Literal["header", "receive"] = "receive"
 
     @model_validator(mode="after")
@@ -181,6 +170,11 @@ class Table(Fields):
         """The time is a field."""
         return "stamp"
 
+    @property
+    def counts(self) -> tuple[int, ...]:
+        """Of the fields that are the time."""
+        return tuple(nanoseconds_of(unit) or 1 for unit in self.stamp.values())
+
     def rows(
         self, group: Group, place: str
     ) -> tuple[Int[np.ndarray, " n"], Float[np.ndarray, "n K"]]:
@@ -192,43 +186,54 @@ class Table(Fields):
 
         Raises:
             InputError: a field is missing, holds no numbers, or has another length
-                than the time; a time is not finite or not of the unit.
+                than the time; a time is not finite; the file has it in another unit.
         """
-        ((field, unit),) = self.stamp.items()
-        times = self._nanoseconds(group.column(field, place), field, unit, place)
-        slots = self.slots
-        raw = np.empty((times.size, len(slots)))
-        for k, slot in enumerate(slots):
+        times = stamps_of(self.stamp, group, place)
+        self._check_units(group, place)
+        raw = np.empty((times.size, len(self.slots)))
+        for k, slot in enumerate(self.slots):
             if not slot.field:
-                raw[:, k] = slot.factor
+                raw[:, k] = slot.offset
                 continue
             values = group.column(slot.field, place)
             if values.size != times.size:
                 raise InputError(
                     f"{place}: topic '{group.name}': field '{slot.field}' has "
-                    f"{values.size} values, but '{field}' has {times.size}; name the "
-                    "time of this field in an entry of its own"
+                    f"{values.size} values, but '{next(iter(self.stamp))}' has "
+                    f"{times.size}; name the time of this field in an entry of its own"
                 )
-            raw[:, k] = slot.factor * values
+            raw[:, k] = slot.factor * values + slot.offset
         return times, raw
 
-    def _nanoseconds(
-        self, values: np.ndarray, field: str, unit: str, place: str
-    ) -> Int[np.ndarray, " n"]:
-        where = f"{place}: topic '{self.topic}': time '{field}'"
-        factor = TIMES[unit]
-        finite = np.isfinite(values)
-        if not finite.all():
-            row = int(np.argmin(finite)) + 1
-            raise InputError(
-                f"{where}, row {row}: found {values[row - 1]}; every row needs a time"
-            )
-        # 2^62 ns are 146 years.
-        if np.abs(values.astype(np.float64)).max(initial=0.0) * factor > 2**62:
-            raise InputError(
-                f"{where} goes beyond 146 years in {unit}; correct the unit, one of "
-                + ", ".join(TIMES)
-            )
-        if values.dtype.kind in "iu":
-            return values.astype(np.int64) * factor
-        return np.round(values * factor).astype(np.int64)
+    def _check_units(self, group: Group, place: str) -> None:
+        """Refuses a unit that the file itself says is another one."""
+        for target in self.targets:
+            units = DIMENSIONS.get(target.dimension, {})
+            for slot in self._slots_of(target):
+                known = group.unit(slot.field)
+                scaled = abs(slot.factor) != 1 or slot.offset
+                if not scaled and units.get(known, target.si) != target.si:
+                    raise InputError(
+                        f"{place}: topic '{group.name}': field '{slot.field}' is in "
+                        f"{known} in the file, but in {target.unit} in the map; "
+                        "correct the map, or the file"
+                    )
+
+
+def missing_of(entry: Entry, topics: Mapping[str, Any]) -> tuple[str, str] | None:
+    """What of a file an entry needs and the file has not: `("field", "q1")`.
+
+    Args:
+        entry: of a map.
+        topics: of the file, by name.
+
+    Returns:
+        "topic" or "field", and its name; None if nothing is missing.
+    """
+    topic = topics.get(entry.topic)
+    if topic is None or not topic.count:
+        return "topic", entry.topic
+    if not (isinstance(entry, Table) and isinstance(topic, Group)):
+        return None
+    named = [*entry.stamp, *(slot.field for slot in entry.slots if slot.field)]
+    return next((("field", name) for name in named if not topic.has(name)), None)

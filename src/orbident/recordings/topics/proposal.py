@@ -8,10 +8,11 @@ until it is filled in.
 from collections.abc import Callable, Iterable, Mapping, Sequence
 
 from orbident.recordings.logs.group import Group
-from orbident.recordings.topics.presets import fitting_presets
+from orbident.recordings.topics.fields import missing_of
+from orbident.recordings.topics.presets import preset_path, preset_topics, presets
 from orbident.recordings.topics.proposed_table import as_yaml, proposed_table
 from orbident.recordings.topics.survey import Surveyed
-from orbident.recordings.topics.topic_map import SCHEMA
+from orbident.recordings.topics.topic_map import SCHEMA, load_topic_map
 
 _SI = "# REP 103 says SI; check that the sender keeps to it"
 _FRAME = (
@@ -32,7 +33,8 @@ def proposed_map(surveyed: Sequence[Surveyed]) -> str:
         "# are not needed. Two topics cannot feed one column: keep the better one.",
         *(
             f"# '--preset {name}' maps topics of this file; it may do instead."
-            for name in fitting_presets([each.topic.name for each in surveyed])
+            for name in presets()
+            if _fits(name, surveyed)
         ),
         f"schema: {SCHEMA}",
         "topics:",
@@ -53,6 +55,17 @@ def proposed_map(surveyed: Sequence[Surveyed]) -> str:
         lines.append(f"  - topic: {as_yaml(topic.name)}")
         lines += [f"    {line}" for line in body]
     return "\n".join(lines) + "\n"
+
+
+def _fits(name: str, surveyed: Sequence[Surveyed]) -> bool:
+    """Whether a preset maps at least two of the topics, or the only one."""
+    topics = {each.topic.name: each.topic for each in surveyed}
+    wanted = min(2, len(topics))
+    if len(preset_topics(name).intersection(topics)) < wanted:
+        return False
+    entries = load_topic_map(preset_path(name))
+    found = {each.topic for each in entries if not missing_of(each, topics)}
+    return len(found) >= wanted
 
 
 def _joint_states(found: Surveyed) -> Iterable[str]:

@@ -26,11 +26,11 @@ def proposed_table(group: Group) -> Iterable[str]:
     if time is None:
         yield "# TODO stamp: {<the field that holds the time>: s}, or ms, us, ns"
     else:
-        unit = group.fields[time].unit or "s"
+        unit = group.unit(time) or "s"
         yield f"stamp: {{{as_yaml(time)}: {unit}}}  # check the unit: s, ms, us or ns"
     known = _known(group)
     if known:
-        yield "take:  # SI is assumed; check the units"
+        yield "take:  # SI where the file tells no unit; check the units"
         yield from (f"  {as_yaml(name)}: {unit}" for name, (unit, _) in known.items())
         yield "fields:"
         yield from (f"  {as_yaml(name)}: {what}" for name, (_, what) in known.items())
@@ -42,7 +42,11 @@ def proposed_table(group: Group) -> Iterable[str]:
         yield "# take: {joint.<name>.position: rad, gyro: deg/s}"
         yield "# fields: {joint.<name>.position: q1, gyro: [wx, -wy, wz]}"
         yield "# frame: base"
-    names = [name for name in listed_fields(group) if name != time]
+    names = [
+        f"{name} in {group.unit(name)}" if group.unit(name) else name
+        for name in listed_fields(group)
+        if name != time
+    ]
     more = f" and {len(names) - _SHOWN} more" if len(names) > _SHOWN else ""
     yield "# fields that there are:"
     for start in range(0, min(len(names), _SHOWN), 5):
@@ -61,12 +65,13 @@ def _known(group: Group) -> dict[str, tuple[str, str]]:
     for name, (axes, _) in VECTORS.items():
         parts = [f"{name}.{axis}" for axis in axes]
         if name in _UNITS and all(each in group.fields for each in parts):
-            found[name] = _UNITS[name], f"[{', '.join(parts)}]"
+            unit = group.unit(parts[0]) or _UNITS[name]
+            found[name] = unit, f"[{', '.join(parts)}]"
     for name in group.fields:
         if is_known(name) and name.startswith(("joint.", "wheel.")):
             last = name.rsplit(".", 1)[1]
             unit = "rad" if last == "position" else "rad/s"
-            found[name] = unit, as_yaml(name)
+            found[name] = group.unit(name) or unit, as_yaml(name)
     return found
 
 

@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from orbident.recordings.logs.group import Group, listed_fields
 from orbident.recordings.logs.log import Log
 from orbident.recordings.topics.declared_units import TIMES
@@ -60,12 +62,14 @@ def survey_file(
 
 def _surveyed_table(group: Group, place: str) -> Surveyed:
     time = group.time
-    unit = TIMES.get(group.fields[time].unit or "s") if time else None
+    unit = TIMES.get(group.unit(time) or "s") if time else None
     rate = None
     if time and unit and group.count > 1:
-        times = group.column(time, place).astype(float)
-        span = float(times[-1] - times[0]) * unit / 1e9
-        rate = (times.size - 1) / span if span > 0 else None
+        times = group.column(time, place)
+        # Not as float64, in which dates in ns are not exact.
+        exact = times.astype(np.int64) if times.dtype.kind == "u" else times
+        interval = float(np.median(np.diff(exact)))
+        rate = 1e9 / (interval * unit) if interval > 0 else None
     return Surveyed(group, rate, tuple(listed_fields(group)))
 
 

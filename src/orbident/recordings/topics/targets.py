@@ -12,6 +12,7 @@ from orbident.recordings.columns import (
     is_known,
     joint_of,
     thruster_of,
+    torquer_of,
     wheel_of,
 )
 from orbident.recordings.topics.declared_units import DIMENSIONS, unit_of
@@ -45,6 +46,8 @@ class Target:
     """Numbers that it is made of."""
     example: str
     si: float = 1.0
+    dimension: str = ""
+    """Of each of its numbers; empty of a quaternion and the like."""
 
     @property
     def turned(self) -> bool:
@@ -93,17 +96,20 @@ def target_of(name: str, unit: object) -> Target:
                 + ", ".join(_ATTITUDES)
             )
         width, example = _ATTITUDES[unit]
-        si = DIMENSIONS["angle"].get(unit, 1.0)
         columns = tuple(f"attitude.{axis}" for axis in "xyzw")
-        return Target(name, unit, columns, width, example, si)
+        if unit not in DIMENSIONS["angle"]:
+            return Target(name, unit, columns, width, example)
+        si = DIMENSIONS["angle"][unit]
+        return Target(name, unit, columns, width, example, si, "angle")
     try:
         found = unit_of(*_dimensions(name))(unit)
     except InputError as error:
         raise InputError(f"take: {name}: found {unit!r}; {error}") from None
     if name in VECTORS:
         columns = tuple(f"{name}.{axis}" for axis in VECTORS[name][0])
-        return Target(name, found.name, columns, 3, "[x, y, z]", found.si)
-    return Target(name, found.name, (name,), 1, "x", found.si)
+        example = "[x, y, z]"
+        return Target(name, found.name, columns, 3, example, found.si, found.dimension)
+    return Target(name, found.name, (name,), 1, "x", found.si, found.dimension)
 
 
 def _dimensions(name: str) -> tuple[str, ...]:
@@ -113,8 +119,10 @@ def _dimensions(name: str) -> tuple[str, ...]:
         return ("angle", "length") if both else ("angular rate", "velocity")
     if wheel_of(name):
         return ("angle",) if last == "position" else ("angular rate",)
-    if thruster_of(name) and last == "force":
-        return ("force",)
+    if thruster_of(name):
+        return ("force",) if last == "force" else ("share",)
+    if torquer_of(name):
+        return ("magnetic moment",)
     whole = name in VECTORS or is_known(name)
     if not whole or head not in _DIMENSION_OF:
         raise InputError(

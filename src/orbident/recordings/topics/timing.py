@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Bool, Int
 
 from orbident.errors import InputError
+from orbident.recordings.topics.clock_steps import continued
 from orbident.recordings.topics.row_file import RowFile
 from orbident.recordings.topics.track import Arrived, Values
 
@@ -35,22 +36,34 @@ class Timed:
     """How many of the rejected are not the same as the one that is kept."""
     out_of_order: int
     """Samples that came after one with a later stamp; they are used."""
+    note: str
+    """What was done to a counter that began again."""
 
 
-def timed(arrived: Arrived) -> Timed:
+def timed(arrived: Arrived, place: str) -> Timed:
     """Sorts by stamp and keeps the first sample of each.
 
     Header stamps are used unless the map says otherwise or none is set; then it is
     the time of recording.
+
+    Raises:
+        InputError: the time goes back where no counter begins again.
     """
+    rows, entry = arrived.values.rows, arrived.values.entry
     is_set = arrived.stamps > 0
-    by_header = arrived.values.entry.time == "header" and bool(is_set.any())
+    by_header = entry.time == "header" and bool(is_set.any())
     if by_header:
         used = np.flatnonzero(is_set)
         stamps = arrived.stamps[used]
     else:
         used = np.arange(arrived.received.size)
         stamps = arrived.received
+    stamps, note = continued(
+        stamps,
+        entry.counts,
+        lambda some, others: _same(rows, used[some], used[others]),
+        f"{place}: topic '{entry.topic}'",
+    )
     late = np.count_nonzero(np.maximum.accumulate(stamps) > stamps)
     order = np.argsort(stamps, kind="stable")
     stamps, order = stamps[order], used[order]
@@ -59,11 +72,12 @@ def timed(arrived: Arrived) -> Timed:
         values=arrived.values,
         stamps=stamps[first],
         order=order[first],
-        clock="header" if by_header else arrived.values.entry.other_time,
+        clock="header" if by_header else entry.other_time,
         without_stamp=arrived.stamps.size - used.size,
         duplicate=int(np.count_nonzero(~first)),
-        duplicate_differs=_differing(arrived.values.rows, order, first),
+        duplicate_differs=_differing(rows, order, first),
         out_of_order=int(late),
+        note=note,
     )
 
 
@@ -73,10 +87,16 @@ def _differing(
     """How many repeated samples differ from the one with their stamp that is kept."""
     count = 0
     for repeated, kept in _pairs(order, first):
-        a, b = rows.gather(repeated), rows.gather(kept)
-        same = (a == b) | (np.isnan(a) & np.isnan(b))
-        count += int(np.count_nonzero(~same.all(axis=1)))
+        count += int(np.count_nonzero(~_same(rows, repeated, kept)))
     return count
+
+
+def _same(
+    rows: RowFile, some: Int[np.ndarray, " n"], others: Int[np.ndarray, " n"]
+) -> Bool[np.ndarray, " n"]:
+    """Whether samples, by their numbers, have the same values as others."""
+    a, b = rows.gather(some), rows.gather(others)
+    return ((a == b) | (np.isnan(a) & np.isnan(b))).all(axis=1)
 
 
 def _pairs(

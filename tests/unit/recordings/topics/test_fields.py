@@ -12,7 +12,7 @@ REFUSED = {
     "another unit of time": (
         "{topic: /, type: table, stamp: {t: min}, take: {wheel.a.speed: rpm}}",
         "stamp: found {'t': 'min'}; give the field that holds the time, and its unit: "
-        "{time: s}, with one of s, ms, us, ns",
+        "{time: s}, with one of s, ms, us, ns, or '0.2 s' for counts",
     ),
     "a time of messages": (
         TABLE + "take: {gyro: deg/s}, fields: {gyro: w}, frame: base, time: header}",

@@ -43,7 +43,16 @@ def check_attitude(recording: Recording, expected: Rotation) -> None:
 
 
 def test_all_are_tried_here():
-    assert presets() == ("astrobee", "basilisk", "cepheus", "px4-spacecraft")
+    assert presets() == (
+        "astrobee",
+        "basilisk",
+        "cepheus",
+        "nasa-42",
+        "optitrack",
+        "px4-spacecraft",
+        "spot",
+        "xact",
+    )
     for name in presets():
         assert load_topic_map(preset_path(name))
 
@@ -137,6 +146,90 @@ def test_basilisk(tmp_path: Path):
     np.testing.assert_allclose(Rotation.from_quat(x_4).as_matrix().T, BN, atol=1e-12)
     (warning,) = report.warnings
     assert "no topic '/spinningBodyOutMsgs/1'" in warning
+
+
+def proposed(path: Path, name: str) -> bool:
+    return f"'--preset {name}' maps" in proposed_map(survey_file(path))
+
+
+def test_xact(tmp_path: Path):
+    """Counts of int16 and int32, time in 0.2 s; three of four wheels are there."""
+    q, rpm = np.round(X_WB.as_quat() / 5e-10), np.arange(3 * N).reshape(N, 3) * 40
+    names = [f"Q_BODY_WRT_ECI{k}" for k in "1234"] + [f"BODY_RATE{k}" for k in "123"]
+    names += [f"FILTERED_SPEED_RPM{k}" for k in "123"]
+    seconds = 4_100_000_000 + np.arange(N)
+    values = np.c_[seconds, q, np.round(W / 5e-9), rpm / 0.4].astype(np.int64)
+    path = tmp_path / "adcs.csv"
+    head = ",".join(["TAI_SECONDS", *names])
+    np.savetxt(path, values, "%d", ",", header=head, comments="")
+    assert proposed(path, "xact")
+    assert not proposed(path, "optitrack")
+    recording, report = by_preset(path, "xact")
+    np.testing.assert_allclose(recording.t, 0.2 * np.arange(N), atol=1e-9)
+    check_attitude(recording, X_WB)
+    near(recording.vector("gyro"), W, atol=2.5e-9)
+    near(recording.column("wheel.rw3.speed"), rpm[:, 2] * np.pi / 30)
+    assert report.warnings == (
+        "preset 'xact': the file has no field 'FILTERED_SPEED_RPM4': left out",
+    )
+
+
+def test_nasa_42(tmp_path: Path):
+    """`C[0][1] = 2 (q1 q2 + q3 q4)` of 42's Q2C is of the matrix from N to B."""
+    folder = tmp_path / "InOut"
+    folder.mkdir()
+    tables = {"time": T, "qbn": X_WB.as_quat(), "wbn": W, "PosN": np.c_[P, P, P]}
+    for name, values in tables.items():
+        np.savetxt(folder / f"{name}.42", values, "%le")
+    assert proposed(folder, "nasa-42")
+    recording, report = by_preset(folder, "nasa-42")
+    assert report.warnings == ()
+    q = X_WB.as_quat()
+    of_42 = 2 * (q[:, 0] * q[:, 1] + q[:, 2] * q[:, 3])
+    near(of_42, X_WB.inv().as_matrix()[:, 0, 1])
+    check = Rotation.from_quat(recording.vector("attitude", "xyzw")) * X_WB.inv()
+    np.testing.assert_allclose(check.magnitude(), 0, atol=3e-6)  # six digits
+    near(recording.vector("gyro"), W, atol=1e-6)
+
+
+def test_optitrack(tmp_path: Path):
+    """Motive's export of one rigid body; nothing where it was not seen."""
+    head = [
+        "Format Version,1.23,Take Name,run,Rotation Type,Quaternion",
+        "",
+        ",Type," + ",".join(["Rigid Body"] * 8),
+        ",Name," + ",".join(["base"] * 8),
+        ',ID,"' + '","'.join(["3C5A"] * 8) + '"',
+        ",,Rotation,Rotation,Rotation,Rotation,Position,Position,Position,Error",
+        "Frame,Time (Seconds),X,Y,Z,W,X,Y,Z,",
+    ]
+    rows = [
+        ",".join([str(k), f"{t:.6f}", *(f"{x:.9f}" for x in (*q, *p)), "0.0001"])
+        for k, (t, q, p) in enumerate(zip(T, X_WB.as_quat(), P, strict=True))
+    ]
+    rows[4] = f"4,{T[4]:.6f},,,,,,,,"
+    path = tmp_path / "Take 1.csv"
+    path.write_bytes("\r\n".join([*head, *rows]).encode("utf-8-sig"))
+    assert proposed(path, "optitrack")
+    recording, report = by_preset(path, "optitrack")
+    assert report.topics[0].not_finite == 1
+    near(np.delete(recording.vector("position"), 4, 0), np.delete(P, 4, 0), 1e-9)
+    x = Rotation.from_quat(np.delete(recording.vector("attitude", "xyzw"), 4, 0))
+    difference = x * X_WB[np.arange(N) != 4].inv()
+    np.testing.assert_allclose(difference.magnitude(), 0, atol=1e-8)
+
+
+def test_spot(tmp_path: Path):
+    names = ("RED_Px_m", "RED_Py_m", "RED_Rz_rad", "ARM_Shoulder_Rz_rad")
+    names += ("ARM_Elbow_Rz_rad", "ARM_Wrist_Rz_rad")
+    table = {"Time_s": T, **{name: k * T for k, name in enumerate(names)}}
+    path = write_log("mat", tmp_path, {"dataClass": table})
+    assert proposed(path, "spot")
+    recording, report = by_preset(path, "spot")
+    assert report.warnings == ()
+    near(recording.column("position.y"), T)
+    near(recording.column("joint.wrist.position"), 5 * T)
+    check_attitude(recording, Rotation.from_rotvec(np.outer(2 * T, [0, 0, 1])))
 
 
 def test_none_of_its_topics(tmp_path: Path):

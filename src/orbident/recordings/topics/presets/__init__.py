@@ -1,7 +1,6 @@
 """Topic maps of laboratories and tools, one file each."""
 
 import re
-from collections.abc import Collection
 from importlib.resources import files
 from pathlib import Path
 
@@ -21,14 +20,10 @@ def preset_path(name: str) -> Path:
     return _FOLDER / f"{name}.yaml"
 
 
-def fitting_presets(topics: Collection[str]) -> tuple[str, ...]:
-    """Those that map at least two of these topics, or the only one."""
-    found = []
-    for name in presets():
-        mapped = re.findall(r"topic: ([^,\s]+)", preset_path(name).read_text("utf-8"))
-        if len({*mapped}.intersection(topics)) >= min(2, len(topics)):
-            found.append(name)
-    return tuple(found)
+def preset_topics(name: str) -> set[str]:
+    """The topics that the map of this name is for."""
+    text = preset_path(name).read_text("utf-8")
+    return set(re.findall(r"topic: ([^,\s]+)", text))
 
 
 def known_preset(name: str) -> str:

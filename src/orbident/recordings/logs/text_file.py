@@ -1,0 +1,96 @@
+"""Tables of text with columns of any names, one a file, or one signal a file."""
+
+from contextlib import ExitStack
+from pathlib import Path
+
+import pyarrow as pa
+import pyarrow.csv as arrow_csv
+
+from orbident.errors import InputError
+from orbident.recordings.csv_table import csv_lines
+from orbident.recordings.logs.arrow_columns import fields_of
+from orbident.recordings.logs.group import Tree
+from orbident.recordings.text_dialect import TextDialect, opened_table, text_dialect
+
+SUFFIXES = (".42", ".csv", ".tsv", ".txt", ".dat")
+_EMPTY = ["", "nan", "NaN", "NAN", "null"]
+
+
+def read_text_table(path: Path, stack: ExitStack) -> Tree:
+    """Columns by name; those without names are `qbn.0`, `qbn.1` of a file `qbn.42`.
+
+    Raises:
+        InputError: the first lines are not UTF-8, a row has another number of cells, or
+            a name is given twice.
+    """
+    del stack
+    dialect = text_dialect(path)
+    try:
+        table = _table(path, dialect, arrow_csv.ParseOptions(delimiter=dialect.mark))
+    except pa.ArrowInvalid:
+        # Arrow gives no row that is not UTF-8 to what leaves rows out.
+        csv_lines(path)
+        table = _without_comments(path, dialect)
+    columns, width = table.columns, table.num_columns
+    names = dialect.names or tuple(str(k) for k in range(width))
+    fields = fields_of(columns, names, dialect.units or [""] * width, str(path))
+    if dialect.names:
+        return fields
+    return {path.stem: fields if width > 1 else fields["0"]}
+
+
+def text_tables_in(folder: Path) -> list[Path]:
+    """The tables of a folder that has one signal a file, as those of NASA's 42."""
+    for suffix in SUFFIXES:
+        found = sorted(each for each in folder.iterdir() if each.suffix == suffix)
+        if found:
+            return [each for each in found if each.stat().st_size]
+    return []
+
+
+def read_text_folder(path: Path, stack: ExitStack) -> Tree:
+    """Every table under the name of its file; `time.42` is the time of the others.
+
+    Raises:
+        InputError: as of any of them.
+    """
+    tree = {}
+    for each in text_tables_in(path):
+        fields = read_text_table(each, stack)
+        tree[each.stem] = fields.get(each.stem, fields)
+    return tree
+
+
+def _table(path: Path, dialect: TextDialect, parse: arrow_csv.ParseOptions) -> pa.Table:
+    read = arrow_csv.ReadOptions(
+        column_names=dialect.names,
+        autogenerate_column_names=not dialect.names,
+        skip_rows=dialect.lines,
+    )
+    convert = arrow_csv.ConvertOptions(
+        null_values=_EMPTY,
+        strings_can_be_null=True,
+        decimal_point=dialect.decimal_point,
+    )
+    with opened_table(path, dialect) as file:
+        return arrow_csv.read_csv(file, read, parse, convert)
+
+
+def _without_comments(path: Path, dialect: TextDialect) -> pa.Table:
+    try:
+        return _table(path, dialect, dialect.parse_options())
+    except pa.ArrowInvalid:
+        _refuse_uneven(path, dialect)
+        raise
+
+
+def _refuse_uneven(path: Path, dialect: TextDialect) -> None:
+    width = len(dialect.names)
+    with path.open(encoding="utf-8-sig", errors="replace", newline="") as file:
+        for number, row in enumerate(dialect.rows(file), 1):
+            width = width or len(row)
+            if len(row) != width:
+                raise InputError(
+                    f"{path}: row {number} has {len(row)} cells where {width} are "
+                    "expected; make them equal, or write the file again"
+                )
