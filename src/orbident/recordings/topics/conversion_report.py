@@ -30,6 +30,8 @@ class TopicReport:
     """How many of the rejected duplicates held other values."""
     incomplete: int
     not_finite: int
+    emptied: dict[str, int]
+    """Samples that are no measurement and were left empty, by reason."""
     out_of_order: int
     rate: float | None
     """Hz: one over the median interval; None for a single sample."""
@@ -54,6 +56,7 @@ class TopicReport:
             (self.not_finite, "held NaN or no number, left empty"),
         ]
         said = [f"{count} {what}" for count, what in found if count]
+        said += [f"{why}, {n} left empty" for why, n in self.emptied.items()]
         return [f"{self.topic}: {each}" for each in (*said, self.note) if each]
 
 
@@ -100,7 +103,9 @@ def _plain(topic: TopicReport) -> dict[str, Any]:
     return {**vars(topic), "columns": list(topic.columns)}
 
 
-def topic_report(timed: Timed, start_ns: int) -> TopicReport:
+def topic_report(
+    timed: Timed, start_ns: int, emptied: dict[str, int]
+) -> TopicReport:
     """The counts of one entry."""
     values, entry = timed.values, timed.values.entry
     stamps = timed.stamps
@@ -121,6 +126,7 @@ def topic_report(timed: Timed, start_ns: int) -> TopicReport:
         duplicate_differs=timed.duplicate_differs,
         incomplete=values.incomplete,
         not_finite=values.not_finite,
+        emptied=emptied,
         out_of_order=timed.out_of_order,
         rate=None if interval is None else 1e9 / interval,
         start=float(stamps[0] - start_ns) / 1e9,
