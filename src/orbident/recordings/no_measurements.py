@@ -4,7 +4,7 @@ Loggers fill a gap with a number that no sensor shows, with zeros, or with the s
 before. All of these are exactly the same number again and again, which noise never is.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -55,6 +55,15 @@ def sensor_groups(columns: Iterable[str]) -> dict[str, list[str]]:
     return groups
 
 
+def reasons_in_words(reasons: Mapping[str, int]) -> list[str]:
+    """How many samples there are for each reason, which begins with a noun."""
+    said = []
+    for reason, count in reasons.items():
+        noun, space, rest = reason.partition(" ")
+        said.append(f"{count} {noun}{'' if count == 1 else 's'}{space}{rest}")
+    return said
+
+
 def no_measurements(
     sensor: str, table: Float[np.ndarray, "n columns"]
 ) -> dict[str, Bool[np.ndarray, " n"]]:
@@ -72,7 +81,7 @@ def no_measurements(
     found = {}
     for x in table.T:
         for value in _impossible(x):
-            found[f"impossible value {value:.7g}"] = x == value
+            found[f"sample with the impossible value {value:.7g}"] = x == value
     bad = np.logical_or.reduce([*found.values(), np.isnan(table).any(axis=1)])
     rows = np.flatnonzero(~bad)
     for reason, mask in _repeats(sensor in POSES, table[rows]).items():
@@ -121,4 +130,6 @@ def _repeats(
     frozen = (lengths >= FROZEN) & (
         sharpest > (LEAP * usual if coarse else usual / LEAP)
     )
-    return {"frozen": np.repeat(frozen, lengths)} if frozen.any() else {}
+    return (
+        {"sample of a frozen pose": np.repeat(frozen, lengths)} if frozen.any() else {}
+    )

@@ -1,6 +1,6 @@
 """What of a topic's samples is no measurement, and is left empty."""
 
-from collections import Counter
+from collections import Counter, defaultdict
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,8 +19,8 @@ class Emptied:
     """The samples of one entry that are left empty."""
 
     empty: Bool[np.ndarray, "used columns"]
-    reasons: dict[str, int]
-    """How many samples of a sensor, by reason."""
+    reasons: dict[str, dict[str, int]]
+    """How many samples, by sensor and reason."""
 
     @classmethod
     def of(cls, timed: Timed) -> "Emptied":
@@ -31,17 +31,17 @@ class Emptied:
             for sensor, columns in sensor_groups(names).items()
         ]
         empty = np.zeros((timed.order.size, len(names)), dtype=bool)
-        reasons = Counter[str]()
+        reasons = defaultdict[str, Counter[str]](Counter)
         if timed.values.zeros:
-            reasons["quaternion of zeros"] = timed.values.zeros
+            reasons["attitude"]["quaternion of zeros"] = timed.values.zeros
         for start in range(0, timed.order.size, _BLOCK_ROWS):
             rows = slice(start, start + _BLOCK_ROWS)
             block = timed.values.rows.gather(timed.order[rows])
             for sensor, columns in groups:
                 for reason, mask in no_measurements(sensor, block[:, columns]).items():
                     empty[start + np.flatnonzero(mask)[:, None], columns] = True
-                    reasons[f"{sensor}: {reason}"] += int(mask.sum())
-        return cls(empty, dict(reasons))
+                    reasons[sensor][reason] += int(mask.sum())
+        return cls(empty, {sensor: dict(why) for sensor, why in reasons.items()})
 
     def without(
         self, values: Float[np.ndarray, "n columns"], rows: slice
