@@ -16,8 +16,8 @@ from scipy.interpolate import CubicSpline
 from orbident.recordings.recording import Recording
 
 OFF = 0.01
-"""Part of the motion: by so much no tachometer is wrong, whose scale is known to some
-tenths of a percent."""
+"""Part of the motion, or of the scale: that of a tachometer is known to some tenths of a
+percent."""
 
 SURE = 5.0
 """Times what noise and integration leave."""
@@ -26,7 +26,10 @@ EXPLAINED = 0.1
 """Part of the misfit that a gain and a lag may leave, to be named."""
 
 LATE = 0.1
-"""Times the usual step: the integral of a spline is off by less."""
+"""Samples: splines are off by less."""
+
+UNLIKE = 1e-4
+"""One over the gain of the fastest motor."""
 
 FEWEST = 16
 """Samples with position and velocity."""
@@ -84,18 +87,25 @@ def _instead(
     unsure, _ = left(angle - by_half)
     moved, _ = left(q)
     misfit, _ = left(q - angle)
-    if misfit <= max(OFF * moved, SURE * np.hypot(_noise(q), unsure)):
+    if misfit <= SURE * np.hypot(_noise(q), unsure):
         return None
     if not np.ptp(v):
-        return f"is {v[0]:g} throughout"
+        return f"is {v[0] + 0.0:g} throughout"
     rest, (inverse, lag) = left(q, angle, v)
-    if rest > EXPLAINED * misfit or abs(inverse) < OFF**2:
-        return "does not follow it"
-    gain, late = 1 / inverse, lag / inverse
+    known = rest < EXPLAINED * misfit and abs(inverse) > UNLIKE
+    said = (
+        _in_words(1 / inverse, lag / inverse / np.median(np.diff(t))) if known else ""
+    )
+    return said or ("does not follow it" if misfit > OFF * moved else None)
+
+
+def _in_words(gain: float, late: float) -> str:
+    """What a rate is instead, which is late by some of its steps; empty if it is right."""
     said = [f"is {gain:.4g} times that"] if abs(gain - 1) > OFF else []
-    if abs(late) > LATE * np.median(np.diff(t)):
-        said.append(f"is {abs(late):.3g} s {'late' if late > 0 else 'early'}")
-    return " and ".join(said) or "does not follow it"
+    if abs(late) > LATE:
+        when = "late" if late > 0 else "early"
+        said.append(f"is {abs(late):.2g} samples {when}")
+    return " and ".join(said)
 
 
 def _noise(q: Float[np.ndarray, " n"]) -> float:

@@ -22,6 +22,9 @@ from orbident.recordings.no_measurements import (
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 
+TURN = 2 * np.pi
+"""rad."""
+
 FEWEST = 10
 """Samples: fewer that are equal may be so by chance."""
 
@@ -77,9 +80,10 @@ def screened(robot: Robot, recording: Recording) -> Screened:
     """
     _check_alive(robot, recording)
     _check_in_plane(robot, recording)
-    measured = _measured_only(robot, recording)
+    settings = Settings()
+    measured = _measured_only(robot, recording, settings)
     beyond = tuple(_beyond_ranges(robot, measured.recording))
-    clean = _put_right(robot, measured, Settings())
+    clean = _put_right(robot, measured, settings)
     return replace(clean, notes=(*beyond, *clean.notes))
 
 
@@ -94,7 +98,8 @@ def cleaned(
         settings: of the whole recording.
         own: the rows in which samples are counted that are taken out.
     """
-    return _put_right(robot, _measured_only(robot, recording, own), settings, own)
+    measured = _measured_only(robot, recording, settings, own)
+    return _put_right(robot, measured, settings, own)
 
 
 def rejected_in_words(rejected: Mapping[str, Mapping[str, int]]) -> tuple[str, ...]:
@@ -107,9 +112,9 @@ def rejected_in_words(rejected: Mapping[str, Mapping[str, int]]) -> tuple[str, .
 
 
 def _measured_only(
-    robot: Robot, recording: Recording, own: slice = np.s_[:]
+    robot: Robot, recording: Recording, settings: Settings, own: slice = np.s_[:]
 ) -> Screened:
-    """Without samples that are no measurement."""
+    """Without samples that are no measurement, and with angles that go on."""
     moving = _moving(robot, recording)
 
     def found(sensor: str, names: list[str]) -> Masks:
@@ -123,7 +128,18 @@ def _measured_only(
                 masks |= {(name, why): m for why, m in saturated(w, moving).items()}
         return masks
 
-    return replace(_without(recording, own, found), notes=recording.notes)
+    measured = _without(recording, own, found)
+    turned = _unwrapped(robot, measured.recording, settings)
+    notes = [
+        f"column '{name}' leaps by a turn: whole turns are added, so that it goes on "
+        "as it went before"
+        for name in turned
+    ]
+    return replace(
+        measured,
+        recording=_changed(measured.recording, turned),
+        notes=(*recording.notes, *notes),
+    )
 
 
 def _moving(robot: Robot, recording: Recording) -> Bool[np.ndarray, " n"]:
@@ -139,15 +155,8 @@ def _moving(robot: Robot, recording: Recording) -> Bool[np.ndarray, " n"]:
 def _put_right(
     robot: Robot, measured: Screened, settings: Settings, own: slice = np.s_[:]
 ) -> Screened:
-    """With angles that go on beyond a turn, without spikes and false rates."""
+    """Without spikes, and without joint rates that are none."""
     recording, rejected = measured.recording, measured.rejected
-    turned = _unwrapped(robot, recording, settings)
-    notes = [
-        f"column '{name}' leaps by a turn: whole turns are added, so that it goes on "
-        "as it went before"
-        for name in turned
-    ]
-    recording = _changed(recording, turned)
 
     def spikes(_: str, names: list[str]) -> Masks:
         return {(name, "spike"): _spikes(recording, name) for name in names}
@@ -162,7 +171,7 @@ def _put_right(
     if false:
         columns = {n: x for n, x in recording.columns.items() if n not in false}
         recording = replace(recording, columns=columns)
-    notes += [
+    notes = [
         f"column '{name}' is not the rate of the joint's position: it {words}; it is "
         "not used"
         for name, words in false.items()
@@ -195,18 +204,23 @@ def _unwrapped(
     robot: Robot, recording: Recording, settings: Settings
 ) -> dict[str, np.ndarray]:
     """Angles that were shown within one turn, as they go on."""
-    t = recording.t
-    turning = [each.name for each in robot.joints if each.kind == "revolute"]
-    names = [f"joint.{name}.position" for name in turning]
-    names += [f"wheel.{name}.position" for name in robot.wheel_names]
-    return {
-        name: unwrapped(t, recording.columns[name])
-        for name in names
-        if recording.has(name)
-        and settings.once(
-            f"turns of {name}", partial(within_a_turn, t, recording.columns[name])
-        )
+    t, found = recording.t, {}
+    ranges = {
+        f"joint.{each.name}.position": each.position
+        for each in robot.joints
+        if each.kind == "revolute"
     }
+    for name in (*ranges, *(f"wheel.{name}.position" for name in robot.wheel_names)):
+        if not recording.has(name):
+            continue
+        angle = recording.columns[name]
+        if settings.once(f"turns of {name}", partial(within_a_turn, t, angle)):
+            found[name] = unwrapped(t, angle)
+            if between := ranges.get(name):
+                # The turn that it began in is not known.
+                off = np.nanmedian(found[name]) - np.mean(between)
+                found[name] -= TURN * np.round(off / TURN)
+    return found
 
 
 def _spikes(recording: Recording, name: str) -> np.ndarray:
