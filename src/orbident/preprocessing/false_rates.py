@@ -16,7 +16,7 @@ from scipy.interpolate import CubicSpline
 from orbident.recordings.recording import Recording
 
 OFF = 0.01
-"""Part of the motion, or of the scale: that of a tachometer is known to some tenths of a
+"""Part of the motion, or of the scale: a tachometer's is known to some tenths of a
 percent."""
 
 SURE = 5.0
@@ -26,7 +26,7 @@ EXPLAINED = 0.1
 """Part of the misfit that a gain and a lag may leave, to be named."""
 
 LATE = 0.1
-"""Samples: splines are off by less."""
+"""Times the usual step: splines are off by less."""
 
 UNLIKE = 1e-4
 """One over the gain of the fastest motor."""
@@ -92,19 +92,17 @@ def _instead(
     if not np.ptp(v):
         return f"is {v[0] + 0.0:g} throughout"
     rest, (inverse, lag) = left(q, angle, v)
-    known = rest < EXPLAINED * misfit and abs(inverse) > UNLIKE
-    said = (
-        _in_words(1 / inverse, lag / inverse / np.median(np.diff(t))) if known else ""
-    )
+    said = ""
+    if rest < EXPLAINED * misfit and abs(inverse) > UNLIKE:
+        said = _in_words(1 / inverse, lag / inverse, float(np.median(np.diff(t))))
     return said or ("does not follow it" if misfit > OFF * moved else None)
 
 
-def _in_words(gain: float, late: float) -> str:
-    """What a rate is instead, which is late by some of its steps; empty if it is right."""
+def _in_words(gain: float, late: float, step: float) -> str:
+    """What is wrong with a rate; empty where nothing is."""
     said = [f"is {gain:.4g} times that"] if abs(gain - 1) > OFF else []
-    if abs(late) > LATE:
-        when = "late" if late > 0 else "early"
-        said.append(f"is {abs(late):.2g} samples {when}")
+    if abs(late) > LATE * step:
+        said.append(f"is {abs(late):.3g} s {'late' if late > 0 else 'early'}")
     return " and ".join(said)
 
 

@@ -1,6 +1,6 @@
 """What of a recording cannot be true: dead sensors, impossible angles, spikes."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -17,6 +17,7 @@ from orbident.recordings.columns import VECTORS
 from orbident.recordings.no_measurements import (
     no_measurements,
     reasons_in_words,
+    repeats,
     sensor_groups,
 )
 from orbident.recordings.recording import Recording
@@ -117,18 +118,23 @@ def _measured_only(
     """Without samples that are no measurement, and with angles that go on."""
     moving = _moving(robot, recording)
 
+    def repeated(rows: str, names: list[str]) -> Masks:
+        return {(rows, why): m for why, m in repeats(_table(recording, names)).items()}
+
+    every = sum(sensor_groups(recording.columns).values(), [])
+    once = _without(recording, own, repeated, {"rows": every})
+
     def found(sensor: str, names: list[str]) -> Masks:
-        table = np.column_stack([recording.columns[name] for name in names])
+        table = _table(once.recording, names)
         masks = {(sensor, why): m for why, m in no_measurements(sensor, table).items()}
         if sensor == "gyro":
-            table[np.logical_or.reduce([*masks.values(), np.zeros_like(moving)])] = (
-                np.nan
-            )
+            for mask in [*masks.values()]:
+                table[mask] = np.nan
             for name, w in zip(names, table.T, strict=True):
                 masks |= {(name, why): m for why, m in saturated(w, moving).items()}
         return masks
 
-    measured = _without(recording, own, found)
+    measured = _without(once.recording, own, found)
     turned = _unwrapped(robot, measured.recording, settings)
     notes = [
         f"column '{name}' leaps by a turn: whole turns are added, so that it goes on "
@@ -138,6 +144,7 @@ def _measured_only(
     return replace(
         measured,
         recording=_changed(measured.recording, turned),
+        rejected={**once.rejected, **measured.rejected},
         notes=(*recording.notes, *notes),
     )
 
@@ -180,12 +187,15 @@ def _put_right(
 
 
 def _without(
-    recording: Recording, own: slice, found: Callable[[str, list[str]], Masks]
+    recording: Recording,
+    own: slice,
+    found: Callable[[str, list[str]], Masks],
+    groups: Mapping[str, list[str]] | None = None,
 ) -> Screened:
     """Without samples that are found in some columns, nor those beside them."""
     spoiled: dict[str, np.ndarray] = {}
     rejected: dict[str, dict[str, int]] = {}
-    for sensor, names in sensor_groups(recording.columns).items():
+    for sensor, names in (groups or sensor_groups(recording.columns)).items():
         masks = found(sensor, names)
         bad = np.logical_or.reduce([*masks.values()]) if masks else np.array(False)
         for name in names if bad.any() else ():
@@ -194,6 +204,12 @@ def _without(
             if count := int(mask[own].sum()):
                 rejected.setdefault(column, {})[reason] = count
     return Screened(_changed(recording, spoiled), rejected)
+
+
+def _table(
+    recording: Recording, names: Sequence[str]
+) -> Float[np.ndarray, "n columns"]:
+    return np.column_stack([recording.columns[name] for name in names])
 
 
 def _changed(recording: Recording, columns: Mapping[str, np.ndarray]) -> Recording:

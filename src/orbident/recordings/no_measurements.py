@@ -78,16 +78,13 @@ def no_measurements(
         sensor: the name of its group of columns.
         table: any unit; NaN where there is no sample.
     """
-    found = {}
-    for x in table.T:
-        for value in _impossible(x):
-            found[f"sample with the impossible value {value:.7g}"] = x == value
-    bad = np.logical_or.reduce([*found.values(), np.isnan(table).any(axis=1)])
-    rows = np.flatnonzero(~bad)
-    for reason, mask in _repeats(sensor in POSES, table[rows]).items():
-        found[reason] = np.zeros(bad.size, dtype=bool)
-        found[reason][rows] = mask
-    return found
+    found, table = {}, table.copy()
+    for value in {value for x in table.T for value in _impossible(x)}:
+        reason = f"sample with the impossible value {value:.7g}"
+        found[reason] = (table == value).any(axis=1)
+    for mask in found.values():
+        table[mask] = np.nan
+    return {**found, **repeats(table, sensor in POSES)}
 
 
 def _impossible(x: Float[np.ndarray, " n"]) -> list[float]:
@@ -103,33 +100,39 @@ def _impossible(x: Float[np.ndarray, " n"]) -> list[float]:
     return [v for v in ends if abs(v - middle) > FARTHER * reach > 0]
 
 
-def _repeats(
-    pose: bool, x: Float[np.ndarray, "n columns"]
+def repeats(
+    table: Float[np.ndarray, "n columns"], pose: bool = False
 ) -> dict[str, Bool[np.ndarray, " n"]]:
+    """Which samples are shown again, by reason, as `no_measurements` has it.
+
+    Args:
+        table: any unit; NaN where there is no sample.
+        pose: whether it may be frozen.
+    """
+    rows = np.flatnonzero(~np.isnan(table).any(axis=1))
+    x = table[rows]
     same = (x[1:] == x[:-1]).all(axis=1)
-    if not same.any():
-        return {}
     starts = np.flatnonzero(np.append(True, ~same))
-    lengths = np.diff(np.append(starts, len(x)))
-    if starts.size < FEWEST:
+    if not same.any() or starts.size < FEWEST:
         return {}
-    changes = x[starts[1:]] - x[starts[1:] - 1]
-    # The noise of one axis: that of several together is hardly ever small.
-    steps = np.abs(changes[:, np.argmax(np.std(x, axis=0))])
+
+    def of_all(mask: Bool[np.ndarray, " k"], reason: str) -> dict[str, np.ndarray]:
+        every = np.zeros(len(table), dtype=bool)
+        every[rows] = mask
+        return {reason: every} if mask.any() else {}
+
+    lengths = np.diff(np.append(starts, len(x)))
+    steps = np.abs(x[starts[1:]] - x[starts[1:] - 1])
     again = lengths > 1
-    last = steps[again[:-1]]
-    coarse = bool(last.size and np.median(last) < 2 * steps[steps > 0].min())
+    last, least = steps[again[:-1]], np.where(steps > 0, steps, np.inf).min(axis=0)
+    coarse = len(last) > 0 and bool((np.median(last, axis=0) < 2 * least).all())
     often = again.sum() > max(OFTEN * starts.size, FEWEST)
     if often and not coarse and np.median(lengths[again]) <= LONGEST_HELD:
-        return {"repeat of the sample before": np.append(False, same)}
+        return of_all(np.append(False, same), "repeat of the sample before")
     if not pose:
         return {}
-    leaps = np.linalg.norm(changes, axis=1)
+    leaps = np.linalg.norm(steps, axis=1)
     sharpest = np.maximum(np.append(0.0, leaps), np.append(leaps, 0.0))
-    usual = np.median(leaps)
-    frozen = (lengths >= FROZEN) & (
-        sharpest > (LEAP * usual if coarse else usual / LEAP)
-    )
-    return (
-        {"sample of a frozen pose": np.repeat(frozen, lengths)} if frozen.any() else {}
-    )
+    least_leap = np.median(leaps) * (LEAP if coarse else 1 / LEAP)
+    frozen = (lengths >= FROZEN) & (sharpest > least_leap)
+    return of_all(np.repeat(frozen, lengths), "sample of a frozen pose")
