@@ -35,6 +35,6 @@ def saturated(
         return {}
     sign = "+-" if len(levels) > 1 else ""
     at_end = np.isin(w, levels) & moving
-    beyond = binary_closing(at_end, BETWEEN) | at_end
+    beyond = np.logical_or(binary_closing(at_end, BETWEEN), at_end)
     reason = f"sample saturated at {sign}{levels[-1]:.4g} rad/s"
     return {reason: beyond & ~np.isnan(w)}

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import chain
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -121,14 +122,14 @@ def _measured_only(
     def repeated(rows: str, names: list[str]) -> Masks:
         return {(rows, why): m for why, m in repeats(_table(recording, names)).items()}
 
-    every = sum(sensor_groups(recording.columns).values(), [])
+    every = [*chain.from_iterable(sensor_groups(recording.columns).values())]
     once = _without(recording, own, repeated, {"rows": every})
 
     def found(sensor: str, names: list[str]) -> Masks:
         table = _table(once.recording, names)
         masks = {(sensor, why): m for why, m in no_measurements(sensor, table).items()}
         if sensor == "gyro":
-            for mask in [*masks.values()]:
+            for mask in masks.values():
                 table[mask] = np.nan
             for name, w in zip(names, table.T, strict=True):
                 masks |= {(name, why): m for why, m in saturated(w, moving).items()}

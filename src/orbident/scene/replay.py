@@ -11,6 +11,8 @@ from orbident.identified.prediction import predict
 from orbident.model.inertia import inertia
 from orbident.model.rotations import quaternion_matrix, rotate
 from orbident.preprocessing.samples import Batch, samples_of
+from orbident.preprocessing.screening import cleaned
+from orbident.preprocessing.settings import Settings
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.scene.motion_history import MotionHistory
@@ -36,6 +38,7 @@ def recorded_motion(robot: Robot, recording: Recording) -> Replay:
         InputError: the recording lacks joints, wheels, or gyro and attitude, or has
             fewer than two complete samples.
     """
+    recording = cleaned(robot, recording, Settings()).recording
     t, measured = samples_of(robot, recording).complete()
     if t.size < 2:
         raise InputError(
@@ -54,6 +57,7 @@ def predicted_motion(result: Result, recording: Recording) -> Replay:
     Raises:
         InputError: as `recorded_motion`.
     """
+    recording = cleaned(result.robot, recording, Settings()).recording
     try:
         model = result.dynamics().robot
         prediction = predict(result, recording)
