@@ -29,9 +29,10 @@ from orbident.preprocessing.base_motion import FUSED, INTEGRATED
 from orbident.preprocessing.delays import corrections
 from orbident.preprocessing.point_velocity import COUNTED, FELT
 from orbident.preprocessing.samples import samples_of
-from orbident.preprocessing.screening import NO_SENSORS, screened
+from orbident.preprocessing.screening import cleaned, screened
 from orbident.preprocessing.settings import LONGEST, Settings
 from orbident.recordings.long_recording import SPANS, LongRecording
+from orbident.recordings.no_measurements import NO_SENSORS
 from orbident.robot.description import Robot
 
 NOT_LOCAL = {INTEGRATED, FUSED, FELT, COUNTED}
@@ -109,6 +110,8 @@ def whole(
     every = Stretches(robot, recording, late, settings, size or recording.stretch)
     # Joints that never move are held; which these are is known after one pass.
     settings.locked = {}
+    # Which angles are shown within a turn, and which rates are false.
+    cleaned(robot, recording.digest, settings)
     while True:
         samples = samples_of(robot, problem.recording, late, settings)
         # Those of before are held no longer.
@@ -137,7 +140,7 @@ def whole(
         fits=equations.solved(robot, problem.sets, samples, total.factors),
         extent=total.extent,
         pieces=pieces,
-        rejected={name: {"spike": n} for name, n in total.spikes.items()},
+        rejected=total.rejected_by_column(),
     )
 
 
@@ -160,8 +163,14 @@ class _Pass:
 
     def _seen(self, part: Part) -> "_Seen":
         own = cut(part.samples, part.own)
-        spikes = {name: sum(why.values()) for name, why in part.rejected.items()}
-        return _Seen(self.equations.folded(own), Extent.of(own), Counter(spikes))
+        rejected = Counter(
+            {
+                (column, why): count
+                for column, reasons in part.rejected.items()
+                for why, count in reasons.items()
+            }
+        )
+        return _Seen(self.equations.folded(own), Extent.of(own), rejected)
 
     def _piece(self, part: Part) -> Piece | None:
         if self.trusted is None:
@@ -175,12 +184,20 @@ class _Seen(NamedTuple):
 
     factors: Factors
     extent: Extent
-    spikes: Counter[str]
+    rejected: Counter[tuple[str, str]]
+    """How many samples were left out, by column and reason."""
 
     def and_of(self, other: "_Seen") -> "_Seen":
         """What both do, the other being later."""
         return _Seen(
             self.factors.and_of(other.factors),
             self.extent.and_of(other.extent),
-            self.spikes + other.spikes,
+            self.rejected + other.rejected,
         )
+
+    def rejected_by_column(self) -> dict[str, dict[str, int]]:
+        """The same of each column."""
+        found: dict[str, dict[str, int]] = {}
+        for (column, reason), count in self.rejected.items():
+            found.setdefault(column, {})[reason] = count
+        return found

@@ -36,7 +36,7 @@ from orbident.estimation.triangular import condition_numbers
 from orbident.estimation.weigh import Weighing
 from orbident.model.formulas import Formulas, SetFormulas, formulas_of, mass_forms
 from orbident.model.nominal import nominal_parameters
-from orbident.preprocessing.screening import spikes_in_words
+from orbident.preprocessing.screening import rejected_in_words
 
 NAN = float("nan")
 
@@ -62,7 +62,7 @@ def result_of(
         notes=(
             *problem.robot.warnings,
             *problem.notes,
-            *spikes_in_words(problem.rejected),
+            *rejected_in_words(problem.rejected),
             *clocks_in_words(problem.clocks),
             *suspects_in_words(estimate.suspected),
             *instead_in_words(estimate.instead),

@@ -11,7 +11,7 @@ from jaxtyping import Float
 from orbident.preprocessing.base_motion import SMOOTHED
 from orbident.preprocessing.delays import delays
 from orbident.preprocessing.samples import Samples, samples_of
-from orbident.preprocessing.screening import without_spikes
+from orbident.preprocessing.screening import cleaned
 from orbident.preprocessing.settings import Settings
 from orbident.preprocessing.smoothing import Roughness, fits_of, smooth_rates
 from orbident.recordings.long_recording import LongRecording, Stretch
@@ -48,7 +48,7 @@ class Stretches:
 
         def taken(stretch: Stretch) -> Taken:
             recording, own = stretch
-            clean = without_spikes(recording, own)
+            clean = cleaned(self.robot, recording, self.settings, own)
             samples = samples_of(self.robot, clean.recording, self.late, self.settings)
             return take(Part(samples, own, clean.rejected))
 

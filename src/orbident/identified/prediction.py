@@ -20,6 +20,8 @@ from orbident.model.rotations import quaternion_matrix, rotate
 from orbident.model.wheel_arrays import wheels_of
 from orbident.preprocessing.delays import corrections
 from orbident.preprocessing.samples import Batch, samples_of
+from orbident.preprocessing.screening import cleaned
+from orbident.preprocessing.settings import Settings
 from orbident.recordings.recording import Recording
 from orbident.simulation.free_floating import RateLaw, float_attitude, rate_law
 
@@ -63,7 +65,8 @@ def predict(result: Result, recording: Recording) -> Prediction:
     regressors = sets.regressors
     pi, phi = result.pi.values, result.phi.values
     # Clocks are the laboratory's, not the recording's.
-    t, measured = samples_of(robot, recording, corrections(result.clocks)).complete()
+    clean = cleaned(robot, recording, Settings()).recording
+    t, measured = samples_of(robot, clean, corrections(result.clocks)).complete()
     if t.size < 4:
         raise InputError(
             f"{recording.source}: {t.size} complete samples; prediction needs at least "

@@ -7,8 +7,51 @@ from jaxtyping import Float
 
 from orbident.errors import InputError
 
+GAP = 10.0
+"""Times the usual step from sample to sample: what is farther apart may differ by any
+angle."""
+
+FULL_TURN = 2 * np.pi + 1e-6
+"""rad, and what a printed pi may be too large."""
+
+QUARTER_TURN = np.pi / 2
+"""rad: off a steady motion by more, from one sample to the next, is a leap."""
+
+ROUNDING = 1e-6
+"""rad."""
+
+WILD = 0.01
+"""Part of the samples that may be anything."""
+
 REMEMBERED = 5
 """Rates of which the median predicts the next sample: two bad ones do no harm."""
+
+
+def within_a_turn(
+    t: Float[np.ndarray, " samples"], angle: Float[np.ndarray, " samples"]
+) -> bool:
+    """Whether an angle is shown within one turn, rad, and leaps where it goes on.
+
+    Args:
+        t: times, s, strictly increasing.
+        angle: NaN where there is no sample.
+    """
+    seen = ~np.isnan(angle)
+    t, x = t[seen], angle[seen]
+    if x.size < 3 or np.ptp(np.quantile(x, [WILD, 1 - WILD])) > FULL_TURN:
+        return False
+    dt = np.diff(t)
+    close = dt < GAP * np.median(dt)
+
+    def bends(x: Float[np.ndarray, " n"]) -> Float[np.ndarray, " m"]:
+        bend = np.abs(np.diff(np.diff(x) / dt) * dt[1:])
+        return bend[close[1:] & close[:-1]]
+
+    leaps = bends(x) > QUARTER_TURN
+    on = bends(unwrapped(t, x))
+    usual = 2 * on[~leaps].max(initial=0.0) + ROUNDING
+    # Whole turns make no spike go on as its neighbours do.
+    return bool(leaps.any() and np.median(on[leaps]) < usual)
 
 
 def unwrapped(

@@ -9,7 +9,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from orbident.preprocessing.angles import unwrapped
 from orbident.preprocessing.rates import at_times, fill
 from orbident.preprocessing.settings import Settings
 from orbident.preprocessing.smoothing import (
@@ -33,13 +32,6 @@ BOTH = f"{DERIVED} and rates"
 
 LEAST = 1e-60
 """rad/s or m/s: its square and its inverse are still float64s."""
-
-GAP = 10.0
-"""Times the usual step from sample to sample: what is farther apart may differ by any
-angle."""
-
-FULL_TURN = 2 * np.pi + 1e-6
-"""rad, and what a printed pi may be too large."""
 
 
 class Histories(NamedTuple):
@@ -161,10 +153,6 @@ def _smoothed(
     fits: list[Roughness] = []
     for k, name in enumerate(names):
         label, column = f"{recording.source}: column '{name}'", recording.column(name)
-        if name.endswith(".position") and settings.once(
-            f"turns of {name}", partial(_within_a_turn, t, column)
-        ):
-            column = unwrapped(t, column)
         x[:, k] = column
         find = partial(fits_of, t, x[:, k : k + 1], noise, label)
         fits += settings.smoothers(name, find)
@@ -188,19 +176,6 @@ def _share_of(angle: Smoothed | Rates) -> float:
     """Variance of a smoothed position over that of a sample."""
     assert isinstance(angle, Smoothed)
     return float((np.nanmedian(angle.std_x) / angle.noise_std[0]) ** 2)
-
-
-def _within_a_turn(
-    t: Float[np.ndarray, " samples"], x: Float[np.ndarray, " samples"]
-) -> bool:
-    """Whether an encoder counts an angle within one turn, and it goes on beyond."""
-    seen = ~np.isnan(x)
-    t, x = t[seen], x[seen]
-    if x.size < 2 or np.ptp(x) > FULL_TURN:
-        return False
-    dt = np.diff(t)
-    close = dt < GAP * np.median(dt)
-    return bool(np.abs(np.diff(x)[close]).max(initial=0.0) > np.pi)
 
 
 def encoder_noise(sensor: Mapping[str, Any]) -> float | None:

@@ -1,16 +1,31 @@
 """What of a recording cannot be true: dead sensors, impossible angles, spikes."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
+from itertools import chain
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
 from orbident.errors import InputError
+from orbident.preprocessing.angles import unwrapped, within_a_turn
+from orbident.preprocessing.false_rates import false_rates
 from orbident.preprocessing.outliers import find_spikes
-from orbident.recordings.columns import VECTORS, is_known
+from orbident.preprocessing.saturation import saturated
+from orbident.preprocessing.settings import Settings
+from orbident.recordings.columns import VECTORS
+from orbident.recordings.no_measurements import (
+    no_measurements,
+    reasons_in_words,
+    repeats,
+    sensor_groups,
+)
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
+
+TURN = 2 * np.pi
+"""rad."""
 
 FEWEST = 10
 """Samples: fewer that are equal may be so by chance."""
@@ -26,12 +41,6 @@ FARTHER = 2.0
 """Times its range: no wrong zero, and no stop that was measured badly, lets a joint
 move so far."""
 
-NO_SENSORS = {
-    *("force", "torque", "thruster", "torquer"),
-    *("nadir", "flow", "sun", "field"),
-}
-"""Columns of what acts: it may change at once, and is not measured on the robot."""
-
 UNITS = {"revolute": ("rad", "degrees", 2 * np.pi), "prismatic": ("m", "mm", 1.0)}
 """The unit of each kind of joint, the unit it is mistaken for, and a motion that is
 nothing much in the wrong unit, but farther than joints with stops go in the right one.
@@ -44,15 +53,19 @@ MOSTLY = 0.9
 """Part of the samples that counts as all: single ones may be wrong."""
 
 
+Masks = dict[tuple[str, str], Bool[np.ndarray, " n"]]
+"""Which samples are wrong, by column or sensor, and reason."""
+
+
 @dataclass(frozen=True)
 class Screened:
     """A recording without what cannot be true, and what was taken out."""
 
     recording: Recording
     rejected: Mapping[str, Mapping[str, int]]
-    """How many samples were rejected, by column and reason."""
+    """How many samples were rejected, by column or sensor, and reason."""
     notes: tuple[str, ...] = ()
-    """What cannot quite be true, and was left as it is."""
+    """What cannot quite be true, and was left as it is, or put right."""
 
 
 def screened(robot: Robot, recording: Recording) -> Screened:
@@ -67,51 +80,164 @@ def screened(robot: Robot, recording: Recording) -> Screened:
             positions are in another unit, or the attitude of a planar robot leaves the
             plane.
     """
-    notes = tuple(_beyond_ranges(robot, recording))
     _check_alive(robot, recording)
     _check_in_plane(robot, recording)
-    return replace(without_spikes(recording), notes=notes)
+    settings = Settings()
+    measured = _measured_only(robot, recording, settings)
+    beyond = tuple(_beyond_ranges(robot, measured.recording))
+    clean = _put_right(robot, measured, settings)
+    return replace(clean, notes=(*beyond, *clean.notes))
 
 
-def without_spikes(recording: Recording, own: slice = np.s_[:]) -> Screened:
-    """Take out spikes.
+def cleaned(
+    robot: Robot, recording: Recording, settings: Settings, own: slice = np.s_[:]
+) -> Screened:
+    """As `screened`, and nothing is refused.
 
     Args:
+        robot: whose recording it is.
         recording: of any sensors.
-        own: the rows in which spikes are counted.
+        settings: of the whole recording.
+        own: the rows in which samples are counted that are taken out.
     """
-    spoiled, rejected = {}, {}
-    for names in _sensors(recording):
-        spiky = {name: _spikes(recording, name) for name in names}
-        bad = np.logical_or.reduce([*spiky.values()])
-        for name in names if bad.any() else ():
-            spoiled[name] = np.where(bad, np.nan, recording.columns[name])
-        for name, rows in spiky.items():
-            if count := int(rows[own].sum()):
-                rejected[name] = {"spike": count}
-    if not spoiled:
-        return Screened(recording, {})
-    columns = {**recording.columns, **spoiled}
-    return Screened(replace(recording, columns=columns), rejected)
+    measured = _measured_only(robot, recording, settings, own)
+    return _put_right(robot, measured, settings, own)
 
 
-def spikes_in_words(rejected: Mapping[str, Mapping[str, int]]) -> tuple[str, ...]:
+def rejected_in_words(rejected: Mapping[str, Mapping[str, int]]) -> tuple[str, ...]:
     """What was taken out."""
     return tuple(
-        f"{column}: {count} {reason}{'' if count == 1 else 's'} left out"
+        f"{column}: {words} left out"
         for column, reasons in rejected.items()
-        for reason, count in reasons.items()
+        for words in reasons_in_words(reasons)
     )
 
 
-def _sensors(recording: Recording) -> list[list[str]]:
-    """The columns that belong together: a bad component spoils the others."""
-    groups: dict[str, list[str]] = {}
-    for name in recording.columns:
-        head = name.split(".", 1)[0]
-        if is_known(name) and head not in NO_SENSORS:
-            groups.setdefault(head if head in VECTORS else name, []).append(name)
-    return list(groups.values())
+def _measured_only(
+    robot: Robot, recording: Recording, settings: Settings, own: slice = np.s_[:]
+) -> Screened:
+    """Without samples that are no measurement, and with angles that go on."""
+    moving = _moving(robot, recording)
+
+    def repeated(rows: str, names: list[str]) -> Masks:
+        return {(rows, why): m for why, m in repeats(_table(recording, names)).items()}
+
+    every = [*chain.from_iterable(sensor_groups(recording.columns).values())]
+    once = _without(recording, own, repeated, {"rows": every})
+
+    def found(sensor: str, names: list[str]) -> Masks:
+        table = _table(once.recording, names)
+        masks = {(sensor, why): m for why, m in no_measurements(sensor, table).items()}
+        if sensor == "gyro":
+            for mask in masks.values():
+                table[mask] = np.nan
+            for name, w in zip(names, table.T, strict=True):
+                masks |= {(name, why): m for why, m in saturated(w, moving).items()}
+        return masks
+
+    measured = _without(once.recording, own, found)
+    turned = _unwrapped(robot, measured.recording, settings)
+    notes = [
+        f"column '{name}' leaps by a turn: whole turns are added, so that it goes on "
+        "as it went before"
+        for name in turned
+    ]
+    return replace(
+        measured,
+        recording=_changed(measured.recording, turned),
+        rejected={**once.rejected, **measured.rejected},
+        notes=(*recording.notes, *notes),
+    )
+
+
+def _moving(robot: Robot, recording: Recording) -> Bool[np.ndarray, " n"]:
+    """Where joints are not seen to be just where they were one row before."""
+    moving = np.ones(recording.t.size, dtype=bool)
+    positions = [f"joint.{name}.position" for name in robot.joint_names]
+    seen = [recording.columns[name] for name in positions if recording.has(name)]
+    if seen:
+        moving[1:] = np.any([q[1:] != q[:-1] for q in seen], axis=0)
+    return moving
+
+
+def _put_right(
+    robot: Robot, measured: Screened, settings: Settings, own: slice = np.s_[:]
+) -> Screened:
+    """Without spikes, and without joint rates that are none."""
+    recording, rejected = measured.recording, measured.rejected
+
+    def spikes(_: str, names: list[str]) -> Masks:
+        return {(name, "spike"): _spikes(recording, name) for name in names}
+
+    spikeless = _without(recording, own, spikes)
+    for column, reasons in spikeless.rejected.items():
+        rejected = {**rejected, column: {**rejected.get(column, {}), **reasons}}
+    recording = spikeless.recording
+    false = settings.once(
+        "false rates", lambda: dict(false_rates(recording, robot.joint_names))
+    )
+    if false:
+        columns = {n: x for n, x in recording.columns.items() if n not in false}
+        recording = replace(recording, columns=columns)
+    notes = [
+        f"column '{name}' is not the rate of the joint's position: it {words}; it is "
+        "not used"
+        for name, words in false.items()
+    ]
+    return Screened(recording, rejected, (*measured.notes, *notes))
+
+
+def _without(
+    recording: Recording,
+    own: slice,
+    found: Callable[[str, list[str]], Masks],
+    groups: Mapping[str, list[str]] | None = None,
+) -> Screened:
+    """Without samples that are found in some columns, nor those beside them."""
+    spoiled: dict[str, np.ndarray] = {}
+    rejected: dict[str, dict[str, int]] = {}
+    for sensor, names in (groups or sensor_groups(recording.columns)).items():
+        masks = found(sensor, names)
+        bad = np.logical_or.reduce([*masks.values()]) if masks else np.array(False)
+        for name in names if bad.any() else ():
+            spoiled[name] = np.where(bad, np.nan, recording.columns[name])
+        for (column, reason), mask in masks.items():
+            if count := int(mask[own].sum()):
+                rejected.setdefault(column, {})[reason] = count
+    return Screened(_changed(recording, spoiled), rejected)
+
+
+def _table(
+    recording: Recording, names: Sequence[str]
+) -> Float[np.ndarray, "n columns"]:
+    return np.column_stack([recording.columns[name] for name in names])
+
+
+def _changed(recording: Recording, columns: Mapping[str, np.ndarray]) -> Recording:
+    return recording.with_columns(columns) if columns else recording
+
+
+def _unwrapped(
+    robot: Robot, recording: Recording, settings: Settings
+) -> dict[str, np.ndarray]:
+    """Angles that were shown within one turn, as they go on."""
+    t, found = recording.t, {}
+    ranges = {
+        f"joint.{each.name}.position": each.position
+        for each in robot.joints
+        if each.kind == "revolute"
+    }
+    for name in (*ranges, *(f"wheel.{name}.position" for name in robot.wheel_names)):
+        if not recording.has(name):
+            continue
+        angle = recording.columns[name]
+        if settings.once(f"turns of {name}", partial(within_a_turn, t, angle)):
+            found[name] = unwrapped(t, angle)
+            if between := ranges.get(name):
+                # The turn that it began in is not known.
+                off = np.nanmedian(found[name]) - np.mean(between)
+                found[name] -= TURN * np.round(off / TURN)
+    return found
 
 
 def _spikes(recording: Recording, name: str) -> np.ndarray:
@@ -154,7 +280,7 @@ def _check_alive(robot: Robot, recording: Recording) -> None:
     moved = next((n for n in robot.joint_names if _moved(recording, n)), None)
     if moved is None:
         return
-    for names in _sensors(recording):
+    for names in sensor_groups(recording.columns).values():
         sensor = names[0].split(".", 1)[0]
         columns = [_measured(recording, name) for name in names]
         if sensor not in VECTORS or any(column.size < FEWEST for column in columns):

@@ -23,6 +23,8 @@ from orbident.recordings.columns import (
 )
 from orbident.robot.description import Robot
 
+QUATERNION = ("attitude.x", "attitude.y", "attitude.z", "attitude.w")
+
 QUATERNION_TOLERANCE = 0.01
 """Loggers that print few digits stay well inside; another convention does not."""
 
@@ -38,7 +40,8 @@ class Recording:
     Raises:
         InputError: Fewer than two samples; times not finite or not strictly
             increasing; a column of another length, not numeric or with an infinite
-            value; an attitude that is not a unit quaternion within 1 %.
+            value; an attitude that is not a unit quaternion within 1 %. Quaternions of
+            zeros among others are no samples, and become NaN.
     """
 
     t: Float[np.ndarray, " samples"]
@@ -47,6 +50,8 @@ class Recording:
     """Columns by name, as in the file; without `t`."""
     source: str = "recording"
     """Where it came from, for messages."""
+    notes: tuple[str, ...] = ()
+    """What was no sample though it was a number, in words."""
 
     def __post_init__(self) -> None:
         t = _as_column(self.source, "t", self.t)
@@ -55,12 +60,23 @@ class Recording:
             for name, values in self.columns.items()
         }
         object.__setattr__(self, "t", t)
-        object.__setattr__(self, "columns", columns)
         _check_time(self.source, t)
         for name, values in columns.items():
             _check_column(self.source, name, values, t.size)
-        if self.has(*(f"attitude.{k}" for k in "xyzw")):
-            _check_attitude(self.source, [columns[f"attitude.{k}"] for k in "xyzw"])
+        if columns.keys() >= set(QUATERNION):
+            zero = np.logical_and.reduce([columns[name] == 0 for name in QUATERNION])
+            if zero.any() and not zero.all():
+                # So a tracker writes that it sees nothing.
+                for name in QUATERNION:
+                    column = np.where(zero, np.nan, columns[name])
+                    columns[name] = _as_column(self.source, name, column)
+                note = (
+                    "attitude: quaternions of zeros are taken as no samples, the first "
+                    f"at t = {t[zero.argmax()]:g} s"
+                )
+                object.__setattr__(self, "notes", (*self.notes, note))
+            _check_attitude(self.source, [columns[name] for name in QUATERNION])
+        object.__setattr__(self, "columns", columns)
         for name, values in columns.items():
             _check_size(self.source, name, values)
 
@@ -93,7 +109,7 @@ class Recording:
         rows = within(self.t, start, end)
         check_cut(self.source, start, end, int(rows.sum()), self.t[0], self.t[-1])
         columns = {name: column[rows] for name, column in self.columns.items()}
-        return Recording(self.t[rows], columns, self.source)
+        return replace(self, t=self.t[rows], columns=columns)
 
     def has(self, *names: str) -> bool:
         """Whether every one of these columns is there."""

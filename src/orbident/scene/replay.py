@@ -13,6 +13,8 @@ from orbident.model.kinematics import poses
 from orbident.model.rotations import axis_rotation, quaternion_matrix, rotate
 from orbident.model.wheel_arrays import wheels_of
 from orbident.preprocessing.samples import Batch, samples_of
+from orbident.preprocessing.screening import cleaned
+from orbident.preprocessing.settings import Settings
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.scene.scene import Scene
@@ -124,6 +126,7 @@ def recorded_motion(robot: Robot, recording: Recording) -> Replay:
         InputError: the recording lacks joints, wheels, or gyro and attitude, or has
             fewer than two complete samples.
     """
+    recording = cleaned(robot, recording, Settings()).recording
     t, measured = samples_of(robot, recording).complete()
     if t.size < 2:
         raise InputError(
@@ -142,6 +145,7 @@ def predicted_motion(result: Result, recording: Recording) -> Replay:
     Raises:
         InputError: as `recorded_motion`.
     """
+    recording = cleaned(result.robot, recording, Settings()).recording
     try:
         model = result.dynamics().robot
         prediction = predict(result, recording)

@@ -3,7 +3,7 @@ import pytest
 from random_motions import random_motion
 
 from orbident.errors import InputError
-from orbident.preprocessing.screening import screened, spikes_in_words
+from orbident.preprocessing.screening import screened, rejected_in_words
 from orbident.recordings.recording import Recording
 from orbident.robot.robot_file import load_robot
 from orbident.simulation.simulate import simulate
@@ -34,7 +34,7 @@ def test_a_spike_is_taken_out_with_the_other_components_and_counted():
         np.testing.assert_array_equal(np.flatnonzero(np.isnan(column)), [200, 500])
     same = found.recording.columns["attitude.x"]
     assert np.shares_memory(same, FLIGHT.columns["attitude.x"])
-    assert spikes_in_words(found.rejected) == ("gyro.y: 2 spikes left out",)
+    assert rejected_in_words(found.rejected) == ("gyro.y: 2 spikes left out",)
 
 
 def test_the_recording_given_is_left_alone():

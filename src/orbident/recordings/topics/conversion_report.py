@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from orbident.recordings.no_measurements import reasons_in_words
 from orbident.recordings.topics.timing import Timed
 
 _NO_STAMP = "no header stamp is set, so the time is when it was recorded"
@@ -30,6 +31,8 @@ class TopicReport:
     """How many of the rejected duplicates held other values."""
     incomplete: int
     not_finite: int
+    emptied: dict[str, dict[str, int]]
+    """Samples that are no measurement and were left empty, by sensor and reason."""
     out_of_order: int
     rate: float | None
     """Hz: one over the median interval; None for a single sample."""
@@ -54,6 +57,9 @@ class TopicReport:
             (self.not_finite, "held NaN or no number, left empty"),
         ]
         said = [f"{count} {what}" for count, what in found if count]
+        for sensor, reasons in self.emptied.items():
+            words = reasons_in_words(reasons)
+            said += [f"{sensor}: {each}, left empty" for each in words]
         return [f"{self.topic}: {each}" for each in (*said, self.note) if each]
 
 
@@ -100,7 +106,9 @@ def _plain(topic: TopicReport) -> dict[str, Any]:
     return {**vars(topic), "columns": list(topic.columns)}
 
 
-def topic_report(timed: Timed, start_ns: int) -> TopicReport:
+def topic_report(
+    timed: Timed, start_ns: int, emptied: dict[str, dict[str, int]]
+) -> TopicReport:
     """The counts of one entry."""
     values, entry = timed.values, timed.values.entry
     stamps = timed.stamps
@@ -121,6 +129,7 @@ def topic_report(timed: Timed, start_ns: int) -> TopicReport:
         duplicate_differs=timed.duplicate_differs,
         incomplete=values.incomplete,
         not_finite=values.not_finite,
+        emptied=emptied,
         out_of_order=timed.out_of_order,
         rate=None if interval is None else 1e9 / interval,
         start=float(stamps[0] - start_ns) / 1e9,

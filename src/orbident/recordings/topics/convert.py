@@ -20,6 +20,7 @@ from orbident.recordings.topics.conversion_report import (
     apart,
     topic_report,
 )
+from orbident.recordings.topics.emptied import Emptied
 from orbident.recordings.topics.fields import Table, missing_of
 from orbident.recordings.topics.presets import preset_path, presets
 from orbident.recordings.topics.sources import open_source
@@ -151,9 +152,13 @@ def _written(
 ) -> ConversionReport:
     rows, places = common_rows([each.stamps for each in used])
     names = ["t", *(name for each in used for name in each.values.entry.columns)]
-    write_blocks(out, names, _blocks(used, rows, places, said))
+    emptied = [Emptied.of(each) for each in used]
+    write_blocks(out, names, _blocks(used, emptied, rows, places, said))
     start_ns = int(rows[0])
-    topics = tuple(topic_report(each, start_ns) for each in used)
+    topics = tuple(
+        topic_report(each, start_ns, gaps.reasons)
+        for each, gaps in zip(used, emptied, strict=True)
+    )
     return ConversionReport(
         file=file,
         recording=str(out),
@@ -167,6 +172,7 @@ def _written(
 
 def _blocks(
     used: Sequence[Timed],
+    emptied: Sequence[Emptied],
     rows: np.ndarray,
     places: Sequence[np.ndarray],
     said: Callable[[float], None],
@@ -180,6 +186,7 @@ def _blocks(
         for k, each in enumerate(used):
             low, high = np.searchsorted(places[k], [start, stop])
             values = each.values.rows.gather(each.order[low:high])
+            values = emptied[k].without(values, slice(low, high))
             block[places[k][low:high] - start, edges[k] : edges[k + 1]] = values
         yield block
         said(0.75 + 0.25 * stop / rows.size)

@@ -32,6 +32,8 @@ class Values:
     """Messages without a joint or transform that the entry wants."""
     not_finite: int
     """Samples with a NaN, an infinity or no number where there should be one."""
+    zeros: int
+    """Samples whose quaternion is zeros: a tracker that sees nothing."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +62,7 @@ class Track:
         self._stamps, self._received = array("q"), array("q")
         self._waiting: list[Any] = []
         self._labels: Counter[tuple[str, ...]] = Counter()
-        self._undecodable = self._with_gaps = self._bad = 0
+        self._undecodable = self._with_gaps = self._bad = self._zeros = 0
         self._first_bad = ""
         self._ever = np.zeros(len(entry.columns), dtype=bool)
 
@@ -108,6 +110,8 @@ class Track:
                 f"{self.entry.type}; record again"
             )
         self._check_labels(place)
+        if 0 < self._zeros == len(self._stamps):
+            self._bad, self._first_bad = self._zeros, self._named(0, 0.0)
         if self._bad:
             raise InputError(
                 f"{place}: {self._bad} of {len(self._stamps)} quaternions are not of "
@@ -134,7 +138,8 @@ class Track:
             messages=decoded + self._undecodable,
             undecodable=self._undecodable,
             incomplete=incomplete,
-            not_finite=max(self._with_gaps - gaps, 0),
+            not_finite=max(self._with_gaps - gaps - self._zeros, 0),
+            zeros=self._zeros,
         )
         arrived = Arrived(
             values,
@@ -172,12 +177,16 @@ class Track:
 
     def _of_length_one(self, x: Float[np.ndarray, "n 4"]) -> Float[np.ndarray, "n 4"]:
         norm = np.linalg.norm(x, axis=1)
-        bad = np.flatnonzero(np.abs(norm - 1) > QUATERNION_TOLERANCE)
+        off = np.abs(norm - 1) > QUATERNION_TOLERANCE
+        self._zeros += int((norm == 0).sum())
+        bad = np.flatnonzero(off & (norm > 0))
         if bad.size and not self._bad:
-            k = bad[0]
-            number = len(self._stamps) - norm.size + int(k)
-            ns = self._stamps[number] or self._received[number]
-            self._first_bad = f"at {ns / 1e9:.3f} s with norm {norm[k]:.4g}"
+            number = len(self._stamps) - norm.size + int(bad[0])
+            self._first_bad = self._named(number, norm[bad[0]])
         self._bad += bad.size
-        norm[bad] = np.nan
+        norm[off] = np.nan
         return x / norm[:, None]
+
+    def _named(self, number: int, norm: float) -> str:
+        ns = self._stamps[number] or self._received[number]
+        return f"at {ns / 1e9:.3f} s with norm {norm:.4g}"
