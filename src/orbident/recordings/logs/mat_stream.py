@@ -39,12 +39,15 @@ class MatStream:
         return self.at >= self.size
 
     def take(self, count: int) -> bytes:
-        """So many bytes.
+        """So many bytes, which are few.
 
         Raises:
             ValueError: There are fewer.
         """
-        return self.numbers(np.dtype("u1"), count).tobytes()
+        found = b""
+        while len(found) < count:
+            found += self._next(count - len(found))
+        return found
 
     def numbers(self, dtype: np.dtype, count: int) -> np.ndarray:
         """So many numbers.
