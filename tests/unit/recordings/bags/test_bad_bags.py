@@ -95,7 +95,9 @@ def test_another_kind_of_file(tmp_path, suffix):
 def test_paths(tmp_path):
     assert "gone.bag: does not exist; check the path" in refusal(tmp_path, "gone.bag")
     (tmp_path / "notes.txt").write_text("hello")
-    assert "suffix '.txt' is of no kind" in refusal(tmp_path, tmp_path / "notes.txt")
+    assert "name ends in one of .bag, .mcap" in refusal(
+        tmp_path, tmp_path / "notes.txt"
+    )
     (tmp_path / "folder").mkdir()
     line = refusal(tmp_path, tmp_path / "folder")
     assert "is a folder without metadata.yaml" in line
@@ -234,7 +236,7 @@ def test_an_mcap_file_without_an_index(tmp_path):
 
 
 def test_the_place_is_checked_first(tmp_path):
-    with pytest.raises(InputError, match=r"suffix '\.txt' is not supported"):
+    with pytest.raises(InputError, match=r"the name of a recording ends in"):
         convert_file("gone.bag", "gone.yaml", tmp_path / "r.txt")
 
 
