@@ -147,7 +147,7 @@ def test_truncated_parquet(refusal: Refusal, flight: Recording):
 
 def test_no_such_recording(refusal: Refusal):
     refusal("gone.csv", "gone.csv: does not exist")
-    refusal("gone.bag", "gone.bag: suffix '.bag' is not supported", ".csv or .parquet")
+    refusal("gone.bag", "gone.bag: the name of a recording ends in .csv or .parquet")
     Path("folder.csv").mkdir()
     refusal("folder.csv", "folder.csv: is a folder")
 

@@ -174,7 +174,12 @@ REFUSED = {
         "r.csv",
         "'gyro.x' is fed twice",
     ),
-    "another suffix": ("flight.bag", HEAD + IMU, "r.txt", "suffix '.txt'"),
+    "another suffix": (
+        "flight.bag",
+        HEAD + IMU,
+        "r.txt",
+        "the name of a recording ends in",
+    ),
     "no folder": ("flight.bag", HEAD + IMU, "no/r.csv", "folder 'no' does not exist"),
 }
 

@@ -63,8 +63,10 @@ def test_json_onto_a_folder(orbident: Orbident, command: tuple[str, ...]):
 def test_simulate_into_a_missing_folder(orbident: Orbident, motion: Path):
     run = ("simulate", "paper-spatial", motion, "-o")
     orbident(*run, "gone/r.csv").refused("gone/r.csv", "create it")
-    orbident(*run, "r.txt").refused("r.txt: suffix '.txt'", ".csv or .parquet")
-    orbident(*run, "r").refused("r: suffix ''")
+    orbident(*run, "r.txt").refused(
+        "r.txt: the name of a recording ends in .csv or .parquet"
+    )
+    orbident(*run, "r").refused("r: the name of a recording ends in")
     Path("folder.csv").mkdir()
     orbident(*run, "folder.csv").refused("folder.csv: is a folder")
 
@@ -113,6 +115,36 @@ def test_json_into_a_pipe(orbident: Orbident):
     assert json.loads(os.read(reader, 1 << 16))["robots"]
     os.close(reader)
     assert Path("pipe").is_fifo()
+
+
+@pytest.mark.parametrize("name", ["r.csv", "flight.mat", "run/result.json"])
+def test_a_pipe_for_a_file(orbident: Orbident, name: str):
+    """Nobody writes into it, and nobody waits."""
+    Path("run").mkdir()
+    os.mkfifo(name)
+    command = {
+        "r.csv": ("identify", "paper-spatial", "r.csv"),
+        "flight.mat": ("topics", "flight.mat"),
+        "run/result.json": ("report", "run"),
+    }[name]
+    orbident(*command).refused(f"{name}: is a pipe or a device, which cannot be read")
+
+
+def test_standard_input_for_a_file(orbident: Orbident):
+    orbident("identify", "paper-spatial", "/dev/null").refused("is a pipe or a device")
+
+
+def test_in_a_folder_that_was_deleted(tmp_path: Path):
+    gone = tmp_path / "gone"
+    gone.mkdir()
+    leave = ("sh", "-c", 'rmdir "$0"; exec "$@"', gone)
+    command = ("identify", "paper-spatial", "r.csv", "-o", "run")
+    ran = finished(*leave, *ORBIDENT, *command, cwd=gone)
+    assert ran.returncode == 2
+    assert ran.stderr == (
+        "orbident: the folder that you are in was deleted; change to another with "
+        "'cd'\n"
+    )
 
 
 @as_root

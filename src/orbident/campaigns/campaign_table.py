@@ -11,11 +11,14 @@ import pyarrow.parquet as parquet
 
 from orbident.campaigns.folder import ROWS, Campaign
 from orbident.errors import InputError
+from orbident.estimation.check import LEVELS
 from orbident.files.replacing import replacing
 from orbident.model.formulas import formulas_of
 from orbident.model.minimal_sets import minimal_sets
 
 Row = dict[str, Any]
+
+_ANEW = "remove it and run the campaign again, which computes it anew"
 
 WORDS = ("robot", "method", "level", "refused_by")
 
@@ -87,37 +90,54 @@ def read_rows(
         InputError: a file is damaged.
     """
     schema = schema_of(campaign)
-    paths = (path_of(folder, chunk) for chunk in campaign.spec.chunks)
-    tables = [read_chunk(path, schema, columns) for path in paths if path.exists()]
+    tables = [
+        read_chunk(campaign, folder, chunk, schema, columns)
+        for chunk in campaign.spec.chunks
+        if path_of(folder, chunk).exists()
+    ]
     empty = schema.empty_table().select(columns or schema.names)
     return pa.concat_tables([empty, *tables]).combine_chunks()
 
 
 def read_chunk(
-    path: Path, schema: pa.Schema, columns: Sequence[str] | None = None
+    campaign: Campaign,
+    folder: Path,
+    chunk: range,
+    schema: pa.Schema,
+    columns: Sequence[str] | None = None,
 ) -> pa.Table:
     """The rows of one chunk.
 
     Raises:
-        InputError: the file is damaged.
+        InputError: the file is damaged, or was not written by this campaign.
     """
+    path = path_of(folder, chunk)
     try:
         with pa.OSFile(os.fsencode(path)) as source:
             # A chunk is small: threads would take longer to start than to read it.
             file = parquet.ParquetFile(source)
-            names = file.schema_arrow.names
+            found = file.schema_arrow
             table = file.read(columns, use_threads=False)
     except (pa.ArrowException, OSError) as error:
         reason = " ".join(str(error).split())[:80]
+        raise InputError(f"{path}: cannot be read ({reason}); {_ANEW}") from error
+    if found != schema:
         raise InputError(
-            f"{path}: cannot be read ({reason}); remove it and run the campaign again, "
-            "which computes it anew"
-        ) from error
-    if names != schema.names:
-        raise InputError(
-            f"{path}: has other columns than this campaign; remove it and run the "
-            "campaign again, which computes it anew"
+            f"{path}: has other columns than this campaign, or other types in them; "
+            f"{_ANEW}"
         )
+    known = {
+        "run": chunk,
+        "robot": [subject.robot.name for subject in campaign.subjects],
+        "method": campaign.spec.methods,
+        "level": LEVELS,
+    }
+    for name in known.keys() & set(table.column_names):
+        if not set(table[name].unique().to_pylist()) <= set(known[name]):
+            raise InputError(
+                f"{path}: column '{name}' has values that are not of this campaign; "
+                f"{_ANEW}"
+            )
     return table
 
 

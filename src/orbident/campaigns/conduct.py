@@ -8,7 +8,7 @@ missing is computed again, to the same numbers.
 import json
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future
-from contextlib import closing
+from contextlib import closing, suppress
 from functools import partial
 from pathlib import Path
 from typing import NamedTuple
@@ -20,7 +20,8 @@ from orbident.campaigns.executors import Executors, computed
 from orbident.campaigns.folder import FAILED, Campaign, check_versions, working
 from orbident.campaigns.run import Chunk, run_chunk
 from orbident.errors import InputError
-from orbident.files.text import write_text
+from orbident.files.text import read_text, write_text
+from orbident.files.writing import writing
 
 
 class Done(NamedTuple):
@@ -53,8 +54,8 @@ def conduct(
         InputError: another command is at it, the folder cannot be written, or workers
             die again and again.
     """
+    schema = schema_of(campaign)
     with working(folder):
-        schema = schema_of(campaign)
         done = campaign_progress(campaign, folder)
         progress(done)
         work = partial(run_chunk, campaign)
@@ -84,6 +85,19 @@ def failed_runs(folder: Path) -> Iterator[Path]:
     return iter(sorted(found, key=lambda path: int(path.stem)))
 
 
+def reason_in(path: Path) -> str:
+    """Why a run could not be made.
+
+    Raises:
+        InputError: the file is damaged.
+    """
+    with suppress(RecursionError, LookupError, TypeError, json.JSONDecodeError):
+        return str(json.loads(read_text(path))["reason"])
+    raise InputError(
+        f"{path}: is damaged; see with 'orbident campaign rerun' why the run fails"
+    )
+
+
 def failure_of(folder: Path, k: int) -> Path:
     """Where it is said why run `k` could not be made."""
     return folder / FAILED / f"{k}.json"
@@ -111,6 +125,9 @@ def _result(future: Future[Chunk]) -> Chunk:
 
 def _keep(folder: Path, runs: range, chunk: Chunk, schema: pa.Schema) -> None:
     # The rows last: their file says that the chunk is done.
+    if chunk.failures:
+        with writing(folder):
+            (folder / FAILED).mkdir(exist_ok=True)
     for failure in chunk.failures:
         text = json.dumps(failure.document, indent=1)
         write_text(failure_of(folder, failure.k), text)

@@ -24,6 +24,7 @@ from orbident.errors import InputError
 from orbident.files.checksum import sha256
 from orbident.files.folder_replacing import finish, replacing_files
 from orbident.files.locking import locked
+from orbident.files.names import quoted
 from orbident.files.text import read_text, write_text
 from orbident.files.writing import writing
 from orbident.robot.description import Robot
@@ -38,7 +39,8 @@ from orbident.trajectories.trajectory import Trajectory
 from orbident.trajectories.trajectory_file import load_trajectory, save_trajectory
 
 SPEC, MANIFEST = "spec.yaml", "campaign.json"
-ROBOT_FILES = ("robot.urdf", "robot.yaml", "trajectory.yaml")
+ROBOT_FILES = ("robot.urdf", "robot.oem", "robot.yaml", "trajectory.yaml")
+"""What a robot's folder may have; the OEM only where its orbit is one."""
 ROWS, FAILED, RERUN, REPORT = "rows", "failed", "rerun", "report.html"
 
 PaperMotion = Callable[[Robot], Trajectory]
@@ -71,9 +73,9 @@ def begin(file: SpecFile, folder: Path, paper_motion: PaperMotion) -> Campaign:
     """
     with tempfile.TemporaryDirectory() as scratch:
         new = Path(scratch)
-        names = _freeze(file, new, paper_motion)
-        sums = {name: sha256(new / name) for name in names}
-        ours = (*names, MANIFEST)
+        _freeze(file, new, paper_motion)
+        sums = _sums(new)
+        ours = (*sums, MANIFEST)
         finish(folder, ours)
         if (folder / MANIFEST).exists():
             _check_same(folder, sums)
@@ -83,7 +85,7 @@ def begin(file: SpecFile, folder: Path, paper_motion: PaperMotion) -> Campaign:
                 f"{folder}: is not a campaign's folder; name one that is new or empty"
             )
         with replacing_files(folder, ours) as staged:
-            for name in names:
+            for name in sums:
                 (staged / name).parent.mkdir(exist_ok=True)
                 (staged / name).write_bytes((new / name).read_bytes())
             manifest = {"schema": _SCHEMA, "versions": versions(), "sha256": sums}
@@ -97,13 +99,12 @@ def opened(folder: Path) -> Campaign:
     Raises:
         InputError: there is none, or its files were changed.
     """
-    sums = _manifest(folder)["sha256"]
-    for name, wanted in sums.items():
-        if sha256(folder / name) != wanted:
-            raise InputError(
-                f"{folder / name}: was changed since the campaign began; put it back, "
-                "or begin another campaign in another folder"
-            )
+    other = _differing(_manifest(folder)["sha256"], _sums(folder))
+    if other:
+        raise InputError(
+            f"{folder}: {quoted(other[0])} was changed since the campaign began; put "
+            "it back, or begin another campaign in another folder"
+        )
     spec = load_spec(folder / SPEC).spec
     subjects = tuple(
         Subject(load_written_robot(at), load_trajectory(at / "trajectory.yaml"))
@@ -121,8 +122,7 @@ def working(folder: Path) -> Iterator[None]:
     """
     rows = folder / ROWS
     with writing(folder):
-        for each in (rows, folder / FAILED):
-            each.mkdir(exist_ok=True)
+        rows.mkdir(exist_ok=True)
     with locked(rows):
         yield
 
@@ -138,13 +138,14 @@ def check_versions(folder: Path, found: Mapping[str, str], who: str = "this") ->
     Raises:
         InputError: the campaign was begun with others.
     """
-    for name, begun in _manifest(folder)["versions"].items():
-        if found.get(name) != begun:
-            raise InputError(
-                f"{folder}: was begun with {name} {begun}, and {who} is "
-                f"{found.get(name)}, whose numbers may differ; install that version, "
-                "or name another folder"
-            )
+    begun = _manifest(folder)["versions"]
+    other = _differing(begun, found)
+    if other:
+        was, now = (quoted(each.get(other[0], "unknown")) for each in (begun, found))
+        raise InputError(
+            f"{folder}: was begun with {quoted(other[0])} {was}, and {who} is {now}, "
+            "whose numbers may differ; install that version, or name another folder"
+        )
 
 
 _SCHEMA = "orbident/campaign-folder/1"
@@ -174,14 +175,24 @@ def _manifest(folder: Path) -> dict[str, Any]:
     raise InputError(f"{path}: is damaged; begin the campaign in another folder")
 
 
+def _sums(folder: Path) -> dict[str, str]:
+    """Checksums of what a campaign depends on: of what is there, whoever lists it."""
+    robots = (at / name for at in folder.glob("robot*") for name in ROBOT_FILES)
+    there = (path for path in (folder / SPEC, *robots) if path.is_file())
+    return {path.relative_to(folder).as_posix(): sha256(path) for path in there}
+
+
+def _differing(one: Mapping[str, str], other: Mapping[str, str]) -> list[str]:
+    names = sorted({*one, *other})
+    return [name for name in names if one.get(name) != other.get(name)]
+
+
 def _check_same(folder: Path, sums: dict[str, str]) -> None:
-    found = _manifest(folder)["sha256"]
-    other = sorted(
-        name for name in {*found, *sums} if found.get(name) != sums.get(name)
-    )
+    other = _differing(_manifest(folder)["sha256"], sums)
     if other:
         raise InputError(
-            f"{folder}: holds another campaign ({other[0]} differs); name another DIR"
+            f"{folder}: holds another campaign ({quoted(other[0])} differs); name "
+            "another DIR"
         )
     check_versions(folder, versions())
 
@@ -190,9 +201,8 @@ def _is_free(folder: Path) -> bool:
     return not any(not path.name.startswith(".") for path in folder.iterdir())
 
 
-def _freeze(file: SpecFile, into: Path, paper_motion: PaperMotion) -> tuple[str, ...]:
-    """Write all that the campaign depends on; the names."""
-    names = [SPEC]
+def _freeze(file: SpecFile, into: Path, paper_motion: PaperMotion) -> None:
+    """Write all that the campaign depends on."""
     text = yaml.safe_dump(file.document, sort_keys=False, allow_unicode=True)
     write_text(into / SPEC, text)
     for k, entry in enumerate(file.spec.robots):
@@ -201,8 +211,6 @@ def _freeze(file: SpecFile, into: Path, paper_motion: PaperMotion) -> tuple[str,
         at = into / f"robot{k}"
         write_robot(subject.robot, at)
         save_trajectory(subject.trajectory, at / "trajectory.yaml")
-        names += [f"robot{k}/{name}" for name in ROBOT_FILES]
-    return tuple(names)
 
 
 def _subject(

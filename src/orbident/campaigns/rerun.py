@@ -72,9 +72,8 @@ def repeat_run(campaign: Campaign, folder: Path, k: int) -> Rerun:
 
 def _same(campaign: Campaign, folder: Path, k: int, rows: list[Row]) -> bool | None:
     chunk = next(chunk for chunk in campaign.spec.chunks if k in chunk)
-    path = path_of(folder, chunk)
-    if not path.exists():
+    if not path_of(folder, chunk).exists():
         return None
     schema = schema_of(campaign)
-    kept = read_chunk(path, schema)
+    kept = read_chunk(campaign, folder, chunk, schema)
     return kept.filter(pc.field("run") == k).equals(arrow_table(rows, schema))

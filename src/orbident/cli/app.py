@@ -4,6 +4,7 @@ import os
 import sys
 import traceback
 from contextlib import suppress
+from pathlib import Path
 from typing import Any, NamedTuple, NoReturn
 
 from orbident.cli.interruption import interruptible
@@ -68,10 +69,7 @@ def _run() -> Ended:
         # Not at exit, where a full disk could not be reported.
         sys.stdout.flush()
     except OSError as error:
-        if error.filename is None:
-            drop_output()
-        what = error.filename or "standard output"
-        return Ended(WRONG_INPUT, f"{what}: {error.strerror or error}")
+        return Ended(WRONG_INPUT, _system_refused(error))
     except InputError as error:
         return Ended(WRONG_INPUT, str(error))
     except MemoryError as error:
@@ -81,6 +79,17 @@ def _run() -> Ended:
     except Exception as error:
         return Ended(INTERNAL_ERROR, _internal_error(error))
     return Ended(status or 0)
+
+
+def _system_refused(error: OSError) -> str:
+    if error.filename is not None:
+        return f"{error.filename}: {error.strerror or error}"
+    try:
+        Path.cwd()
+    except FileNotFoundError:
+        return "the folder that you are in was deleted; change to another with 'cd'"
+    drop_output()
+    return f"standard output: {error.strerror or error}"
 
 
 def _wrong_usage(error: Any) -> str:

@@ -199,15 +199,13 @@ def _lines(begun: Any, folder: Path, done: "Done") -> Sequence[Any]:
 
 
 def _failures(folder: Path, done: "Done") -> str:
-    import json
-
-    from orbident.campaigns.conduct import failed_runs
+    from orbident.campaigns.conduct import failed_runs, reason_in
 
     first = next(failed_runs(folder))
-    reason = json.loads(first.read_text())["reason"]
     return (
         f"{done.failed} of {done.of} runs failed; the first is run {first.stem}: "
-        f"{reason}; see {first}, or 'orbident campaign rerun {folder} {first.stem}'"
+        f"{reason_in(first)}; see {first}, or 'orbident campaign rerun {folder} "
+        f"{first.stem}'"
     )
 
 

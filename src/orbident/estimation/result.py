@@ -2,7 +2,8 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any, Literal
+from functools import partial
+from typing import Any, Literal, TypeVar
 
 from orbident.errors import InputError
 from orbident.estimation.check import Check, Level, worst
@@ -20,6 +21,8 @@ from orbident.model.reconstruction import Dynamics, reconstructed
 from orbident.preprocessing.delays import Delay
 from orbident.robot.description import Robot
 
+T = TypeVar("T")
+
 SCHEMA = "orbident/result/2"
 
 NINETY_FIVE = 1.96
@@ -32,6 +35,9 @@ class Result(Identified):
 
     Of several, the names of what is a recording's own begin with its name: `second
     flight: gyro.x`.
+
+    It can be copied, pickled and sent from one process to another. That computes what
+    else is computed when it is asked for; a refused result then begins with its causes.
     """
 
     robot: Robot
@@ -123,6 +129,14 @@ class Result(Identified):
             f"(95 %: {low:.6g} to {high:.6g})"
         )
         return [head, mass, "", *short_table(self.base)]
+
+    def __getstate__(self) -> dict[str, Any]:
+        """The fields, with values instead of functions that know the whole problem."""
+        computed = ("sensitivity", "signals")
+        return {
+            **vars(self.with_causes()),
+            **{name: partial(_known, getattr(self, name)()) for name in computed},
+        }
 
     def __repr__(self) -> str:
         """The summary, and where the rest is."""
@@ -261,3 +275,8 @@ class Result(Identified):
             "elapsed_s": self.elapsed_s,
             "versions": self.versions,
         }
+
+
+def _known(value: T) -> T:
+    """What a function that was called already gave."""
+    return value

@@ -30,6 +30,7 @@ from orbident.files.folder_replacing import (
     is_unfinished,
     replacing_files,
 )
+from orbident.files.pipes import refuse_pipe
 from orbident.files.replacing import UNFINISHED
 from orbident.files.text import write_text
 from orbident.identified.checksums import (
@@ -185,6 +186,7 @@ def _version(path: Path) -> tuple[int, int] | None:
 
 
 def _text(path: Path) -> str:
+    refuse_pipe(path, "the result")
     try:
         return path.read_text(encoding="utf-8")
     except UnicodeDecodeError as error:

@@ -9,6 +9,8 @@ import pyarrow.parquet as parquet
 
 from orbident.errors import InputError
 from orbident.estimation.signals import Signal, Signals
+from orbident.files.bounds import LARGEST
+from orbident.files.names import quoted
 
 SCHEMA = pa.schema(
     [
@@ -61,21 +63,31 @@ def read_signals(path: Path) -> Signals:
     try:
         with pa.OSFile(os.fsencode(path)) as file:
             table = parquet.read_table(file, schema=SCHEMA)
+        return tuple(_signal(table, k) for k in range(table.num_rows))
     except (pa.ArrowException, OSError, ValueError) as error:
         reason = str(error).splitlines()[0]
         raise InputError(
             f"{path}: is not what 'orbident identify' wrote ({reason}); identify again"
         ) from error
-    return tuple(_signal(table, k) for k in range(table.num_rows))
 
 
 def _signal(table: pa.Table, k: int) -> Signal:
+    """The signal of a row.
+
+    Raises:
+        ValueError: its lists do not fit together.
+    """
     name, axes, units, std = (
         table[column][k].as_py() for column in ("name", "axes", "units", "std")
     )
-    t, measured, error = (
-        np.asarray(table[column][k].values).astype(np.float64)
-        for column in ("t", "measured", "error")
-    )
+    lists = [table[column][k].values for column in ("t", "measured", "error")]
+    if None in {name, std, *(axes or [None]), *(units or [None])} or any(
+        each is None or each.null_count for each in lists
+    ):
+        raise ValueError("a value is missing")
+    t, measured, error = (np.asarray(each).astype(np.float64) for each in lists)
+    sizes = {measured.size, error.size, t.size * len(axes), t.size * len(units)}
+    if len(sizes) > 1 or not np.all(np.abs(t) <= LARGEST):
+        raise ValueError(f"the times, axes and values of {quoted(name)} do not fit")
     measured, error = (x.reshape(t.size, len(axes)) for x in (measured, error))
     return Signal(name, tuple(axes), tuple(units), t, measured, measured - error, std)

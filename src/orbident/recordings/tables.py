@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from orbident.errors import InputError
+from orbident.files.pipes import refuse_pipe
 from orbident.recordings.columns import is_known
 from orbident.recordings.csv_table import csv_batches, csv_lines, read_csv
 from orbident.recordings.long_recording import LARGE, LongRecording
@@ -64,6 +65,7 @@ def read_recording(path: str | os.PathLike[str]) -> Recording:
 @contextmanager
 def _readable(path: Path) -> Iterator[None]:
     """Refuse what is no recording, or cannot be read during the block."""
+    refuse_pipe(path, "the recording")
     _check_suffix(path)
     if path.is_dir():
         raise InputError(f"{path}: is a folder; give a recording")
@@ -130,8 +132,8 @@ def check_writable(path: str | os.PathLike[str]) -> None:
 def _check_suffix(path: Path) -> None:
     if path.suffix.lower() not in SUFFIXES:
         raise InputError(
-            f"{path}: suffix '{path.suffix}' is not supported; "
-            f"use {' or '.join(SUFFIXES)}"
+            f"{path}: the name of a recording ends in {' or '.join(SUFFIXES)}; give "
+            "such a file"
         )
 
 

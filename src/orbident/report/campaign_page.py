@@ -1,6 +1,5 @@
 """The report of a campaign: how good each method's estimates and intervals are."""
 
-import json
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -12,7 +11,7 @@ from jaxtyping import Float
 from scipy import stats
 
 from orbident.campaigns.campaign_table import read_rows
-from orbident.campaigns.conduct import failed_runs
+from orbident.campaigns.conduct import failed_runs, reason_in
 from orbident.campaigns.folder import REPORT, Campaign
 from orbident.campaigns.statistics import (
     Dependence,
@@ -338,8 +337,7 @@ def _failed(failures: Sequence[Path]) -> Iterator[Section]:
         return
     reasons: dict[str, list[int]] = {}
     for path in failures:
-        document = json.loads(path.read_text())
-        reasons.setdefault(document["reason"], []).append(document["run"])
+        reasons.setdefault(reason_in(path), []).append(int(path.stem))
     rows = (
         TableRow((reason, str(len(runs)), f"failed/{runs[0]}.json"))
         for reason, runs in reasons.items()

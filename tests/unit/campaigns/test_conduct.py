@@ -135,7 +135,7 @@ def conducting_write(path: Path) -> Iterator[None]:
 
 def test_another_campaign_is_not_mixed_in(tmp_path: Path):
     begun(tmp_path)
-    with pytest.raises(InputError, match=r"holds another campaign \(spec.yaml"):
+    with pytest.raises(InputError, match=r"holds another campaign \('spec.yaml'"):
         begun(tmp_path, entropy=2)
     (tmp_path / "out" / "spec.yaml").write_text("runs: 1")
     with pytest.raises(InputError, match="was changed since the campaign began"):
@@ -148,7 +148,7 @@ def test_other_versions_are_not_mixed_in(tmp_path: Path):
     manifest = json.loads(path.read_text())
     manifest["versions"]["numpy"] = "1.0"
     path.write_text(json.dumps(manifest))
-    with pytest.raises(InputError, match=r"was begun with numpy 1\.0"):
+    with pytest.raises(InputError, match=r"was begun with 'numpy' '1\.0'"):
         begun(tmp_path)
 
 

@@ -1,6 +1,8 @@
 """What was measured and predicted, kept: residuals lose nothing that shows."""
 
 import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as parquet
 import pytest
 
 from orbident.errors import InputError
@@ -46,6 +48,32 @@ def test_size_of_100_000_samples(tmp_path):
     write_signals(tuple(_signal(name, 100_000, "xyz") for name in "abcdef"), path)
     # The issue's aim; here not even times repeat.
     assert path.stat().st_size < 20e6
+
+
+@pytest.mark.parametrize(
+    ("column", "value"),
+    [
+        ("name", None),
+        ("axes", ["x", "y"]),
+        ("axes", ["x", "y", None]),
+        ("units", None),
+        ("units", ["m"]),
+        ("t", [0.0, 1.0, float("nan"), 3.0]),
+        ("measured", [1.0] * 11),
+        ("error", [None] * 12),
+        ("std", None),
+    ],
+)
+def test_altered(tmp_path, column: str, value: object):
+    """Whoever alters it can make its checksum anew."""
+    path = tmp_path / "signals.parquet"
+    write_signals((_signal("position", 4, "xyz"),), path)
+    table = parquet.read_table(path)
+    at = table.schema.get_field_index(column)
+    altered = pa.array([value], table.schema.types[at])
+    parquet.write_table(table.set_column(at, table.schema.field(at), altered), path)
+    with pytest.raises(InputError, match="is not what 'orbident identify' wrote"):
+        read_signals(path)
 
 
 def test_damaged(tmp_path):

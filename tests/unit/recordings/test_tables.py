@@ -251,9 +251,9 @@ def test_parquet_with_a_name_that_is_not_text(tmp_path):
 @pytest.mark.parametrize("name", ["flight.xlsx", "flight", "flight.csv.gz"])
 def test_other_suffixes_refused(tmp_path, name):
     recording = Recording(np.arange(2.0), {})
-    with pytest.raises(InputError, match=r"not supported; use \.csv or \.parquet"):
+    with pytest.raises(InputError, match=r"ends in \.csv or \.parquet"):
         read_recording(tmp_path / name)
-    with pytest.raises(InputError, match=r"not supported; use \.csv or \.parquet"):
+    with pytest.raises(InputError, match=r"ends in \.csv or \.parquet"):
         write_recording(recording, tmp_path / name)
 
 

@@ -7,7 +7,7 @@ from small_campaigns import begun
 
 from orbident.campaigns.campaign_table import schema_of
 from orbident.campaigns.conduct import failure_of
-from orbident.campaigns.folder import Campaign, working
+from orbident.campaigns.folder import FAILED, Campaign
 from orbident.files.text import write_text
 from orbident.report.campaign_page import campaign_report
 
@@ -44,8 +44,8 @@ def made_up(campaign: Campaign, scale: float) -> pa.Table:
 )
 def test_the_report(tmp_path: Path, scale: float, headline: str):
     campaign, out = begun(tmp_path, runs=N + 1)
-    with working(out):
-        write_text(failure_of(out, 60), '{"run": 60, "reason": "turns too fast"}')
+    (out / FAILED).mkdir()
+    write_text(failure_of(out, 60), '{"run": 60, "reason": "turns too fast"}')
     text = campaign_report(campaign, out, made_up(campaign, scale))
     assert headline in text
     for words in (

@@ -9,7 +9,7 @@ from orbident.errors import InputError
 from orbident.files.names import closest, listed, one_line
 from orbident.recordings.bags.mcap_file import open_mcap
 from orbident.recordings.bags.ros1_file import open_ros1
-from orbident.recordings.bags.ros2_folder import open_ros2
+from orbident.recordings.bags.ros2_folder import open_ros2, open_ros2_folder
 from orbident.recordings.bags.storage import Storage
 from orbident.recordings.bags.topic import RawMessage, Topic
 
@@ -29,7 +29,7 @@ class Bag:
     topics: Mapping[str, Topic]
     _storage: Storage
     notes: tuple[str, ...] = ()
-    """Warnings: there are none."""
+    """Warnings."""
 
     def topic(self, name: str) -> Topic:
         """A topic that has messages.
@@ -80,6 +80,8 @@ def open_bag(path: Path) -> Iterator[Bag]:
     with ExitStack() as stack:
         try:
             storage = stack.enter_context(opening)
+        except InputError:
+            raise
         except PermissionError as error:
             raise InputError(
                 f"{path}: cannot be read ({error.strerror or error})"
@@ -89,17 +91,12 @@ def open_bag(path: Path) -> Iterator[Bag]:
         topics = {topic.name: topic for topic in storage.topics}
         if not any(topic.count for topic in topics.values()):
             raise InputError(f"{path}: holds no messages; record again")
-        yield Bag(path, topics, storage)
+        yield Bag(path, topics, storage, storage.notes)
 
 
 def _opening(path: Path) -> AbstractContextManager[Storage]:
     if path.is_dir():
-        if not (path / "metadata.yaml").is_file():
-            raise InputError(
-                f"{path}: is a folder without metadata.yaml; give a file, or the "
-                "folder of a ROS 2 bag"
-            )
-        return open_ros2(path)
+        return open_ros2_folder(path)
     if path.stat().st_size == 0:
         raise InputError(f"{path}: is empty; record again")
     return _FILES[path.suffix.lower()](path)

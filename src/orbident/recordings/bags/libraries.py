@@ -3,8 +3,10 @@
 from orbident.extras import extra
 
 with extra("ros", "reading or writing a bag"):
+    from mcap.exceptions import EndOfFile as McapEnd
     from mcap.reader import NonSeekingReader as McapStream
     from mcap.reader import SeekingReader as McapIndex
+    from mcap.records import Channel as McapChannel
     from mcap.records import Schema as McapSchema
     from mcap.writer import Writer as McapWriter
     from rosbags.interfaces import MessageDefinition, MessageDefinitionFormat, TopicInfo
@@ -17,6 +19,8 @@ with extra("ros", "reading or writing a bag"):
     from rosbags.typesys.store import Typestore
 
 __all__ = [
+    "McapChannel",
+    "McapEnd",
     "McapIndex",
     "McapSchema",
     "McapStream",

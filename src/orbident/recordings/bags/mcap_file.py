@@ -1,34 +1,99 @@
 """Bare MCAP files, of ROS 1 or ROS 2."""
 
+import struct
 from collections import Counter
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import BinaryIO
+from typing import BinaryIO, cast
 
-from orbident.recordings.bags.libraries import McapIndex, McapSchema, McapStream
+from orbident.recordings.bags.libraries import (
+    McapChannel,
+    McapEnd,
+    McapIndex,
+    McapSchema,
+    McapStream,
+)
 from orbident.recordings.bags.storage import Storage
-from orbident.recordings.bags.topic import RawMessage, Topic, short_type
+from orbident.recordings.bags.topic import RawMessage, Topic, merged, short_type
+
+_MAGIC = b"\x89MCAP0\r\n"
+_FOOTER = 2
+"""The number of the record that comes last, before the magic once more."""
 
 
 @contextmanager
 def open_mcap(path: Path) -> Iterator[Storage]:
-    """A `.mcap` file; messages come in the order of the file."""
+    """A `.mcap` file; messages come in the order of the file.
+
+    One that was cut off, as when power is lost, is read up to there.
+    """
     with path.open("rb") as file:
+        size = end = path.stat().st_size
+        try:
+            topics = _indexed(file)
+        except Exception:
+            end = _whole_until(file, size)
+            if end == size:
+                raise
+            topics = []
+        whole = _Beginning(file, end)
+        topics = topics or _scanned(whole)
+        if end < size and not topics:
+            raise ValueError("it is cut off before its first whole message")
 
         def messages(names: Collection[str]) -> Iterator[RawMessage]:
-            for _, channel, message in _stream(file, names):
+            for _, channel, message in _stream(whole, names):
                 yield RawMessage(channel.topic, message.log_time, message.data)
 
-        yield Storage(_indexed(file) or _scanned(file), messages)
+        yield Storage(topics, messages, (_cut_off(path),) if end < size else ())
 
 
-def _stream(file: BinaryIO, names: Collection[str] | None = None) -> Iterator:
+class _Beginning:
+    """A file up to a place."""
+
+    def __init__(self, file: BinaryIO, end: int) -> None:
+        self.file, self.end = file, end
+
+    def read(self, count: int) -> bytes:
+        return self.file.read(min(count, self.end - self.file.tell()))
+
+
+def _whole_until(file: BinaryIO, size: int) -> int:
+    """Where the first record begins that is not whole; the size if nothing is cut."""
+    file.seek(0)
+    at = len(_MAGIC) if file.read(len(_MAGIC)) == _MAGIC else size
+    while at < size:
+        file.seek(at)
+        # Each says its kind and its length; zeros are what was never written.
+        kind, length = struct.unpack("<BQ", file.read(9).ljust(9, b"\0"))
+        end = at + 9 + length
+        if not kind or end > size:
+            break
+        if kind == _FOOTER:
+            return size if end + len(_MAGIC) <= size else at
+        at = end
+    return at
+
+
+def _cut_off(path: Path) -> str:
+    return (
+        f"{path}: is cut off: what is before is used; copy it again, unless the "
+        "recorder lost power"
+    )
+
+
+def _stream(whole: _Beginning, names: Collection[str] | None = None) -> Iterator:
     # The library's seeking reader reads every chunk before it gives a message, or
     # keeps a heap of them.
-    file.seek(0)
-    stream = McapStream(file, validate_crcs=True)
-    return stream.iter_messages(names, log_time_order=False)
+    whole.file.seek(0)
+    stream = McapStream(cast("BinaryIO", whole), validate_crcs=True)
+    try:
+        yield from stream.iter_messages(names, log_time_order=False)
+    except McapEnd:
+        # Of what was cut off; else the footer comes before.
+        if whole.file.tell() != whole.end:
+            raise
 
 
 def _indexed(file: BinaryIO) -> list[Topic]:
@@ -37,10 +102,9 @@ def _indexed(file: BinaryIO) -> list[Topic]:
     if summary is None or summary.statistics is None:
         return []
     counts = summary.statistics.channel_message_counts
-    return _topics(
-        (
-            channel.topic,
-            channel.message_encoding,
+    return merged(
+        _topic(
+            channel,
             summary.schemas.get(channel.schema_id),
             counts.get(channel.id, 0),
         )
@@ -48,27 +112,18 @@ def _indexed(file: BinaryIO) -> list[Topic]:
     )
 
 
-def _scanned(file: BinaryIO) -> list[Topic]:
-    counts, found = Counter(), {}
-    for schema, channel, _ in _stream(file):
+def _scanned(whole: _Beginning) -> list[Topic]:
+    counts: Counter[int] = Counter()
+    found: dict[int, tuple[McapChannel, McapSchema | None]] = {}
+    for schema, channel, _ in _stream(whole):
         counts[channel.id] += 1
-        found[channel.id] = channel.topic, channel.message_encoding, schema
-    return _topics((*each, counts[number]) for number, each in found.items())
+        found[channel.id] = channel, schema
+    return merged(_topic(*each, counts[number]) for number, each in found.items())
 
 
-def _topics(
-    channels: Iterator[tuple[str, str, McapSchema | None, int]],
-) -> list[Topic]:
-    """One topic for all channels of its name."""
-    topics = {}
-    for name, encoding, schema, count in channels:
-        same = topics.get(name)
-        before = same.count if same else 0
-        kind, definition = _schema(schema)
-        if same and kind != same.type:
-            kind = f"{same.type} and {kind}"
-        topics[name] = Topic(name, kind, before + count, encoding, definition)
-    return list(topics.values())
+def _topic(channel: McapChannel, schema: McapSchema | None, count: int) -> Topic:
+    kind, definition = _schema(schema)
+    return Topic(channel.topic, kind, count, channel.message_encoding, definition)
 
 
 def _schema(schema: McapSchema | None) -> tuple[str, str]:

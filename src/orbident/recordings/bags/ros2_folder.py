@@ -1,17 +1,19 @@
-"""ROS 2 bags: folders with metadata.yaml, and single .db3 files."""
+"""ROS 2 bags: folders, and single .db3 files."""
 
 from collections.abc import Collection, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
+from orbident.errors import InputError
 from orbident.recordings.bags.libraries import Ros2Reader
+from orbident.recordings.bags.mcap_file import open_mcap
 from orbident.recordings.bags.storage import Storage
-from orbident.recordings.bags.topic import RawMessage, described
+from orbident.recordings.bags.topic import RawMessage, described, merged
 
 
 @contextmanager
 def open_ros2(path: Path) -> Iterator[Storage]:
-    """A folder with SQLite or MCAP files, or one `.db3` file."""
+    """A folder with metadata.yaml, or one `.db3` file."""
     with Ros2Reader(path) as reader:
 
         def messages(names: Collection[str]) -> Iterator[RawMessage]:
@@ -21,3 +23,50 @@ def open_ros2(path: Path) -> Iterator[Storage]:
 
         topics = [described(name, info, "cdr") for name, info in reader.topics.items()]
         yield Storage(topics, messages)
+
+
+@contextmanager
+def open_ros2_folder(path: Path) -> Iterator[Storage]:
+    """A folder with SQLite or MCAP files.
+
+    ROS writes metadata.yaml when a recording is ended. Where that did not happen, the
+    files are read one after the other.
+
+    Raises:
+        InputError: It has no such file.
+    """
+    if (path / "metadata.yaml").is_file():
+        with open_ros2(path) as storage:
+            yield storage
+        return
+    readers = {".mcap": open_mcap, ".db3": open_ros2}
+    files = [
+        each
+        for each in path.iterdir()
+        if each.suffix in readers and each.is_file() and each.stat().st_size
+    ]
+    if not files:
+        raise InputError(
+            f"{path}: is a folder without metadata.yaml and without .mcap or .db3 "
+            "files; give a file, or the folder of a ROS 2 bag"
+        )
+    with ExitStack() as stack:
+        # They are numbered: flight_9 comes before flight_10.
+        parts = [
+            stack.enter_context(readers[each.suffix](each))
+            for each in sorted(files, key=lambda each: (len(each.name), each.name))
+        ]
+
+        def messages(names: Collection[str]) -> Iterator[RawMessage]:
+            for part in parts:
+                yield from part.messages(names)
+
+        note = (
+            f"{path}: has no metadata.yaml, as when a recording is not ended; its "
+            "files are read all the same"
+        )
+        yield Storage(
+            merged(topic for part in parts for topic in part.topics),
+            messages,
+            (note, *(note for part in parts for note in part.notes)),
+        )

@@ -13,3 +13,5 @@ class Storage:
     topics: Sequence[Topic]
     messages: Callable[[Collection[str]], Iterator[RawMessage]]
     """All messages of these topics, one chunk of the file in memory at a time."""
+    notes: tuple[str, ...] = ()
+    """Warnings: what of the bag is missing."""

@@ -1,8 +1,8 @@
 """What a bag says of its topics, and how a message's bytes are read."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 from orbident.errors import InputError
@@ -100,6 +100,17 @@ def _missing(store: Typestore) -> Iterator[tuple[str, str]]:
         for one in expected:
             if one not in fields:
                 yield short_type(name), one[0]
+
+
+def merged(topics: Iterable[Topic]) -> list[Topic]:
+    """One topic for all of its name."""
+    found: dict[str, Topic] = {}
+    for each in topics:
+        same = found.get(each.name, each)
+        kind = each.type if each.type == same.type else f"{same.type} and {each.type}"
+        before = 0 if same is each else same.count
+        found[each.name] = replace(each, type=kind, count=before + each.count)
+    return list(found.values())
 
 
 def short_type(name: str) -> str:

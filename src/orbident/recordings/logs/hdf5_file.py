@@ -10,6 +10,11 @@ from orbident.recordings.logs.group import Tree, field_of, unusable
 MAGIC = b"\x89HDF\r\n\x1a\n"
 
 
+_ELSEWHERE = (
+    "is kept in another file, which is not read; copy its numbers into this one"
+)
+
+
 def is_hdf5(path: Path) -> bool:
     """Whether it begins as HDF5 does, there or after MATLAB's 512 bytes."""
     with path.open("rb") as file:
@@ -33,9 +38,11 @@ def _tree(library: Any, group: Any, above: set[Any]) -> Tree:
     above = {*above, library.h5o.get_info(group.id).addr}
     tree = {}
     for name in group:
-        # Links by name lead to other files, or to what is listed anyway.
-        linked = isinstance(group.get(name, getlink=True), library.HardLink)
-        if not linked or name.startswith("#"):
+        link = group.get(name, getlink=True)
+        if isinstance(link, library.ExternalLink):
+            tree[name] = unusable(_ELSEWHERE)
+        # Links by name within the file lead to what is listed anyway.
+        if not isinstance(link, library.HardLink) or name.startswith("#"):
             continue
         each = group[name]
         if not isinstance(each, library.Group):
@@ -48,6 +55,9 @@ def _tree(library: Any, group: Any, above: set[Any]) -> Tree:
 def _field(dataset: Any) -> Any:
     if not hasattr(dataset, "shape"):
         return unusable("is a type, not data")
+    # A file that somebody sent would show what is in any other of this machine.
+    if dataset.external or dataset.is_virtual:
+        return unusable(_ELSEWHERE)
     kind = dataset.attrs.get("MATLAB_class", b"")
     if kind in {b"char", b"cell"} or dataset.dtype.kind in "OSU":
         return unusable("holds text or cells; write it as numbers")

@@ -93,6 +93,11 @@ def open_log(path: Path) -> Iterator[Log]:
             found = groups(kind.read(path, stack))
         except InputError:
             raise
+        except RecursionError:
+            raise InputError(
+                f"{path}: has too many levels of groups or structs, one in another; "
+                "write tables that are not nested"
+            ) from None
         except OSError as error:
             if error.errno:
                 reason = error.strerror or error

@@ -4,16 +4,19 @@ A file is a header of 128 bytes and elements: a tag (type, bytes), then data. A 
 is an element of elements: flags, sizes, name, and its numbers or its fields. Every
 length is checked against what is there; SciPy's reader, which is not meant for damaged
 files, ends the process over some of them.
+
+A compressed variable may be a thousand times as large as in the file. So numbers are
+passed over, and those of one field are read when they are wanted.
 """
 
 import math
-import zlib
 from collections.abc import Iterator
-from typing import NamedTuple
+from typing import BinaryIO, Literal, NamedTuple
 
 import numpy as np
 
 from orbident.recordings.logs.group import LogField, Tree, field_of, unusable
+from orbident.recordings.logs.mat_stream import MatStream
 
 _NUMBERS = {
     1: "i1",
@@ -32,9 +35,14 @@ _MATRIX, _COMPRESSED = 14, 15
 _CELL, _STRUCT, _CHAR = 1, 2, 4
 _NUMERIC = range(6, 16)
 _COMPLEX = 0x0800
+_ORDERS: dict[str, Literal["little", "big"]] = {"<": "little", ">": "big"}
 _HEADER = 128
 _LARGEST = 2**31
-"""Bytes of a variable when it is decompressed."""
+"""Bytes of a variable when it is decompressed: MATLAB writes no larger one."""
+_LONGEST = 2**16
+"""Bytes of sizes, and of the names of a struct's fields: a thousand names of 63."""
+_MOST = 2**17
+"""Arrays in a file, empty ones and cells too: each takes 40 us and 2 kB."""
 _OBJECT = (
     "is a MATLAB object, such as a timeseries or a table; save it as a struct: "
     "s = struct('time', x.Time, 'data', x.Data)"
@@ -43,139 +51,179 @@ _OBJECT = (
 
 class _Element(NamedTuple):
     kind: int
-    data: memoryview
+    size: int
+    end: int
+    """Where the next one begins."""
 
 
-class _Matrix(NamedTuple):
-    name: str
-    field: LogField | Tree
-
-
-def variables(content: bytes) -> Tree:
+def variables(file: BinaryIO) -> Tree:
     """The variables of a file by name, structs as trees.
 
     Args:
-        content: of the whole file.
+        file: open as long as values are to be read.
 
     Raises:
         ValueError: It is cut off, or does not keep to the format.
     """
-    order = {b"IM": "<", b"MI": ">"}.get(content[126:_HEADER])
-    if order is None or content[124:126] not in {b"\0\1", b"\1\0"}:
+    header = file.read(_HEADER)
+    order = {b"IM": "<", b"MI": ">"}.get(header[126:])
+    if order is None or header[124:126] not in {b"\0\1", b"\1\0"}:
         raise ValueError("its header is not of version 5; save it with -v7")
     found = {}
-    for each in _elements(memoryview(content)[_HEADER:], order):
-        element = each
+    whole = MatStream(file, _HEADER)
+    parser = _Parser(order)
+    while not whole.ended():
+        element = parser.element(whole, whole.size)
+        stream, end = whole, element.end
         if element.kind == _COMPRESSED:
-            data = zlib.decompressobj().decompress(element.data, _LARGEST)
-            element = next(_elements(memoryview(data), order))
+            stream = MatStream(file, _HEADER + whole.at, element.size)
+            element = parser.element(stream, _LARGEST)
         if element.kind != _MATRIX:
             raise ValueError(f"element of type {element.kind} is no variable")
-        name, field = _matrix(element.data, order)
+        name, field = parser.matrix(stream, element)
         # What has no name belongs to MATLAB's own objects.
         if name:
             found[name] = field
+        if stream is not whole:
+            stream.check_rest()
+        whole.skip_to(end)
     return found
 
 
-def _elements(data: memoryview, order: str) -> Iterator[_Element]:
-    """One after the other; data of up to 4 bytes stand within the tag."""
-    at = 0
-    while at < len(data):
-        if at + 8 > len(data):
-            raise ValueError("it ends within a tag")
-        kind, size = (int(each) for each in np.frombuffer(data[at:], order + "u4", 2))
-        start = at + 8
+class _Parser:
+    """Reads matrices, in the byte order of a file, and counts them."""
+
+    def __init__(self, order: str) -> None:
+        self.order = order
+        self.count = 0
+
+    def element(self, stream: MatStream, limit: int) -> _Element:
+        """The tag that comes next; data of up to 4 bytes stand within it."""
+        kind = self._whole(stream)
         if kind >> 16:
-            kind, size, start = kind & 0xFFFF, kind >> 16, at + 4
-            end = at + 8
+            kind, size = kind & 0xFFFF, kind >> 16
+            end = stream.at + 4
         else:
+            size = self._whole(stream)
             # To a multiple of 8 bytes, unless compressed; the last may go without.
-            end = start + size if kind == _COMPRESSED else start + -(-size // 8) * 8
-        if start + size > len(data) or (start == at + 4 and size > 4):
+            room = size if kind == _COMPRESSED else -(-size // 8) * 8
+            end = min(stream.at + room, limit)
+        if stream.at + size > min(end, limit):
             raise ValueError("it ends within a variable, so it is cut off or damaged")
-        yield _Element(kind, data[start : start + size])
-        at = end
+        return _Element(kind, size, end)
 
+    def matrix(self, stream: MatStream, whole: _Element) -> tuple[str, LogField | Tree]:
+        """The name and the content of the matrix whose tag was read."""
+        self.count += 1
+        if self.count > _MOST:
+            raise ValueError(f"it holds more than {_MOST} arrays; save fewer, or -v7.3")
+        if not whole.size:
+            return "", unusable("is empty")
+        flags = int(self._numbers(stream, whole.end)[0])
+        if flags & 0xFF > _NUMERIC[-1]:
+            # Functions and objects have no sizes; their name comes first.
+            found = self._text(stream, whole.end), unusable(_OBJECT)
+        else:
+            sizes = tuple(map(int, self._numbers(stream, whole.end)))
+            name = self._text(stream, whole.end)
+            if min(sizes, default=0) < 0:
+                raise ValueError("a size is negative")
+            found = name, self._content(flags, sizes, stream, whole.end)
+        stream.skip_to(whole.end)
+        return found
 
-def _matrix(data: memoryview, order: str) -> _Matrix:
-    if not data:
-        return _Matrix("", unusable("is empty"))
-    parts = _elements(data, order)
-    flags = int(_numbers(next(parts), order)[0])
-    if flags & 0xFF > _NUMERIC[-1]:
-        # Functions and objects have no sizes; their name comes first.
-        return _Matrix(_text(next(parts)), unusable(_OBJECT))
-    sizes = tuple(int(size) for size in _numbers(next(parts), order))
-    name = _text(next(parts))
-    if min(sizes, default=0) < 0:
-        raise ValueError("a size is negative")
-    return _Matrix(name, _content(flags, sizes, parts, order))
+    def _content(
+        self, flags: int, sizes: tuple[int, ...], stream: MatStream, end: int
+    ) -> LogField | Tree:
+        """What stands behind the name of a matrix."""
+        kind = flags & 0xFF
+        if kind == _STRUCT:
+            return self._struct(stream, sizes, end)
+        if kind == _CELL:
+            cells = list(self._matrices(stream, end))
+            if cells and all(map(_is_text, cells)):
+                return cells[0]
+            return {str(k): each for k, each in enumerate(cells)}
+        if kind == _CHAR:
+            text = self._text(stream, end).replace("\0", "")
+            return unusable(f"holds text, {text[:40]!r}; write it as numbers")
+        if kind not in _NUMERIC:
+            return unusable(
+                "is a sparse matrix; save it as full(x)" if kind == 5 else _OBJECT
+            )
+        if flags & _COMPLEX:
+            return unusable("holds complex numbers; write real numbers")
+        return self._array(stream, sizes, end)
 
+    def _array(
+        self, stream: MatStream, sizes: tuple[int, ...], end: int
+    ) -> LogField | Tree:
+        """A matrix of numbers, which stay where they are."""
+        element = self.element(stream, end)
+        dtype = self._dtype(element)
+        count = element.size // dtype.itemsize
+        if count != math.prod(sizes):
+            raise ValueError(f"{count} numbers are no matrix of {sizes}")
+        at = stream.at
 
-def _content(
-    flags: int, sizes: tuple[int, ...], parts: Iterator[_Element], order: str
-) -> LogField | Tree:
-    """What stands behind the name of a matrix."""
-    kind = flags & 0xFF
-    if kind == _STRUCT:
-        return _struct(parts, sizes, order)
-    if kind == _CELL:
-        cells = [_matrix(each.data, order).field for each in parts]
-        if cells and all(map(_is_text, cells)):
-            return cells[0]
-        return {str(k): each for k, each in enumerate(cells)}
-    if kind not in _NUMERIC:
-        return unusable(_problem(kind, parts))
-    if flags & _COMPLEX:
-        return unusable("holds complex numbers; write real numbers")
-    numbers = _numbers(next(parts), order)
-    if numbers.size != math.prod(sizes):
-        raise ValueError(f"{numbers.size} numbers are no matrix of {sizes}")
-    matrix = numbers.reshape(sizes, order="F")
-    return field_of(matrix.shape, matrix.dtype, lambda: matrix)
+        def read() -> np.ndarray:
+            again = stream.again()
+            again.skip_to(at)
+            numbers = again.numbers(dtype, count)
+            native = numbers.astype(dtype.newbyteorder("="), copy=False)
+            return native.reshape(sizes, order="F")
+
+        return field_of(sizes, dtype.newbyteorder("="), read)
+
+    def _struct(self, stream: MatStream, sizes: tuple[int, ...], end: int) -> Tree:
+        """One struct as its fields; of an array of them, each under its number."""
+        length = int(self._numbers(stream, end)[0])
+        texts = self._bytes(stream, self.element(stream, end))
+        if length <= 0:
+            raise ValueError("the length of the names of fields is not above zero")
+        names = [
+            texts[at : at + length].split(b"\0")[0].decode("ascii", "replace")
+            for at in range(0, len(texts), length)
+        ]
+        fields = list(self._matrices(stream, end))
+        if len(fields) != math.prod(sizes) * len(names):
+            raise ValueError("a struct lacks fields")
+        if len(fields) == len(names):
+            return dict(zip(names, fields, strict=True))
+        structs = range(0, len(fields), max(len(names), 1))
+        return {
+            str(number): dict(zip(names, fields[at : at + len(names)], strict=True))
+            for number, at in enumerate(structs)
+        }
+
+    def _matrices(self, stream: MatStream, end: int) -> Iterator[LogField | Tree]:
+        while stream.at < end:
+            _, field = self.matrix(stream, self.element(stream, end))
+            yield field
+
+    def _whole(self, stream: MatStream) -> int:
+        return int.from_bytes(stream.take(4), _ORDERS[self.order])
+
+    def _dtype(self, element: _Element) -> np.dtype:
+        kind = _NUMBERS.get(element.kind)
+        if kind is None:
+            raise ValueError(f"element of type {element.kind} where numbers should be")
+        return np.dtype(self.order + kind)
+
+    def _numbers(self, stream: MatStream, limit: int) -> np.ndarray:
+        element = self.element(stream, limit)
+        return np.frombuffer(self._bytes(stream, element), self._dtype(element))
+
+    def _text(self, stream: MatStream, limit: int) -> str:
+        element = self.element(stream, limit)
+        return self._bytes(stream, element).decode("utf-8", "replace")
+
+    def _bytes(self, stream: MatStream, element: _Element) -> bytes:
+        """The data of an element that is short, as far as anybody looks at it."""
+        data = stream.take(min(element.size, _LONGEST))
+        stream.skip_to(element.end)
+        return data
 
 
 def _is_text(field: LogField | Tree) -> bool:
     return isinstance(field, LogField) and field.problem.startswith("holds text")
-
-
-def _struct(parts: Iterator[_Element], sizes: tuple[int, ...], order: str) -> Tree:
-    """One struct as its fields; of an array of them, each under its number from 0."""
-    length = int(_numbers(next(parts), order)[0])
-    texts = bytes(next(parts).data)
-    if length <= 0:
-        raise ValueError("the length of the names of fields is not above zero")
-    names = [
-        texts[at : at + length].split(b"\0")[0].decode("ascii", "replace")
-        for at in range(0, len(texts), length)
-    ]
-    fields = [_matrix(each.data, order).field for each in parts]
-    if len(fields) != math.prod(sizes) * len(names):
-        raise ValueError("a struct lacks fields")
-    if len(fields) == len(names):
-        return dict(zip(names, fields, strict=True))
-    structs = range(0, len(fields), max(len(names), 1))
-    return {
-        str(number): dict(zip(names, fields[at : at + len(names)], strict=True))
-        for number, at in enumerate(structs)
-    }
-
-
-def _problem(kind: int, parts: Iterator[_Element]) -> str:
-    if kind == _CHAR:
-        text = _text(next(parts)).replace("\0", "")
-        return f"holds text, {text[:40]!r}; write it as numbers"
-    return "is a sparse matrix; save it as full(x)" if kind == 5 else _OBJECT
-
-
-def _numbers(element: _Element, order: str) -> np.ndarray:
-    kind = _NUMBERS.get(element.kind)
-    if kind is None:
-        raise ValueError(f"element of type {element.kind} where numbers should be")
-    numbers = np.frombuffer(element.data, order + kind)
-    return numbers.astype(numbers.dtype.newbyteorder("="), copy=False)
-
-
-def _text(element: _Element) -> str:
-    return bytes(element.data).decode("utf-8", "replace")

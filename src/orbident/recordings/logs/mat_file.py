@@ -12,4 +12,4 @@ def read_mat(path: Path, stack: ExitStack) -> Tree:
     """Variables and structs; element k, from 0, of a struct array is `name.k`."""
     if is_hdf5(path):
         return read_hdf5(path, stack)
-    return variables(path.read_bytes())
+    return variables(stack.enter_context(path.open("rb")))

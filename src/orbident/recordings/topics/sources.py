@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from orbident.errors import InputError
+from orbident.files.pipes import refuse_pipe
 from orbident.recordings.logs.log import KINDS, is_log, open_log
 
 if TYPE_CHECKING:
@@ -23,14 +24,14 @@ def open_source(path: Path) -> "AbstractContextManager[Bag | Log]":
     """
     if not path.exists():
         raise InputError(f"{path}: does not exist; check the path")
+    refuse_pipe(path, "the recording")
     if is_log(path):
         return open_log(path)
     if path.suffix.lower() not in _BAGS and not path.is_dir():
         known = [*_BAGS, *(suffix for kind in KINDS for suffix in kind.suffixes)]
         raise InputError(
-            f"{path}: its suffix '{path.suffix}' is of no kind that can be read; give "
-            f"{', '.join(known)}, or the folder of a ROS 2 bag "
-            "or of NASA's 42"
+            f"{path}: what can be read is a file whose name ends in one of "
+            f"{', '.join(known)}, or the folder of a ROS 2 bag or of NASA's 42"
         )
     # Late, because its libraries are an extra.
     from orbident.recordings.bags.bag import open_bag

@@ -23,6 +23,8 @@ from mcap.writer import IndexType
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from orbident.errors import InputError
+from orbident.recordings.bags.mcap_file import _whole_until
+from orbident.recordings.topics.conversion_report import ConversionReport
 from orbident.recordings.topics.convert import convert_file
 from orbident.recordings.topics.proposal import proposed_map
 from orbident.recordings.topics.survey import survey_file
@@ -55,6 +57,14 @@ def largest_file(bag: Path) -> Path:
     return max(files, key=lambda f: f.stat().st_size) if bag.is_dir() else bag
 
 
+def cut_off(folder: Path, bag: Path) -> ConversionReport:
+    """What becomes of a bag whose recorder lost power."""
+    (folder / "map.yaml").write_text(HEAD + IMU)
+    report = convert_file(bag, folder / "map.yaml", folder / "recording.csv")
+    assert any("is cut off: what is before is used" in each for each in report.warnings)
+    return report
+
+
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("part", [0.02, 0.5, 0.98])
 def test_truncated(tmp_path, kind, part):
@@ -62,9 +72,41 @@ def test_truncated(tmp_path, kind, part):
     file = largest_file(bag)
     content = file.read_bytes()
     file.write_bytes(content[: int(part * len(content))])
+    if kind.startswith("mcap") and part > 0.02:
+        assert 0 < cut_off(tmp_path, bag).samples <= len(SENT)
+        return
     line = refusal(tmp_path, bag)
     assert line.startswith(f"{bag}: is damaged or no bag of this kind (")
     assert "repair it with" in line
+
+
+def test_zeros_where_nothing_was_written_yet(tmp_path):
+    bag = write_bag("mcap-ros2", tmp_path, SENT)
+    content = bag.read_bytes()
+    half = len(content) // 2
+    bag.write_bytes(content[:half])
+    expected = cut_off(tmp_path, bag).samples
+    (tmp_path / "recording.csv").unlink()
+    with bag.open("rb+") as file:
+        file.truncate(_whole_until(file, half))
+        file.truncate(2 * half)
+    assert cut_off(tmp_path, bag).samples == expected
+
+
+@pytest.mark.parametrize("kind", ["ros2-sqlite3", "ros2-mcap"])
+def test_a_folder_whose_recording_was_not_ended(tmp_path, kind):
+    (tmp_path / "other").mkdir()
+    first = largest_file(write_bag(kind, tmp_path, SENT[:300]))
+    second = largest_file(write_bag(kind, tmp_path / "other", SENT[300:]))
+    second.rename(first.with_name("flight_10" + first.suffix))
+    (first.parent / "metadata.yaml").unlink()
+    first.with_name("flight_11" + first.suffix).touch()
+    (tmp_path / "map.yaml").write_text(HEAD + IMU)
+    report = convert_file(first.parent, tmp_path / "map.yaml", tmp_path / "r.csv")
+    assert report.samples == len(SENT)
+    assert (
+        "has no metadata.yaml, as when a recording is not ended" in report.warnings[0]
+    )
 
 
 @pytest.mark.parametrize("kind", ["ros1-lz4", "mcap-ros2"])
@@ -95,7 +137,9 @@ def test_another_kind_of_file(tmp_path, suffix):
 def test_paths(tmp_path):
     assert "gone.bag: does not exist; check the path" in refusal(tmp_path, "gone.bag")
     (tmp_path / "notes.txt").write_text("hello")
-    assert "suffix '.txt' is of no kind" in refusal(tmp_path, tmp_path / "notes.txt")
+    assert "name ends in one of .bag, .mcap" in refusal(
+        tmp_path, tmp_path / "notes.txt"
+    )
     (tmp_path / "folder").mkdir()
     line = refusal(tmp_path, tmp_path / "folder")
     assert "is a folder without metadata.yaml" in line
@@ -234,7 +278,7 @@ def test_an_mcap_file_without_an_index(tmp_path):
 
 
 def test_the_place_is_checked_first(tmp_path):
-    with pytest.raises(InputError, match=r"suffix '\.txt' is not supported"):
+    with pytest.raises(InputError, match=r"the name of a recording ends in"):
         convert_file("gone.bag", "gone.yaml", tmp_path / "r.txt")
 
 

@@ -1,7 +1,10 @@
 """Files that cannot be read, and maps that do not fit them: one line that says why."""
 
 import io
+import struct
+import tracemalloc
 import zipfile
+import zlib
 from pathlib import Path
 
 import h5py
@@ -12,6 +15,8 @@ from log_writers import KINDS, write_log, write_ulog
 from scipy.io import savemat
 
 from orbident.errors import InputError
+from orbident.recordings.logs import mat5
+from orbident.recordings.logs.log import open_log
 from orbident.recordings.tables import read_recording
 from orbident.recordings.topics.convert import convert_file
 from orbident.recordings.topics.survey import survey_file
@@ -119,7 +124,7 @@ def test_another_kind_is_named(tmp_path: Path):
         )
     unknown = path.with_name("other.xyz")
     unknown.write_bytes(path.read_bytes())
-    assert "its suffix '.xyz' is of no kind" in refusal(unknown, entry("hdf5"))
+    assert "a file whose name ends in one of" in refusal(unknown, entry("hdf5"))
 
 
 def test_a_field_that_is_missing(path: Path, kind: str):
@@ -207,6 +212,99 @@ def test_absurd_sizes_are_not_read(tmp_path: Path):
     with zipfile.ZipFile(path, "w") as file:
         file.writestr("log.timestamp.npy", head.getvalue())
     assert "time: 'timestamp' has 1000000000000 numbers" in refusal(path, entry("npz"))
+
+
+def test_what_is_compressed_a_thousand_times_is_passed_over(tmp_path: Path):
+    zeros = np.zeros(2**22)
+    table = {"timestamp": np.arange(2.0**10), "q": zeros}
+    savemat(tmp_path / "log.mat", {"log": table, "x": zeros}, do_compression=True)
+    tracemalloc.start()
+    with open_log(tmp_path / "log.mat") as log:
+        assert log.topics["/log"].fields["q"].count == zeros.size
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert peak < zeros.nbytes / 8
+
+
+def mat_element(kind: int, data: bytes, order: str = "<") -> bytes:
+    """An element by MathWorks' format."""
+    return struct.pack(f"{order}II", kind, len(data)) + data.ljust(
+        -(-len(data) // 8) * 8
+    )
+
+
+def mat_matrix(kind: int, name: bytes, *content: bytes, order: str = "<") -> bytes:
+    sizes = struct.pack(f"{order}II", 1, 2)
+    flags = struct.pack(f"{order}II", kind, 0)
+    parts = [(6, flags), (5, sizes), (1, name)]
+    head = b"".join(mat_element(each, data, order) for each, data in parts)
+    return mat_element(14, head + b"".join(content), order)
+
+
+def write_mat_5(path: Path, *matrices: bytes, order: str = "<") -> Path:
+    end = b"\0\1IM" if order == "<" else b"\1\0MI"
+    path.write_bytes(b"MATLAB 5.0".ljust(124) + end + b"".join(matrices))
+    return path
+
+
+@pytest.mark.parametrize("order", "<>")
+def test_numbers_of_either_byte_order(tmp_path: Path, order: str):
+    numbers = mat_element(9, struct.pack(f"{order}dd", 1.5, -2.0), order)
+    matrix = mat_matrix(6, b"q", numbers, order=order)
+    path = write_mat_5(tmp_path / "log.mat", matrix, order=order)
+    with open_log(path) as log:
+        assert log.topics["/"].column("q", "here").tolist() == [1.5, -2.0]
+
+
+@pytest.mark.parametrize(
+    ("matrix", "words"),
+    [
+        (mat_matrix(6, b"q", mat_element(9, bytes(24))), "3 numbers are no matrix"),
+        (mat_matrix(6, b"q", mat_element(9, bytes(16))[:-8]), "ends within a variable"),
+        (mat_element(15, zlib.compress(mat_matrix(6, b"q"))[:-4] + b"four"), "check"),
+        (mat_element(15, zlib.compress(struct.pack("<II", 14, 2**32 - 1))), "ends"),
+    ],
+)
+def test_a_mat_file_that_lies(tmp_path: Path, matrix: bytes, words: str):
+    path = write_mat_5(tmp_path / "log.mat", matrix)
+    with pytest.raises(InputError, match=words), open_log(path):
+        pass
+
+
+def test_arrays_without_number(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(mat5, "_MOST", 100)
+    cells = mat_matrix(1, b"c", mat_element(14, b"") * 100)
+    path = write_mat_5(tmp_path / "log.mat", cells)
+    with pytest.raises(InputError, match="holds more than 100 arrays"), open_log(path):
+        pass
+
+
+def test_structs_without_an_end(tmp_path: Path):
+    matrix = mat_element(14, b"")
+    for _ in range(2000):
+        matrix = mat_matrix(1, b"", matrix)
+    path = write_mat_5(tmp_path / "log.mat", matrix)
+    with pytest.raises(InputError, match="too many levels"), open_log(path):
+        pass
+
+
+def test_what_an_hdf5_file_says_is_in_another_is_not_read(tmp_path: Path):
+    (tmp_path / "secret").write_bytes(bytes(8 * N))
+    path = tmp_path / "log.h5"
+    source = h5py.VirtualSource("other.h5", "x", shape=(N,))
+    layout = h5py.VirtualLayout((N,), "f8")
+    layout[:] = source
+    with h5py.File(path, "w") as file:
+        file["log/timestamp"] = TABLE["timestamp"]
+        place = [(tmp_path / "secret", 0, 8 * N)]
+        file.create_dataset("log/outside", (N,), "f8", external=place)
+        file.create_virtual_dataset("log/virtual", layout)
+        file["log/linked"] = h5py.ExternalLink("other.h5", "/x")
+    for name in ("outside", "virtual", "linked"):
+        line = refusal(
+            path, entry("hdf5").replace("position: q}", f"position: {name}}}")
+        )
+        assert f"field '{name}' is kept in another file, which is not read" in line
 
 
 def test_another_version(tmp_path: Path):
