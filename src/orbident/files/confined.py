@@ -33,7 +33,7 @@ class ConfinedError(RuntimeError):
 def confined(
     function: Callable[..., Any], *arguments: Any, seconds: int, megabytes: int
 ) -> Any:
-    """Call a function in a process of its own, which takes about 50 ms to start.
+    """Call a function in a process of its own, which imports what it needs itself.
 
     Args:
         function: of a module, by whose name the child finds it.

@@ -3,6 +3,7 @@
 import math
 import xml.etree.ElementTree as ET
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
@@ -32,6 +33,15 @@ class UrdfLink:
         return from_mass_com_inertia(self.mass, self.com, self.I_com)
 
 
+class Mimic(NamedTuple):
+    """`q = multiplier q' + offset`, where `q'` is another joint's."""
+
+    joint: str
+    multiplier: float
+    offset: float
+    """rad or m."""
+
+
 @dataclass(frozen=True)
 class UrdfJoint:
     """A joint as the file gives it; fixed, floating and planar ones included."""
@@ -49,6 +59,7 @@ class UrdfJoint:
     """Unit vector, child link's axes."""
     position: tuple[float, float] | None = None
     velocity: float | None = None
+    mimic: Mimic | None = None
 
 
 @dataclass(frozen=True)
@@ -103,12 +114,6 @@ def _joint(joint: ET.Element, place: str, warnings: list[str]) -> UrdfJoint:
     norm = float(np.linalg.norm(axis))
     if moves and norm < SMALLEST:
         raise InputError(f"{place}: {where}: found axis 0 0 0; give a nonzero vector")
-    mimicked = joint.find("mimic")
-    if mimicked is not None:
-        warnings.append(
-            f"{where} mimics '{mimicked.attrib['joint']}'; it is treated as "
-            "independent and needs its own measured position"
-        )
     R, p = _placement(joint)
     return UrdfJoint(
         name,
@@ -120,7 +125,17 @@ def _joint(joint: ET.Element, place: str, warnings: list[str]) -> UrdfJoint:
         axis=axis / norm if moves else np.array([1.0, 0.0, 0.0]),
         position=_position_limits(joint, f"{place}: {where}", warnings),
         velocity=_velocity_limit(joint, f"{place}: {where}", warnings),
+        mimic=_mimic(joint),
     )
+
+
+def _mimic(joint: ET.Element) -> Mimic | None:
+    element = joint.find("mimic")
+    if element is None:
+        return None
+    (multiplier,) = _numbers(joint, "mimic", "multiplier", (1.0,))
+    (offset,) = _numbers(joint, "mimic", "offset", (0.0,))
+    return Mimic(element.attrib["joint"], multiplier, offset)
 
 
 def _linked(joint: ET.Element, end: str) -> str:

@@ -19,6 +19,7 @@ _JOINT = {
     "origin": {"xyz": 3, "rpy": 3},
     "axis": {"xyz": 3},
     "limit": {"lower": 1, "upper": 1, "velocity": 1},
+    "mimic": {"multiplier": 1, "offset": 1},
 }
 """How many numbers an element's attribute has."""
 
@@ -135,9 +136,8 @@ def _clean_joint(
                 + suggestion(link, links, "links")
             )
         ET.SubElement(clean, end, link=link)
-    mimicked = joint.find("mimic")
-    if mimicked is not None:
-        ET.SubElement(clean, "mimic", joint=mimicked.get("joint", ""))
+    for mimic in clean.iter("mimic"):
+        mimic.set("joint", joint.findall("mimic")[0].get("joint", ""))
     return clean
 
 
