@@ -18,6 +18,9 @@ _SECONDS, _MEGABYTES = 3, 500
 _PACKAGES = "AMENT_PREFIX_PATH"
 """The variable by which `$(find PACKAGE)` finds the packages of ROS."""
 
+_ACTS = ("os.", "subprocess.", "socket.", "ctypes.", "shutil.")
+"""What begins the names of events that reach out of a program."""
+
 _OUTSIDE = "is outside of what a xacro file may read"
 
 
@@ -76,8 +79,9 @@ def expand_here(place: str) -> str:
         ) from None
     # A file's expressions may raise anything, which xacro wraps.
     except Exception as error:
-        if isinstance(getattr(error, "exc", error), MemoryError):
-            raise MemoryError from None
+        cause = getattr(error, "exc", error)
+        if isinstance(cause, MemoryError):
+            raise cause from None
         raise InputError(_refused(Path(place), error)) from None
 
 
@@ -101,10 +105,9 @@ class _Warden:
             writes = flags & (os.O_WRONLY | os.O_RDWR | os.O_CREAT)
             if writes or not any(map(real.is_relative_to, self._folders)):
                 raise PermissionError(errno.EACCES, _OUTSIDE, str(path))
-        elif event.startswith(("os.", "subprocess.", "socket.", "ctypes.", "shutil.")):
-            # What looks for modules lists folders.
-            if event not in {"os.listdir", "os.scandir"}:
-                raise PermissionError(errno.EACCES, _OUTSIDE, event)
+        # What looks for modules lists folders.
+        elif event.startswith(_ACTS) and event not in {"os.listdir", "os.scandir"}:
+            raise PermissionError(errno.EACCES, _OUTSIDE, event)
 
 
 def _refused(path: Path, error: Exception) -> str:
