@@ -11,6 +11,7 @@ from orbident.errors import InputError
 from orbident.files.names import suggestion
 from orbident.orbits.orbit import Orbit
 from orbident.robot.contradictions import contradictions
+from orbident.robot.couplings import couplings_of
 from orbident.robot.description import (
     Joint,
     MomentumWalk,
@@ -63,6 +64,7 @@ def assembled(
     bodies = about_feature_point(fused(tree, held=held), feature_point)
     _require_mass(bodies, urdf.place)
     structure = _structure(file, bodies, place)
+    couplings, uncoupled = couplings_of(urdf, [joint.name for joint in bodies.joints])
     _require_bodies("pads", file.pads, bodies, place)
     return Robot(
         name=file.name or urdf.name,
@@ -71,6 +73,7 @@ def assembled(
         joints=_limited(bodies.joints, file.limits, place),
         theta=bodies.theta,
         feature_point=feature_point,
+        couplings=couplings,
         wheels=wheels,
         thrusters=tuple(_thruster(entry) for entry in file.thrusters),
         torquers=tuple(_torquer(entry) for entry in file.torquers),
@@ -87,6 +90,7 @@ def assembled(
             *urdf.warnings,
             *_nonphysical_links(tree, bodies),
             *wheel_warnings,
+            *uncoupled,
             *contradictions(bodies.names, bodies.theta, structure),
         ),
         document=document,

@@ -138,6 +138,13 @@ def test_what_would_not_end_is_stopped(tmp_path: Path):
         load(tmp_path, servicer(lamps))
 
 
+def test_a_joint_that_follows_another(tmp_path: Path):
+    text = servicer(SECOND, after=EQUALITY.format(FOLLOWS.format("0.5 3")))
+    # q - 10 deg = 0.5 + 3 q', since the leader's `ref` is zero.
+    offset = pytest.approx(np.radians(10) + 0.5, rel=1e-15)
+    assert load(tmp_path, text).couplings == (("k", "j", 3.0, offset),)
+
+
 def test_equalities_of_scenery_and_inactive_ones_do_not_count(tmp_path: Path):
     ties = (
         "<weld body1='lamp'/><weld body1='base' active='false'/>"
