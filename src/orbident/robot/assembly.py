@@ -88,6 +88,7 @@ def assembled(
         tolerances=file.tolerances.in_si(bodies.joints, place),
         warnings=(
             *urdf.warnings,
+            *_on_a_table(urdf, file),
             *_nonphysical_links(tree, bodies),
             *wheel_warnings,
             *uncoupled,
@@ -96,6 +97,17 @@ def assembled(
         document=document,
         urdf=text,
     )
+
+
+def _on_a_table(urdf: Urdf, file: RobotFile) -> list[str]:
+    # Elsewhere than above the base such a joint was refused.
+    planar = [joint.name for joint in urdf.joints if joint.kind == "planar"]
+    if file.motion == "planar" or not planar:
+        return []
+    return [
+        f"joint '{planar[0]}' above the base is planar: if the robot floats on a "
+        "table, give motion: planar in a robot file"
+    ]
 
 
 def _wheels(
@@ -191,7 +203,7 @@ def _nonphysical_links(tree: LinkTree, bodies: Bodies) -> list[str]:
     return [
         fault
         for name in bodies.placements
-        for fault in nonphysical(name, tree.links[name].mass, tree.links[name].I_com)
+        for fault in nonphysical(name, tree.links[name].mass, tree.links[name].I_file)
     ]
 
 

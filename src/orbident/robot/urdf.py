@@ -2,7 +2,7 @@
 
 import math
 import xml.etree.ElementTree as ET
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
@@ -24,6 +24,13 @@ class UrdfLink:
     """Position of the CM in the link's frame, m."""
     I_com: Float[np.ndarray, "3 3"]
     """About the CM, link's axes, kg m^2."""
+    R: Float[np.ndarray, "3 3"] = field(default_factory=lambda: np.eye(3))
+    """Rotates vectors from the axes of the file's inertia into the link's."""
+
+    @property
+    def I_file(self) -> Float[np.ndarray, "3 3"]:
+        """The inertia as the file gives it, kg m^2."""
+        return self.R.T @ self.I_com @ self.R
 
     @property
     def theta(self) -> Float[np.ndarray, "10"]:
@@ -103,7 +110,7 @@ def _link(link: ET.Element) -> UrdfLink:
     )
     I = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
     mass = _numbers(inertial, "mass", "value", (0.0,))[0]
-    return UrdfLink(name, mass, com, R @ I @ R.T)
+    return UrdfLink(name, mass, com, R @ I @ R.T, R)
 
 
 def _joint(joint: ET.Element, place: str, warnings: list[str]) -> UrdfJoint:

@@ -153,6 +153,10 @@ class _Reader:
     def tree(self, name: str) -> Urdf:
         base = self._base()
         links, joints = [self._link(base, np.zeros(3))], []
+        if _SLIDE in self._kinds(base):
+            # No body can have the name of the world.
+            links.append(_massless("world"))
+            joints.append(self._table(base))
         for body in range(base + 1, self.model.nbody):
             if int(self.model.body_parentid[body]) in self.anchors:
                 for link, joint in self._hung(body):
@@ -222,6 +226,14 @@ class _Reader:
                 "is on a table"
             )
         return base
+
+    def _table(self, base: int) -> UrdfJoint:
+        """What two slides and a hinge are to a URDF; its axis is the hinge's."""
+        hinge = self.joints[base][self._kinds(base).index(_SLIDE + 1)]
+        name, axis = self.bodies[base], self.model.jnt_axis[hinge].copy()
+        return UrdfJoint(
+            f"{name}_table", "planar", "world", name, np.eye(3), np.zeros(3), axis
+        )
 
     def _kinds(self, body: int) -> list[int]:
         return [int(self.model.jnt_type[j]) for j in self.joints[body]]

@@ -182,7 +182,12 @@ class _Reader:
     def _link(self, name: str, at: SdfPose) -> UrdfLink:
         where = f"{self.place}: link '{name}'"
         inertial = self.links[name].find("inertial")
-        if inertial is None or inertial.get("auto") in YES:
+        if inertial is not None and inertial.get("auto") in YES:
+            raise InputError(
+                f"{where}: <inertial auto='true'> is not read, which has its mass and "
+                "inertia from shapes and their density; write both in numbers"
+            )
+        if inertial is None:
             raise InputError(
                 f"{where}: <inertial> is missing, for which SDF takes 1 kg; give its "
                 "mass and inertia, zeros for a link that has none"

@@ -163,7 +163,9 @@ def test_a_base_on_a_table_and_scenery(tmp_path: Path):
         "<joint type='slide' axis='1 0 0'/><joint type='slide' axis='0 1 0'/><joint/>"
     )
     planar = servicer().replace("<freejoint/>", table)
-    assert load(tmp_path, planar).bodies == ("base", "arm")
+    on_table = load(tmp_path, planar)
+    assert on_table.bodies == ("base", "arm")
+    assert "give motion: planar in a robot file" in on_table.warnings[0]
     floor = "<geom type='plane' size='1 1 1'/><body name='lamp' pos='0 0 3'/>"
     scene = servicer().replace("<worldbody>", f"<worldbody>{floor}")
     assert load(tmp_path, scene).bodies == ("base", "arm")

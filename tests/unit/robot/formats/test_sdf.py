@@ -78,7 +78,10 @@ BAD = {
     "included": (sdf("<include><uri>model://x</uri></include>"), "<include>"),
     "nested": (sdf(link("base"), "<model name='n'/>"), "<model>"),
     "no inertial": (sdf(link("base", "")), "link 'base': <inertial> is missing"),
-    "automatic": (sdf(link("base", "<inertial auto='true'/>")), "takes 1 kg"),
+    "automatic": (
+        sdf(link("base", "<inertial auto='true'><density>9</density></inertial>")),
+        "link 'base': <inertial auto='true'> is not read",
+    ),
     "text for mass": (
         sdf(link("base", "<inertial><mass>heavy</mass></inertial>")),
         "link 'base': <mass>: found 'heavy'; give one finite number",
