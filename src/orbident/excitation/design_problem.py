@@ -26,6 +26,7 @@ from orbident.excitation.joint_motions import JointMotions, joint_motions
 from orbident.excitation.plausible_robots import plausible_robots
 from orbident.excitation.start import nutation, was_at_rest
 from orbident.model.minimal_sets import minimal_sets
+from orbident.robot.couplings import coupled_joints
 from orbident.robot.description import Robot
 
 STEPS = 64
@@ -158,7 +159,8 @@ class DesignProblem:
         """The largest square of the share of a limit, of all robots; its gradient."""
         uses = np.array([self._use(name, motion) for motion in motions])
         most, shares = smooth_maximum(uses, LIMITS_POWER)
-        gradient = np.zeros((q.shape[1], self.motions.basis[0].shape[1]))
+        shape = len(self.motions.scale), self.motions.basis[0].shape[1]
+        gradient = np.zeros(shape)
         for craft, motion, by_use in zip(self.crafts, motions, shares, strict=True):
             f = Gradient(motion)
             self._add_use(f, name, by_use)
@@ -212,10 +214,11 @@ def problem_for(
             given.harmonics,
             given.limits,
             2 * steps_for(robot, given, objective) + 1,
+            coupled_joints(robot),
         ),
         limits=given.limits,
         objective=objective,
-        basis=given.basis or basis_of(sets),
+        basis=given.basis or basis_of(robot, sets),
         sensing=None if objective == "cond" else sensing_of(robot, sets),
         at_rest=at_rest,
     )

@@ -4,6 +4,7 @@ Each row is a limit at a node: `slack = room - normals y`, over the size of the 
 so that 1 is the middle and 0 the limit itself.
 """
 
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -46,14 +47,19 @@ class Polytope(NamedTuple):
 
 
 def polytope_of(motions: JointMotions, limits: Limits) -> Polytope:
-    """The joint limits at the inner nodes; at the ends nothing can be changed."""
-    bounded = np.asarray(np.isfinite(limits.position).all(axis=1))
-    lower, upper = np.where(bounded[:, None], limits.position, 0.0).T
+    """The joint limits at the inner nodes; at the ends nothing can be changed.
+
+    Of the joints that follow none: their limits hold those of their followers.
+    """
+    free = motions.coupled.free
+    position = limits.position[free]
+    bounded = np.asarray(np.isfinite(position).all(axis=1))
+    lower, upper = np.where(bounded[:, None], position, 0.0).T
     middle = (upper + lower) / 2
     sizes = (
         np.where(bounded, (upper - lower) / 2, np.inf),
-        limits.velocity,
-        limits.acceleration,
+        limits.velocity[free],
+        limits.acceleration[free],
     )
     middles = (middle, np.zeros_like(middle), np.zeros_like(middle))
     normals, room = [], []
@@ -62,23 +68,29 @@ def polytope_of(motions: JointMotions, limits: Limits) -> Polytope:
     ):
         reach = motions.scale / (size * (1 - KEPT_BACK))
         direction = reach[:, None, None] * basis[1:-1]
-        here = ((offset[1:-1] - centre) / (size * (1 - KEPT_BACK))).T
+        here = ((offset[1:-1, free] - centre) / (size * (1 - KEPT_BACK))).T
         normals += [direction, -direction]
         room += [1 - here, 1 + here]
     return Polytope(np.concatenate(normals, axis=1), np.concatenate(room, axis=1))
 
 
 def inner_point(
-    polytope: Polytope, limits: Limits, names: tuple[str, ...]
+    polytope: Polytope, limits: Limits, names: Mapping[int, str]
 ) -> Float[np.ndarray, "joints m"]:
     """The motion that stays farthest from all of its limits.
+
+    Args:
+        polytope: the limits of the joints that follow none.
+        limits: of all joints.
+        names: of those that follow none, by their number among all.
 
     Raises:
         InputError: none stays within them; which limit, and by how much.
     """
     points = []
-    for k, name in enumerate(names):
-        normals, room = polytope.normals[k], polytope.room[k]
+    for (k, name), normals, room in zip(
+        names.items(), polytope.normals, polytope.room, strict=True
+    ):
         m = normals.shape[1]
         # Maximise the least slack, s: normals y + s <= room.
         found = linprog(

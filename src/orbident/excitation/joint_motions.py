@@ -12,6 +12,7 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.excitation.conditions import Limits
+from orbident.robot.couplings import CoupledJoints
 from orbident.trajectories.fourier_quintic import FourierQuintic
 
 NEGLIGIBLE = 1e-4
@@ -33,8 +34,9 @@ class JointMotions(NamedTuple):
     """Histories of each joint with all `a` and `b` zero."""
     basis: Histories
     """Histories of a joint whose rate limit is 1, for each coordinate of `y`."""
-    scale: Float[np.ndarray, " joints"]
+    scale: Float[np.ndarray, " free"]
     """The rate limits."""
+    coupled: CoupledJoints
     ab_of_y: Float[np.ndarray, "2harmonics m"]
     without_series: FourierQuintic
     """What `offset` are the values of."""
@@ -48,11 +50,15 @@ class JointMotions(NamedTuple):
         basis = FourierQuintic(a, b, still, still, offset.duration)
         return self._replace(t=t, offset=offset.at(t), basis=basis.at(t))
 
+    @property
+    def _gain(self) -> Float[np.ndarray, "joints free"]:
+        return self.coupled.lead * self.scale
+
     def along(
-        self, y: Float[np.ndarray, "joints m"]
+        self, y: Float[np.ndarray, "free m"]
     ) -> tuple[Float[np.ndarray, "n joints"], Float[np.ndarray, "n joints"]]:
         """Positions and rates."""
-        scaled = (self.scale[:, None] * y).T
+        scaled = (self._gain @ y).T
         return self.offset[0] + self.basis[0] @ scaled, (
             self.offset[1] + self.basis[1] @ scaled
         )
@@ -61,23 +67,23 @@ class JointMotions(NamedTuple):
         self,
         by_q: Float[np.ndarray, "n joints"],
         by_qd: Float[np.ndarray, "n joints"],
-    ) -> Float[np.ndarray, "joints m"]:
+    ) -> Float[np.ndarray, "free m"]:
         """The gradient with respect to `y`."""
-        return self.scale[:, None] * (by_q.T @ self.basis[0] + by_qd.T @ self.basis[1])
+        return self._gain.T @ (by_q.T @ self.basis[0] + by_qd.T @ self.basis[1])
 
     def coefficients(
-        self, y: Float[np.ndarray, "joints m"]
+        self, y: Float[np.ndarray, "free m"]
     ) -> tuple[Float[np.ndarray, "joints N_f"], Float[np.ndarray, "joints N_f"]]:
         """`a` and `b` of Eq. 41."""
-        ab = self.scale[:, None] * (y @ self.ab_of_y.T)
+        ab = self._gain @ (y @ self.ab_of_y.T)
         harmonics = ab.shape[1] // 2
         return ab[:, :harmonics], ab[:, harmonics:]
 
     def coordinates(
         self, a: Float[np.ndarray, "joints N_f"], b: Float[np.ndarray, "joints N_f"]
-    ) -> Float[np.ndarray, "joints m"]:
+    ) -> Float[np.ndarray, "free m"]:
         """`y` of the nearest motion in the space."""
-        ab = np.concatenate([a, b], axis=1) / self.scale[:, None]
+        ab = np.concatenate([a, b], axis=1)[self.coupled.free] / self.scale[:, None]
         return ab @ np.linalg.pinv(self.ab_of_y).T
 
 
@@ -88,6 +94,7 @@ def joint_motions(
     harmonics: int,
     limits: Limits,
     nodes: int,
+    coupled: CoupledJoints | None = None,
 ) -> JointMotions:
     """The motions between two states of the joints.
 
@@ -98,7 +105,11 @@ def joint_motions(
         harmonics: N_f.
         limits: of the joints' rates.
         nodes: so many times, evenly spaced from 0 to the duration.
+        coupled: which joints follow others; none where absent.
     """
+    if coupled is None:
+        joints = len(start)
+        coupled = CoupledJoints([*range(joints)], np.eye(joints), np.zeros(joints))
     t = np.linspace(0.0, duration, nodes)
     none = np.zeros((len(start), harmonics))
     offset = FourierQuintic(none, none, start, end, duration)
@@ -109,6 +120,7 @@ def joint_motions(
     kept = s > NEGLIGIBLE * s[0]
     ab_of_y = Vt[kept].T / s[kept]
     empty = offset.at(t[:0])
-    return JointMotions(
-        t[:0], empty, empty, limits.velocity, ab_of_y, offset
-    ).resampled(nodes)
+    scale = limits.velocity[coupled.free]
+    return JointMotions(t[:0], empty, empty, scale, coupled, ab_of_y, offset).resampled(
+        nodes
+    )

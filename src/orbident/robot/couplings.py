@@ -1,9 +1,13 @@
 """Which joints follow others, through however many between them."""
 
 from collections.abc import Collection
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float
 
 from orbident.errors import InputError
-from orbident.robot.description import Coupling
+from orbident.robot.description import Coupling, Robot
 from orbident.robot.urdf import Urdf
 
 
@@ -49,3 +53,25 @@ def couplings_of(
                 "it is taken as independent"
             )
     return tuple(couplings), warnings
+
+
+class CoupledJoints(NamedTuple):
+    """`q = lead q_free + offset`: all joints, of those that follow none."""
+
+    free: list[int]
+    """Which joints follow none."""
+    lead: Float[np.ndarray, "joints free"]
+    offset: Float[np.ndarray, " joints"]
+    """rad or m."""
+
+
+def coupled_joints(robot: Robot) -> CoupledJoints:
+    """How the robot's joints follow those that move by themselves."""
+    at = {name: k for k, name in enumerate(robot.joint_names)}
+    lead, offset = np.eye(len(at)), np.zeros(len(at))
+    for follower, leader, factor, shift in robot.couplings:
+        lead[at[follower]] = factor * lead[at[leader]]
+        offset[at[follower]] = shift
+    followers = {coupling.follower for coupling in robot.couplings}
+    free = [k for name, k in at.items() if name not in followers]
+    return CoupledJoints(free, lead[:, free], offset)
