@@ -36,7 +36,7 @@ class Feasible(NamedTuple):
 
     value: float
     """Logarithm of the criterion, on the search's grid."""
-    y: Float[np.ndarray, "joints m"]
+    y: Float[np.ndarray, "free m"]
 
 
 class _TimeIsUpError(Exception):
@@ -60,7 +60,7 @@ class Descent:
         self.best: Feasible | None = None
         self.evaluations = 0
 
-    def run(self, y: Float[np.ndarray, "joints m"]) -> None:
+    def run(self, y: Float[np.ndarray, "free m"]) -> None:
         """Descends from a motion."""
         shape = y.shape
         slack = self._polytope.slack(y).ravel()
@@ -99,7 +99,7 @@ class Descent:
         except _TimeIsUpError:
             return
 
-    def _candidate(self, y: Float[np.ndarray, "joints m"]) -> Candidate:
+    def _candidate(self, y: Float[np.ndarray, "free m"]) -> Candidate:
         """The criterion at `y`; SLSQP asks for values, then for limits."""
         key = y.tobytes()
         if self._last is None or self._last[0] != key:

@@ -53,11 +53,11 @@ class Candidate(NamedTuple):
     """One trajectory; logarithms of the worst robot's criterion."""
 
     smooth: float
-    gradient: Float[np.ndarray, "joints m"]
+    gradient: Float[np.ndarray, "free m"]
     exact: float
     used: Float[np.ndarray, " limits"]
     """Share of each limit of the base that is used, squared, by a smooth maximum."""
-    used_gradient: Float[np.ndarray, "limits joints m"]
+    used_gradient: Float[np.ndarray, "limits free m"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,7 +86,7 @@ class DesignProblem:
         }
         return tuple(name for name, there in finite.items() if there)
 
-    def evaluate(self, y: Float[np.ndarray, "joints m"], p: float) -> Candidate:
+    def evaluate(self, y: Float[np.ndarray, "free m"], p: float) -> Candidate:
         """The criterion and the use of the limits, with their gradients.
 
         Args:
@@ -146,7 +146,7 @@ class DesignProblem:
         q: Float[np.ndarray, "nodes joints"],
         qd: Float[np.ndarray, "nodes joints"],
         f: Gradient,
-    ) -> Float[np.ndarray, "joints m"]:
+    ) -> Float[np.ndarray, "free m"]:
         return self.motions.pull_back(*craft.pull_back(q, qd, f))
 
     def _used(
@@ -155,7 +155,7 @@ class DesignProblem:
         q: Float[np.ndarray, "nodes joints"],
         qd: Float[np.ndarray, "nodes joints"],
         motions: list[NodalMotion],
-    ) -> tuple[float, Float[np.ndarray, "joints m"]]:
+    ) -> tuple[float, Float[np.ndarray, "free m"]]:
         """The largest square of the share of a limit, of all robots; its gradient."""
         uses = np.array([self._use(name, motion) for motion in motions])
         most, shares = smooth_maximum(uses, LIMITS_POWER)

@@ -24,21 +24,21 @@ QUANTITIES = ("position", "velocity", "acceleration")
 class Polytope(NamedTuple):
     """`normals y <= room`, joint by joint."""
 
-    normals: Float[np.ndarray, "joints rows m"]
-    room: Float[np.ndarray, "joints rows"]
+    normals: Float[np.ndarray, "free rows m"]
+    room: Float[np.ndarray, "free rows"]
 
     @property
     def rows(self) -> Float[np.ndarray, "all_rows all_m"]:
         """The normals as one matrix, over the coordinates of all joints in turn."""
         return np.asarray(block_diag(*self.normals))
 
-    def slack(self, y: Float[np.ndarray, "joints m"]) -> Float[np.ndarray, "joints r"]:
+    def slack(self, y: Float[np.ndarray, "free m"]) -> Float[np.ndarray, "free r"]:
         """How far each limit is; above zero inside."""
         return self.room - np.einsum("krm,km->kr", self.normals, y)
 
     def reach(
-        self, y: Float[np.ndarray, "joints m"], step: Float[np.ndarray, "joints m"]
-    ) -> Float[np.ndarray, " joints"]:
+        self, y: Float[np.ndarray, "free m"], step: Float[np.ndarray, "joints m"]
+    ) -> Float[np.ndarray, " free"]:
         """How many steps each joint can take from an inner point."""
         towards = np.einsum("krm,km->kr", self.normals, step)
         with np.errstate(divide="ignore"):
@@ -76,7 +76,7 @@ def polytope_of(motions: JointMotions, limits: Limits) -> Polytope:
 
 def inner_point(
     polytope: Polytope, limits: Limits, names: Mapping[int, str]
-) -> Float[np.ndarray, "joints m"]:
+) -> Float[np.ndarray, "free m"]:
     """The motion that stays farthest from all of its limits.
 
     Args:

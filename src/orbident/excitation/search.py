@@ -129,7 +129,7 @@ class Searched:
 def search(
     problem: DesignProblem,
     polytopes: tuple[Polytope, Polytope, Polytope],
-    middle: Float[np.ndarray, "joints m"],
+    middle: Float[np.ndarray, "free m"],
     effort: Effort,
     seed: int,
     report: Callable[[Progress], object],
@@ -186,7 +186,7 @@ class _MultiStart:
             self.searched.optima = self.searched.optima or before
 
     def descend(
-        self, y: Float[np.ndarray, "joints m"], polytope: Polytope, stage: DescentStage
+        self, y: Float[np.ndarray, "free m"], polytope: Polytope, stage: DescentStage
     ) -> None:
         """One descent; what it found is kept, however it ends."""
         searched, effort = self.searched, self.effort
@@ -212,9 +212,9 @@ class _MultiStart:
 def _start(
     run: _MultiStart,
     polytope: Polytope,
-    middle: Float[np.ndarray, "joints m"],
+    middle: Float[np.ndarray, "free m"],
     random: np.random.Generator,
-) -> Float[np.ndarray, "joints m"]:
+) -> Float[np.ndarray, "free m"]:
     """A random motion, or a good one with a random joint; inside all limits."""
     searched = run.searched
     good, is_random = searched.optima[:BEST], searched.starts % 2 == 0
@@ -236,8 +236,8 @@ def _start(
 
 def _inside_base_limits(
     problem: DesignProblem,
-    middle: Float[np.ndarray, "joints m"],
-    y: Float[np.ndarray, "joints m"],
+    middle: Float[np.ndarray, "free m"],
+    y: Float[np.ndarray, "free m"],
 ) -> Feasible:
     """The motion, halved towards the gentlest one until the base keeps its limits."""
     candidate = problem.evaluate(y, FIRST.power)
