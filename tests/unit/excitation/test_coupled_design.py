@@ -37,7 +37,7 @@ def test_the_ends_follow():
 def test_a_design():
     robot = coupled()
     found = design_excitation(robot, 20.0, starts=1)
-    q, qd, qdd = found.at(np.linspace(0.0, 20.0, 101))
+    q, qd, _ = found.at(np.linspace(0.0, 20.0, 101))
     # Rounding of coefficients that are hundreds of times the motion.
     np.testing.assert_allclose(q[:, 1], 0.3 - 2 * q[:, 0], atol=1e-10)
     np.testing.assert_allclose(qd[:, 1], -2 * qd[:, 0], atol=1e-10)
