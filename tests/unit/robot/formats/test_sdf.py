@@ -253,6 +253,20 @@ def test_axes_of_old_files(
     np.testing.assert_allclose(load(tmp_path, text).joints[0].axis, axis, atol=1e-15)
 
 
+def test_a_joint_that_follows_another(tmp_path: Path):
+    mimic = (
+        "<axis><xyz>0 0 1</xyz><mimic joint='j'><multiplier>-2</multiplier>"
+        "<offset>0.5</offset><reference>0.1</reference></mimic></axis>"
+    )
+    finger = joint("base", "finger", inside=mimic).replace("'j' type", "'k' type")
+    text = sdf(link("base"), link("arm"), link("finger"), joint(), finger)
+    # q = -2 (q' - 0.1) + 0.5
+    assert load(tmp_path, text).couplings == (("k", "j", -2.0, 0.7),)
+    without = text.replace("<multiplier>-2</multiplier>", "")
+    with pytest.raises(InputError, match="'k': <mimic>: <multiplier> is missing"):
+        load(tmp_path, without)
+
+
 def test_limits(tmp_path: Path):
     limit = "<axis><limit><lower>{}</lower><upper>{}</upper>{}</limit></axis>"
     for lower, upper, velocity, position, rate in (
