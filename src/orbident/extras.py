@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from importlib.util import find_spec
 
 from orbident.errors import InputError
 
@@ -28,3 +29,16 @@ def extra(name: str, purpose: str) -> Iterator[None]:
         raise MissingLibraryError(
             f'{purpose} needs {library}: pip install "orbident[{name}]"'
         ) from error
+
+
+def require(library: str) -> None:
+    """Stands in a block of `extra` for the import, where only a child imports it.
+
+    Args:
+        library: its name.
+
+    Raises:
+        ModuleNotFoundError: it is not installed.
+    """
+    if find_spec(library) is None:
+        raise ModuleNotFoundError(name=library)

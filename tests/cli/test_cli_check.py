@@ -146,6 +146,21 @@ def test_the_document(orbident: Orbident):
     assert document["odd"] == []
 
 
+def test_an_end_without_a_limit_is_null(orbident: Orbident):
+    limit = '<limit lower="-1" upper="1e30" effort="1" velocity="1e999"/>'
+    text = ARM.replace("</joint>", f"{limit}</joint>", 1)
+    document = orbident("check", robot_file(Path(), text), "--json", "-").done().json
+    first = document["bodies"][1]
+    assert (first["position"], first["velocity"]) == ([-1.0, None], None)
+
+
+def test_a_robot_file_that_runs_a_program(orbident: Orbident):
+    Path("r.yaml").write_text("schema: orbident/robot/1\nmodel: sc.xacro\n")
+    Path("sc.xacro").write_text(ARM)
+    out = orbident("check", "r.yaml").done().out
+    assert "sc.xacro is a xacro file, whose expressions are run as a program" in out
+
+
 def test_the_viewer_is_opened_after_it(
     orbident: Orbident, monkeypatch: pytest.MonkeyPatch
 ):

@@ -97,7 +97,9 @@ def test_no_motion_that_was_let_through_leaves_a_limit(recipe):
     )
     polytope = polytope_of(motions, conditions.limits)
     try:
-        middle = inner_point(polytope, conditions.limits, robot.joint_names)
+        middle = inner_point(
+            polytope, conditions.limits, dict(enumerate(robot.joint_names))
+        )
     except InputError:
         return
     direction = np.random.default_rng(recipe.seed).standard_normal(middle.shape)

@@ -1,5 +1,6 @@
 """`orbident check ROBOT`."""
 
+from math import isfinite
 from typing import Annotated, Any
 
 import typer
@@ -50,6 +51,10 @@ def _irregular(robot: Any) -> tuple[str, ...]:
     return ()
 
 
+def _finite(limit: float) -> float | None:
+    return limit if isfinite(limit) else None
+
+
 def _document(robot: Any, odd: tuple[str, ...]) -> dict[str, Any]:
     """Frames as the model has them: the base's at S, any other body's at its joint."""
     bodies = [{"name": robot.bodies[0], "theta": robot.theta[0].tolist()}]
@@ -65,7 +70,7 @@ def _document(robot: Any, odd: tuple[str, ...]) -> dict[str, Any]:
                 "axis": joint.axis.tolist(),
                 "rotation": joint.R_PJ.tolist(),
                 "place": joint.p_PJ.tolist(),
-                "position": joint.position,
+                "position": joint.position and list(map(_finite, joint.position)),
                 "velocity": joint.velocity,
                 "theta": theta.tolist(),
             }

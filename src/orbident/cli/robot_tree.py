@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from rich.tree import Tree
 
-from orbident.robot.description import Joint, Robot, Wheel
+from orbident.robot.description import Coupling, Joint, Robot, Wheel
 from orbident.robot.formats.urdf_text import roll_pitch_yaw
 from orbident.robot.parameters import (
     FIRST_MOMENT,
@@ -30,8 +30,10 @@ def robot_tree(robot: Robot) -> Tree:
         highlight=False,
     )
     nodes = [tree]
+    follows = {each.follower: _coupling_words(each) for each in robot.couplings}
     for k, joint in enumerate(robot.joints, start=1):
-        words = f"{joint.name}  {_joint_words(joint)}\n{robot.bodies[k]}  "
+        how = _joint_words(joint) + follows.get(joint.name, "")
+        words = f"{joint.name}  {how}\n{robot.bodies[k]}  "
         nodes.append(nodes[joint.parent].add(words + _body_words(robot, k)))
     for wheel in robot.wheels:
         tree.add(f"{wheel.name}  wheel, {wheel_words(wheel)}")
@@ -89,6 +91,11 @@ def _joint_words(joint: Joint) -> str:
     if joint.velocity is not None:
         words.append(f"{joint.velocity:.4g} {unit}/s")
     return ", ".join(words)
+
+
+def _coupling_words(coupling: Coupling) -> str:
+    offset = f" {coupling.offset:+.4g}" if coupling.offset else ""
+    return f", follows {coupling.factor:.4g} {coupling.leader}{offset}"
 
 
 def _vector(values: Iterable[float]) -> str:

@@ -52,8 +52,7 @@ def digest_problems(
         InputError: as `momentum_problems`.
     """
     check_regular(robot)
-    recording.digest.check_joints(robot)
-    clean = screened(robot, recording.digest)
+    clean = screened(robot, recording.digest.with_joints_of(robot))
     heads = {name.partition(".")[0] for name in clean.recording.columns}
     if heads & {"thruster", *NO_SENSORS}:
         return None

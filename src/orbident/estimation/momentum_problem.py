@@ -154,8 +154,7 @@ def momentum_problems(
             matrix is singular.
     """
     check_regular(robot)
-    recording.check_joints(robot)
-    clean = screened(robot, recording)
+    clean = screened(robot, recording.with_joints_of(robot))
     sets = minimal_sets(robot)
     clocks = base_clocks(robot, clean.recording)
     samples = samples_of(robot, clean.recording, corrections(clocks))

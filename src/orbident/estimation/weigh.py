@@ -90,7 +90,7 @@ def weigh(robot: Robot, recording: Recording) -> Weighing:
         InputError: a column is missing, empty or of a thruster that the robot lacks,
             the force is zero throughout, or a joint moved.
     """
-    recording.check_joints(robot)
+    recording = recording.with_joints_of(robot)
     recording.check_thrusters(robot)
     _check_locked(robot, recording)
     found = [s for s in SIGNALS if recording.has(*(f"{s}.{k}" for k in "xyz"))]

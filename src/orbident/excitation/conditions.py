@@ -7,9 +7,8 @@ from jaxtyping import Float
 
 from orbident.errors import InputError
 from orbident.excitation.criterion import Basis
-from orbident.excitation.floating import (
-    usual_initial,
-)
+from orbident.excitation.floating import usual_initial
+from orbident.robot.couplings import coupled_joints
 from orbident.robot.description import Robot
 from orbident.trajectories.trajectory import InitialState, Trajectory
 
@@ -27,7 +26,7 @@ class Limits:
     position: Float[np.ndarray, "joints 2"]
     """Lower and upper, rad or m."""
     velocity: Float[np.ndarray, " joints"]
-    """Finite: it is what scales the amplitudes. rad/s or m/s."""
+    """It scales the amplitudes: infinite only of one that follows. rad/s or m/s."""
     acceleration: Float[np.ndarray, " joints"]
     """rad/s^2 or m/s^2."""
     base_rate: float = INFINITE
@@ -47,6 +46,8 @@ def limits_of(
 ) -> Limits:
     """The limits in the robot file and its URDF, and those that neither can state.
 
+    Those of a joint that others follow are as narrow as theirs make them.
+
     Args:
         robot: with position and velocity limits of its joints.
         acceleration: of every joint, rad/s^2 or m/s^2.
@@ -55,14 +56,14 @@ def limits_of(
         wheel_speed: of every wheel relative to the base, rad/s.
 
     Raises:
-        InputError: the robot has no joints, a joint has no velocity limit, or a
-            limit is not above zero.
+        InputError: the robot has no joints, a joint has no velocity limit, a limit
+            is not above zero, or those of joints that follow leave no motion.
     """
     if not robot.joints:
         raise InputError(
             f"{robot.name}: joints: found none; only moving joints excite a robot"
         )
-    for joint in robot.joints:
+    for joint in (robot.joints[k] for k in coupled_joints(robot).free):
         if not (joint.velocity is not None and 0 < joint.velocity < INFINITE):
             raise InputError(
                 f"{robot.name}: joint '{joint.name}': velocity limit: found "
@@ -79,14 +80,36 @@ def limits_of(
         if not value > 0:
             raise InputError(f"{name} limit: found {value:g}; give a number above zero")
     free = (-INFINITE, INFINITE)
-    return Limits(
+    limits = Limits(
         position=np.array([joint.position or free for joint in robot.joints]),
-        velocity=np.array([joint.velocity for joint in robot.joints], dtype=float),
+        velocity=np.array([joint.velocity or INFINITE for joint in robot.joints]),
         acceleration=np.full(len(robot.joints), float(acceleration)),
         base_rate=float(base_rate),
         excursion=float(excursion),
         wheel_speed=float(wheel_speed),
     )
+    _narrow(robot, limits)
+    return limits
+
+
+def _narrow(robot: Robot, limits: Limits) -> None:
+    """Narrow the limits of joints that others follow, in place."""
+    at = {name: k for k, name in enumerate(robot.joint_names)}
+    for follower, leader, factor, offset in robot.couplings:
+        if not factor:
+            continue
+        f, l = at[follower], at[leader]
+        ends = np.sort((limits.position[f] - offset) / factor)
+        lower = max(limits.position[l, 0], ends[0])
+        upper = min(limits.position[l, 1], ends[1])
+        if not lower < upper:
+            raise InputError(
+                f"{robot.name}: joint '{leader}': the position limits of '{follower}', "
+                "which follows it, leave no motion; widen one of them"
+            )
+        limits.position[l] = lower, upper
+        for each in (limits.velocity, limits.acceleration):
+            each[l] = min(each[l], each[f] / abs(factor))
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,12 +159,23 @@ def conditions_for(
         raise InputError(f"harmonics: found {harmonics}; give one or more")
     limits = limits_of(robot) if limits is None else limits
     if like is None:
-        start = end = _usual_ends(limits)
+        start = end = _following(robot, _usual_ends(limits))
         initial = usual_initial(robot, start)
     else:
         like = like.for_robot(robot)
-        start, end, initial = like.start, like.end, like.initial
+        start, end = _following(robot, like.start), _following(robot, like.end)
+        initial = like.initial
     return Conditions(duration, harmonics, limits, start, end, initial)
+
+
+def _following(
+    robot: Robot, state: Float[np.ndarray, "joints 3"]
+) -> Float[np.ndarray, "joints 3"]:
+    """The state with that of the joints that follow others as these make it."""
+    free, lead, offset = coupled_joints(robot)
+    state = lead @ state[free]
+    state[:, 0] += offset
+    return state
 
 
 def _usual_ends(limits: Limits) -> Float[np.ndarray, "joints 3"]:

@@ -17,7 +17,10 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.excitation.floating import Gradient, NodalMotion, block
+from orbident.model.independent import independent_columns
 from orbident.model.minimal_sets import MinimalSets
+from orbident.robot.couplings import coupled_joints
+from orbident.robot.description import Robot
 
 Objective = Literal["cond", "d", "a", "e"]
 OBJECTIVES: tuple[Objective, ...] = get_args(Objective)
@@ -34,9 +37,28 @@ class Basis(NamedTuple):
     phi_of: Float[np.ndarray, "phi basis_phi"]
 
 
-def basis_of(sets: MinimalSets) -> Basis:
-    """The automatic parameters themselves."""
-    return Basis(np.eye(sets.pi_of_beta.shape[0]), np.eye(sets.base.sigmas))
+def basis_of(robot: Robot, sets: MinimalSets) -> Basis:
+    """The automatic parameters themselves, as many as coupled joints show."""
+    Y, W = random_regressors(robot, sets)
+    pi_of, phi_of = (
+        np.eye(X.shape[-1])[:, independent_columns(X.reshape(-1, X.shape[-1])).columns]
+        for X in (Y, W)
+    )
+    return Basis(pi_of, phi_of)
+
+
+def random_regressors(
+    robot: Robot, sets: MinimalSets
+) -> tuple[Float[np.ndarray, "n h pi"], Float[np.ndarray, "n v phi"]]:
+    """`Y` and `W` over random motion of the base and of the joints that follow none."""
+    random = np.random.default_rng(0)
+    free, lead, offset = coupled_joints(robot)
+    n = 4 * len(sets.pi_of_beta)
+    q, qd = random.standard_normal((2, n, len(free))) @ lead.T
+    w = random.standard_normal((n, 3))
+    if len(sets.regressors.momentum_axes) == 1:
+        w[:, :2] = 0.0
+    return sets.regressors(q + offset, qd, w)
 
 
 class LogValue(NamedTuple):

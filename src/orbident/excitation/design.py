@@ -114,7 +114,8 @@ def design_excitation(
         polytope_of(problem.motions.resampled(nodes + 1), given.limits)
         for nodes in (steps // COARSER, steps, FINER * steps)
     )
-    middle = inner_point(many, given.limits, robot.joint_names)
+    free = {k: robot.joint_names[k] for k in problem.motions.coupled.free}
+    middle = inner_point(many, given.limits, free)
     searched = search(problem, (few, more, many), middle, effort, seed, progress)
     optima, random = (
         _judged(robot, given, problem, middle, found[:JUDGED])

@@ -31,6 +31,7 @@ from orbident.excitation.floating import (
 from orbident.excitation.information import Information, Sensing, sensing_of
 from orbident.excitation.joint_limits import JointMotions, joint_motions
 from orbident.model.minimal_sets import minimal_sets
+from orbident.robot.couplings import coupled_joints
 from orbident.robot.description import Robot
 from orbident.robot.parameters import FIRST_MOMENT, INERTIA, MASS
 
@@ -58,11 +59,11 @@ class Candidate(NamedTuple):
     """One trajectory; logarithms of the worst robot's criterion."""
 
     smooth: float
-    gradient: Float[np.ndarray, "joints m"]
+    gradient: Float[np.ndarray, "free m"]
     exact: float
     used: Float[np.ndarray, " limits"]
     """Share of each limit of the base that is used, squared, by a smooth maximum."""
-    used_gradient: Float[np.ndarray, "limits joints m"]
+    used_gradient: Float[np.ndarray, "limits free m"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,7 +92,7 @@ class DesignProblem:
         }
         return tuple(name for name, there in finite.items() if there)
 
-    def evaluate(self, y: Float[np.ndarray, "joints m"], p: float) -> Candidate:
+    def evaluate(self, y: Float[np.ndarray, "free m"], p: float) -> Candidate:
         """The criterion and the use of the limits, with their gradients.
 
         Args:
@@ -151,7 +152,7 @@ class DesignProblem:
         q: Float[np.ndarray, "nodes joints"],
         qd: Float[np.ndarray, "nodes joints"],
         f: Gradient,
-    ) -> Float[np.ndarray, "joints m"]:
+    ) -> Float[np.ndarray, "free m"]:
         return self.motions.pull_back(*craft.pull_back(q, qd, f))
 
     def _used(
@@ -160,11 +161,12 @@ class DesignProblem:
         q: Float[np.ndarray, "nodes joints"],
         qd: Float[np.ndarray, "nodes joints"],
         motions: list[NodalMotion],
-    ) -> tuple[float, Float[np.ndarray, "joints m"]]:
+    ) -> tuple[float, Float[np.ndarray, "free m"]]:
         """The largest square of the share of a limit, of all robots; its gradient."""
         uses = np.array([self._use(name, motion) for motion in motions])
         most, shares = smooth_maximum(uses, LIMITS_POWER)
-        gradient = np.zeros((q.shape[1], self.motions.basis[0].shape[1]))
+        shape = len(self.motions.scale), self.motions.basis[0].shape[1]
+        gradient = np.zeros(shape)
         for craft, motion, by_use in zip(self.crafts, motions, shares, strict=True):
             f = Gradient(motion)
             self._add_use(f, name, by_use)
@@ -218,10 +220,11 @@ def problem_for(
             given.harmonics,
             given.limits,
             2 * steps_for(robot, given, objective) + 1,
+            coupled_joints(robot),
         ),
         limits=given.limits,
         objective=objective,
-        basis=given.basis or basis_of(sets),
+        basis=given.basis or basis_of(robot, sets),
         sensing=None if objective == "cond" else sensing_of(robot, sets),
         at_rest=at_rest,
     )

@@ -231,10 +231,8 @@ def _all_axes(
 WHEEL_SPEED = 200.0
 """rad/s, some 1900 turns a minute: half of what reaction wheels are made for."""
 
-
 TUMBLE = (0.01, 0.03, 0.025)
 """rad/s, base axes: Table 3's."""
-
 
 NO_MOMENTUM = 1e-6
 """Share of the wheels' momentum: more than rounding in a file, less than tumbling."""

@@ -173,8 +173,8 @@ def proven_within(
     robot: Robot,
     given: Conditions,
     motions: JointMotions,
-    middle: Float[np.ndarray, "joints m"],
-    y: Float[np.ndarray, "joints m"],
+    middle: Float[np.ndarray, "free m"],
+    y: Float[np.ndarray, "free m"],
 ) -> Proven:
     """The motion, made smaller where its limits cannot be proven otherwise.
 

@@ -17,8 +17,10 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.errors import InputError
+from orbident.excitation.criterion import random_regressors
 from orbident.excitation.floating import Gradient, NodalMotion, axial, block
 from orbident.model.derivatives import derivatives_of_beta
+from orbident.model.independent import DEPENDENT
 from orbident.model.minimal_sets import MinimalSets
 from orbident.robot.description import Robot
 from orbident.robot.parameters import cross_matrix
@@ -78,7 +80,7 @@ def sensing_of(robot: Robot, sets: MinimalSets) -> Sensing:
             "file, or use the objective cond"
         )
     dpi, dphi = derivatives_of_beta(sets, sets.beta(robot.theta))
-    unit = _unit(sets, dpi, dphi)
+    unit = _unit(robot, sets, dpi, dphi)
     regressors = sets.regressors
     return Sensing(
         weights,
@@ -91,22 +93,23 @@ def sensing_of(robot: Robot, sets: MinimalSets) -> Sensing:
 
 
 def _unit(
+    robot: Robot,
     sets: MinimalSets,
     dpi: Float[np.ndarray, "pi beta"],
     dphi: Float[np.ndarray, "phi beta"],
-) -> Float[np.ndarray, "beta beta"]:
-    """Units of `beta` that depend on no basis: random motion shows them all alike."""
-    random = np.random.default_rng(0)
-    q, qd = random.standard_normal((2, 4 * len(dpi), sets.regressors.joints))
-    w = random.standard_normal((4 * len(dpi), 3))
-    if len(sets.regressors.momentum_axes) == 1:
-        w[:, :2] = 0.0
-    Y, W = sets.regressors(q, qd, w)
+) -> Float[np.ndarray, "beta unknowns"]:
+    """Units of `beta` that depend on no basis: random motion shows them all alike.
+
+    What coupled joints do not show is no unknown.
+    """
+    Y, W = random_regressors(robot, sets)
     shown = np.concatenate(
         [(X @ d).reshape(-1, d.shape[1]) for X, d in ((Y, dpi), (W, dphi))]
     )
-    R = np.linalg.qr(shown / np.sqrt(len(q)), mode="r")
-    return np.linalg.inv(R)
+    R = np.linalg.qr(shown / np.sqrt(len(Y)), mode="r")
+    _, s, Vt = np.linalg.svd(R)
+    rank = int(np.sum(s > DEPENDENT * s[0]))
+    return Vt[:rank].T / s[:rank]
 
 
 class SensedChanges:

@@ -4,6 +4,7 @@ Each row is a limit at a node: `slack = room - normals y`, over the size of the 
 so that 1 is the middle and 0 the limit itself.
 """
 
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -13,6 +14,7 @@ from scipy.optimize import linprog
 
 from orbident.errors import InputError
 from orbident.excitation.conditions import Limits
+from orbident.robot.couplings import CoupledJoints
 from orbident.trajectories.fourier_quintic import FourierQuintic
 
 NEGLIGIBLE = 1e-4
@@ -34,8 +36,9 @@ class JointMotions(NamedTuple):
     """Histories of each joint with all `a` and `b` zero."""
     basis: Histories
     """Histories of a joint whose rate limit is 1, for each coordinate of `y`."""
-    scale: Float[np.ndarray, " joints"]
+    scale: Float[np.ndarray, " free"]
     """The rate limits."""
+    coupled: CoupledJoints
     ab_of_y: Float[np.ndarray, "2harmonics m"]
     without_series: FourierQuintic
     """What `offset` are the values of."""
@@ -49,11 +52,15 @@ class JointMotions(NamedTuple):
         basis = FourierQuintic(a, b, still, still, offset.duration)
         return self._replace(t=t, offset=offset.at(t), basis=basis.at(t))
 
+    @property
+    def _gain(self) -> Float[np.ndarray, "joints free"]:
+        return self.coupled.lead * self.scale
+
     def along(
-        self, y: Float[np.ndarray, "joints m"]
+        self, y: Float[np.ndarray, "free m"]
     ) -> tuple[Float[np.ndarray, "n joints"], Float[np.ndarray, "n joints"]]:
         """Positions and rates."""
-        scaled = (self.scale[:, None] * y).T
+        scaled = (self._gain @ y).T
         return self.offset[0] + self.basis[0] @ scaled, (
             self.offset[1] + self.basis[1] @ scaled
         )
@@ -62,23 +69,23 @@ class JointMotions(NamedTuple):
         self,
         by_q: Float[np.ndarray, "n joints"],
         by_qd: Float[np.ndarray, "n joints"],
-    ) -> Float[np.ndarray, "joints m"]:
+    ) -> Float[np.ndarray, "free m"]:
         """The gradient with respect to `y`."""
-        return self.scale[:, None] * (by_q.T @ self.basis[0] + by_qd.T @ self.basis[1])
+        return self._gain.T @ (by_q.T @ self.basis[0] + by_qd.T @ self.basis[1])
 
     def coefficients(
-        self, y: Float[np.ndarray, "joints m"]
+        self, y: Float[np.ndarray, "free m"]
     ) -> tuple[Float[np.ndarray, "joints N_f"], Float[np.ndarray, "joints N_f"]]:
         """`a` and `b` of Eq. 41."""
-        ab = self.scale[:, None] * (y @ self.ab_of_y.T)
+        ab = self._gain @ (y @ self.ab_of_y.T)
         harmonics = ab.shape[1] // 2
         return ab[:, :harmonics], ab[:, harmonics:]
 
     def coordinates(
         self, a: Float[np.ndarray, "joints N_f"], b: Float[np.ndarray, "joints N_f"]
-    ) -> Float[np.ndarray, "joints m"]:
+    ) -> Float[np.ndarray, "free m"]:
         """`y` of the nearest motion in the space."""
-        ab = np.concatenate([a, b], axis=1) / self.scale[:, None]
+        ab = np.concatenate([a, b], axis=1)[self.coupled.free] / self.scale[:, None]
         return ab @ np.linalg.pinv(self.ab_of_y).T
 
 
@@ -89,6 +96,7 @@ def joint_motions(
     harmonics: int,
     limits: Limits,
     nodes: int,
+    coupled: CoupledJoints | None = None,
 ) -> JointMotions:
     """The motions between two states of the joints.
 
@@ -99,7 +107,11 @@ def joint_motions(
         harmonics: N_f.
         limits: of the joints' rates.
         nodes: so many times, evenly spaced from 0 to the duration.
+        coupled: which joints follow others; none where absent.
     """
+    if coupled is None:
+        joints = len(start)
+        coupled = CoupledJoints([*range(joints)], np.eye(joints), np.zeros(joints))
     t = np.linspace(0.0, duration, nodes)
     none = np.zeros((len(start), harmonics))
     offset = FourierQuintic(none, none, start, end, duration)
@@ -110,9 +122,10 @@ def joint_motions(
     kept = s > NEGLIGIBLE * s[0]
     ab_of_y = Vt[kept].T / s[kept]
     empty = offset.at(t[:0])
-    return JointMotions(
-        t[:0], empty, empty, limits.velocity, ab_of_y, offset
-    ).resampled(nodes)
+    scale = limits.velocity[coupled.free]
+    return JointMotions(t[:0], empty, empty, scale, coupled, ab_of_y, offset).resampled(
+        nodes
+    )
 
 
 # Kept back from the limits: between nodes a motion goes a little beyond its nodes.
@@ -123,21 +136,21 @@ QUANTITIES = ("position", "velocity", "acceleration")
 class Polytope(NamedTuple):
     """`normals y <= room`, joint by joint."""
 
-    normals: Float[np.ndarray, "joints rows m"]
-    room: Float[np.ndarray, "joints rows"]
+    normals: Float[np.ndarray, "free rows m"]
+    room: Float[np.ndarray, "free rows"]
 
     @property
     def rows(self) -> Float[np.ndarray, "all_rows all_m"]:
         """The normals as one matrix, over the coordinates of all joints in turn."""
         return np.asarray(block_diag(*self.normals))
 
-    def slack(self, y: Float[np.ndarray, "joints m"]) -> Float[np.ndarray, "joints r"]:
+    def slack(self, y: Float[np.ndarray, "free m"]) -> Float[np.ndarray, "free r"]:
         """How far each limit is; above zero inside."""
         return self.room - np.einsum("krm,km->kr", self.normals, y)
 
     def reach(
-        self, y: Float[np.ndarray, "joints m"], step: Float[np.ndarray, "joints m"]
-    ) -> Float[np.ndarray, " joints"]:
+        self, y: Float[np.ndarray, "free m"], step: Float[np.ndarray, "joints m"]
+    ) -> Float[np.ndarray, " free"]:
         """How many steps each joint can take from an inner point."""
         towards = np.einsum("krm,km->kr", self.normals, step)
         with np.errstate(divide="ignore"):
@@ -146,14 +159,19 @@ class Polytope(NamedTuple):
 
 
 def polytope_of(motions: JointMotions, limits: Limits) -> Polytope:
-    """The joint limits at the inner nodes; at the ends nothing can be changed."""
-    bounded = np.asarray(np.isfinite(limits.position).all(axis=1))
-    lower, upper = np.where(bounded[:, None], limits.position, 0.0).T
+    """The joint limits at the inner nodes; at the ends nothing can be changed.
+
+    Of the joints that follow none: their limits hold those of their followers.
+    """
+    free = motions.coupled.free
+    position = limits.position[free]
+    bounded = np.asarray(np.isfinite(position).all(axis=1))
+    lower, upper = np.where(bounded[:, None], position, 0.0).T
     middle = (upper + lower) / 2
     sizes = (
         np.where(bounded, (upper - lower) / 2, np.inf),
-        limits.velocity,
-        limits.acceleration,
+        limits.velocity[free],
+        limits.acceleration[free],
     )
     middles = (middle, np.zeros_like(middle), np.zeros_like(middle))
     normals, room = [], []
@@ -162,23 +180,29 @@ def polytope_of(motions: JointMotions, limits: Limits) -> Polytope:
     ):
         reach = motions.scale / (size * (1 - KEPT_BACK))
         direction = reach[:, None, None] * basis[1:-1]
-        here = ((offset[1:-1] - centre) / (size * (1 - KEPT_BACK))).T
+        here = ((offset[1:-1, free] - centre) / (size * (1 - KEPT_BACK))).T
         normals += [direction, -direction]
         room += [1 - here, 1 + here]
     return Polytope(np.concatenate(normals, axis=1), np.concatenate(room, axis=1))
 
 
 def inner_point(
-    polytope: Polytope, limits: Limits, names: tuple[str, ...]
-) -> Float[np.ndarray, "joints m"]:
+    polytope: Polytope, limits: Limits, names: Mapping[int, str]
+) -> Float[np.ndarray, "free m"]:
     """The motion that stays farthest from all of its limits.
+
+    Args:
+        polytope: the limits of the joints that follow none.
+        limits: of all joints.
+        names: of those that follow none, by their number among all.
 
     Raises:
         InputError: none stays within them; which limit, and by how much.
     """
     points = []
-    for k, name in enumerate(names):
-        normals, room = polytope.normals[k], polytope.room[k]
+    for (k, name), normals, room in zip(
+        names.items(), polytope.normals, polytope.room, strict=True
+    ):
         m = normals.shape[1]
         # Maximise the least slack, s: normals y + s <= room.
         found = linprog(

@@ -90,12 +90,14 @@ def scores_of(
         motion.attitude[::EVERY],
         float(motion.t[EVERY] - motion.t[0]),
     )
-    regressors, basis = sets.regressors, basis or basis_of(sets)
+    regressors, basis = sets.regressors, basis or basis_of(robot, sets)
     Y = Y_hat(seen, basis.pi_of, regressors.momentum_axes, at_rest)
     W = W_hat(seen, basis.phi_of, regressors.velocity_axes)
     sensing = sensing_of(robot, sets) if weights_of(robot) else None
     F = None if sensing is None else Information(sensing, seen, at_rest).F
     F = None if F is None or not _determined(F) else F
+    # What only shows when coupled joints move apart has no deviation.
+    whole = sensing is not None and np.ptp(sensing.beta_of.shape) == 0
     return CriterionValues(
         cond_Y=_condition(Y),
         cond_Y_normalised=_condition(Y / _norms(Y)),
@@ -104,7 +106,9 @@ def scores_of(
         d=None if F is None else _value("d", F),
         a=None if F is None else _value("a", F),
         e=None if F is None else _value("e", F),
-        deviations=None if F is None or sensing is None else _deviations(sensing, F),
+        deviations=_deviations(sensing, F)
+        if F is not None and sensing is not None and whole
+        else None,
     )
 
 

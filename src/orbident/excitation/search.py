@@ -46,7 +46,7 @@ class Feasible(NamedTuple):
 
     value: float
     """Logarithm of the criterion, on the search's grid."""
-    y: Float[np.ndarray, "joints m"]
+    y: Float[np.ndarray, "free m"]
 
 
 class _TimeIsUpError(Exception):
@@ -70,7 +70,7 @@ class Descent:
         self.best: Feasible | None = None
         self.evaluations = 0
 
-    def run(self, y: Float[np.ndarray, "joints m"]) -> None:
+    def run(self, y: Float[np.ndarray, "free m"]) -> None:
         """Descends from a motion."""
         shape = y.shape
         slack = self._polytope.slack(y).ravel()
@@ -109,7 +109,7 @@ class Descent:
         except _TimeIsUpError:
             return
 
-    def _candidate(self, y: Float[np.ndarray, "joints m"]) -> Candidate:
+    def _candidate(self, y: Float[np.ndarray, "free m"]) -> Candidate:
         """The criterion at `y`; SLSQP asks for values, then for limits."""
         key = y.tobytes()
         if self._last is None or self._last[0] != key:
@@ -232,7 +232,7 @@ class Searched:
 def search(
     problem: DesignProblem,
     polytopes: tuple[Polytope, Polytope, Polytope],
-    middle: Float[np.ndarray, "joints m"],
+    middle: Float[np.ndarray, "free m"],
     effort: Effort,
     seed: int,
     report: Callable[[Progress], object],
@@ -289,7 +289,7 @@ class _MultiStart:
             self.searched.optima = self.searched.optima or before
 
     def descend(
-        self, y: Float[np.ndarray, "joints m"], polytope: Polytope, stage: DescentStage
+        self, y: Float[np.ndarray, "free m"], polytope: Polytope, stage: DescentStage
     ) -> None:
         """One descent; what it found is kept, however it ends."""
         searched, effort = self.searched, self.effort
@@ -315,9 +315,9 @@ class _MultiStart:
 def _start(
     run: _MultiStart,
     polytope: Polytope,
-    middle: Float[np.ndarray, "joints m"],
+    middle: Float[np.ndarray, "free m"],
     random: np.random.Generator,
-) -> Float[np.ndarray, "joints m"]:
+) -> Float[np.ndarray, "free m"]:
     """A random motion, or a good one with a random joint; inside all limits."""
     searched = run.searched
     good, is_random = searched.optima[:BEST], searched.starts % 2 == 0
@@ -339,8 +339,8 @@ def _start(
 
 def _inside_base_limits(
     problem: DesignProblem,
-    middle: Float[np.ndarray, "joints m"],
-    y: Float[np.ndarray, "joints m"],
+    middle: Float[np.ndarray, "free m"],
+    y: Float[np.ndarray, "free m"],
 ) -> Feasible:
     """The motion, halved towards the gentlest one until the base keeps its limits."""
     candidate = problem.evaluate(y, FIRST.power)

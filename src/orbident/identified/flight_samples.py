@@ -33,8 +33,7 @@ def samples_for_flight(
     """
     robot = source.robot if isinstance(source, Result) else source
     check_regular(robot)
-    recording.check_joints(robot)
-    clean = screened(robot, recording).recording
+    clean = screened(robot, recording.with_joints_of(robot)).recording
     if not isinstance(source, Result):
         clocks = base_clocks(robot, clean)
         return robot, samples_of(robot, clean, corrections(clocks)), None

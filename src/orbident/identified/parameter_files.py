@@ -40,8 +40,10 @@ def parameters_as_latex(result: Result) -> str:
         InputError: the result is rejected.
     """
     result.check_accepted()
+    # A name may hold a line's end, and what follows would be no comment.
+    name = " ".join(result.robot.name.split())
     lines = [
-        rf"% {result.robot.name}, {result.method}",
+        rf"% {name}, {result.method}",
         r"\begin{tabular}{lrrrl}",
         r"\hline",
         r"parameter & estimate & std & nominal & unit \\",

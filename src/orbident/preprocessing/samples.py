@@ -190,7 +190,7 @@ def samples_of(
         InputError: a joint or wheel column, or gyro and attitude, are missing, or one
             names a joint or wheel that the robot does not have.
     """
-    recording.check_joints(robot)
+    recording = recording.with_joints_of(robot)
     recording.check_wheels(robot)
     recording.check_thrusters(robot)
     recording.check_torquers(robot)

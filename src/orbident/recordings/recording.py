@@ -149,8 +149,11 @@ class Recording:
         """
         return np.column_stack([self.column(f"{prefix}.{k}") for k in components])
 
-    def check_joints(self, robot: Robot) -> None:
-        """Refuses joints that the robot lacks, and joints without a position.
+    def with_joints_of(self, robot: Robot) -> "Recording":
+        """The recording with all joints of a robot.
+
+        A joint that follows another and has no column moves as the robot says. Joints
+        that the robot lacks, and joints without a position, are refused.
 
         Raises:
             InputError: A column belongs to no joint of the robot, or a joint of the
@@ -158,8 +161,18 @@ class Recording:
         """
         recorded = {name: joint_of(name) for name in self.columns}
         self._refuse_strangers("joint", recorded, robot.name, robot.joint_names)
+        added = {
+            f"joint.{follower}.{what}": factor * self.columns[measured]
+            + offset * at_rest
+            for follower, leader, factor, offset in robot.couplings
+            if follower not in recorded.values()
+            for what, at_rest in (("position", 1), ("velocity", 0))
+            if (measured := f"joint.{leader}.{what}") in self.columns
+        }
+        whole = self.with_columns(added) if added else self
         for name in robot.joint_names:
-            self.column(f"joint.{name}.position")
+            whole.column(f"joint.{name}.position")
+        return whole
 
     def check_wheels(self, robot: Robot) -> None:
         """Refuses wheels that the robot lacks, and wheels without a measurement.

@@ -11,6 +11,7 @@ from orbident.errors import InputError
 from orbident.files.names import suggestion
 from orbident.orbits.orbit import Orbit
 from orbident.robot.contradictions import contradictions
+from orbident.robot.couplings import couplings_of
 from orbident.robot.description import (
     Joint,
     MomentumWalk,
@@ -63,6 +64,7 @@ def assembled(
     bodies = about_feature_point(fused(tree, held=held), feature_point)
     _require_mass(bodies, urdf.place)
     structure = _structure(file, bodies, place)
+    couplings, uncoupled = couplings_of(urdf, [joint.name for joint in bodies.joints])
     _require_bodies("pads", file.pads, bodies, place)
     return Robot(
         name=file.name or urdf.name,
@@ -71,6 +73,7 @@ def assembled(
         joints=_limited(bodies.joints, file.limits, place),
         theta=bodies.theta,
         feature_point=feature_point,
+        couplings=couplings,
         wheels=wheels,
         thrusters=tuple(_thruster(entry) for entry in file.thrusters),
         torquers=tuple(_torquer(entry) for entry in file.torquers),
@@ -85,13 +88,26 @@ def assembled(
         tolerances=file.tolerances.in_si(bodies.joints, place),
         warnings=(
             *urdf.warnings,
+            *_on_a_table(urdf, file),
             *_nonphysical_links(tree, bodies),
             *wheel_warnings,
+            *uncoupled,
             *contradictions(bodies.names, bodies.theta, structure),
         ),
         document=document,
         urdf=text,
     )
+
+
+def _on_a_table(urdf: Urdf, file: RobotFile) -> list[str]:
+    # Elsewhere than above the base such a joint was refused.
+    planar = [joint.name for joint in urdf.joints if joint.kind == "planar"]
+    if file.motion == "planar" or not planar:
+        return []
+    return [
+        f"joint '{planar[0]}' above the base is planar: if the robot floats on a "
+        "table, give motion: planar in a robot file"
+    ]
 
 
 def _wheels(
@@ -187,7 +203,7 @@ def _nonphysical_links(tree: LinkTree, bodies: Bodies) -> list[str]:
     return [
         fault
         for name in bodies.placements
-        for fault in nonphysical(name, tree.links[name].mass, tree.links[name].I_com)
+        for fault in nonphysical(name, tree.links[name].mass, tree.links[name].I_file)
     ]
 
 

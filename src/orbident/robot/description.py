@@ -38,6 +38,18 @@ class Joint:
     """Limit of the rate, rad/s or m/s."""
 
 
+class Coupling(NamedTuple):
+    """A joint that another one moves: `q = factor q' + offset`."""
+
+    follower: str
+    leader: str
+    """Its name; it follows none itself."""
+    factor: float
+    """1, or m/rad and the like where one slides and the other turns."""
+    offset: float
+    """rad or m."""
+
+
 @dataclass(frozen=True)
 class Wheel:
     """A reaction wheel; its mass and inertia are counted in the base (Eq. 5)."""
@@ -126,6 +138,8 @@ class Robot:
     theta: Float[np.ndarray, "bodies 10"]
     feature_point: Float[np.ndarray, "3"]
     """S in the base link's frame, m."""
+    couplings: tuple[Coupling, ...] = ()
+    """Joints that follow others; where a recording measures them, it counts."""
     wheels: tuple[Wheel, ...] = ()
     thrusters: tuple[Thruster, ...] = ()
     torquers: tuple[Torquer, ...] = ()

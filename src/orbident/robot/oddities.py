@@ -22,6 +22,7 @@ def oddities(robot: Robot) -> tuple[str, ...]:
     """
     return (
         *robot.warnings,
+        *_run(robot),
         *_massless(robot),
         *_out_of_plane(robot),
         *_without_limits(robot),
@@ -35,6 +36,16 @@ def oddities(robot: Robot) -> tuple[str, ...]:
 def odd_sensors(robot: Robot) -> tuple[str, ...]:
     """What is odd about the sensors: a sentence for each."""
     return (*_without_sensors(robot), *_taken_as_exact(robot))
+
+
+def _run(robot: Robot) -> list[str]:
+    model = str(robot.document.get("model") or robot.document.get("urdf"))
+    if not model.lower().endswith(".xacro"):
+        return []
+    return [
+        f"{model} is a xacro file, whose expressions are run as a program: use it only "
+        "if you trust it, or give the URDF that it expands to"
+    ]
 
 
 def _massless(robot: Robot) -> list[str]:

@@ -1,11 +1,19 @@
 """Whether an inertia can belong to a body: what is wrong with it, in words."""
 
+from collections.abc import Iterator
+
 import numpy as np
 from jaxtyping import Float
 
 ROUNDING = 1e-9
 """Relative to the largest principal moment: point masses and rods lie exactly on
 the border, and files print few digits."""
+
+SLIPS = [10.0 ** (sign * n) for n in range(1, 7) for sign in (-1, 1)]
+"""What a decimal point that slipped, or a forgotten exponent, makes of a number."""
+
+MOST_SLIPS = 3
+"""Where more are possible, none is likely."""
 
 
 def nonphysical(
@@ -16,7 +24,8 @@ def nonphysical(
     Args:
         link: the name to use in the sentences.
         mass: kg.
-        I_com: inertia about the CM, any axes, kg m^2.
+        I_com: inertia about the CM, any axes, kg m^2; those of the file, where a
+            decimal point may have slipped in one of its numbers.
     """
     a, b, c = np.linalg.eigvalsh(I_com)
     largest = max(abs(a), abs(c))
@@ -31,11 +40,32 @@ def nonphysical(
     if a < -ROUNDING * largest:
         faults.append(
             f"link '{link}': principal moments {_numbers(a, b, c)} kg m^2, "
-            "the smallest is negative"
+            f"the smallest is negative{_slipped(I_com)}"
         )
     elif a + b < c - ROUNDING * largest:
-        faults.append(_broken_triangle(link, a, b, c))
+        faults.append(_broken_triangle(link, a, b, c) + _slipped(I_com))
     return tuple(faults)
+
+
+def _slipped(I_com: Float[np.ndarray, "3 3"]) -> str:
+    """Which number would make the inertia possible if its decimal point slipped."""
+    found = list(_slips(I_com))
+    if not 0 < len(found) <= MOST_SLIPS:
+        return ""
+    return f"; did a decimal point slip? possible would be {' or '.join(found)}"
+
+
+def _slips(I_com: Float[np.ndarray, "3 3"]) -> Iterator[str]:
+    for i, j in zip(*np.triu_indices(3), strict=True):
+        for factor in SLIPS:
+            I = I_com.copy()
+            I[i, j] = I[j, i] = factor * I_com[i, j]
+            a, b, c = np.linalg.eigvalsh(I)
+            if a >= 0 and a + b >= c:
+                yield f"i{'xyz'[i]}{'xyz'[j]} = {I[i, j]:.6g} (times {factor:g})"
+                if i != j:
+                    # Any smaller product of inertia is possible too.
+                    break
 
 
 def _broken_triangle(link: str, a: float, b: float, c: float) -> str:

@@ -2,7 +2,8 @@
 
 import math
 import xml.etree.ElementTree as ET
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
@@ -23,6 +24,13 @@ class UrdfLink:
     """Position of the CM in the link's frame, m."""
     I_com: Float[np.ndarray, "3 3"]
     """About the CM, link's axes, kg m^2."""
+    R: Float[np.ndarray, "3 3"] = field(default_factory=lambda: np.eye(3))
+    """Rotates vectors from the axes of the file's inertia into the link's."""
+
+    @property
+    def I_file(self) -> Float[np.ndarray, "3 3"]:
+        """The inertia as the file gives it, kg m^2."""
+        return self.R.T @ self.I_com @ self.R
 
     @property
     def theta(self) -> Float[np.ndarray, "10"]:
@@ -30,6 +38,15 @@ class UrdfLink:
         if not self.mass and not self.I_com.any():
             return np.zeros(PER_BODY)
         return from_mass_com_inertia(self.mass, self.com, self.I_com)
+
+
+class Mimic(NamedTuple):
+    """`q = multiplier q' + offset`, where `q'` is another joint's."""
+
+    joint: str
+    multiplier: float
+    offset: float
+    """rad or m."""
 
 
 @dataclass(frozen=True)
@@ -49,6 +66,7 @@ class UrdfJoint:
     """Unit vector, child link's axes."""
     position: tuple[float, float] | None = None
     velocity: float | None = None
+    mimic: Mimic | None = None
 
 
 @dataclass(frozen=True)
@@ -92,7 +110,7 @@ def _link(link: ET.Element) -> UrdfLink:
     )
     I = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
     mass = _numbers(inertial, "mass", "value", (0.0,))[0]
-    return UrdfLink(name, mass, com, R @ I @ R.T)
+    return UrdfLink(name, mass, com, R @ I @ R.T, R)
 
 
 def _joint(joint: ET.Element, place: str, warnings: list[str]) -> UrdfJoint:
@@ -103,12 +121,6 @@ def _joint(joint: ET.Element, place: str, warnings: list[str]) -> UrdfJoint:
     norm = float(np.linalg.norm(axis))
     if moves and norm < SMALLEST:
         raise InputError(f"{place}: {where}: found axis 0 0 0; give a nonzero vector")
-    mimicked = joint.find("mimic")
-    if mimicked is not None:
-        warnings.append(
-            f"{where} mimics '{mimicked.attrib['joint']}'; it is treated as "
-            "independent and needs its own measured position"
-        )
     R, p = _placement(joint)
     return UrdfJoint(
         name,
@@ -120,7 +132,17 @@ def _joint(joint: ET.Element, place: str, warnings: list[str]) -> UrdfJoint:
         axis=axis / norm if moves else np.array([1.0, 0.0, 0.0]),
         position=_position_limits(joint, f"{place}: {where}", warnings),
         velocity=_velocity_limit(joint, f"{place}: {where}", warnings),
+        mimic=_mimic(joint),
     )
+
+
+def _mimic(joint: ET.Element) -> Mimic | None:
+    element = joint.find("mimic")
+    if element is None:
+        return None
+    (multiplier,) = _numbers(joint, "mimic", "multiplier", (1.0,))
+    (offset,) = _numbers(joint, "mimic", "offset", (0.0,))
+    return Mimic(element.attrib["joint"], multiplier, offset)
 
 
 def _linked(joint: ET.Element, end: str) -> str:

@@ -19,6 +19,7 @@ _JOINT = {
     "origin": {"xyz": 3, "rpy": 3},
     "axis": {"xyz": 3},
     "limit": {"lower": 1, "upper": 1, "velocity": 1},
+    "mimic": {"multiplier": 1, "offset": 1},
 }
 """How many numbers an element's attribute has."""
 
@@ -51,8 +52,18 @@ def checked_xml(text: str, place: str) -> ET.Element:
     names = unique_names(links, "link", place)
     for link, name in zip(links, names, strict=True):
         clean.append(_clean_link(link, name, f"{place}: link '{name}'"))
-    for joint, name in zip(joints, unique_names(joints, "joint", place), strict=True):
-        clean.append(_clean_joint(joint, name, names, f"{place}: joint '{name}'"))
+    joint_names = unique_names(joints, "joint", place)
+    for joint, name in zip(joints, joint_names, strict=True):
+        where = f"{place}: joint '{name}'"
+        clean.append(_clean_joint(joint, name, names, where))
+        for mimic in clean[-1].iter("mimic"):
+            leader = joint.findall("mimic")[0].get("joint", "")
+            if leader not in joint_names:
+                raise InputError(
+                    f"{where}: <mimic>: no joint {quoted(leader)}; "
+                    + suggestion(leader, joint_names, "joints")
+                )
+            mimic.set("joint", leader)
     return clean
 
 
@@ -135,9 +146,6 @@ def _clean_joint(
                 + suggestion(link, links, "links")
             )
         ET.SubElement(clean, end, link=link)
-    mimicked = joint.find("mimic")
-    if mimicked is not None:
-        ET.SubElement(clean, "mimic", joint=mimicked.get("joint", ""))
     return clean
 
 

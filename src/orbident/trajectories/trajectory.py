@@ -146,10 +146,16 @@ class Trajectory:
     def for_robot(self, robot: Robot) -> "Trajectory":
         """The same trajectory with its rows in the order of the robot's joints.
 
+        A joint that it does not name and that follows another moves as the robot says.
+
         Raises:
             InputError: A joint is missing or unknown, or a wheel is unknown.
         """
-        if set(self.joints) != set(robot.joint_names):
+        leaders = {name: (name, 1.0, 0.0) for name in self.joints}
+        for follower, leader, factor, offset in robot.couplings:
+            if leader in self.joints:
+                leaders.setdefault(follower, (leader, factor, offset))
+        if set(leaders) != set(robot.joint_names):
             raise InputError(
                 f"{self.source}: joints: found {listed(self.joints)}, but robot "
                 f"'{robot.name}' has {listed(robot.joint_names)}; give each of them"
@@ -160,15 +166,15 @@ class Trajectory:
                 f"{listed(self.initial.wheel_speed)}, but robot '{robot.name}' has "
                 f"{listed(robot.wheel_names)}; name only wheels of the robot"
             )
-        rows = [self.joints.index(name) for name in robot.joint_names]
-        return replace(
-            self,
-            joints=robot.joint_names,
-            a=self.a[rows],
-            b=self.b[rows],
-            start=self.start[rows],
-            end=self.end[rows],
+        lines = [leaders[name] for name in robot.joint_names]
+        rows = [self.joints.index(leader) for leader, _, _ in lines]
+        factors = np.array([factor for _, factor, _ in lines])[:, None]
+        a, b, start, end = (
+            factors * table[rows] for table in (self.a, self.b, self.start, self.end)
         )
+        for state in (start, end):
+            state[:, 0] += [offset for _, _, offset in lines]
+        return replace(self, joints=robot.joint_names, a=a, b=b, start=start, end=end)
 
 
 def _store(instance: object, name: str, value: object) -> None:

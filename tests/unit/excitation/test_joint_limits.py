@@ -14,6 +14,7 @@ from orbident.excitation.joint_limits import (
 from orbident.robot.robot_file import load_robot
 
 NAMES = ("joint1", "joint2")
+FREE = dict(enumerate(NAMES))
 STILL = np.zeros((2, 3))
 
 
@@ -84,7 +85,7 @@ def test_too_short_a_duration_names_the_limit_and_by_how_much(robot):
     # 2 rad in 2 s: no faster than 0.7 rad/s leads only 1.4 rad far.
     motions = joint_motions(STILL, end, 2.0, 3, limits, 101)
     with pytest.raises(InputError, match=r"'joint1': velocity: .* 0\.7 .* by \d+ %"):
-        inner_point(polytope_of(motions, limits), limits, NAMES)
+        inner_point(polytope_of(motions, limits), limits, FREE)
 
 
 def test_an_inner_point_is_inside(robot):
@@ -93,7 +94,7 @@ def test_an_inner_point_is_inside(robot):
     end[0, 0] = 2.0
     motions = joint_motions(STILL, end, 6.0, 3, limits, 101)
     polytope = polytope_of(motions, limits)
-    assert polytope.slack(inner_point(polytope, limits, NAMES)).min() > 0
+    assert polytope.slack(inner_point(polytope, limits, FREE)).min() > 0
 
 
 @pytest.mark.parametrize(

@@ -21,7 +21,7 @@ def given(emulator):
 def case(emulator, given):
     problem = problem_for(emulator, given, "cond", 0.0)
     polytope = polytope_of(problem.motions.resampled(65), given.limits)
-    middle = inner_point(polytope, given.limits, emulator.joint_names)
+    middle = inner_point(polytope, given.limits, dict(enumerate(emulator.joint_names)))
     return problem, polytope, middle
 
 

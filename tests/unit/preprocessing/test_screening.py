@@ -3,7 +3,7 @@ import pytest
 from random_motions import random_motion
 
 from orbident.errors import InputError
-from orbident.preprocessing.screening import screened, rejected_in_words
+from orbident.preprocessing.screening import rejected_in_words, screened
 from orbident.recordings.recording import Recording
 from orbident.robot.robot_file import load_robot
 from orbident.simulation.simulate import simulate

@@ -1,4 +1,5 @@
 import pickle
+from dataclasses import replace
 
 import jaxtyping
 import numpy as np
@@ -6,7 +7,7 @@ import pytest
 
 from orbident.errors import InputError
 from orbident.recordings.recording import Recording
-from orbident.robot.description import Joint, Robot, Wheel
+from orbident.robot.description import Coupling, Joint, Robot, Wheel
 
 T = np.array([0.0, 0.1, 0.2])
 UNIT = {f"attitude.{k}": np.full(3, float(k == "w")) for k in "xyzw"}
@@ -171,17 +172,32 @@ def arm(**columns):
 
 
 def test_check_joints_accepts_the_robots_own():
-    arm(gyro__x=T, truth=T).check_joints(robot())
+    arm(gyro__x=T, truth=T).with_joints_of(robot())
 
 
 def test_check_joints_names_the_robots_joints():
     with pytest.raises(InputError, match=r"no joint 'foo', only 'arm\.1', 'arm\.2'"):
-        arm(joint__foo__velocity=T).check_joints(robot())
+        arm(joint__foo__velocity=T).with_joints_of(robot())
 
 
 def test_check_joints_needs_every_position():
     with pytest.raises(InputError, match=r"'joint\.arm\.2\.position' is missing"):
-        recording(joint__arm__1__position=T).check_joints(robot())
+        recording(joint__arm__1__position=T).with_joints_of(robot())
+
+
+def test_joints_that_follow_others():
+    def coupled(factor: float, offset: float):
+        coupling = Coupling("arm.2", "arm.1", factor, offset)
+        return replace(robot(), couplings=(coupling,))
+
+    led = recording(joint__arm__1__position=T, joint__arm__1__velocity=2 * T)
+    whole = led.with_joints_of(coupled(-3.0, 0.5))
+    np.testing.assert_array_equal(whole.column("joint.arm.2.position"), 0.5 - 3 * T)
+    np.testing.assert_array_equal(whole.column("joint.arm.2.velocity"), -6 * T)
+    # What was measured counts, and is not mixed with what was not.
+    both = arm(joint__arm__1__velocity=2 * T).with_joints_of(coupled(-3.0, 0.5))
+    np.testing.assert_array_equal(both.column("joint.arm.2.position"), T)
+    assert not both.has("joint.arm.2.velocity")
 
 
 def test_check_wheels():

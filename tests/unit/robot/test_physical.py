@@ -37,6 +37,35 @@ def test_what_no_body_can_have(mass, moments, sentence):
     assert sentence in found
 
 
+@pytest.mark.parametrize(
+    ("moments", "words"),
+    [
+        # An arm whose last moment lacks an exponent.
+        (
+            (0.011, 0.012, 1.676),
+            "would be izz = 0.01676 (times 0.01) or izz = 0.001676 (times 0.001)",
+        ),
+        # No number alone makes these right.
+        ((1.0, 20.0, 4e9), ""),
+        ((-1.0, 2.0, 2.0), ""),
+    ],
+)
+def test_a_decimal_point_that_slipped(moments: tuple[float, ...], words: str):
+    (found,) = nonphysical("x", 1.0, np.diag(moments))
+    assert ("did a decimal point slip?" in found) == bool(words)
+    assert found.endswith(words)
+
+
+def test_a_slip_is_looked_for_in_the_files_axes(load_urdf):
+    text = (
+        '<link name="b"><inertial><origin rpy="0.3 0.2 0.1"/><mass value="1"/>'
+        '<inertia ixx="0.011" iyy="0.012" izz="0.013" ixy="0.8" ixz="0" iyz="0"/>'
+        "</inertial></link>"
+    )
+    (found,) = load_urdf(robot(text)).warnings
+    assert found.endswith("possible would be ixy = 0.0008 (times 0.001)")
+
+
 def test_small_violations_are_printed_with_the_digits_that_show_them():
     (found,) = nonphysical("x", 1.0, np.diag([1.0, 2.0, 3.00000003]))
     assert "(1 + 2 < 3.00000003)" in found

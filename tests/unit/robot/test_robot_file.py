@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from processes import finished
-from urdf_texts import ARM, SHARED_ROBOTS, link, robot
+from urdf_texts import ARM, SHARED_ROBOTS, joint, link, robot
 
 import orbident
 from orbident.errors import InputError
@@ -39,6 +39,15 @@ def test_only_the_urdf_is_required(load_yaml):
     assert (found.wheels, found.thrusters, found.sensors) == ((), (), {})
     assert found.urdf == ARM
     assert found.document == {"schema": "orbident/robot/1", "urdf": "arm.urdf"}
+
+
+def test_a_planar_root_proposes_the_plane(load_yaml):
+    urdf = robot(link("world", None), link("b"), joint("p", "world", "b", "planar"))
+    (proposal,) = load_yaml(urdf=urdf).warnings
+    assert proposal.startswith("joint 'p' above the base is planar")
+    assert load_yaml("motion: planar", urdf).warnings == ()
+    floating = urdf.replace("planar", "floating")
+    assert load_yaml(urdf=floating).warnings == ()
 
 
 def test_a_full_robot_file(load_yaml):

@@ -83,15 +83,17 @@ def test_limits_without_motion_are_dropped_with_a_warning():
     assert [w.startswith("joint 'j': ") for w in urdf.warnings] == [True, True]
 
 
-def test_a_mimicking_joint_is_independent_with_a_warning():
-    inside = '<mimic joint="j" multiplier="2"/>'
-    text = robot(
-        link("a"), link("b"), link("c"),
-        joint("j", "a", "b"), joint("k", "a", "c", inside=inside),
-    )  # fmt: skip
-    (warning,) = read_urdf(text).warnings
-    assert "joint 'k' mimics 'j'" in warning
-    assert "independent" in warning
+def test_what_a_joint_mimics():
+    links = link("a"), link("b"), link("c")
+    first = joint("j", "a", "b")
+    for given, found in (
+        ("", (1.0, 0.0)),
+        ('multiplier="-2" offset="0.1"', (-2.0, 0.1)),
+    ):
+        inside = f'<mimic joint="j" {given}/>'
+        urdf = read_urdf(robot(*links, first, joint("k", "a", "c", inside=inside)))
+        assert urdf.warnings == ()
+        assert [each.mimic for each in urdf.joints] == [None, ("j", *found)]
 
 
 BASE, TIP = link("base"), link("tip")

@@ -1,9 +1,11 @@
+from dataclasses import replace
+
 import jaxtyping
 import numpy as np
 import pytest
 
 from orbident.errors import InputError
-from orbident.robot.description import Joint, Robot, Wheel
+from orbident.robot.description import Coupling, Joint, Robot, Wheel
 from orbident.trajectories.trajectory import InitialState, Trajectory
 
 # Table 2
@@ -87,6 +89,19 @@ def test_a_robots_order():
     t = np.linspace(0, 80, 5)
     for new, old in zip(reordered.at(t), table_2().at(t), strict=True):
         np.testing.assert_allclose(new, old[:, ::-1], rtol=0, atol=1e-14)
+
+
+def test_a_joint_that_follows_another_need_not_be_named():
+    coupling = Coupling("finger", "joint2", -2.0, 0.1)
+    led = replace(robot((*NAMES, "finger")), couplings=(coupling,))
+    whole = table_2().for_robot(led)
+    t = np.linspace(0, 80, 5)
+    for new, old, offset in zip(whole.at(t), table_2().at(t), (0.1, 0, 0), strict=True):
+        np.testing.assert_array_equal(new[:, :3], old)
+        # Rounding of the quintic's coefficients.
+        np.testing.assert_allclose(new[:, 3], offset - 2 * old[:, 1], atol=1e-13)
+    # One that is named moves as it says.
+    assert whole.for_robot(led).a.tolist() == whole.a.tolist()
 
 
 @pytest.mark.parametrize("joints", [NAMES[:2], (*NAMES, "joint4"), ()])

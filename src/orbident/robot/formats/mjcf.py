@@ -1,8 +1,10 @@
 """MJCF to links and joints, as MuJoCo itself compiles it."""
 
+import os
 import re
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -10,9 +12,11 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.errors import InputError
-from orbident.extras import extra
+from orbident.extras import extra, require
+from orbident.files.confined import ConfinedError, confined
 from orbident.files.names import listed, one_line
-from orbident.robot.urdf import Urdf, UrdfJoint, UrdfLink
+from orbident.robot.formats.urdf_text import urdf_text
+from orbident.robot.urdf import Mimic, Urdf, UrdfJoint, UrdfLink
 
 _Vector = Float[np.ndarray, "3"]
 
@@ -23,44 +27,80 @@ _FREE, _BALL, _SLIDE = 0, 1, 2
 _NAN = re.compile(r"""=\s*(["'])[\s\d.eE+-]*\bnan\b""", re.IGNORECASE)
 """Among numbers. MuJoCo prints a warning of it past Python, and goes on."""
 
+_SECONDS, _MEGABYTES = 3, 800
+"""Bodies, joints and inertias take milliseconds, and a mesh of 80 000 triangles that
+weighs 0.2 s and 100 MB."""
 
-def read_mjcf(text: str, path: Path) -> Urdf:
-    """The links and joints of a MuJoCo model.
 
-    The base is the one body of the world that has a free joint, or two slides and a
-    hinge (a table), or none. A body with several joints becomes as many links, all but
-    the last without mass. Link frames are at the joints, where MuJoCo's are anywhere.
+def mjcf_as_urdf(text: str, path: Path) -> str:
+    """The URDF that says the same as a MuJoCo model.
+
+    MuJoCo compiles it in a child process: a small file may ask for hours and
+    gigabytes, and MuJoCo crashes where a file attaches itself.
 
     Args:
         text: the file.
         path: of the file, which MuJoCo reads with all that it includes.
 
     Raises:
-        InputError: MuJoCo refuses the model; it has no body, several that may be the
-            base, a base that is held, or ball joints.
+        InputError: as `compiled_mjcf`, and where MuJoCo takes too much or crashes.
         MissingLibraryError: the extra `mujoco` is not installed.
     """
-    place = str(path)
-    with extra("mujoco", f"{place}: an MJCF file"):
-        import mujoco
+    with extra("mujoco", f"{path}: an MJCF file"):
+        require("mujoco")
     if _NAN.search(text):
-        raise InputError(f"{place}: found 'NaN' among numbers; give finite numbers")
+        raise InputError(f"{path}: found 'NaN' among numbers; give finite numbers")
+    try:
+        return confined(
+            compiled_mjcf, str(path), seconds=_SECONDS, megabytes=_MEGABYTES
+        )
+    except ConfinedError as error:
+        raise InputError(
+            f"{path}: MuJoCo {error} with this file; take out what repeats or contains "
+            "itself, and give the bodies that large meshes weigh an <inertial>"
+        ) from None
+
+
+def compiled_mjcf(place: str) -> str:
+    """What `mjcf_as_urdf` gives, in this process.
+
+    The base is the one body of the world that has a free joint, or two slides and a
+    hinge (a table), or none. A body with several joints becomes as many links, all but
+    the last without mass. Link frames are at the joints, where MuJoCo's are anywhere.
+
+    Args:
+        place: the path of the file.
+
+    Raises:
+        InputError: MuJoCo refuses the model; it has no body, several that may be the
+            base, a base that is held, ball joints, or loops.
+    """
+    # MuJoCo's windows, which take a third of its import, are of no use.
+    os.environ["MUJOCO_GL"] = "disable"
+    import mujoco
+
     # Its stubs do not say what it exports.
     api: Any = mujoco
     try:
         # MuJoCo warns of what troubles a simulation; inertias are judged elsewhere.
         with warnings.catch_warnings(action="ignore"):
             spec = api.MjSpec.from_file(place)
+            ties = [_Tie(each) for each in spec.equalities if each.active]
             _leave_inertias_alone(spec)
             model = spec.compile()
     # What MuJoCo raises for a file has many types.
     except Exception as error:
         said = one_line(error)
+        # The latter is what its bindings make of C++'s `bad_alloc`.
+        if isinstance(error, MemoryError) or "unknown exception" in said:
+            raise MemoryError from None
         cure = "correct the file"
         if "opening file" in said:
             cure = "put it there, or give the bodies that it weighs an <inertial>"
         raise InputError(f"{place}: MuJoCo cannot read it: {said}; {cure}") from None
-    return _Reader(model, api.mju_quat2Mat, place).tree(spec.modelname)
+    reader = _Reader(model, api.mju_quat2Mat, place)
+    tree = reader.tree(spec.modelname)
+    return urdf_text(replace(tree, joints=reader.coupled(tree.joints, ties)))
 
 
 def _leave_inertias_alone(spec: Any) -> None:
@@ -77,11 +117,24 @@ def _leave_inertias_alone(spec: Any) -> None:
     used = {geom.meshname for geom in spec.geoms}
     _delete(spec, [mesh for mesh in spec.meshes if mesh.name not in used])
     _delete(spec, [*spec.materials, *spec.textures, *spec.hfields])
+    # The memory that a simulation is to have.
+    spec.nkey = spec.nuserdata = 0
 
 
 def _delete(spec: Any, elements: Any) -> None:
     for element in list(elements):
         spec.delete(element)
+
+
+class _Tie:
+    """An equality of the file; it goes before the model is compiled."""
+
+    def __init__(self, equality: Any) -> None:
+        # mjEQ_JOINT and so on, after the names of the elements.
+        self.kind = equality.type.name.removeprefix("mjEQ_").lower()
+        self.of_sites = equality.objtype.name == "mjOBJ_SITE"
+        self.names = [name for name in (equality.name1, equality.name2) if name]
+        self.polycoef = [float(x) for x in equality.data[:5]]
 
 
 class _Reader:
@@ -100,12 +153,55 @@ class _Reader:
     def tree(self, name: str) -> Urdf:
         base = self._base()
         links, joints = [self._link(base, np.zeros(3))], []
+        if _SLIDE in self._kinds(base):
+            # No body can have the name of the world.
+            links.append(_massless("world"))
+            joints.append(self._table(base))
         for body in range(base + 1, self.model.nbody):
             if int(self.model.body_parentid[body]) in self.anchors:
                 for link, joint in self._hung(body):
                     links.append(link)
                     joints.append(joint)
         return Urdf(name, tuple(links), tuple(joints), self.place)
+
+    def coupled(
+        self, joints: Iterable[UrdfJoint], ties: Iterable[_Tie]
+    ) -> tuple[UrdfJoint, ...]:
+        """The joints, those that an equality makes followers with what they mimic.
+
+        Raises:
+            InputError: an equality is another than a straight line between two joints.
+        """
+        mimics: dict[str, Mimic] = {}
+        for tie in ties:
+            if not any(self._is_of_robot(tie, name) for name in tie.names):
+                continue
+            a_0, a_1, *curved = tie.polycoef
+            if tie.kind != "joint" or len(tie.names) < 2 or any(curved):
+                raise InputError(
+                    f"{self.place}: <equality> <{tie.kind}> of {listed(tie.names)} "
+                    "closes a loop or holds the robot; only a joint that follows "
+                    "another by polycoef='a0 a1 0 0 0' is possible: take it out"
+                )
+            follower, leader = tie.names
+            # q - ref = a_0 + a_1 (q' - ref') of the follower's q, the leader's q'.
+            offset = self._ref(follower) + a_0 - a_1 * self._ref(leader)
+            mimics[follower] = Mimic(leader, a_1, offset)
+        return tuple(replace(each, mimic=mimics.get(each.name)) for each in joints)
+
+    def _is_of_robot(self, tie: _Tie, name: str) -> bool:
+        """False of scenery; true of all whose place is not known."""
+        model = self.model
+        if tie.kind == "joint":
+            body = model.jnt_bodyid[model.joint(name).id]
+        elif tie.kind in {"connect", "weld"}:
+            body = model.site(name).bodyid[0] if tie.of_sites else model.body(name).id
+        else:
+            return True
+        return int(body) in self.anchors
+
+    def _ref(self, joint: str) -> float:
+        return float(self.model.qpos0[self.model.joint(joint).qposadr[0]])
 
     def _base(self) -> int:
         top = [b for b in range(1, self.model.nbody) if not self.model.body_parentid[b]]
@@ -130,6 +226,14 @@ class _Reader:
                 "is on a table"
             )
         return base
+
+    def _table(self, base: int) -> UrdfJoint:
+        """What two slides and a hinge are to a URDF; its axis is the hinge's."""
+        hinge = self.joints[base][self._kinds(base).index(_SLIDE + 1)]
+        name, axis = self.bodies[base], self.model.jnt_axis[hinge].copy()
+        return UrdfJoint(
+            f"{name}_table", "planar", "world", name, np.eye(3), np.zeros(3), axis
+        )
 
     def _kinds(self, body: int) -> list[int]:
         return [int(self.model.jnt_type[j]) for j in self.joints[body]]

@@ -9,7 +9,7 @@ from pathlib import Path
 from orbident.errors import InputError
 from orbident.files.text import read_text
 from orbident.robot.formats.expanded_xacro import expanded_xacro
-from orbident.robot.formats.mjcf import read_mjcf
+from orbident.robot.formats.mjcf import mjcf_as_urdf
 from orbident.robot.formats.sdf import read_sdf
 from orbident.robot.formats.urdf_text import urdf_text
 from orbident.robot.urdf import Urdf, read_urdf
@@ -39,9 +39,10 @@ def read_model(path: Path) -> tuple[Urdf, str]:
     if expanded:
         text = expanded_xacro(path)
     root = _root(text)
-    if root in {"mujoco", "sdf"}:
-        tree = read_mjcf(text, path) if root == "mujoco" else read_sdf(text, place)
-        return as_urdf(tree)
+    if root == "sdf":
+        return as_urdf(read_sdf(text, place))
+    if root == "mujoco":
+        text = mjcf_as_urdf(text, path)
     if not expanded and "xmlns:xacro" in text and _MACROS.search(text):
         raise InputError(
             f"{place}: this is xacro, whose expressions are run as a program; if you "

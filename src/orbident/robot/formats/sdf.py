@@ -22,7 +22,7 @@ from orbident.robot.formats.sdf_frames import (
     SdfPose,
     own_pose,
 )
-from orbident.robot.urdf import Urdf, UrdfJoint, UrdfLink
+from orbident.robot.urdf import Mimic, Urdf, UrdfJoint, UrdfLink
 from orbident.robot.urdf_xml import numbers_in, parsed_xml, unique_names
 
 KINDS = ("revolute", "continuous", "prismatic", "fixed")
@@ -182,7 +182,12 @@ class _Reader:
     def _link(self, name: str, at: SdfPose) -> UrdfLink:
         where = f"{self.place}: link '{name}'"
         inertial = self.links[name].find("inertial")
-        if inertial is None or inertial.get("auto") in YES:
+        if inertial is not None and inertial.get("auto") in YES:
+            raise InputError(
+                f"{where}: <inertial auto='true'> is not read, which has its mass and "
+                "inertia from shapes and their density; write both in numbers"
+            )
+        if inertial is None:
             raise InputError(
                 f"{where}: <inertial> is missing, for which SDF takes 1 kg; give its "
                 "mass and inertia, zeros for a link that has none"
@@ -207,15 +212,31 @@ class _Reader:
             raise InputError(f"{where}: found {found}; give one of {', '.join(KINDS)}")
         parent, child = self._end(name, "parent"), self._end(name, "child")
         placed = at[child].seen_from(at[parent])
-        axis, position, velocity = np.array([1.0, 0.0, 0.0]), None, None
+        axis, position, velocity, mimic = np.array([1.0, 0.0, 0.0]), None, None, None
         if kind != "fixed":
             given = element.find("axis")
             given = ET.Element("axis") if given is None else given
             axis = at[child].R.T @ self._axis(name, given, where)
             position, velocity = self._limits(given, kind, where)
+            mimic = self._mimic(given, where)
         return UrdfJoint(
-            name, kind, parent, child, placed.R, placed.p, axis, position, velocity
+            name, kind, parent, child, placed.R, placed.p, axis, position, velocity,
+            mimic,
+        )  # fmt: skip
+
+    def _mimic(self, axis: ET.Element, where: str) -> Mimic | None:
+        """`q = multiplier (q' - reference) + offset`."""
+        mimic = axis.find("mimic")
+        if mimic is None:
+            return None
+        where = f"{where}: <mimic>"
+        self._text(mimic, "multiplier", where)
+        multiplier, offset, reference = (
+            self._number(mimic, tag, where)
+            for tag in ("multiplier", "offset", "reference")
         )
+        leader = mimic.get("joint", "")
+        return Mimic(leader, multiplier, offset - multiplier * reference)
 
     def _axis(self, joint: str, axis: ET.Element, where: str) -> Float[np.ndarray, "3"]:
         """The unit vector in the model's axes."""

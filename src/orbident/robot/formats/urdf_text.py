@@ -61,6 +61,10 @@ def _joint(joint: UrdfJoint) -> ET.Element:
     if not free:
         limit |= {"lower": lower, "upper": upper}
     ET.SubElement(element, "limit", {name: repr(float(x)) for name, x in limit.items()})
+    if joint.mimic is not None:
+        leader, *line = joint.mimic
+        line = dict(zip(("multiplier", "offset"), map(repr, line), strict=True))
+        ET.SubElement(element, "mimic", {"joint": leader} | line)
     return element
 
 

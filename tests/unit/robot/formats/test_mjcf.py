@@ -14,6 +14,12 @@ ARM = (
     "<body name='arm' pos='1 0 0'><joint name='j' axis='0 0 1' range='-90 45'/>"
     "<inertial pos='0.2 0 0' mass='2' diaginertia='0.1 0.2 0.2'/>{}</body>"
 )
+SECOND = (
+    "<body name='tip'><joint name='k' axis='0 0 1' ref='10'/>"
+    "<inertial pos='0 0 0' mass='1' diaginertia='1 1 1'/></body>"
+)
+EQUALITY = "<equality>{}</equality>"
+FOLLOWS = "<joint joint1='k' joint2='j' polycoef='{}'/>"
 
 
 def mjcf(*bodies: str, before: str = "", after: str = "") -> str:
@@ -64,6 +70,33 @@ BAD = {
         ),
         "gone.stl'; put it there, or give the bodies that it weighs an <inertial>",
     ),
+    # What follows made MuJoCo crash or never end.
+    "a file in itself": (
+        servicer(
+            "<attach model='again' body='arm' prefix='p'/>",
+            before="<asset><model name='again' file='robot.xml'/></asset>",
+        ),
+        "MuJoCo crashes with this file",
+    ),
+    "a field of heights": (
+        servicer(
+            before="<asset><hfield name='h' nrow='90000' ncol='90000' size='1 1 1 1'/>"
+            "</asset>"
+        ),
+        "needs more than 800 MB of memory",
+    ),
+    "a loop": (
+        servicer(after=EQUALITY.format("<connect body1='arm' anchor='0 0 0'/>")),
+        "<equality> <connect> of 'arm' closes a loop or holds the robot",
+    ),
+    "two joints by a parabola": (
+        servicer(SECOND, after=EQUALITY.format(FOLLOWS.format("0 1 2"))),
+        "<equality> <joint> of 'k', 'j' closes a loop",
+    ),
+    "a joint that is held": (
+        servicer(after=EQUALITY.format("<joint joint1='j'/>")),
+        "<equality> <joint> of 'j' closes a loop",
+    ),
 }
 
 
@@ -93,12 +126,46 @@ def test_what_has_no_part_in_inertias_is_not_looked_for(tmp_path: Path):
     assert not list(tmp_path.glob("MUJOCO*"))
 
 
+def test_sizes_of_a_simulation_have_no_part(tmp_path: Path):
+    text = servicer(before="<size nkey='2000000000' nuserdata='2000000000'/>")
+    assert load(tmp_path, text).mass == 12.0
+
+
+@pytest.mark.long
+def test_what_would_not_end_is_stopped(tmp_path: Path):
+    lamps = "<replicate count='1000000000'><body><geom size='1'/></body></replicate>"
+    with pytest.raises(InputError, match="needs more than 3 s of the processor"):
+        load(tmp_path, servicer(lamps))
+
+
+def test_a_joint_that_follows_another(tmp_path: Path):
+    text = servicer(SECOND, after=EQUALITY.format(FOLLOWS.format("0.5 3")))
+    # q - 10 deg = 0.5 + 3 q', since the leader's `ref` is zero.
+    offset = pytest.approx(np.radians(10) + 0.5, rel=1e-15)
+    assert load(tmp_path, text).couplings == (("k", "j", 3.0, offset),)
+
+
+def test_equalities_of_scenery_and_inactive_ones_do_not_count(tmp_path: Path):
+    ties = (
+        "<weld body1='lamp'/><weld body1='base' active='false'/>"
+        "<connect site1='s' site2='t'/>"
+    )
+    lamp = (
+        "<body name='lamp' pos='0 0 3'><site name='s'/><site name='t'/>"
+        "<joint/><geom size='1'/></body>"
+    )
+    text = servicer(after=EQUALITY.format(ties))
+    assert load(tmp_path, text.replace("<worldbody>", f"<worldbody>{lamp}")).joints
+
+
 def test_a_base_on_a_table_and_scenery(tmp_path: Path):
     table = (
         "<joint type='slide' axis='1 0 0'/><joint type='slide' axis='0 1 0'/><joint/>"
     )
     planar = servicer().replace("<freejoint/>", table)
-    assert load(tmp_path, planar).bodies == ("base", "arm")
+    on_table = load(tmp_path, planar)
+    assert on_table.bodies == ("base", "arm")
+    assert "give motion: planar in a robot file" in on_table.warnings[0]
     floor = "<geom type='plane' size='1 1 1'/><body name='lamp' pos='0 0 3'/>"
     scene = servicer().replace("<worldbody>", f"<worldbody>{floor}")
     assert load(tmp_path, scene).bodies == ("base", "arm")

@@ -78,7 +78,10 @@ BAD = {
     "included": (sdf("<include><uri>model://x</uri></include>"), "<include>"),
     "nested": (sdf(link("base"), "<model name='n'/>"), "<model>"),
     "no inertial": (sdf(link("base", "")), "link 'base': <inertial> is missing"),
-    "automatic": (sdf(link("base", "<inertial auto='true'/>")), "takes 1 kg"),
+    "automatic": (
+        sdf(link("base", "<inertial auto='true'><density>9</density></inertial>")),
+        "link 'base': <inertial auto='true'> is not read",
+    ),
     "text for mass": (
         sdf(link("base", "<inertial><mass>heavy</mass></inertial>")),
         "link 'base': <mass>: found 'heavy'; give one finite number",
@@ -248,6 +251,20 @@ def test_axes_of_old_files(
     text = sdf(link("base"), link("arm", turned), moved, version=version)
     # cos(pi / 2) is 6e-17.
     np.testing.assert_allclose(load(tmp_path, text).joints[0].axis, axis, atol=1e-15)
+
+
+def test_a_joint_that_follows_another(tmp_path: Path):
+    mimic = (
+        "<axis><xyz>0 0 1</xyz><mimic joint='j'><multiplier>-2</multiplier>"
+        "<offset>0.5</offset><reference>0.1</reference></mimic></axis>"
+    )
+    finger = joint("base", "finger", inside=mimic).replace("'j' type", "'k' type")
+    text = sdf(link("base"), link("arm"), link("finger"), joint(), finger)
+    # q = -2 (q' - 0.1) + 0.5
+    assert load(tmp_path, text).couplings == (("k", "j", -2.0, 0.7),)
+    without = text.replace("<multiplier>-2</multiplier>", "")
+    with pytest.raises(InputError, match="'k': <mimic>: <multiplier> is missing"):
+        load(tmp_path, without)
 
 
 def test_limits(tmp_path: Path):

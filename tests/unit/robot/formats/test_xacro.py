@@ -55,6 +55,22 @@ def test_a_file_that_is_included(tmp_path: Path):
     assert load_robot(tmp_path / "robot.yaml").mass == 10.0
 
 
+def test_a_file_of_the_same_package_and_of_one_that_ros_knows(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    package, other = tmp_path / "sc", tmp_path / "other"
+    for folder in (package / "urdf", other):
+        folder.mkdir(parents=True)
+    (package / "package.xml").touch()
+    for place in (package, other):
+        (place / "a.yaml").write_text("mass: 3")
+    values = ["load_yaml('../a.yaml').mass", f"load_yaml('{other}/a.yaml').mass"]
+    path = package / "urdf" / "sc.xacro"
+    path.write_text(xacro("${{{} + {}}}".format(*(f"xacro.{v}" for v in values))))
+    monkeypatch.setenv("AMENT_PREFIX_PATH", str(other))
+    assert load_robot(path).mass == 6.0
+
+
 BAD = {
     "cut off": (xacro()[:200], "malformed XML"),
     "no default": (
@@ -77,6 +93,22 @@ BAD = {
         ),
         "does not come to an end",
     ),
+    "a file elsewhere": (
+        xacro(more="<link name=\"${xacro.load_yaml('/etc/hostname')}\"/>"),
+        "is outside of what a xacro file may read",
+    ),
+    "a file above": (
+        xacro(more='<xacro:include filename="../a.xacro"/>'),
+        "is outside of what a xacro file may read",
+    ),
+    "a variable of the shell": (
+        xacro(more='<link name="$(env HOME)"/>'),
+        "environment variable 'HOME' is not set",
+    ),
+    "a text without end": (
+        xacro(more="<link name=\"${'x'*10**10}\"/>"),
+        "needs more than 500 MB of memory",
+    ),
     "text for mass": (xacro("heavy"), "link 'base': <mass value>: found 'heavy'"),
 }
 
@@ -93,6 +125,14 @@ def test_what_is_refused(tmp_path: Path, case: str, capfd: pytest.CaptureFixture
     assert words in message
     assert "\n" not in message
     assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.long
+def test_what_would_not_end_is_stopped(tmp_path: Path):
+    path = tmp_path / "sc.xacro"
+    path.write_text(xacro("${9**9**9}"))
+    with pytest.raises(InputError, match="needs more than 3 s of the processor"):
+        load_robot(path)
 
 
 def test_a_program_is_run_only_where_the_suffix_says_so(tmp_path: Path):
