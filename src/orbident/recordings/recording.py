@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from orbident.errors import InputError
-from orbident.files.bounds import FAINTEST, LARGEST, SHORTEST
+from orbident.files.bounds import FAINTEST, LARGEST, SHORTEST, TOGETHER
 from orbident.files.data_frames import frame
 from orbident.files.names import closest, listed
 from orbident.recordings.columns import (
@@ -260,6 +260,12 @@ def _check_time(source: str, t: np.ndarray) -> None:
         raise InputError(
             f"{source}: column 't', row {k + 1}: {t[k] - t[k - 1]:.3g} s after the row "
             f"before; give times in seconds, at least {SHORTEST:g} s apart"
+        )
+    step = (t[-1] - t[0]) / (t.size - 1)
+    if step < TOGETHER:
+        raise InputError(
+            f"{source}: column 't': rows are {step:.2g} s apart in the mean, and no "
+            f"sensor samples faster than every {TOGETHER:g} s; give times in seconds"
         )
 
 

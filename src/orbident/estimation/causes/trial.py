@@ -47,7 +47,7 @@ def trial(cause: str, problem: MomentumProblem) -> Trial:
         return Trial(cause, False, np.inf)
     try:
         shown = OutputError(steps=STEPS).estimate(problem, lambda _: None)
-    except InputError:  # Equations that overflow.
+    except InputError:  # Equations that overflow, or too few rows.
         return Trial(cause, False, np.inf)
     judgement = judge(Solved(problem, [], shown, shown), dict(shown.masses))
     accepted = worst(judgement.checks) != "do not trust"

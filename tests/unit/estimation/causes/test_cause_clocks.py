@@ -1,9 +1,13 @@
 """Clocks that are late or early."""
 
+import pytest
 from cause_problems import clean
+from small_problems import small_recording, small_robot
 
-from orbident.estimation.causes.late_clocks import clocks
+from orbident.errors import InputError
+from orbident.estimation.causes.late_clocks import SHARED, _behind, clocks
 from orbident.estimation.momentum_problem import momentum_problems
+from orbident.estimation.output_error.estimator import OutputError
 from orbident.recordings.recording import Recording
 
 
@@ -19,3 +23,13 @@ def test_a_position_that_is_a_row_early():
     (found,) = clocks(problem)
     assert found.accepted
     assert found.cause == "the clock of the position is 100 ms early"
+
+
+def test_a_clock_that_is_off_by_the_whole_recording():
+    """Nothing can be fitted to what is left, and the search goes on without it."""
+    robot = small_robot()
+    short = small_recording(robot).between(0.0, 1.0)
+    problem = momentum_problems(robot, short, "at-rest", lambda _: None)[0]
+    late = dict.fromkeys(SHARED, 0.0) | {"position": 0.98}
+    with pytest.raises(InputError, match="known together at 1 times"):
+        OutputError().estimate(_behind(problem, late), lambda _: None)
