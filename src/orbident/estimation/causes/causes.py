@@ -42,6 +42,10 @@ MOST = 0.5
 LIKELIEST = 3
 """So many are tried, of all that have a score."""
 
+LOST = 6
+"""Trials without a least cost, after which nothing is tried any more: where many things
+are wrong, putting one of them right does not bring a fit."""
+
 
 def causes(solved: Solved) -> Iterator[Check]:
     """What is most likely wrong, first of all checks."""
@@ -159,7 +163,10 @@ def _tried(
         clocks,
         wandering,
     ):
-        trials += [_sure(one, before) for one in some(problem)]
+        for one in some(problem):
+            trials.append(_sure(one, before))
+            if sum(not each.converged for each in trials) == LOST:
+                return trials
         if any(one.accepted for one in trials):
             break
     return trials

@@ -35,6 +35,11 @@ class Trial(NamedTuple):
     fits: bool = False
     """Whether it is accepted, or shows too little of the mass and nothing wrong."""
 
+    @property
+    def converged(self) -> bool:
+        """Whether there is a least cost."""
+        return self.estimate is not None and self.estimate.converged
+
 
 def trial(cause: str, problem: MomentumProblem) -> Trial:
     """Identify by output error, and judge.

@@ -97,13 +97,15 @@ def with_disturbances(
         asked: groups that are known to act: these are free in any case.
     """
     plain = search.whole(partial(search.first, ()))
-    tested = problem.t.size <= LONGEST
-    every = {each.group for each in problem.acting.disturbances} if tested else set()
     # In all first fits noise is that assumed, so that their costs can be compared.
     solution, groups, cost = plain.solution, asked, plain.assumed
     if asked:
         solution = search.first(asked)
         cost = solution.cost
+    # The equations test something where the cost is least.
+    tested = solution.converged or not _bad(problem, cost)
+    tested &= problem.t.size <= LONGEST
+    every = {each.group for each in problem.acting.disturbances} if tested else set()
     # Beside a slow torque that is known to act another one would follow anything.
     slow = SLOW if {*SLOW, *WALKS} & {*asked} else ()
     zeros = first = TakenForZero(problem, solution, every - {*excluded, *slow})
@@ -210,8 +212,12 @@ def _best(
 
 def _hopeless(problem: Problem, cost: float, before: float) -> bool:
     """Whether the fit is bad, and a group more explains hardly any of it."""
+    return _bad(problem, cost) and cost > LEFT * before
+
+
+def _bad(problem: Problem, cost: float) -> bool:
     samples = sum(int((weight > 0).sum()) for weight in problem.weights.values())
-    return cost > max(BAD * samples, LEFT * before)
+    return cost > BAD * samples
 
 
 def start_with(
