@@ -21,6 +21,7 @@ from orbident.recordings.columns import (
     torquer_of,
     wheel_of,
 )
+from orbident.recordings.rounded_times import float32_step
 from orbident.robot.description import Robot
 
 QUATERNION_TOLERANCE = 0.01
@@ -248,11 +249,17 @@ def _check_time(source: str, t: np.ndarray) -> None:
         )
     late = np.flatnonzero(np.diff(t) <= 0)
     if late.size:
-        k = int(late[0]) + 1
+        k, step = int(late[0]) + 1, float32_step(t)
+        remedy = (
+            "times must be strictly increasing, so sort rows and drop repeated ones"
+        )
+        if step:
+            remedy = (
+                f"they were kept as float32, in steps of {step:.2g} s: write float64"
+            )
         raise InputError(
             f"{source}: column 't', row {k + 1}: {t[k]} s does not come after "
-            f"{t[k - 1]} s; times must be strictly increasing, so sort the rows "
-            "and drop repeated ones"
+            f"{t[k - 1]} s; {remedy}"
         )
     short = np.flatnonzero(np.diff(t) < SHORTEST)
     if short.size:

@@ -29,6 +29,7 @@ from orbident.estimation.evidence import WORTH, misfit
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.residual_checks import NOISY
 from orbident.estimation.solve import Solved
+from orbident.recordings.rounded_times import float32_step
 
 EXPLAINS = 100.0
 """Fall in chi-square from which on a cause is worth a word though others are left."""
@@ -50,6 +51,13 @@ are wrong, putting one of them right does not bring a fit."""
 def causes(solved: Solved) -> Iterator[Check]:
     """What is most likely wrong, first of all checks."""
     problem, shown = solved.problem, solved.shown
+    step = float32_step(problem.recording.t)
+    if step:
+        yield _found(
+            f"the times were kept as float32, in steps of {step:.2g} s",
+            "write times as float64, or seconds from a start that is near",
+        )
+        return
     for words in stale(problem.robot, problem.recording):
         yield _found(words, "record each sample once, when it is taken")
         return
