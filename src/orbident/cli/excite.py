@@ -58,7 +58,11 @@ Starts = Annotated[
 ]
 Budget = Annotated[
     float | None,
-    typer.Option(metavar="SECONDS", help="Search time, instead of a number of starts."),
+    typer.Option(
+        metavar="SECONDS",
+        help="Search time, instead of a number of starts. With 40 harmonics, or 1e5 s of "
+        "motion, one start alone takes minutes.",
+    ),
 ]
 Uncertainty = Annotated[
     float,
