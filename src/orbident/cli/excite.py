@@ -60,8 +60,8 @@ Budget = Annotated[
     float | None,
     typer.Option(
         metavar="SECONDS",
-        help="Search time, instead of a number of starts. With 40 harmonics, or 1e5 s of "
-        "motion, one start alone takes minutes.",
+        help="Search time, instead of a number of starts. One start alone takes minutes "
+        "with 40 harmonics, or with 1e5 s of motion.",
     ),
 ]
 Uncertainty = Annotated[
