@@ -60,8 +60,8 @@ Budget = Annotated[
     float | None,
     typer.Option(
         metavar="SECONDS",
-        help="Search time, instead of a number of starts. One start alone takes minutes "
-        "with 40 harmonics, or with 1e5 s of motion.",
+        help="Search time, instead of a number of starts. One start takes minutes with "
+        "40 harmonics, or with 1e5 s of motion.",
     ),
 ]
 Uncertainty = Annotated[
