@@ -15,7 +15,7 @@ REQUIRED = $$($(BIN)/python -c "import sys, tomllib; \
 	table, key = sys.argv[1:]; \
 	print(*tomllib.load(open('pyproject.toml', 'rb'))[table][key])" $(1))
 
-.PHONY: demo test style types suite sanitize wheels site clean
+.PHONY: demo test style types suite sanitize benchmarks wheels site clean
 
 demo: .venv/libraries .venv/core
 	$(BIN)/orbident study spatial
@@ -44,6 +44,13 @@ sanitize: .venv/tested
 	LD_PRELOAD="$$(c++ -print-file-name=libasan.so) $$(c++ -print-file-name=libstdc++.so)" ASAN_OPTIONS=detect_leaks=0 \
 		$(SANITIZED) -m pytest -n 2 -m core \
 		tests/properties tests/oracles tests/unit/core tests/unit/estimation
+
+# Every benchmark and every script of them once, with small sizes: whether it runs, not how fast.
+benchmarks: .venv/tested
+	$(BIN)/pytest -q benchmarks --benchmark-disable -o addopts="" -p no:xdist
+	$(BIN)/python benchmarks/campaign_rates.py --runs 20 --duration 10
+	$(BIN)/python benchmarks/long_recordings.py 20000 --tracked
+	$(BIN)/python benchmarks/live_kilohertz.py --seconds 5
 
 # The source distribution and wheels, tried in bare environments of Python 3.11 to 3.13.
 wheels: .venv/tested

@@ -46,39 +46,44 @@ def excite(folder: Path, *arguments: object) -> float:
     ],
 )
 @pytest.mark.benchmark(group="like the paper")
-def bench_like_paper(benchmark, record, tmp_path, robot, bar, seconds):
+def bench_like_paper(benchmark, record, tmp_path, robot, bar, seconds, once, meets):
     """The median of five seeds, and the seconds of one."""
+    effort = ("--starts", 1) if once else ()
 
     def designed(seed):
-        cpu = excite(tmp_path, robot, "--like-paper", "--seed", seed)
+        cpu = excite(tmp_path, robot, "--like-paper", "--seed", seed, *effort)
         made = load_trajectory(tmp_path / "made.yaml").design
         assert made is not None
         return made["value"], cpu
 
     first = benchmark.pedantic(designed, (0,), rounds=1)
-    values, cpus = np.transpose([first, *map(designed, range(1, 5))])
+    values, cpus = np.transpose([first, *map(designed, () if once else range(1, 5))])
     cond = float(np.median(values))
     wall = record(robot, cond=cond, worst=max(values), cpu_seconds=float(cpus.mean()))
-    assert cond <= bar
-    assert wall < seconds  # on an idle machine
+    meets(cond <= bar)
+    meets(wall < seconds)  # on an idle machine
 
 
 @pytest.mark.benchmark(group="dual-arm")
-def bench_dual_arm(benchmark, record):
+def bench_dual_arm(benchmark, record, once, meets):
     """14 joints: the deviations of all 125 parameters, against random motions."""
     robot = load_robot("dual-arm")
     given = conditions_for(robot, 80.0, harmonics=5)
     design = partial(
-        design_excitation, robot, objective="a", budget=60.0, conditions=given
+        design_excitation,
+        robot,
+        objective="a",
+        budget=1.0 if once else 60.0,
+        conditions=given,
     )
     made = benchmark.pedantic(design, rounds=1).design
     wall = record("dual-arm", value=made["value"], random=made["median_random_start"])
-    assert made["median_random_start"] > 10 * made["value"]
-    assert wall < 120
+    meets(made["median_random_start"] > 10 * made["value"])
+    meets(wall < 120)
 
 
 @pytest.mark.benchmark(group="differences")
-def bench_against_finite_differences(benchmark, record):
+def bench_against_finite_differences(benchmark, record, once, meets):
     """SLSQP from one start, as toolboxes do: gradients by differences.
 
     The same motion, criterion, limits and start.
@@ -101,7 +106,7 @@ def bench_against_finite_differences(benchmark, record):
                 "jac": lambda x: -polytope.rows,
             },
             method="SLSQP",
-            options={"maxiter": 100},
+            options={"maxiter": 1 if once else 100},
         )
 
     found = benchmark.pedantic(theirs, rounds=1)
@@ -118,22 +123,22 @@ def bench_against_finite_differences(benchmark, record):
     fast = time.perf_counter() - started
     cond = float(np.exp(ours.optima[0].value))
     benchmark.extra_info.update(ours_seconds=fast, ours_cond=cond)
-    assert fast < slow
+    meets(fast < slow)
 
 
 @pytest.mark.benchmark(group="monte carlo")
-def bench_realised_errors(benchmark, record):
+def bench_realised_errors(benchmark, record, once, meets):
     """Section 3.5's noise on Table 2's motion and on the designed one."""
     robot = load_robot("paper-spatial")
     case = paper_case(robot)
     designed = design_excitation(
-        robot, objective="d", conditions=case.conditions, starts=6
+        robot, objective="d", conditions=case.conditions, starts=1 if once else 6
     )
     pi = minimal_sets(robot).pi(robot.theta)
 
     def rms(trajectory):
         errors = []
-        for seed in range(SEEDS):
+        for seed in range(1 if once else SEEDS):
             noisy = simulate(robot, trajectory, noise="sensors", seed=seed, truth=True)
             result = identify(robot, with_attitude(noisy), "least-squares")
             errors.append(result.pi.values - pi)
@@ -143,7 +148,7 @@ def bench_realised_errors(benchmark, record):
     ours = benchmark.pedantic(rms, (designed,), rounds=1)
     ratio = float(np.median(theirs / ours))
     record("monte carlo", median_ratio=ratio, worst_ratio=float((theirs / ours).min()))
-    assert ratio > 1
+    meets(ratio > 1)
 
 
 def with_attitude(noisy: Recording) -> Recording:

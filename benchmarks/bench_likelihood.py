@@ -39,32 +39,32 @@ def dual_arm_recording():
 
 
 @pytest.mark.benchmark(group="paper-spatial")
-def bench_identify(benchmark, record, robot, recording):
+def bench_identify(benchmark, record, robot, recording, meets):
     result = identify(robot, recording)
     benchmark.pedantic(identify, args=(robot, recording), rounds=5)
     error = abs(result.mass.value / robot.mass - 1)
     median = record("maximum likelihood", samples=result.samples, mass_error=error)
     assert error < 2e-3
-    assert median < SECONDS
+    meets(median < SECONDS)
 
 
 @pytest.mark.benchmark(group="dual-arm")
-def bench_dual_arm(benchmark, record, dual_arm_recording):
+def bench_dual_arm(benchmark, record, dual_arm_recording, meets):
     """Fourteen joints, 108 base parameters, 3001 samples."""
     robot = dual_arm()
     result = benchmark.pedantic(identify, args=(robot, dual_arm_recording), rounds=3)
     error = abs(result.mass.value / robot.mass - 1)
     median = record("maximum likelihood", samples=result.samples, mass_error=error)
     assert error < 2e-3
-    assert median < DUAL_ARM_SECONDS
+    meets(median < DUAL_ARM_SECONDS)
 
 
 @pytest.mark.benchmark(group="paper-spatial")
-def bench_length(benchmark, record, robot):
+def bench_length(benchmark, record, robot, once, meets):
     """Time per sample, of ten thousand and of a hundred thousand."""
     trajectory = spatial_trajectory(robot)
     seconds = []
-    for samples in (LONG // 10, LONG):
+    for samples in (LONG // 100,) if once else (LONG // 10, LONG):
         rate = (samples - 1) / trajectory.duration
         long = simulate(robot, trajectory, rate=rate, noise="sensors")
         identify(robot, long)
@@ -73,19 +73,19 @@ def bench_length(benchmark, record, robot):
         seconds.append(time.perf_counter() - started)
     benchmark.pedantic(lambda: None, rounds=1)
     record("length", seconds=seconds)
-    assert seconds[1] < 12 * seconds[0]
+    meets(seconds[-1] < 12 * seconds[0])
 
 
 @pytest.mark.benchmark(group="paper-spatial")
-def bench_recursive_step(benchmark, record, robot, recording):
-    assert recursion(benchmark, record, robot, recording) < STEP_SECONDS
+def bench_recursive_step(benchmark, record, robot, recording, meets):
+    meets(recursion(benchmark, record, robot, recording) < STEP_SECONDS)
 
 
 @pytest.mark.benchmark(group="dual-arm")
-def bench_recursive_step_of_dual_arm(benchmark, record, dual_arm_recording):
+def bench_recursive_step_of_dual_arm(benchmark, record, dual_arm_recording, meets):
     """Once the filter has handed over; the first steps take ten times as long."""
     recursion(benchmark, record, dual_arm(), dual_arm_recording)
-    assert benchmark.extra_info["us_after"] < 1e6 * DUAL_ARM_STEP_SECONDS
+    meets(benchmark.extra_info["us_after"] < 1e6 * DUAL_ARM_STEP_SECONDS)
 
 
 def recursion(benchmark, record, robot, recording) -> float:

@@ -58,7 +58,11 @@ Starts = Annotated[
 ]
 Budget = Annotated[
     float | None,
-    typer.Option(metavar="SECONDS", help="Search time, instead of a number of starts."),
+    typer.Option(
+        metavar="SECONDS",
+        help="Search time, instead of a number of starts. One start takes minutes with "
+        "40 harmonics, or with 1e5 s of motion.",
+    ),
 ]
 Uncertainty = Annotated[
     float,

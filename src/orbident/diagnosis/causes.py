@@ -28,6 +28,7 @@ from orbident.estimation.estimate import Estimate, Solved
 from orbident.estimation.evidence import WORTH, misfit
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.residual_checks import NOISY
+from orbident.recordings.rounded_times import float32_step
 from orbident.threads import one_blas_thread
 
 EXPLAINS = 100.0
@@ -42,6 +43,10 @@ MOST = 0.5
 LIKELIEST = 3
 """So many are tried, of all that have a score."""
 
+LOST = 6
+"""Trials without a least cost, after which nothing is tried any more: where many things
+are wrong, putting one of them right does not bring a fit."""
+
 
 @one_blas_thread
 def causes(solved: Solved) -> tuple[Check, ...]:
@@ -51,6 +56,13 @@ def causes(solved: Solved) -> tuple[Check, ...]:
 
 def _causes(solved: Solved) -> Iterator[Check]:
     problem, shown = solved.problem, solved.shown
+    step = float32_step(problem.recording.t)
+    if step:
+        yield _found(
+            f"the times were kept as float32, in steps of {step:.2g} s",
+            "write times as float64, or seconds from a start that is near",
+        )
+        return
     for words in stale(problem.robot, problem.recording):
         yield _found(words, "record each sample once, when it is taken")
         return
@@ -164,7 +176,10 @@ def _tried(
         clocks,
         wandering,
     ):
-        trials += [_sure(one, before) for one in some(problem)]
+        for one in some(problem):
+            trials.append(_sure(one, before))
+            if sum(not each.converged for each in trials) == LOST:
+                return trials
         if any(one.accepted for one in trials):
             break
     return trials

@@ -31,6 +31,11 @@ class Trial(NamedTuple):
     fits: bool = False
     """Whether it is accepted, or shows too little of the mass and nothing wrong."""
 
+    @property
+    def converged(self) -> bool:
+        """Whether there is a least cost."""
+        return self.estimate is not None and self.estimate.converged
+
 
 def trial(cause: str, problem: MomentumProblem) -> Trial:
     """Identify by output error, and judge.
@@ -43,7 +48,7 @@ def trial(cause: str, problem: MomentumProblem) -> Trial:
         return Trial(cause, False, np.inf)
     try:
         shown = OutputError(steps=FEW_STEPS).estimate(problem, lambda _: None)
-    except InputError:  # Equations that overflow.
+    except InputError:  # Equations that overflow, or too few rows.
         return Trial(cause, False, np.inf)
     judgement = judge(Solved(problem, [], shown, shown), dict(shown.masses))
     accepted = worst(judgement.checks) != "do not trust"

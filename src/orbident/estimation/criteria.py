@@ -66,6 +66,7 @@ def judge(solved: Solved, masses: dict[str, Quantity]) -> Judgement:
         checks += _determined(problem, "phi", phi)
     if none:
         checks += [
+            *_possible_numbers(estimate),
             *_convergence(estimate, shown),
             *unsettled_weights(shown or estimate),
             *residual_checks(problem, shown or estimate),
@@ -104,6 +105,25 @@ def _determined(
         reason, remedy = "the motion does not excite them", "record a richer trajectory"
     words = f"{names} not determined: {reason}"
     yield Check(f"{name} determined", "with care", words, remedy)
+
+
+def _possible_numbers(estimate: Estimate) -> Iterator[Check]:
+    """Whether what is determined has a value, and the mass is one.
+
+    A recursion whose samples tell no scale has none.
+    """
+    found, M = estimate.found, estimate.mass
+    numbers = [np.array([M.value, M.std])] + [
+        x[known.determined]
+        for known in (found.pi, found.phi, found.base)
+        for x in (known.values, np.diag(known.covariance))
+    ]
+    finite = np.isfinite(np.concatenate(numbers)).all()
+    reason = "what was found is no number: too few samples count, or they overflow"
+    if finite:
+        reason = f"mass: found {M.value:.4g} kg, which no robot has"
+    if not (finite and M.value > 0):
+        yield Check("possible numbers", "do not trust", reason, CAUSES)
 
 
 def _convergence(estimate: Estimate, shown: Estimate | None) -> Iterator[Check]:

@@ -119,7 +119,8 @@ def maximum_likelihood(
         late: by sensor, by how much its clock is behind, s, beside declared latencies.
         initial_momentum: `"at-rest"` is used; the first sample is like any other.
         progress: is called at every step.
-        steps: at most, for the weights of each round.
+        steps: at most, for the weights of each round; where fewer than usual find no
+            least cost, and the fit is bad, it is not asked what else acts.
         others: what other recordings of the robot say; the search starts there.
     """
     sensors = sensors_of(robot, recording, delays(robot, recording, late))
@@ -157,7 +158,7 @@ def maximum_likelihood(
         problem, asked, lambda problem: replace(search, problem=problem).first(asked)
     )
     search = replace(search, problem=problem)
-    fit = with_disturbances(problem, search, excluded, asked)
+    fit = with_disturbances(problem, search, excluded, asked, steps < STEPS)
     zeros, found, groups, plain, instead = fit
     estimate = estimate_of(found.solution, prior_std(robot, sets))
     faint = taken_for_zero(zeros)

@@ -18,3 +18,7 @@ and its inverse fourth power is still a float64."""
 
 SHORTEST = 1e-9
 """s, between two samples. Loggers count nanoseconds at best."""
+
+TOGETHER = 1e-6
+"""s: samples this close are of one time, as clocks and their latencies are rounded; in
+the mean no sensor's follow each other so fast."""

@@ -62,22 +62,26 @@ class Elements:
         v = slow * (e * np.sin(f) * up + (1 + e * np.cos(f)) * ahead)
         return np.concatenate([r, v])
 
-    def states(self, t: Float[np.ndarray, " n"]) -> Float[np.ndarray, "n 6"]:
-        """Places, m, and velocities, m/s.
-
-        Args:
-            t: seconds after the epoch, increasing.
+    def check_covers(self, start: float, end: float) -> None:
+        """Refuse times that are too far from the epoch.
 
         Raises:
             InputError: that is more than a week away.
         """
-        far = float(t[np.abs(t).argmax()])
+        far = max(start, end, key=abs)
         if abs(far) > AFAR:
             raise InputError(
                 f"orbit: t = {far:.6g} s is {abs(far) / DAY:.0f} days from its epoch, "
                 "and elements hold for a week: times of a recording are seconds after "
                 "the epoch; give elements and an epoch near them"
             )
+
+    def states(self, t: Float[np.ndarray, " n"]) -> Float[np.ndarray, "n 6"]:
+        """Places, m, and velocities, m/s.
+
+        Args:
+            t: seconds after the epoch, increasing.
+        """
         from scipy.integrate import solve_ivp
 
         x = np.tile(self.state(), (t.size, 1))

@@ -98,9 +98,10 @@ class Orbit:
 
 @lru_cache(maxsize=KEPT)
 def _arc(orbit: Orbit, start: float, end: float) -> Arc:
+    # First: there are as many states as the time between is long.
+    orbit.motion.check_covers(start, end)
     grid = STEP * np.arange(np.floor(start / STEP) - 1, np.ceil(end / STEP) + 2)
     if isinstance(orbit.motion, Ephemeris):
-        orbit.motion.check_covers(start, end)
         t, x = orbit.motion.t, orbit.motion.states
         grid = np.clip(grid, t[0], t[-1])
         grid = np.unique(grid)

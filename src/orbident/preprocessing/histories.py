@@ -173,9 +173,13 @@ def _share(column: str) -> str:
 
 
 def _share_of(angle: Smoothed | Rates) -> float:
-    """Variance of a smoothed position over that of a sample."""
+    """Variance of a smoothed position over that of a sample.
+
+    NaN where 4 samples do not tell their noise, or the clock is off by all of them.
+    """
     assert isinstance(angle, Smoothed)
-    return float((np.nanmedian(angle.std_x) / angle.noise_std[0]) ** 2)
+    std = angle.std_x[~np.isnan(angle.std_x)]
+    return float((np.median(std) / angle.noise_std[0]) ** 2) if std.size else np.nan
 
 
 def encoder_noise(sensor: Mapping[str, Any]) -> float | None:

@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from orbident.errors import InputError
-from orbident.files.bounds import FAINTEST, LARGEST, SHORTEST
+from orbident.files.bounds import FAINTEST, LARGEST, SHORTEST, TOGETHER
 from orbident.files.data_frames import frame
 from orbident.files.names import closest, listed
 from orbident.recordings.columns import (
@@ -21,6 +21,7 @@ from orbident.recordings.columns import (
     torquer_of,
     wheel_of,
 )
+from orbident.recordings.rounded_times import float32_step
 from orbident.robot.description import Robot
 
 QUATERNION = ("attitude.x", "attitude.y", "attitude.z", "attitude.w")
@@ -277,11 +278,18 @@ def _check_time(source: str, t: np.ndarray) -> None:
         )
     late = np.flatnonzero(np.diff(t) <= 0)
     if late.size:
-        k = int(late[0]) + 1
+        k, step = int(late[0]) + 1, float32_step(t)
+        remedy = (
+            "times must be strictly increasing: sort the rows and drop repeated ones, or "
+            "cut the recording here if its clock was set or restarted"
+        )
+        if step:
+            remedy = (
+                f"they were kept as float32, in steps of {step:.2g} s: write float64"
+            )
         raise InputError(
             f"{source}: column 't', row {k + 1}: {t[k]} s does not come after "
-            f"{t[k - 1]} s; times must be strictly increasing: sort the rows and drop "
-            "repeated ones, or cut the recording here if its clock was set or restarted"
+            f"{t[k - 1]} s; {remedy}"
         )
     short = np.flatnonzero(np.diff(t) < SHORTEST)
     if short.size:
@@ -289,6 +297,12 @@ def _check_time(source: str, t: np.ndarray) -> None:
         raise InputError(
             f"{source}: column 't', row {k + 1}: {t[k] - t[k - 1]:.3g} s after the row "
             f"before; give times in seconds, at least {SHORTEST:g} s apart"
+        )
+    step = (t[-1] - t[0]) / (t.size - 1)
+    if step < TOGETHER:
+        raise InputError(
+            f"{source}: column 't': rows are {step:.2g} s apart in the mean, and no "
+            f"sensor samples faster than every {TOGETHER:g} s; give times in seconds"
         )
 
 

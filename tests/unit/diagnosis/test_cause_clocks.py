@@ -1,9 +1,17 @@
 """Clocks that are late or early."""
 
+import numpy as np
+import pytest
 from cause_problems import clean
+from small_problems import small_recording, small_robot
 
-from orbident.diagnosis.late_clocks import clocks
+from orbident.diagnosis.causes import causes
+from orbident.diagnosis.late_clocks import SHARED, _behind, clocks
+from orbident.errors import InputError
+from orbident.estimation.estimate import Solved
+from orbident.estimation.least_squares import LeastSquares
 from orbident.estimation.momentum_problem import momentum_problems
+from orbident.estimation.output_error.estimator import OutputError
 from orbident.recordings.recording import Recording
 
 
@@ -19,3 +27,24 @@ def test_a_position_that_is_a_row_early():
     (found,) = clocks(problem)
     assert found.accepted
     assert found.cause == "the clock of the position is 100 ms early"
+
+
+def test_a_clock_that_is_off_by_the_whole_recording():
+    """Nothing can be fitted to what is left, and the search goes on without it."""
+    robot = small_robot()
+    short = small_recording(robot).between(0.0, 1.0)
+    problem = momentum_problems(robot, short, "at-rest", lambda _: None)[0]
+    late = dict.fromkeys(SHARED, 0.0) | {"position": 0.98}
+    with pytest.raises(InputError, match="known together at 1 times"):
+        OutputError().estimate(_behind(problem, late), lambda _: None)
+
+
+def test_times_that_were_kept_as_float32():
+    """For a week on: nothing else is tried."""
+    recording = clean().recording
+    t = (recording.t + 604_800.0).astype(np.float32).astype(float)
+    rounded = Recording(t, recording.columns)
+    problem = momentum_problems(clean().robot, rounded, "unknown", lambda _: None)[0]
+    nothing = LeastSquares().estimate(problem, lambda _: None)
+    (found,) = causes(Solved(problem, [], nothing, None))
+    assert found.reason == "the times were kept as float32, in steps of 0.062 s"

@@ -55,3 +55,9 @@ def test_the_sun_goes_down():
     shadow = np.arcsin(6378137.0 / R) / np.pi
     assert light.max() == pytest.approx(1.0)
     assert np.mean(1 - light) == pytest.approx(shadow, abs=2e-3)
+
+
+def test_times_in_another_unit_take_no_memory():
+    """A state every ten seconds would be 745 GiB."""
+    with pytest.raises(InputError, match="elements hold for a week"):
+        Orbit(Elements(R, 0.0)).arc(0.0, 1e12)

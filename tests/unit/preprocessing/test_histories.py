@@ -49,3 +49,10 @@ def test_noise_is_declared_where_counts_hide_it():
     assert encoder_noise({"position": 1e-3}) is None
     counts = encoder_noise({"position": 3e-3, "resolution": 4e-3 * math.sqrt(12)})
     assert counts == pytest.approx(5e-3)
+
+
+def test_four_samples_tell_no_noise():
+    """Nor a share of it, and there is no warning of NumPy's."""
+    few = Recording(T[:4], {"wheel.rw.position": np.array([0.0, 1.0, 1.5, 3.0])})
+    found = histories(few, "wheel", ("rw",), "speed", {}, 0.0, Settings())
+    assert np.isnan(found.shares).all()

@@ -241,3 +241,12 @@ def test_rounding_is_no_fault():
 
 def test_a_column_without_a_meaning_may_hold_anything_finite():
     Recording(np.array([0.0, 1.0]), {"header.stamp": np.array([1.7e18, 1.7e18])})
+
+
+def test_times_in_another_unit_are_refused():
+    with pytest.raises(InputError, match=r"rows are 1e-07 s apart .* in seconds"):
+        Recording(1e-6 * T, {})
+
+
+def test_two_sensors_may_have_nearly_the_same_times():
+    assert Recording(np.sort([*T, *(T + 2e-9)]), {}).t.size == 6

@@ -88,6 +88,7 @@ def with_disturbances(
     search: Search,
     excluded: Collection[str] = (),
     asked: tuple[str, ...] = (),
+    hasty: bool = False,
 ) -> Fit:
     """Free one group after another, as long as chi-square says that it acts.
 
@@ -96,21 +97,23 @@ def with_disturbances(
         search: finds a fit with some groups.
         excluded: groups that are not tested.
         asked: groups that are known to act: these are free in any case.
+        hasty: whether nothing is tested where a bad search found no least cost.
     """
     plain = search.whole(partial(search.first, ()))
-    tested = problem.t.size <= LONGEST
-    every = {each.group for each in problem.acting.disturbances} if tested else set()
     # In all first fits noise is that assumed, so that their costs can be compared.
     solution, groups, cost = plain.solution, asked, plain.assumed
     if asked:
         solution = search.first(asked)
         cost = solution.cost
+    tested = problem.t.size <= LONGEST
+    tested &= solution.converged or not (hasty and _bad(problem, cost))
+    every = {each.group for each in problem.acting.disturbances} if tested else set()
     # Beside a slow torque that is known to act another one would follow anything.
     slow = SLOW if {*SLOW, *WALKS} & {*asked} else ()
     zeros = first = TakenForZero(problem, solution, every - {*excluded, *slow})
     for _ in range(ROUNDS):
         more = _best(zeros, groups, cost, search)
-        if more is None or _hopeless(problem, more[0].cost, cost):
+        if more is None or _hopeless(problem, more[0], cost):
             break
         solution, groups = more
         # A group that stood for this one is not needed beside it.
@@ -209,10 +212,18 @@ def _best(
     return best[0], best[1]
 
 
-def _hopeless(problem: Problem, cost: float, before: float) -> bool:
-    """Whether the fit is bad, and a group more explains hardly any of it."""
+def _hopeless(problem: Problem, more: Solution, before: float) -> bool:
+    """Whether the fit is bad, and a group more explains hardly any of it.
+
+    At no least cost the next test would mean as little as the one before.
+    """
+    little = more.cost > LEFT * before
+    return _bad(problem, more.cost) and (little or not more.converged)
+
+
+def _bad(problem: Problem, cost: float) -> bool:
     samples = sum(int((weight > 0).sum()) for weight in problem.weights.values())
-    return cost > max(BAD * samples, LEFT * before)
+    return cost > BAD * samples
 
 
 def start_with(

@@ -10,8 +10,9 @@ from jaxtyping import Bool, Float
 from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation, Slerp
 
-from orbident.estimation.output_error.sensors import TOGETHER
+from orbident.errors import InputError
 from orbident.estimation.output_error.shooting import Intervals, with_middles
+from orbident.files.bounds import TOGETHER
 from orbident.model.kinematics import Poses, carrying_joints, poses
 from orbident.model.minimal_sets import MinimalSets
 from orbident.preprocessing.histories import Columns
@@ -111,6 +112,12 @@ class Followed:
     def _between(self, columns: Columns) -> Float[np.ndarray, "nodes axes"]:
         x = np.column_stack(columns)
         known = np.isfinite(x).all(axis=1)
+        if known.sum() < 2:
+            raise InputError(
+                f"{self.samples.source}: joints, wheels and base are known together "
+                f"at {known.sum()} times, and 2 are needed at least; check the clocks, "
+                "or record longer"
+            )
         return np.asarray(CubicSpline(self.samples.t[known], x[known])(self.t))
 
     @property

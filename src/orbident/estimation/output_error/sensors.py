@@ -10,6 +10,7 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
 from orbident.estimation.tachometers import rate_noise
+from orbident.files.bounds import TOGETHER
 from orbident.recordings.recording import Recording
 from orbident.robot.coloured_noise import WHITE, Coloured, coloured_noise
 from orbident.robot.description import Robot
@@ -31,9 +32,6 @@ CLOCKS = {"velocity": "position"}
 
 INERTIAL = {"gyro": "angle_random_walk", "accelerometer": "velocity_random_walk"}
 POINTS = {"attitude": "angle", "position": "std"}
-
-TOGETHER = 1e-6
-"""s: samples this close are of one time; clocks and their latencies are rounded."""
 
 LEAST = 3e-8
 """Least noise of a sensor, over its signal's size or in rad. Splines and integration

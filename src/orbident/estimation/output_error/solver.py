@@ -56,7 +56,7 @@ def solved(
     """
     here = here or linear(problem, weights, state)
     cost = here.cost + prior.cost(state)
-    check_finite(cost, here.factor)
+    check_finite(cost, _size(here))
     damping, raised = 0.0, RAISED
     taken = [Step(cost, np.nan)]
     for _ in range(steps):
@@ -121,9 +121,13 @@ def equations_at(
     with np.errstate(over="ignore", invalid="ignore"):
         there = linear(problem, weights, state)
         cost = there.cost + prior.cost(state)
-        # Squares of it are needed too.
-        size = np.linalg.norm(there.factor)
-    return there, cost if np.isfinite(size) else np.inf
+    return there, cost if np.isfinite(_size(there)) else np.inf
+
+
+def _size(here: Linear) -> float:
+    """That of the equations, infinite where their squares are, which are needed too."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        return float(np.linalg.norm(here.factor))
 
 
 def _damped(

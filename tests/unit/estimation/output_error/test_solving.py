@@ -194,6 +194,15 @@ def test_equations_that_overflow_are_refused(small):
         solved(small.problem, small.problem.weights, small.prior, state)
 
 
+def test_equations_whose_squares_overflow_are_refused(small):
+    """As those of a recording whose time jumps by decades."""
+    problem, prior, state, _ = small
+    here = linear(problem, problem.weights, state)
+    large = here._replace(factor=1e150 * here.factor)
+    with pytest.raises(InputError, match="overflows, so nothing can be fitted"):
+        solved(problem, problem.weights, prior, state, here=large)
+
+
 def test_a_step_that_overflows_costs_more_than_any(small):
     """Its equations may, though its cost does not: there is no way on from there."""
     problem, prior, state, _ = small
