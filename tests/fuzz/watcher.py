@@ -90,7 +90,7 @@ class Watcher:
             case.write(folder)
             worker = self._started()
             request = {"folder": str(folder), "output": str(output)}
-            request |= {"arguments": case.arguments}
+            request |= {"arguments": case.arguments, "setting": case.setting}
             answer = self._ask(worker, request, longest)
             return Outcome(
                 status=answer["status"],
@@ -113,7 +113,8 @@ class Watcher:
             )
             # Imports are no case's time.
             with tempfile.TemporaryDirectory() as place:
-                request = {"folder": place, "output": place, "arguments": ["robots"]}
+                request = {"folder": place, "output": place, "setting": ""}
+                request |= {"arguments": ["robots"]}
                 answer = self._ask(self._worker, request, LONGEST)
             if answer["status"] != 0:
                 raise RuntimeError(
