@@ -107,7 +107,7 @@ def _hdf5(random: Random, path: Path) -> None:
         for name, values in _table().items():
             file[f"log/{name}"] = values
         for _ in range(random.choice((1, 2))):
-            with contextlib.suppress(TypeError, ValueError, OSError):
+            with contextlib.suppress(TypeError, ValueError, OSError, RuntimeError):
                 random.choice(HDF5)(file["log"], random.choice(("more", "x/y")))
 
 
@@ -192,10 +192,9 @@ def _bag(random: Random, seeds: Seeds) -> Case:
         files = {name.replace("bag", renamed): c for name, c in files.items()}
         bag = bag.replace("bag", renamed)
     if random.random() < 0.2:
-        beside = Path(next(iter(files))).parent
-        files[f"{beside}/bag_1.{random.choice(('db3', 'mcap', 'db3-wal'))}"] = (
-            random.choice((b"", *seeds.bags["ros1"].values()))
-        )
+        more = f"bag_1.{random.choice(('db3', 'mcap', 'db3-wal'))}"
+        beside = Path(next(iter(files), "bag/x")).with_name(more)
+        files[str(beside)] = random.choice((b"", *seeds.bags["ros1"].values()))
     files["map.yaml"] = MAP.encode()
     return _read(random, bag, files)
 
