@@ -148,7 +148,8 @@ class Watcher:
             status = worker.returncode
             return {"status": status, "seconds": seconds, "peak": peak}
         answer = json.loads(line)
-        if answer["held"] > RENEWED_AT:
+        # What was opened while standard input was closed took its number.
+        if answer["held"] > RENEWED_AT or request["setting"]:
             self._end()
         return answer | {"seconds": seconds}
 

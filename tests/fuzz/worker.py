@@ -75,7 +75,8 @@ def _set_up(folder: Path, setting: str) -> None:
 
 
 def _feed(path: Path, content: bytes) -> None:
-    with suppress(OSError), path.open("wb") as written:
+    # Unlike `open`, this makes no file where the FIFO is gone.
+    with suppress(OSError), os.fdopen(os.open(path, os.O_WRONLY), "wb") as written:
         written.write(content)
 
 
