@@ -11,8 +11,8 @@ from seeds import Seeds
 
 PIECES: Mapping[str, tuple[str, ...]] = {
     "robot.xml": (
-        '<asset><model name="again" file="robot.xml"/></asset>',
-        '<attach model="again" body="part0" prefix="p_"/>',
+        '<asset><model name="again" file="robot.xml"/></asset><worldbody><attach '
+        'model="again" body="part0" prefix="p_"/></worldbody>',
         '<include file="robot.xml"/>',
         '<include file="../none.xml"/>',
         '<size {size}="{count}"/>',
@@ -153,7 +153,7 @@ def _with(random: Random, content: bytes, piece: str) -> bytes:
     added = piece.replace("{{", "{").replace("}}", "}").encode()
     ends = [found.end() for found in re.finditer(rb"/>|</\w+>|<\w+>", content)]
     # Where the root ends, or anywhere.
-    at = random.choice([*ends[-2:-1] * len(ends), *ends, 0])
+    at = random.choice([content.rfind(b"</") % (len(content) + 1)] * len(ends) + ends)
     return content[:at] + added + content[at:]
 
 
