@@ -8,8 +8,11 @@ sys.path.insert(0, str(Path(__file__).parents[1]))  # for bag_writers
 
 from campaign import Campaign
 from case import stored
+from groups import GROUPS
 from oracle import fault
 from watcher import Watcher
+
+BY_NAME = {group.__name__: group for group in GROUPS}
 
 
 def main() -> int:
@@ -22,6 +25,9 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=0, help="of the cases")
     parser.add_argument("--workers", type=int, default=2, help="processes at a time")
     parser.add_argument(
+        "--group", choices=list(BY_NAME), help="cases of one group alone"
+    )
+    parser.add_argument(
         "--absurd", action="store_true", help="also inputs of absurd size"
     )
     parser.add_argument(
@@ -32,8 +38,11 @@ def main() -> int:
     if given.again:
         return _again(given.again)
     campaign = Campaign(given.failures, given.workers)
+    identified, weights = given.identify, GROUPS
+    if given.group:
+        identified, weights = 0, {BY_NAME[given.group]: 1}
     try:
-        campaign.run(given.cases, given.identify, given.seed, given.absurd)
+        campaign.run(given.cases, identified, given.seed, given.absurd, weights)
     finally:
         # After Ctrl-C too: what has been run until then.
         print(campaign.summary.table())

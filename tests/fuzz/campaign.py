@@ -6,7 +6,7 @@ import sys
 import tempfile
 import threading
 from collections import Counter, defaultdict
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -89,7 +89,14 @@ class Campaign:
         self._lock = threading.Lock()
         self.summary = Summary()
 
-    def run(self, count: int, identified: int, seed: int, absurd: bool) -> Summary:
+    def run(
+        self,
+        count: int,
+        identified: int,
+        seed: int,
+        absurd: bool,
+        weights: Mapping[Group, int] = GROUPS,
+    ) -> Summary:
         """Cases from a seed: the same ones each time.
 
         Args:
@@ -97,6 +104,7 @@ class Campaign:
             identified: how many of them go through `identify` with all methods.
             seed: of the cases.
             absurd: whether those of absurd size are run too.
+            weights: how often each group is run.
         """
         with tempfile.TemporaryDirectory(prefix="fuzz-") as place:
             watchers = [Watcher() for _ in range(self._workers)]
@@ -104,7 +112,7 @@ class Campaign:
             for watcher in watchers:
                 free.put(watcher)
             seeds = made(watchers[0], Path(place))
-            cases = _cases(seeds, count, identified, seed)
+            cases = _cases(seeds, count, identified, seed, weights)
             if absurd:
                 cases = itertools.chain(extremes(seeds), cases)
 
@@ -159,10 +167,18 @@ def _slug(text: str) -> str:
     return "-".join(part for part in kept.split("-") if part)[:60]
 
 
-def _cases(seeds: Seeds, count: int, identified: int, seed: int) -> Iterator[Case]:
+def _cases(
+    seeds: Seeds,
+    count: int,
+    identified: int,
+    seed: int,
+    weights: Mapping[Group, int],
+) -> Iterator[Case]:
     random = Random(seed)
     groups: list[Group] = [identify] * identified
-    groups += random.choices(list(GROUPS), list(GROUPS.values()), k=count - identified)
+    groups += random.choices(
+        list(weights), list(weights.values()), k=count - identified
+    )
     random.shuffle(groups)
     for number, group in enumerate(groups):
         # A case does not depend on those before it.

@@ -8,6 +8,12 @@ from pathlib import Path
 
 COMMAND = "arguments.json"
 """Beside the files of a stored case."""
+STDIN = "stdin"
+"""The file that the command finds as its standard input, if the case has it."""
+FIFO = "fifo"
+"""What the name of a file begins with that the command finds as a FIFO: its content is
+written once to whoever opens it."""
+CLOSED, DELETED = "standard input closed", "working directory deleted"
 
 
 @dataclass(frozen=True)
@@ -19,6 +25,8 @@ class Case:
     files: Mapping[str, bytes]
     """Contents by relative path; a name that is not UTF-8 has surrogates, as Python
     reads it."""
+    setting: str = ""
+    """`CLOSED`, `DELETED` or nothing."""
 
     def write(self, folder: Path) -> None:
         """Put the files into a folder that exists."""
@@ -32,6 +40,7 @@ class Case:
         (folder / "files").mkdir(parents=True)
         self.write(folder / "files")
         document = {"group": self.group, "arguments": self.arguments}
+        document |= {"setting": self.setting}
         (folder / COMMAND).write_text(json.dumps(document) + "\n")
 
 
@@ -43,4 +52,5 @@ def stored(folder: Path) -> Case:
         for path in sorted((folder / "files").rglob("*"))
         if path.is_file()
     }
-    return Case(document["group"], tuple(document["arguments"]), files)
+    arguments = tuple(document["arguments"])
+    return Case(document["group"], arguments, files, document.get("setting", ""))

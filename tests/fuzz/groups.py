@@ -5,9 +5,16 @@ from random import Random
 
 import mutations
 import oddities
+from archive_cases import archives
+from campaign_cases import campaigns
 from case import Case
+from live_cases import live
+from model_cases import added_models
 from mutations import spoiled
+from place_cases import places
+from sealed_run_cases import sealed_runs
 from seeds import LOG_MAP, MAP, Seeds
+from table_cases import tables
 
 METHODS = ("least-squares", "structured", "maximum-likelihood", "recursive")
 SMALL = ("paper-spatial", "cepheus-like")
@@ -339,5 +346,12 @@ GROUPS: Mapping[Group, int] = {
     runs: 3,
     scenes: 1,
     arguments: 3,
+    live: 4,
+    campaigns: 2,
+    sealed_runs: 2,
+    added_models: 4,
+    archives: 4,
+    tables: 3,
+    places: 3,
 }
-"""What is run beside `identify`, and how often of 27."""
+"""What is run beside `identify`, and how often of 49."""

@@ -77,9 +77,10 @@ NUMBER = re.compile(rb"-?\d+\.?\d*(?:[eE][-+]?\d+)?")
 WORD = re.compile(rb"[A-Za-z_][A-Za-z_0-9-]*")
 
 
-def _replaced(
+def replaced(
     random: Random, content: bytes, found: re.Pattern[bytes], by: Callable[[], str]
 ) -> bytes:
+    """One match of the pattern stands for other text."""
     places = list(found.finditer(content))
     if not places:
         return content
@@ -90,7 +91,7 @@ def _replaced(
 
 def odd_number(random: Random, content: bytes) -> bytes:
     """A number is another one, or none."""
-    return _replaced(random, content, NUMBER, lambda: oddities.number(random))
+    return replaced(random, content, NUMBER, lambda: oddities.number(random))
 
 
 def other_number(random: Random, content: bytes) -> bytes:
@@ -106,14 +107,14 @@ def other_number(random: Random, content: bytes) -> bytes:
 
 def odd_word(random: Random, content: bytes) -> bytes:
     """A word is another one."""
-    return _replaced(random, content, WORD, lambda: oddities.word(random))
+    return replaced(random, content, WORD, lambda: oddities.word(random))
 
 
 def swapped_words(random: Random, content: bytes) -> bytes:
     """A word of the file stands where another one was."""
     words = WORD.findall(content) or [b""]
     other = random.choice(words).decode(errors="replace")
-    return _replaced(random, content, WORD, lambda: other)
+    return replaced(random, content, WORD, lambda: other)
 
 
 def lines_changed(random: Random, content: bytes) -> bytes:

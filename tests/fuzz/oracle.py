@@ -61,8 +61,12 @@ def _wrong_words(outcome: Outcome) -> str | None:
 
 
 def _wrong_results(case: Case, outcome: Outcome) -> str | None:
+    live = case.arguments[:1] == ("live",)
+    if live and not all(map(_is_json, outcome.out.splitlines())):
+        return "a line of standard output is not JSON"
     if outcome.status == 2:
-        if outcome.out:
+        # What `live` has told before is told.
+        if outcome.out and not live:
             return "status 2 with standard output"
         if outcome.left:
             return f"a refusal leaves or changes {next(iter(outcome.left))}"

@@ -7,10 +7,12 @@ from pathlib import Path
 
 import numpy as np
 from bag_writers import START, Sent, float64, imu, joint_state, pose, write_bag
-from case import Case
+from case import STDIN, Case
+from live_streams import csv_lines, flown
 from log_writers import KINDS as LOGS
 from log_writers import write_log
 from robot_parts import mjcf_of, random_parts, sdf_of
+from small_campaigns import write_campaign
 from watcher import Watcher
 
 from orbident.robot.new_robot_file import new_robot_text
@@ -49,6 +51,10 @@ PATIENCE = 600.0
 
 DURATION = 12.0
 """s: the shortest recordings from which all methods identify `paper-spatial`."""
+
+STREAMED, LIVE_RATE = 8.0, 10.0
+"""s and Hz: more samples than the filter begins with."""
+LIVE = ("live", "paper-spatial", "--velocity-std", "1e-3", "--state", "state")
 
 MAP = """\
 schema: orbident/topic-map/1
@@ -129,6 +135,12 @@ class Seeds:
     """Files of other tools: suffix and content."""
     models: dict[str, bytes]
     """Robots in every other format than URDF."""
+    stream: bytes
+    """Lines that `live` reads from standard input, of `paper-spatial`."""
+    state: bytes
+    """What `live --state` writes after them."""
+    campaign: dict[str, bytes]
+    """The campaign file `campaign.yaml`, what it names, and its folder `out`."""
 
 
 def made(watcher: Watcher, folder: Path) -> Seeds:
@@ -142,6 +154,7 @@ def made(watcher: Watcher, folder: Path) -> Seeds:
     trajectories = {robot.name: _trajectory(robot).encode() for robot in ROBOTS}
     simulated = {robot.name: _simulated(watcher, robot) for robot in ROBOTS}
     recording = simulated["paper-spatial"]["r.csv"]
+    stream = b"\n".join(csv_lines(flown(STREAMED, LIVE_RATE))) + b"\n"
     return Seeds(
         robots={name: dict(_robot_files(name)) for name in names},
         trajectories=trajectories,
@@ -151,6 +164,9 @@ def made(watcher: Watcher, folder: Path) -> Seeds:
         bags={kind: _bag(kind, folder / kind) for kind in BAGS},
         logs={kind: _log(kind, folder / f"log-{kind}") for kind in LOGS},
         models=_models(),
+        stream=stream,
+        state=_written(watcher, LIVE, {STDIN: stream})["state"],
+        campaign=_campaign(watcher, folder / "campaign"),
     )
 
 
@@ -198,6 +214,14 @@ def _identified(watcher: Watcher, recording: bytes) -> dict[str, bytes]:
     arguments = ("identify", "paper-spatial", "r.csv", "-o", "run")
     method = ("--method", "structured")
     return _written(watcher, (*arguments, *method), {"r.csv": recording})
+
+
+def _campaign(watcher: Watcher, folder: Path) -> dict[str, bytes]:
+    write_campaign(folder)
+    given = {path.name: path.read_bytes() for path in folder.iterdir()}
+    arguments = ("campaign", "run", "campaign.yaml", "-o", "out", "--workers", "1")
+    made = _written(watcher, arguments, given)
+    return given | {n: c for n, c in made.items() if not n.endswith("report.html")}
 
 
 def _written(

@@ -8,6 +8,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -90,7 +91,7 @@ class Watcher:
             case.write(folder)
             worker = self._started()
             request = {"folder": str(folder), "output": str(output)}
-            request |= {"arguments": case.arguments}
+            request |= {"arguments": case.arguments, "setting": case.setting}
             answer = self._ask(worker, request, longest)
             return Outcome(
                 status=answer["status"],
@@ -113,7 +114,8 @@ class Watcher:
             )
             # Imports are no case's time.
             with tempfile.TemporaryDirectory() as place:
-                request = {"folder": place, "output": place, "arguments": ["robots"]}
+                request = {"folder": place, "output": place, "setting": ""}
+                request |= {"arguments": ["robots"]}
                 answer = self._ask(self._worker, request, LONGEST)
             if answer["status"] != 0:
                 raise RuntimeError(
@@ -147,7 +149,8 @@ class Watcher:
             status = worker.returncode
             return {"status": status, "seconds": seconds, "peak": peak}
         answer = json.loads(line)
-        if answer["held"] > RENEWED_AT:
+        # What was opened while standard input was closed took its number.
+        if answer["held"] > RENEWED_AT or request["setting"]:
             self._end()
         return answer | {"seconds": seconds}
 
@@ -159,7 +162,7 @@ class Watcher:
 
 
 class _Look(NamedTuple):
-    """What a process has used when it is looked at."""
+    """What a process and those that it has started have used when it is looked at."""
 
     seconds: float
     """Time of the processor since the process started."""
@@ -168,11 +171,16 @@ class _Look(NamedTuple):
 
 
 def _used(pid: int) -> _Look:
-    # Fields 14, 15 and 24 of proc(5); the second is a name in brackets.
+    # Fields 14 to 17 and 24 of proc(5); the second is a name in brackets.
     fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
-    ticks = int(fields[11]) + int(fields[12])
-    pages = int(fields[21])
-    return _Look(ticks / os.sysconf("SC_CLK_TCK"), pages * os.sysconf("SC_PAGESIZE"))
+    seconds = sum(map(int, fields[11:15])) / os.sysconf("SC_CLK_TCK")
+    held = int(fields[21]) * os.sysconf("SC_PAGESIZE")
+    for child in Path(f"/proc/{pid}/task/{pid}/children").read_text().split():
+        # It may have ended by now; its time then counts as that of its parent.
+        with suppress(OSError):
+            look = _used(int(child))
+            seconds, held = seconds + look.seconds, held + look.held
+    return _Look(seconds, held)
 
 
 def _text(path: Path) -> str:

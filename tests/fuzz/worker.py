@@ -8,11 +8,16 @@ import gc
 import io
 import json
 import os
+import shutil
 import sys
+import threading
 import warnings
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 from unittest.mock import patch
+
+from case import CLOSED, DELETED, FIFO, STDIN
 
 KILOBYTE = 1024
 
@@ -37,7 +42,9 @@ def _show_pages_for_a_moment() -> None:
 
 
 def _answer(request: dict[str, Any]) -> dict[str, Any]:
-    os.chdir(request["folder"])
+    folder = Path(request["folder"])
+    os.chdir(folder)
+    _set_up(folder, request["setting"])
     _forget_warnings()
     # From now on the peak is this case's.
     Path("/proc/self/clear_refs").write_text("5")
@@ -47,6 +54,30 @@ def _answer(request: dict[str, Any]) -> dict[str, Any]:
     # What is left are imported modules, which need not be looked through each time.
     gc.freeze()
     return {"status": status, "peak": peak, "held": _kilobytes("VmRSS") * KILOBYTE}
+
+
+def _set_up(folder: Path, setting: str) -> None:
+    """Standard input, FIFOs, and a working directory that may be gone."""
+    with suppress(OSError):
+        os.close(0)
+    sys.stdin = None  # pyright: ignore[reportAttributeAccessIssue]
+    if setting != CLOSED:
+        given = folder / STDIN
+        os.open(given if given.exists() else os.devnull, os.O_RDONLY)
+        sys.stdin = io.TextIOWrapper(os.fdopen(0, "rb", closefd=False))
+    for path in folder.glob(f"{FIFO}*"):
+        content = path.read_bytes()
+        path.unlink()
+        os.mkfifo(path)
+        threading.Thread(target=_feed, args=(path, content), daemon=True).start()
+    if setting == DELETED:
+        shutil.rmtree(folder)
+
+
+def _feed(path: Path, content: bytes) -> None:
+    # Unlike `open`, this makes no file where the FIFO is gone.
+    with suppress(OSError), os.fdopen(os.open(path, os.O_WRONLY), "wb") as written:
+        written.write(content)
 
 
 def _forget_warnings() -> None:
