@@ -280,8 +280,8 @@ def _check_time(source: str, t: np.ndarray) -> None:
     if late.size:
         k, step = int(late[0]) + 1, float32_step(t)
         remedy = (
-            "times must be strictly increasing: sort the rows and drop repeated ones, or "
-            "cut the recording here if its clock was set or restarted"
+            "times must be strictly increasing: sort the rows and drop repeated "
+            "ones, or cut the recording here if its clock was set or restarted"
         )
         if step:
             remedy = (
