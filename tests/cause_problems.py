@@ -9,7 +9,7 @@ from clean_recordings import Recorded, clean_space
 from edited_recordings import changed
 
 from orbident.estimation.estimate import Estimate, Solved
-from orbident.estimation.estimators import estimator_of
+from orbident.estimation.identify import estimator_of
 from orbident.estimation.momentum_problem import MomentumProblem, momentum_problems
 from orbident.robot.description import Robot
 

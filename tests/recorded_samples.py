@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from orbident.estimation.recursive.state import Sample
+from orbident.estimation.recursive.filter import Sample
 from orbident.preprocessing.samples import Samples
 
 

@@ -12,7 +12,7 @@ from baselines.theta_filter import theta_filter
 
 import orbident as oi
 from orbident.errors import InputError
-from orbident.estimation.estimators import METHODS
+from orbident.estimation.identify import METHODS
 from orbident.estimation.result import Result
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot

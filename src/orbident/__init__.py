@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from orbident.estimation.identify import identify as identify
     from orbident.estimation.least_squares import LeastSquares as LeastSquares
     from orbident.estimation.output_error.estimator import OutputError as OutputError
-    from orbident.estimation.recursive.recursive_estimator import Recursive as Recursive
+    from orbident.estimation.recursive.history import Recursive as Recursive
     from orbident.estimation.result import Result as Result
     from orbident.estimation.structured import Structured as Structured
     from orbident.estimation.weigh import Weighing as Weighing
@@ -65,7 +65,7 @@ _PUBLIC = {
     "MinimalSets": "orbident.model.minimal_sets",
     "OutputError": "orbident.estimation.output_error.estimator",
     "Recording": "orbident.recordings.recording",
-    "Recursive": "orbident.estimation.recursive.recursive_estimator",
+    "Recursive": "orbident.estimation.recursive.history",
     "Result": "orbident.estimation.result",
     "Robot": "orbident.robot.description",
     "Structured": "orbident.estimation.structured",

@@ -11,8 +11,7 @@ from random_motions import Start, random_motion
 from random_robots import random_robot, random_wheels
 from scipy.spatial.transform import Rotation
 
-from orbident.estimation.estimators import METHODS, Method, estimator_of
-from orbident.estimation.identify import identify
+from orbident.estimation.identify import METHODS, Method, estimator_of, identify
 from orbident.estimation.momentum_problem import momentum_problems
 from orbident.estimation.quantities import Parameters
 from orbident.estimation.result import Identified, Result

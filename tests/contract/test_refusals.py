@@ -6,8 +6,7 @@ from edited_recordings import changed
 from random_motions import random_motion
 
 from orbident.errors import InputError
-from orbident.estimation.estimators import METHODS, Method
-from orbident.estimation.identify import identify
+from orbident.estimation.identify import METHODS, Method, identify
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.simulation.simulate import simulate

@@ -9,7 +9,7 @@ sys.path.insert(0, str(Path(__file__).parents[1]))  # for random_motions
 from campaign_of_mistakes import all_rows
 from table import Count, markdown, totals
 
-from orbident.estimation.estimators import METHODS
+from orbident.estimation.identify import METHODS
 
 
 def main() -> int:

@@ -24,7 +24,7 @@ from remembered_fits import fits_remembered
 from table import lines
 
 import orbident as oi
-from orbident.estimation.estimators import METHODS, Method
+from orbident.estimation.identify import METHODS, Method
 
 INTERVAL = 1.959964
 """Deviations to either side: 95 % of a normal distribution."""

@@ -12,7 +12,7 @@ from remembered_fits import fits_remembered
 from spoiled import Spoiled
 
 import orbident as oi
-from orbident.estimation.estimators import METHODS, Method
+from orbident.estimation.identify import METHODS, Method
 from orbident.estimation.result import Result
 
 MOST = 5.0

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from scoring import Row, Score
 
-from orbident.estimation.estimators import METHODS, Method
+from orbident.estimation.identify import METHODS, Method
 
 
 def markdown(rows: Sequence[Row]) -> str:

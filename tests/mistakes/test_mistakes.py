@@ -12,7 +12,7 @@ from spoiled import nothing, tolerating
 from table import Count, markdown
 from visibility import visibility
 
-from orbident.estimation.estimators import METHODS, Method
+from orbident.estimation.identify import METHODS, Method
 
 NAMED = 0.8
 """Of the refusals, at least this part names the true cause first."""

@@ -6,7 +6,7 @@ import pytest
 from clean import ByMethod, Runs, coverage, markdown, of_robot, of_robots, pooled
 from random_flights import flight, flights, flyers
 
-from orbident.estimation.estimators import METHODS, Method
+from orbident.estimation.identify import METHODS, Method
 
 REFUSED = 0.01
 """Of good recordings, at most this part is refused."""

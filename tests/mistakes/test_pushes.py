@@ -7,8 +7,7 @@ from scipy.spatial.transform import Rotation
 from spoiled import Spoiled
 from wrong_motions import burst, changing
 
-from orbident.estimation.estimators import Method
-from orbident.estimation.identify import identify
+from orbident.estimation.identify import Method, identify
 from orbident.estimation.result import Result
 from orbident.model.minimal_sets import minimal_sets
 from orbident.recordings.recording import Recording

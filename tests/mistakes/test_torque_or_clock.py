@@ -6,9 +6,9 @@ from recordings import TABLE, clean
 from spoiled import Spoiled, spoiled
 from wrong_motions import torque
 
-from orbident.estimation.estimators import Method, estimator_of
-from orbident.estimation.evidence import evidence
+from orbident.estimation.identify import Method, estimator_of
 from orbident.estimation.momentum_problem import MomentumProblem, momentum_problems
+from orbident.estimation.solve import evidence
 from orbident.recordings.recording import Recording
 
 

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from random_motions import random_motion
 
-from orbident.estimation.estimators import Method
-from orbident.estimation.identify import identify
+from orbident.estimation.identify import Method, identify
 from orbident.excitation.bound import cramer_rao
 from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.description import Robot

@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 
 from orbident.campaigns.distributions import Distribution, drawn_from
 from orbident.errors import InputError
-from orbident.estimation.estimators import Method
+from orbident.estimation.identify import Method
 from orbident.files.names import first_duplicate
 from orbident.files.schema_errors import validated
 from orbident.files.schema_parts import MappingSchema

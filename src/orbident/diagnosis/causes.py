@@ -6,28 +6,25 @@ from functools import partial
 import numpy as np
 
 from orbident.diagnosis.events import event
-from orbident.diagnosis.fast_clocks import fast_clocks
 from orbident.diagnosis.frames import beside, missing_wheel
 from orbident.diagnosis.instruments import freed, kinds
-from orbident.diagnosis.jumps import jumps, steps
-from orbident.diagnosis.late_clocks import already_corrected, clocks
+from orbident.diagnosis.late_clocks import already_corrected, clocks, fast_clocks
 from orbident.diagnosis.linear_test import (
     FALLS,
     CorrectedConvention,
     tried_conventions,
 )
-from orbident.diagnosis.noisier_sensors import noisier_sensors, wandering
-from orbident.diagnosis.outlying import spikes
-from orbident.diagnosis.shifts import drifts, soft_joints
+from orbident.diagnosis.noisier_sensors import noisier_sensors, spikes, wandering
+from orbident.diagnosis.shifts import drifts, jumps, soft_joints, steps
 from orbident.diagnosis.stale import stale
 from orbident.diagnosis.suspects import score
 from orbident.diagnosis.suspects import tried as put_right
 from orbident.diagnosis.trial import Trial, amended_trial
 from orbident.estimation.check import Check
 from orbident.estimation.estimate import Estimate, Solved
-from orbident.estimation.evidence import WORTH, misfit
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.residual_checks import NOISY
+from orbident.estimation.solve import WORTH, misfit
 from orbident.recordings.rounded_times import float32_step
 from orbident.threads import one_blas_thread
 

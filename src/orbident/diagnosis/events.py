@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import chdtri
 
-from orbident.diagnosis.shown import without
+from orbident.diagnosis.shifts import without
 from orbident.diagnosis.trial import Trial, amended_trial
 from orbident.estimation.linear_fits import InitialMomentum
 from orbident.estimation.momentum_problem import MomentumProblem

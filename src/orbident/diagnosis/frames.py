@@ -8,7 +8,7 @@ from jaxtyping import Float
 from scipy.spatial.transform import Rotation
 
 from orbident.diagnosis.linear_test import FALLS, ROWS
-from orbident.diagnosis.shown import of_vector
+from orbident.diagnosis.shifts import of_vector
 from orbident.diagnosis.suspects import Numbers, Score, Suspect, tried
 from orbident.diagnosis.trial import Trial
 from orbident.estimation.linear_fits import rows_of

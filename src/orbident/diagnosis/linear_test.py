@@ -5,8 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from orbident.diagnosis.convention import Convention
-from orbident.diagnosis.conventions import conventions
+from orbident.diagnosis.conventions import Convention, conventions
 from orbident.errors import InputError
 from orbident.estimation.linear_fits import fit
 from orbident.estimation.momentum_problem import MomentumProblem

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from orbident.diagnosis.shown import shown_by
+from orbident.diagnosis.shifts import shown_by
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 

@@ -14,11 +14,11 @@ from jaxtyping import Float
 
 from orbident.diagnosis.trial import Trial, trial
 from orbident.errors import InputError
-from orbident.estimation.evidence import WORTH
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.output_error.problem import linear, problem_of
 from orbident.estimation.output_error.sensors import sensors_of
 from orbident.estimation.solution import Solution
+from orbident.estimation.solve import WORTH
 from orbident.preprocessing.delays import delays
 
 ROUNDS = 4

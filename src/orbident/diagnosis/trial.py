@@ -8,10 +8,10 @@ from orbident.errors import InputError
 from orbident.estimation.check import only_vague, worst
 from orbident.estimation.criteria import judge
 from orbident.estimation.estimate import Estimate, Solved
-from orbident.estimation.evidence import misfit
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.obstacles import obstacles
 from orbident.estimation.output_error.estimator import FEW_STEPS, OutputError
+from orbident.estimation.solve import misfit
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 

@@ -16,7 +16,6 @@ from orbident.estimation.output_error.forms import IN_WORDS, PUSH, SLOW
 from orbident.estimation.quantities import Quantity
 from orbident.estimation.recursive.changes import changes_in_words
 from orbident.estimation.residual_checks import CAUSES, residual_checks
-from orbident.estimation.reweighting import unsettled_weights
 from orbident.files.names import joined, listed
 from orbident.model.formulas import formulas_of
 
@@ -303,3 +302,20 @@ def _disturbances(estimate: Estimate, problem: MomentumProblem) -> Iterator[Chec
             f"of which would be off by {largest.shift:.2g} sigmas without it",
             LOST if group == "wheel_loss" and not said else "",
         )
+
+
+def unsettled_weights(estimate: Estimate) -> list[Check]:
+    """What it means that noise and outliers still differ from round to round."""
+    if estimate.settled:
+        return []
+    return [
+        Check(
+            "weights",
+            "with care",
+            "the noise of the sensors, or which samples are outliers, still changed in "
+            "the last round of the fit, so the estimates may change by a part of "
+            "their deviations",
+            "declare the noise of the sensors in the robot file, and look for outliers "
+            "and drifts in the residuals",
+        )
+    ]

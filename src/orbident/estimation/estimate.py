@@ -8,7 +8,6 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.estimation.check import Check
-from orbident.estimation.convergence import Convergence
 from orbident.estimation.found import BetaEstimate, EstimatedParameters, found_beta
 from orbident.estimation.momentum_problem import (
     MomentumProblem,
@@ -18,7 +17,7 @@ from orbident.estimation.quantities import Quantity
 from orbident.estimation.recursion import History
 from orbident.estimation.shared import Shared
 from orbident.estimation.signals import Signals
-from orbident.estimation.solution import Solution
+from orbident.estimation.solution import Convergence, Solution
 from orbident.estimation.unknowns import CalibrationFit, DisturbanceFit, Sensitivity
 from orbident.preprocessing.histories import MEASURED
 

@@ -1,12 +1,13 @@
 """How far all moved, gathered stretch by stretch."""
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 
 from orbident.preprocessing.samples import LOCKED, Samples
+from orbident.robot.description import Robot
 
 NAMES = ("q", "qd", "qd_rw", "w")
 
@@ -80,3 +81,33 @@ class Extent(NamedTuple):
             for k, name in enumerate(names)
             if q.high[k] - q.low[k] < LOCKED
         }
+
+
+def motion_of(robot: Robot, extent: Extent, locked: tuple[str, ...]) -> dict[str, Any]:
+    """As in `result.json`; SI, None where nothing was measured.
+
+    Args:
+        robot: that was recorded.
+        extent: of the samples.
+        locked: the joints that did not move.
+    """
+    duration = extent.end - extent.start
+    q, qd, qd_rw, w = (extent.ranges[name] for name in ("q", "qd", "qd_rw", "w"))
+    return {
+        "duration": duration,
+        "rate": (extent.rows - 1) / duration,
+        "joints": {
+            name: {"position": q.ends(k), "rate": _fastest(qd, k)}
+            for k, name in enumerate(robot.joint_names)
+        },
+        "wheels": {
+            name: {"speed": qd_rw.ends(k)} for k, name in enumerate(robot.wheel_names)
+        },
+        "base": {axis: {"rate": _fastest(w, k)} for k, axis in enumerate("xyz")},
+        "locked": list(locked),
+    }
+
+
+def _fastest(x: Range, k: int) -> float | None:
+    both = x.ends(k)
+    return None if both is None else max(abs(end) for end in both)

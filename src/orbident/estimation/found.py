@@ -7,13 +7,87 @@ from jaxtyping import Bool, Float
 from scipy.linalg import block_diag
 
 from orbident.estimation.linear_fits import Fits
-from orbident.estimation.mass import Mass
-from orbident.estimation.prior_std import WIDE, prior_std
-from orbident.estimation.propagation import base_parameters
-from orbident.estimation.triangular import UNSEEN
+from orbident.estimation.mass import Mass, product_forms
+from orbident.estimation.triangular import UNSEEN, LinearFit
 from orbident.model.derivatives import derivatives_of_beta, sets_of_beta
+from orbident.model.inertia import inertia_at
 from orbident.model.minimal_sets import MinimalSets
 from orbident.robot.description import Robot
+from orbident.robot.parameters import MASS
+
+
+class BaseEstimate(NamedTuple):
+    """`beta = [M, sigma, iota]`; an entry counts where it is `determined`."""
+
+    values: Float[np.ndarray, " beta"]
+    covariance: Float[np.ndarray, "beta beta"]
+    determined: Bool[np.ndarray, " beta"]
+
+
+def base_parameters(
+    sets: MinimalSets,
+    pi: LinearFit,
+    phi: LinearFit,
+    mass: Mass,
+) -> BaseEstimate:
+    """`M`, `sigma = M phi`, `iota_i = pi_i - M g_i(phi)`.
+
+    Args:
+        sets: the robot's minimal sets.
+        pi: estimate of `pi`.
+        phi: estimate of `phi`.
+        mass: estimate of `M`, with its derivatives.
+    """
+    g, dg = product_forms(sets, phi.values)
+    own = slice(0, sets.iotas)
+    M = mass.value
+    values = np.concatenate([[M], M * phi.values, pi.values[own] - M * g[own]])
+    # Rows: derivative of M, of sigma, of iota, over [pi, phi].
+    dM = np.concatenate([mass.of_pi, mass.of_phi])
+    dsigma = np.outer(phi.values, dM)
+    dsigma[:, pi.values.size :] += M * np.eye(phi.values.size)
+    diota = -np.outer(g[own], dM)
+    diota[:, own] += np.eye(sets.iotas)
+    diota[:, pi.values.size :] -= M * dg[own]
+    J = np.vstack([dM, dsigma, diota])
+    C = block_diag(pi.covariance, phi.covariance)
+    unseen = np.abs(dg[own] @ phi.hidden).max(axis=1, initial=0.0)
+    needs_unknown = unseen > UNSEEN * np.abs(dg).max(initial=0.0)
+    iotas = pi.determined[own] & ~needs_unknown
+    return BaseEstimate(
+        values=values,
+        covariance=J @ C @ J.T,
+        determined=np.concatenate([[True], phi.determined, iotas]),
+    )
+
+
+WIDE = 100.0
+"""Times the robot's own scale: no robot is so far from its CAD values."""
+
+
+def prior_std(robot: Robot, sets: MinimalSets) -> Float[np.ndarray, " beta"]:
+    """Standard deviations about the nominal values of `[M, sigma, iota]`.
+
+    `M`, `M L` and `M L^2` with `L` the nominal radius of gyration, a hundred times
+    each: what the recording tells, it tells far better, and what it does not tell
+    keeps the equations solvable and is recognised by it.
+    """
+    D = inertia_at(robot, np.zeros(len(robot.joints))).D
+    M = float(robot.theta[:, MASS].sum())
+    # Of CAD values that no body can have, D may be anything.
+    L = float(np.sqrt(np.abs(np.diag(D)).sum() / M))
+    size = np.repeat([1.0, L, L**2], [1, sets.base.sigmas, sets.iotas])
+    return WIDE * M * size
+
+
+EXACT = 1e-6
+"""Differences below this part of the robot's own scale are interpolation's."""
+
+
+def exact_std(robot: Robot, sets: MinimalSets) -> Float[np.ndarray, " beta"]:
+    """What base parameters of recordings without noise may differ by."""
+    return EXACT / WIDE * prior_std(robot, sets)
+
 
 RANK = 1e-10
 """Singular values over the largest: rounding leaves 1e-15, integration 1e-13."""

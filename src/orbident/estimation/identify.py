@@ -4,27 +4,29 @@ import time
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import get_args
+from typing import Literal, get_args
 
 from orbident.errors import InputError
 from orbident.estimation.criteria import judge
 from orbident.estimation.estimate import Estimate, Estimator, Progress, Solved
-from orbident.estimation.estimators import IN_STRETCHES, Method, estimator_of
+from orbident.estimation.least_squares import LeastSquares
 from orbident.estimation.linear_fits import INITIAL_MOMENTA, InitialMomentum
 from orbident.estimation.mass_routes import BURN, is_a_mass
-from orbident.estimation.one_of_several import as_one
 from orbident.estimation.output_error.estimator import OutputError
 from orbident.estimation.pushes import with_push
 from orbident.estimation.quantities import Quantity
+from orbident.estimation.recursive.history import Recursive
 from orbident.estimation.result import Result
 from orbident.estimation.results import result_of
 from orbident.estimation.several import (
     agreement,
+    as_one,
     check_different,
     labels_of,
     solved_together,
 )
 from orbident.estimation.solve import solve
+from orbident.estimation.structured import Structured
 from orbident.estimation.weigh import Weighing, weigh
 from orbident.recordings.long_recording import LARGE, LongRecording
 from orbident.recordings.recording import Recording
@@ -32,6 +34,33 @@ from orbident.recordings.tables import open_recording
 from orbident.robot.description import Robot
 from orbident.robot.robot_file import load_robot
 from orbident.threads import one_blas_thread
+
+Method = Literal["maximum-likelihood", "structured", "least-squares", "recursive"]
+METHODS: tuple[Method, ...] = get_args(Method)
+
+ESTIMATORS: dict[str, type[Estimator]] = {
+    "maximum-likelihood": OutputError,
+    "structured": Structured,
+    "least-squares": LeastSquares,
+    "recursive": Recursive,
+}
+
+IN_STRETCHES = (LeastSquares, Structured)
+"""Those that take a long recording in stretches."""
+
+
+def estimator_of(method: str | Estimator) -> Estimator:
+    """An estimator by its name, or as it is.
+
+    Raises:
+        InputError: there is none of that name.
+    """
+    if not isinstance(method, str):
+        return method
+    if method not in ESTIMATORS:
+        raise InputError(f"method '{method}' is unknown; use {' or '.join(METHODS)}")
+    return ESTIMATORS[method]()
+
 
 Opened = Recording | LongRecording
 Given = Recording | LongRecording | str | Path

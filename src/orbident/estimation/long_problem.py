@@ -22,7 +22,12 @@ from orbident.estimation.linear_fits import (
 )
 from orbident.estimation.momentum_problem import MomentumProblem, on_clocks
 from orbident.estimation.recursive.given import packed, trusted
-from orbident.estimation.stretches import Part, Stretches, cut, smoothed_rate
+from orbident.estimation.stretches import (
+    Part,
+    Stretches,
+    cut,
+    smoothed_rate,
+)
 from orbident.model.minimal_sets import minimal_sets
 from orbident.model.regularity import check_regular
 from orbident.preprocessing.base_motion import FUSED, INTEGRATED

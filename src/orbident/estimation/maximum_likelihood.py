@@ -15,9 +15,8 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident import _core
-from orbident.estimation.convergence import Convergence
 from orbident.estimation.estimate import Goodness, SensorFit
-from orbident.estimation.found import BetaEstimate, hidden_of
+from orbident.estimation.found import BetaEstimate, hidden_of, prior_std
 from orbident.estimation.linear_fits import Fits, InitialMomentum
 from orbident.estimation.momentum_problem import OutsideMomentum
 from orbident.estimation.output_error.beforehand import (
@@ -25,7 +24,10 @@ from orbident.estimation.output_error.beforehand import (
     prior_of,
     with_others,
 )
-from orbident.estimation.output_error.disturbance_sizes import identified
+from orbident.estimation.output_error.disturbance_sizes import (
+    identified,
+    with_densities,
+)
 from orbident.estimation.output_error.disturbances import (
     requested,
     start_with,
@@ -39,17 +41,25 @@ from orbident.estimation.output_error.problem import (
     problem_of,
     start_of,
 )
-from orbident.estimation.output_error.sensitivity import sensitivity
+from orbident.estimation.output_error.sensitivity import (
+    sensitivity,
+    taken_for_zero,
+    with_unseen,
+)
 from orbident.estimation.output_error.sensors import Sensors, sensors_of
 from orbident.estimation.output_error.shared import shared_of
 from orbident.estimation.output_error.solver import STEPS, solved
-from orbident.estimation.output_error.suspected import taken_for_zero, with_unseen
-from orbident.estimation.output_error.walk_density import with_densities
 from orbident.estimation.predicted import sensor_signals
-from orbident.estimation.prior_std import prior_std
 from orbident.estimation.shared import Shared
 from orbident.estimation.signals import Signals
-from orbident.estimation.solution import OUTSIDE, Linear, Prior, Solution, Unknowns
+from orbident.estimation.solution import (
+    OUTSIDE,
+    Convergence,
+    Linear,
+    Prior,
+    Solution,
+    Unknowns,
+)
 from orbident.estimation.unknowns import CalibrationFit, DisturbanceFit, Sensitivity
 from orbident.model.minimal_sets import MinimalSets, conserved_axes
 from orbident.preprocessing.delays import delays

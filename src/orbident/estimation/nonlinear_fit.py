@@ -11,10 +11,9 @@ from jaxtyping import Float
 from scipy.linalg import block_diag
 from scipy.optimize import least_squares
 
-from orbident.estimation.found import BetaEstimate, hidden_of
+from orbident.estimation.found import BetaEstimate, hidden_of, prior_std
 from orbident.estimation.linear_fits import Fits
 from orbident.estimation.overflow import check_finite
-from orbident.estimation.prior_std import prior_std
 from orbident.model.derivatives import derivatives_of_beta, sets_of_beta
 from orbident.model.minimal_sets import MinimalSets
 from orbident.robot.description import Robot

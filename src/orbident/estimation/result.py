@@ -7,7 +7,6 @@ from typing import Any, Literal, TypeVar
 
 from orbident.errors import InputError
 from orbident.estimation.check import Check, Level, worst
-from orbident.estimation.convergence import Convergence
 from orbident.estimation.estimate import Solved
 from orbident.estimation.linear_fits import Fits, InitialMomentum
 from orbident.estimation.parameter_table import short_table
@@ -16,6 +15,7 @@ from orbident.estimation.quantities import Identified, nulled
 from orbident.estimation.recursion import History
 from orbident.estimation.sensitivity_table import SensitivityTable
 from orbident.estimation.signals import Signals
+from orbident.estimation.solution import Convergence
 from orbident.estimation.unknowns import CalibrationFit, DisturbanceFit
 from orbident.model.reconstruction import Dynamics, reconstructed
 from orbident.preprocessing.delays import Delay

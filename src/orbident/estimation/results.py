@@ -12,13 +12,12 @@ from orbident.estimation.check import worst
 from orbident.estimation.clocks import clocks_in_words
 from orbident.estimation.criteria import Judgement
 from orbident.estimation.estimate import Estimate
-from orbident.estimation.extent import Extent
+from orbident.estimation.extent import Extent, motion_of
 from orbident.estimation.found import Known
 from orbident.estimation.linear_fits import Fits
 from orbident.estimation.mass_routes import is_a_mass, sigmas_apart
 from orbident.estimation.momentum_problem import MomentumProblem
-from orbident.estimation.motion import motion_of
-from orbident.estimation.output_error.suspected import suspects_in_words
+from orbident.estimation.output_error.sensitivity import suspects_in_words
 from orbident.estimation.output_error.torques_or_losses import instead_in_words
 from orbident.estimation.predicted import equation_signals
 from orbident.estimation.quantities import (

@@ -1,20 +1,182 @@
 """The estimate from a robot and a recording, and what judges it."""
 
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+from scipy.optimize import root_scalar
+from scipy.special import ndtr, ndtri
+
 from orbident import _core
 from orbident.errors import InputError
 from orbident.estimation.estimate import Estimate, Estimator, Progress, Solved
-from orbident.estimation.evidence import MOST, difference, evidence, widened
+from orbident.estimation.found import EstimatedParameters, Known
 from orbident.estimation.least_squares import LeastSquares
 from orbident.estimation.linear_fits import InitialMomentum
 from orbident.estimation.long_problem import digest_problems, whole
 from orbident.estimation.momentum_problem import MomentumProblem, momentum_problems
 from orbident.estimation.obstacles import obstacles
 from orbident.estimation.output_error.estimator import OutputError
-from orbident.estimation.recursive.recursive_estimator import Recursive
+from orbident.estimation.quantities import Quantity
+from orbident.estimation.recursive.history import Recursive
 from orbident.files.names import joined
 from orbident.recordings.long_recording import LongRecording
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
+
+MOST = 2**13
+"""Samples of a recording that other methods are judged by: its beginning. A longer one
+is what they are for."""
+
+WITHIN = 0.95
+"""So often an interval of 95 % holds what is true."""
+BESIDE = float(ndtri((1 + WITHIN) / 2))
+"""Deviations to either side of such an interval."""
+
+WORTH = 25.0
+"""Fall in chi-square, five deviations squared, that a clock's correction must bring."""
+
+
+class Evidence(NamedTuple):
+    """A problem on the clocks that explain its sensors best."""
+
+    problem: MomentumProblem
+    shown: Estimate | None
+    """The estimate by output error; None for exact recordings, which need none."""
+
+
+def evidence(
+    problems: Sequence[MomentumProblem], estimator: Estimator, progress: Progress
+) -> Evidence:
+    """Fit the sensors.
+
+    Args:
+        problems: a recording as it is, then with clocks corrected that seem late.
+        estimator: all samples count where it is output error itself.
+        progress: is called with the fraction of the work that is done.
+    """
+    whole = isinstance(estimator, OutputError)
+
+    def fitted(problem: MomentumProblem) -> Evidence:
+        if whole:
+            return Evidence(problem, estimator.estimate(problem, progress))
+        if problem.exact:
+            return Evidence(problem, None)
+        part = problem.beginning(MOST)
+        return Evidence(problem, OutputError().estimate(part, progress))
+
+    first = fitted(problems[0])
+    found = [fitted(problem) for problem in problems[1:] if _may_be_late(first)]
+    return min([first, *(each for each in found if _better(each, first))], key=_misfit)
+
+
+def _may_be_late(found: Evidence) -> bool:
+    """Whether the sensors, as they are predicted, say that joints are shown late."""
+    shown = found.shown
+    if shown is None or shown.sensitivity is None or not shown.converged:
+        return True
+    freed = {each.name: each.chi2_drop for each in shown.sensitivity().freed}
+    return freed.get("joints.clock", np.inf) > WORTH
+
+
+def _better(one: Evidence, other: Evidence) -> bool:
+    return bool(_misfit(one) < _misfit(other) - WORTH)
+
+
+def _misfit(found: Evidence) -> float:
+    return -np.inf if found.shown is None else misfit(found.shown)
+
+
+def misfit(shown: Estimate) -> float:
+    """Minus twice the logarithm of the likelihood, each sensor's noise at its best."""
+    left = (each.measured - each.predicted for each in shown.signals)
+    return sum(r.size * np.log(np.mean(r**2)) for r in left if r.any())
+
+
+def difference(one: Known, other: Known) -> float:
+    """The largest one, in deviations of the first."""
+    off, std = _off(one, other), np.sqrt(np.maximum(np.diag(one.covariance), 0.0))
+    sure = std > 0
+    return float(np.max(np.abs(off[sure]) / std[sure], initial=0.0))
+
+
+def widened(estimate: Estimate, shown: Estimate, whole: bool) -> Estimate:
+    """Widen deviations by how far an estimate is from what the sensors show.
+
+    Maximum likelihood has the least variance, so that a difference from it has no part
+    in common with its error (Hausman 1978): the mean square error of another estimate
+    is that variance and the square of the difference. Intervals by that variance would
+    hold more than they say, because the difference is known: a part of its square is
+    enough, by which those of the base parameters hold 95 % in the mean.
+
+    Args:
+        estimate: by any method.
+        shown: by output error.
+        whole: whether of the same samples; where of a part of them, the method's own
+            variance and the whole square count.
+    """
+    mine, theirs = estimate.found, shown.found
+    both = np.concatenate([_off(mine.pi, theirs.pi), _off(mine.phi, theirs.phi)])
+    least = shown if whole else estimate
+    part = 1.0
+    if whole:
+        part = _part(_off(mine.base, theirs.base), theirs.base.covariance)
+
+    def known(one: Known, other: Known, variance: Known) -> Known:
+        off = _off(one, other)
+        return Known(
+            one.values,
+            variance.covariance + part * np.outer(off, off),
+            one.determined & other.determined,
+        )
+
+    M = estimate.mass.value
+    std = float(np.hypot(least.mass.std, np.sqrt(part) * (M - shown.mass.value)))
+    mass, routes = Quantity(M, std), list(estimate.masses)
+    return replace(
+        estimate,
+        found=EstimatedParameters(
+            known(mine.pi, theirs.pi, least.found.pi),
+            known(mine.phi, theirs.phi, least.found.phi),
+            known(mine.base, theirs.base, least.found.base),
+            least.found.covariance + part * np.outer(both, both),
+        ),
+        mass=mass,
+        masses={**estimate.masses, routes[-1]: mass},
+        sensitivity=shown.sensitivity,
+        disturbances=shown.disturbances,
+        suspected=shown.suspected,
+        unseen=shown.unseen,
+        instead=shown.instead,
+    )
+
+
+def _off(one: Known, other: Known) -> np.ndarray:
+    return np.where(one.determined & other.determined, one.values - other.values, 0.0)
+
+
+def _part(off: Float[np.ndarray, " n"], C: Float[np.ndarray, "n n"]) -> float:
+    """The part of squared differences by which intervals hold 95 % in the mean.
+
+    Errors are normal about `off`, with the covariance `C`; an interval of
+
+        1.96 sqrt(1 + part r^2)   deviations,   r = off / deviation,
+
+    holds too much with all of the square, and a quarter is enough where `r` is large.
+    """
+    std = np.sqrt(np.diag(C))
+    r = off[std > 0] / std[std > 0]
+
+    def more(part: float) -> float:
+        half = BESIDE * np.sqrt(1 + part * r**2)
+        return float(np.mean(ndtr(half - r) - ndtr(-half - r)) - WITHIN)
+
+    # Differences of rounding size change no interval.
+    if more(0.0) >= 0 or more(1.0) <= 0:
+        return 1.0
+    return float(root_scalar(more, bracket=(0.0, 1.0)).root)
 
 
 def solve(

@@ -20,6 +20,7 @@ from orbident.threads import side_by_side
 
 Taken = TypeVar("Taken")
 
+
 COLUMNS = ("q", "qd", "w", "x_WB", "qd_rw", "v_S")
 
 

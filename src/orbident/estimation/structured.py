@@ -10,7 +10,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float
 
-from orbident.estimation.convergence import SMALL, Step
 from orbident.estimation.estimate import (
     Estimate,
     Goodness,
@@ -19,14 +18,14 @@ from orbident.estimation.estimate import (
     estimate_of_beta,
     rms_of_equations,
 )
+from orbident.estimation.found import prior_std
 from orbident.estimation.kept_pieces import Piece
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.nonlinear_fit import beta_of_fits, nonlinear_fit
-from orbident.estimation.prior_std import prior_std
-from orbident.estimation.recursive.filter import Extended
+from orbident.estimation.recursive.filter import Extended, State
 from orbident.estimation.recursive.given import none_complete, pieces_of
 from orbident.estimation.recursive.prior import GaussianPrior
-from orbident.estimation.recursive.state import State
+from orbident.estimation.solution import SMALL, Step
 from orbident.model.derivatives import sets_of_beta
 
 PASSES = 30

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from orbident.errors import InputError
-from orbident.estimation.found import EstimatedParameters, found_beta
+from orbident.estimation.found import EstimatedParameters, found_beta, prior_std
 from orbident.estimation.linear_fits import InitialMomentum
 from orbident.estimation.maximum_likelihood import estimate_of
 from orbident.estimation.output_error.beforehand import prior_of
@@ -24,7 +24,6 @@ from orbident.estimation.output_error.problem import (
 )
 from orbident.estimation.output_error.sensors import Sensors, sensors_of
 from orbident.estimation.output_error.solver import solution_at
-from orbident.estimation.prior_std import prior_std
 from orbident.model.minimal_sets import minimal_sets
 from orbident.preprocessing.delays import SENSORS
 from orbident.preprocessing.samples import Samples

@@ -12,7 +12,6 @@ import numpy as np
 
 from orbident.errors import InputError
 from orbident.estimation.check import Check
-from orbident.estimation.convergence import Step
 from orbident.estimation.quantities import (
     EstimatedSet,
     Identified,
@@ -23,6 +22,7 @@ from orbident.estimation.quantities import (
 from orbident.estimation.result import SCHEMA, Result
 from orbident.estimation.sensitivity_table import SensitivityTable
 from orbident.estimation.signals import Signals
+from orbident.estimation.solution import Step
 from orbident.estimation.unknowns import CalibrationFit, DisturbanceFit
 from orbident.files.folder_replacing import (
     finish,

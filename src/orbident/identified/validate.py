@@ -14,8 +14,8 @@ import numpy as np
 from jaxtyping import Float
 from scipy.special import chdtrc
 
+from orbident.estimation.found import exact_std
 from orbident.estimation.identify import identify
-from orbident.estimation.prior_std import exact_std
 from orbident.estimation.quantities import nulled
 from orbident.estimation.result import Result
 from orbident.identified.intervals import prediction_deviations

@@ -11,7 +11,7 @@ from orbident import _core
 from orbident.estimation.recursion import Change
 from orbident.estimation.recursive.changes import Detector
 from orbident.estimation.recursive.filter import Extended
-from orbident.estimation.recursive.noise import declared_noise
+from orbident.estimation.recursive.given import declared_noise
 from orbident.estimation.recursive.prior import (
     UNCERTAINTY,
     GaussianPrior,

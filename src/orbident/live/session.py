@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from orbident.errors import InputError
-from orbident.estimation.recursive.noise import declared_noise
+from orbident.estimation.recursive.given import declared_noise
 from orbident.estimation.recursive.prior import cad_prior
 from orbident.live.lines import Lines
 from orbident.live.live_filter import Event, LiveFilter

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from orbident.estimation.convergence import SMALL, Convergence
+from orbident.estimation.solution import SMALL, Convergence
 from orbident.report.charts import (
     LIMIT,
     PREDICTED,

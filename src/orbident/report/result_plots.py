@@ -7,9 +7,9 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.errors import InputError
-from orbident.estimation.convergence import SMALL
 from orbident.estimation.result import Result
 from orbident.estimation.signals import Signals
+from orbident.estimation.solution import SMALL
 from orbident.report.charts import extremes, shortened, with_gaps
 from orbident.report.conditioning import correlations
 from orbident.report.convergence_section import COST, SIZE, is_wide, rounds, spacing

@@ -7,7 +7,7 @@ import pytest
 from cause_problems import clean, fitted, problem_with
 from scipy.interpolate import CubicSpline
 
-from orbident.diagnosis.fast_clocks import fast_clocks
+from orbident.diagnosis.late_clocks import fast_clocks
 from orbident.diagnosis.suspects import score
 
 RATE = 0.002

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from cause_problems import fitted, problem_with
 
-from orbident.diagnosis.jumps import FAR, jump_of, jumps, steps
+from orbident.diagnosis.shifts import FAR, jump_of, jumps, steps
 from orbident.diagnosis.suspects import score
 
 ONES = np.ones(3)

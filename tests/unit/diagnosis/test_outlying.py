@@ -3,7 +3,7 @@
 import numpy as np
 from cause_problems import problem_with
 
-from orbident.diagnosis.outlying import outlying, spikes
+from orbident.diagnosis.noisier_sensors import outlying, spikes
 
 T = np.arange(300) * 0.1
 NOISE = 1e-4 * np.random.default_rng(0).standard_normal(T.size)

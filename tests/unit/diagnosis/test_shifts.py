@@ -3,8 +3,7 @@
 import numpy as np
 from cause_problems import clean, fitted, problem_with
 
-from orbident.diagnosis.shifts import drifts, soft_joints, step
-from orbident.diagnosis.shown import less
+from orbident.diagnosis.shifts import drifts, less, soft_joints, step
 from orbident.diagnosis.suspects import Suspect, score
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.recordings.recording import Recording

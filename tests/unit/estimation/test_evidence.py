@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from small_problems import noisy, small_recording, small_robot
 
-from orbident.estimation import evidence as module
+from orbident.estimation import solve as module
 from orbident.estimation.estimate import Estimate
-from orbident.estimation.evidence import difference, evidence, widened
 from orbident.estimation.found import Known
 from orbident.estimation.least_squares import LeastSquares
 from orbident.estimation.momentum_problem import MomentumProblem, momentum_problems
 from orbident.estimation.output_error.estimator import OutputError
 from orbident.estimation.quantities import Quantity
+from orbident.estimation.solve import difference, evidence, widened
 from orbident.model.derivatives import sets_of_beta
 from orbident.recordings.recording import Recording
 

@@ -4,8 +4,13 @@ import numpy as np
 import pytest
 
 import orbident as oi
-from orbident.estimation.found import BetaEstimate, found_beta, hidden_of
-from orbident.estimation.prior_std import WIDE, prior_std
+from orbident.estimation.found import (
+    WIDE,
+    BetaEstimate,
+    found_beta,
+    hidden_of,
+    prior_std,
+)
 from orbident.model.derivatives import sets_of_beta
 from orbident.model.minimal_sets import minimal_sets
 

@@ -174,7 +174,7 @@ def test_what_must_be_integrated_is_read_whole(robot: Robot, recording: Recordin
 
 def test_a_late_clock_is_corrected(robot: Robot, monkeypatch: pytest.MonkeyPatch):
     """Joints and wheels show what was 20 ms ago."""
-    monkeypatch.setattr("orbident.estimation.evidence.MOST", 1000)
+    monkeypatch.setattr("orbident.estimation.solve.MOST", 1000)
     fine = noisy(again(robot), 0.1)
     flight = int(np.flatnonzero(np.diff(fine.t) > 0.5)[0]) + 1
     columns = dict(fine.columns)

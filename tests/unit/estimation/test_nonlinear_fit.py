@@ -9,12 +9,11 @@ from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
 import orbident as oi
-from orbident.estimation.found import found_beta
+from orbident.estimation.found import WIDE, found_beta, prior_std
 from orbident.estimation.least_squares import LeastSquares
 from orbident.estimation.linear_fits import Fits, fit
 from orbident.estimation.momentum_problem import momentum_problems
 from orbident.estimation.nonlinear_fit import beta_of_fits
-from orbident.estimation.prior_std import WIDE, prior_std
 from orbident.model import minimal_sets as model
 from orbident.model.derivatives import sets_of_beta
 from orbident.model.minimal_sets import minimal_sets

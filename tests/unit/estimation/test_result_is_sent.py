@@ -8,8 +8,7 @@ from multiprocessing import get_context
 import pytest
 from random_motions import random_motion
 
-from orbident.estimation.estimators import Method
-from orbident.estimation.identify import identify
+from orbident.estimation.identify import Method, identify
 from orbident.estimation.result import Result
 from orbident.robot.robot_file import load_robot
 from orbident.simulation.simulate import simulate

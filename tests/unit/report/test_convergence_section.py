@@ -4,7 +4,7 @@ import base64
 
 import numpy as np
 
-from orbident.estimation.convergence import Step
+from orbident.estimation.solution import Step
 from orbident.report.convergence_section import convergence
 from orbident.report.page import embedded
 

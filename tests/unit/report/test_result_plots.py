@@ -10,9 +10,9 @@ import report_runs
 from matplotlib.figure import Figure
 
 from orbident.errors import InputError
-from orbident.estimation.convergence import Step
 from orbident.estimation.result import Result
 from orbident.estimation.sensitivity_table import SensitivityTable
+from orbident.estimation.solution import Step
 from orbident.report.fit import autocorrelation, spectrum
 
 UNITS = {"momentum": "N m s", "velocity": "m/s"}

@@ -4,9 +4,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from orbident.estimation.found import prior_std
 from orbident.estimation.linear_fits import Fits, InitialMomentum, known_momentum
 from orbident.estimation.output_error.problem import NOTHING
-from orbident.estimation.prior_std import prior_std
 from orbident.estimation.shared import Shared
 from orbident.estimation.solution import OUTSIDE, Outside, Prior
 from orbident.estimation.unknowns import Calibration

@@ -8,13 +8,11 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from orbident import _core
-from orbident.estimation.convergence import Convergence
-from orbident.estimation.output_error.lasting import at_level, innovated
 from orbident.estimation.output_error.problem import Problem
-from orbident.estimation.output_error.sensors import some_of
+from orbident.estimation.output_error.sensors import at_level, innovated, some_of
 from orbident.estimation.output_error.shooting import TURN_AND_BIASES
 from orbident.estimation.output_error.solver import solved
-from orbident.estimation.solution import BySensor, Solution, Unknowns
+from orbident.estimation.solution import BySensor, Convergence, Solution, Unknowns
 from orbident.recordings.long_recording import LARGE
 
 NORMAL = 1.4826

@@ -16,26 +16,36 @@ from orbident import _core
 from orbident.estimation.output_error.acting import Acting
 from orbident.estimation.output_error.calibration import calibrations_of
 from orbident.estimation.output_error.followed import Followed
-from orbident.estimation.output_error.lasting import (
+from orbident.estimation.output_error.sensors import (
     Lasting,
+    Sensors,
     at_level,
     lasting_noise,
 )
-from orbident.estimation.output_error.nominal_bodies import unseen_part
-from orbident.estimation.output_error.sensors import Sensors
 from orbident.estimation.output_error.shooting import (
     Looseness,
     intervals_of,
     looseness,
     substeps_of,
 )
-from orbident.estimation.solution import BySensor, Linear, Outside, Unknowns
+from orbident.estimation.solution import (
+    BySensor,
+    Linear,
+    Outside,
+    Unknowns,
+)
 from orbident.estimation.unknowns import Calibration
 from orbident.model.core_robot import core_tree
 from orbident.model.minimal_sets import MinimalSets
 from orbident.model.wheel_arrays import wheels_of
 from orbident.preprocessing.samples import Samples
 from orbident.robot.description import Robot
+from orbident.robot.parameters import (
+    FIRST_MOMENT,
+    INERTIA_ENTRIES,
+    MASS,
+    inertia_matrix,
+)
 from orbident.threads import processors
 
 SENSORS = ("gyro", "accelerometer", "attitude", "joints", "position", "velocity")
@@ -236,3 +246,33 @@ def start_of(
         np.ascontiguousarray(x_WB), local, np.concatenate([*outside, beta])
     )
     return state.selecting(np.array([float(each.place) for each in problem.declared]))
+
+
+def unseen_part(robot: Robot, sets: MinimalSets) -> Float[np.ndarray, " theta"]:
+    """What remains of the nominal `theta` beside what its base parameters give.
+
+    Args:
+        robot: with its nominal bodies.
+        sets: its minimal sets.
+    """
+    bodies = _flat(robot) if robot.motion == "planar" else robot.theta
+    return bodies.ravel() - sets.base.theta_of @ sets.beta(robot.theta)
+
+
+def _flat(robot: Robot) -> Float[np.ndarray, "bodies 10"]:
+    """The bodies of a planar robot, all in the plane of S.
+
+    Nothing there shows how high a CM is, but a height couples tilts to positions.
+    """
+    # Of each body: the plane's normal in its axes, and its origin's height, m.
+    places = [(np.array([0.0, 0.0, 1.0]), 0.0)]
+    for joint in robot.joints:
+        n, height = places[joint.parent]
+        places.append((joint.R_PJ.T @ n, height + float(n @ joint.p_PJ)))
+    flat = []
+    for theta, (n, height) in zip(robot.theta, places, strict=True):
+        m, s = theta[MASS], theta[FIRST_MOMENT]
+        about_n = (n @ inertia_matrix(theta) @ n) * np.outer(n, n)
+        in_plane = s - n * (n @ s + m * height)
+        flat.append([m, *in_plane, *(about_n[entry] for entry in INERTIA_ENTRIES)])
+    return np.array(flat)

@@ -16,19 +16,22 @@ left to be explained too is not in these equations; so what `|w|^2` falls by doe
 count.
 """
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 from scipy.linalg import solve_triangular
+from scipy.special import chdtri
 
 from orbident.estimation.output_error.disturbance_sizes import places_of
+from orbident.estimation.output_error.forms import IN_WORDS
 from orbident.estimation.output_error.problem import Problem, common_factor
 from orbident.estimation.output_error.walks import WALKS
 from orbident.estimation.solution import OUTSIDE, Solution
-from orbident.estimation.unknowns import Calibration, Freed, Sensitivity
+from orbident.estimation.unknowns import UNSEEN, Calibration, Freed, Sensitivity, fall
 
 SMALL_ERROR = {
     "rad": ("mrad", 1e-3),
@@ -148,3 +151,79 @@ def _freed(
         return Freed(name, 0.0, np.inf, 0.0)
     along = float(column @ z) / size
     return Freed(name, along / size, 1 / size, along**2)
+
+
+SUSPICIOUS = 1e-2
+"""Probability that noise alone looks as much like any of the groups."""
+
+
+class Faint(NamedTuple):
+    """A group that is taken for zero."""
+
+    falls: float
+    """How far chi-square would fall if it were among the unknowns."""
+    limit: float
+    """Beyond which it is suspected."""
+    off: Float[np.ndarray, "beta n"]
+    """Deviations of `beta` by it, which are independent of each other; the last is by
+    what it seems to be, the others are of that."""
+
+    @property
+    def suspected(self) -> bool:
+        """Whether chance hardly explains what it seems to be."""
+        return self.falls >= self.limit
+
+    @property
+    def unseen(self) -> Float[np.ndarray, " beta"]:
+        """How far `beta` could be off by it while it is not suspected.
+
+        The largest of `B c` with `|R_c c|` at its limit.
+        """
+        return np.sqrt(self.limit) * np.linalg.norm(self.off[:, :-1], axis=1)
+
+
+def taken_for_zero(zeros: TakenForZero) -> dict[str, Faint]:
+    """Every group of disturbances that a solution takes for zero, by its name."""
+    found, state = {}, zeros.solution.state
+    size, of_beta = state.common.size, slice(OUTSIDE, OUTSIDE + state.beta.size)
+    for group in sorted(zeros.groups):
+        places = places_of(zeros.problem, [group])
+        left = zeros.equations(places)
+        columns = size + np.flatnonzero(np.isin(zeros.places, places))
+        R_x, R_xc = zeros.factor[:size, :size], zeros.factor[:size, columns]
+        B = -solve_triangular(R_x, R_xc)[of_beta]
+        inverse = np.linalg.pinv(left[:, :-1])
+        found[group] = Faint(
+            fall(left, np.arange(places.size)),
+            float(chdtri(places.size, SUSPICIOUS / len(zeros.groups))),
+            B @ np.column_stack([inverse, inverse @ left[:, -1]]),
+        )
+    return found
+
+
+def with_unseen(
+    table: Sensitivity, unseen: Mapping[str, Float[np.ndarray, " beta"]]
+) -> Sensitivity:
+    """The sensitivity table with how far what acts unseen could shift parameters.
+
+    Args:
+        table: of errors of instruments.
+        unseen: the largest shifts of `beta`, by the group of what acts.
+    """
+    return table._replace(
+        names=(*table.names, *unseen),
+        units=(*table.units, *(UNSEEN for _ in unseen)),
+        shift=np.column_stack([table.shift, *unseen.values()]),
+    )
+
+
+def suspects_in_words(falls: Mapping[str, float]) -> Iterator[str]:
+    """Notes on what may act, by its group: how far chi-square would fall."""
+    for group, each in falls.items():
+        yield (
+            f"perhaps {IN_WORDS[group]}: chi-square would fall by {each:.3g} if that "
+            "were among the unknowns, as by chance it does in fewer than one of a "
+            "hundred recordings; deviations hold that it acts and that it does not: "
+            f"if it acts, say so (--disturbance {group}); if it does not, say in the "
+            "robot file what does (disturbances: [] for nothing)"
+        )

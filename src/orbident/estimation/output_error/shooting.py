@@ -7,10 +7,11 @@ import numpy as np
 from jaxtyping import Float, Int
 from scipy.interpolate import CubicHermiteSpline, CubicSpline
 
-from orbident.estimation.output_error.lasting import Lasting, first_lasting
 from orbident.estimation.output_error.sensors import (
+    Lasting,
     Sensors,
     between,
+    first_lasting,
     scatter,
     some_of,
 )

@@ -9,14 +9,16 @@ import numpy as np
 from jaxtyping import Float
 from scipy.linalg import solve_triangular
 
-from orbident.estimation.convergence import SMALL, Convergence, Step
 from orbident.estimation.output_error.problem import Problem, linear
 from orbident.estimation.overflow import check_finite
 from orbident.estimation.solution import (
+    SMALL,
     BySensor,
+    Convergence,
     Linear,
     Prior,
     Solution,
+    Step,
     Unknowns,
 )
 from orbident.estimation.triangular import fold

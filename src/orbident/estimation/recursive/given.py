@@ -1,21 +1,196 @@
 """What the filter takes from a recording: its samples, and their noise."""
 
-from collections.abc import Callable, Iterator
-from typing import NamedTuple
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any, NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 
 from orbident.errors import InputError
 from orbident.estimation.kept_pieces import Piece
+from orbident.estimation.linear_fits import fit
 from orbident.estimation.momentum_problem import MomentumProblem
-from orbident.estimation.recursive.noise import Noise, noise_of
 from orbident.estimation.stretches import scatter, smoothed_rate
-from orbident.preprocessing.histories import DERIVED
+from orbident.estimation.tachometers import rate_noise
+from orbident.model.minimal_sets import minimal_sets
+from orbident.model.wheel_arrays import wheels_of
+from orbident.preprocessing.base_motion import INTEGRATED, SMOOTHED
+from orbident.preprocessing.histories import DERIVED, MEASURED
+from orbident.preprocessing.point_velocity import SMOOTHED as DIFFERENTIATED
 from orbident.preprocessing.samples import Samples
 from orbident.preprocessing.settings import Settings
+from orbident.robot.coloured_noise import coloured_noise
 from orbident.robot.description import Robot
+from orbident.robot.sensor_bias import bias_std, bias_walk
 from orbident.threads import ahead
+
+MEMORY = 1.0
+"""s: a smoothed rate is as wrong as its positions are over such a time."""
+
+LEAST = 1e-9
+"""rad/s, and m/s: without noise the weights would be infinite."""
+
+COLOURED = 5.0
+"""Neighbours share the error of a smoothed pose: so much noisier they count, that many
+samples tell no more than the few that are independent."""
+
+FINE = 0.1
+"""An integrated velocity's error from sample to sample that is no random walk, over
+what the walk is."""
+
+
+class Noise(NamedTuple):
+    """Standard deviations; SI."""
+
+    gyro: float
+    """White noise of a rate sample, rad/s."""
+    velocity: float
+    """White noise of a velocity sample, m/s."""
+    gyro_bias: float = LEAST
+    """Deviation of the gyro's bias beforehand, rad/s."""
+    gyro_walk: float = 0.0
+    """Random walk of the gyro's bias, rad/s/sqrt(s)."""
+    integrated: float = 0.0
+    """1 where the attitude is the integrated gyro, and drifts with it; else 0."""
+    attitude: float = 0.0
+    """White noise of an attitude sample, rad."""
+    velocity_walk: float = 0.0
+    """Random walk of the CM's velocity, or of one integrated from an accelerometer,
+    m/s/sqrt(s)."""
+    accelerometer_bias: float = LEAST
+    """Deviation of the accelerometer's bias beforehand, m/s^2."""
+    accelerometer_walk: float = 0.0
+    """Random walk of the accelerometer's bias, m/s^2/sqrt(s)."""
+    joint_rates: float = 0.0
+    """White noise of a joint rate sample, rad/s or m/s."""
+    momentum_walk: float = 0.0
+    """Random walk of the angular momentum, or of the attitude in which it is seen,
+    N m s/sqrt(s)."""
+    accelerometer: bool = False
+    """Whether the velocity is integrated from one, and its bias an unknown."""
+    declared: bool = True
+    """Whether the velocity's noise is declared, not what least squares leaves of it."""
+
+
+def noise_of(robot: Robot, samples: Samples, seen: float = 0.0) -> Noise:
+    """As the robot file declares the sensors, where it does.
+
+    Args:
+        robot: with its sensors.
+        samples: of a recording.
+        seen: scatter of the gyro's samples, rad/s, for one that is not declared.
+
+    Raises:
+        InputError: the base rate is that of a smoothed attitude of unknown noise.
+    """
+    dt = float(np.median(np.diff(samples.t)))
+    gyro, force, attitude, position, joints = (
+        robot.sensors.get(key) or {}
+        for key in ("gyro", "accelerometer", "attitude", "position", "joints")
+    )
+    angle, std = attitude.get("angle", 0.0), position.get("std", 0.0)
+    turns = coloured_noise(attitude).random_walk.max()
+    walk = force.get("velocity_random_walk", 0.0) if samples.biased else 0.0
+    measured = samples.origins["base_rate"] != SMOOTHED
+    integrated = samples.origins["attitude"] == INTEGRATED
+    derived = DERIVED in samples.origins["joint_rates"]
+    if not measured and not angle:
+        raise InputError(
+            f"{robot.name}: sensors: found no noise of the attitude, and the recording "
+            "has no gyro; give attitude.angle in the robot file"
+        )
+    if measured:
+        rate = gyro.get("angle_random_walk", 0.0) / np.sqrt(dt) or seen
+        if samples.origins["wheel_speeds"] == MEASURED and robot.wheels:
+            rate = np.hypot(rate, rate_noise(robot))
+    else:
+        rate = COLOURED * _changing(attitude, angle) / MEMORY
+    smoothed = samples.origins["velocity"] == DIFFERENTIATED and std
+    velocity = FINE * walk * np.sqrt(dt)
+    if smoothed:
+        velocity = COLOURED * _changing(position, std) / MEMORY
+    seen_to_walk = turns * _spin(robot, samples) if turns else 0.0
+    return Noise(
+        gyro=max(float(rate), LEAST),
+        velocity=float(velocity or _left_over(robot, samples)),
+        gyro_bias=max(bias_std("gyro", gyro), LEAST) if measured else LEAST,
+        gyro_walk=bias_walk(gyro) if measured else 0.0,
+        integrated=float(integrated),
+        attitude=0.0 if integrated or not measured else _as_white(attitude, dt),
+        velocity_walk=float(np.hypot(walk, robot.momentum_walk.force / robot.mass)),
+        accelerometer_bias=max(bias_std("accelerometer", force), LEAST),
+        accelerometer_walk=bias_walk(force),
+        joint_rates=joints.get("position", 0.0) / MEMORY if derived else 0.0,
+        momentum_walk=float(np.hypot(robot.momentum_walk.torque, seen_to_walk)),
+        accelerometer=samples.biased,
+        declared=bool(velocity),
+    )
+
+
+def declared_noise(robot: Robot, dt: float, velocity: float | None) -> Noise:
+    """The noise of samples whose rates and velocity are measured, as declared.
+
+    Args:
+        robot: with its sensors.
+        dt: from sample to sample, s.
+        velocity: standard deviation of a velocity sample, m/s; None where there is
+            none.
+
+    Raises:
+        InputError: the gyro's noise is not declared.
+    """
+    gyro, attitude, joints = (
+        robot.sensors.get(key) or {} for key in ("gyro", "attitude", "joints")
+    )
+    white = gyro.get("angle_random_walk", 0.0) / np.sqrt(dt)
+    if not white:
+        raise InputError(
+            f"{robot.name}: sensors: found no noise of the gyro; give "
+            "gyro.angle_random_walk in the robot file ('orbident noise' finds it from "
+            "a recording at rest)"
+        )
+    return Noise(
+        gyro=float(np.hypot(white, rate_noise(robot))) if robot.wheels else white,
+        velocity=max(velocity or 0.0, LEAST),
+        gyro_bias=max(bias_std("gyro", gyro), LEAST),
+        gyro_walk=bias_walk(gyro),
+        attitude=_as_white(attitude, dt),
+        joint_rates=joints.get("tachometer") or joints.get("position", 0.0) / MEMORY,
+    )
+
+
+def _changing(section: Mapping[str, Any], white: float) -> float:
+    """How much the noise of a pose changes within `MEMORY`, rad or m."""
+    lasting = coloured_noise(section)
+    markov = lasting.markov_std**2 * -np.expm1(-MEMORY / lasting.correlation_time)
+    walk = lasting.random_walk**2 * MEMORY
+    return float(np.sqrt(white**2 + (2 * markov + walk).max()))
+
+
+def _as_white(attitude: Mapping[str, Any], dt: float) -> float:
+    """White noise that tells as little as that of an attitude, rad.
+
+    The spectral density of a first-order Gauss-Markov process is at most
+    `2 markov_std^2 correlation_time`; that of white noise is its variance times `dt`.
+    """
+    lasting = coloured_noise(attitude)
+    markov = 2 * lasting.markov_std**2 * lasting.correlation_time / dt
+    return float(np.sqrt(attitude.get("angle", 0.0) ** 2 + markov.max()))
+
+
+def _spin(robot: Robot, samples: Samples) -> float:
+    """The wheels' momentum, root mean square, which a wrong attitude turns, N m s."""
+    if not robot.wheels:
+        return 0.0
+    h_rw = wheels_of(robot).A_rw @ np.array(samples.qd_rw)
+    return float(np.sqrt(np.nanmean(np.sum(h_rw**2, axis=0))))
+
+
+def _left_over(robot: Robot, samples: Samples) -> float:
+    """What least squares leaves of a velocity that no sensor is declared for, m/s."""
+    fits = fit(robot, minimal_sets(robot), samples, "unknown", lambda _: None)
+    return max(fits.phi.rms, LEAST)
+
 
 ENDS = 0.5
 """s: so near to the ends of a recording a smoothed rate is ten times as wrong."""

@@ -1,21 +1,31 @@
 """A whole recording through the filter: how its estimate came about, what changed."""
 
 from collections.abc import Callable
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 
+from orbident.estimation.estimate import (
+    Estimate,
+    Goodness,
+    Progress,
+    biases_of_sensors,
+    estimate_of_beta,
+    rms_of_equations,
+)
+from orbident.estimation.found import BetaEstimate
+from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.recursion import Change, History
 from orbident.estimation.recursive.changes import Detector
-from orbident.estimation.recursive.filter import Extended
+from orbident.estimation.recursive.filter import Extended, State
 from orbident.estimation.recursive.given import Given, given_of
 from orbident.estimation.recursive.prior import (
     UNCERTAINTY,
     cad_covariance,
     cad_prior,
 )
-from orbident.estimation.recursive.state import State
 from orbident.model.derivatives import sets_of_beta
 from orbident.preprocessing.samples import Samples
 from orbident.robot.description import Robot
@@ -128,3 +138,40 @@ def filter_history(
     beta, std, tests = map(np.concatenate, zip(*parts, strict=True))
     scale |= kalman.core.scaled(state.core, robot.mass)
     return FilterHistory(beta, std, tests, tuple(changes), scale, state)
+
+
+@dataclass(frozen=True)
+class Recursive:
+    """The information filter from CAD values, which it takes to be uncertain by 30 %.
+
+    The estimate is that after the last sample.
+    """
+
+    name: str = "recursive"
+
+    def estimate(self, problem: MomentumProblem, progress: Progress) -> Estimate:
+        """Take the samples one by one.
+
+        Raises:
+            InputError: no sample is complete.
+        """
+        robot, samples = problem.robot, problem.samples
+        history = recursive_history(robot, samples, problem.h_cm, progress=progress)
+        nothing = np.zeros((history.beta.shape[1], 0))
+        last = BetaEstimate(history.beta[-1], history.covariance, nothing)
+        since = history.t > (history.changes[-1].t if history.changes else -np.inf)
+        goodness = Goodness(
+            float(history.nis[since].sum()),
+            float(history.dof[since].sum()),
+            history.declared,
+        )
+        rms = rms_of_equations(problem)
+        estimate = estimate_of_beta(problem, last, "recursion", rms, goodness)
+        base = estimate.found.base
+        learnt = base._replace(determined=base.determined & history.determined)
+        return replace(
+            estimate,
+            found=estimate.found._replace(base=learnt),
+            biases=biases_of_sensors(problem, history.biases),
+            history=history,
+        )

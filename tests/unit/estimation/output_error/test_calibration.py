@@ -18,11 +18,11 @@ from small_problems import (
     small_robot_in_space,
 )
 
+from orbident.estimation.found import prior_std
 from orbident.estimation.maximum_likelihood import estimate_of
 from orbident.estimation.output_error.calibration import calibrations_of
 from orbident.estimation.output_error.problem import linear
 from orbident.estimation.output_error.solver import solved
-from orbident.estimation.prior_std import prior_std
 from orbident.estimation.solution import OUTSIDE, Solution
 from orbident.model.minimal_sets import minimal_sets
 from orbident.recordings.recording import Recording

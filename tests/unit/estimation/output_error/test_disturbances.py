@@ -24,8 +24,8 @@ from orbident.estimation.identify import identify
 from orbident.estimation.momentum_problem import momentum_problems
 from orbident.estimation.output_error.estimator import OutputError
 from orbident.estimation.output_error.forms import IN_WORDS, NEEDS
-from orbident.estimation.output_error.lasting import at_level
 from orbident.estimation.output_error.problem import NO_ROWS, SENSORS, Problem
+from orbident.estimation.output_error.sensors import at_level
 from orbident.estimation.solution import Unknowns
 from orbident.estimation.unknowns import DisturbanceFit
 from orbident.model.minimal_sets import minimal_sets

@@ -16,8 +16,8 @@ from small_problems import (
 from test_solving import Dense, dense
 
 from orbident import _core
-from orbident.estimation.output_error.lasting import TRACKERS, at_level, innovated
 from orbident.estimation.output_error.problem import NO_ROWS, SENSORS, linear
+from orbident.estimation.output_error.sensors import TRACKERS, at_level, innovated
 from orbident.estimation.output_error.solver import _damped
 
 WHITE = {"position": {"std": 1e-3}, "attitude": {"angle": 1e-3}}

@@ -16,10 +16,9 @@ from small_problems import (
 
 from orbident import _core
 from orbident.errors import InputError
-from orbident.estimation.convergence import SMALL
 from orbident.estimation.output_error.problem import NO_ROWS, SENSORS, Problem, linear
 from orbident.estimation.output_error.solver import _damped, equations_at, solved
-from orbident.estimation.solution import Unknowns
+from orbident.estimation.solution import SMALL, Unknowns
 from orbident.recordings.recording import Recording
 
 

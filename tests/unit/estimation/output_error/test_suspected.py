@@ -11,7 +11,7 @@ from test_disturbances import under_a_couple, with_sensors
 from orbident.estimation.estimate import Estimate
 from orbident.estimation.momentum_problem import momentum_problems
 from orbident.estimation.output_error.estimator import OutputError
-from orbident.estimation.output_error.suspected import SUSPICIOUS, suspects_in_words
+from orbident.estimation.output_error.sensitivity import SUSPICIOUS, suspects_in_words
 from orbident.estimation.unknowns import UNSEEN
 from orbident.recordings.recording import Recording
 

@@ -8,11 +8,10 @@ import numpy as np
 import pytest
 from small_problems import small_problem, small_recording, small_robot
 
-from orbident.estimation.estimators import Method
-from orbident.estimation.identify import identify
+from orbident.estimation.identify import Method, identify
 from orbident.estimation.linear_fits import InitialMomentum
+from orbident.estimation.output_error.disturbance_sizes import most_likely
 from orbident.estimation.output_error.followed import at_nodes, by_step, integral
-from orbident.estimation.output_error.walk_density import most_likely
 from orbident.estimation.output_error.walks import WAVES
 from orbident.estimation.result import Result
 from orbident.model.minimal_sets import minimal_sets

@@ -12,12 +12,10 @@ from recorded_samples import stream
 
 from orbident.errors import InputError
 from orbident.estimation.recursive.changes import Detector
-from orbident.estimation.recursive.filter import Extended
-from orbident.estimation.recursive.given import given_of
+from orbident.estimation.recursive.filter import Extended, Sample, State
+from orbident.estimation.recursive.given import Noise, given_of, noise_of
 from orbident.estimation.recursive.history import filter_history, recursive_history
-from orbident.estimation.recursive.noise import Noise, noise_of
 from orbident.estimation.recursive.prior import cad_prior, prior_from
-from orbident.estimation.recursive.state import Sample, State
 from orbident.model.derivatives import derivatives_of_beta, sets_of_beta
 from orbident.model.minimal_sets import MinimalSets, minimal_sets
 from orbident.preprocessing.samples import samples_of

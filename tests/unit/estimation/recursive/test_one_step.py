@@ -21,10 +21,9 @@ from random_robots import (
 from recorded_samples import stream
 from reference.filter_step import axes_of, laws, transition, white_equations
 
-from orbident.estimation.recursive.filter import Extended
-from orbident.estimation.recursive.noise import Noise, noise_of
+from orbident.estimation.recursive.filter import Extended, Info, Sample, State, packed
+from orbident.estimation.recursive.given import Noise, noise_of
 from orbident.estimation.recursive.prior import GaussianPrior, cad_prior
-from orbident.estimation.recursive.state import Info, Sample, State, packed
 from orbident.estimation.stretches import scatter, smoothed_rate
 from orbident.model.derivatives import derivatives_of_beta, sets_of_beta
 from orbident.model.minimal_sets import minimal_sets
