@@ -100,6 +100,7 @@ def test_standard_input_that_is_closed():
     run = finished("sh", "-c", f"exec {shlex.join(COMMAND)} <&-")
     assert run.returncode == 2
     assert "standard input: no sample came" in run.stderr
+    assert run.stderr.count("\n") == 1
 
 
 def test_a_robot_without_noise(tmp_path: Path):

@@ -171,13 +171,10 @@ def _mass(
         level = "do not trust"
         remedy = "record a richer or longer motion, with more momentum in the wheels"
     history = estimate.history
-    if not np.isfinite(M):
-        yield Check(
-            "mass",
-            "do not trust",
-            "mass: the samples do not tell it, nor the scale of any parameter",
-            "record a longer motion, with more momentum in the wheels",
-        )
+    if not M > 0:
+        found = "nothing tells it" if np.isnan(M) else f"found {M:.4g} kg, below zero"
+        remedy = "record a longer motion, with more momentum in the wheels"
+        yield Check("mass", "do not trust", f"mass: {found}", remedy)
     elif history is not None and not history.determined[0]:
         yield Check(
             "mass",

@@ -47,7 +47,7 @@ def complete(samples: Float[np.ndarray, "n all"]) -> Bool[np.ndarray, " n"]:
     """Which samples, as `Lines` reads them, lack nothing but perhaps the velocity."""
     there = np.isfinite(samples)
     there[:, -6:-3] = True
-    return there.all(axis=1)
+    return np.logical_and.reduce(there, axis=1)
 
 
 class Read(NamedTuple):

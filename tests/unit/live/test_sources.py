@@ -39,6 +39,15 @@ def test_a_pause_loses_none():
     assert receiver.lost == 0
 
 
+def test_what_nobody_took_is_counted():
+    receiver = Datagrams("127.0.0.1", 0)
+    sent(receiver, [b"1\n2", b"", b"3\n", LAST])
+    while receiver.waiting < 4:
+        time.sleep(0.01)
+    assert taken(receiver) == [b"1", b"2", b"3"]
+    assert receiver.waiting == 0
+
+
 def test_what_there_is_no_room_for_is_counted(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(sources, "WAITING", 1000)
     receiver = Datagrams("127.0.0.1", 0)
