@@ -74,7 +74,7 @@ def tried(call: Call, place: int, value: Any) -> Any:
 def test_whatever_is_given_is_borne_or_refused():
     calls = core_calls(random_robot(1, (0, 1), (1,), random_wheels(1, ["held"])))
     other = core_calls(
-        random_robot(2, (0, 0, 1, 2), (), random_wheels(2, ["held"] * 3))
+        random_robot(2, (0, 0, 1, 2), (), random_wheels(2, ["held", "held", "held"]))
     )
     kinds = {kind for _, kind in inspect.getmembers(_core, inspect.isclass)}
     others = {type(x): x for call in other for x in call.arguments if type(x) in kinds}
