@@ -40,6 +40,14 @@ def mjcf(robot: Mechanism) -> str:
     ):
         bodies.append(_body(bodies[joint.parent], name, joint))
         _add_inertial(bodies[-1], theta)
+    for follower, leader, factor, offset in robot.couplings:
+        ET.SubElement(
+            ET.SubElement(root, "equality"),
+            "joint",
+            joint1=follower,
+            joint2=leader,
+            polycoef=_text([offset, factor, 0, 0, 0]),
+        )
     ET.indent(root)
     return ET.tostring(root, encoding="unicode") + "\n"
 
