@@ -6,6 +6,7 @@ import numpy as np
 from jaxtyping import Float
 from scipy.spatial.transform import Rotation
 
+from orbident.files.bounds import LARGEST
 from orbident.identified.exported_robot import FEATURE_POINT, Mechanism, unused
 from orbident.robot.description import Joint
 from orbident.robot.parameters import FIRST_MOMENT, MASS, inertia_about_com
@@ -73,7 +74,7 @@ def _body(parent: ET.Element, name: str, joint: Joint) -> ET.Element:
         body, "joint", name=joint.name, type=KINDS[joint.kind], axis=_text(joint.axis)
     )
     if joint.position is not None:
-        about.set("range", _text(joint.position))
+        about.set("range", _text(joint.within(LARGEST)))
     return body
 
 
