@@ -146,6 +146,22 @@ def test_the_document(orbident: Orbident):
     assert document["odd"] == []
 
 
+def test_a_joint_that_follows_another(orbident: Orbident):
+    before, after = ARM.rsplit("</joint>", 1)
+    mimic = '<mimic joint="joint1" multiplier="-2" offset="0.5"/></joint>'
+    path = robot_file(Path(), before + mimic + after)
+    tree = orbident("check", path).done().out
+    assert (
+        "joint2  revolute about [0, 1, 0], at [0.3, 0.1, 0] m, follows -2 joint1"
+        in tree
+    )
+    assert "follows -2 joint1 +0.5\n" in tree
+    (found,) = orbident("check", path, "--json", "-").done().json["couplings"]
+    assert found == {
+        "follower": "joint2", "leader": "joint1", "factor": -2.0, "offset": 0.5
+    }  # fmt: skip
+
+
 def test_an_end_without_a_limit_is_null(orbident: Orbident):
     limit = '<limit lower="-1" upper="1e30" effort="1" velocity="1e999"/>'
     text = ARM.replace("</joint>", f"{limit}</joint>", 1)

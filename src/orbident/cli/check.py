@@ -80,6 +80,7 @@ def _document(robot: Any, odd: tuple[str, ...]) -> dict[str, Any]:
         "motion": robot.motion,
         "mass": robot.mass,
         "bodies": bodies,
+        "couplings": [coupling._asdict() for coupling in robot.couplings],
         "wheels": list(robot.wheel_names),
         "sensors": [name for name in robot.sensors if name != "rate"],
         "odd": list(odd),

@@ -81,7 +81,10 @@ def limits_of(
             raise InputError(f"{name} limit: found {value:g}; give a number above zero")
     free = (-INFINITE, INFINITE)
     limits = Limits(
-        position=np.array([joint.position or free for joint in robot.joints]),
+        # With one stop, a turn from it is as far as a motion needs.
+        position=np.array(
+            [joint.within(np.pi) if joint.position else free for joint in robot.joints]
+        ),
         velocity=np.array([joint.velocity or INFINITE for joint in robot.joints]),
         acceleration=np.full(len(robot.joints), float(acceleration)),
         base_rate=float(base_rate),

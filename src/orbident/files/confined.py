@@ -99,14 +99,20 @@ def _limit(seconds: int, megabytes: int) -> None:
         return
     import resource
 
+    def lower(what: int, limit: int) -> None:
+        """Lower the limit at which a signal comes, or memory is refused."""
+        hard = resource.getrlimit(what)[1]
+        if hard != resource.RLIM_INFINITY:
+            limit = min(limit, hard)
+        resource.setrlimit(what, (limit, hard))
+
     # A crash shall leave no file of the memory behind.
-    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-    until = int(time.process_time()) + 1 + seconds
-    resource.setrlimit(resource.RLIMIT_CPU, (until, until + 1))
+    lower(resource.RLIMIT_CORE, 0)
+    lower(resource.RLIMIT_CPU, int(time.process_time()) + 1 + seconds)
     if sys.platform == "linux":
         pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0])
         most = pages * resource.getpagesize() + megabytes * 1_000_000
-        resource.setrlimit(resource.RLIMIT_AS, (most, most))
+        lower(resource.RLIMIT_AS, most)
 
 
 if __name__ == "__main__":

@@ -12,7 +12,7 @@ from orbident.errors import InputError
 from orbident.estimation.result import Result
 from orbident.identified.physical import physical_bodies
 from orbident.identified.rotors import RotorBody, parts_of_base, rotor_bodies
-from orbident.robot.description import Joint, Robot
+from orbident.robot.description import Coupling, Joint, Robot
 from orbident.robot.parameters import transformed
 
 FEATURE_POINT = "feature_point"
@@ -37,6 +37,7 @@ class Mechanism(NamedTuple):
     theta: Float[np.ndarray, "bodies 10"]
     feature_point: Float[np.ndarray, "3"]
     """S in the base's frame, m."""
+    couplings: tuple[Coupling, ...]
 
 
 class ExportedRobot(NamedTuple):
@@ -97,7 +98,7 @@ def mechanism_of(robot: Robot, rotors: tuple[RotorBody, ...]) -> Mechanism:
         joints.append(at)
     theta = np.vstack([theta, *(rotor.theta for rotor in rotors)])
     tree = tuple(bodies), tuple(joints), theta
-    return Mechanism(robot.name, robot.motion, *tree, p)
+    return Mechanism(robot.name, robot.motion, *tree, p, robot.couplings)
 
 
 def unused(name: str, taken: Collection[str]) -> str:

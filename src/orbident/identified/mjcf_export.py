@@ -6,6 +6,7 @@ import numpy as np
 from jaxtyping import Float
 from scipy.spatial.transform import Rotation
 
+from orbident.files.bounds import LARGEST
 from orbident.identified.exported_robot import FEATURE_POINT, Mechanism, unused
 from orbident.robot.description import Joint
 from orbident.robot.parameters import FIRST_MOMENT, MASS, inertia_about_com
@@ -40,6 +41,14 @@ def mjcf(robot: Mechanism) -> str:
     ):
         bodies.append(_body(bodies[joint.parent], name, joint))
         _add_inertial(bodies[-1], theta)
+    for follower, leader, factor, offset in robot.couplings:
+        ET.SubElement(
+            ET.SubElement(root, "equality"),
+            "joint",
+            joint1=follower,
+            joint2=leader,
+            polycoef=_text([offset, factor, 0, 0, 0]),
+        )
     ET.indent(root)
     return ET.tostring(root, encoding="unicode") + "\n"
 
@@ -65,7 +74,7 @@ def _body(parent: ET.Element, name: str, joint: Joint) -> ET.Element:
         body, "joint", name=joint.name, type=KINDS[joint.kind], axis=_text(joint.axis)
     )
     if joint.position is not None:
-        about.set("range", _text(joint.position))
+        about.set("range", _text(joint.within(LARGEST)))
     return body
 
 

@@ -1,5 +1,6 @@
 """The robot as plain frozen data: what every other layer is given."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal, NamedTuple
@@ -33,9 +34,25 @@ class Joint:
     p_PJ: Float[np.ndarray, "3"]
     """Vector from the parent body's origin to the joint at q = 0, parent's axes, m."""
     position: tuple[float, float] | None = None
-    """Lower and upper limit, rad or m; None where the joint turns freely."""
+    """Lower and upper limit, rad or m; None where the joint turns freely, and infinite
+    where it has no stop to one side."""
     velocity: float | None = None
     """Limit of the rate, rad/s or m/s."""
+
+    def within(self, far: float) -> tuple[float, float]:
+        """Its limits; where there is no stop, some place beyond zero.
+
+        Args:
+            far: how far, rad or m; twice as far from the one stop that there is.
+        """
+        low, high = self.position or (-math.inf, math.inf)
+        if math.isinf(low) and math.isinf(high):
+            return -far, far
+        if math.isinf(high):
+            return low, max(low, -far) + 2 * far
+        if math.isinf(low):
+            return min(high, far) - 2 * far, high
+        return low, high
 
 
 class Coupling(NamedTuple):

@@ -31,7 +31,7 @@ def load_robot(source: str | Path) -> Robot:
     """A robot, ready for every other function.
 
     What is odd but no error (inertias that no body can have, contradictions of
-    `structure`, unbalanced wheels, mimicking joints) is in `Robot.warnings`.
+    `structure`, unbalanced wheels) is in `Robot.warnings`.
 
     Args:
         source: a bundled name (see `bundled_robots`), a robot file (`.yaml`, `.yml`),

@@ -104,7 +104,7 @@ class _Range(NamedTuple):
 
 def _range(joint: Joint) -> _Range:
     """A joint's stops in few digits, inside of what the file says."""
-    low, high = joint.position or (-FREE, FREE)
+    low, high = joint.within(FREE)
     step = 10.0 ** np.floor(np.log10((high - low) / 500))
     digits = max(0, -int(np.log10(step)))
     low = round(float(np.ceil(low / step) * step), digits)

@@ -32,6 +32,12 @@ def test_limits_are_the_robots(robot):
     assert np.isinf(limits.wheel_speed)
 
 
+def test_a_joint_with_one_stop(robot):
+    one = replace(robot.joints[0], position=(-1.05, np.inf))
+    limits = limits_of(replace(robot, joints=(one, robot.joints[1])))
+    np.testing.assert_array_equal(limits.position[0], [-1.05, 2 * np.pi - 1.05])
+
+
 def test_a_joint_without_a_velocity_limit_is_refused(robot):
     joints = (robot.joints[0], replace(robot.joints[1], velocity=None))
     with pytest.raises(InputError, match="'joint2': velocity limit: found None; give"):

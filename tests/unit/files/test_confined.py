@@ -4,9 +4,11 @@ import builtins
 import math
 import operator
 import os
+import sys
 import time
 
 import pytest
+from processes import finished
 
 from orbident.errors import InputError
 from orbident.files.confined import ConfinedError, confined
@@ -56,3 +58,13 @@ def test_what_waits_is_stopped(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr("orbident.files.confined._WAITING", 1)
     with pytest.raises(ConfinedError, match=r"^takes more than 1 s$"):
         confined(time.sleep, 60, **SMALL)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such limits")
+def test_limits_that_there_are_stay():
+    code = (
+        "import resource; from orbident.files.confined import confined; "
+        "resource.setrlimit(resource.RLIMIT_CPU, (5, 5)); "
+        "print(confined(len, [1, 2], seconds=60, megabytes=100))"
+    )
+    assert finished(sys.executable, "-c", code).stdout == "2\n"

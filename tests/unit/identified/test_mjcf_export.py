@@ -1,0 +1,28 @@
+"""An exported MJCF file loads as the robot that it was made of."""
+
+from pathlib import Path
+
+import pytest
+
+from orbident.identified.exported_robot import mechanism_of
+from orbident.identified.mjcf_export import mjcf
+from orbident.robot.robot_file import load_robot
+
+ROBOT = """<mujoco><worldbody><body name="base"><freejoint/>
+<inertial pos="0 0 0" mass="10" diaginertia="1 1 1"/>
+<body name="a"><joint name="j" axis="0 0 1"/>
+<inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/></body>
+<body name="b"><joint name="k" axis="0 1 0" ref="10"/>
+<inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/></body></body></worldbody>
+<equality><joint joint1="k" joint2="j" polycoef="0.5 3 0 0 0"/></equality></mujoco>"""
+
+
+def test_joints_that_follow_others_still_do(tmp_path: Path):
+    path = tmp_path / "robot.xml"
+    path.write_text(ROBOT)
+    robot = load_robot(path)
+    path.write_text(mjcf(mechanism_of(robot, ())))
+    again = load_robot(path)
+    assert again.joint_names == robot.joint_names == ("j", "k")
+    assert again.couplings == robot.couplings
+    assert again.couplings[0].factor == pytest.approx(3.0)
