@@ -1,6 +1,6 @@
 """Tables of text with columns of any names, one a file, or one signal a file."""
 
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from pathlib import Path
 
 import pyarrow as pa
@@ -41,10 +41,12 @@ def read_text_table(path: Path, stack: ExitStack) -> Tree:
 
 def text_tables_in(folder: Path) -> list[Path]:
     """The tables of a folder that has one signal a file, as those of NASA's 42."""
-    for suffix in SUFFIXES:
-        found = sorted(each for each in folder.iterdir() if each.suffix == suffix)
-        if found:
-            return [each for each in found if each.stat().st_size]
+    # What cannot be looked into is refused by whoever opens it.
+    with suppress(OSError):
+        files = [each for each in sorted(folder.iterdir()) if each.is_file()]
+        for suffix in SUFFIXES:
+            if found := [each for each in files if each.suffix.lower() == suffix]:
+                return found
     return []
 
 
@@ -56,6 +58,9 @@ def read_text_folder(path: Path, stack: ExitStack) -> Tree:
     """
     tree = {}
     for each in text_tables_in(path):
+        # As 42 leaves it where the robot has no such sensor.
+        if not each.stat().st_size:
+            continue
         fields = read_text_table(each, stack)
         tree[each.stem] = fields.get(each.stem, fields)
     return tree
