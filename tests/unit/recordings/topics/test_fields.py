@@ -33,8 +33,8 @@ REFUSED = {
         "fields: 'gyro' is not in take",
     ),
     "counts of a time that are none": (
-        "{topic: /, type: table, stamp: {t: 1e999999999 s}, take: {wheel.a.speed: rpm}}",
-        "stamp: found {'t': '1e999999999 s'}; give the field that holds the time",
+        "{topic: /, type: table, stamp: {t: 1e99999 s}, take: {wheel.a.speed: rpm}}",
+        "stamp: found {'t': '1e99999 s'}; give the field that holds the time",
     ),
     "a scale that is not finite": (
         TABLE + "take: {wheel.a.speed: rpm}, fields: {wheel.a.speed: 1e999 * x}}",
