@@ -7,9 +7,10 @@ import pyarrow as pa
 import pyarrow.csv as arrow_csv
 
 from orbident.errors import InputError
+from orbident.files.names import one_line
 from orbident.recordings.csv_table import csv_lines
 from orbident.recordings.logs.arrow_columns import fields_of
-from orbident.recordings.logs.group import Tree
+from orbident.recordings.logs.group import Tree, unusable
 from orbident.recordings.text_dialect import TextDialect, opened_table, text_dialect
 
 SUFFIXES = (".42", ".csv", ".tsv", ".txt", ".dat")
@@ -53,15 +54,18 @@ def text_tables_in(folder: Path) -> list[Path]:
 def read_text_folder(path: Path, stack: ExitStack) -> Tree:
     """Every table under the name of its file; `time.42` is the time of the others.
 
-    Raises:
-        InputError: as of any of them.
+    A file that is no table is a field that cannot be used, which says why.
     """
     tree = {}
     for each in text_tables_in(path):
         # As 42 leaves it where the robot has no such sensor.
         if not each.stat().st_size:
             continue
-        fields = read_text_table(each, stack)
+        try:
+            fields = read_text_table(each, stack)
+        except (InputError, pa.ArrowInvalid) as error:
+            reason = one_line(error).removeprefix(f"{each}: ")
+            fields = {each.stem: unusable(f"cannot be read: {reason}")}
         tree[each.stem] = fields.get(each.stem, fields)
     return tree
 
