@@ -19,6 +19,7 @@ _HEAD_LINES = 256
 """What stands above the rows is shorter: an export of LabVIEW has some twenty."""
 _SEPARATORS = ("\t", ";", ",", " ")
 """In the order in which they are tried: numbers may have commas, and names blanks."""
+_NO_TEXT = re.compile("[\0-\x08\x0e-\x1f\ufffd]")
 _COMMENT = re.compile(r"\s*[#%]+\s*")
 _NUMBER = re.compile(
     r"[+-]?(\d+[.,]?\d*|[.,]\d+)([eE][+-]?\d+)?|[+-]?(nan|inf|infinity)",
@@ -86,7 +87,7 @@ def text_dialect(path: Path) -> TextDialect:
         comma = layout.separator != "," and _has_commas(lines, layout.separator)
     except csv.Error:
         layout, comma = None, False
-    if layout is None or any("\ufffd" in name for name in layout.names):
+    if layout is None or any(map(_NO_TEXT.search, layout.names)):
         raise InputError(
             f"{path}: is not UTF-8 text with a cell for each column; export it as CSV "
             "in UTF-8"

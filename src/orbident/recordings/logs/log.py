@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from orbident.errors import InputError
-from orbident.files.names import one_line, suggestion
+from orbident.files.names import one_line, quoted, suggestion
 from orbident.recordings.logs.arrow_file import read_parquet_log
 from orbident.recordings.logs.group import Group, Tree, groups
 from orbident.recordings.logs.hdf5_file import MAGIC as HDF5_MAGIC
@@ -108,7 +108,7 @@ def open_log(path: Path) -> Iterator[Log]:
             raise InputError(_damaged(path, kind, error)) from error
         if not any(group.count for group in found.values()):
             fields = (f for group in found.values() for f in group.fields.items())
-            first = next((f": '{name}' {f.problem}" for name, f in fields), "")
+            first = next((f": {quoted(name)} {f.problem}" for name, f in fields), "")
             raise InputError(
                 f"{path}: holds no arrays of numbers over time{first}; record again, "
                 "or save numbers"

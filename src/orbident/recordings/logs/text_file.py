@@ -1,15 +1,16 @@
 """Tables of text with columns of any names, one a file, or one signal a file."""
 
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from pathlib import Path
 
 import pyarrow as pa
 import pyarrow.csv as arrow_csv
 
 from orbident.errors import InputError
+from orbident.files.names import one_line
 from orbident.recordings.csv_table import csv_lines
 from orbident.recordings.logs.arrow_columns import fields_of
-from orbident.recordings.logs.group import Tree
+from orbident.recordings.logs.group import Tree, unusable
 from orbident.recordings.text_dialect import TextDialect, opened_table, text_dialect
 
 SUFFIXES = (".42", ".csv", ".tsv", ".txt", ".dat")
@@ -41,22 +42,30 @@ def read_text_table(path: Path, stack: ExitStack) -> Tree:
 
 def text_tables_in(folder: Path) -> list[Path]:
     """The tables of a folder that has one signal a file, as those of NASA's 42."""
-    for suffix in SUFFIXES:
-        found = sorted(each for each in folder.iterdir() if each.suffix == suffix)
-        if found:
-            return [each for each in found if each.stat().st_size]
+    # What cannot be looked into is refused by whoever opens it.
+    with suppress(OSError):
+        files = [each for each in sorted(folder.iterdir()) if each.is_file()]
+        for suffix in SUFFIXES:
+            if found := [each for each in files if each.suffix.lower() == suffix]:
+                return found
     return []
 
 
 def read_text_folder(path: Path, stack: ExitStack) -> Tree:
     """Every table under the name of its file; `time.42` is the time of the others.
 
-    Raises:
-        InputError: as of any of them.
+    A file that is no table is a field that cannot be used, which says why.
     """
     tree = {}
     for each in text_tables_in(path):
-        fields = read_text_table(each, stack)
+        # As 42 leaves it where the robot has no such sensor.
+        if not each.stat().st_size:
+            continue
+        try:
+            fields = read_text_table(each, stack)
+        except (InputError, pa.ArrowInvalid) as error:
+            reason = one_line(error).removeprefix(f"{each}: ")
+            fields = {each.stem: unusable(f"cannot be read: {reason}")}
         tree[each.stem] = fields.get(each.stem, fields)
     return tree
 

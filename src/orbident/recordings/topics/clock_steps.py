@@ -22,6 +22,8 @@ _NEAR = 1e-3
 chance so is one in a thousand."""
 _BEGIN_AGAIN = (86_400 * 10**9, 604_800 * 10**9)
 """ns, of a time of day, and of a second of the week, as GPS has it."""
+_LONGEST = 2**60
+"""ns, 36 years: several of them are still no overflow."""
 _COUNTS = (10**3, 10**6)
 """ns, of what a counter counts, whatever unit its times are in: us and ms."""
 
@@ -46,12 +48,12 @@ def continued(
     periods = {2**bits * count for count in (*counts, *_COUNTS) for bits in _BITS}
     said = ""
     while (found := _step_back(stamps, same)) is not None:
-        ahead = stamps[found - 1] - stamps[found]
+        ahead = int(stamps[found - 1] - stamps[found])
         interval = _interval(stamps)
         fitting = [
             period
             for period in sorted(periods.union(_BEGIN_AGAIN))
-            if _RUN * interval < period
+            if _RUN * interval < period < _LONGEST
             and 0 < period - ahead <= max(3 * interval, _NEAR * period)
         ]
         if not fitting:

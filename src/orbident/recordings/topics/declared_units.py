@@ -1,6 +1,7 @@
 """Units that a topic map can declare."""
 
 import math
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
@@ -24,15 +25,15 @@ DIMENSIONS: Mapping[str, Mapping[str, float]] = {
 """Each unit's value in SI."""
 TIMES: Mapping[str, int] = {"s": 10**9, "ms": 10**6, "us": 10**3, "ns": 1}
 """Each unit of time in nanoseconds."""
+_COUNT = re.compile(r"(?:(\d{1,9}(?:\.\d{1,9})?)\s+)?(\w+)", re.ASCII)
 
 
 def nanoseconds_of(unit: str) -> int | None:
     """How many a unit of time has, or a count of `0.2 s`; None where it is neither."""
-    number, _, name = unit.rpartition(" ")
-    try:
-        exact = Fraction(number or "1") * TIMES[name]
-    except (KeyError, ValueError, ZeroDivisionError):
+    found = _COUNT.fullmatch(unit)
+    if found is None or found[2] not in TIMES:
         return None
+    exact = Fraction(found[1] or "1") * TIMES[found[2]]
     return int(exact) if exact > 0 and exact.denominator == 1 else None
 
 

@@ -202,7 +202,9 @@ class Table(Fields):
                     f"{values.size} values, but '{next(iter(self.stamp))}' has "
                     f"{times.size}; name the time of this field in an entry of its own"
                 )
-            raw[:, k] = slot.factor * values + slot.offset
+            # What is beyond all numbers is no sample, as in the file itself.
+            with np.errstate(over="ignore"):
+                raw[:, k] = slot.factor * values + slot.offset
         return times, raw
 
     def _check_units(self, group: Group, place: str) -> None:

@@ -1,5 +1,6 @@
 """How a map names the numbers that a column is made of."""
 
+import math
 import re
 from typing import NamedTuple
 
@@ -40,4 +41,6 @@ def _slot(value: object) -> Slot:
         )
     factor = float(found["factor"] or 1) * (-1 if found["minus"] else 1)
     offset = "".join((found["offset"] or "0").split())
+    if not (math.isfinite(factor) and math.isfinite(float(offset))):
+        raise WrongValueError("give numbers that are finite")
     return Slot(found["field"], factor, float(offset))

@@ -11,7 +11,7 @@ from orbident.recordings.logs.group import Group
 from orbident.recordings.topics.declared_units import TIMES, nanoseconds_of
 
 _MOST = 2**62
-"""ns, 146 years."""
+"""ns, 146 years; so far the sum of the fields goes."""
 
 
 def stamp_fields(value: object) -> dict[str, str]:
@@ -59,12 +59,14 @@ def stamps_of(
                 f"{where} has {values.size} values, but the other part of the time has "
                 f"{stamps.size}; give fields of one length"
             )
-        part = _nanoseconds(values, unit, where)
+        part = _nanoseconds(values, unit, where, _MOST // len(fields))
         stamps = stamps + part if number else part
     return stamps
 
 
-def _nanoseconds(values: np.ndarray, unit: str, where: str) -> Int[np.ndarray, " n"]:
+def _nanoseconds(
+    values: np.ndarray, unit: str, where: str, most: int
+) -> Int[np.ndarray, " n"]:
     factor = nanoseconds_of(unit) or 1
     finite = np.isfinite(values)
     if not finite.all():
@@ -72,7 +74,7 @@ def _nanoseconds(values: np.ndarray, unit: str, where: str) -> Int[np.ndarray, "
         raise InputError(
             f"{where}, row {row}: found {values[row - 1]}; every row needs a time"
         )
-    if np.abs(values.astype(np.float64)).max(initial=0.0) * factor > _MOST:
+    if np.abs(values.astype(np.float64)).max(initial=0.0) * factor > most:
         raise InputError(
             f"{where} goes beyond 146 years in {unit}; correct the unit, one of "
             + ", ".join(TIMES)

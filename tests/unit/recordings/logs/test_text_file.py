@@ -216,6 +216,7 @@ def test_one_signal_a_file(tmp_path: Path):
     np.savetxt(folder / "time.42", T, "%lf")
     np.savetxt(folder / "wbn.42", np.outer(T, [1, 2, 3]), "%le")
     (folder / "MTB.42").write_text("")
+    (folder / "Tree.42").write_text("SC 0\nBody 0 of 1\n")
     entry = (
         "  - {topic: /, type: table, stamp: {time: s}, frame: base, "
         "take: {gyro: rad/s}, fields: {gyro: wbn}}\n"
@@ -225,4 +226,4 @@ def test_one_signal_a_file(tmp_path: Path):
     with (folder / "wbn.42").open("a") as file:
         file.write("1.0 2.0")
     said = refusal(folder, entry)
-    assert said.startswith(f"{folder / 'wbn.42'}: row 41 has 2 cells where 3")
+    assert "field 'wbn' cannot be read: row 41 has 2 cells where 3 are" in said

@@ -32,6 +32,14 @@ REFUSED = {
         TABLE + "take: {wheel.a.speed: rpm}, fields: {wheel.a.speed: x, gyro: y}}",
         "fields: 'gyro' is not in take",
     ),
+    "counts of a time that are none": (
+        "{topic: /, type: table, stamp: {t: 1e99999 s}, take: {wheel.a.speed: rpm}}",
+        "stamp: found {'t': '1e99999 s'}; give the field that holds the time",
+    ),
+    "a scale that is not finite": (
+        TABLE + "take: {wheel.a.speed: rpm}, fields: {wheel.a.speed: 1e999 * x}}",
+        "fields.wheel.a.speed: found '1e999 * x'; give numbers that are finite",
+    ),
     "no field": (
         TABLE + "take: {wheel.a.speed: rpm}, fields: {wheel.a.speed: true}}",
         "fields.wheel.a.speed: found True; give a field, a field with a minus",
