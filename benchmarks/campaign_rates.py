@@ -76,7 +76,7 @@ def made(spec: Path, workers: int, runs: int) -> pa.Table:
     print(f"{workers} workers: {runs} runs in {took:.1f} s, {runs / took:.3g} a second")
     ends = sorted(each.stat().st_mtime for each in (out / ROWS).glob("*.parquet"))
     # The first chunk holds the start of Python in the workers.
-    edges = np.linspace(0, len(ends) - 1, TENTHS + 1).round().astype(int)
+    edges = np.unique(np.linspace(0, len(ends) - 1, TENTHS + 1).round().astype(int))
     size = runs / len(ends)
     rates = size * np.diff(edges) / np.diff(np.array(ends)[edges])
     print("  by tenths:", *(f"{rate:.3g}" for rate in rates))

@@ -175,7 +175,7 @@ def _tried(
     ):
         for one in some(problem):
             trials.append(_sure(one, before))
-            if sum(not each.converged for each in trials) == LOST:
+            if sum(each.lost for each in trials) == LOST:
                 return trials
         if any(one.accepted for one in trials):
             break

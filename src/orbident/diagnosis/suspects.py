@@ -108,8 +108,10 @@ def tried(
         best = found
         if found.accepted or found.misfit > before:
             break
+        if found.estimate is None or found.estimate.solution is None:
+            break
         # Scores are of a best fit.
-        if not found.converged or found.estimate.solution is None:
+        if found.lost:
             break
         more = score(right, found.estimate.solution, suspect)
         if not more.falls or np.all(abs(more.numbers) < SETTLED * more.std):

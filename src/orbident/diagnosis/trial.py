@@ -32,9 +32,9 @@ class Trial(NamedTuple):
     """Whether it is accepted, or shows too little of the mass and nothing wrong."""
 
     @property
-    def converged(self) -> bool:
-        """Whether there is a least cost."""
-        return self.estimate is not None and self.estimate.converged
+    def lost(self) -> bool:
+        """Whether a search found no least cost."""
+        return self.estimate is not None and not self.estimate.converged
 
 
 def trial(cause: str, problem: MomentumProblem) -> Trial:

@@ -1,0 +1,69 @@
+"""A recording that nothing brings to a fit: the search for its cause has an end."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import pytest
+from cause_problems import clean, fitted, problem_with
+
+from orbident.estimation import maximum_likelihood as likelihood
+from orbident.estimation.causes import causes as module
+from orbident.estimation.causes.causes import LOST, _tried
+from orbident.estimation.causes.trial import Trial
+from orbident.estimation.estimate import Estimate
+from orbident.estimation.momentum_problem import MomentumProblem
+from orbident.estimation.output_error.estimator import OutputError
+from orbident.estimation.solve import Solved
+from orbident.recordings.recording import Recording
+
+STAGES = "noisier_sensors", "spikes", "missing_wheel", "clocks", "wandering"
+
+
+@pytest.fixture(scope="module")
+def problem() -> MomentumProblem:
+    return problem_with()
+
+
+@pytest.fixture(scope="module")
+def lost(problem: MomentumProblem) -> Estimate:
+    return replace(fitted(problem), converged=False)
+
+
+@pytest.mark.parametrize("fits", [True, False])
+def test_so_many_trials_without_a_least_cost_are_enough(
+    problem, lost, monkeypatch, fits
+):
+    """Those that were not even fitted do not count."""
+    made: list[Trial] = []
+
+    def trials(_: MomentumProblem) -> Iterator[Trial]:
+        for _ in range(4):
+            made.append(Trial("", False, 1e9, lost if fits else None))
+            yield made[-1]
+
+    for stage in STAGES:
+        monkeypatch.setattr(module, stage, trials)
+    _tried(Solved(problem, [], lost, None), [], 0.0)
+    assert len(made) == (LOST if fits else 4 * len(STAGES))
+
+
+def test_a_trial_of_nonsense_does_not_ask_what_else_acts(monkeypatch):
+    """Joints that show another motion: a few searches, not one for every group."""
+    recording = clean().recording.between(0.0, 6.0)
+    columns = {
+        name: x[::-1] if name.startswith("joint") else x
+        for name, x in recording.columns.items()
+    }
+    part = problem_with().amended(recording=Recording(recording.t, columns))
+    searches = 0
+
+    def counted(*given, **named):
+        nonlocal searches
+        searches += 1
+        return solved(*given, **named)
+
+    solved = likelihood.solved
+    monkeypatch.setattr(likelihood, "solved", counted)
+    found = OutputError(steps=12).estimate(part, lambda _: None)
+    assert not found.converged
+    assert searches == 2
