@@ -4,7 +4,8 @@ Drivers fill them with zeros or with a limit, with the motor's rate, or with one
 was filtered. Integrated, a rate `v` must give the position, but for a bias: over any
 span of time, `dq = c dt + integral of v`. Integration adds little noise, and a
 derivative much. What `v` is instead shows in `dq = c dt + integral of v / G + T dv`: it
-is `G` times the rate, and later by `G T`; exactly so if it is low-passed to first order.
+is `G` times the rate, and later by `G T`; exactly so where it is low-passed to first
+order.
 """
 
 from collections.abc import Iterator

@@ -64,7 +64,7 @@ def test_nothing_to_unwrap():
 
 @pytest.mark.parametrize("low", [-np.pi, 0.0, -np.pi / 2])
 def test_an_angle_that_leaps_by_a_turn_is_shown_within_it(low):
-    x = 2.0 * np.sin(0.7 * T) + 1.5
+    x = 4.0 * np.sin(0.7 * T) + 1.0
     assert within_a_turn(T, (x - low) % (2 * np.pi) + low)
     shown = (x - low) % (2 * np.pi) + low
     shown[100] = np.nan
