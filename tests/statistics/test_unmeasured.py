@@ -102,7 +102,7 @@ KINDS: dict[str, tuple[Change, str]] = {
         columns(("joint",), lambda x: x % (2 * np.pi)),
         "column 'joint.joint1.position' leaps by a turn",
     ),
-    "motor": (with_rates(lambda q, v: 160 * v), "it is 160 times that; it is not used"),
+    "motor": (with_rates(lambda q, v: 160 * v), "it is 160 times that; it"),
     "late": (
         with_rates(lambda q, v: 10 * np.diff(q, prepend=q[0])),
         "it is 0.05 s late",

@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 MS = 1_000_000
 COUNT = 400
 T = 0.01 * np.arange(COUNT)
-X = Rotation.from_euler("z", 0.4 * np.sin(T)).as_quat()
+X = Rotation.from_euler("z", 0.4 * np.sin(T)[:, None]).as_quat()
 P = np.column_stack([np.sin(T), np.cos(2 * T), 0.1 * T])
 X, P = (x + 1e-4 * np.random.default_rng(0).standard_normal(x.shape) for x in (X, P))
 X /= np.linalg.norm(X, axis=1, keepdims=True)
