@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from orbident.errors import InputError
-from orbident.preprocessing.angles import unwrapped, within_a_turn
+from orbident.preprocessing.angles import GAP, unwrapped, within_a_turn
 from orbident.preprocessing.false_rates import false_rates
 from orbident.preprocessing.outliers import find_spikes
 from orbident.preprocessing.saturation import saturated
@@ -231,12 +231,15 @@ def _unwrapped(
         if not recording.has(name):
             continue
         angle = recording.columns[name]
-        if settings.once(f"turns of {name}", partial(within_a_turn, t, angle)):
-            found[name] = unwrapped(t, angle)
-            if between := ranges.get(name):
-                # The turn that it began in is not known.
-                off = np.nanmedian(found[name]) - np.mean(between)
-                found[name] -= TURN * np.round(off / TURN)
+        if not settings.once(f"turns of {name}", partial(within_a_turn, t, angle)):
+            continue
+        # A joint goes to and fro, and a wheel on and on.
+        steady = GAP * float(np.median(np.diff(t))) if name in ranges else np.inf
+        found[name] = unwrapped(t, angle, TURN, steady)
+        if between := ranges.get(name):
+            # The turn that it began in is not known.
+            off = np.nanmedian(found[name]) - np.mean(between)
+            found[name] -= TURN * np.round(off / TURN)
     return found
 
 
