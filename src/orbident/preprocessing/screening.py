@@ -235,11 +235,14 @@ def _unwrapped(
             continue
         # A joint goes to and fro, and a wheel on and on.
         steady = GAP * float(np.median(np.diff(t))) if name in ranges else np.inf
-        found[name] = unwrapped(t, angle, TURN, steady)
+        x = unwrapped(t, angle, TURN, steady)
         if between := ranges.get(name):
-            # The turn that it began in is not known.
-            off = np.nanmedian(found[name]) - np.mean(between)
-            found[name] -= TURN * np.round(off / TURN)
+            # In which turn it began, and went on after a gap, its range tells.
+            seen = ~np.isnan(x)
+            parts = np.cumsum(np.diff(t[seen], prepend=t[seen][0]) > steady)
+            middles = np.bincount(parts, x[seen]) / np.bincount(parts)
+            x[seen] -= TURN * np.round((middles - np.mean(between)) / TURN)[parts]
+        found[name] = x
     return found
 
 
