@@ -90,6 +90,7 @@ def _instead(
 
     def left(y: np.ndarray, *columns: np.ndarray) -> tuple[float, np.ndarray]:
         A, b = np.column_stack([over(x) for x in (t, *columns)]), over(y)
+        x, off = np.zeros(A.shape[1]), np.zeros(b.size)
         kept = np.ones(b.size, dtype=bool)
         for _ in range(ROUNDS):
             x = np.linalg.lstsq(A[kept], b[kept])[0]

@@ -238,10 +238,16 @@ def _unwrapped(
         x = unwrapped(t, angle, TURN, steady)
         if between := ranges.get(name):
             # In which turn it began, and went on after a gap, its range tells.
-            seen = ~np.isnan(x)
-            parts = np.cumsum(np.diff(t[seen], prepend=t[seen][0]) > steady)
-            middles = np.bincount(parts, x[seen]) / np.bincount(parts)
-            x[seen] -= TURN * np.round((middles - np.mean(between)) / TURN)[parts]
+            seen = np.flatnonzero(~np.isnan(x))
+            starts = np.append(0, np.flatnonzero(np.diff(t[seen]) > steady) + 1)
+            lowest, highest = (
+                end.reduceat(x[seen], starts) for end in (np.minimum, np.maximum)
+            )
+            shifts = TURN * np.array([[0], [-1], [1], [-2], [2]])
+            below = np.maximum(between[0] - lowest - shifts, 0)
+            above = np.maximum(highest + shifts - between[1], 0)
+            least = shifts[np.argmin(below + above, axis=0), 0]
+            x[seen] += np.repeat(least, np.diff(np.append(starts, seen.size)))
         found[name] = x
     return found
 
