@@ -58,6 +58,7 @@ def unwrapped(
     t: Float[np.ndarray, " samples"],
     angle: Float[np.ndarray, " samples"],
     period: float = 2 * np.pi,
+    steady: float = np.inf,
 ) -> Float[np.ndarray, " samples"]:
     """The same angle with whole periods added, so that it goes on as it went before.
 
@@ -70,6 +71,8 @@ def unwrapped(
         t: times, s, strictly increasing.
         angle: in the unit of `period`; NaN where there is no sample.
         period: of a turn: 2 pi rad, or whatever the sensor has.
+        steady: how long it may go on at the same rate, s; after longer gaps it is as
+            close to where it was as can be.
 
     Returns:
         The first sample as it is; NaN where there is no sample.
@@ -89,7 +92,7 @@ def unwrapped(
     found = [x]
     for k in range(1, len(angles)):
         dt = times[k] - times[k - 1]
-        rate = sorted(rates)[len(rates) // 2] if rates else 0.0
+        rate = sorted(rates)[len(rates) // 2] if rates and dt < steady else 0.0
         step = angles[k] + period * round((x + rate * dt - angles[k]) / period) - x
         rates.append(step / dt)
         x += step

@@ -1,10 +1,11 @@
 """Columns of joint velocities that are not the rate of the joint's positions.
 
 Drivers fill them with zeros or with a limit, with the motor's rate, or with one that
-was filtered. Integrated, a rate `v` must give the position, but for where it starts and
-a bias: `q = a + c t + integral of v`. Integration adds little noise, and a derivative
-much. What `v` is instead shows in `q = a + c t + integral of v / G + T v`: it is `G`
-times the rate, and later by `G T`; exactly so if it is low-passed to first order.
+was filtered. Integrated, a rate `v` must give the position, but for a bias: over any
+span of time, `dq = c dt + integral of v`. Integration adds little noise, and a
+derivative much. What `v` is instead shows in `dq = c dt + integral of v / G + T dv`: it
+is `G` times the rate, and later by `G T`; exactly so where it is low-passed to first
+order.
 """
 
 from collections.abc import Iterator
@@ -31,8 +32,16 @@ LATE = 0.1
 UNLIKE = 1e-4
 """One over the gain of the fastest motor."""
 
-FEWEST = 16
-"""Samples with position and velocity."""
+SPANS = 16
+"""Part of the recording over which is compared: long enough for a joint to move far,
+short enough for gaps and wrong samples to spoil few. One over it."""
+
+FEWEST = 2 * SPANS
+"""Samples with position and velocity, and spans without a gap."""
+
+MOST, ROUNDS = 0.9, 3
+"""Part of the spans that counts, the others may have wrong samples; and how often they
+are chosen."""
 
 GAP = 10.0
 """Times the usual step: over a longer one rates are not integrated."""
@@ -71,16 +80,23 @@ def _instead(
     # Every other one of an odd number of samples is the last.
     t, q, v = (x[: x.size - 1 + x.size % 2] for x in (t, q, v))
     parts = np.cumsum(np.diff(t, prepend=t[0]) > GAP * np.median(np.diff(t)))
-    counts = np.bincount(parts)
+    span = t.size // SPANS
+    whole = parts[span:] == parts[:-span]
+    if whole.sum() < FEWEST:
+        return None
 
-    def centred(x: np.ndarray) -> np.ndarray:
-        return x - (np.bincount(parts, x) / counts)[parts]
+    def over(x: np.ndarray) -> np.ndarray:
+        return (x[span:] - x[:-span])[whole]
 
     def left(y: np.ndarray, *columns: np.ndarray) -> tuple[float, np.ndarray]:
-        A = np.column_stack([t, *columns])
-        A = np.column_stack([centred(column) for column in A.T])
-        x = np.linalg.lstsq(A, centred(y))[0]
-        return float(np.std(centred(y) - A @ x)), x[1:]
+        A, b = np.column_stack([over(x) for x in (t, *columns)]), over(y)
+        x, off = np.zeros(A.shape[1]), np.zeros(b.size)
+        kept = np.ones(b.size, dtype=bool)
+        for _ in range(ROUNDS):
+            x = np.linalg.lstsq(A[kept], b[kept])[0]
+            off = np.abs(b - A @ x)
+            kept = off <= np.quantile(off, MOST)
+        return float(np.sqrt(np.mean(off[kept] ** 2))), x[1:]
 
     angle = CubicSpline(t, v).antiderivative()(t)
     by_half = CubicSpline(t[::2], v[::2]).antiderivative()(t)

@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from orbident.errors import InputError
-from orbident.preprocessing.angles import unwrapped, within_a_turn
+from orbident.preprocessing.angles import GAP, unwrapped, within_a_turn
 from orbident.preprocessing.false_rates import false_rates
 from orbident.preprocessing.outliers import find_spikes
 from orbident.preprocessing.saturation import saturated
@@ -231,12 +231,24 @@ def _unwrapped(
         if not recording.has(name):
             continue
         angle = recording.columns[name]
-        if settings.once(f"turns of {name}", partial(within_a_turn, t, angle)):
-            found[name] = unwrapped(t, angle)
-            if between := ranges.get(name):
-                # The turn that it began in is not known.
-                off = np.nanmedian(found[name]) - np.mean(between)
-                found[name] -= TURN * np.round(off / TURN)
+        if not settings.once(f"turns of {name}", partial(within_a_turn, t, angle)):
+            continue
+        # A joint goes to and fro, and a wheel on and on.
+        steady = GAP * float(np.median(np.diff(t))) if name in ranges else np.inf
+        x = unwrapped(t, angle, TURN, steady)
+        if between := ranges.get(name):
+            # In which turn it began, and went on after a gap, its range tells.
+            seen = np.flatnonzero(~np.isnan(x))
+            starts = np.append(0, np.flatnonzero(np.diff(t[seen]) > steady) + 1)
+            lowest, highest = (
+                end.reduceat(x[seen], starts) for end in (np.minimum, np.maximum)
+            )
+            shifts = TURN * np.array([[0], [-1], [1], [-2], [2]])
+            below = np.maximum(between[0] - lowest - shifts, 0)
+            above = np.maximum(highest + shifts - between[1], 0)
+            least = shifts[np.argmin(below + above, axis=0), 0]
+            x[seen] += np.repeat(least, np.diff(np.append(starts, seen.size)))
+        found[name] = x
     return found
 
 

@@ -119,6 +119,23 @@ def test_it_is_what_it_is_in_memory(
         assert extent.ranges["q"].ends(k) == pytest.approx([q.min(), q.max()])
 
 
+def test_what_is_put_right_is_so_in_every_stretch(
+    robot: Robot, recording: Recording, problem: MomentumProblem
+):
+    q = recording.columns["joint.joint3.position"]
+    low = np.nanmedian(q)
+    wrong = {
+        "joint.joint3.position": (q - low) % (2 * np.pi) + low,
+        "joint.joint1.velocity": np.zeros(ROWS),
+    }
+    found = in_stretches(robot, recording.with_columns(wrong), 2**11)
+    assert_same(found.fits, problem.fits)
+    assert found.rejected == problem.rejected
+    turned, unused = found.notes
+    assert turned.startswith("column 'joint.joint3.position' leaps by a turn")
+    assert unused.startswith("column 'joint.joint1.velocity' is not the rate")
+
+
 @pytest.mark.parametrize("parts", [2, 4])
 def test_parts_change_nothing(
     robot: Robot, recording: Recording, problem: MomentumProblem, parts: int

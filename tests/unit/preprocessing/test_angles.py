@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from orbident.errors import InputError
-from orbident.preprocessing.angles import unwrapped
+from orbident.preprocessing.angles import unwrapped, within_a_turn
 
 T = np.arange(0.0, 20.0, 0.05)
 
@@ -60,3 +60,24 @@ def test_nothing_to_unwrap():
     assert np.isnan(unwrapped(T, np.full(T.size, np.nan))).all()
     with pytest.raises(InputError, match="period 0; give a positive"):
         unwrapped(T, T, 0.0)
+
+
+@pytest.mark.parametrize("low", [-np.pi, 0.0, -np.pi / 2])
+def test_an_angle_that_leaps_by_a_turn_is_shown_within_it(low):
+    x = 4.0 * np.sin(0.7 * T) + 1.0
+    assert within_a_turn(T, (x - low) % (2 * np.pi) + low)
+    shown = (x - low) % (2 * np.pi) + low
+    shown[100] = np.nan
+    # One wild sample does not hide it.
+    shown[200] += 8.0
+    assert within_a_turn(T, shown)
+
+
+def test_neither_a_motion_nor_a_spike_is_a_leap_by_a_turn():
+    x = 2.0 * np.sin(0.7 * T)
+    assert not within_a_turn(T, x)
+    spiky = x.copy()
+    spiky[100:110] = 5.0
+    spiky[200] -= 4.0
+    assert not within_a_turn(T, spiky)
+    assert not within_a_turn(T, -170.0 * T)

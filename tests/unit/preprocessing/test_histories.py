@@ -17,20 +17,6 @@ def wheel(late=0.0, **columns):
     )
 
 
-def test_a_wheel_counted_within_one_turn_is_counted_on():
-    angle = 0.3 - 170.0 * T
-    wrapped = (angle + np.pi) % (2 * np.pi) - np.pi
-    found = wheel(position=wrapped)
-    np.testing.assert_allclose(found.rates[0], -170.0, rtol=1e-9)
-    np.testing.assert_allclose(found.positions[0], angle, atol=1e-9)
-    assert found.origin == DERIVED
-
-
-def test_a_wheel_that_turned_less_than_half_is_as_it_was():
-    angle = 3.0 * np.sin(T)
-    np.testing.assert_allclose(wheel(position=angle).positions[0], angle, atol=1e-9)
-
-
 @pytest.mark.parametrize("measured", [True, False])
 def test_late_encoders_are_read_later(measured):
     columns = {"position": np.sin(T)} | ({"speed": np.cos(T)} if measured else {})

@@ -130,3 +130,75 @@ def test_single_wrong_attitudes_of_the_plane_are_left_to_others():
     x[100:110], w[100:110] = w[100:110].copy(), x[100:110].copy()
     columns = {**SPUN_UP.columns, "attitude.x": x, "attitude.w": w}
     screened(TABLE, Recording(SPUN_UP.t, columns))
+
+
+def test_a_wheel_counted_within_one_turn_is_counted_on():
+    angle = 0.3 - 50.0 * FLIGHT.t
+    shown = (angle + np.pi) % (2 * np.pi) - np.pi
+    found = screened(ROBOT, changed(wheel__rw_x__position=shown)).recording
+    np.testing.assert_allclose(found.columns["wheel.rw_x.position"], angle, atol=1e-9)
+
+
+@pytest.mark.parametrize("low", [-np.pi, 0.0, -np.pi / 2])
+def test_a_joint_shown_within_one_turn_is_counted_on(low):
+    q = 3.5 * np.sin(0.2 * FLIGHT.t) + 0.3
+    columns = {"joint.joint2.position": (q - low) % (2 * np.pi) + low}
+    columns["joint.joint2.velocity"] = 0.7 * np.cos(0.2 * FLIGHT.t)
+    found = screened(ROBOT, FLIGHT.with_columns(columns))
+    shown = found.recording.columns["joint.joint2.position"]
+    np.testing.assert_allclose(shown, q, atol=1e-9)
+    (note,) = found.notes
+    assert note.startswith(
+        "column 'joint.joint2.position' leaps by a turn: whole turns"
+    )
+
+
+def test_a_rate_that_is_none_is_not_used():
+    found = screened(ROBOT, changed(joint__joint2__velocity=np.zeros(N)))
+    assert found.notes == (
+        "column 'joint.joint2.velocity' is not the rate of the joint's position: it is "
+        "0 throughout; it is not used",
+    )
+    assert not found.recording.has("joint.joint2.velocity")
+    assert found.recording.has("joint.joint1.velocity")
+
+
+def test_impossible_values_of_a_lone_gyro_are_taken_out_at_both_ends_too():
+    w = FLIGHT.columns["gyro.y"].copy()
+    w[[0, 1, 300, N - 1]] = -9999
+    found = screened(ROBOT, changed(gyro__y=w))
+    assert rejected_in_words(found.rejected) == (
+        "gyro: 4 samples with the impossible value -9999 left out",
+    )
+    assert np.isnan(found.recording.vector("gyro")[[0, 1, 300, N - 1]]).all()
+
+
+def test_a_saturated_gyro_is_named():
+    w = FLIGHT.columns["gyro.y"]
+    end = 0.8 * np.abs(w).max()
+    found = screened(ROBOT, changed(gyro__y=np.clip(w, -end, end)))
+    ((name, (reason,)),) = found.rejected.items()
+    assert name == "gyro.y"
+    assert reason.startswith("sample saturated at")
+    gone = np.isnan(found.recording.columns["gyro.y"])
+    np.testing.assert_array_equal(gone, np.abs(w) >= end)
+
+
+def test_rows_that_repeat_are_found_also_where_wheels_turn_evenly():
+    held = {
+        name: column[np.arange(N) // 2 * 2] for name, column in FLIGHT.columns.items()
+    }
+    held["wheel.rw_x.position"] = 50.0 * FLIGHT.t[np.arange(N) // 2 * 2]
+    found = screened(ROBOT, FLIGHT.with_columns(held))
+    assert found.rejected == {"rows": {"repeat of the sample before": N // 2}}
+
+
+def test_quaternions_of_zeros_are_noted():
+    x = {name: FLIGHT.columns[name].copy() for name in FLIGHT.columns if "att" in name}
+    for column in x.values():
+        column[200:210] = 0.0
+    found = screened(ROBOT, FLIGHT.with_columns(x))
+    assert found.notes == (
+        "attitude: quaternions of zeros are taken as no samples, the first at t = 10 s",
+    )
+    assert np.isnan(found.recording.columns["attitude.w"]).sum() == 10

@@ -157,6 +157,21 @@ def test_t_twice_refused():
         recording(t=T)
 
 
+def test_quaternions_of_zeros_are_no_samples():
+    zeros = {name: np.append(column[:2], 0.0) for name, column in UNIT.items()}
+    recording = Recording(T, zeros)
+    assert np.isnan(recording.vector("attitude", "xyzw")).all(axis=1).tolist() == [
+        *(False, False, True)
+    ]
+    (note,) = recording.notes
+    assert note == (
+        "attitude: quaternions of zeros are taken as no samples, the first at "
+        f"t = {T[2]:g} s"
+    )
+    # They are not noted again, nor forgotten.
+    assert recording.with_columns({}).between().notes == (note,)
+
+
 def test_attitude_must_be_a_unit_quaternion():
     good = UNIT | {"attitude.w": np.array([0.991, np.nan, 1.009])}
     assert Recording(T, good).has("attitude.w")

@@ -210,7 +210,7 @@ def test_a_quaternion_of_few_digits_is_made_one_of_length_one(tmp_path):
     np.testing.assert_allclose(norms, 1, **EXACT)
 
 
-@pytest.mark.parametrize("scale", [0.0, 0.98, 1.02])
+@pytest.mark.parametrize("scale", [0.1, 0.98, 1.02])
 def test_the_first_quaternion_that_is_none_is_named(tmp_path, scale):
     sent = [
         pose("/p", t, t, x.as_quat() * (scale if k in {7, 9} else 1), p)
