@@ -16,6 +16,10 @@ _LONGEST = 2**28
 """Numbers of a field: 2 GB. A declared size may be any."""
 
 
+OBJECT = "is a MATLAB object"
+"""The problem of a field that another reader may solve."""
+
+
 @dataclass(frozen=True)
 class LogField:
     """One field, read when it is wanted."""

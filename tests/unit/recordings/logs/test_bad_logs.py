@@ -272,7 +272,7 @@ def test_a_mat_file_that_lies(tmp_path: Path, matrix: bytes, words: str):
 
 
 def test_arrays_without_number(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(mat5, "_MOST", 100)
+    monkeypatch.setattr(mat5, "MOST", 100)
     cells = mat_matrix(1, b"c", mat_element(14, b"") * 100)
     path = write_mat_5(tmp_path / "log.mat", cells)
     with pytest.raises(InputError, match="holds more than 100 arrays"), open_log(path):
