@@ -202,14 +202,15 @@ class Table(Fields):
             if not slot.field:
                 raw[:, k] = slot.factor
                 continue
-            values = group.column(slot.field, place)
-            if values.size != times.size:
+            # Before it is read: a damaged file may say that it is any size.
+            samples = group.samples(slot.field, place)
+            if samples != times.size:
                 raise InputError(
                     f"{place}: topic '{group.name}': field '{slot.field}' has "
-                    f"{values.size} values, but '{field}' has {times.size}; name the "
+                    f"{samples} values, but '{field}' has {times.size}; name the "
                     "time of this field in an entry of its own"
                 )
-            raw[:, k] = slot.factor * values
+            raw[:, k] = slot.factor * group.column(slot.field, place)
         return times, raw
 
     def _nanoseconds(
