@@ -1,5 +1,8 @@
 """How a message helps with a name that is not known, or given twice."""
 
+import struct
+import zipfile
+import zlib
 from collections.abc import Hashable, Iterable
 from difflib import get_close_matches
 from itertools import accumulate
@@ -20,8 +23,23 @@ def quoted(value: object) -> str:
     return text if len(text) <= QUOTED else text[: QUOTED - 3] + "..."
 
 
+_IN_WORDS = (
+    ((zlib.error, zipfile.BadZipFile), "its compressed data are damaged"),
+    ((struct.error, EOFError), "it ends too early"),
+    # What Python says of these, "'x'" or "NoneType has no ...", is of the program.
+    (
+        (LookupError, TypeError, AttributeError, AssertionError),
+        "its parts do not fit together",
+    ),
+)
+"""Errors whose own words are no help to who reads a message."""
+
+
 def one_line(error: Exception) -> str:
     """An error of a library, short enough for the end of a message."""
+    for kinds, words in _IN_WORDS:
+        if isinstance(error, kinds):
+            return words
     text = " ".join(str(error).split()) or type(error).__name__
     return text if len(text) <= 160 else text[:157] + "..."
 

@@ -6,14 +6,13 @@ from dataclasses import replace
 import pytest
 from cause_problems import clean, fitted, problem_with
 
+from orbident.diagnosis import causes as module
+from orbident.diagnosis.causes import LOST, _tried
+from orbident.diagnosis.trial import Trial
 from orbident.estimation import maximum_likelihood as likelihood
-from orbident.estimation.causes import causes as module
-from orbident.estimation.causes.causes import LOST, _tried
-from orbident.estimation.causes.trial import Trial
-from orbident.estimation.estimate import Estimate
+from orbident.estimation.estimate import Estimate, Solved
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.output_error.estimator import OutputError
-from orbident.estimation.solve import Solved
 from orbident.recordings.recording import Recording
 
 STAGES = "noisier_sensors", "spikes", "missing_wheel", "clocks", "wandering"

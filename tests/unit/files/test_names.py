@@ -1,5 +1,14 @@
+import struct
+
 from orbident.errors import QUOTED, InputError
-from orbident.files.names import LISTED, closest, first_duplicate, listed, suggestion
+from orbident.files.names import (
+    LISTED,
+    closest,
+    first_duplicate,
+    listed,
+    one_line,
+    suggestion,
+)
 
 
 def test_a_close_name_is_suggested():
@@ -40,3 +49,10 @@ def test_words_between_quoted_names_are_not_cut():
     words = "the wheels' speeds and the joints' positions " * 3
     message = f"'a (m)' {words} '(b)' {words} 'c'"
     assert str(InputError(message)) == message
+
+
+def test_what_python_says_of_itself_is_not_repeated():
+    for error in (KeyError("S"), TypeError("'NoneType' object is not iterable")):
+        assert one_line(error) == "its parts do not fit together"
+    assert one_line(struct.error("unpack requires a buffer")) == "it ends too early"
+    assert one_line(OSError("no space")) == "no space"

@@ -17,6 +17,10 @@ _LONGEST = 2**28
 """Numbers of a field: 2 GB. A declared size may be any."""
 
 
+OBJECT = "is a MATLAB object"
+"""The problem of a field that another reader may solve."""
+
+
 @dataclass(frozen=True)
 class LogField:
     """One field, read when it is wanted."""
@@ -159,6 +163,28 @@ class Group:
             InputError: it is missing, holds no numbers, is damaged, or has columns
                 although none is named.
         """
+        found, part = self._field(name, place)
+        try:
+            values = found.values()
+        # What the libraries raise over damaged bytes is of any kind.
+        except Exception as error:
+            raise InputError(
+                f"{place}: topic '{self.name}': field '{name}' cannot be read "
+                f"({one_line(error)}); copy or write the file again"
+            ) from error
+        return values if part is None else values[:, part]
+
+    def samples(self, name: str, place: str) -> int:
+        """How many `column` would read.
+
+        Raises:
+            InputError: as `column`, but for damage.
+        """
+        found, _ = self._field(name, place)
+        return found.count
+
+    def _field(self, name: str, place: str) -> tuple[LogField, int | None]:
+        """A field, and the number of its column if one is named."""
         where = f"{place}: topic '{self.name}'"
         owner, _, last = name.rpartition(".")
         part = None
@@ -180,15 +206,7 @@ class Group:
         if part is not None and part >= found.width:
             has = f"columns 0 to {found.width - 1}" if found.width else "one number"
             raise InputError(f"{where}: field '{name}' has {has} a row, not {part}")
-        try:
-            values = found.values()
-        # What the libraries raise over damaged bytes is of any kind.
-        except Exception as error:
-            raise InputError(
-                f"{where}: field '{name}' cannot be read ({one_line(error)}); copy or "
-                "write the file again"
-            ) from error
-        return values if part is None else values[:, part]
+        return found, part
 
 
 def _is_time(name: str) -> bool:

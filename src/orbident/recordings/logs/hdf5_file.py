@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from orbident.extras import extra
-from orbident.recordings.logs.group import Tree, field_of, unusable
+from orbident.recordings.logs.group import OBJECT, Tree, field_of, unusable
 
 MAGIC = b"\x89HDF\r\n\x1a\n"
 
@@ -33,6 +33,29 @@ def read_hdf5(path: Path, stack: ExitStack) -> Tree:
     return _tree(h5py, stack.enter_context(h5py.File(path, "r")), set())
 
 
+def leads_elsewhere(path: str) -> bool:
+    """Whether anything in the file is kept in another, where MATLAB's objects are too.
+
+    Raises:
+        MissingLibraryError: h5py is not installed.
+    """
+    with extra("hdf5", "reading HDF5"):
+        import h5py
+
+    def leads(_: str, found: Any) -> bool | None:
+        linked = isinstance(found, h5py.ExternalLink)
+        return (
+            linked or (isinstance(found, h5py.Dataset) and _is_elsewhere(found)) or None
+        )
+
+    with h5py.File(path) as file:
+        return bool(file.visititems_links(leads) or file.visititems(leads))
+
+
+def _is_elsewhere(dataset: Any) -> bool:
+    return bool(dataset.external or dataset.is_virtual)
+
+
 def _tree(library: Any, group: Any, above: set[Any]) -> Tree:
     # A group may contain itself.
     above = {*above, library.h5o.get_info(group.id).addr}
@@ -56,8 +79,10 @@ def _field(dataset: Any) -> Any:
     if not hasattr(dataset, "shape"):
         return unusable("is a type, not data")
     # A file that somebody sent would show what is in any other of this machine.
-    if dataset.external or dataset.is_virtual:
+    if _is_elsewhere(dataset):
         return unusable(_ELSEWHERE)
+    if "MATLAB_object_decode" in dataset.attrs:
+        return unusable(OBJECT)
     kind = dataset.attrs.get("MATLAB_class", b"")
     if kind in {b"char", b"cell"} or dataset.dtype.kind in "OSU":
         return unusable("holds text or cells; write it as numbers")

@@ -15,7 +15,8 @@ from typing import BinaryIO, Literal, NamedTuple
 
 import numpy as np
 
-from orbident.recordings.logs.group import LogField, Tree, field_of, unusable
+from orbident.recordings.logs.group import OBJECT, LogField, Tree, field_of, unusable
+from orbident.recordings.logs.mat_objects import MOST
 from orbident.recordings.logs.mat_stream import MatStream
 
 _NUMBERS = {
@@ -41,12 +42,6 @@ _LARGEST = 2**31
 """Bytes of a variable when it is decompressed: MATLAB writes no larger one."""
 _LONGEST = 2**16
 """Bytes of sizes, and of the names of a struct's fields: a thousand names of 63."""
-_MOST = 2**17
-"""Arrays in a file, empty ones and cells too: each takes 40 us and 2 kB."""
-_OBJECT = (
-    "is a MATLAB object, such as a timeseries or a table; save it as a struct: "
-    "s = struct('time', x.Time, 'data', x.Data)"
-)
 
 
 class _Element(NamedTuple):
@@ -115,14 +110,14 @@ class _Parser:
     def matrix(self, stream: MatStream, whole: _Element) -> tuple[str, LogField | Tree]:
         """The name and the content of the matrix whose tag was read."""
         self.count += 1
-        if self.count > _MOST:
-            raise ValueError(f"it holds more than {_MOST} arrays; save fewer, or -v7.3")
+        if self.count > MOST:
+            raise ValueError(f"it holds more than {MOST} arrays; save fewer, or -v7.3")
         if not whole.size:
             return "", unusable("is empty")
         flags = int(self._numbers(stream, whole.end)[0])
         if flags & 0xFF > _NUMERIC[-1]:
             # Functions and objects have no sizes; their name comes first.
-            found = self._text(stream, whole.end), unusable(_OBJECT)
+            found = self._text(stream, whole.end), unusable(OBJECT)
         else:
             sizes = tuple(map(int, self._numbers(stream, whole.end)))
             name = self._text(stream, whole.end)
@@ -149,7 +144,7 @@ class _Parser:
             return unusable(f"holds text, {text[:40]!r}; write it as numbers")
         if kind not in _NUMERIC:
             return unusable(
-                "is a sparse matrix; save it as full(x)" if kind == 5 else _OBJECT
+                "is a sparse matrix; save it as full(x)" if kind == 5 else OBJECT
             )
         if flags & _COMPLEX:
             return unusable("holds complex numbers; write real numbers")

@@ -6,10 +6,13 @@ from pathlib import Path
 from orbident.recordings.logs.group import Tree
 from orbident.recordings.logs.hdf5_file import is_hdf5, read_hdf5
 from orbident.recordings.logs.mat5 import variables
+from orbident.recordings.logs.mat_objects import with_objects
 
 
 def read_mat(path: Path, stack: ExitStack) -> Tree:
     """Variables and structs; element k, from 0, of a struct array is `name.k`."""
     if is_hdf5(path):
-        return read_hdf5(path, stack)
-    return variables(stack.enter_context(path.open("rb")))
+        tree = read_hdf5(path, stack)
+    else:
+        tree = variables(stack.enter_context(path.open("rb")))
+    return with_objects(tree, path, stack)

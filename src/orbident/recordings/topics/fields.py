@@ -195,16 +195,17 @@ class Table(Fields):
             if not slot.field:
                 raw[:, k] = slot.offset
                 continue
-            values = group.column(slot.field, place)
-            if values.size != times.size:
+            # Before it is read: a damaged file may say that it is any size.
+            samples = group.samples(slot.field, place)
+            if samples != times.size:
                 raise InputError(
                     f"{place}: topic '{group.name}': field '{slot.field}' has "
-                    f"{values.size} values, but '{next(iter(self.stamp))}' has "
+                    f"{samples} values, but '{next(iter(self.stamp))}' has "
                     f"{times.size}; name the time of this field in an entry of its own"
                 )
             # What is beyond all numbers is no sample, as in the file itself.
             with np.errstate(over="ignore"):
-                raw[:, k] = slot.factor * values + slot.offset
+                raw[:, k] = slot.factor * group.column(slot.field, place) + slot.offset
         return times, raw
 
     def _check_units(self, group: Group, place: str) -> None:
