@@ -82,7 +82,7 @@ def _stepped(random: Random, rows: Rows) -> Rows:
 
 
 def _shuffled(random: Random, rows: Rows) -> Rows:
-    size = random.choice((2, 5, 50, len(rows)))
+    size = random.choice((2, 5, 50, len(rows) or 1))
     blocks = [rows[k : k + size] for k in range(0, len(rows), size)]
     for block in blocks:
         random.shuffle(block)
