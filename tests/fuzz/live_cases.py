@@ -55,7 +55,8 @@ def live(random: Random, seeds: Seeds) -> Case:
 
 
 def _as_object(random: Random, names: list[str], row: list[str]) -> bytes:
-    cells = dict(zip(names, map(float, row), strict=False))
+    values = (cell if cell in {"", "x"} else float(cell) for cell in row)
+    cells = dict(zip(names, values, strict=True))
     if random.random() < 0.02:
         cells[random.choice(names)] = oddities.value(random)
     return json.dumps(cells).encode()
