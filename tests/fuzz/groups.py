@@ -7,7 +7,7 @@ import mutations
 import oddities
 from archive_cases import archives
 from campaign_cases import campaigns
-from case import Case
+from case import STDIN, Case
 from live_cases import live
 from model_cases import added_models
 from mutations import spoiled
@@ -273,6 +273,14 @@ OPTIONS: Mapping[str, tuple[tuple[str, ...], ...]] = {
     "compare": (("run",), ("run",), ("--body", "link3")),
     "export": (("run",), ("-o", "e.json"), ("--q", "0,0,0")),
     "view": (("cepheus-like",), ("--port", "0"), ("--recording", "r.csv")),
+    "live": (
+        ("paper-spatial",),
+        ("--every", "1"),
+        ("--velocity-std", "1e-3"),
+        ("--state", "state"),
+    ),
+    "campaign": (("status",), ("out",)),
+    "doctor": (),
 }
 """Arguments with which each verb does its work, each with its value."""
 
@@ -293,7 +301,8 @@ def arguments(random: Random, seeds: Seeds) -> Case:
     for _ in range(random.choice((1, 1, 2))):
         _spoil_arguments(random, given)
     flat = tuple(word for each in given for word in each)
-    files = dict(seeds.run) | {
+    files = {**seeds.run, **seeds.campaign} | {
+        STDIN: seeds.stream,
         "r.csv": seeds.csv["cepheus-like"],
         "m.yaml": seeds.trajectories["cepheus-like"],
         "map.yaml": MAP.encode(),

@@ -55,7 +55,8 @@ def live(random: Random, seeds: Seeds) -> Case:
 
 
 def _as_object(random: Random, names: list[str], row: list[str]) -> bytes:
-    cells = dict(zip(names, map(float, row), strict=False))
+    values = (cell if cell in {"", "x"} else float(cell) for cell in row)
+    cells = dict(zip(names, values, strict=True))
     if random.random() < 0.02:
         cells[random.choice(names)] = oddities.value(random)
     return json.dumps(cells).encode()
@@ -82,7 +83,7 @@ def _stepped(random: Random, rows: Rows) -> Rows:
 
 
 def _shuffled(random: Random, rows: Rows) -> Rows:
-    size = random.choice((2, 5, 50, len(rows)))
+    size = random.choice((2, 5, 50, len(rows) or 1))
     blocks = [rows[k : k + size] for k in range(0, len(rows), size)]
     for block in blocks:
         random.shuffle(block)

@@ -8,6 +8,7 @@ from jaxtyping import Float
 from pydantic import BeforeValidator
 
 from orbident.errors import InputError
+from orbident.files.bounds import LARGEST
 from orbident.files.names import quoted, suggestion
 from orbident.files.schema_parts import WrongValueError
 from orbident.robot.units import quantity
@@ -37,11 +38,12 @@ class Distribution:
         return size * random.standard_normal(n)
 
 
-def drawn_from(dimension: str) -> BeforeValidator:
+def drawn_from(dimension: str, largest: float = LARGEST) -> BeforeValidator:
     """Reads a distribution from a file, as `{normal: 0.1}`.
 
     Args:
         dimension: of the quantity, as `robot.units` has it.
+        largest: magnitude of its numbers.
     """
 
     def read(value: object) -> Distribution:
@@ -53,7 +55,10 @@ def drawn_from(dimension: str) -> BeforeValidator:
         if name not in KINDS:
             known = suggestion(str(name), KINDS, "distributions")
             raise InputError(f"unknown distribution {quoted(name)}; {known}")
-        return Distribution(name, _numbers(name, given, dimension))
+        numbers = _numbers(name, given, dimension)
+        if max(map(abs, numbers)) > largest:
+            raise WrongValueError(f"give {name} numbers of at most {largest:g}")
+        return Distribution(name, numbers)
 
     return BeforeValidator(read)
 

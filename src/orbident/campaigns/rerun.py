@@ -5,10 +5,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
+import pyarrow as pa
 import pyarrow.compute as pc
 
 from orbident.campaigns.campaign_table import (
-    Row,
     arrow_table,
     path_of,
     read_chunk,
@@ -51,6 +51,8 @@ def repeat_run(campaign: Campaign, folder: Path, k: int) -> Rerun:
         raise InputError(
             f"run {k}: the campaign has runs 0 to {campaign.spec.runs - 1}; give one"
         )
+    # Before anything is written: it may be refused.
+    kept = _kept(campaign, folder, k)
     case = campaign.case(k)
     recording = case.recording()
     place = folder / RERUN / str(k)
@@ -59,7 +61,8 @@ def repeat_run(campaign: Campaign, folder: Path, k: int) -> Rerun:
     path = place / RECORDING
     write_recording(recording, path)
     results = identified_by_method(campaign, case, recording)
-    same = _same(campaign, folder, k, result_rows(case, results))
+    rows = arrow_table(result_rows(case, results), schema_of(campaign))
+    same = None if kept is None else kept.equals(rows)
     known = {"file": path.name, "sha256": sha256(path), "seed": case.seed}
     explained = {
         method: replace(
@@ -70,10 +73,10 @@ def repeat_run(campaign: Campaign, folder: Path, k: int) -> Rerun:
     return Rerun(case, recording, path, explained, same)
 
 
-def _same(campaign: Campaign, folder: Path, k: int, rows: list[Row]) -> bool | None:
+def _kept(campaign: Campaign, folder: Path, k: int) -> pa.Table | None:
+    """The rows that the campaign has of a run."""
     chunk = next(chunk for chunk in campaign.spec.chunks if k in chunk)
     if not path_of(folder, chunk).exists():
         return None
-    schema = schema_of(campaign)
-    kept = read_chunk(campaign, folder, chunk, schema)
-    return kept.filter(pc.field("run") == k).equals(arrow_table(rows, schema))
+    kept = read_chunk(campaign, folder, chunk, schema_of(campaign))
+    return kept.filter(pc.field("run") == k)

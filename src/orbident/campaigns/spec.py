@@ -31,7 +31,11 @@ at a quarter of a second a fault loses half a minute."""
 
 Text = Annotated[str, Field(min_length=1)]
 
+LARGEST_LOGARITHM = 1.0
+"""Of a factor `e^x` of masses or noises: five deviations of it are a factor of 150."""
+
 DrawnShare = Annotated[Distribution | None, drawn_from("share")]
+DrawnLogarithm = Annotated[Distribution | None, drawn_from("share", LARGEST_LOGARITHM)]
 DrawnAngle = Annotated[Distribution | None, drawn_from("angle")]
 DrawnAngularRate = Annotated[Distribution | None, drawn_from("angular rate")]
 DrawnSpeed = Annotated[Distribution | None, drawn_from("speed")]
@@ -59,11 +63,11 @@ class InitialEntry(MappingSchema):
 class Disperse(MappingSchema):
     """What varies from run to run; what is absent is as the files say."""
 
-    inertia: DrawnShare = None
+    inertia: DrawnLogarithm = None
     """How mass, CM and inertia about the CM of each body vary, relative to CAD."""
     instruments: DrawnShare = None
     """Errors of instruments and of geometry, in the robot file's tolerances."""
-    noise: DrawnShare = None
+    noise: DrawnLogarithm = None
     """How the sizes of each sensor's noise vary, relative to the declared ones."""
     initial: InitialEntry = InitialEntry()
 

@@ -216,8 +216,8 @@ def _conditions(
         paper = paper_case(robot)
         given = replace(
             paper.conditions,
-            duration=duration or paper.conditions.duration,
-            harmonics=harmonics or paper.conditions.harmonics,
+            duration=paper.conditions.duration if duration is None else duration,
+            harmonics=paper.conditions.harmonics if harmonics is None else harmonics,
             limits=within,
         )
         return given, paper

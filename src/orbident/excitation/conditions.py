@@ -8,12 +8,18 @@ from jaxtyping import Float
 from orbident.errors import InputError
 from orbident.excitation.criterion import Basis
 from orbident.excitation.floating import usual_initial
+from orbident.files.bounds import SHORTEST, SMALLEST
 from orbident.robot.couplings import coupled_joints
 from orbident.robot.description import Robot
 from orbident.trajectories.trajectory import InitialState, Trajectory
 
 INFINITE = float("inf")
 
+YEAR = 3.2e7
+"""s: the longest motion; no manipulator moves for so long."""
+
+MOST_HARMONICS = 100
+"""The paper has three. With 40, one start of a search takes minutes."""
 
 CROWDED = 0.01
 """Share of its range: a joint that is closer to a stop has no room to move in."""
@@ -77,8 +83,10 @@ def limits_of(
         "wheel speed": wheel_speed,
     }
     for name, value in further.items():
-        if not value > 0:
-            raise InputError(f"{name} limit: found {value:g}; give a number above zero")
+        if not value >= SMALLEST:
+            raise InputError(
+                f"{name} limit: found {value:g}; give a number above zero, in SI units"
+            )
     free = (-INFINITE, INFINITE)
     limits = Limits(
         # With one stop, a turn from it is as far as a motion needs.
@@ -117,7 +125,12 @@ def _narrow(robot: Robot, limits: Limits) -> None:
 
 @dataclass(frozen=True, eq=False)
 class Conditions:
-    """What a trajectory has to keep to."""
+    """What a trajectory has to keep to.
+
+    Raises:
+        InputError: the duration is none that a motion can have, or there are no or too
+            many harmonics.
+    """
 
     duration: float
     """s."""
@@ -129,6 +142,19 @@ class Conditions:
     initial: InitialState
     basis: Basis | None = None
     """Whose condition number is meant; the automatic one by default."""
+
+    def __post_init__(self) -> None:
+        """Check the numbers."""
+        if not SHORTEST <= self.duration <= YEAR:
+            raise InputError(
+                f"duration: found {self.duration:g} s; give at least {SHORTEST:g} s, "
+                "and at most a year"
+            )
+        if not 1 <= self.harmonics <= MOST_HARMONICS:
+            raise InputError(
+                f"harmonics: found {self.harmonics}; give one or more, and at most "
+                f"{MOST_HARMONICS}"
+            )
 
 
 def conditions_for(
@@ -151,15 +177,9 @@ def conditions_for(
         like: takes its ends and its initial state from this trajectory.
 
     Raises:
-        InputError: the duration is not positive, there is no harmonic, or the limits
-            or the trajectory are not for this robot.
+        InputError: as of `Conditions`, or the limits or the trajectory are not for
+            this robot.
     """
-    if not 0 < duration < np.inf:
-        raise InputError(
-            f"duration: found {duration:g}; give a positive number of seconds"
-        )
-    if harmonics < 1:
-        raise InputError(f"harmonics: found {harmonics}; give one or more")
     limits = limits_of(robot) if limits is None else limits
     if like is None:
         start = end = _following(robot, _usual_ends(limits))

@@ -197,7 +197,8 @@ def inner_point(
         names: of those that follow none, by their number among all.
 
     Raises:
-        InputError: none stays within them; which limit, and by how much.
+        InputError: none stays within them; which limit, and by how much. Or their
+            sizes are so different that numbers of 64 bits do not tell.
     """
     points = []
     for (k, name), normals, room in zip(
@@ -211,6 +212,11 @@ def inner_point(
             b_ub=room,
             bounds=[(None, None)] * (m + 1),
         )
+        if found.x is None:
+            raise InputError(
+                f"joint '{name}': no motion could be found in this duration, since one "
+                "of its limits is so much narrower than another; correct the limits"
+            )
         if not found.x[-1] > 0:
             # Which rows hold it back: their multipliers.
             held = np.abs(found.ineqlin.marginals).reshape(len(QUANTITIES), -1)

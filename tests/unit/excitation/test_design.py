@@ -162,7 +162,10 @@ def test_plausible_robots_can_exist(servicer):
     ("arguments", "words"),
     [
         ({"duration": -1.0}, "duration: found -1"),
+        ({"duration": 1e-300}, "duration: found 1e-300 s; give at least"),
+        ({"duration": 1e154}, "at most a year"),
         ({"harmonics": 0}, "harmonics: found 0"),
+        ({"harmonics": 1000}, "harmonics: found 1000; give one or more, and at most"),
         ({"starts": 0}, "starts: found 0"),
         ({"budget": 0.0}, "budget: found 0"),
         ({"starts": 1, "budget": 1.0}, "starts and budget exclude each other"),

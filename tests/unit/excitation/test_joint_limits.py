@@ -49,9 +49,18 @@ def test_a_robot_without_joints_is_refused(robot):
         limits_of(replace(robot, joints=()))
 
 
-def test_a_limit_of_zero_is_refused(robot):
-    with pytest.raises(InputError, match="base rate limit: found 0; give"):
-        limits_of(robot, base_rate=0.0)
+@pytest.mark.parametrize("found", [0.0, 1e-300, float("nan")])
+def test_a_limit_of_zero_is_refused(robot, found):
+    # The square of 1e-300 is zero.
+    with pytest.raises(InputError, match="base rate limit: found"):
+        limits_of(robot, base_rate=found)
+
+
+def test_limits_of_sizes_too_different_are_refused(robot):
+    limits = limits_of(robot, acceleration=1e-15)
+    motions = joint_motions(STILL, STILL, 1e-9, 3, limits, 101)
+    with pytest.raises(InputError, match="'joint1': no motion could be found"):
+        inner_point(polytope_of(motions, limits), limits, NAMES)
 
 
 def test_slack_is_the_distance_from_the_limits(robot):
