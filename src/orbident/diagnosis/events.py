@@ -4,10 +4,10 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from scipy.special import chdtri
 
 from orbident.diagnosis.shifts import without
 from orbident.diagnosis.trial import Trial, amended_trial
+from orbident.estimation.levels import limit
 from orbident.estimation.linear_fits import InitialMomentum
 from orbident.estimation.momentum_problem import MomentumProblem
 
@@ -16,9 +16,6 @@ HALVINGS = 4
 
 FEWEST = 20
 """Samples of a part that may be identified for itself."""
-
-CHANCE = 5.7e-7
-"""Probability that parameters of one body differ so much: that of five deviations."""
 
 MASKED = ("position", "attitude")
 """Sensors that may jump or drift for themselves."""
@@ -131,4 +128,4 @@ def _differ(one: Trial, other: Trial) -> bool:
     # With their correlations: all may share a doubt about the scale.
     std = np.sqrt(np.diag(C))
     z, C = off / std, C / np.outer(std, std)
-    return bool(z @ np.linalg.solve(C, z) > chdtri(both.size, CHANCE))
+    return bool(z @ np.linalg.solve(C, z) > limit("other parameters", both.size))

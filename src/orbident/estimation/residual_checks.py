@@ -4,18 +4,16 @@ import re
 from collections.abc import Iterator
 
 import numpy as np
-from scipy.special import chdtri
 
 from orbident.estimation.check import Check, Level
 from orbident.estimation.estimate import Estimate
+from orbident.estimation.levels import limit
 from orbident.estimation.momentum_problem import ROUNDING, MomentumProblem
 from orbident.estimation.signals import Signal
 from orbident.estimation.whiteness import low_frequencies
 
 # Std of residuals over the declared noise: chi-square of its square is worth a word.
 NOISY = 1.5
-# Probability that noise makes any instrument of a recording look wrong.
-CHANCE = 1e-3
 
 OF_GEOMETRY = re.compile(r"\.(place|direction)\.[xyz]$")
 """Names of errors of where a joint is."""
@@ -120,21 +118,21 @@ def _instruments(estimate: Estimate) -> Iterator[Check]:
     freed = [each for each in every if not OF_GEOMETRY.search(each.name)]
     if not freed:
         return
-    limit = float(chdtri(1, CHANCE / len(freed)))
+    most = limit("instrument", 1, len(freed))
     first = max(freed, key=lambda each: each.chi2_drop)
     drop = first.chi2_drop
     name = first.name.replace(".", " ")
-    if not drop > limit:
+    if not drop > most:
         reason = "no instrument's error would explain more than chance does"
-        yield Check("instruments", "trust", reason, "", drop, limit)
+        yield Check("instruments", "trust", reason, "", drop, most)
         return
     yield Check(
         "instruments",
         "do not trust",
         f"an error of {name} by {first.value:.2g} +- {first.std:.1g} (SI) would lower "
-        f"chi-square by {drop:.3g}, and more than {limit:.2g} is no chance: it, or "
+        f"chi-square by {drop:.3g}, and more than {most:.2g} is no chance: it, or "
         "something that looks like it, is not as declared",
         f"check {name}, or declare its tolerance in the robot file",
         drop,
-        limit,
+        most,
     )

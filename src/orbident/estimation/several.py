@@ -12,12 +12,12 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
-from scipy.special import chdtri
 
 from orbident.errors import InputError
 from orbident.estimation.check import Check
 from orbident.estimation.estimate import Progress, Solved
 from orbident.estimation.found import exact_std
+from orbident.estimation.levels import limit
 from orbident.estimation.output_error.estimator import OutputError
 from orbident.estimation.output_error.shared import together
 from orbident.estimation.quantities import Identified
@@ -26,9 +26,6 @@ from orbident.estimation.shared import Shared
 from orbident.estimation.signals import Signals
 from orbident.files.names import listed
 from orbident.recordings.recording import Recording
-
-CHANCE = 1e-4
-"""Probability that recordings of the same robot seem to differ."""
 
 
 def check_different(recordings: Sequence[Recording]) -> None:
@@ -91,7 +88,7 @@ def agreement(solved: Sequence[Solved], labels: Sequence[str]) -> Check:
 
 def _limit(solved: Sequence[Solved], recordings: int) -> float:
     size = solved[0].estimate.found.base.values.size
-    return float(chdtri((recordings - 1) * size, CHANCE))
+    return limit("same robot", (recordings - 1) * size)
 
 
 def _differ(solved: Sequence[Solved]) -> float:

@@ -4,16 +4,14 @@ from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
-from scipy.special import chdtri
+
+from orbident.estimation.levels import limit
 
 LOW = 0.05
 """Part of all frequencies that counts as low: below 0.25 to 2.5 Hz at 10 to 100 Hz."""
 
 FEWEST = 8
 """Low frequencies that can be told from chance."""
-
-CHANCE = 1e-6
-"""Probability that white noise exceeds the limit, for one sensor of a recording."""
 
 OUTLYING = 4.0
 """Deviations at which residuals are cut off, as maximum likelihood weighs them."""
@@ -52,5 +50,5 @@ def low_frequencies(
     power = np.abs(np.fft.rfft(cut, axis=0)[1:]) ** 2
     level = np.mean(power, axis=0)
     ratio = np.max(np.mean(power[:count], axis=0) / np.where(level > 0, level, 1.0))
-    limit = chdtri(2 * count, CHANCE / axes) / (2 * count)
-    return LowFrequencies(float(ratio), float(limit))
+    most = limit("white residuals", 2 * count, axes) / (2 * count)
+    return LowFrequencies(float(ratio), most)

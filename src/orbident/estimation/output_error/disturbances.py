@@ -11,9 +11,9 @@ from typing import NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Float
-from scipy.special import chdtri
 
 from orbident.errors import InputError
+from orbident.estimation.levels import limit
 from orbident.estimation.output_error.disturbance_sizes import (
     members,
     places_of,
@@ -27,9 +27,6 @@ from orbident.estimation.output_error.torques_or_losses import instead
 from orbident.estimation.output_error.walks import WALKS
 from orbident.estimation.solution import Prior, Solution, Unknowns
 from orbident.estimation.unknowns import fall
-
-CHANCE = 1e-4
-"""Probability that a disturbance is seen in noise alone."""
 
 FREE = 1e3
 """SI: standard deviation beforehand of a disturbance that may exist."""
@@ -200,14 +197,14 @@ def _best(
         together = _with(groups, group)
         more = search.first(together)
         freed = places_of(problem, {*together} - {*groups})
-        worth = more.cost + chdtri(freed.size, CHANCE)
+        worth = more.cost + limit("disturbance", freed.size)
         if worth < cost and not _impossible(problem, more, group):
             tried.append((worth, more, together))
     if not tried:
         return None
     least, *best = min(tried, key=lambda each: each[0])
     for instrument in _likely(zeros, {each.name for each in zeros.errors}):
-        if search.first((*groups, instrument)).cost + chdtri(1, CHANCE) < least:
+        if search.first((*groups, instrument)).cost + limit("disturbance", 1) < least:
             return None
     return best[0], best[1]
 
@@ -255,7 +252,7 @@ def _likely(zeros: TakenForZero, names: Collection[str]) -> list[str]:
         mean = {STEADY.get(name, name)} & {*names}
         places = places_of(zeros.problem, {name, *mean})
         fallen = fall(zeros.equations(places), np.arange(places.size))
-        beyond[name] = fallen - chdtri(places.size, CHANCE / len(names))
+        beyond[name] = fallen - limit("disturbance", places.size, len(names))
     likely = sorted(
         (name for name in beyond if beyond[name] > 0), key=lambda name: -beyond[name]
     )
@@ -272,7 +269,9 @@ def _unneeded(
 
     def beyond_chance(group: str) -> float:
         value, C = sizes_of(problem, solution, group)
-        return float(value @ np.linalg.solve(C, value) - chdtri(value.size, CHANCE))
+        return float(
+            value @ np.linalg.solve(C, value) - limit("disturbance", value.size)
+        )
 
     freed = (group for group in groups if group not in asked)
     weakest = min(freed, key=beyond_chance, default=None)

@@ -24,8 +24,8 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 from scipy.linalg import solve_triangular
-from scipy.special import chdtri
 
+from orbident.estimation.levels import limit
 from orbident.estimation.output_error.disturbance_sizes import places_of
 from orbident.estimation.output_error.forms import IN_WORDS
 from orbident.estimation.output_error.problem import Problem, common_factor
@@ -153,10 +153,6 @@ def _freed(
     return Freed(name, along / size, 1 / size, along**2)
 
 
-SUSPICIOUS = 1e-2
-"""Probability that noise alone looks as much like any of the groups."""
-
-
 class Faint(NamedTuple):
     """A group that is taken for zero."""
 
@@ -195,7 +191,7 @@ def taken_for_zero(zeros: TakenForZero) -> dict[str, Faint]:
         inverse = np.linalg.pinv(left[:, :-1])
         found[group] = Faint(
             fall(left, np.arange(places.size)),
-            float(chdtri(places.size, SUSPICIOUS / len(zeros.groups))),
+            limit("suspicion", places.size, len(zeros.groups)),
             B @ np.column_stack([inverse, inverse @ left[:, -1]]),
         )
     return found

@@ -13,6 +13,7 @@ from collections.abc import Callable, Collection, Iterator, Mapping
 import numpy as np
 from jaxtyping import Float
 
+from orbident.estimation.levels import LEVELS
 from orbident.estimation.output_error.disturbance_sizes import places_of
 from orbident.estimation.output_error.forms import IN_WORDS, STEADY
 from orbident.estimation.output_error.noise_scaling import Fitted
@@ -24,9 +25,6 @@ LOSS = "wheel_loss"
 TORQUES = tuple((mean, slow) for slow, mean in STEADY.items())
 """Every torque with what changes slowly of it."""
 
-CHANCE = 1e-4
-"""Probability that the wrong one of two explanations is so much the likelier."""
-
 
 def instead(
     problem: Problem,
@@ -37,7 +35,7 @@ def instead(
 ) -> dict[str, Float[np.ndarray, " beta"]]:
     """How far off `beta` is if it was the other one, by that one's group.
 
-    The likelihood of what is wrong is more than `1 / CHANCE` times that of what is
+    The likelihood of what is wrong is more than `1 / level` times that of what is
     right with no more than that probability; every number beside what is right lowers
     chi-square by one in the mean.
 
@@ -58,7 +56,7 @@ def instead(
     def worth(cost: float, groups: Collection[str]) -> float:
         return cost + places_of(problem, groups).size
 
-    limit = worth(found.assumed, groups) - 2 * np.log(CHANCE)
+    limit = worth(found.assumed, groups) - 2 * np.log(LEVELS["other explanation"])
     differences = {}
     for others in TORQUES if LOSS in alike else ((LOSS,),):
         other = first((*left, *others))

@@ -21,6 +21,7 @@ from jaxtyping import Float
 from scipy.special import chdtrc, chdtri
 
 from orbident import _core
+from orbident.estimation.levels import LEVELS
 from orbident.estimation.recursion import Change
 
 COLOUR = 2.0
@@ -40,7 +41,7 @@ class Detector:
     """Size of an innovation."""
     window: int = 20
     """Samples that the onset may lie back."""
-    false_alarms: float = 1e-4
+    false_alarms: float = LEVELS["change"]
     """Probability of one in a run of so many samples without a change, at most."""
     samples: int = 1600
 

@@ -16,6 +16,7 @@ from orbident.estimation.estimate import (
     rms_of_equations,
 )
 from orbident.estimation.found import BetaEstimate
+from orbident.estimation.levels import LEVELS
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.recursion import Change, History
 from orbident.estimation.recursive.changes import Detector
@@ -55,7 +56,7 @@ def recursive_history(
     robot: Robot,
     samples: Samples,
     h_cm: Float[np.ndarray, "3"] | None = None,
-    false_alarms: float = 1e-4,
+    false_alarms: float = LEVELS["change"],
     progress: Callable[[float], object] = lambda _: None,
 ) -> History:
     """Estimate sample by sample, watch for changes, and open up after one.

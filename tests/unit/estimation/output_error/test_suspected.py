@@ -4,14 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.special import chdtri
 from small_problems import noisy, small_recording, small_robot
 from test_disturbances import under_a_couple, with_sensors
 
 from orbident.estimation.estimate import Estimate
+from orbident.estimation.levels import limit
 from orbident.estimation.momentum_problem import momentum_problems
 from orbident.estimation.output_error.estimator import OutputError
-from orbident.estimation.output_error.sensitivity import SUSPICIOUS, suspects_in_words
+from orbident.estimation.output_error.sensitivity import suspects_in_words
 from orbident.estimation.unknowns import UNSEEN
 from orbident.recordings.recording import Recording
 
@@ -65,6 +65,6 @@ def test_what_hides_shifts_as_much_as_the_table_says():
         free = estimated(recording, group)
         C, D = (np.diag(each.found.base.covariance) for each in (plain, free))
         # The largest that it can be while chi-square would fall by no more than that.
-        limit = chdtri(numbers, SUSPICIOUS / len(unseen))
+        most = limit("suspicion", numbers, len(unseen))
         # The noise is estimated with the parameters, and differs by some percent.
-        np.testing.assert_allclose(C + unseen[group] ** 2 / limit, D, rtol=0.05)
+        np.testing.assert_allclose(C + unseen[group] ** 2 / most, D, rtol=0.05)
