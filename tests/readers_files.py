@@ -65,7 +65,7 @@ def readme() -> None:
     write_recording(burn(Body(robot.joint_names, mass=robot.mass)), "burn.csv")
     at_rest()
     table_bag()
-    drone_log()
+    other_tools()
 
 
 def flyer() -> None:
@@ -170,8 +170,12 @@ def finished_map() -> None:
     Path("map.yaml").write_text(text)
 
 
-def drone_log() -> None:
-    """A PX4 log of a body that does not move."""
+def other_tools() -> None:
+    """A PX4 log, and a folder of NASA's 42, of bodies that do not move."""
+    signals = {"time": np.arange(20) * 0.2, "qbn": np.tile([0, 0, 0, 1.0], (20, 1))}
+    Path("InOut").mkdir()
+    for name, values in {**signals, "wbn": np.zeros((20, 3))}.items():
+        np.savetxt(f"InOut/{name}.42", values, "%le")
     t = {"timestamp": np.arange(20) * 1e4}
     place = dict.fromkeys(("x", "y", "z", "vx", "vy", "vz"), np.zeros(20))
     tables = {
@@ -191,7 +195,7 @@ BEFORE: dict[str, Callable[[], None]] = {
     "README.md": readme,
     "docs/how-to/after-a-capture.md": capture,
     "docs/how-to/designing-an-excitation.md": flyer,
-    "docs/how-to/files-of-other-tools.md": drone_log,
+    "docs/how-to/files-of-other-tools.md": other_tools,
     "docs/how-to/flight-computer.md": flyer,
     "docs/how-to/noise-of-sensors.md": at_rest,
     "docs/how-to/ros-bag.md": table_bag,

@@ -14,7 +14,9 @@ from orbident.errors import InputError
 Stamps = Int[np.ndarray, " _"]
 
 _RUN = 8
-"""Samples: so many in order come once out of some 8! = 40 320 that are shuffled."""
+"""Samples: so many in order come by chance once among 8! = 40 320 in any order."""
+_CLOSE = 0.6
+"""Of the interval: in between samples, none is farther from one than half of it."""
 _BITS = (16, 32)
 """Of the counters that are usual."""
 _NEAR = 1e-3
@@ -60,9 +62,9 @@ def continued(
             at = (stamps[found - 1] - stamps[0]) / 1e9
             raise InputError(
                 f"{place}: the time goes back by {ahead / 1e9:.6g} s at sample "
-                f"{found + 1}, {at:.6g} s after the first, and goes on from there: the "
-                "clock was set or began again; cut the file there, convert each part, "
-                "and give all parts to 'identify'"
+                f"{found + 1}, {at:.6g} s after the first, and goes on from there: its "
+                "clock was set or began again, or two recordings were joined; cut the "
+                "file there, convert each part, and give all parts to 'identify'"
             )
         steps = np.diff(stamps, prepend=stamps[0])
         turns = -np.rint(steps / fitting[0]).astype(np.int64)
@@ -80,29 +82,28 @@ def _step_back(
     stamps: Stamps, same: Callable[[Stamps, Stamps], Bool[np.ndarray, " _"]]
 ) -> int | None:
     """The first sample of a run that goes back and fills no gap."""
-    steps = np.flatnonzero(np.diff(stamps) < 0) + 1
-    latest = np.maximum.accumulate(stamps)
-    for start, stop in zip(steps, np.append(steps, stamps.size)[1:], strict=True):
+    starts = np.flatnonzero(np.diff(stamps) < 0) + 1
+    # More often than that nothing is in order, and only sorting helps.
+    if not 0 < starts.size < stamps.size / 4:
+        return None
+    latest, earliest = np.maximum.accumulate(stamps), np.minimum.accumulate(stamps)
+    distinct, first = np.unique(stamps, return_index=True)
+    interval = _interval(stamps)
+    for start, stop in zip(starts, np.append(starts, stamps.size)[1:], strict=True):
         late = stamps[start:stop]
         late = late[late < latest[start - 1]]
-        if np.unique(late).size >= _RUN and not _fills(stamps, int(start), late, same):
+        if np.unique(late).size < _RUN:
+            continue
+        at = np.searchsorted(distinct, late)
+        apart = np.minimum(distinct[at + 1] - late, late - distinct[at - 1])
+        fills = apart > _CLOSE * interval
+        # Before all others only a part of which the others are the continuation.
+        ahead = earliest[start - 1] - late[-1]
+        if not 0 < ahead <= 3 * interval:
+            fills &= late >= earliest[start - 1]
+        # Sent a second time: what differs then is no repetition.
+        again = np.flatnonzero(first[at] < start)
+        fills[again] = same(start + again, first[at[again]])
+        if np.mean(fills) < 0.5:
             return int(start)
     return None
-
-
-def _fills(
-    stamps: Stamps,
-    start: int,
-    late: Stamps,
-    same: Callable[[Stamps, Stamps], Bool[np.ndarray, " _"]],
-) -> bool:
-    """Whether most of what comes late is missing before it, or sent a second time."""
-    order = np.argsort(stamps[:start], kind="stable")
-    earlier = stamps[order]
-    after = np.searchsorted(earlier, late)
-    gap = earlier[after] - earlier[np.maximum(after - 1, 0)]
-    fills = (after > 0) & (gap > 1.5 * _interval(stamps))
-    again = earlier[after] == late
-    repeated = np.flatnonzero(again)
-    fills[again] = same(start + repeated, order[after[again]])
-    return bool(np.mean(fills) >= 0.5)

@@ -65,11 +65,13 @@ def test_clocks_that_are_set(tmp_path: Path, case: str):
 
 
 def test_what_only_came_late(tmp_path: Path):
-    """A burst that fills its gap, one that is sent twice, and a whole shuffle."""
+    """A burst that fills its gap or comes twice, a shuffle, parts in another order."""
     burst = np.r_[0:100, 130:160, 100:130, 160:400]
     again = np.r_[0:100, 60:100, 100:400]
     shuffled = np.random.default_rng(4).permutation(400)
-    for order in (burst, again, shuffled):
+    swapped = np.r_[200:400, 0:200]
+    backwards = np.arange(400)[::-1]
+    for order in (burst, again, shuffled, swapped, backwards):
         recording, report = converted(tmp_path, T[order], "s", V[order])
         np.testing.assert_array_equal(recording.column("joint.a.position"), V)
         assert report.topics[0].rejected["duplicate"] == order.size - 400
