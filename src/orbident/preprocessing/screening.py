@@ -126,7 +126,7 @@ def _measured_only(
         return {(rows, why): m for why, m in repeats(_table(recording, names)).items()}
 
     every = [*chain.from_iterable(sensor_groups(recording.columns).values())]
-    once = _without(recording, own, repeated, {"rows": every})
+    once = _without(recording, own, repeated, {"rows": every} if every else {})
 
     def found(sensor: str, names: list[str]) -> Masks:
         table = _table(once.recording, names)
