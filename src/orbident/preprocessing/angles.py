@@ -11,7 +11,10 @@ GAP = 10.0
 """Times the usual step from sample to sample: what is farther apart may differ by any
 angle."""
 
-FULL_TURN = 2 * np.pi + 1e-6
+TURN = 2 * np.pi
+"""rad."""
+
+FULL_TURN = TURN + 1e-6
 """rad, and what a printed pi may be too large."""
 
 QUARTER_TURN = np.pi / 2
@@ -99,3 +102,35 @@ def unwrapped(
         found.append(x)
     result[valid] = found
     return result
+
+
+def turned_between(
+    t: Float[np.ndarray, " samples"],
+    angle: Float[np.ndarray, " samples"],
+    limits: tuple[float, float],
+    steady: float,
+) -> Float[np.ndarray, " samples"]:
+    """An angle with whole turns added where it would be beyond its limits, rad.
+
+    Args:
+        t: times, s, strictly increasing.
+        angle: that goes on, but may be in another turn after gaps; NaN where there is
+            no sample.
+        limits: lower and upper.
+        steady: what is longer is a gap, s.
+    """
+    seen = np.flatnonzero(~np.isnan(angle))
+    if not seen.size:
+        return angle
+    starts = np.append(0, np.flatnonzero(np.diff(t[seen]) > steady) + 1)
+    lowest, highest = (
+        end.reduceat(angle[seen], starts) for end in (np.minimum, np.maximum)
+    )
+    # The first of those that are equally good is chosen.
+    shifts = TURN * np.array([[0], [-1], [1], [-2], [2]])
+    below = np.maximum(limits[0] - lowest - shifts, 0)
+    above = np.maximum(highest + shifts - limits[1], 0)
+    best = shifts[np.argmin(below + above, axis=0), 0]
+    turned = angle.copy()
+    turned[seen] += np.repeat(best, np.diff(np.append(starts, seen.size)))
+    return turned

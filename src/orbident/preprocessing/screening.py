@@ -9,7 +9,13 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from orbident.errors import InputError
-from orbident.preprocessing.angles import GAP, unwrapped, within_a_turn
+from orbident.preprocessing.angles import (
+    GAP,
+    TURN,
+    turned_between,
+    unwrapped,
+    within_a_turn,
+)
 from orbident.preprocessing.false_rates import false_rates
 from orbident.preprocessing.outliers import find_spikes
 from orbident.preprocessing.saturation import saturated
@@ -23,9 +29,6 @@ from orbident.recordings.no_measurements import (
 )
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
-
-TURN = 2 * np.pi
-"""rad."""
 
 FEWEST = 10
 """Samples: fewer that are equal may be so by chance."""
@@ -123,7 +126,7 @@ def _measured_only(
         return {(rows, why): m for why, m in repeats(_table(recording, names)).items()}
 
     every = [*chain.from_iterable(sensor_groups(recording.columns).values())]
-    once = _without(recording, own, repeated, {"rows": every})
+    once = _without(recording, own, repeated, {"rows": every} if every else {})
 
     def found(sensor: str, names: list[str]) -> Masks:
         table = _table(once.recording, names)
@@ -237,17 +240,7 @@ def _unwrapped(
         steady = GAP * float(np.median(np.diff(t))) if name in ranges else np.inf
         x = unwrapped(t, angle, TURN, steady)
         if between := ranges.get(name):
-            # In which turn it began, and went on after a gap, its range tells.
-            seen = np.flatnonzero(~np.isnan(x))
-            starts = np.append(0, np.flatnonzero(np.diff(t[seen]) > steady) + 1)
-            lowest, highest = (
-                end.reduceat(x[seen], starts) for end in (np.minimum, np.maximum)
-            )
-            shifts = TURN * np.array([[0], [-1], [1], [-2], [2]])
-            below = np.maximum(between[0] - lowest - shifts, 0)
-            above = np.maximum(highest + shifts - between[1], 0)
-            least = shifts[np.argmin(below + above, axis=0), 0]
-            x[seen] += np.repeat(least, np.diff(np.append(starts, seen.size)))
+            x = turned_between(t, x, between, steady)
         found[name] = x
     return found
 

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from orbident.errors import InputError
-from orbident.preprocessing.angles import unwrapped, within_a_turn
+from orbident.preprocessing.angles import turned_between, unwrapped, within_a_turn
 
 T = np.arange(0.0, 20.0, 0.05)
 
@@ -81,3 +81,15 @@ def test_neither_a_motion_nor_a_spike_is_a_leap_by_a_turn():
     spiky[200] -= 4.0
     assert not within_a_turn(T, spiky)
     assert not within_a_turn(T, -170.0 * T)
+
+
+def test_each_part_between_gaps_is_turned_between_the_limits():
+    x = np.sin(T)
+    shown = x + 2 * np.pi * np.where(T < 5, 1, np.where(T < 10, 0, -2))
+    shown[(T > 4.5) & (T < 5.5) | (T > 9) & (T < 11)] = np.nan
+    found = turned_between(T, shown, (-2.0, 2.0), 0.5)
+    seen = ~np.isnan(shown)
+    np.testing.assert_array_equal(np.isnan(found), ~seen)
+    np.testing.assert_allclose(found[seen], x[seen], atol=1e-12)
+    nothing = np.full(T.size, np.nan)
+    assert np.isnan(turned_between(T, nothing, (-2.0, 2.0), 0.5)).all()

@@ -85,7 +85,7 @@ def sensors_of(
         if recording.has(*(f"{sensor}.{k}" for k in components))
     }
     joints = robot.joint_names
-    exact = all(recording.has(f"joint.{name}.velocity") for name in joints) and not (
+    exact = any(recording.has(f"joint.{name}.velocity") for name in joints) and not (
         robot.sensors.get("joints", {}).get("tachometer")
     )
     if joints and not exact:
