@@ -151,6 +151,9 @@ def test_topics_prints_a_map(orbident: Orbident):
         }
     ]
     assert Path("m.yaml").read_text() == ran.json["map"]
+    ran = orbident("topics", bag, "-o", "/dev/full")
+    ran.refused("/dev/full: cannot be written")
+    assert ran.out == ""
 
 
 REFUSED = {

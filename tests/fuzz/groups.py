@@ -344,6 +344,22 @@ def _argument(random: Random) -> str:
     return made(random).replace("\0", "")
 
 
+def excitations(random: Random, seeds: Seeds) -> Case:
+    """A search of one start, within limits and for times that nobody has."""
+    arguments = ["excite", "cepheus-like", "-o", "x.yaml", "--starts", "1"]
+    arguments += random.choice(([], ["--like-paper"], ["--like", "m.yaml"]))
+    for option in ("--duration", "--harmonics", "--uncertainty"):
+        if random.random() < 0.4:
+            number = random.choice(("1", "20", "1e-9", oddities.number(random)))
+            arguments.append(f"{option}={number}")
+    for name in ("acceleration", "base_rate", "excursion", "wheel_speed"):
+        if random.random() < 0.3:
+            number = random.choice(("0.3", "300", "1e-9", oddities.number(random)))
+            arguments.append(f"--limit={name}={number}")
+    files = {"m.yaml": seeds.trajectories["cepheus-like"]}
+    return Case("excitations", tuple(arguments), files)
+
+
 GROUPS: Mapping[Group, int] = {
     robot_urdf: 3,
     robot_file: 3,
@@ -362,5 +378,6 @@ GROUPS: Mapping[Group, int] = {
     archives: 4,
     tables: 3,
     places: 3,
+    excitations: 1,
 }
-"""What is run beside `identify`, and how often of 49."""
+"""What is run beside `identify`, and how often of 50."""

@@ -9,7 +9,7 @@ import mutations
 import oddities
 import pytest
 from campaign import Campaign
-from case import Case, stored
+from case import CLOSED, DELETED, STDIN, Case, stored
 from oracle import fault, signature
 from shrinking import shrunk
 from watcher import HANG, HEAVY, Outcome, Watcher
@@ -114,9 +114,20 @@ def test_a_worker_is_watched(
         assert watcher.run(NO_FILES, longest=1.0).status == status
 
 
+def test_what_stands_for_files():
+    """A FIFO is written once, and the working directory may be gone."""
+    with Watcher() as watcher:
+        pipe = Case("test", ("check", "fifo.urdf"), {"fifo.urdf": b"<robot"})
+        assert "unclosed token" in watcher.run(pipe).err
+        read = Case("test", ("campaign", "run", "/dev/stdin", "-o", "o"), {STDIN: b"a"})
+        assert "/dev/stdin" in watcher.run(read).err
+        gone = Case("test", ("robots",), {}, DELETED)
+        assert watcher.run(gone).status == 0
+
+
 def test_a_case_is_kept_whole(tmp_path: Path):
     files = {"a/b.csv": b"\0\xff", "\udcff.csv": b"", "arguments.json": b"{"}
-    case = Case("test", ("identify", "\udcff.csv"), files)
+    case = Case("test", ("identify", "\udcff.csv"), files, CLOSED)
     case.store(tmp_path / "case")
     assert stored(tmp_path / "case") == case
 

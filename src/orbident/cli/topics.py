@@ -41,13 +41,14 @@ def topics(
         proposal = proposed_map(surveyed)
     else:
         proposal = read_text(preset_path(known_preset(preset)))
+    if out is not None:
+        write_text(out, proposal)
     # As comments, so that what is printed is a map as a whole.
     output.say(f"# {file} holds {counted(len(surveyed), 'topic')}")
     output.say(*(f"# {line}" for line in _lines(surveyed)))
     if out is None:
         output.say(proposal.rstrip())
     else:
-        write_text(out, proposal)
         output.say(f"# written: {out}; decide at every TODO in it")
     output.write_json({"file": str(file), "topics": _rows(surveyed), "map": proposal})
 

@@ -29,6 +29,10 @@ OUTSIDE = 1e-6
 """Share of a limit by which a motion may exceed it: rounding in SLSQP's steps, and far
 less than limits are kept back."""
 
+LOST = 1e6
+"""Times a limit: beyond it nothing is sought, and the fourth powers of such numbers are
+still far from an overflow."""
+
 
 class DescentStage(NamedTuple):
     """Descents of one kind."""
@@ -49,7 +53,7 @@ class Feasible(NamedTuple):
     y: Float[np.ndarray, "free m"]
 
 
-class _TimeIsUpError(Exception):
+class _EndedError(Exception):
     """Ends a descent."""
 
 
@@ -63,7 +67,7 @@ class Descent:
         stage: DescentStage,
         time_is_up: Callable[[], bool],
     ) -> None:
-        """It ends early when the time is up."""
+        """It ends early when the time is up, or a step leads far from all limits."""
         self._problem, self._polytope, self._stage = problem, polytope, stage
         self._time_is_up = time_is_up
         self._last: tuple[bytes, Candidate] | None = None
@@ -82,7 +86,7 @@ class Descent:
         def value(x: np.ndarray) -> tuple[float, np.ndarray]:
             candidate = self._candidate(x.reshape(shape))
             if self._time_is_up():
-                raise _TimeIsUpError
+                raise _EndedError
             return candidate.smooth, candidate.gradient.ravel()
 
         def slacks(x: np.ndarray) -> np.ndarray:
@@ -106,11 +110,14 @@ class Descent:
                 constraints={"type": "ineq", "fun": slacks, "jac": slack_gradients},
                 options={"maxiter": MOST_STEPS, "ftol": TOLERANCE},
             )
-        except _TimeIsUpError:
+        except _EndedError:
             return
 
     def _candidate(self, y: Float[np.ndarray, "free m"]) -> Candidate:
         """The criterion at `y`; SLSQP asks for values, then for limits."""
+        # A subproblem without a solution sends SLSQP anywhere.
+        if not self._polytope.slack(y).min() > -LOST:
+            raise _EndedError
         key = y.tobytes()
         if self._last is None or self._last[0] != key:
             candidate = self._problem.evaluate(y, self._stage.power)

@@ -18,6 +18,7 @@ from orbident.excitation.search import Descent
 from orbident.robot.parameters import inertia_about_com
 from orbident.robot.physical_inertia import nonphysical
 from orbident.studies.exciting import paper_case
+from orbident.trajectories.trajectory import InitialState
 
 
 def made_for(robot, **arguments) -> dict[str, Any]:
@@ -175,6 +176,17 @@ def test_plausible_robots_can_exist(servicer):
 def test_arguments_that_make_no_sense(emulator, arguments, words):
     with pytest.raises(InputError, match=words):
         design_excitation(emulator, **arguments)
+
+
+def test_a_search_that_leaves_all_limits_ends(emulator):
+    """From these ends SLSQP goes to 1e44 rad, where the base's attitude overflows."""
+    ends = np.array([[0.3, 0.0, 0.0]] * 2)
+    initial = InitialState(
+        angular_velocity=np.array([0.0, 0.0, -0.2]), wheel_speed={"rw": 100.0}
+    )
+    usual = conditions_for(emulator, 12.0)
+    given = replace(usual, start=ends, end=ends, initial=initial)
+    assert design_excitation(emulator, conditions=given, starts=1).duration == 12.0
 
 
 def test_an_unknown_objective(emulator, monkeypatch):

@@ -36,6 +36,9 @@ def read_model(path: Path) -> tuple[Urdf, str]:
     """
     text, place = read_text(path), str(path)
     expanded = path.suffix.lower() == ".xacro"
+    # The libraries of both formats read the file once more.
+    if (expanded or _root(text) == "mujoco") and not path.is_file():
+        raise InputError(f"{place}: is a pipe, which can be read once; give a file")
     if expanded:
         text = expanded_xacro(path)
     root = _root(text)
