@@ -45,7 +45,7 @@ sanitize: .venv/tested
 		$(SANITIZED) -m pytest -n 2 -m core \
 		tests/properties tests/oracles tests/unit/core tests/unit/estimation
 
-# Every benchmark and every script of them once, with small sizes: whether it runs, not how fast.
+# Every benchmark and every script of them once, with small sizes: neither timed nor judged.
 benchmarks: .venv/tested
 	$(BIN)/pytest -q benchmarks --benchmark-disable -o addopts="" -p no:xdist
 	$(BIN)/python benchmarks/campaign_rates.py --runs 20 --duration 10

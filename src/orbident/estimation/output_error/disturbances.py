@@ -110,7 +110,7 @@ def with_disturbances(
     zeros = first = TakenForZero(problem, solution, every - {*excluded, *slow})
     for _ in range(ROUNDS):
         more = _best(zeros, groups, cost, search)
-        if more is None or _hopeless(problem, more[0], cost):
+        if more is None:
             break
         solution, groups = more
         # A group that stood for this one is not needed beside it.
@@ -184,7 +184,7 @@ def _best(
     cost: float,
     search: Search,
 ) -> tuple[Solution, tuple[str, ...]] | None:
-    """The solution with the group that explains most; None where none is likely.
+    """The solution with the group that explains most; None where there is no hope.
 
     It explains more than those before it, of which it may take the place of one.
 
@@ -203,6 +203,8 @@ def _best(
     if not tried:
         return None
     least, *best = min(tried, key=lambda each: each[0])
+    if _hopeless(problem, best[0], cost):
+        return None
     for instrument in _likely(zeros, {each.name for each in zeros.errors}):
         if search.first((*groups, instrument)).cost + limit("disturbance", 1) < least:
             return None
