@@ -117,13 +117,14 @@ def test_json_into_a_pipe(orbident: Orbident):
     assert Path("pipe").is_fifo()
 
 
-@pytest.mark.parametrize("name", ["r.csv", "flight.mat", "run/result.json"])
+@pytest.mark.parametrize("name", ["r.csv", "r.yaml", "flight.mat", "run/result.json"])
 def test_a_pipe_for_a_file(orbident: Orbident, name: str):
     """Nobody writes into it, and nobody waits."""
     Path("run").mkdir()
     os.mkfifo(name)
     command = {
         "r.csv": ("identify", "paper-spatial", "r.csv"),
+        "r.yaml": ("check", "r.yaml"),
         "flight.mat": ("topics", "flight.mat"),
         "run/result.json": ("report", "run"),
     }[name]

@@ -7,6 +7,7 @@ import yaml
 
 from orbident.errors import InputError
 from orbident.files.names import suggestion
+from orbident.files.pipes import refuse_pipe
 from orbident.files.schema_errors import validated
 from orbident.files.text import read_text, write_text
 from orbident.files.yaml_mapping import read_yaml_mapping
@@ -45,6 +46,7 @@ def load_robot(source: str | Path) -> Robot:
     if str(source) in bundled_robots():
         return _from_robot_file(_library() / f"{source}.yaml", place=str(source))
     path = Path(source)
+    refuse_pipe(path, "the robot")
     suffix = path.suffix.lower()
     if suffix in _YAML:
         return _from_robot_file(path, place=str(path))
