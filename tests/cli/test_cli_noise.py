@@ -10,8 +10,8 @@ from running import Orbident, written
 from scipy.spatial.transform import Rotation
 
 from orbident.recordings.recording import Recording
-from orbident.robot.coloured_noise import coloured_noise
 from orbident.robot.robot_file import load_robot
+from orbident.robot.sensor_suites import coloured_noise
 from orbident.simulation.simulate import simulate
 from orbident.simulation.tracking import AttitudeTracker, PositionTracker
 

@@ -8,8 +8,7 @@ from random_motions import random_motion
 
 from orbident.estimation.identify import identify
 from orbident.estimation.result import Result
-from orbident.identified.intervals import prediction_deviations
-from orbident.identified.prediction import predict
+from orbident.identified.prediction import predict, prediction_deviations
 from orbident.identified.validate import validate
 from orbident.model.derivatives import sets_of_beta
 from orbident.model.minimal_sets import minimal_sets

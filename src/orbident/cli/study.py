@@ -143,14 +143,14 @@ def _runner(
 
         return partial(run_spatial, method=method.value), spatial_lines
     if name == Study.table:
-        from orbident.cli.real_table_lines import real_table_lines
+        from orbident.cli.study_tables import real_table_lines
         from orbident.studies.run_table import run_table
 
         return lambda _, *given, **options: run_table(*given, **options), (
             real_table_lines
         )
     if name == Study.control:
-        from orbident.cli.control_lines import control_lines
+        from orbident.cli.study_tables import control_lines
         from orbident.studies.control import run_control
 
         return run_control, control_lines

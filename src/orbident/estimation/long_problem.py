@@ -35,7 +35,7 @@ from orbident.preprocessing.delays import corrections
 from orbident.preprocessing.point_velocity import COUNTED, FELT
 from orbident.preprocessing.samples import samples_of
 from orbident.preprocessing.screening import cleaned, screened
-from orbident.preprocessing.settings import LONGEST, Settings
+from orbident.preprocessing.smoothing import LONGEST, Settings
 from orbident.recordings.long_recording import SPANS, LongRecording
 from orbident.recordings.no_measurements import NO_SENSORS
 from orbident.robot.description import Robot

@@ -12,8 +12,7 @@ from orbident.preprocessing.base_motion import SMOOTHED
 from orbident.preprocessing.delays import delays
 from orbident.preprocessing.samples import Samples, samples_of
 from orbident.preprocessing.screening import cleaned
-from orbident.preprocessing.settings import Settings
-from orbident.preprocessing.smoothing import Roughness, fits_of, smooth_rates
+from orbident.preprocessing.smoothing import Roughness, Settings, fits_of, smooth_rates
 from orbident.recordings.long_recording import LongRecording, Stretch
 from orbident.robot.description import Robot
 from orbident.threads import side_by_side

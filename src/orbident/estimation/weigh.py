@@ -12,12 +12,14 @@ from orbident.errors import InputError
 from orbident.estimation.quantities import Quantity, nulled
 from orbident.estimation.triangular import Layout, LinearFit, fold, solve_factor
 from orbident.model.minimal_sets import conserved_axes
-from orbident.preprocessing.attitude_rates import same_sign
-from orbident.preprocessing.base_motion import base_motion
+from orbident.preprocessing.base_motion import base_motion, same_sign
 from orbident.preprocessing.delays import delays
+from orbident.preprocessing.point_velocity import (
+    bias_response,
+    velocity_from_accelerometer,
+)
 from orbident.preprocessing.rates import at_times, fill
-from orbident.preprocessing.settings import Settings
-from orbident.preprocessing.velocity import bias_response, velocity_from_accelerometer
+from orbident.preprocessing.smoothing import Settings
 from orbident.preprocessing.wrenches import Wrenches, recorded_thrust
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot

@@ -15,6 +15,8 @@ from jaxtyping import Float
 
 from orbident import _core
 from orbident.errors import InputError
+from orbident.estimation.clocks import base_clocks
+from orbident.estimation.linear_fits import known_momentum
 from orbident.estimation.recursive.changes import Detector
 from orbident.estimation.recursive.filter import Extended
 from orbident.estimation.recursive.given import given_of
@@ -25,9 +27,15 @@ from orbident.estimation.recursive.prior import (
     cad_prior,
     factor_of,
 )
+from orbident.estimation.result import Result
 from orbident.files.folder_replacing import replacing_files
 from orbident.identified.flight_tables import hexadecimal, robot_header
-from orbident.preprocessing.samples import Samples
+from orbident.model.minimal_sets import minimal_sets
+from orbident.model.regularity import check_regular
+from orbident.preprocessing.delays import corrections
+from orbident.preprocessing.samples import Samples, samples_of
+from orbident.preprocessing.screening import screened
+from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 
 SOURCES = Path(_core.__file__).parent / "flight"
@@ -169,3 +177,32 @@ def _rows(table: np.ndarray) -> str:
     """A row of the table a line."""
     rows = table[:MOST].reshape(min(len(table), MOST), -1)
     return "{\n" + ",\n".join(", ".join(map(hexadecimal, row)) for row in rows) + "}"
+
+
+def samples_for_flight(
+    source: Result | Robot, recording: Recording
+) -> tuple[Robot, Samples, Float[np.ndarray, "3"] | None]:
+    """Screen a recording and derive what it lacks, as `identify` does.
+
+    Args:
+        source: a result, whose robot, clocks and knowledge of the momentum count; or a
+            robot, of whose momentum nothing is known.
+        recording: of the free-floating robot.
+
+    Returns:
+        The robot, its samples, and the momentum where it is known (N m s).
+
+    Raises:
+        InputError: a column is missing, or there are too few samples.
+    """
+    robot = source.robot if isinstance(source, Result) else source
+    check_regular(robot)
+    clean = screened(robot, recording.with_joints_of(robot)).recording
+    if not isinstance(source, Result):
+        clocks = base_clocks(robot, clean)
+        return robot, samples_of(robot, clean, corrections(clocks)), None
+    samples = samples_of(robot, clean, corrections(source.clocks))
+    if source.initial_momentum != "at-rest":
+        return robot, samples, None
+    known = known_momentum(robot, minimal_sets(robot), samples, "at-rest")
+    return robot, samples, None if known is None else np.asarray(known.h)

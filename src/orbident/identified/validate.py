@@ -18,8 +18,7 @@ from orbident.estimation.found import exact_std
 from orbident.estimation.identify import identify
 from orbident.estimation.quantities import nulled
 from orbident.estimation.result import Result
-from orbident.identified.intervals import prediction_deviations
-from orbident.identified.prediction import predict
+from orbident.identified.prediction import predict, prediction_deviations
 from orbident.model.minimal_sets import conserved_axes, minimal_sets
 from orbident.recordings.recording import Recording
 

@@ -21,7 +21,7 @@ from orbident.noise.noise_model import (
 from orbident.noise.spikes import OUTLYING, clean_model, varies
 from orbident.noise.stillness import check_joints, check_still
 from orbident.recordings.recording import Recording
-from orbident.robot.sensor_bias import FLICKER_FLOOR, MARKOV_PEAK
+from orbident.robot.sensor_suites import FLICKER_FLOOR, MARKOV_PEAK
 
 UNITS = {
     "gyro": "rad/s",

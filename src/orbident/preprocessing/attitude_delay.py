@@ -19,7 +19,7 @@ from scipy.spatial.transform import Rotation
 
 from orbident.preprocessing.attitude_fusion import integrate_gyro
 from orbident.preprocessing.delays import Delay, delay_of
-from orbident.preprocessing.velocity import gyro_response
+from orbident.preprocessing.point_velocity import gyro_response
 
 UNKNOWNS = 16
 """Start, bias, scale and misalignment, and the delay."""

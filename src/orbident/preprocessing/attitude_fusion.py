@@ -19,8 +19,8 @@ from scipy.spatial.transform import Rotation
 
 from orbident import _core
 from orbident.errors import InputError
-from orbident.preprocessing.velocity import bias_response
-from orbident.robot.sensor_bias import UNKNOWN_BIAS
+from orbident.preprocessing.point_velocity import bias_response
+from orbident.robot.sensor_suites import UNKNOWN_BIAS
 
 ROUNDS = 3
 """The first leaves errors of second order in `phi`; the third is for large ones."""

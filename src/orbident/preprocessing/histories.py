@@ -10,11 +10,11 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.preprocessing.rates import at_times, fill
-from orbident.preprocessing.settings import Settings
 from orbident.preprocessing.smoothing import (
     AT_ONCE,
     Rates,
     Roughness,
+    Settings,
     Smoothed,
     fits_of,
     smooth,

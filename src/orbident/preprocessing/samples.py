@@ -10,11 +10,14 @@ from jaxtyping import Bool, Float
 from orbident.preprocessing.base_motion import base_motion
 from orbident.preprocessing.delays import delays
 from orbident.preprocessing.histories import Columns, Histories, histories
-from orbident.preprocessing.point_velocity import BIASED, point_velocity
-from orbident.preprocessing.settings import Settings
-from orbident.preprocessing.surroundings import Surroundings, surroundings
-from orbident.preprocessing.velocity import bias_response
-from orbident.preprocessing.wrenches import RecordedWrench, recorded_wrenches
+from orbident.preprocessing.point_velocity import BIASED, bias_response, point_velocity
+from orbident.preprocessing.smoothing import Settings
+from orbident.preprocessing.wrenches import (
+    RecordedWrench,
+    Surroundings,
+    recorded_wrenches,
+    surroundings,
+)
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 

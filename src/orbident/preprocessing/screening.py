@@ -19,7 +19,7 @@ from orbident.preprocessing.angles import (
 from orbident.preprocessing.false_rates import false_rates
 from orbident.preprocessing.outliers import find_spikes
 from orbident.preprocessing.saturation import saturated
-from orbident.preprocessing.settings import Settings
+from orbident.preprocessing.smoothing import Settings
 from orbident.recordings.columns import VECTORS
 from orbident.recordings.no_measurements import (
     no_measurements,

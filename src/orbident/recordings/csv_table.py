@@ -15,8 +15,7 @@ import pyarrow.csv as arrow_csv
 from orbident.errors import InputError
 from orbident.files.names import quoted
 from orbident.recordings.columns import check_names, is_known
-from orbident.recordings.text_dialect import TextDialect, opened_table, text_dialect
-from orbident.recordings.written_units import SI
+from orbident.recordings.text_dialect import SI, TextDialect, opened_table, text_dialect
 
 _BLOCK_BYTES = 1 << 20
 # Arrow trims blanks around numbers, but not before it compares with these.

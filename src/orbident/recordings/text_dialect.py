@@ -12,7 +12,7 @@ import pyarrow as pa
 import pyarrow.csv as arrow_csv
 
 from orbident.errors import InputError
-from orbident.recordings.written_units import split_name, written_unit
+from orbident.robot.units import UNITS
 
 _HEAD_BYTES = 1 << 20
 _HEAD_LINES = 256
@@ -193,3 +193,40 @@ def _told_apart(names: list[str], above: Sequence[Sequence[str]]) -> list[str]:
 
 def _skip_no_row(row: arrow_csv.InvalidRow) -> str:
     return "skip" if not row.text.strip() or _COMMENT.match(row.text) else "error"
+
+
+_KNOWN = {"ns", "rpm", *(unit for units in UNITS.values() for unit in units)}
+SI = {unit for units in UNITS.values() for unit, si in units.items() if si == 1.0}
+"""The units in which a recording is."""
+_SPELLED = {
+    **dict.fromkeys(("sec", "second", "seconds"), "s"),
+    **dict.fromkeys(("msec", "millisecond", "milliseconds"), "ms"),
+    **dict.fromkeys(("usec", "microsecond", "microseconds"), "us"),
+    **dict.fromkeys(("nsec", "nanosecond", "nanoseconds"), "ns"),
+    **dict.fromkeys(("degree", "degrees"), "deg"),
+    **dict.fromkeys(("radian", "radians"), "rad"),
+    **dict.fromkeys(("meter", "meters"), "m"),
+    **dict.fromkeys(("millimeter", "millimeters"), "mm"),
+    **dict.fromkeys(("degps", "deg/sec", "dps"), "deg/s"),
+    **dict.fromkeys(("radps", "rad/sec"), "rad/s"),
+    **dict.fromkeys(("m/s2", "m/s/s", "m/sec^2"), "m/s^2"),
+    "RPM": "rpm",
+}
+_SIGNS = str.maketrans({"µ": "u", "μ": "u", "°": "deg", "²": "^2", "·": "", "*": ""})  # noqa: RUF001
+_BEHIND = re.compile(r"(.*\S)\s*(?:\[([^][]*)\]|\(([^()]*)\))", re.DOTALL)
+
+
+def written_unit(text: str) -> str:
+    """The unit as `UNITS` names it, such as `deg/s`; empty if it is not known."""
+    bare = "".join(text.translate(_SIGNS).split())
+    if bare[:1] + bare[-1:] in {"[]", "()"}:
+        bare = bare[1:-1]
+    unit = _SPELLED.get(bare, _SPELLED.get(bare.lower(), bare))
+    return unit if unit in _KNOWN else ""
+
+
+def split_name(name: str) -> tuple[str, str]:
+    """`time [ms]` or `time (ms)` as `time` and `ms`; any other name and nothing."""
+    found = _BEHIND.fullmatch(name)
+    unit = written_unit(found[2] or found[3] or "") if found else ""
+    return (found[1], unit) if found and unit else (name, "")

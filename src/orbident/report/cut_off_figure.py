@@ -6,7 +6,7 @@ import numpy as np
 
 from orbident.errors import InputError
 from orbident.files.replacing import replacing
-from orbident.preprocessing.cut_off import CutOff
+from orbident.preprocessing.low_pass import CutOff
 from orbident.report.drawing import Axes, Drawing
 
 FORMATS = ("png", "svg")

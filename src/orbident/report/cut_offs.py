@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from orbident.preprocessing.cut_off import CutOff
+from orbident.preprocessing.low_pass import CutOff
 from orbident.report.charts import (
     ERROR,
     LIMIT,

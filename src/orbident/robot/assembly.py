@@ -10,7 +10,6 @@ from jaxtyping import Float
 from orbident.errors import InputError
 from orbident.files.names import suggestion
 from orbident.orbits.orbit import Orbit
-from orbident.robot.contradictions import contradictions
 from orbident.robot.couplings import couplings_of
 from orbident.robot.description import (
     Joint,
@@ -21,8 +20,8 @@ from orbident.robot.description import (
     Torquer,
     Wheel,
 )
-from orbident.robot.fusing import Bodies, about_feature_point, fused
-from orbident.robot.physical_inertia import nonphysical
+from orbident.robot.fusing import Bodies, about_feature_point, fused, rotor
+from orbident.robot.physical_inertia import contradictions, nonphysical
 from orbident.robot.schema import (
     LimitEntry,
     RobotFile,
@@ -32,7 +31,6 @@ from orbident.robot.schema import (
 )
 from orbident.robot.tree import LinkTree, link_tree
 from orbident.robot.urdf import Urdf
-from orbident.robot.wheels import rotor
 
 
 def assembled(

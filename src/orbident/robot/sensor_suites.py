@@ -6,8 +6,12 @@ Only the paper's is anybody's specification. The others have typical numbers of 
 kind of instrument, rounded, to try an identification with before there is hardware.
 """
 
+import math
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, NamedTuple
+
+import numpy as np
+from jaxtyping import Float
 
 from orbident.errors import InputError
 from orbident.files.names import suggestion
@@ -106,3 +110,87 @@ def sensor_suite(name: str) -> dict[str, dict[str, Any]]:
             f"sensor suite {name!r}: {suggestion(name, SUITES, 'sensor suites')}"
         )
     return {key: dict(section) for key, section in SUITES[name].items()}
+
+
+PerAxis = float | tuple[float, float, float]
+"""One number for all axes, or one for each."""
+
+
+class Coloured(NamedTuple):
+    """The parts that are not white, by axis; zero where there are none."""
+
+    markov_std: Float[np.ndarray, "3"]
+    """`s`, m or rad."""
+    correlation_time: Float[np.ndarray, "3"]
+    """`T`, s; 1 where there is no such part."""
+    random_walk: Float[np.ndarray, "3"]
+    """`q`, m/sqrt(s) or rad/sqrt(s)."""
+
+    @property
+    def absent(self) -> bool:
+        """Whether the noise is white."""
+        return not (self.markov_std.any() or self.random_walk.any())
+
+
+WHITE = Coloured(np.zeros(3), np.ones(3), np.zeros(3))
+"""Nothing lasts."""
+
+
+def coloured_noise(section: Mapping[str, Any]) -> Coloured:
+    """The parts that the robot file declares.
+
+    Args:
+        section: of attitude or position; empty where the file has none.
+    """
+    std, time, walk = (
+        np.broadcast_to(np.asarray(section.get(name) or default, np.float64), 3)
+        for name, default in (
+            ("markov_std", 0.0),
+            ("correlation_time", 1.0),
+            ("random_walk", 0.0),
+        )
+    )
+    return Coloured(std, np.where(std > 0, time, 1.0), walk)
+
+
+CORRELATION_TIME = 3600.0
+"""s. Data sheets give none; an hour is usual for tactical-grade units, and makes the
+bias of a record of minutes all but constant, as the paper's own error analysis has it.
+"""
+
+FLICKER_FLOOR = math.sqrt(2 * math.log(2) / math.pi)
+"""Allan deviation of flicker noise over its coefficient B: 0.664."""
+
+MARKOV_PEAK = 0.617364
+"""Largest Allan deviation of a first-order Gauss-Markov process over its std."""
+
+UNKNOWN_BIAS = {"gyro": 0.1, "accelerometer": 1.0}
+"""Std of an undeclared bias, rad/s and m/s^2: more than any sensor's."""
+
+
+def markov_std(B: float) -> float:
+    """Std of the Gauss-Markov process with flicker's floor, in the unit of `B`."""
+    return FLICKER_FLOOR / MARKOV_PEAK * B
+
+
+def bias_walk(sensor: Mapping[str, Any]) -> float:
+    """The random walk of a bias, in the bias's unit per square root of a second.
+
+    Args:
+        sensor: the section of the robot file; empty where it has none.
+    """
+    T = sensor.get("correlation_time", CORRELATION_TIME)
+    return markov_std(sensor.get("bias_instability", 0.0)) * math.sqrt(2 / T)
+
+
+def bias_std(name: str, sensor: Mapping[str, Any]) -> float:
+    """Std of the bias at the first sample, before it is estimated.
+
+    The bias instability says how the bias wanders, not how large it is at turn-on.
+
+    Args:
+        name: `"gyro"` or `"accelerometer"`.
+        sensor: its section of the robot file; empty where it has none.
+    """
+    std = sensor.get("turn_on_bias")
+    return UNKNOWN_BIAS[name] if std is None else float(std)

@@ -14,7 +14,7 @@ from orbident.model.rotations import axis_rotation, quaternion_matrix, rotate
 from orbident.model.wheel_arrays import wheels_of
 from orbident.preprocessing.samples import Batch, samples_of
 from orbident.preprocessing.screening import cleaned
-from orbident.preprocessing.settings import Settings
+from orbident.preprocessing.smoothing import Settings
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.scene.scene import Scene

@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from orbident.errors import InputError
 from orbident.model.rotations import quaternion_matrix, rotate_back
-from orbident.robot.sensor_bias import CORRELATION_TIME
+from orbident.robot.sensor_suites import CORRELATION_TIME
 from orbident.simulation.noise_processes import bias_drift, gaussian, random_walk_rate
 from orbident.simulation.sensor import Sensor, require
 

@@ -12,8 +12,7 @@ from jaxtyping import Float
 from scipy.linalg import solve_banded
 
 from orbident.errors import InputError
-from orbident.robot.coloured_noise import Coloured
-from orbident.robot.sensor_bias import markov_std
+from orbident.robot.sensor_suites import Coloured, markov_std
 
 
 def stream(seed: int, name: str) -> np.random.Generator:
@@ -76,7 +75,7 @@ def bias_drift(
     """How a bias wanders from its value at turn-on: a first-order Gauss-Markov process.
 
     `b_k = exp(-dt/T) b_{k-1} + s sqrt(1 - exp(-2 dt/T)) n_k`, `b_0 = 0` (IEEE 952,
-    C.1.5), with `s` as `orbident.robot.sensor_bias` has it: the Allan deviation peaks
+    C.1.5), with `s` as `orbident.robot.sensor_suites` has it: the Allan deviation peaks
     at flicker's floor, `0.664 B`, at the averaging time 1.89 T. For shorter times it
     rises as `sqrt(tau)`.
 

@@ -7,7 +7,7 @@ from jaxtyping import Float
 
 from orbident.errors import InputError
 from orbident.model.rotations import quaternion_rate
-from orbident.robot.coloured_noise import Coloured, PerAxis, coloured_noise
+from orbident.robot.sensor_suites import Coloured, PerAxis, coloured_noise
 from orbident.simulation.noise_processes import coloured, gaussian, quantised
 from orbident.simulation.sensor import Sensor, require
 

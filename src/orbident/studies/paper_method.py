@@ -16,10 +16,9 @@ from orbident.estimation.obstacles import obstacles
 from orbident.estimation.result import Result
 from orbident.estimation.results import result_of
 from orbident.preprocessing.attitude_fusion import integrate_gyro
-from orbident.preprocessing.cut_off import CutOff, choose_cut_off
-from orbident.preprocessing.low_pass import low_pass
+from orbident.preprocessing.low_pass import CutOff, choose_cut_off, low_pass
+from orbident.preprocessing.point_velocity import velocity_from_accelerometer
 from orbident.preprocessing.rates import spline_rates
-from orbident.preprocessing.velocity import velocity_from_accelerometer
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.studies import paper_tables

@@ -16,7 +16,7 @@ from orbident.estimation.result import Result
 from orbident.estimation.triangular import condition_numbers
 from orbident.estimation.weigh import Weighing
 from orbident.identified.validate import Validation
-from orbident.preprocessing.cut_off import CutOff
+from orbident.preprocessing.low_pass import CutOff
 from orbident.robot.description import Robot
 from orbident.studies import paper_tables
 from orbident.studies.paper_method import Filters

@@ -18,7 +18,7 @@ from orbident.estimation.triangular import condition_numbers
 from orbident.excitation.bound import cramer_rao
 from orbident.model.minimal_sets import minimal_sets
 from orbident.model.paper_bases import PaperBasis, paper_basis, spatial_columns
-from orbident.preprocessing.cut_off import CutOff
+from orbident.preprocessing.low_pass import CutOff
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.simulation.free_floating import FreeFloating

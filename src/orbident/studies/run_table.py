@@ -12,7 +12,7 @@ from orbident.campaigns.executors import Executors, InThisProcess
 from orbident.campaigns.seeds import Series, check_seeds, over_seeds
 from orbident.estimation.quantities import nulled
 from orbident.estimation.result import Result
-from orbident.preprocessing.cut_off import CutOff
+from orbident.preprocessing.low_pass import CutOff
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.simulation.flight import FreeFlying

@@ -1,7 +1,7 @@
 """A recording in stretches gives what it gives in memory.
 
 Both take what the whole decides from the same digest; the rest is local, up to what
-smoothers forget (`preprocessing/settings.py`) and rounding: 1e-9 of a deviation.
+smoothers forget (`preprocessing/smoothing.py`) and rounding: 1e-9 of a deviation.
 Recordings are long here from 5,120 rows on, which takes less time.
 """
 
@@ -21,7 +21,7 @@ from orbident.estimation.solve import solve
 from orbident.estimation.structured import Structured
 from orbident.preprocessing.samples import samples_of
 from orbident.preprocessing.screening import screened
-from orbident.preprocessing.settings import LONGEST, Settings
+from orbident.preprocessing.smoothing import LONGEST, Settings
 from orbident.recordings.long_recording import LongRecording
 from orbident.recordings.recording import Recording
 from orbident.recordings.tables import write_recording

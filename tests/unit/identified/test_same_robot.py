@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from orbident.errors import InputError
-from orbident.identified.same_robot import check_same_robot
+from orbident.identified.difference import check_same_robot
 from orbident.robot.description import Robot
 from orbident.robot.robot_file import load_robot
 

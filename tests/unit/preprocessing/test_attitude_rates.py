@@ -4,7 +4,7 @@ from random_motions import random_motion
 from scipy.spatial.transform import Rotation
 
 from orbident.errors import InputError
-from orbident.preprocessing.attitude_rates import attitude_rates, same_sign
+from orbident.preprocessing.base_motion import attitude_rates, same_sign
 from orbident.robot.robot_file import load_robot
 from orbident.simulation.simulate import simulate
 

@@ -3,8 +3,7 @@ import pytest
 from scipy.signal import periodogram
 
 from orbident.errors import InputError
-from orbident.preprocessing.cut_off import HIGHEST, choose_cut_off
-from orbident.preprocessing.low_pass import low_pass
+from orbident.preprocessing.low_pass import HIGHEST, choose_cut_off, low_pass
 from orbident.studies.spatial import spatial_robot, spatial_trajectory
 
 RATE, STD = 20.0, 1e-3

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from orbident.preprocessing.histories import DERIVED, MEASURED, encoder_noise, histories
-from orbident.preprocessing.settings import Settings
+from orbident.preprocessing.smoothing import Settings
 from orbident.recordings.recording import Recording
 
 T = np.arange(400) * 0.01

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from orbident.errors import InputError
-from orbident.preprocessing.cut_off import choose_cut_off
+from orbident.preprocessing.low_pass import choose_cut_off
 from orbident.report.cut_off_figure import draw_cut_off
 
 T = np.arange(400) / 20.0

@@ -8,7 +8,7 @@ from clean_recordings import clean_space
 from orbident.estimation.recursive.given import noise_of
 from orbident.preprocessing.base_motion import _gyro_noise
 from orbident.preprocessing.samples import samples_of
-from orbident.robot.sensor_bias import UNKNOWN_BIAS, bias_std, bias_walk
+from orbident.robot.sensor_suites import UNKNOWN_BIAS, bias_std, bias_walk
 from orbident.simulation.noise_processes import bias_drift
 
 B, T = 1e-5, 100.0

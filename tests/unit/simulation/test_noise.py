@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from allan import allan_deviation
 
-from orbident.robot.sensor_bias import FLICKER_FLOOR, MARKOV_PEAK
+from orbident.robot.sensor_suites import FLICKER_FLOOR, MARKOV_PEAK
 from orbident.simulation.noise_processes import (
     MARKOV_PEAK_AT,
     bias_drift,

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from orbident.cli.real_table_lines import real_table_lines
+from orbident.cli.study_tables import real_table_lines
 from orbident.report.study_page import write_study_report
 from orbident.robot.units import STANDARD_GRAVITY
 from orbident.studies import table_flights

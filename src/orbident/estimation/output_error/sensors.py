@@ -14,9 +14,8 @@ from orbident.estimation.tachometers import rate_noise
 from orbident.files.bounds import TOGETHER
 from orbident.model.minimal_sets import conserved_axes
 from orbident.recordings.recording import Recording
-from orbident.robot.coloured_noise import WHITE, Coloured, coloured_noise
 from orbident.robot.description import Robot
-from orbident.robot.sensor_bias import bias_walk
+from orbident.robot.sensor_suites import WHITE, Coloured, bias_walk, coloured_noise
 
 COMPONENTS = {
     "gyro": "xyz",

@@ -22,7 +22,7 @@ from orbident.model.wheel_arrays import wheels_of
 from orbident.preprocessing.histories import MEASURED, Columns
 from orbident.preprocessing.samples import Samples
 from orbident.robot.description import Robot
-from orbident.robot.sensor_bias import UNKNOWN_BIAS
+from orbident.robot.sensor_suites import UNKNOWN_BIAS
 
 SHORT, LONG = 4, 128
 """Rows of an interval."""

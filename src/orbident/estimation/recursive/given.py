@@ -18,10 +18,9 @@ from orbident.preprocessing.base_motion import INTEGRATED, SMOOTHED
 from orbident.preprocessing.histories import DERIVED, MEASURED
 from orbident.preprocessing.point_velocity import SMOOTHED as DIFFERENTIATED
 from orbident.preprocessing.samples import Samples
-from orbident.preprocessing.settings import Settings
-from orbident.robot.coloured_noise import coloured_noise
+from orbident.preprocessing.smoothing import Settings
 from orbident.robot.description import Robot
-from orbident.robot.sensor_bias import bias_std, bias_walk
+from orbident.robot.sensor_suites import bias_std, bias_walk, coloured_noise
 from orbident.threads import ahead
 
 MEMORY = 1.0

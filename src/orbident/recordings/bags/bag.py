@@ -10,8 +10,7 @@ from orbident.files.names import closest, listed, one_line
 from orbident.recordings.bags.mcap_file import open_mcap
 from orbident.recordings.bags.ros1_file import open_ros1
 from orbident.recordings.bags.ros2_folder import open_ros2, open_ros2_folder
-from orbident.recordings.bags.storage import Storage
-from orbident.recordings.bags.topic import RawMessage, Topic
+from orbident.recordings.bags.topic import RawMessage, Storage, Topic
 
 _FILES = {".bag": open_ros1, ".mcap": open_mcap, ".db3": open_ros2}
 _REPAIRS = {

@@ -14,8 +14,13 @@ from orbident.recordings.bags.libraries import (
     McapSchema,
     McapStream,
 )
-from orbident.recordings.bags.storage import Storage
-from orbident.recordings.bags.topic import RawMessage, Topic, merged, short_type
+from orbident.recordings.bags.topic import (
+    RawMessage,
+    Storage,
+    Topic,
+    merged,
+    short_type,
+)
 
 _MAGIC = b"\x89MCAP0\r\n"
 _FOOTER = 2

@@ -12,8 +12,7 @@ from orbident.recordings.bags.libraries import (
     read_bytes,
     read_uint32,
 )
-from orbident.recordings.bags.storage import Storage
-from orbident.recordings.bags.topic import RawMessage, described
+from orbident.recordings.bags.topic import RawMessage, Storage, described
 
 
 class _WithoutIndex(Ros1Reader):

@@ -7,8 +7,7 @@ from pathlib import Path
 from orbident.errors import InputError
 from orbident.recordings.bags.libraries import Ros2Reader
 from orbident.recordings.bags.mcap_file import open_mcap
-from orbident.recordings.bags.storage import Storage
-from orbident.recordings.bags.topic import RawMessage, described, merged
+from orbident.recordings.bags.topic import RawMessage, Storage, described, merged
 
 
 @contextmanager

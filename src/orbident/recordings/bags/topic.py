@@ -1,6 +1,6 @@
 """What a bag says of its topics, and how a message's bytes are read."""
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
@@ -127,3 +127,14 @@ def described(name: str, info: TopicInfo, encoding: str) -> Topic:
 def _text(definition: MessageDefinition) -> str:
     plain = definition.format == MessageDefinitionFormat.MSG
     return definition.data if plain else ""
+
+
+@dataclass(frozen=True)
+class Storage:
+    """An open bag."""
+
+    topics: Sequence[Topic]
+    messages: Callable[[Collection[str]], Iterator[RawMessage]]
+    """All messages of these topics, one chunk of the file in memory at a time."""
+    notes: tuple[str, ...] = ()
+    """Warnings: what of the bag is missing."""

@@ -23,7 +23,7 @@ from orbident.recordings.topics.conversion_report import (
 from orbident.recordings.topics.emptied import Emptied
 from orbident.recordings.topics.fields import Table, missing_of
 from orbident.recordings.topics.presets import preset_path, presets
-from orbident.recordings.topics.sources import open_source
+from orbident.recordings.topics.survey import open_source
 from orbident.recordings.topics.timing import Timed, check_times, timed
 from orbident.recordings.topics.topic_map import load_topic_map
 from orbident.recordings.topics.track import Track

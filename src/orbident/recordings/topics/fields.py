@@ -12,9 +12,8 @@ from orbident.errors import InputError
 from orbident.recordings.logs.group import Group
 from orbident.recordings.topics.declared_units import DIMENSIONS, nanoseconds_of
 from orbident.recordings.topics.entry import Entry, Extraction, Name, Placed
-from orbident.recordings.topics.slots import Slot, slots_of
 from orbident.recordings.topics.stamps import stamp_fields, stamps_of
-from orbident.recordings.topics.targets import Target, target_of
+from orbident.recordings.topics.targets import Slot, Target, slots_of, target_of
 
 
 class Fields(Placed):

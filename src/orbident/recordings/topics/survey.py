@@ -3,17 +3,49 @@
 import os
 from collections import defaultdict
 from collections.abc import Callable
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from orbident.errors import InputError
+from orbident.files.pipes import refuse_pipe
 from orbident.recordings.logs.group import Group, listed_fields
-from orbident.recordings.logs.log import Log
+from orbident.recordings.logs.log import KINDS, Log, is_log, open_log
 from orbident.recordings.topics.declared_units import TIMES
-from orbident.recordings.topics.sources import open_source
 from orbident.recordings.topics.topic_map import MESSAGE_TYPES
+
+if TYPE_CHECKING:
+    from orbident.recordings.bags.bag import Bag
+
+_BAGS = (".bag", ".mcap", ".db3")
+
+
+def open_source(path: Path) -> "AbstractContextManager[Bag | Log]":
+    """A bag or a file of tables; the suffix says which.
+
+    Raises:
+        InputError: There is none, its suffix is unknown, it is damaged or empty, or
+            the library that reads it is not installed.
+    """
+    if not path.exists():
+        raise InputError(f"{path}: does not exist; check the path")
+    refuse_pipe(path, "the recording")
+    if is_log(path):
+        return open_log(path)
+    if path.suffix.lower() not in _BAGS and not path.is_dir():
+        known = [*_BAGS, *(suffix for kind in KINDS for suffix in kind.suffixes)]
+        raise InputError(
+            f"{path}: what can be read is a file whose name ends in one of "
+            f"{', '.join(known)}, or the folder of a ROS 2 bag or of NASA's 42"
+        )
+    # Late, because its libraries are an extra.
+    from orbident.recordings.bags.bag import open_bag
+
+    return open_bag(path)
+
 
 if TYPE_CHECKING:
     from orbident.recordings.bags.bag import Bag

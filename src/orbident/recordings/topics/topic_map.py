@@ -14,11 +14,14 @@ from orbident.files.text import read_text
 from orbident.files.yaml_mapping import read_yaml_mapping
 from orbident.recordings.topics.entry import Entry
 from orbident.recordings.topics.fields import Number, Table
-from orbident.recordings.topics.imu import Imu
-from orbident.recordings.topics.joint_states import JointStates
-from orbident.recordings.topics.odometry import Odometry
-from orbident.recordings.topics.poses import Pose, Transform
-from orbident.recordings.topics.wrench import WrenchStamped
+from orbident.recordings.topics.messages import (
+    Imu,
+    JointStates,
+    Odometry,
+    Pose,
+    Transform,
+    WrenchStamped,
+)
 
 SCHEMA = "orbident/topic-map/1"
 

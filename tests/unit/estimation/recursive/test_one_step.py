@@ -28,7 +28,7 @@ from orbident.estimation.stretches import scatter, smoothed_rate
 from orbident.model.derivatives import derivatives_of_beta, sets_of_beta
 from orbident.model.minimal_sets import minimal_sets
 from orbident.preprocessing.samples import samples_of
-from orbident.preprocessing.settings import Settings
+from orbident.preprocessing.smoothing import Settings
 from orbident.robot.description import Robot
 from orbident.robot.robot_file import load_robot
 from orbident.simulation.simulate import simulate

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from orbident.recordings.topics.common_rows import common_rows
-from orbident.recordings.topics.row_file import RowFile
+from orbident.recordings.topics.track import RowFile
 
 # A small range, so that sensors often meet within 100 ns.
 GAPS = st.lists(st.integers(101, 400), min_size=1, max_size=12)
