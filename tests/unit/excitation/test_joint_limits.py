@@ -60,7 +60,7 @@ def test_limits_of_sizes_too_different_are_refused(robot):
     limits = limits_of(robot, acceleration=1e-15)
     motions = joint_motions(STILL, STILL, 1e-9, 3, limits, 101)
     with pytest.raises(InputError, match="'joint1': no motion could be found"):
-        inner_point(polytope_of(motions, limits), limits, NAMES)
+        inner_point(polytope_of(motions, limits), limits, FREE)
 
 
 def test_slack_is_the_distance_from_the_limits(robot):
