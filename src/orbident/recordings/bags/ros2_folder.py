@@ -18,6 +18,9 @@ def open_ros2(path: Path) -> Iterator[Storage]:
         def messages(names: Collection[str]) -> Iterator[RawMessage]:
             wanted = [each for each in reader.connections if each.topic in names]
             for connection, received, data in reader.messages(wanted):
+                # A cell of SQLite holds any type, whatever its column is declared as.
+                if not (isinstance(received, int) and isinstance(data, bytes)):
+                    raise TypeError(f"a message of '{connection.topic}' is none")
                 yield RawMessage(connection.topic, received, data)
 
         topics = [described(name, info, "cdr") for name, info in reader.topics.items()]

@@ -111,7 +111,12 @@ class _Warden:
 
 
 def _refused(path: Path, error: Exception) -> str:
-    said = one_line(error)
+    said, cause = one_line(error), getattr(error, "exc", None)
+    # xacro repeats what a file or an expression raised.
+    if isinstance(cause, OSError):
+        said = f"'{cause.filename}' {cause.strerror}"
+    elif cause and said.count(one_line(cause)) > 1:
+        said = one_line(cause)
     yourself = f"expand the file yourself: xacro {path.name} NAME:=VALUE > robot.urdf"
     if "Undefined substitution argument" in said:
         cure = (

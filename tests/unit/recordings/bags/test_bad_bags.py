@@ -2,7 +2,9 @@
 
 import importlib
 import shutil
+import sqlite3
 import sys
+from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -136,13 +138,22 @@ def test_another_kind_of_file(tmp_path, suffix):
 
 def test_paths(tmp_path):
     assert "gone.bag: does not exist; check the path" in refusal(tmp_path, "gone.bag")
-    (tmp_path / "notes.txt").write_text("hello")
+    (tmp_path / "notes.pdf").write_text("hello")
     assert "name ends in one of .bag, .mcap" in refusal(
-        tmp_path, tmp_path / "notes.txt"
+        tmp_path, tmp_path / "notes.pdf"
     )
     (tmp_path / "folder").mkdir()
     line = refusal(tmp_path, tmp_path / "folder")
     assert "is a folder without metadata.yaml" in line
+
+
+@pytest.mark.parametrize("cell", ["timestamp = timestamp + 0.5", "data = 'text'"])
+def test_a_database_with_cells_of_another_type(tmp_path, cell):
+    bag = write_bag("ros2-sqlite3", tmp_path, SENT)
+    with closing(sqlite3.connect(largest_file(bag))) as database:
+        database.execute(f"update messages set {cell} where id = 200")
+        database.commit()
+    assert "is damaged or no bag of this kind" in refusal(tmp_path, bag)
 
 
 def test_a_folder_without_its_files(tmp_path):

@@ -124,6 +124,7 @@ def test_what_is_refused(tmp_path: Path, case: str, capfd: pytest.CaptureFixture
     assert message.startswith(str(path))
     assert words in message
     assert "\n" not in message
+    assert message.count(words) == 1
     assert capfd.readouterr() == ("", "")
 
 
