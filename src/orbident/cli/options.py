@@ -65,7 +65,7 @@ Preset = Annotated[
         "--preset",
         metavar="NAME",
         help="A map that comes with Orbident: astrobee, basilisk, cepheus, nasa-42, "
-        "optitrack, px4-spacecraft, spot, xact.",
+        "optitrack, phasespace, px4-spacecraft, spot, xact.",
         autocompletion=_presets,
     ),
 ]

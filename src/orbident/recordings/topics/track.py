@@ -221,10 +221,16 @@ class Track:
         self._keep(raw)
 
     def _keep(self, raw: Float[np.ndarray, "n K"]) -> None:
-        where = self.entry.quaternion
+        where, lost = self.entry.quaternion, np.zeros(len(raw), dtype=bool)
         if where is not None:
+            lost = ~raw[:, where].any(axis=1)
             raw[:, where] = self._of_length_one(raw[:, where])
         rows = self.entry.table(raw)
+        # A tracker that sees no attitude sees no position either.
+        names = self.entry.columns
+        rows[lost] = np.where(
+            np.char.startswith(names, "position."), np.nan, rows[lost]
+        )
         finite = np.isfinite(rows)
         self._with_gaps += int(np.sum(~finite.all(axis=1)))
         self._ever |= finite.any(axis=0)

@@ -27,7 +27,12 @@ ENTRIES = """\
 @pytest.mark.parametrize(
     ("x", "p", "sensors", "words"),
     [
-        ([0, 0, 0, 0], None, ["attitude"], "attitude: 10 quaternions of zeros"),
+        (
+            [0, 0, 0, 0],
+            None,
+            ["attitude", "position"],
+            "attitude: 10 quaternions of zeros",
+        ),
         (
             [0, 0, 0, 1],
             [0, 0, 0],

@@ -49,6 +49,7 @@ def test_all_are_tried_here():
         "cepheus",
         "nasa-42",
         "optitrack",
+        "phasespace",
         "px4-spacecraft",
         "spot",
         "xact",
@@ -217,6 +218,22 @@ def test_optitrack(tmp_path: Path):
     x = Rotation.from_quat(np.delete(recording.vector("attitude", "xyzw"), 4, 0))
     difference = x * X_WB[np.arange(N) != 4].inv()
     np.testing.assert_allclose(difference.magnitude(), 0, atol=1e-8)
+
+
+def test_phasespace(tmp_path: Path):
+    """Millimetres and the scalar first; zeros where the body was not seen."""
+    x, y, z, w = X_WB.as_quat().T
+    table = np.c_[1000 * T, 1000 * P, w, x, y, z]
+    table[4, 1:] = 0.0
+    path = tmp_path / "Body 01.csv"
+    np.savetxt(path, table, "%.9f", ",")
+    assert proposed(path, "phasespace")
+    recording, _ = by_preset(path, "phasespace")
+    seen = np.arange(N) != 4
+    near(recording.vector("position")[seen], P[seen], 1e-9)
+    assert np.isnan(recording.vector("position")[4]).all()
+    turned = Rotation.from_quat(recording.vector("attitude", "xyzw")[seen])
+    np.testing.assert_allclose((turned * X_WB[seen].inv()).magnitude(), 0, atol=1e-7)
 
 
 def test_spot(tmp_path: Path):
