@@ -15,7 +15,7 @@ from orbident.recordings.columns import (
     VECTORS,
     is_known,
 )
-from orbident.robot.description import DisturbanceGroup
+from orbident.robot.disturbance_groups import DisturbanceGroup
 from orbident.robot.schema import RobotFile
 from orbident.robot.sensor_suites import SUITES
 from orbident.robot.units import UNITS

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from pages import ROOT
 
-ESTIMATION = ROOT / "src/orbident/estimation"
+JUDGES = [ROOT / "src/orbident" / name for name in ("estimation", "diagnosis", "noise")]
 MAKERS = {"Check", "_refused"}
 
 
@@ -57,6 +57,7 @@ def checks_of(path: Path) -> Iterator[str]:
 def test_every_check_is_explained():
     page = (ROOT / "docs/warnings.md").read_text(encoding="utf-8")
     explained = re.findall(r"^### `(.*)`$", page, re.MULTILINE)
-    found = {name for path in ESTIMATION.rglob("*.py") for name in checks_of(path)}
+    paths = (path for folder in JUDGES for path in folder.rglob("*.py"))
+    found = {name for path in paths for name in checks_of(path)}
     assert len(found) > 20
     assert sorted(explained) == sorted(found)

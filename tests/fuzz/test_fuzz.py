@@ -115,10 +115,10 @@ def test_a_worker_is_watched(
 
 
 def test_what_stands_for_files():
-    """A FIFO is written once, and the working directory may be gone."""
+    """A FIFO is none that can be read twice; the working directory may be gone."""
     with Watcher() as watcher:
         pipe = Case("test", ("check", "fifo.urdf"), {"fifo.urdf": b"<robot"})
-        assert "unclosed token" in watcher.run(pipe).err
+        assert "is a pipe" in watcher.run(pipe).err
         read = Case("test", ("campaign", "run", "/dev/stdin", "-o", "o"), {STDIN: b"a"})
         assert "/dev/stdin" in watcher.run(read).err
         gone = Case("test", ("robots",), {}, DELETED)

@@ -1,19 +1,14 @@
 """`orbident campaign SPEC -o DIR`, `campaign status DIR`, `campaign rerun DIR RUN`."""
 
 import time
-from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
-from rich.table import Table
 from typer.core import TyperGroup
 
-from orbident.campaigns.campaign_table import read_rows
-from orbident.campaigns.folder import Campaign
 from orbident.cli.options import Json, Quiet, Workers
-from orbident.estimation.check import LEVELS
 
 if TYPE_CHECKING:
     from orbident.campaigns.conduct import Done
@@ -128,7 +123,8 @@ def rerun(
     """
     from orbident.campaigns.folder import check_versions, opened, versions
     from orbident.campaigns.rerun import repeat_run as made_again
-    from orbident.cli.identify import keep, summary
+    from orbident.cli.identify import keep
+    from orbident.cli.identify_tables import summary
     from orbident.cli.output import Output, progress
 
     output = Output(json, quiet)
@@ -193,6 +189,8 @@ def _report(begun: Any, folder: Path) -> list[str]:
 
 
 def _lines(begun: Any, folder: Path, done: "Done") -> Sequence[Any]:
+    from orbident.cli.campaign_tables import levels
+
     return [
         f"{folder}: {done.runs} of {done.of} runs made, {done.failed} of them failed",
         *([""] if done.runs else []),
@@ -221,17 +219,3 @@ def _document(begun: Any, folder: Path, done: "Done") -> dict[str, Any]:
         "failed": [int(path.stem) for path in failed_runs(folder)],
         "entropy": begun.spec.entropy,
     }
-
-
-def levels(campaign: Campaign, folder: Path) -> Table:
-    """How many results of each robot and method may be trusted."""
-    rows = read_rows(campaign, folder, ("robot", "method", "level"))
-    keys = zip(*(rows[name].to_pylist() for name in ("robot", "method")), strict=True)
-    seen = Counter(zip(keys, rows["level"].to_pylist(), strict=True))
-    table = Table("robot", "method", box=None)
-    for level in LEVELS:
-        table.add_column(level, justify="right")
-    for robot, method in dict.fromkeys(key for key, _ in seen):
-        counts = (seen[(robot, method), level] for level in LEVELS)
-        table.add_row(robot, method, *map(str, counts))
-    return table

@@ -92,7 +92,7 @@ def _deviations(known: Any) -> list[float | None]:
 
 
 def _lines(robot: Any, document: dict[str, Any]) -> list[str]:
-    from orbident.cli.check import wheel_words
+    from orbident.cli.robot_tree import wheel_words
 
     count = document["count"]
     lines = [

@@ -65,7 +65,6 @@ def judge(solved: Solved, masses: dict[str, Quantity]) -> Judgement:
         checks += _determined(problem, "phi", phi)
     if none:
         checks += [
-            *_possible_numbers(estimate),
             *_convergence(estimate, shown),
             *unsettled_weights(shown or estimate),
             *residual_checks(problem, shown or estimate),
@@ -78,6 +77,7 @@ def judge(solved: Solved, masses: dict[str, Quantity]) -> Judgement:
             *_unseen(estimate, problem),
             *agreement_of_routes(masses),
             *beside_nominal(estimate.mass, robot.mass, len(robot.wheels)),
+            *_possible_numbers(estimate),
         ]
     return Judgement(tuple(checks), pi, phi, base)
 

@@ -24,7 +24,7 @@ ROUNDING = 1e-6
 """rad."""
 
 WILD = 0.01
-"""Part of the samples that may be anything."""
+"""Part of the samples that may be anything: each spoils three bends."""
 
 REMEMBERED = 5
 """Rates of which the median predicts the next sample: two bad ones do no harm."""
@@ -52,9 +52,12 @@ def within_a_turn(
 
     leaps = bends(x) > QUARTER_TURN
     on = bends(unwrapped(t, x))
+    # Samples that are far apart leap by themselves, and whole turns always soften that.
+    if not leaps.any() or np.quantile(on, 1 - 3 * WILD) > QUARTER_TURN / 2:
+        return False
     usual = 2 * on[~leaps].max(initial=0.0) + ROUNDING
     # Whole turns make no spike go on as its neighbours do.
-    return bool(leaps.any() and np.median(on[leaps]) < usual)
+    return bool(np.median(on[leaps]) < usual)
 
 
 def unwrapped(

@@ -123,7 +123,12 @@ def _measured_only(
     moving = _moving(robot, recording)
 
     def repeated(rows: str, names: list[str]) -> Masks:
-        return {(rows, why): m for why, m in repeats(_table(recording, names)).items()}
+        same = np.ones(recording.t.size - 1, dtype=bool)
+        for name in names:
+            same &= np.diff(recording.columns[name]) == 0
+        # A table of all columns is as large as the recording.
+        table = _table(recording, names) if same.any() else np.zeros((0, 1))
+        return {(rows, why): mask for why, mask in repeats(table).items()}
 
     every = [*chain.from_iterable(sensor_groups(recording.columns).values())]
     once = _without(recording, own, repeated, {"rows": every} if every else {})

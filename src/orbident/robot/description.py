@@ -3,7 +3,6 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from enum import StrEnum
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -44,24 +43,6 @@ class Tolerances:
     """How much the attitude is shown late, s."""
     position_clock: float = 0.0
     """How much the position is shown late, s."""
-
-
-class DisturbanceGroup(StrEnum):
-    """What is there or not there together, as the estimators have it."""
-
-    torque = "torque"
-    slow_torque = "slow_torque"
-    base_torque = "base_torque"
-    slow_base_torque = "slow_base_torque"
-    wheel_loss = "wheel_loss"
-    pull = "pull"
-    uneven = "uneven"
-    drag = "drag"
-    air = "air"
-    sunlight = "sunlight"
-    dipole = "dipole"
-    torque_walk = "torque_walk"
-    force_walk = "force_walk"
 
 
 Axis = Literal["x", "y", "z"]

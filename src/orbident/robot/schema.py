@@ -16,7 +16,8 @@ from orbident.files.schema_parts import (
     finite_number,
 )
 from orbident.robot.body_schema import BodyEntry, DhTable
-from orbident.robot.description import Axis, DisturbanceGroup
+from orbident.robot.description import Axis
+from orbident.robot.disturbance_groups import DisturbanceGroup
 from orbident.robot.orbit_schema import OrbitEntry
 from orbident.robot.sensor_schema import SensorsSpec, Share, measure_of
 from orbident.robot.tolerance_schema import TolerancesEntry

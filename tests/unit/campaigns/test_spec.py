@@ -65,7 +65,7 @@ def test_what_is_drawn():
         ({"disperse": {"noise": {"uniform": [1, 0]}}}, "with lower below upper"),
         ({"disperse": {"noise": {"uniform": 1}}}, "give uniform: [lower, upper]"),
         ({"disperse": {"noise": {"uniform": [-700, 0]}}}, "numbers of at most 1"),
-        ({"disperse": {"inertia": {"normal": "200 %"}}}, "numbers of at most 1"),
+        ({"disperse": {"inertia": {"normal": "2000 %"}}}, "numbers of at most 1"),
         ({"disperse": {"mass": {"normal": 1}}}, "unknown key 'mass'"),
         ({"methods": ["lsq"]}, "found 'lsq'; give 'maximum-likelihood'"),
         ({"methods": []}, "methods: found none; give one or more"),

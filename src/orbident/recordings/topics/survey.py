@@ -101,7 +101,8 @@ def _surveyed_table(group: Group, place: str) -> Surveyed:
         # Not as float64, in which dates in ns are not exact.
         exact = times.astype(np.int64) if times.dtype.kind == "u" else times
         interval = float(np.median(np.diff(exact)))
-        rate = 1e9 / (interval * unit) if interval > 0 else None
+        # What the times' own rounding leaves of it.
+        rate = float(f"{1e9 / (interval * unit):.6g}") if interval > 0 else None
     return Surveyed(group, rate, tuple(listed_fields(group)))
 
 

@@ -30,7 +30,8 @@ from orbident.estimation.solution import Unknowns
 from orbident.estimation.unknowns import DisturbanceFit
 from orbident.model.minimal_sets import minimal_sets
 from orbident.recordings.recording import Recording
-from orbident.robot.description import DisturbanceGroup, Robot, Thruster
+from orbident.robot.description import Robot, Thruster
+from orbident.robot.disturbance_groups import DisturbanceGroup
 from orbident.simulation.control_laws import JointPD
 from orbident.simulation.flight import standing
 from orbident.simulation.free_floating import BaseState

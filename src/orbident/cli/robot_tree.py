@@ -1,0 +1,103 @@
+"""A robot in words: its tree of bodies, its wheels and its sensors."""
+
+from collections.abc import Iterable, Iterator
+from typing import Any
+
+import numpy as np
+from rich.tree import Tree
+
+from orbident.robot.description import Coupling, Joint, Robot, Wheel
+from orbident.robot.formats.urdf_text import roll_pitch_yaw
+from orbident.robot.parameters import (
+    FIRST_MOMENT,
+    MASS,
+    inertia_about_com,
+)
+
+ROUNDING = 1e-12
+"""m and rad: what is below is rounding, and shown as zero."""
+
+
+def robot_tree(robot: Robot) -> Tree:
+    """Bodies below the joints that they hang on.
+
+    A joint's place and turn are in its parent's frame, its axis and the CM of the body
+    in the body's; `I` are principal moments about the CM.
+    """
+    tree = Tree(
+        f"{robot.bodies[0]}  {_body_words(robot, 0)}\n"
+        f"its frame is at S, {_vector(robot.feature_point)} m in that of its link",
+        highlight=False,
+    )
+    nodes = [tree]
+    follows = {each.follower: _coupling_words(each) for each in robot.couplings}
+    for k, joint in enumerate(robot.joints, start=1):
+        how = _joint_words(joint) + follows.get(joint.name, "")
+        words = f"{joint.name}  {how}\n{robot.bodies[k]}  "
+        nodes.append(nodes[joint.parent].add(words + _body_words(robot, k)))
+    for wheel in robot.wheels:
+        tree.add(f"{wheel.name}  wheel, {wheel_words(wheel)}")
+    for thruster in robot.thrusters:
+        tree.add(
+            f"{thruster.name}  thruster at {_vector(thruster.position)} m, towards "
+            f"{_vector(thruster.direction)}"
+        )
+    return tree
+
+
+def wheel_words(wheel: Wheel) -> str:
+    """Its inertia, its axis and its mode."""
+    return f"{wheel.inertia:.4g} kg m^2 about {_vector(wheel.axis)}, {wheel.mode}"
+
+
+def sensor_lines(robot: Robot) -> Iterator[str]:
+    """A line for each sensor that the robot file declares, in SI."""
+    rate = robot.sensors.get("rate")
+    for name, section in robot.sensors.items():
+        if not isinstance(section, dict):
+            continue
+        entries = {"rate": rate} | section
+        said = (f"{key} {_value(x)}" for key, x in entries.items() if _tells(x))
+        yield f"{name}: {', '.join(said)}"
+
+
+def _tells(value: Any) -> bool:
+    """Zero is what the file leaves out."""
+    return value is not None and bool(np.any(np.asarray(value)))
+
+
+def _value(value: Any) -> str:
+    return _vector(value) if isinstance(value, list | tuple) else f"{value:.4g}"
+
+
+def _body_words(robot: Robot, body: int) -> str:
+    theta = robot.theta[body]
+    m = theta[MASS]
+    if m <= 0:
+        return "no mass"
+    com = _vector(theta[FIRST_MOMENT] / m)
+    moments = _vector(np.linalg.eigvalsh(inertia_about_com(theta)))
+    return f"{m:.6g} kg, CM {com} m, I {moments} kg m^2"
+
+
+def _joint_words(joint: Joint) -> str:
+    unit, way = ("rad", "about") if joint.kind == "revolute" else ("m", "along")
+    words = [f"{joint.kind} {way} {_vector(joint.axis)}, at {_vector(joint.p_PJ)} m"]
+    turned = np.degrees(roll_pitch_yaw(joint.R_PJ))
+    if np.abs(turned).max() > ROUNDING:
+        words.append(f"turned {_vector(turned)} deg")
+    if joint.position is not None:
+        words.append(f"in {_vector(joint.position)} {unit}")
+    if joint.velocity is not None:
+        words.append(f"{joint.velocity:.4g} {unit}/s")
+    return ", ".join(words)
+
+
+def _coupling_words(coupling: Coupling) -> str:
+    offset = f" {coupling.offset:+.4g}" if coupling.offset else ""
+    return f", follows {coupling.factor:.4g} {coupling.leader}{offset}"
+
+
+def _vector(values: Iterable[float]) -> str:
+    rounded = (0.0 if abs(x) < ROUNDING else float(x) for x in values)
+    return "[" + ", ".join(f"{x:.4g}" for x in rounded) + "]"
