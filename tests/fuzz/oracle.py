@@ -61,7 +61,8 @@ def _wrong_words(outcome: Outcome) -> str | None:
 
 
 def _wrong_results(case: Case, outcome: Outcome) -> str | None:
-    live = case.arguments[:1] == ("live",)
+    asked = {"-h", "--help"} & {*case.arguments}
+    live = case.arguments[:1] == ("live",) and not asked
     if live and not all(map(_is_json, outcome.out.splitlines())):
         return "a line of standard output is not JSON"
     if outcome.status == 2:

@@ -264,21 +264,25 @@ def _as_column(source: str, name: str, values: object) -> np.ndarray:
 def _check_time(source: str, t: np.ndarray) -> None:
     if t.size < 2:
         raise InputError(f"{source}: has {t.size} samples; at least 2 are needed")
-    bad = np.flatnonzero(~np.isfinite(t))
-    if bad.size:
+    # Indices of all bad rows would be as large as the times.
+    bad = ~np.isfinite(t)
+    if bad.any():
+        k = int(bad.argmax())
         raise InputError(
-            f"{source}: column 't', row {bad[0] + 1}: found {t[bad[0]]}; "
+            f"{source}: column 't', row {k + 1}: found {t[k]}; "
             "every row needs a time in seconds"
         )
-    far = np.flatnonzero(np.abs(t) > LARGEST)
-    if far.size:
+    far = np.abs(t) > LARGEST
+    if far.any():
+        k = int(far.argmax())
         raise InputError(
-            f"{source}: column 't', row {far[0] + 1}: found {t[far[0]]:g} s; give at "
+            f"{source}: column 't', row {k + 1}: found {t[k]:g} s; give at "
             f"most {LARGEST:g}: is it in nanoseconds? divide it by 1e9"
         )
-    late = np.flatnonzero(np.diff(t) <= 0)
-    if late.size:
-        k, step = int(late[0]) + 1, float32_step(t)
+    steps = np.diff(t)
+    late = steps <= 0
+    if late.any():
+        k, step = int(late.argmax()) + 1, float32_step(t)
         remedy = (
             "times must be strictly increasing: sort the rows and drop repeated "
             "ones, or cut the recording here if its clock was set or restarted"
@@ -291,9 +295,9 @@ def _check_time(source: str, t: np.ndarray) -> None:
             f"{source}: column 't', row {k + 1}: {t[k]} s does not come after "
             f"{t[k - 1]} s; {remedy}"
         )
-    short = np.flatnonzero(np.diff(t) < SHORTEST)
-    if short.size:
-        k = int(short[0]) + 1
+    short = steps < SHORTEST
+    if short.any():
+        k = int(short.argmax()) + 1
         raise InputError(
             f"{source}: column 't', row {k + 1}: {t[k] - t[k - 1]:.3g} s after the row "
             f"before; give times in seconds, at least {SHORTEST:g} s apart"

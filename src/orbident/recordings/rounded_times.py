@@ -6,6 +6,9 @@ from jaxtyping import Float
 MATTERS = 1e-3
 """Of the time from row to row: a wheel of 100 rad/s turns 1 mrad in 1e-4 of 0.1 s."""
 
+SEEN = 100_000
+"""Times that are looked at: the first ones tell it."""
+
 UNEVEN = 0.1
 """Part of the steps that differ: those that a float32 holds exactly are all alike."""
 
@@ -16,6 +19,7 @@ def float32_step(t: Float[np.ndarray, " samples"]) -> float:
     Args:
         t: times, s, in any order.
     """
+    t = t[:SEEN]
     if not np.array_equal(t, t.astype(np.float32)):
         return 0.0
     step, steps = float(np.spacing(np.float32(np.abs(t).max()))), np.diff(t)
