@@ -8,7 +8,7 @@ from jaxtyping import Float
 from orbident.errors import InputError
 from orbident.excitation.criterion import Basis
 from orbident.excitation.floating import usual_initial
-from orbident.files.bounds import SHORTEST, SMALLEST
+from orbident.files.bounds import LARGEST, SHORTEST, SMALLEST
 from orbident.robot.couplings import coupled_joints
 from orbident.robot.description import Robot
 from orbident.trajectories.trajectory import InitialState, Trajectory
@@ -83,9 +83,10 @@ def limits_of(
         "wheel speed": wheel_speed,
     }
     for name, value in further.items():
-        if not value >= SMALLEST:
+        if not (SMALLEST <= value <= LARGEST or value == INFINITE):
             raise InputError(
                 f"{name} limit: found {value:g}; give a number above zero, in SI units"
+                f", and at most {LARGEST:g}"
             )
     free = (-INFINITE, INFINITE)
     limits = Limits(

@@ -49,9 +49,9 @@ def test_a_robot_without_joints_is_refused(robot):
         limits_of(replace(robot, joints=()))
 
 
-@pytest.mark.parametrize("found", [0.0, 1e-300, float("nan")])
-def test_a_limit_of_zero_is_refused(robot, found):
-    # The square of 1e-300 is zero.
+@pytest.mark.parametrize("found", [0.0, 1e-300, 1e160, float("nan")])
+def test_a_limit_that_cannot_be_is_refused(robot, found):
+    # The square of 1e-300 is zero, and that of 1e160 is no number.
     with pytest.raises(InputError, match="base rate limit: found"):
         limits_of(robot, base_rate=found)
 
