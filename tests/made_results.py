@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from orbident.estimation.check import Check
+from orbident.estimation.checks import Check
 from orbident.estimation.quantities import NO_ROUTES, EstimatedSet, Quantity
 from orbident.estimation.result import Result
 from orbident.model.formulas import formulas_of

@@ -10,7 +10,7 @@ import numpy as np
 from Basilisk.architecture import messaging, sysModel
 from scipy.spatial.transform import Rotation
 
-from orbident.live.live_filter import Event, LiveFilter
+from orbident.live.live_filter import LiveEvent, LiveFilter
 from orbident.live.state_file import nothing_carried
 from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.description import Robot
@@ -42,7 +42,7 @@ class MassProperties(sysModel.SysModel):
         self.scStateInMsg = messaging.SCStatesMsgReader()
         self.rwSpeedInMsg = messaging.RWSpeedMsgReader()
         self.jointInMsgs = [messaging.HingedRigidBodyMsgReader() for _ in robot.joints]
-        self.events: list[Event] = []
+        self.events: list[LiveEvent] = []
         """All estimates and changes so far."""
         self.identified = robot
         """The robot that moves as the latest estimate says that is sure enough."""
@@ -82,5 +82,5 @@ class MassProperties(sysModel.SysModel):
         return replace(self._robot, theta=theta.reshape(self._robot.theta.shape))
 
 
-def _sure(estimate: Event) -> bool:
+def _sure(estimate: LiveEvent) -> bool:
     return estimate.of["std"][0] < SURE * estimate.of["beta"][0]

@@ -31,7 +31,7 @@ def extra(name: str, purpose: str) -> Iterator[None]:
         ) from error
 
 
-def require(library: str) -> None:
+def require_library(library: str) -> None:
     """Stands in a block of `extra` for the import, where only a child imports it.
 
     Args:

@@ -23,7 +23,7 @@ from orbident.model.inertia import inertia
 from orbident.robot.description import Robot
 from orbident.simulation.control_laws import Driven, Hold
 from orbident.simulation.environment import outside
-from orbident.simulation.environment.outside import recorded_thrust
+from orbident.simulation.environment.outside import thrust_columns
 from orbident.simulation.environment.steady import Slow
 from orbident.simulation.flight import FreeFlying, standing
 from orbident.simulation.free_flying import free_flying
@@ -156,7 +156,7 @@ def test_thrust_is_the_recorded_force_times_the_gain():
     pulses = [{"on": 0.52, "off": 0.98, "force": 0.5}, {"on": 1, "off": 2, "force": 1}]
     given = {"thrusters": {"t1": {"gain": 1.1, "pulses": pulses}}}
     flight = fly(SPACE, given)
-    column = recorded_thrust(Environment.model_validate(given), T)["thruster.t1.force"]
+    column = thrust_columns(Environment.model_validate(given), T)["thruster.t1.force"]
     recorded = np.sum(column[:-1] * np.diff(T))
     assert recorded == pytest.approx(0.46 * 0.5 + 1.0, rel=1e-12)
     direction = SPACE.thrusters[0].direction

@@ -11,7 +11,7 @@ import pyarrow.parquet as parquet
 
 from orbident.campaigns.folder import ROWS, Campaign
 from orbident.errors import InputError
-from orbident.estimation.check import LEVELS
+from orbident.estimation.checks import LEVELS
 from orbident.files.replacing import replacing
 from orbident.model.formulas import formulas_of
 from orbident.model.minimal_sets import minimal_sets

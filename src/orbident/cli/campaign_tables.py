@@ -7,7 +7,7 @@ from rich.table import Table
 
 from orbident.campaigns.campaign_table import read_rows
 from orbident.campaigns.folder import Campaign
-from orbident.estimation.check import LEVELS
+from orbident.estimation.checks import LEVELS
 
 
 def levels(campaign: Campaign, folder: Path) -> Table:

@@ -15,7 +15,7 @@ from orbident.cli.options import (
     Quiet,
     RobotName,
     Start,
-    cut,
+    cut_to_times,
 )
 from orbident.robot.disturbance_groups import DisturbanceGroup
 
@@ -114,7 +114,7 @@ def identify(
         asked = (*(described.disturbances or ()), *map(str, disturbance))
         described = replace(described, disturbances=asked)
     with progress("reading"):
-        tables = [cut(open_recording(each), start, end) for each in recordings]
+        tables = [cut_to_times(open_recording(each), start, end) for each in recordings]
         pushed = None if burn is None else read_recording(burn)
     with progress("identifying") as done:
         result = identified(

@@ -110,7 +110,7 @@ MomentumKnown = Annotated[
 ]
 
 
-def cut(table: Any, start: float | None, end: float | None) -> Any:
+def cut_to_times(table: Any, start: float | None, end: float | None) -> Any:
     """Only the rows of a recording from --from to --to, if either is given.
 
     Raises:

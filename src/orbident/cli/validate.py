@@ -12,7 +12,7 @@ from orbident.cli.options import (
     RecordingFile,
     RunFolder,
     Start,
-    cut,
+    cut_to_times,
 )
 
 
@@ -39,7 +39,7 @@ def validate(
 
     output = Output(json, quiet)
     result = load_result(run)
-    table = cut(read_recording(recording), start, end)
+    table = cut_to_times(read_recording(recording), start, end)
     with progress("predicting"):
         scores = validated(result, table)
     output.say(f"{scores.samples} samples predicted by {run}")
@@ -57,7 +57,7 @@ def validate(
             "the parameters: validate with another recording"
         )
     output.write_json(scores.to_json())
-    if kept(run, recording, {"used": used, **scores.to_json()}):
+    if keep_scores(run, recording, {"used": used, **scores.to_json()}):
         output.say(f"'orbident report {run} --force' shows it in the report")
     if refused:
         raise typer.Exit(1)
@@ -82,7 +82,7 @@ def was_used(
     )
 
 
-def kept(run: Path, recording: Path, scores: dict[str, Any]) -> bool:
+def keep_scores(run: Path, recording: Path, scores: dict[str, Any]) -> bool:
     """Keep the scores in the RUN for its report, where that may be written."""
     import json
 

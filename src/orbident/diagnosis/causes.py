@@ -20,7 +20,7 @@ from orbident.diagnosis.stale import stale
 from orbident.diagnosis.suspects import score
 from orbident.diagnosis.suspects import tried as put_right
 from orbident.diagnosis.trial import Trial, amended_trial
-from orbident.estimation.check import Check
+from orbident.estimation.checks import Check
 from orbident.estimation.estimate import Estimate, Solved
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.residual_checks import NOISY

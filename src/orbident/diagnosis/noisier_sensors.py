@@ -12,7 +12,12 @@ from orbident import _core
 from orbident.diagnosis.shifts import shown_by, without
 from orbident.diagnosis.trial import Trial, amended_trial
 from orbident.estimation.momentum_problem import MomentumProblem
-from orbident.estimation.output_error.sensors import INERTIAL, NORMAL, POINTS, scatter
+from orbident.estimation.output_error.sensors import (
+    INERTIAL,
+    NORMAL,
+    POINTS,
+    fourth_difference_std,
+)
 from orbident.threads import processors
 
 NOISIER = 1.5
@@ -34,7 +39,7 @@ def noisier_sensors(problem: MomentumProblem) -> Iterator[Trial]:
             continue
         x = tables[name][np.isfinite(tables[name]).all(axis=1)]
         # Of an attitude twice the quaternion's, which are angles.
-        shown = scatter(2 * x if name == "attitude" else x)
+        shown = fourth_difference_std(2 * x if name == "attitude" else x)
         declared = section[key]
         if name in INERTIAL:
             declared = declared / np.sqrt(np.median(np.diff(problem.recording.t)))

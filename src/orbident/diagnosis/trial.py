@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from orbident.errors import InputError
-from orbident.estimation.check import only_vague, worst
+from orbident.estimation.checks import only_vague, worst
 from orbident.estimation.criteria import judge
 from orbident.estimation.estimate import Estimate, Solved
 from orbident.estimation.momentum_problem import MomentumProblem

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool
 
-from orbident.estimation.check import Check, Level
+from orbident.estimation.checks import Check, Level
 from orbident.estimation.estimate import Estimate, Solved
 from orbident.estimation.kinetic_energy import positive_energy
 from orbident.estimation.mass_routes import agreement_of_routes, beside_nominal

@@ -7,7 +7,7 @@ from typing import NamedTuple, Protocol, runtime_checkable
 import numpy as np
 from jaxtyping import Float
 
-from orbident.estimation.check import Check
+from orbident.estimation.checks import Check
 from orbident.estimation.found import BetaEstimate, EstimatedParameters, found_beta
 from orbident.estimation.momentum_problem import (
     MomentumProblem,

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 from jaxtyping import Float
 
-from orbident.estimation.check import Check
+from orbident.estimation.checks import Check
 from orbident.estimation.found import Known
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.model.inertia import inertia

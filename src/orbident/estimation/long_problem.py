@@ -21,12 +21,12 @@ from orbident.estimation.linear_fits import (
     fit,
 )
 from orbident.estimation.momentum_problem import MomentumProblem, on_clocks
-from orbident.estimation.recursive.given import packed, trusted
+from orbident.estimation.recursive.given import packed_piece, trusted
 from orbident.estimation.stretches import (
     Part,
     Stretches,
-    cut,
     smoothed_rate,
+    some_rows,
 )
 from orbident.model.minimal_sets import minimal_sets
 from orbident.model.regularity import check_regular
@@ -68,7 +68,7 @@ def digest_problems(
     if NOT_LOCAL & set(samples.origins.values()):
         return None
     span = samples.t.size // SPANS
-    middle = cut(samples, slice(SPANS // 2 * span, (SPANS // 2 + 1) * span))
+    middle = some_rows(samples, slice(SPANS // 2 * span, (SPANS // 2 + 1) * span))
     seen = joint_clocks(robot, sets, middle, initial_momentum)
     punctual = {name: delay._replace(believed=False) for name, delay in seen.items()}
     problem = MomentumProblem(
@@ -166,7 +166,7 @@ class _Pass:
         return (piece for piece in self.stretches.each(self._piece) if piece)
 
     def _seen(self, part: Part) -> "_Seen":
-        own = cut(part.samples, part.own)
+        own = some_rows(part.samples, part.own)
         rejected = Counter(
             {
                 (column, why): count
@@ -180,7 +180,7 @@ class _Pass:
         if self.trusted is None:
             return None
         rate = smoothed_rate(part.samples, self.stretches.settings)[part.own]
-        return packed(cut(part.samples, part.own), rate, self.trusted)
+        return packed_piece(some_rows(part.samples, part.own), rate, self.trusted)
 
 
 class _Seen(NamedTuple):

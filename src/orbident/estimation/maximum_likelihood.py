@@ -47,7 +47,7 @@ from orbident.estimation.output_error.sensitivity import (
     with_unseen,
 )
 from orbident.estimation.output_error.sensors import Sensors, sensors_of
-from orbident.estimation.output_error.shared import shared_of
+from orbident.estimation.output_error.sharing import shared_of
 from orbident.estimation.output_error.solver import STEPS, solved
 from orbident.estimation.predicted import sensor_signals
 from orbident.estimation.shared import Shared

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from orbident.estimation.check import Check
+from orbident.estimation.checks import Check
 from orbident.estimation.clocks import NAMES
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.preprocessing.delays import LONGEST

@@ -11,7 +11,7 @@ from orbident.estimation.linear_fits import (
     known_momentum,
     rows_of,
 )
-from orbident.estimation.output_error.noise_scaling import Fitted, counted, counting
+from orbident.estimation.output_error.noise_scaling import Fitted, of_axes, that_count
 from orbident.estimation.output_error.problem import Problem
 from orbident.estimation.output_error.sensors import Sensors, some_of
 from orbident.estimation.signals import Signal, Signals
@@ -43,13 +43,13 @@ def sensor_signals(
     """
     signals = []
     for name, weights in problem.weights.items():
-        seen, counts = counted(weights)
+        seen, counts = that_count(weights)
         std = sensors.by_name[name].std * found.levels[name]
-        error = counting(some_of(found.residuals[name], seen), counts) * std
+        error = of_axes(some_of(found.residuals[name], seen), counts) * std
         if name == "attitude":
             measured = error
         else:
-            measured = counting(some_of(problem.samples[name], seen), counts)
+            measured = of_axes(some_of(problem.samples[name], seen), counts)
         labels = robot.joint_names if name == "joints" else tuple("xyz")
         kinds = [JOINT_UNITS[joint.kind] for joint in robot.joints]
         units = kinds if name == "joints" else 3 * [UNITS[name]]

@@ -15,7 +15,7 @@ lasts are left out.
 import numpy as np
 from jaxtyping import Float
 
-from orbident.estimation.check import only_vague
+from orbident.estimation.checks import only_vague
 from orbident.estimation.criteria import judge
 from orbident.estimation.estimate import Estimator, Progress, Solved
 from orbident.estimation.linear_fits import rows_of

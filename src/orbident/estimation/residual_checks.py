@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from orbident.estimation.check import Check, Level
+from orbident.estimation.checks import Check, Level
 from orbident.estimation.estimate import Estimate
 from orbident.estimation.levels import limit
 from orbident.estimation.momentum_problem import ROUNDING, MomentumProblem

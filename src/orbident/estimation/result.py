@@ -6,7 +6,7 @@ from functools import partial
 from typing import Any, Literal, TypeVar
 
 from orbident.errors import InputError
-from orbident.estimation.check import Check, Level, worst
+from orbident.estimation.checks import Check, Level, worst
 from orbident.estimation.estimate import Solved
 from orbident.estimation.linear_fits import Fits, InitialMomentum
 from orbident.estimation.parameter_table import short_table

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Bool, Float
 
-from orbident.estimation.check import worst
+from orbident.estimation.checks import worst
 from orbident.estimation.clocks import clocks_in_words
 from orbident.estimation.criteria import Judgement
 from orbident.estimation.estimate import Estimate

@@ -14,12 +14,12 @@ from typing import Any, TypeVar
 import numpy as np
 
 from orbident.errors import InputError
-from orbident.estimation.check import Check
+from orbident.estimation.checks import Check
 from orbident.estimation.estimate import Progress, Solved
 from orbident.estimation.found import exact_std
 from orbident.estimation.levels import limit
 from orbident.estimation.output_error.estimator import OutputError
-from orbident.estimation.output_error.shared import together
+from orbident.estimation.output_error.sharing import together
 from orbident.estimation.quantities import Identified
 from orbident.estimation.result import Result
 from orbident.estimation.shared import Shared

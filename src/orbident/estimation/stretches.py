@@ -66,7 +66,7 @@ class Stretches:
         return int(np.ceil(max(map(abs, behind)) / step))
 
 
-def cut(samples: Samples, rows: slice) -> Samples:
+def some_rows(samples: Samples, rows: slice) -> Samples:
     """Some rows, not copied."""
     columns = {
         name: tuple(column[rows] for column in getattr(samples, name))
@@ -89,7 +89,7 @@ def smoothed_rate(samples: Samples, settings: Settings) -> Float[np.ndarray, "n 
     return smooth_rates(samples.t, w, samples.t, _gyro_of(samples), fits).x
 
 
-def scatter(samples: Samples, settings: Settings) -> float:
+def rate_scatter(samples: Samples, settings: Settings) -> float:
     """How far the gyro's samples scatter about the smoothed rate, rad/s.
 
     Args:

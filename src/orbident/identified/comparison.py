@@ -10,7 +10,6 @@ from orbident.errors import InputError
 from orbident.estimation.criteria import VAGUE
 from orbident.estimation.result import Result
 from orbident.files.names import joined, suggestion
-from orbident.identified import comparison
 from orbident.identified.difference import (
     Difference,
     check_same_robot,
@@ -101,14 +100,14 @@ def compare(before: Result, after: Result, body: str | None = None) -> Compariso
     bodies = after.robot.bodies
     if body is not None and body not in bodies:
         raise InputError(f"no body '{body}'; {suggestion(body, bodies, 'bodies')}")
-    untrusted = comparison.rejected(before, after)
+    untrusted = rejected(before, after)
     if untrusted:
         return Comparison("rejected", untrusted)
     return _compared(before, after, body)
 
 
 def _compared(before: Result, after: Result, body: str | None) -> Comparison:
-    warnings = comparison.optimistic(before, after)
+    warnings = optimistic(before, after)
     difference = difference_of(before, after)
     change = total(difference)
     if change.dof and change.p > CHANCE:
@@ -120,23 +119,21 @@ def _compared(before: Result, after: Result, body: str | None) -> Comparison:
     best = next(e for e in found if body in {None, e.body})
     useless = None
     if np.isnan(best.theta).all():
-        useless = (
-            f"nothing that changed is determined: {comparison.lost(before, after)}"
-        )
+        useless = f"nothing that changed is determined: {lost(before, after)}"
     elif best.left.p < CHANCE:
-        useless = comparison.unexplained(best, found)
+        useless = unexplained(best, found)
     if useless:
         return Comparison("rejected", (*warnings, useless), change, found)
     added = added_body(best.theta, best.covariance)
-    warnings += comparison.others(best, found) if body is None else ()
+    warnings += others(best, found) if body is None else ()
     return Comparison(
         status="changed",
-        warnings=warnings + comparison.doubts(best, holder, added),
+        warnings=warnings + doubts(best, holder, added),
         change=change,
         explanations=found,
         body=best.body,
         added=added,
-        undetermined=comparison.undetermined(best, difference, holder, before, after),
+        undetermined=undetermined(best, difference, holder, before, after),
     )
 
 

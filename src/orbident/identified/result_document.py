@@ -13,7 +13,7 @@ from pydantic import (
 )
 
 from orbident.errors import InputError
-from orbident.estimation.check import Level
+from orbident.estimation.checks import Level
 from orbident.estimation.signals import sensor_of
 from orbident.files.schema_errors import validated
 from orbident.files.schema_parts import WrongValueError

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from orbident.errors import InputError
-from orbident.estimation.check import Check
+from orbident.estimation.checks import Check
 from orbident.estimation.quantities import (
     EstimatedSet,
     Identified,

@@ -7,6 +7,7 @@ from jaxtyping import Float
 
 from orbident.identified.exported_robot import FEATURE_POINT, Mechanism, unused
 from orbident.robot.description import Joint
+from orbident.robot.formats.urdf_text import roll_pitch_yaw
 from orbident.robot.parameters import (
     FIRST_MOMENT,
     INERTIA_ENTRIES,
@@ -73,16 +74,6 @@ def _add_joint(
     _add(limit, "upper", [high])
     if joint.velocity is not None:
         _add(limit, "velocity", [joint.velocity])
-
-
-def roll_pitch_yaw(R: Float[np.ndarray, "3 3"]) -> Float[np.ndarray, "3"]:
-    """The angles of `R = Rz(yaw) Ry(pitch) Rx(roll)`, rad; exact at a pitch of 90°."""
-    yaw = np.arctan2(R[1, 0], R[0, 0])
-    c, s = np.cos(yaw), np.sin(yaw)
-    pitch = np.arctan2(-R[2, 0], c * R[0, 0] + s * R[1, 0])
-    # Rz(yaw)^T R has Rx(roll) in its second row.
-    roll = np.arctan2(s * R[0, 2] - c * R[1, 2], c * R[1, 1] - s * R[0, 1])
-    return np.array([roll, pitch, yaw])
 
 
 def _add(parent: ET.Element, tag: str, numbers: object) -> None:

@@ -16,7 +16,7 @@ from jaxtyping import Float
 from orbident.live.lines import complete
 from orbident.live.rate_smoothing import HALF, ready, smoothed_at, still_needed
 from orbident.live.running import Ran, Running, begun, ran_through, tools_of
-from orbident.live.timing import DIGITS, Row, StreamClock, StreamClocks
+from orbident.live.stream_clocks import DIGITS, Row, StreamClock, StreamClocks
 from orbident.robot.description import Robot
 
 SPIKES = "spikes"
@@ -32,7 +32,7 @@ FARTHEST = 1e9
 """s: nor a longer time between two samples."""
 
 
-class Event(NamedTuple):
+class LiveEvent(NamedTuple):
     """Something to be told."""
 
     kind: str
@@ -100,9 +100,9 @@ class LiveFilter:
         """
         self.carried = carried
         self._robot, self._velocity_std, self._every = robot, velocity_std, every
-        self._told: list[Event] = []
+        self._told: list[LiveEvent] = []
 
-    def take(self, samples: Float[np.ndarray, "n all"]) -> list[Event]:
+    def take(self, samples: Float[np.ndarray, "n all"]) -> list[LiveEvent]:
         """Take some samples in, each with its time before it: all, or none.
 
         Raises:
@@ -154,7 +154,7 @@ class LiveFilter:
         assert clocks.believed is not None
         rows[-1] = clocks.averaged(rows[-1], row, clocks.believed.together)
 
-    def estimate(self) -> Event | None:
+    def estimate(self) -> LiveEvent | None:
         """What is known now; None before the first sample."""
         at, running = self.carried, self.carried.running
         if running is None:
@@ -166,7 +166,7 @@ class LiveFilter:
             "scale": core.scaled(state, self._robot.mass),
             "counts": dict(at.counts),
         }
-        return Event("estimate", at.now, values)
+        return LiveEvent("estimate", at.now, values)
 
     def _pass(self, rows: Sequence[Row], last: bool = False) -> None:
         """Let those that wait pass as far as they are ready.
@@ -204,7 +204,7 @@ class LiveFilter:
             at.running = begun(tools, clock.rows[0])
         now = at.since(clock.first)
         if not 0 <= now - at.before <= FARTHEST:
-            self._told.append(Event("clock", clock.first, {"before": at.now}))
+            self._told.append(LiveEvent("clock", clock.first, {"before": at.now}))
             at.running = at.running.opened(now)
         at.begin = at.before = now
         at.due = now + self._every
@@ -252,10 +252,10 @@ class LiveFilter:
         at.before = t
         if ran.change:
             change = ran.change._replace(t=at.now, onset=at.as_sent(ran.change.onset))
-            self._told.append(Event("change", at.now, change._asdict()))
+            self._told.append(LiveEvent("change", at.now, change._asdict()))
             running = running.opened()
         elif ran.lost:
-            self._told.append(Event("restart", at.now, {}))
+            self._told.append(LiveEvent("restart", at.now, {}))
             running = begun(running.tools, row)
         at.running = running
         if t >= at.due:

@@ -20,7 +20,7 @@ from orbident.estimation.recursive.prior import (
     factor_of,
 )
 from orbident.identified.flight_tables import robot_header
-from orbident.live.timing import RATE, Row
+from orbident.live.stream_clocks import RATE, Row
 from orbident.robot.description import Robot
 
 ONSET = 1.0

@@ -10,9 +10,9 @@ from orbident.errors import InputError
 from orbident.estimation.recursive.given import declared_noise
 from orbident.estimation.recursive.prior import cad_prior
 from orbident.live.lines import Lines
-from orbident.live.live_filter import Event, LiveFilter
+from orbident.live.live_filter import LiveEvent, LiveFilter
 from orbident.live.state_file import nothing_carried, read_state, save_state
-from orbident.live.timing import ALONE, PAUSE, WARM_UP
+from orbident.live.stream_clocks import ALONE, PAUSE, WARM_UP
 from orbident.model.formulas import formulas_of
 from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.description import Robot
@@ -139,7 +139,7 @@ class Session:
         if self._state is not None:
             save_state(self._state, self._filter.carried)
 
-    def _document(self, event: Event) -> dict[str, Any]:
+    def _document(self, event: LiveEvent) -> dict[str, Any]:
         document = {"event": event.kind, "t": event.t, **event.of}
         if event.kind == "estimate":
             value, std = event.of["beta"][0], event.of["std"][0]

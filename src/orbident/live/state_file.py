@@ -20,7 +20,7 @@ from orbident.files.replacing import replacing
 from orbident.live.lines import attitude_columns, complete, needed_columns
 from orbident.live.live_filter import Carried
 from orbident.live.running import Running, Tools, begun, tools_of
-from orbident.live.timing import (
+from orbident.live.stream_clocks import (
     ALONE,
     CLOCKS,
     DIGITS,

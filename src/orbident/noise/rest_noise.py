@@ -9,7 +9,7 @@ from jaxtyping import Float
 from scipy.spatial.transform import Rotation
 
 from orbident.errors import InputError
-from orbident.estimation.check import Check
+from orbident.estimation.checks import Check
 from orbident.estimation.output_error.sensors import COMPONENTS, INERTIAL, POINTS
 from orbident.estimation.whiteness import low_frequencies
 from orbident.noise.noise_model import (

@@ -129,7 +129,7 @@ def check_names(source: str, names: Sequence[str]) -> None:
         )
 
 
-def counted(columns: Mapping[str, Float[np.ndarray, " samples"]]) -> list[str]:
+def columns_in_words(columns: Mapping[str, Float[np.ndarray, " samples"]]) -> list[str]:
     """A line for each sensor: its columns, and how many samples it has.
 
     Args:

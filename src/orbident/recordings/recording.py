@@ -13,7 +13,7 @@ from orbident.files.bounds import FAINTEST, LARGEST, SHORTEST, TOGETHER
 from orbident.files.data_frames import frame
 from orbident.files.names import closest, listed
 from orbident.recordings.columns import (
-    counted,
+    columns_in_words,
     is_known,
     joint_of,
     meaning,
@@ -85,7 +85,7 @@ class Recording:
         """Where it is from, how long it is, and what was measured."""
         t = self.t
         head = f"{self.source}: {t.size} rows, t = {t[0]:.6g} to {t[-1]:.6g} s"
-        return "\n".join([head, *counted(self.columns)])
+        return "\n".join([head, *columns_in_words(self.columns)])
 
     def to_frame(self) -> Any:
         """The columns over `t` as a `pandas.DataFrame`; NaN: no sample of this sensor.

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float
 
-from orbident.estimation.check import worst
+from orbident.estimation.checks import worst
 from orbident.files.text import write_text
 from orbident.noise.noise_model import NoiseModel
 from orbident.noise.rest_noise import AxisNoise

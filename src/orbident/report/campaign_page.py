@@ -20,7 +20,7 @@ from orbident.campaigns.statistics import (
     method_statistics,
 )
 from orbident.errors import InputError
-from orbident.estimation.check import Check, Level, worst
+from orbident.estimation.checks import Check, Level, worst
 from orbident.excitation.bound import cramer_rao
 from orbident.files.text import write_text
 from orbident.model.formulas import formulas_of

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from orbident.estimation.check import Check, Level
+from orbident.estimation.checks import Check, Level
 from orbident.estimation.result import Result
 from orbident.extras import extra
 from orbident.report.numbers import interval_text, short, with_std

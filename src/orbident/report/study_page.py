@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from orbident.estimation.check import Check, worst
+from orbident.estimation.checks import Check, worst
 from orbident.estimation.result import Result
 from orbident.files.text import write_text
 from orbident.identified.run_folder import REPORT

@@ -14,7 +14,7 @@ from orbident.report.limits import excitation, identifiability
 from orbident.report.page import Section, page, verdict_of
 from orbident.report.parameter_section import masses, parameters
 from orbident.report.provenance import provenance, references
-from orbident.report.recursion import Trail, read_trail, recursion
+from orbident.report.recursion_section import Trail, read_trail, recursion
 from orbident.report.replay_figure import replay_sections
 from orbident.report.sensitivity_figure import sensitivities
 from orbident.report.validation_section import read_validation

@@ -213,7 +213,7 @@ def link_shapes(urdf: str, folder: Path | None) -> LinkShapes:
         material.get("name", ""): material.find("color")
         for material in root.findall("material")
     }
-    reader = _Reader(folder, colours, [], [])
+    reader = _ShapeReader(folder, colours, [], [])
     by_link = {}
     for link in root.findall("link"):
         visuals = [reader.shape(each) for each in link.findall("visual")]
@@ -225,7 +225,7 @@ def link_shapes(urdf: str, folder: Path | None) -> LinkShapes:
     return LinkShapes(by_link, missing, "".join(reader.refusals[:1]))
 
 
-class _Reader(NamedTuple):
+class _ShapeReader(NamedTuple):
     folder: Path | None
     colours: dict[str, ET.Element | None]
     missing: list[str]

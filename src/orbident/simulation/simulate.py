@@ -13,7 +13,7 @@ from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.simulation.control_laws import Driven
 from orbident.simulation.environment.orbital import seen_from_base
-from orbident.simulation.environment.outside import arc_of, recorded_thrust
+from orbident.simulation.environment.outside import arc_of, thrust_columns
 from orbident.simulation.flight import FreeFlying, standing
 from orbident.simulation.free_floating import BaseState, FreeFloating, free_floating
 from orbident.simulation.free_flying import free_flying
@@ -122,7 +122,7 @@ def _moved_along(
     R_WB = Rotation.from_quat(flight.attitude).as_matrix()
     arc = arc_of(robot, environment, flight.t)
     return flight, {
-        **recorded_thrust(environment, flight.t),
+        **thrust_columns(environment, flight.t),
         **seen_from_base(environment, arc, flight.t, R_WB),
     }
 

@@ -7,7 +7,7 @@ import pytest
 from random_motions import random_motion
 
 import orbident as oi
-from orbident.estimation.check import Check
+from orbident.estimation.checks import Check
 from orbident.estimation.found import Known
 from orbident.estimation.kinetic_energy import positive_energy
 from orbident.estimation.momentum_problem import MomentumProblem, momentum_problems

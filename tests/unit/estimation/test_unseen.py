@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 from random_motions import random_motion
 
-from orbident.estimation.check import Check
+from orbident.estimation.checks import Check
 from orbident.estimation.identify import identify
 from orbident.estimation.result import Result
 from orbident.robot.robot_file import load_robot

@@ -9,7 +9,7 @@ from live_streams import VELOCITY_STD, csv_lines, robot, samples
 
 from orbident.errors import InputError
 from orbident.live.lines import Lines
-from orbident.live.live_filter import Event, LiveFilter
+from orbident.live.live_filter import LiveEvent, LiveFilter
 from orbident.live.rate_smoothing import HALF
 from orbident.live.state_file import nothing_carried, read_state, save_state
 from orbident.model.minimal_sets import minimal_sets
@@ -25,13 +25,13 @@ def fresh() -> LiveFilter:
     return LiveFilter(robot(), VELOCITY_STD, EVERY, nothing_carried(robot()))
 
 
-def last(filter_: LiveFilter) -> Event:
+def last(filter_: LiveFilter) -> LiveEvent:
     estimate = filter_.estimate()
     assert estimate is not None
     return estimate
 
 
-def values(told: list[Event]) -> list[tuple]:
+def values(told: list[LiveEvent]) -> list[tuple]:
     """All but the counts: these are of samples that have come, not of those taken."""
     return [
         (e.kind, e.t, {name: x for name, x in e.of.items() if name != "counts"})
@@ -39,7 +39,7 @@ def values(told: list[Event]) -> list[tuple]:
     ]
 
 
-def deviations_off(estimate: Event) -> np.ndarray:
+def deviations_off(estimate: LiveEvent) -> np.ndarray:
     """Errors of all parameters, over their deviations."""
     true = minimal_sets(robot()).beta(robot().theta)
     return (np.array(estimate.of["beta"]) - true) / np.array(estimate.of["std"])

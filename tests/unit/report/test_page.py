@@ -12,7 +12,7 @@ import plotly.graph_objects as go
 import pytest
 import report_runs
 
-from orbident.estimation.check import Check
+from orbident.estimation.checks import Check
 from orbident.estimation.result import Result
 from orbident.report.charts import label, numbers
 from orbident.report.page import embedded

@@ -112,7 +112,7 @@ class Density(NamedTuple):
     std: float
 
 
-def most_likely(
+def most_likely_densities(
     R: Sequence[Float[np.ndarray, "n _"]],
     z: Float[np.ndarray, " n"],
     noise: Float[np.ndarray, "n n"],
@@ -172,7 +172,7 @@ def densities(
     for name in acting:
         if name not in unknown:
             noise += before[name] ** 2 * parts[name] @ parts[name].T
-    found = most_likely(
+    found = most_likely_densities(
         [parts[name] for name in unknown],
         z + R @ state.common[-n:],
         noise,

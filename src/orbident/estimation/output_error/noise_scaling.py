@@ -68,11 +68,11 @@ def whitened(
     unknowns: float,
 ) -> Whitened:
     """The whitened residuals of a sensor."""
-    rows, axes = counted(weights)
-    return Whitened(counting(some_of(residuals, rows), axes), unknowns)
+    rows, axes = that_count(weights)
+    return Whitened(of_axes(some_of(residuals, rows), axes), unknowns)
 
 
-def counted(
+def that_count(
     weights: Float[np.ndarray, "rows axes"],
 ) -> tuple[Bool[np.ndarray, " rows"], Bool[np.ndarray, " axes"]]:
     """The rows and the axes in which a sensor has samples that count."""
@@ -80,7 +80,7 @@ def counted(
     return np.asarray(seen.any(axis=1)), np.asarray(seen.any(axis=0))
 
 
-def counting(
+def of_axes(
     table: Float[np.ndarray, "rows axes"], axes: Bool[np.ndarray, " axes"]
 ) -> Float[np.ndarray, "rows some"]:
     """The axes that count; not copied where all do."""

@@ -156,7 +156,7 @@ def _sensed(
     std, drift = _declared(name, section, at)
     declared = bool(std > 0)
     if not declared:
-        std = scatter(samples)
+        std = fourth_difference_std(samples)
     size = 1.0 if name == "attitude" else float(np.sqrt(np.mean(samples**2)))
     least = max(LEAST * size, between(at, samples), 1e-15)
     coloured = coloured_noise(section) if name in POINTS else WHITE
@@ -203,7 +203,7 @@ def some_of(
     return x[rows]
 
 
-def scatter(samples: Float[np.ndarray, "samples axes"]) -> float:
+def fourth_difference_std(samples: Float[np.ndarray, "samples axes"]) -> float:
     """Std of white noise, from fourth differences: these have 70 times its variance.
 
     That of the noisiest axis: in the plane some show nothing.

@@ -12,7 +12,7 @@ from orbident.estimation.output_error.sensors import (
     Sensors,
     between,
     first_lasting,
-    scatter,
+    fourth_difference_std,
     some_of,
 )
 from orbident.estimation.tachometers import momentum_noise
@@ -226,7 +226,7 @@ def _turn_walk(robot: Robot, samples: Samples) -> float:
     h_rw = _wheels_momentum(robot, samples)
     known = np.isfinite(h_rw).all(axis=1)
     h_std = float(np.linalg.norm(momentum_noise(robot), 2))
-    h_std = h_std or scatter(h_rw[known])
+    h_std = h_std or fourth_difference_std(h_rw[known])
     rate = h_std / float(_principal_inertias(robot)[0])
     return max(rate * np.sqrt(dt), least)
 

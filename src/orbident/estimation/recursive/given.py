@@ -10,7 +10,7 @@ from orbident.errors import InputError
 from orbident.estimation.kept_pieces import Piece
 from orbident.estimation.linear_fits import fit
 from orbident.estimation.momentum_problem import MomentumProblem
-from orbident.estimation.stretches import scatter, smoothed_rate
+from orbident.estimation.stretches import rate_scatter, smoothed_rate
 from orbident.estimation.tachometers import rate_noise
 from orbident.model.minimal_sets import minimal_sets
 from orbident.model.wheel_arrays import wheels_of
@@ -223,8 +223,8 @@ def given_of(robot: Robot, samples: Samples) -> Given:
         InputError: there is none, or the noise of the base rate is not known.
     """
     settings = Settings()
-    t, every = packed(samples, smoothed_rate(samples, settings), trusted(samples))
-    noise = noise_of(robot, samples, scatter(samples, settings))
+    t, every = packed_piece(samples, smoothed_rate(samples, settings), trusted(samples))
+    noise = noise_of(robot, samples, rate_scatter(samples, settings))
     if not t.size:
         raise none_complete(samples.source)
     return Given(t, every, noise)
@@ -248,11 +248,11 @@ def pieces_of(problem: MomentumProblem) -> Pieces:
     if kept is None:
         given = given_of(robot, samples)
         return Pieces(given.noise, lambda: iter([Piece(given.t, given.samples)]))
-    noise = noise_of(robot, samples, scatter(samples, Settings()))
+    noise = noise_of(robot, samples, rate_scatter(samples, Settings()))
     return Pieces(noise, lambda: ahead(kept()))
 
 
-def packed(
+def packed_piece(
     samples: Samples,
     rate: Float[np.ndarray, "samples 3"],
     times: tuple[float, float],

@@ -8,7 +8,7 @@ from typing import Any
 from xml.parsers.expat import ExpatError
 
 from orbident.errors import InputError
-from orbident.extras import extra, require
+from orbident.extras import extra, require_library
 from orbident.files.confined import ConfinedError, confined
 from orbident.files.names import one_line
 
@@ -41,7 +41,7 @@ def expanded_xacro(path: Path) -> str:
         MissingLibraryError: the extra `xacro` is not installed.
     """
     with extra("xacro", f"{path}: a xacro file"):
-        require("xacro")
+        require_library("xacro")
     try:
         return confined(expand_here, str(path), seconds=_SECONDS, megabytes=_MEGABYTES)
     except ConfinedError as error:

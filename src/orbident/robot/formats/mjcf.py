@@ -12,7 +12,7 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.errors import InputError
-from orbident.extras import extra, require
+from orbident.extras import extra, require_library
 from orbident.files.confined import ConfinedError, confined
 from orbident.files.names import listed, one_line
 from orbident.robot.formats.urdf_text import urdf_text
@@ -47,7 +47,7 @@ def mjcf_as_urdf(text: str, path: Path) -> str:
         MissingLibraryError: the extra `mujoco` is not installed.
     """
     with extra("mujoco", f"{path}: an MJCF file"):
-        require("mujoco")
+        require_library("mujoco")
     if _NAN.search(text):
         raise InputError(f"{path}: found 'NaN' among numbers; give finite numbers")
     try:
@@ -98,7 +98,7 @@ def compiled_mjcf(place: str) -> str:
         if "opening file" in said:
             cure = "put it there, or give the bodies that it weighs an <inertial>"
         raise InputError(f"{place}: MuJoCo cannot read it: {said}; {cure}") from None
-    reader = _Reader(model, api.mju_quat2Mat, place)
+    reader = _MjcfReader(model, api.mju_quat2Mat, place)
     tree = reader.tree(spec.modelname)
     return urdf_text(replace(tree, joints=reader.coupled(tree.joints, ties)))
 
@@ -137,7 +137,7 @@ class _Tie:
         self.polycoef = [float(x) for x in equality.data[:5]]
 
 
-class _Reader:
+class _MjcfReader:
     """A compiled model's bodies, by the numbers that MuJoCo gives them."""
 
     def __init__(self, model: Any, quat2mat: Any, place: str) -> None:

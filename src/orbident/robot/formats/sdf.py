@@ -58,7 +58,7 @@ def read_sdf(text: str, place: str) -> Urdf:
             raise InputError(
                 f"{place}: model '{name}' has another one in it (<{tag}>); " + FLAT
             )
-    return _Reader(model, place, version < IN_JOINT_AXES).tree(name)
+    return _SdfReader(model, place, version < IN_JOINT_AXES).tree(name)
 
 
 def _version(root: ET.Element, place: str) -> int:
@@ -93,7 +93,7 @@ def _model(root: ET.Element, place: str) -> ET.Element:
     )
 
 
-class _Reader:
+class _SdfReader:
     def __init__(self, model: ET.Element, place: str, in_model_axes: bool) -> None:
         self.place, self.in_model_axes = place, in_model_axes
         self.links = dict(self._named(model, "link"))

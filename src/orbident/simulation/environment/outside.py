@@ -207,7 +207,7 @@ def true_pulses(environment: Environment) -> tuple[Pulse, ...]:
     )
 
 
-def recorded_thrust(
+def thrust_columns(
     environment: Environment, t: Float[np.ndarray, " rows"]
 ) -> dict[str, Float[np.ndarray, " rows"]]:
     """The columns that a recording has of them, N.

@@ -10,7 +10,7 @@ from small_problems import small_problem, small_recording, small_robot
 
 from orbident.estimation.identify import Method, identify
 from orbident.estimation.linear_fits import InitialMomentum
-from orbident.estimation.output_error.disturbance_sizes import most_likely
+from orbident.estimation.output_error.disturbance_sizes import most_likely_densities
 from orbident.estimation.output_error.followed import at_nodes, by_step, integral
 from orbident.estimation.output_error.walks import WAVES
 from orbident.estimation.result import Result
@@ -141,7 +141,7 @@ def test_the_most_likely_density():
     q, off = 0.3, []
     for _ in range(100):
         z = q * R @ random.standard_normal(40) + random.standard_normal(40)
-        (found,) = most_likely([R], z, np.eye(40), [1.0])
+        (found,) = most_likely_densities([R], z, np.eye(40), [1.0])
         off.append(np.log(found.value / q) * found.value / found.std)
     # Of 100 draws: the mean is within 0.1, the deviation within 0.07, times 3.
     assert abs(np.mean(off)) < 0.3

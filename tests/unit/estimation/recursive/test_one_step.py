@@ -24,7 +24,7 @@ from reference.filter_step import axes_of, laws, transition, white_equations
 from orbident.estimation.recursive.filter import Extended, Info, Sample, State, packed
 from orbident.estimation.recursive.given import Noise, noise_of
 from orbident.estimation.recursive.prior import GaussianPrior, cad_prior
-from orbident.estimation.stretches import scatter, smoothed_rate
+from orbident.estimation.stretches import rate_scatter, smoothed_rate
 from orbident.model.derivatives import derivatives_of_beta, sets_of_beta
 from orbident.model.minimal_sets import minimal_sets
 from orbident.preprocessing.samples import samples_of
@@ -82,7 +82,7 @@ def one_step(name: str, before: int) -> Case:
     samples = samples_of(robot, simulate(robot, motion, rate=10.0, noise=noise))
     settings = Settings()
     rate = smoothed_rate(samples, settings)
-    stds = noise_of(robot, samples, scatter(samples, settings))
+    stds = noise_of(robot, samples, rate_scatter(samples, settings))
     if name == "tree":
         stds = Noise(1e-4, 1e-4, joint_rates=1e-4, attitude=1e-4, gyro_walk=1e-5)
     kalman = Extended.of(robot, stds)

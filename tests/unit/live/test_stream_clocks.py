@@ -6,7 +6,7 @@ from collections.abc import Iterable
 import numpy as np
 import pytest
 
-from orbident.live.timing import CLOCKS, LATE, WARM_UP, StreamClocks
+from orbident.live.stream_clocks import CLOCKS, LATE, WARM_UP, StreamClocks
 
 DT = 0.05
 NOWHERE = slice(0, 0)
