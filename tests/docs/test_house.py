@@ -11,10 +11,10 @@ PACKAGE = ROOT / "src/orbident"
 
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
-    "files": 391,
-    "lines": 55_600,
+    "files": 392,
+    "lines": 55_574,
     "files of estimation": 67,
-    "lines of estimation": 10_479,
+    "lines of estimation": 10_488,
     "files with one user": 107,
     "imports below each other": 36,
     "numbers without a reason": 76,

@@ -11,9 +11,7 @@ from jaxtyping import Float
 from scipy import stats
 
 from orbident.campaigns.campaign_table import column
-
-NINETY_FIVE = 1.96
-"""Standard deviations: the 95 % interval."""
+from orbident.gaussian import NINETY_FIVE
 
 DRAW = "draw."
 

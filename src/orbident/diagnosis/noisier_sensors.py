@@ -14,10 +14,10 @@ from orbident.diagnosis.trial import Trial, amended_trial
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.output_error.sensors import (
     INERTIAL,
-    NORMAL,
     POINTS,
     fourth_difference_std,
 )
+from orbident.gaussian import OF_MEDIAN
 from orbident.threads import processors
 
 NOISIER = 1.5
@@ -120,7 +120,7 @@ def outlying(
         expected = _core.expected_samples(t[kept], x[kept], 1, processors())
         r = np.abs(x[inner] - expected[2:-2])
         worst = (r == maximum_filter1d(r, NEIGHBOURS)) & (
-            r > OFF * NORMAL * median_filter(r, AROUND)
+            r > OFF * OF_MEDIAN * median_filter(r, AROUND)
         )
         if not worst.any():
             break

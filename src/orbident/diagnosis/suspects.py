@@ -19,6 +19,7 @@ from orbident.estimation.output_error.problem import linear, problem_of
 from orbident.estimation.output_error.sensors import sensors_of
 from orbident.estimation.solution import Solution
 from orbident.estimation.solve import WORTH
+from orbident.estimation.unknowns import explained
 from orbident.preprocessing.delays import delays
 
 ROUNDS = 4
@@ -77,10 +78,9 @@ def score(problem: MomentumProblem, solution: Solution, suspect: Suspect) -> Sco
         sized = np.linalg.norm(D, axis=0)
     if not np.isfinite(sized).all() or not sized.all():
         return NOTHING
-    numbers = -np.linalg.lstsq(D, r)[0]
+    numbers, falls = explained(D, -r)
     std = np.sqrt(np.diag(np.linalg.pinv(D.T @ D)))
-    after = r + D @ numbers
-    return Score(numbers, std, float(r @ r - after @ after))
+    return Score(numbers, std, falls)
 
 
 def tried(

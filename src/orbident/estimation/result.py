@@ -17,6 +17,7 @@ from orbident.estimation.sensitivity_table import SensitivityTable
 from orbident.estimation.signals import Signals
 from orbident.estimation.solution import Convergence
 from orbident.estimation.unknowns import CalibrationFit, DisturbanceFit
+from orbident.gaussian import NINETY_FIVE
 from orbident.model.reconstruction import Dynamics, reconstructed
 from orbident.preprocessing.delays import Delay
 from orbident.robot.description import Robot
@@ -24,9 +25,6 @@ from orbident.robot.description import Robot
 T = TypeVar("T")
 
 SCHEMA = "orbident/result/2"
-
-NINETY_FIVE = 1.96
-"""Standard deviations: the 95 % interval."""
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)

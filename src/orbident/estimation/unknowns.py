@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from typing import Literal, NamedTuple
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float
 
 UNSEEN = "unseen"
 """In place of a unit: as large as may act from outside and not be seen."""
@@ -51,7 +51,7 @@ class Sensitivity(NamedTuple):
 
     def falls(self, which: Sequence[int]) -> float:
         """How much chi-square would fall if all of these were unknowns."""
-        return fall(self.left, np.array(which))
+        return explained(self.left[:, list(which)], self.left[:, -1]).fall
 
     def in_deviations(
         self, derivative: Float[np.ndarray, "parameters beta"]
@@ -61,13 +61,25 @@ class Sensitivity(NamedTuple):
         return derivative @ self.shift / np.sqrt(np.diag(C))[:, None]
 
 
-def fall(
-    left: Float[np.ndarray, "rows columns"], which: Int[np.ndarray, " some"]
-) -> float:
-    """How far chi-square would fall if these columns of `[R_c, z]` were unknowns."""
-    R, z = left[:, list(which)], left[:, -1]
-    after = z - R @ np.linalg.lstsq(R, z)[0]
-    return float(z @ z - after @ after)
+class Explained(NamedTuple):
+    """What some numbers would be if they were unknowns, to first order."""
+
+    numbers: Float[np.ndarray, " numbers"]
+    fall: float
+    """How far chi-square would fall."""
+
+
+def explained(
+    R: Float[np.ndarray, "rows numbers"], z: Float[np.ndarray, " rows"]
+) -> Explained:
+    """The numbers `x` of `R x = z + e` that leave least, `e` white of unit variance.
+
+    This is the one score of whatever may be freed: errors of instruments, what acts
+    from outside, and what may be wrong with a recording.
+    """
+    x = np.linalg.lstsq(R, z)[0]
+    after = z - R @ x
+    return Explained(x, float(z @ z - after @ after))
 
 
 class DisturbanceFit(NamedTuple):

@@ -8,6 +8,7 @@ from scipy.special import chdtrc
 
 from orbident.estimation.criteria import VAGUE
 from orbident.estimation.quantities import Parameters, Quantity, nulled
+from orbident.gaussian import NINETY_FIVE
 from orbident.identified.difference import Difference, determined_combinations
 from orbident.robot.description import Robot, Structure
 from orbident.robot.parameters import (
@@ -102,8 +103,6 @@ def _fit(difference: Difference, robot: Robot, i: int) -> Explanation:
     )
 
 
-NORMAL_95 = 1.96
-"""So many standard deviations to either side hold 95 % of a normal distribution."""
 STEP = 1e-30
 """Imaginary: so small that the derivative of a rational function is exact."""
 I_COM = (
@@ -168,7 +167,7 @@ class AddedBody(NamedTuple):
 
 def interval_95(value: float, std: float) -> Float[np.ndarray, "2"]:
     """The 95 % interval."""
-    return value + NORMAL_95 * std * np.array([-1.0, 1.0])
+    return value + NINETY_FIVE * std * np.array([-1.0, 1.0])
 
 
 def added_body(

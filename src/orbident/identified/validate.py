@@ -18,6 +18,7 @@ from orbident.estimation.found import exact_std
 from orbident.estimation.identify import identify
 from orbident.estimation.quantities import nulled
 from orbident.estimation.result import Result
+from orbident.gaussian import NINETY_FIVE
 from orbident.identified.prediction import predict, prediction_deviations
 from orbident.model.minimal_sets import conserved_axes, minimal_sets
 from orbident.recordings.recording import Recording
@@ -33,9 +34,6 @@ larger squared error is no noise."""
 
 ROUNDING = 1e-12
 """Directions of the combined covariance with less of the largest are rounding."""
-
-WITHIN = 1.96
-"""Deviations: 95 % of what is normally distributed."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -229,7 +227,7 @@ def _inside(
 ) -> float:
     if not (len(errors) and np.isfinite(std).all()):
         return np.nan
-    return float(np.mean(np.abs(errors) <= WITHIN * std))
+    return float(np.mean(np.abs(errors) <= NINETY_FIVE * std))
 
 
 def _rms(errors: Float[np.ndarray, "n axes"]) -> float:

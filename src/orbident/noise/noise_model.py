@@ -24,6 +24,7 @@ from scipy.optimize import minimize
 
 from orbident import _core
 from orbident.estimation.output_error.sensors import fourth_difference_std
+from orbident.gaussian import NINETY_FIVE
 
 FEWEST = 200
 """Samples: with less the parts cannot be told apart."""
@@ -64,7 +65,7 @@ class Level(NamedTuple):
     @property
     def interval(self) -> tuple[float, float]:
         """95 %."""
-        reach = float(np.exp(min(1.96 * self.log_std, MOST)))
+        reach = float(np.exp(min(NINETY_FIVE * self.log_std, MOST)))
         return self.value / reach, self.value * reach
 
 

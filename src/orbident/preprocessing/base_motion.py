@@ -8,6 +8,7 @@ from jaxtyping import Float
 from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
+from orbident.gaussian import OF_MEDIAN
 from orbident.preprocessing.attitude_fusion import (
     GyroNoise,
     fuse_attitude,
@@ -78,9 +79,6 @@ AXES = ("gyro.x", "gyro.y", "gyro.z")
 QUATERNION = ("attitude.x", "attitude.y", "attitude.z", "attitude.w")
 
 UNTURNED = np.array([0.0, 0.0, 0.0, 1.0])
-
-SIGMA = 1.4826
-"""Std over median absolute value, of Gaussian noise."""
 
 LEAST_N = 1e-9
 """rad/sqrt(s)."""
@@ -196,7 +194,7 @@ def _gyro_noise(
         seen = np.isfinite(w).all(axis=1)
         # Of white noise these have 6 times its variance.
         bend = np.median(np.abs(np.diff(w[seen], n=2, axis=0)))
-        N = SIGMA * bend / np.sqrt(6) * np.sqrt(np.median(np.diff(t[seen])))
+        N = OF_MEDIAN * bend / np.sqrt(6) * np.sqrt(np.median(np.diff(t[seen])))
     return GyroNoise(max(float(N), LEAST_N), bias_walk(section))
 
 
@@ -207,5 +205,7 @@ def _scatter(
     both = np.isfinite(np.hstack([by_gyro, fixes])).all(axis=1)
     error = Rotation.from_quat(fixes[both]) * Rotation.from_quat(by_gyro[both]).inv()
     between = (error[1:] * error[:-1].inv()).as_rotvec()
-    scatter = SIGMA * np.median(np.abs(between)) / np.sqrt(2) if both.sum() > 1 else 0.0
+    if both.sum() < 2:
+        return LEAST_STD
+    scatter = OF_MEDIAN * np.median(np.abs(between)) / np.sqrt(2)
     return max(float(scatter), LEAST_STD)

@@ -14,6 +14,7 @@ import numpy as np
 from jaxtyping import Float
 from scipy.interpolate import CubicSpline
 
+from orbident.gaussian import white_std
 from orbident.recordings.recording import Recording
 
 OFF = 0.01
@@ -45,9 +46,6 @@ are chosen."""
 
 GAP = 10.0
 """Times the usual step: over a longer one rates are not integrated."""
-
-SIGMA = 1.4826
-"""Std over median absolute value, of Gaussian noise."""
 
 
 def false_rates(
@@ -126,5 +124,5 @@ def _noise(q: Float[np.ndarray, " n"]) -> float:
     """Std of an encoder's samples: fourth differences have 70 times its variance."""
     steps = np.abs(np.diff(q))
     count = steps[steps > 0].min(initial=np.inf)
-    bends = SIGMA * np.median(np.abs(np.diff(q, n=4))) / np.sqrt(70)
+    bends = float(white_std(q))
     return float(np.hypot(bends, count if np.isfinite(count) else 0.0))

@@ -10,6 +10,7 @@ from scipy.ndimage import median_filter
 
 from orbident import _core
 from orbident.errors import InputError
+from orbident.gaussian import OF_MEDIAN
 from orbident.threads import processors
 
 FARTHEST = 12
@@ -41,9 +42,6 @@ filter does there and a spike look the same."""
 
 BLOCK = 16_384
 """Samples that are looked at together, and as many beside them as are needed."""
-
-SIGMA = 1.4826
-"""Std over median absolute value, of Gaussian noise."""
 
 BIT = 1e-14
 """Rounding of the predictions, over the largest sample."""
@@ -112,7 +110,7 @@ def _spiky(t: np.ndarray, x: np.ndarray) -> Bool[np.ndarray, " n"]:
         there = slice(own.start - around.start, own.stop - around.start)
         expected = _core.expected_samples(t[around], x[around], FARTHEST, processors())
         residual = np.abs(x[around] - expected)
-        scatter = SIGMA * median_filter(residual, NEIGHBOURHOOD, mode="reflect")
+        scatter = OF_MEDIAN * median_filter(residual, NEIGHBOURHOOD, mode="reflect")
         edges = slice(own.start, own.stop + 1)
         sharpest = leap(edges)
         beyond = np.maximum(SUSPECT * np.maximum(scatter, least)[there], sharpest[:-1])

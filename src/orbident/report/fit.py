@@ -8,6 +8,7 @@ from jaxtyping import Float
 
 from orbident.estimation.result import Result
 from orbident.estimation.signals import Signal, Signals, sensor_of
+from orbident.gaussian import NINETY_FIVE
 from orbident.report.charts import (
     ERROR,
     LIMIT,
@@ -20,7 +21,7 @@ from orbident.report.charts import (
     line,
     stacked,
 )
-from orbident.report.numbers import NINETY_FIVE, NONE, short
+from orbident.report.numbers import NONE, short
 from orbident.report.page import Chart, ReportTable, Section, TableRow
 
 SENSORS = "Every sensor, as momentum conservation predicts it with these parameters."

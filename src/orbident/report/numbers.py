@@ -2,8 +2,7 @@
 
 import math
 
-NINETY_FIVE = 1.96
-"""Standard deviations: the 95 % interval."""
+from orbident.gaussian import NINETY_FIVE
 
 DIGITS = 6
 """The most significant ones, also where the deviation is smaller."""

@@ -8,9 +8,9 @@ from jaxtyping import Float, Int
 from orbident.estimation.parameter_table import most_different
 from orbident.estimation.quantities import EstimatedSet, MassRoutes
 from orbident.estimation.result import Result
+from orbident.gaussian import NINETY_FIVE
 from orbident.report.charts import interval_list, shortened
 from orbident.report.numbers import (
-    NINETY_FIVE,
     interval_text,
     short,
     signed,

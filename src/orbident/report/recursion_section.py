@@ -10,6 +10,7 @@ import pyarrow.csv as arrow_csv
 from jaxtyping import Float
 
 from orbident.errors import InputError
+from orbident.gaussian import NINETY_FIVE
 from orbident.report.charts import (
     BAND,
     LIMIT,
@@ -22,7 +23,6 @@ from orbident.report.charts import (
     numbers,
     stacked,
 )
-from orbident.report.numbers import NINETY_FIVE
 from orbident.report.page import Chart, Section
 
 UNITS = {"M": "kg", "sigma": "kg m", "iota": "kg m²"}

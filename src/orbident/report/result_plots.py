@@ -10,12 +10,12 @@ from orbident.errors import InputError
 from orbident.estimation.result import Result
 from orbident.estimation.signals import Signals
 from orbident.estimation.solution import SMALL
+from orbident.gaussian import NINETY_FIVE
 from orbident.report.charts import extremes, shortened, with_gaps
 from orbident.report.conditioning import correlations
 from orbident.report.convergence_section import COST, SIZE, is_wide, rounds, spacing
 from orbident.report.drawing import Axes, Drawing
 from orbident.report.fit import autocorrelation, axis_labels, residuals, spectrum
-from orbident.report.numbers import NINETY_FIVE
 from orbident.report.parameter_section import differences, surest_routes
 from orbident.report.sensitivity_figure import largest_shifts
 

@@ -26,7 +26,7 @@ from orbident.estimation.output_error.sensitivity import TakenForZero
 from orbident.estimation.output_error.torques_or_losses import instead
 from orbident.estimation.output_error.walks import WALKS
 from orbident.estimation.solution import Prior, Solution, Unknowns
-from orbident.estimation.unknowns import fall
+from orbident.estimation.unknowns import explained
 
 FREE = 1e3
 """SI: standard deviation beforehand of a disturbance that may exist."""
@@ -253,7 +253,8 @@ def _likely(zeros: TakenForZero, names: Collection[str]) -> list[str]:
     for name in sorted(names):
         mean = {STEADY.get(name, name)} & {*names}
         places = places_of(zeros.problem, {name, *mean})
-        fallen = fall(zeros.equations(places), np.arange(places.size))
+        left = zeros.equations(places)
+        fallen = explained(left[:, :-1], left[:, -1]).fall
         beyond[name] = fallen - limit("disturbance", places.size, len(names))
     likely = sorted(
         (name for name in beyond if beyond[name] > 0), key=lambda name: -beyond[name]

@@ -13,10 +13,8 @@ from orbident.estimation.output_error.sensors import at_level, innovated, some_o
 from orbident.estimation.output_error.shooting import TURN_AND_BIASES
 from orbident.estimation.output_error.solver import solved
 from orbident.estimation.solution import BySensor, Convergence, Solution, Unknowns
+from orbident.gaussian import OF_MEDIAN
 from orbident.recordings.long_recording import LARGE
-
-NORMAL = 1.4826
-"""Std over median absolute value, of Gaussian noise."""
 
 HUBER = 4.0
 """Residuals beyond so many deviations count less (Huber, 1964)."""
@@ -50,7 +48,7 @@ class Whitened(NamedTuple):
         size = np.abs(self.values)
         if not size.size:
             return 1.0
-        inside = self.values[size <= HUBER * NORMAL * np.median(size)]
+        inside = self.values[size <= HUBER * OF_MEDIAN * np.median(size)]
         left = max(inside.size - self.unknowns, 1.0)
         return max(float(np.sqrt(np.sum(inside**2) / left)), LEAST)
 

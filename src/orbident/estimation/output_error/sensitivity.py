@@ -31,7 +31,13 @@ from orbident.estimation.output_error.forms import IN_WORDS
 from orbident.estimation.output_error.problem import Problem, common_factor
 from orbident.estimation.output_error.walks import WALKS
 from orbident.estimation.solution import OUTSIDE, Solution
-from orbident.estimation.unknowns import UNSEEN, Calibration, Freed, Sensitivity, fall
+from orbident.estimation.unknowns import (
+    UNSEEN,
+    Calibration,
+    Freed,
+    Sensitivity,
+    explained,
+)
 
 SMALL_ERROR = {
     "rad": ("mrad", 1e-3),
@@ -190,7 +196,7 @@ def taken_for_zero(zeros: TakenForZero) -> dict[str, Faint]:
         B = -solve_triangular(R_x, R_xc)[of_beta]
         inverse = np.linalg.pinv(left[:, :-1])
         found[group] = Faint(
-            fall(left, np.arange(places.size)),
+            explained(left[:, :-1], left[:, -1]).fall,
             limit("suspicion", places.size, len(zeros.groups)),
             B @ np.column_stack([inverse, inverse @ left[:, -1]]),
         )

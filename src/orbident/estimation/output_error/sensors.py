@@ -12,6 +12,7 @@ from scipy.spatial.transform import Rotation
 from orbident import _core
 from orbident.estimation.tachometers import rate_noise
 from orbident.files.bounds import TOGETHER
+from orbident.gaussian import white_std
 from orbident.model.minimal_sets import conserved_axes
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
@@ -38,9 +39,6 @@ LEAST = 3e-8
 """Least noise of a sensor, over its signal's size or in rad. Splines and integration
 err by some 1e-9, alike from sample to sample: some thousand samples of so much noise
 are as far off together."""
-
-NORMAL = 1.4826
-"""Std over median absolute value, of Gaussian noise."""
 
 
 @dataclass(frozen=True)
@@ -204,14 +202,10 @@ def some_of(
 
 
 def fourth_difference_std(samples: Float[np.ndarray, "samples axes"]) -> float:
-    """Std of white noise, from fourth differences: these have 70 times its variance.
-
-    That of the noisiest axis: in the plane some show nothing.
-    """
+    """Std of the white noise of the noisiest axis: in the plane some show nothing."""
     if len(samples) < 5:
         return 0.0
-    bends = np.median(np.abs(np.diff(samples, n=4, axis=0)), axis=0)
-    return float(NORMAL * bends.max() / np.sqrt(70))
+    return float(white_std(samples).max())
 
 
 TRACKERS = ("attitude", "position")
