@@ -43,10 +43,9 @@ def places(random: Random, seeds: Seeds) -> Case:
         files[name] = files[arguments[k]]
         arguments[k] = name
     elif "-o" in arguments:
-        fifo = f"{FIFO}.{arguments[-1].rpartition('.')[2]}"
-        outputs = (*DEVICES, "run", "no/where.csv", "/dev/stdout", fifo)
+        # A FIFO that nobody reads makes every program wait that writes to it.
+        outputs = (*DEVICES, "run", "no/where.csv", "/dev/stdout")
         arguments[-1] = random.choice(outputs)
-        files[fifo] = b""
         arguments += random.choice(([], ["--force"]))
     return Case("places", tuple(arguments), files, setting)
 
