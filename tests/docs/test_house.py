@@ -36,7 +36,7 @@ def trees() -> dict[str, ast.Module]:
 def imported(name: str) -> set[str]:
     """The modules that a module imports when it is imported itself."""
     nodes = [n for n in trees()[name].body if isinstance(n, ast.ImportFrom)]
-    named = {n.module for n in nodes}
+    named = {n.module or "" for n in nodes}
     named |= {f"{n.module}.{alias.name}" for n in nodes for alias in n.names}
     return named & trees().keys()
 
@@ -95,8 +95,9 @@ def test_every_name_is_given_once():
             continue
         files[name.rpartition(".")[2]].append(name)
         for node in tree.body:
-            public = isinstance(node, ast.FunctionDef) and not node.name.startswith("_")
-            if isinstance(node, ast.ClassDef) or public:
+            if not isinstance(node, ast.ClassDef | ast.FunctionDef):
+                continue
+            if isinstance(node, ast.ClassDef) or not node.name.startswith("_"):
                 names[node.name].append(name)
     for given in (files, names):
         assert {n: places for n, places in given.items() if len(places) > 1} == {}
