@@ -107,7 +107,10 @@ def _hdf5(random: Random, path: Path) -> None:
         for name, values in _table().items():
             file[f"log/{name}"] = values
         for _ in range(random.choice((1, 2))):
-            with contextlib.suppress(TypeError, ValueError, OSError, RuntimeError):
+            # A name may be there already.
+            with contextlib.suppress(
+                KeyError, TypeError, ValueError, OSError, RuntimeError
+            ):
                 random.choice(HDF5)(file["log"], random.choice(("more", "x/y")))
 
 
