@@ -32,7 +32,8 @@ types: .venv/tested
 suite: style types
 	$(BIN)/pytest -n 2 --dist worksteal
 
-# The tests of the numerical core under AddressSanitizer and UBSan.
+# The tests of the numerical core under AddressSanitizer and UBSan. That there is no room for an
+# array is tested too, and is no fault of a program that says so.
 SANITIZED := build/sanitized/bin/python
 sanitize: .venv/tested
 	$(PYTHON) -m venv --without-pip build/sanitized
@@ -41,7 +42,8 @@ sanitize: .venv/tested
 	$(BIN)/pip --python $(SANITIZED) install --quiet --no-deps --no-build-isolation --editable . \
 		--config-settings=cmake.define.ORBIDENT_SANITIZE=ON \
 		--config-settings=build-dir=build/sanitized-core
-	LD_PRELOAD="$$(c++ -print-file-name=libasan.so) $$(c++ -print-file-name=libstdc++.so)" ASAN_OPTIONS=detect_leaks=0 \
+	LD_PRELOAD="$$(c++ -print-file-name=libasan.so) $$(c++ -print-file-name=libstdc++.so)" \
+		ASAN_OPTIONS=detect_leaks=0:allocator_may_return_null=1 \
 		$(SANITIZED) -m pytest -n 2 -m core \
 		tests/properties tests/oracles tests/unit/core tests/unit/estimation
 
