@@ -92,7 +92,7 @@ def bench_against_finite_differences(benchmark, record, once, meets):
     given = paper_case(robot).conditions
     problem = problem_for(robot, given, "cond", 0.0)
     polytope = polytope_of(problem.motions.resampled(LIMIT_STEPS + 1), given.limits)
-    middle = inner_point(polytope, given.limits, robot.joint_names)
+    middle = inner_point(polytope, given.limits, dict(enumerate(robot.joint_names)))
     direction = np.random.default_rng([0, 0]).standard_normal(middle.shape)
     y = middle + 0.8 * polytope.reach(middle, direction)[:, None] * direction
 
