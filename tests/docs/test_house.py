@@ -12,7 +12,7 @@ PACKAGE = ROOT / "src/orbident"
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
     "files": 392,
-    "lines": 55_574,
+    "lines": 55_600,
     "files of estimation": 67,
     "lines of estimation": 10_488,
     "files with one user": 107,

@@ -15,7 +15,12 @@ from typing import NamedTuple
 
 import pyarrow as pa
 
-from orbident.campaigns.campaign_table import path_of, schema_of, write_rows
+from orbident.campaigns.campaign_table import (
+    path_of,
+    read_chunk,
+    schema_of,
+    write_rows,
+)
 from orbident.campaigns.executors import Executors, computed
 from orbident.campaigns.folder import FAILED, Campaign, check_versions, working
 from orbident.campaigns.run import Chunk, run_chunk
@@ -51,11 +56,15 @@ def conduct(
         progress: is called after every chunk, and before the first.
 
     Raises:
-        InputError: another command is at it, the folder cannot be written, or workers
-            die again and again.
+        InputError: another command is at it, the folder cannot be written, rows that
+            are there are damaged, or workers die again and again.
     """
     schema = schema_of(campaign)
     with working(folder):
+        # That rows cannot be used is said before others are made for hours.
+        for chunk in campaign.spec.chunks:
+            if path_of(folder, chunk).exists():
+                read_chunk(campaign, folder, chunk, schema)
         done = campaign_progress(campaign, folder)
         progress(done)
         work = partial(run_chunk, campaign)

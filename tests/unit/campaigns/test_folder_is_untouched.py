@@ -58,6 +58,16 @@ def test_rows_that_the_campaign_did_not_write(tmp_path: Path, column: str, value
         rows(campaign, out)
 
 
+def test_damaged_rows_are_found_before_others_are_made(tmp_path: Path):
+    campaign, out = begun(tmp_path, runs=3)
+    last = [*campaign.spec.chunks][-1]
+    path_of(out, last).parent.mkdir(exist_ok=True)
+    path_of(out, last).write_bytes(b"PAR1 damaged PAR1")
+    with pytest.raises(InputError, match="remove it and run the campaign again"):
+        conduct(campaign, out, InThisProcess)
+    assert [*path_of(out, last).parent.iterdir()] == [path_of(out, last)]
+
+
 def test_a_robot_on_an_orbit_from_a_file(tmp_path: Path):
     path = write_campaign(tmp_path, runs=1)
     robot = tmp_path / "robot.yaml"
