@@ -67,7 +67,15 @@ def _junk(random: Random) -> bytes:
 
 
 def _timed(rows: Rows, scale: float, zero: float) -> Rows:
-    return [[repr(scale * float(t) + zero), *cells] for t, *cells in rows]
+
+    def moved(cell: str) -> str:
+        # It may have been spoiled already.
+        try:
+            return repr(scale * float(cell) + zero)
+        except ValueError:
+            return cell
+
+    return [[moved(t), *cells] for t, *cells in rows]
 
 
 def _other_times(random: Random, rows: Rows) -> Rows:
