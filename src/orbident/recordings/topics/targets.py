@@ -1,6 +1,5 @@
 """What numbers of a table can fill: a vector or one column, and its units."""
 
-import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -10,6 +9,7 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.errors import InputError
+from orbident.files.bounds import LARGEST
 from orbident.files.schema_parts import WrongValueError
 from orbident.recordings.columns import (
     VECTORS,
@@ -48,7 +48,7 @@ def slots_of(value: object) -> tuple[Slot, ...] | Slot:
 
 def _slot(value: object) -> Slot:
     if isinstance(value, int | float) and not isinstance(value, bool):
-        return Slot("", 0.0, float(value))
+        return _bounded(Slot("", 0.0, value))
     found = _SLOT.fullmatch(value) if isinstance(value, str) else None
     if found is None:
         raise WrongValueError(
@@ -57,9 +57,14 @@ def _slot(value: object) -> Slot:
         )
     factor = float(found["factor"] or 1) * (-1 if found["minus"] else 1)
     offset = "".join((found["offset"] or "0").split())
-    if not (math.isfinite(factor) and math.isfinite(float(offset))):
-        raise WrongValueError("give numbers that are finite")
-    return Slot(found["field"], factor, float(offset))
+    return _bounded(Slot(found["field"], factor, float(offset)))
+
+
+def _bounded(slot: Slot) -> Slot:
+    # A whole number of a YAML file may be larger than any float64.
+    if not (abs(slot.factor) <= LARGEST and abs(slot.offset) <= LARGEST):
+        raise WrongValueError(f"give numbers of at most {LARGEST:g}")
+    return slot._replace(offset=float(slot.offset))
 
 
 _DIMENSION_OF = {

@@ -38,7 +38,14 @@ REFUSED = {
     ),
     "a scale that is not finite": (
         TABLE + "take: {wheel.a.speed: rpm}, fields: {wheel.a.speed: 1e999 * x}}",
-        "fields.wheel.a.speed: found '1e999 * x'; give numbers that are finite",
+        "fields.wheel.a.speed: found '1e999 * x'; give numbers of at most 1e+12",
+    ),
+    "a number beyond all float64": (
+        TABLE
+        + "take: {wheel.a.speed: rpm}, fields: {wheel.a.speed: 1"
+        + 400 * "0"
+        + "}}",
+        "; give numbers of at most 1e+12",
     ),
     "no field": (
         TABLE + "take: {wheel.a.speed: rpm}, fields: {wheel.a.speed: true}}",
