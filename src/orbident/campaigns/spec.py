@@ -32,7 +32,7 @@ at a quarter of a second a fault loses half a minute."""
 Text = Annotated[str, Field(min_length=1)]
 
 LARGEST_LOGARITHM = 10.0
-"""Of a factor `e^x` of masses or noises: seven deviations of it are still a number."""
+"""Largest deviation of `x` in factors `e^x` of masses or noises: no draw overflows."""
 
 DrawnShare = Annotated[Distribution | None, drawn_from("share")]
 DrawnLogarithm = Annotated[Distribution | None, drawn_from("share", LARGEST_LOGARITHM)]

@@ -1,4 +1,9 @@
-"""The studies' results as tables for people."""
+"""The studies' results as tables for people.
+
+The control study as a table for people.
+
+The study of a real table as tables for people.
+"""
 
 from collections.abc import Iterable
 from typing import Any

@@ -2,6 +2,8 @@
 
 What is put right is the samples that were derived from a recording, but for the
 attitude, which gyro and base rate are fused with.
+
+Ways to write what others write differently: signs, degrees, order of columns.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence

@@ -1,4 +1,7 @@
-"""Which sensor's clock, were it late or early, would explain what the sensors show."""
+"""Which sensor's clock, were it late or early, would explain what the sensors show.
+
+Which sensor's clock, if it ran fast or slow, would explain what the sensors show.
+"""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace

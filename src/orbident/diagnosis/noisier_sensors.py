@@ -1,4 +1,10 @@
-"""Is a sensor noisier than the robot file says, or does a gyro's bias wander?"""
+"""Is a sensor noisier than the robot file says, or does a gyro's bias wander?
+
+Single samples that are off what their neighbours show: spikes within the motion.
+
+Screening leaves out only what leaps out of the motion. What is smaller than the steps
+of a joint that moves is far beyond noise all the same.
+"""
 
 from collections.abc import Iterator
 from dataclasses import replace

@@ -1,4 +1,14 @@
-"""Suspects whose error has a course in time: steps, drifts, joints that give way."""
+"""Suspects whose error has a course in time: steps, drifts, joints that give way.
+
+What the sensors of a recording show, and the same changed.
+
+Sensors that jump from one sample to the next, as no smooth motion does.
+
+A polynomial and a step at its middle are fitted to the samples around every one. The
+step is a fixed filter of them, and where it stands far out of all that it gives over
+the recording, the sensor jumped. If all sensors jump at once, time did. Rates leap with
+the motion, so a gyro's jumps are looked for in what is left of it after the fit.
+"""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace

@@ -3,6 +3,15 @@
 The delay is found by Gauss-Newton: an equation that is linear in a small delay
 (`orbident.estimation.clocks`), again and again with joints moved by what was
 found.
+
+The momentum equation with a delay of joints and wheels as one more unknown.
+
+Joints seen too late predict a base that turns too late. With `l` the delay, to first
+order,
+
+    Y pi + l d/dt|_joints (Y pi + A_rw qd_rw) - R_0^T h_cm = -A_rw qd_rw
+
+where the derivative is that of joints and wheels alone, the base held.
 """
 
 from collections.abc import Mapping, Sequence

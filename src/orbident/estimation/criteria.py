@@ -1,4 +1,7 @@
-"""May the numbers be trusted? Every rule of acceptance is one check."""
+"""May the numbers be trusted? Every rule of acceptance is one check.
+
+Whether a fit's weights, from the residuals of the fit before, have settled.
+"""
 
 from collections.abc import Iterator
 from typing import NamedTuple

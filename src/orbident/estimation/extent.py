@@ -1,4 +1,7 @@
-"""How far all moved, gathered stretch by stretch."""
+"""How far all moved, gathered stretch by stretch.
+
+How far and how fast all moved: whether a recording excites what it should tell.
+"""
 
 from collections.abc import Sequence
 from typing import Any, NamedTuple

@@ -1,4 +1,9 @@
-"""What a method found, in all three descriptions, and what it left undetermined."""
+"""What a method found, in all three descriptions, and what it left undetermined.
+
+The free-flying base parameters from `(pi, phi, M)`, with their covariance.
+
+What is known of `beta` before anything is measured: hardly anything.
+"""
 
 from typing import NamedTuple
 

@@ -1,4 +1,7 @@
-"""The main job: from a robot and a recording to every free-flying parameter."""
+"""The main job: from a robot and a recording to every free-flying parameter.
+
+The methods of identification, by name: a new one is a file, and a word here.
+"""
 
 import time
 from collections.abc import Sequence

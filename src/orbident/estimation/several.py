@@ -3,6 +3,8 @@
 Every recording is first identified by itself. Where all show the same robot, each is
 fitted again beside what the others say (`output_error/shared.py`), one after another:
 the last of these fits has seen all of them.
+
+One result of several recordings: what is each one's own begins with its name.
 """
 
 from collections.abc import Iterator, Mapping, Sequence

@@ -1,4 +1,7 @@
-"""Where the likelihood is largest: the unknowns there, and the equations about them."""
+"""Where the likelihood is largest: the unknowns there, and the equations about them.
+
+How a search converged: its cost, and its steps, which become small.
+"""
 
 from collections.abc import Mapping
 from typing import NamedTuple
@@ -108,7 +111,7 @@ class Linear(NamedTuple):
     """Over the white noise; zero where there was no sample."""
 
     def without_rows(self) -> "Linear":
-        """The same without what is large: links and residuals."""
+        """These equations without their large parts, links and residuals."""
         return self._replace(links=self.links[:0].copy(), residuals={})
 
     @property

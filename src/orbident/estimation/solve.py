@@ -1,4 +1,11 @@
-"""The estimate from a robot and a recording, and what judges it."""
+"""The estimate from a robot and a recording, and what judges it.
+
+What the sensors show, whatever the method: by this its result is judged.
+
+Residuals of Eqs. 24 and 31 hide what sensors are made of, so no method is judged by
+them alone. Output error predicts every sensor; a result of another method is as far
+from the truth as it is from that fit, and its deviations say so.
+"""
 
 from collections.abc import Sequence
 from dataclasses import replace

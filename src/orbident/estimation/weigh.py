@@ -1,4 +1,15 @@
-"""The total mass from a thruster burn: Eq. 40 over all samples and axes."""
+"""The total mass from a thruster burn: Eq. 40 over all samples and axes.
+
+A thruster burn with locked joints, as rows that are linear in 1/M.
+
+The CM answers the thrusters (Eqs. 33 to 36), and S turns with the base about it
+(Eq. 38). With `J` the integral of `R_0 F`, and `c` from S to the CM in base axes:
+
+    r_S = r_0 + v_0 t + (1/M) integral of J - R_0 c
+    v_S = v_0 + (1/M) J - R_0 (w x c)
+
+Joints are locked, so `c` is a constant: an unknown as `r_0` and `v_0` are.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -40,7 +51,7 @@ class Burn(NamedTuple):
     impulse: Float[np.ndarray, "n 3 4"]
     """`J` of each of these, inertial axes, N s."""
     carried: Float[np.ndarray, "n 3 4"]
-    """Its integral."""
+    """The integral of `impulse` over time, inertial axes, N s^2."""
     rows: Int[np.ndarray, " n"]
     """Rows of the recording."""
     gain: float

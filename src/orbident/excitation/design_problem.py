@@ -1,4 +1,7 @@
-"""What a search minimises: a criterion, over all plausible robots, within limits."""
+"""What a search minimises: a criterion, over all plausible robots, within limits.
+
+Robots that may be the true one, where its inertia is known to a fraction only.
+"""
 
 from dataclasses import dataclass, replace
 from math import ceil

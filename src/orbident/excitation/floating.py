@@ -2,6 +2,8 @@
 
 The same motion as `dynamics.free_floating`, by RK4 on one grid of nodes and mid-nodes,
 and with the nominal or another plausible inertia.
+
+The state in which a manoeuvre starts: its momentum is what fixes the scale.
 """
 
 from dataclasses import dataclass, field, replace

@@ -1,4 +1,25 @@
-"""A trajectory whose limits are proven to hold for all times."""
+"""A trajectory whose limits are proven to hold for all times.
+
+How far a motion goes, between samples too: bounds that hold for all times.
+
+Joints: between two nodes a function exceeds them by at most `h^2/8 max|f''|`. The
+second derivative is bounded in the same way by the fourth, and that by the coefficients
+(rounding apart).
+
+Base: from `D w + g = R_0^T h_cm`, with `g` the momentum of the joints' and wheels'
+motion,
+
+    |w'| <= (|w| |h_cm| + |D'| |w| + |g'|) / min eig D.
+
+With `r` from the CM, `u` and `a` velocity and acceleration relative to the base, of the
+mass elements of the links (on the base `u = a = 0`), and `|x|^2 = integral |x|^2 dm`,
+Cauchy and Schwarz give
+
+    |D'| <= 2 |r| |u|,    |g'| <= |r| |a|,    min eig D >= min eig I_base, about its CM.
+
+The norms follow from the largest joint rates and accelerations, from the base to the
+tips. So `w` between two samples is within `h/2 max|w'|` of one of them.
+"""
 
 from typing import NamedTuple
 

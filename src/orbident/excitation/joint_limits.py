@@ -2,6 +2,13 @@
 
 Each row is a limit at a node: `slack = room - normals y`, over the size of the limit,
 so that 1 is the middle and 0 the limit itself.
+
+All joint motions of Eq. 41 with given ends, as a linear space.
+
+With the ends fixed, positions and rates are linear in the coefficients `a, b`. But the
+quintic nearly cancels a slow harmonic, so some coefficients may be a hundred times
+larger than the motion they make: a search over `a, b` never gets there. Here a motion
+is `y`, coordinates in which the rate has mean square 1, over the joint's limit.
 """
 
 from collections.abc import Mapping
@@ -44,7 +51,7 @@ class JointMotions(NamedTuple):
     """What `offset` are the values of."""
 
     def resampled(self, nodes: int) -> "JointMotions":
-        """The same motions at so many times, evenly spaced over the duration."""
+        """These motions at so many times, evenly spaced over the duration."""
         offset = self.without_series
         t = np.linspace(0.0, offset.duration, nodes)
         a, b = np.split(self.ab_of_y.T, 2, axis=1)

@@ -4,6 +4,8 @@ All starts are descended on a smooth criterion. Half of them are good motions th
 known already, with one joint's motion made anew: what is good in one joint is often
 good beside another motion of the next. Only the best are then descended on a sharp
 criterion, and of these the best under more limits.
+
+One descent: sequential quadratic programming (SLSQP of SciPy), exact gradients.
 """
 
 import time

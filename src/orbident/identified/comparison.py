@@ -1,4 +1,7 @@
-"""What was captured, or let go: two results of one robot, before and after."""
+"""What was captured, or let go: two results of one robot, before and after.
+
+Why a comparison has no number, or a doubtful one, in words that say what to do.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field

@@ -2,6 +2,8 @@
 
 The folder holds the code that Python runs. A flight computer gets the samples as the
 filter takes them: `given_of` makes them of a recording, on the ground.
+
+Which samples of a recording a flight build replays: those of the recursion.
 """
 
 import re

@@ -1,4 +1,7 @@
-"""Identified parameters as tables for a spreadsheet (CSV) or a paper (LaTeX)."""
+"""Identified parameters as tables for a spreadsheet (CSV) or a paper (LaTeX).
+
+`H+` and the Jacobians of an identified robot in one configuration, as JSON.
+"""
 
 import csv
 import io

@@ -6,6 +6,8 @@ those with the identified `beta` the nearest to the nominal bodies is taken, by 
 divergence of their log-determinants, `tr(P0^-1 P) - log det(P0^-1 P)` (Lee, Wensing and
 Park 2020): convex, and the same in all frames and units. So where only combinations of
 bodies show, mass is shared between them as in the nominal ones.
+
+The nearest positive definite matrices under linear equations; cvxpy's one user.
 """
 
 import warnings

@@ -3,6 +3,17 @@
 With `pi` known, `D` and `D_q qd` are `Y pi` at unit and at zero base rate (Eq. 16): the
 base rate follows from conservation, and `phi` gives the velocity of S (Eq. 30). No
 nominal inertia is used.
+
+How far a prediction may be off, as the identified parameters may be off.
+
+To first order in `beta`, along each column of a root of its covariance. With `b = R_0^T
+h_cm` and `f` the turn by which the predicted attitude is off, base axes:
+
+    D dw = R_0^T dh_cm - dY pi + b x f,   f' = dw - w x f,   f(0) = 0
+    dv_S = R_0 (f x W phi + d(W phi)/dw dw + W dphi) + dv_cm
+
+The constants of the motion are means over the recording (see `predict`), and so are
+their derivatives. The noise of what was measured is not in it.
 """
 
 from collections.abc import Iterator

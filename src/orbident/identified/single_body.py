@@ -1,4 +1,9 @@
-"""A difference of base parameters, explained by one body that joined another."""
+"""A difference of base parameters, explained by one body that joined another.
+
+What joined a body of the robot: mass, CM and inertia from ten parameters.
+
+Whether a body can have an inertia, within what is known of it.
+"""
 
 from typing import Any, NamedTuple
 

@@ -1,4 +1,7 @@
-"""Attitude and rate of the base at the rows of a recording."""
+"""Attitude and rate of the base at the rows of a recording.
+
+The rate of the base from its attitude alone.
+"""
 
 from collections.abc import Mapping
 from typing import Any, NamedTuple

@@ -1,4 +1,7 @@
-"""Zero-phase low-pass filters that do not hold on to the first sample."""
+"""Zero-phase low-pass filters that do not hold on to the first sample.
+
+Where a low-pass filter should cut: its signal passes, its noise does not.
+"""
 
 from typing import NamedTuple
 

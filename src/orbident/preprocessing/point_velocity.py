@@ -1,4 +1,7 @@
-"""The velocity of S at the rows of a recording."""
+"""The velocity of S at the rows of a recording.
+
+The velocity of S from what an accelerometer at S felt.
+"""
 
 from collections.abc import Mapping
 from typing import NamedTuple

@@ -1,4 +1,7 @@
-"""Position, rate and acceleration of columns, as smooth as their noise says."""
+"""Position, rate and acceleration of columns, as smooth as their noise says.
+
+What only the whole of a recording tells, found once and used for its stretches.
+"""
 
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple, TypeVar

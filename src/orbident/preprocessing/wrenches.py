@@ -1,4 +1,7 @@
-"""What is recorded of the wrenches that act on the base, in one form."""
+"""What is recorded of the wrenches that act on the base, in one form.
+
+Where the Earth, the air, the sun and the magnetic field are, seen from the base.
+"""
 
 from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple

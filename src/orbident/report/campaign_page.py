@@ -1,4 +1,7 @@
-"""The report of a campaign: how good each method's estimates and intervals are."""
+"""The report of a campaign: how good each method's estimates and intervals are.
+
+Charts of a campaign: histograms, normal plots, what errors depend on.
+"""
 
 from collections import Counter
 from collections.abc import Iterator, Sequence

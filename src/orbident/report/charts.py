@@ -1,4 +1,7 @@
-"""Pieces of charts: plain data as plotly takes it, colours by their role."""
+"""Pieces of charts: plain data as plotly takes it, colours by their role.
+
+The samples that a picture shows: extremes of every column of pixels.
+"""
 
 import base64
 import html

@@ -1,4 +1,7 @@
-"""What was measured against what is predicted, and what is left."""
+"""What was measured against what is predicted, and what is left.
+
+Are residuals white? Their correlation in time, and their spectrum.
+"""
 
 from collections.abc import Iterator
 from typing import NamedTuple

@@ -1,4 +1,9 @@
-"""A report as one HTML file that needs nothing else, no network either."""
+"""A report as one HTML file that needs nothing else, no network either.
+
+What a report is made of: sections of words, tables and charts.
+
+What a report says first: may the result be used, and why.
+"""
 
 import base64
 import gzip

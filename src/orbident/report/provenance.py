@@ -1,4 +1,7 @@
-"""The settings, input, signals and versions from which the numbers came about."""
+"""The settings, input, signals and versions from which the numbers came about.
+
+Where the methods come from. Data only.
+"""
 
 from collections.abc import Iterator
 

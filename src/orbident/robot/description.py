@@ -1,4 +1,7 @@
-"""The robot as plain frozen data: what every other layer is given."""
+"""The robot as plain frozen data: what every other layer is given.
+
+How well a robot's instruments are calibrated.
+"""
 
 import math
 from collections.abc import Mapping

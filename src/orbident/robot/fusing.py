@@ -1,4 +1,7 @@
-"""A tree of links to a tree of bodies: what fixed joints hold is one body."""
+"""A tree of links to a tree of bodies: what fixed joints hold is one body.
+
+URDF joints that a robot file declares to be reaction wheels.
+"""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace

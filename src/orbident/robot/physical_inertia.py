@@ -1,4 +1,7 @@
-"""Whether an inertia can belong to a body: what is wrong with it, in words."""
+"""Whether an inertia can belong to a body: what is wrong with it, in words.
+
+Where the nominal inertia contradicts what is declared to be known of a body.
+"""
 
 from collections.abc import Iterator, Mapping
 

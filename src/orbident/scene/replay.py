@@ -1,4 +1,7 @@
-"""A recorded motion, and beside it the motion that an identified model predicts."""
+"""A recorded motion, and beside it the motion that an identified model predicts.
+
+Where everything is over time: bodies, wheels, the system CM and momentum.
+"""
 
 from typing import NamedTuple
 

@@ -1,4 +1,9 @@
-"""Triangles and their colour: all that a picture of a robot is made of."""
+"""Triangles and their colour: all that a picture of a robot is made of.
+
+Shapes for bodies that a URDF does not show: boxes and rods where things are.
+
+What a URDF shows of its links.
+"""
 
 import math
 import xml.etree.ElementTree as ET

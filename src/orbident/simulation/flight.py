@@ -1,4 +1,7 @@
-"""A free-flying motion as plain data: where it starts, and what it was."""
+"""A free-flying motion as plain data: where it starts, and what it was.
+
+Can this robot be flown like this? Refused in one line if not.
+"""
 
 from collections.abc import Sequence
 from typing import NamedTuple

@@ -1,4 +1,7 @@
-"""A motion as the sensors of a robot would record it."""
+"""A motion as the sensors of a robot would record it.
+
+The sensors of a robot, from the sensor section of its file.
+"""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields

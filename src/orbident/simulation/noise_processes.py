@@ -5,6 +5,8 @@ Conventions. A *rate* sample (angular rate, specific force) is a mean over the i
 time `tau` of white noise is `N / sqrt(tau)`, and that of flicker noise is flat,
 `sqrt(2 ln 2 / pi) B = 0.664 B`: that is the floor from which a data sheet's bias
 instability `B` is read.
+
+Random numbers: one seed, and a stream of its own for whatever has a name.
 """
 
 import numpy as np

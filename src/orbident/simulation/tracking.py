@@ -1,4 +1,7 @@
-"""Pose from outside: star trackers, motion capture, vision."""
+"""Pose from outside: star trackers, motion capture, vision.
+
+Encoders of joints and wheels.
+"""
 
 from dataclasses import dataclass, fields
 

@@ -1,4 +1,7 @@
-"""What ideal sensors would show of a motion, free-floating or free-flying."""
+"""What ideal sensors would show of a motion, free-floating or free-flying.
+
+How the base of a free-floating robot accelerates, from conserved momentum.
+"""
 
 from typing import NamedTuple
 

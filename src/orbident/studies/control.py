@@ -4,6 +4,8 @@ A controller that computes its torques from a model tracks as well as the model 
 paper's servicer moves its arm and slews its base, free-flying on its wheels, twice: by
 a CAD model whose masses, first moments and inertias are off by 20 %, and by the model
 that was identified from one recording of Table 2's trajectory.
+
+What the base is commanded to do while it is tracked: a slew.
 """
 
 import time

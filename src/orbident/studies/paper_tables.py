@@ -1,4 +1,7 @@
-"""The numbers of Tables 1 to 6 and Sections 3.5 and 5, as printed; ours beside them."""
+"""The numbers of Tables 1 to 6 and Sections 3.5 and 5, as printed; ours beside them.
+
+A study's parameters beside the paper's own numbers.
+"""
 
 from dataclasses import dataclass
 from typing import Any

@@ -1,4 +1,9 @@
-"""Section 5: the planar two-joint robot, and what it was told to do."""
+"""Section 5: the planar two-joint robot, and what it was told to do.
+
+Free flights as recordings: what the sensors saw, and how the thrusters fired.
+
+Section 5, flown: spin-up, exciting trajectory, burn and validation.
+"""
 
 from typing import NamedTuple
 

@@ -1,4 +1,7 @@
-"""Section 5 for one seed: three recordings, two ways to read them, one burn."""
+"""Section 5 for one seed: three recordings, two ways to read them, one burn.
+
+The data of the paper's Figs. 6 to 13, as columns with units.
+"""
 
 from collections.abc import Mapping
 from pathlib import Path

@@ -1,4 +1,7 @@
-"""Section 5 on a real table: neither level nor even, with drag and motion capture."""
+"""Section 5 on a real table: neither level nor even, with drag and motion capture.
+
+One recording from a real table, read in three ways.
+"""
 
 from dataclasses import replace
 from functools import partial

@@ -1,4 +1,11 @@
-"""What stands around the robot: floor, light and camera."""
+"""What stands around the robot: floor, light and camera.
+
+A scene's robot on the page.
+
+The system CM and the momentum vectors at it.
+
+Plots over time with a line where the page is.
+"""
 
 import html
 from collections.abc import Sequence

@@ -1,6 +1,15 @@
 """How large what acts from outside was identified to be.
 
 Its numbers are among the common unknowns that a solution selects.
+
+How strong white torques and forces from outside are, where nothing is declared.
+
+Where all other unknowns are eliminated, the equations of a walk's waves (`walks.py`)
+are `R c = z + e`, with `e` of unit variance and `c` of the variance `q^2`, so that
+
+    z ~ N(0, 1 + q^2 R R'),   -2 ln L = ln |1 + q^2 R R'| + z' (1 + q^2 R R')^-1 z
+
+The most likely density `q` is that of restricted likelihood (Harville 1977).
 """
 
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence

@@ -4,6 +4,11 @@ The unknowns are those of each boundary between shooting intervals, `z`, and tho
 all have in common, `g = [outside | beta | calibration]`. The core linearises interval
 after interval and eliminates what belongs to one of them alone, from both ends of the
 recording to a boundary in its middle, the meeting one.
+
+The part of the nominal bodies of which no motion shows anything.
+
+It has no momentum in the geometry that is declared. With joints elsewhere it has, by
+the product of its own size and the change of geometry.
 """
 
 from typing import NamedTuple

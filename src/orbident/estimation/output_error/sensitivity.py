@@ -14,6 +14,24 @@ An error of scale may seem likely only because it makes all momentum smaller, an
 it the waves `w` of a walk, which are about zero (`walks.py`). That less of a walk is
 left to be explained too is not in these equations; so what `|w|^2` falls by does not
 count.
+
+What may act from outside, and is too faint to be sure of.
+
+A group of disturbances is taken for zero unless noise hardly ever looks like it. Where
+the robot's own motion shows nearly as the group does, parameters take its place, and
+are then far off though sensors show little. So where noise alone looks as much like it
+in fewer than one of a hundred recordings, deviations hold both that the group acts and
+that it does not, unless the robot file says what acts. If its numbers `c` were
+unknowns, the others would change by `B c`,
+
+    R_x B = -R_xc,   C_c = (R_c' R_c)^-1,   c = C_c R_c' z,
+
+and the mean square error of an estimate that takes them for zero is, beside `C`,
+
+    B (C_c + c c') B'                                   (as in Hausman 1978)
+
+What is fainter is in no deviation. The sensitivity table says how far off it could be.
+Where that is far, the result calls for care unless the robot file says what acts.
 """
 
 from collections.abc import Collection, Iterator, Mapping

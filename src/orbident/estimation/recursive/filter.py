@@ -3,6 +3,8 @@
 Its unknowns are `[h_cm, v_cm, b_g, b_a | pi, phi]`, in which the conservation laws are
 linear, and `beta` follows from them and from what is known beforehand by one
 Gauss-Newton step a sample. The equations stand in the core's `information_filter.hpp`.
+
+What goes into the recursive filter, what it carries, and what comes of a step.
 """
 
 from dataclasses import dataclass
@@ -122,7 +124,7 @@ class Info(NamedTuple):
     """The innovation, whitened: independent, of unit variance, while nothing changes.
     Momentum first; zero where nothing was measured."""
     nis: float
-    """Its square: chi-square with `dof` degrees of freedom."""
+    """The square of the innovation: chi-square with `dof` degrees of freedom."""
     dof: int
 
 

@@ -1,4 +1,7 @@
-"""What the filter takes from a recording: its samples, and their noise."""
+"""What the filter takes from a recording: its samples, and their noise.
+
+What the sensors' noise is, sample by sample.
+"""
 
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any, NamedTuple

@@ -1,4 +1,7 @@
-"""A whole recording through the filter: how its estimate came about, what changed."""
+"""A whole recording through the filter: how its estimate came about, what changed.
+
+Sample by sample, with a watch for changes of the robot.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace

@@ -1,4 +1,7 @@
-"""What a bag says of its topics, and how a message's bytes are read."""
+"""What a bag says of its topics, and how a message's bytes are read.
+
+What each kind of bag gives: its topics, and a stream of messages.
+"""
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from contextlib import suppress

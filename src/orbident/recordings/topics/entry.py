@@ -1,4 +1,7 @@
-"""What every entry of a topic map has: a topic, its clock, and what is taken."""
+"""What every entry of a topic map has: a topic, its clock, and what is taken.
+
+Rows of unit quaternions, scalar last, in plain NumPy.
+"""
 
 from abc import abstractmethod
 from collections.abc import Iterator, Sequence

@@ -1,4 +1,15 @@
-"""sensor_msgs/Imu: gyro, accelerometer, attitude."""
+"""Messages of ROS that a topic map can take, an entry a kind.
+
+sensor_msgs/Imu: gyro, accelerometer, attitude.
+
+sensor_msgs/JointState: joints and wheels by name.
+
+nav_msgs/Odometry: a pose, and a twist in the axes of either frame.
+
+Poses and transforms: position of S, attitude of the base.
+
+geometry_msgs/WrenchStamped: the thrusters' net force and moment.
+"""
 
 from collections.abc import Iterator, Mapping
 from math import nan

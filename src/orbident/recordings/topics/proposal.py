@@ -3,6 +3,8 @@
 Units are those of REP 103, SI, stated so that they can be checked. What no message
 tells (frames, directions, which number feeds what) is missing, so the map does not load
 until it is filled in.
+
+An entry of a topic map to start from, for a table of a file.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence

@@ -1,4 +1,7 @@
-"""What is in a file: topics, their rates, and an example of each."""
+"""What is in a file: topics, their rates, and an example of each.
+
+Files with topics, of any kind, open for reading.
+"""
 
 import os
 from collections import defaultdict

@@ -1,4 +1,7 @@
-"""What numbers of a table can fill: a vector or one column, and its units."""
+"""What numbers of a table can fill: a vector or one column, and its units.
+
+How a map names the numbers that a column is made of.
+"""
 
 import re
 from collections.abc import Mapping

@@ -1,4 +1,7 @@
-"""What one entry of the map takes from a bag, in the order in which it comes."""
+"""What one entry of the map takes from a bag, in the order in which it comes.
+
+Rows of float64 in a temporary file, read back in any order.
+"""
 
 import tempfile
 from array import array

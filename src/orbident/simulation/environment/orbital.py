@@ -9,6 +9,8 @@
 `n` is up, and body `i`, with the inertia `I_i` about its CM, is at `r_i` from the
 system CM: the tide moves no CM. Together its moments are `3 mu / R^3 n x D n` (Hughes
 1986).
+
+Where Earth, air, sun and field are, as the base of a flying robot sees them.
 """
 
 import numpy as np
