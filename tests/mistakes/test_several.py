@@ -14,7 +14,7 @@ import orbident as oi
 from orbident.errors import InputError
 from orbident.estimation.output_error.sharing import together
 from orbident.estimation.shared import Shared
-from orbident.estimation.unknowns import Calibration
+from orbident.estimation.unknowns import Unknown
 
 TABLE = "table 3"
 
@@ -127,7 +127,7 @@ def test_what_they_say_together_is_said_of_the_unknowns_that_each_has():
     """Beside least squares of all equations at once, tolerances among them."""
     random = np.random.default_rng(1)
     zero, gain = (
-        Calibration(name, "1", True, std)
+        Unknown(name, name, "1", std, 0.0)
         for name, std in (("zero", 0.1), ("gain", 2.0))
     )
     A, B = random.normal(size=(2, 4, 5))

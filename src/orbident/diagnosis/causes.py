@@ -17,7 +17,7 @@ from orbident.diagnosis.linear_test import (
 from orbident.diagnosis.noisier_sensors import noisier_sensors, spikes, wandering
 from orbident.diagnosis.shifts import drifts, jumps, soft_joints, steps
 from orbident.diagnosis.stale import stale
-from orbident.diagnosis.suspects import score
+from orbident.diagnosis.suspects import score_of
 from orbident.diagnosis.suspects import tried as put_right
 from orbident.diagnosis.trial import Trial, amended_trial
 from orbident.estimation.checks import Check
@@ -206,11 +206,10 @@ def _likeliest(solved: Solved) -> Iterator[Trial]:
     price = np.log(problem.samples.t.size)
     worth: list[tuple[float, Callable[[], Iterable[Trial]]]] = []
     table = shown.sensitivity()
-    names = [each.name for each in table.freed]
     for kind in kinds(problem.robot):
-        errors = kind.errors(names)
-        if errors:
-            gain = table.falls(errors) - price * len(errors)
+        first = table.together(kind.names)
+        if first.values.size:
+            gain = first.fall - price * first.values.size
             worth.append((gain, partial(freed, problem, kind)))
     for suspect in (
         *beside(problem),
@@ -219,8 +218,8 @@ def _likeliest(solved: Solved) -> Iterator[Trial]:
         *soft_joints(problem),
         *fast_clocks(problem),
     ):
-        first = score(problem, shown.solution, suspect)
-        gain = first.falls - price * first.numbers.size
+        first = score_of(problem, shown.solution, suspect)
+        gain = first.fall - price * first.values.size
         worth.append((gain, partial(put_right, problem, suspect, first, misfit(shown))))
     worth.sort(key=lambda one: -one[0])
     for gain, put in worth[:LIKELIEST]:

@@ -9,10 +9,11 @@ from scipy.spatial.transform import Rotation
 
 from orbident.diagnosis.linear_test import FALLS, ROWS
 from orbident.diagnosis.shifts import of_vector
-from orbident.diagnosis.suspects import Numbers, Score, Suspect, tried
+from orbident.diagnosis.suspects import Numbers, Suspect, tried
 from orbident.diagnosis.trial import Trial
 from orbident.estimation.linear_fits import rows_of
 from orbident.estimation.momentum_problem import MomentumProblem
+from orbident.estimation.unknowns import Score
 from orbident.model.minimal_sets import conserved_axes
 from orbident.model.wheel_arrays import wheels_of
 from orbident.robot.description import Wheel

@@ -4,15 +4,15 @@ Where a joint is, and how its axis points, are errors of the robot file: the cor
 them beside those of instruments.
 """
 
-import re
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
-from typing import Any, NamedTuple
+from collections.abc import Iterator, Mapping
+from typing import NamedTuple
 
 import numpy as np
 
-from orbident.diagnosis.trial import Trial, amended_trial
+from orbident.diagnosis.trial import Trial, trial
 from orbident.estimation.momentum_problem import MomentumProblem
+from orbident.estimation.output_error.calibration import calibrations_of
+from orbident.estimation.output_error.problem import SENSORS
 from orbident.estimation.unknowns import CalibrationFit
 from orbident.robot.description import Robot
 
@@ -22,42 +22,55 @@ ANGLE, LENGTH, PART = 0.2, 0.2, 0.1
 CLEAR = 5.0
 """Deviations by which an error is none of chance."""
 
-EACH = "(.+)"
-"""The part of a pattern that matches the name of any joint or wheel."""
+WORDS = {
+    "joint zeros": ("the zero of joint {}", ANGLE),
+    "joint scales": ("the scale of joint {}", PART),
+    "wheel inertias": ("the inertia of wheel {}", PART),
+    "feature_point": ("the offset of the tracked marker from S", LENGTH),
+    "attitude.misalignment": ("the misalignment of the attitude sensor", ANGLE),
+    "gyro.misalignment": ("the misalignment of the gyro", ANGLE),
+    "gyro.scale": ("the scale of the gyro, or the rate of the clock,", PART),
+    "position.scale": ("the scale of the position", PART),
+    "place": (
+        "the place of joint {} on its link in the robot file, so the geometry or "
+        "length of that link,",
+        LENGTH,
+    ),
+    "direction": ("the tilt of the axis of joint {} in the robot file", ANGLE),
+}
+"""What is off, by its family, with the joint or wheel in the place of `{}`; and its
+standard deviation beforehand. That of a place or direction is of one joint's axes."""
 
 
 class ErrorKind(NamedTuple):
-    """Errors of one kind, as unknowns."""
+    """Errors of one family, as unknowns."""
 
+    family: str
+    names: tuple[str, ...]
     words: str
     """The cause, with the joint or wheel in the place of `{}`."""
-    names: str
-    """A pattern that the names of its errors match; its group is a joint or wheel."""
-    tolerance: Mapping[str, Any]
-    """As `Tolerances` has it."""
+    std: float
+    """Beforehand; SI."""
 
-    def errors(self, names: Sequence[str]) -> list[int]:
-        """Which of these are errors of this kind."""
-        return [k for k, name in enumerate(names) if self.has(name)]
-
-    def has(self, name: str) -> bool:
-        """Whether it is an error of this kind."""
-        return re.fullmatch(self.names, name) is not None
+    @property
+    def of_one(self) -> bool:
+        """Whether they are of one instrument or joint, and not one of each."""
+        return self.family in self.names[0]
 
 
 def freed(problem: MomentumProblem, kind: ErrorKind) -> Iterator[Trial]:
     """Identify again, with one kind of error as an unknown."""
-    robot = problem.robot
-    loose = replace(robot, tolerances=replace(robot.tolerances, **kind.tolerance))
-    found = amended_trial(kind.words, problem, loose)
+    found = trial(kind.words, problem, {kind.family: kind.std})
     errors = found.estimate and {
         name: each
         for name, each in found.estimate.calibration.items()
-        if kind.has(name)
+        if name in kind.names
     }
     # Of one instrument, what tells its axes apart need not be clear.
-    one = EACH not in kind.names
-    if errors and (one or any(abs(x.value) > CLEAR * x.std for x in errors.values())):
+    clear = kind.of_one or any(
+        abs(each.value) > CLEAR * each.std for each in (errors or {}).values()
+    )
+    if errors and clear:
         # As many unknowns explain so much by chance (Schwarz 1978).
         price = len(errors) * np.log(problem.samples.t.size)
         words = _in_words(kind, errors)
@@ -65,38 +78,14 @@ def freed(problem: MomentumProblem, kind: ErrorKind) -> Iterator[Trial]:
 
 
 def kinds(robot: Robot) -> Iterator[ErrorKind]:
-    """The kinds of errors that a robot's instruments may have, with wide tolerances."""
-    zeros = {joint.name: ANGLE for joint in robot.joints}
-    scales = dict.fromkeys(robot.joint_names, PART)
-    place = (
-        "the place of joint {} on its link in the robot file, so the geometry or "
-        "length of that link,"
-    )
-    yield ErrorKind(
-        "the zero of joint {}", rf"joint\.{EACH}\.zero", {"joint_zero": zeros}
-    )
-    yield ErrorKind(
-        "the scale of joint {}", rf"joint\.{EACH}\.scale", {"joint_scale": scales}
-    )
-    for name in robot.joint_names:
-        own = re.escape(name)
-        for words, error, size in (
-            (place, "place", LENGTH),
-            ("the tilt of the axis of joint {} in the robot file", "direction", ANGLE),
-        ):
-            tolerance = {f"joint_{error}": {name: size}}
-            yield ErrorKind(words, rf"joint\.({own})\.{error}\.[xyz]", tolerance)
-    wheels = {"wheel_inertia": PART}
-    yield ErrorKind("the inertia of wheel {}", rf"wheel\.{EACH}\.inertia", wheels)
-    for words, name, tolerance in (
-        ("the offset of the tracked marker from S", "feature_point", LENGTH),
-        ("the misalignment of the attitude sensor", "attitude.misalignment", ANGLE),
-        ("the misalignment of the gyro", "gyro.misalignment", ANGLE),
-        ("the scale of the gyro, or the rate of the clock,", "gyro.scale", PART),
-        ("the scale of the position", "position.scale", PART),
-    ):
-        own = rf"{re.escape(name)}(\.[xyz])?"
-        yield ErrorKind(words, own, {name.replace(".", "_"): tolerance})
+    """The kinds of errors that a robot's instruments may have; clocks are apart."""
+    families: dict[str, list[str]] = {}
+    for each in calibrations_of(robot, SENSORS):
+        families.setdefault(each.family, []).append(each.name)
+    for family, names in families.items():
+        key = family if family in WORDS else family.rpartition(".")[2]
+        if key in WORDS:
+            yield ErrorKind(family, tuple(names), *WORDS[key])
 
 
 def _in_words(kind: ErrorKind, errors: Mapping[str, CalibrationFit]) -> str:

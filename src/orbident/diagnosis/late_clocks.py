@@ -70,18 +70,12 @@ def already_corrected(problem: MomentumProblem) -> Corrected | None:
 
 def clocks(problem: MomentumProblem) -> Iterator[Trial]:
     """Identify again, with the clocks of all sensors but the gyro as unknowns."""
-    tolerances = replace(
-        problem.robot.tolerances,
-        joint_clock=UNKNOWN,
-        attitude_clock=UNKNOWN,
-        position_clock=UNKNOWN,
-    )
-    free = problem.amended(robot=replace(problem.robot, tolerances=tolerances))
+    free = {f"{name}.clock": UNKNOWN for name in SHARED}
     late, found = _roughly(problem), None
     corrected = corrections(problem.clocks)
     for _ in range(ROUNDS):
         try:
-            found = trial("", _behind(free, late))
+            found = trial("", _behind(problem, late), free)
         except InputError:  # Too little is left where all clocks show something.
             return
         if found.estimate is None:

@@ -19,12 +19,13 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 from scipy.special import chdtri
 
-from orbident.diagnosis.suspects import Numbers, Score, Suspect, score, tried
+from orbident.diagnosis.suspects import Numbers, Suspect, score_of, tried
 from orbident.diagnosis.trial import Trial
 from orbident.estimation.estimate import Estimate
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.output_error.sensors import COMPONENTS
 from orbident.estimation.solve import misfit
+from orbident.estimation.unknowns import Score
 from orbident.model.minimal_sets import conserved_axes
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
@@ -231,8 +232,8 @@ def jumps(problem: MomentumProblem, shown: Estimate) -> Iterator[Trial]:
     slow = [jump for jump in found if jump.sensor not in RATES]
     if slow and shown.solution is not None:
         suspect = step(problem, slow[0].sensor, slow[0].row)
-        first = score(problem, shown.solution, suspect)
-        if first.numbers.size:
+        first = score_of(problem, shown.solution, suspect)
+        if first.values.size:
             trials = tried(problem, suspect, first, misfit(shown))
             yield from (one._replace(seen=True) for one in trials)
 

@@ -15,11 +15,12 @@ from jaxtyping import Float
 from orbident.diagnosis.trial import Trial, trial
 from orbident.errors import InputError
 from orbident.estimation.momentum_problem import MomentumProblem
+from orbident.estimation.output_error.estimator import known_to_act
 from orbident.estimation.output_error.problem import linear, problem_of
 from orbident.estimation.output_error.sensors import sensors_of
 from orbident.estimation.solution import Solution
 from orbident.estimation.solve import WORTH
-from orbident.estimation.unknowns import explained
+from orbident.estimation.unknowns import Score, score
 from orbident.preprocessing.delays import delays
 
 ROUNDS = 4
@@ -42,19 +43,10 @@ class Suspect(NamedTuple):
     """Robot and recording with these numbers put right; not yet fitted again."""
 
 
-class Score(NamedTuple):
-    """How a suspect would explain what is left."""
-
-    numbers: Numbers
-    std: Numbers
-    falls: float
-    """How much the sum of squares would fall."""
-
-
 NOTHING = Score(np.zeros(0), np.zeros(0), 0.0)
 
 
-def score(problem: MomentumProblem, solution: Solution, suspect: Suspect) -> Score:
+def score_of(problem: MomentumProblem, solution: Solution, suspect: Suspect) -> Score:
     """The numbers that lower the sum of squares most, to first order.
 
     Args:
@@ -78,9 +70,7 @@ def score(problem: MomentumProblem, solution: Solution, suspect: Suspect) -> Sco
         sized = np.linalg.norm(D, axis=0)
     if not np.isfinite(sized).all() or not sized.all():
         return NOTHING
-    numbers, falls = explained(D, -r)
-    std = np.sqrt(np.diag(np.linalg.pinv(D.T @ D)))
-    return Score(numbers, std, falls)
+    return score(D, -r)
 
 
 def tried(
@@ -94,7 +84,7 @@ def tried(
         first: the guess.
         before: the misfit now: what makes it worse is not tried again.
     """
-    numbers, best = first.numbers, Trial("", False, np.inf)
+    numbers, best = first.values, Trial("", False, np.inf)
     for _ in range(ROUNDS):
         try:
             right = suspect.corrected(problem, numbers).amended()
@@ -113,10 +103,10 @@ def tried(
         # Scores are of a best fit.
         if found.lost:
             break
-        more = score(right, found.estimate.solution, suspect)
-        if not more.falls or np.all(abs(more.numbers) < SETTLED * more.std):
+        more = score_of(right, found.estimate.solution, suspect)
+        if not more.fall or np.all(abs(more.values) < SETTLED * more.std):
             break
-        numbers = numbers + more.numbers
+        numbers = numbers + more.values
     yield best
 
 
@@ -128,7 +118,8 @@ def _left(changed: MomentumProblem, solution: Solution) -> Float[np.ndarray, " n
     )
     equations = problem_of(robot, changed.sets, changed.samples, sensors)
     # The places of calibrations are others where there are other wheels.
-    places = np.array([float(each.place) for each in equations.declared])
+    free = [*equations.declared, *equations.unknowns(known_to_act(equations))]
+    places = np.array([each.place for each in free])
     same = equations.boundaries.size == len(solution.state.x_WB)
     same &= all(len(each) == equations.t.size for each in solution.weights.values())
     if not same or places.size != solution.state.selected.size:

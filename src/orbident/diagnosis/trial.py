@@ -1,5 +1,6 @@
 """A recording with one thing put right: is it accepted then?"""
 
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -10,7 +11,9 @@ from orbident.estimation.criteria import judge
 from orbident.estimation.estimate import Estimate, Solved
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.obstacles import obstacles
-from orbident.estimation.output_error.estimator import FEW_STEPS, OutputError
+from orbident.estimation.output_error.calibration import NOTHING_FREE
+from orbident.estimation.output_error.estimator import OutputError
+from orbident.estimation.output_error.hypotheses import FEW_STEPS
 from orbident.estimation.solve import misfit
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
@@ -37,17 +40,22 @@ class Trial(NamedTuple):
         return self.estimate is not None and not self.estimate.converged
 
 
-def trial(cause: str, problem: MomentumProblem) -> Trial:
+def trial(
+    cause: str, problem: MomentumProblem, free: Mapping[str, float] = NOTHING_FREE
+) -> Trial:
     """Identify by output error, and judge.
 
     Args:
         cause: what is put right in it.
         problem: as it would be.
+        free: standard deviations beforehand of errors of instruments, by family; SI.
     """
     if obstacles(problem):
         return Trial(cause, False, np.inf)
     try:
-        shown = OutputError(steps=FEW_STEPS).estimate(problem, lambda _: None)
+        shown = OutputError(steps=FEW_STEPS, free=free).estimate(
+            problem, lambda _: None
+        )
     except InputError:  # Equations that overflow, or too few rows.
         return Trial(cause, False, np.inf)
     judgement = judge(Solved(problem, [], shown, shown), dict(shown.masses))

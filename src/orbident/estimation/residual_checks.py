@@ -113,15 +113,18 @@ def _instruments(estimate: Estimate) -> Iterator[Check]:
     """Whether one instrument's error alone would explain more than chance does."""
     if estimate.sensitivity is None or not estimate.converged:
         return
-    every = estimate.sensitivity().freed
     # Where joints are is no instrument's doing; it is tried where a cause is wanted.
-    freed = [each for each in every if not OF_GEOMETRY.search(each.name)]
-    if not freed:
+    alone = {
+        name: each
+        for name, each in estimate.sensitivity().alone.items()
+        if not OF_GEOMETRY.search(name)
+    }
+    if not alone:
         return
-    most = limit("instrument", 1, len(freed))
-    first = max(freed, key=lambda each: each.chi2_drop)
-    drop = first.chi2_drop
-    name = first.name.replace(".", " ")
+    most = limit("instrument", 1, len(alone))
+    name = max(alone, key=lambda name: alone[name].fall)
+    (value,), (std,), drop = alone[name]
+    name = name.replace(".", " ")
     if not drop > most:
         reason = "no instrument's error would explain more than chance does"
         yield Check("instruments", "trust", reason, "", drop, most)
@@ -129,7 +132,7 @@ def _instruments(estimate: Estimate) -> Iterator[Check]:
     yield Check(
         "instruments",
         "do not trust",
-        f"an error of {name} by {first.value:.2g} +- {first.std:.1g} (SI) would lower "
+        f"an error of {name} by {value:.2g} +- {std:.1g} (SI) would lower "
         f"chi-square by {drop:.3g}, and more than {most:.2g} is no chance: it, or "
         "something that looks like it, is not as declared",
         f"check {name}, or declare its tolerance in the robot file",

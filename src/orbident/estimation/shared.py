@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from orbident.estimation.unknowns import Calibration
+from orbident.estimation.unknowns import Unknown
 
 
 class Shared(NamedTuple):
@@ -14,12 +14,12 @@ class Shared(NamedTuple):
 
     beta: Float[np.ndarray, " beta"]
     """Near where they were linearised."""
-    errors: tuple[Calibration, ...]
+    errors: tuple[Unknown, ...]
     """Those that have a tolerance, which is not among the equations."""
     equations: Float[np.ndarray, "rows columns"]
     """`[R, z]` over `[beta | errors]`."""
 
-    def over(self, errors: Sequence[Calibration]) -> Float[np.ndarray, "rows columns"]:
+    def over(self, errors: Sequence[Unknown]) -> Float[np.ndarray, "rows columns"]:
         """The equations over `beta` and these errors; all others are eliminated."""
         wanted = {each.name for each in errors}
         more = [each for each in self.errors if each.name not in wanted]

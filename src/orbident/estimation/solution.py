@@ -85,6 +85,13 @@ class Unknowns(NamedTuple):
             selected=np.append(self.selected, places),
         )
 
+    def carried(self, places: Float[np.ndarray, " selected"]) -> "Unknowns":
+        """The state with these alone selected; those that were not are zero."""
+        values = dict(zip(self.selected, self.calibration, strict=True))
+        own = self.common[: self.common.size - self.selected.size]
+        chosen = [values.get(place, 0.0) for place in places]
+        return self._replace(common=np.append(own, chosen), selected=places)
+
     def moved(
         self, z: Float[np.ndarray, "boundaries local"], g: Float[np.ndarray, " common"]
     ) -> "Unknowns":

@@ -84,8 +84,8 @@ def _may_be_late(found: Evidence) -> bool:
     shown = found.shown
     if shown is None or shown.sensitivity is None or not shown.converged:
         return True
-    freed = {each.name: each.chi2_drop for each in shown.sensitivity().freed}
-    return freed.get("joints.clock", np.inf) > WORTH
+    late = shown.sensitivity().alone.get("joints.clock")
+    return late is None or late.fall > WORTH
 
 
 def _better(one: Evidence, other: Evidence) -> bool:

@@ -4,8 +4,8 @@ Errors of instruments, what acts from outside, and what either would do if it we
 the unknowns.
 """
 
-from collections.abc import Sequence
-from typing import Literal, NamedTuple
+from collections.abc import Collection, Mapping
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
@@ -23,17 +23,6 @@ class CalibrationFit(NamedTuple):
     """The standard deviation beforehand, as the robot file declares it."""
 
 
-class Freed(NamedTuple):
-    """A calibration error as it would be if it alone were an unknown."""
-
-    name: str
-    value: float
-    """SI or relative."""
-    std: float
-    chi2_drop: float
-    """How much chi-square would fall; chi-square of one degree without an error."""
-
-
 class Sensitivity(NamedTuple):
     """What undeclared calibration errors would do to the base parameters."""
 
@@ -45,13 +34,15 @@ class Sensitivity(NamedTuple):
     largest one, without its sign, by what acts unseen."""
     covariance: Float[np.ndarray, "beta beta"]
     """Covariance of the estimated `[M, sigma, iota]`."""
-    freed: tuple[Freed, ...]
+    alone: Mapping[str, "Score"]
+    """What each error would be if it alone were an unknown, by its name."""
     left: Float[np.ndarray, "rows columns"]
     """`[R_c, z]`: the equations of the errors after those of all other unknowns."""
 
-    def falls(self, which: Sequence[int]) -> float:
-        """How much chi-square would fall if all of these were unknowns."""
-        return explained(self.left[:, list(which)], self.left[:, -1]).fall
+    def together(self, names: Collection[str]) -> "Score":
+        """What all of these would be if they were unknowns."""
+        which = [k for k, name in enumerate(self.names) if name in names]
+        return score(self.left[:, which], self.left[:, -1])
 
     def in_deviations(
         self, derivative: Float[np.ndarray, "parameters beta"]
@@ -61,25 +52,28 @@ class Sensitivity(NamedTuple):
         return derivative @ self.shift / np.sqrt(np.diag(C))[:, None]
 
 
-class Explained(NamedTuple):
-    """What some numbers would be if they were unknowns, to first order."""
+class Score(NamedTuple):
+    """What some numbers would be if they were unknowns, to first order; SI."""
 
-    numbers: Float[np.ndarray, " numbers"]
+    values: Float[np.ndarray, " numbers"]
+    std: Float[np.ndarray, " numbers"]
+    """Infinite where nothing shows a number."""
     fall: float
-    """How far chi-square would fall."""
+    """How far chi-square would fall: chi-square itself where all numbers are zero."""
 
 
-def explained(
-    R: Float[np.ndarray, "rows numbers"], z: Float[np.ndarray, " rows"]
-) -> Explained:
+def score(R: Float[np.ndarray, "rows numbers"], z: Float[np.ndarray, " rows"]) -> Score:
     """The numbers `x` of `R x = z + e` that leave least, `e` white of unit variance.
 
     This is the one score of whatever may be freed: errors of instruments, what acts
-    from outside, and what may be wrong with a recording.
+    from outside, and what may be wrong with a recording (score test, Rao 1948).
     """
     x = np.linalg.lstsq(R, z)[0]
     after = z - R @ x
-    return Explained(x, float(z @ z - after @ after))
+    # Where two numbers show alike, each is as sure as their sum is.
+    std = np.sqrt(np.diag(np.linalg.pinv(R.T @ R)))
+    seen = R.any(axis=0)
+    return Score(x, np.where(seen, std, np.inf), float(z @ z - after @ after))
 
 
 class DisturbanceFit(NamedTuple):
@@ -94,18 +88,19 @@ class DisturbanceFit(NamedTuple):
     had the group been left out."""
 
 
-Unit = Literal["rad", "m", "1", "s"]
-
-
-class Calibration(NamedTuple):
-    """One calibration error; it is zero where the instrument is perfect."""
+class Unknown(NamedTuple):
+    """A number beside the parameters: zero where nothing is off and nothing acts."""
 
     name: str
-    """Such as `joint.elbow.zero` or `gyro.scale.x`."""
-    unit: Unit
-    acts: bool
-    """Whether anything that was recorded depends on it."""
+    """Such as `joint.elbow.zero`, `gyro.scale.x` or `slow_torque.x.3`."""
+    family: str
+    """What is there or not there together, such as all numbers of a slow torque."""
+    unit: str
+    """`rad`, `m`, `1` or `s` of an error; N m and others of what acts."""
     std: float
-    """The tolerance that the robot file declares; zero where the error is zero."""
-    place: int = 0
-    """Place in the order of the core's `calibration.hpp`."""
+    """The standard deviation beforehand; zero where it is taken for zero until a fit
+    frees it."""
+    place: float
+    """Among the core's calibrations (`calibration.hpp`), or behind them."""
+    positive: bool = False
+    """Whether less than zero is impossible."""

@@ -14,8 +14,8 @@ import numpy as np
 from orbident.errors import InputError
 from orbident.estimation.found import EstimatedParameters, found_beta, prior_std
 from orbident.estimation.linear_fits import InitialMomentum
-from orbident.estimation.maximum_likelihood import estimate_of
 from orbident.estimation.output_error.beforehand import prior_of
+from orbident.estimation.output_error.estimator import estimate_of
 from orbident.estimation.output_error.problem import (
     NOTHING,
     linear,

@@ -14,10 +14,9 @@ from orbident.estimation.criteria import judge
 from orbident.estimation.estimate import Estimate, Solved
 from orbident.estimation.found import EstimatedParameters, found_beta, prior_std
 from orbident.estimation.least_squares import LeastSquares
-from orbident.estimation.maximum_likelihood import estimate_of
 from orbident.estimation.momentum_problem import momentum_problems
 from orbident.estimation.obstacles import obstacles
-from orbident.estimation.output_error.estimator import OutputError
+from orbident.estimation.output_error.estimator import OutputError, estimate_of
 from orbident.estimation.result import Result
 from orbident.estimation.results import result_of
 from orbident.estimation.solve import solve

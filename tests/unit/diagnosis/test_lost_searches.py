@@ -9,9 +9,9 @@ from cause_problems import clean, fitted, problem_with
 from orbident.diagnosis import causes as module
 from orbident.diagnosis.causes import LOST, _tried
 from orbident.diagnosis.trial import Trial
-from orbident.estimation import maximum_likelihood as likelihood
 from orbident.estimation.estimate import Estimate, Solved
 from orbident.estimation.momentum_problem import MomentumProblem
+from orbident.estimation.output_error import hypotheses
 from orbident.estimation.output_error.estimator import OutputError
 from orbident.recordings.recording import Recording
 
@@ -61,8 +61,8 @@ def test_a_trial_of_nonsense_does_not_ask_what_else_acts(monkeypatch):
         searches += 1
         return solved(*given, **named)
 
-    solved = likelihood.solved
-    monkeypatch.setattr(likelihood, "solved", counted)
+    solved = hypotheses.solved
+    monkeypatch.setattr(hypotheses, "solved", counted)
     found = OutputError(steps=12).estimate(part, lambda _: None)
     assert not found.converged
     assert searches == 2

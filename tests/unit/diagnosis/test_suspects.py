@@ -7,15 +7,16 @@ from cause_problems import clean, fitted, problem_with
 from edited_recordings import changed
 
 from orbident.diagnosis.frames import beside, missing_wheel
-from orbident.diagnosis.suspects import Score, Suspect, score
+from orbident.diagnosis.suspects import Suspect, score_of
 from orbident.estimation.momentum_problem import MomentumProblem, momentum_problems
+from orbident.estimation.unknowns import Score
 
 
 def best(problem: MomentumProblem, suspects) -> tuple[Suspect, Score]:
     solution = fitted(problem).solution
     assert solution is not None
-    scores = [(each, score(problem, solution, each)) for each in suspects]
-    return max(scores, key=lambda one: one[1].falls)
+    scores = [(each, score_of(problem, solution, each)) for each in suspects]
+    return max(scores, key=lambda one: one[1].fall)
 
 
 def test_inertial_axes():
@@ -30,9 +31,9 @@ def test_inertial_axes():
         }
     )
     suspect, first = best(problem, beside(problem))
-    assert "different inertial axes" in suspect.words(first.numbers)
+    assert "different inertial axes" in suspect.words(first.values)
     np.testing.assert_allclose(
-        first.numbers, [0.0, 0.0, -0.02], atol=5 * first.std.max()
+        first.values, [0.0, 0.0, -0.02], atol=5 * first.std.max()
     )
 
 

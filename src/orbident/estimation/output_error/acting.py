@@ -31,6 +31,7 @@ from orbident.estimation.output_error.forms import (
     recorded,
 )
 from orbident.estimation.output_error.walks import WALKS, walks
+from orbident.estimation.unknowns import Unknown
 from orbident.robot.description import MomentumWalk
 
 ROWS = 15
@@ -69,11 +70,21 @@ class Acting:
         )
         return Acting(replace(self.followed, robot=walking), self.first)
 
-    @property
-    def places(self) -> Float[np.ndarray, " disturbances"]:
-        """The places of all disturbances that may act beside recorded thrust."""
+    @cached_property
+    def unknowns(self) -> tuple[Unknown, ...]:
+        """Sizes of all that may act beside recorded thrust, in the core's order."""
         first = self.first + len(self.recorded)
-        return first + np.arange(float(len(self.disturbances)))
+        return tuple(
+            Unknown(
+                each.name,
+                each.group,
+                each.unit,
+                each.std,
+                float(first + k),
+                each.positive,
+            )
+            for k, each in enumerate(self.disturbances)
+        )
 
     def table(
         self,

@@ -9,7 +9,7 @@ from orbident.estimation.linear_fits import Fits, InitialMomentum, known_momentu
 from orbident.estimation.output_error.problem import NOTHING
 from orbident.estimation.shared import Shared
 from orbident.estimation.solution import OUTSIDE, Outside, Prior
-from orbident.estimation.unknowns import Calibration
+from orbident.estimation.unknowns import Unknown
 from orbident.model.minimal_sets import MinimalSets
 from orbident.preprocessing.samples import Samples
 from orbident.robot.description import Robot
@@ -42,7 +42,7 @@ def first_momentum(
 def prior_of(
     robot: Robot,
     sets: MinimalSets,
-    calibrations: Sequence[Calibration],
+    calibrations: Sequence[Unknown],
     outside: Outside,
     initial_momentum: InitialMomentum,
 ) -> Prior:
@@ -70,9 +70,7 @@ def prior_of(
     )
 
 
-def with_others(
-    prior: Prior, others: Shared, calibrations: Sequence[Calibration]
-) -> Prior:
+def with_others(prior: Prior, others: Shared, calibrations: Sequence[Unknown]) -> Prior:
     """Add what other recordings of the robot say of `beta` and its instruments."""
     rows = others.over(calibrations)
     return prior._replace(others=np.hstack([np.zeros((len(rows), OUTSIDE)), rows]))

@@ -12,7 +12,7 @@ are `R c = z + e`, with `e` of unit variance and `c` of the variance `q^2`, so t
 The most likely density `q` is that of restricted likelihood (Harville 1977).
 """
 
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -20,7 +20,6 @@ from jaxtyping import Float, Int
 from scipy.linalg import cho_factor, cho_solve
 from scipy.optimize import minimize
 
-from orbident.estimation.output_error.forms import Disturbance
 from orbident.estimation.output_error.problem import Problem
 from orbident.estimation.output_error.walks import WALKS
 from orbident.estimation.solution import OUTSIDE, Solution, Unknowns
@@ -46,11 +45,11 @@ def identified(
         value, C = sizes_of(problem, solution, group)
         std, shift = np.sqrt(np.diag(C)), _shift(problem, solution, group)
         if group in WALKS:
-            wave = next(members(problem, group))
+            wave = problem.unknowns([group])[0]
             deviation = density_std.get(group, 0.0)
             fits[group] = DisturbanceFit(group, wave.unit, wave.std, deviation, shift)
             continue
-        for k, each in enumerate(members(problem, group)):
+        for k, each in enumerate(problem.unknowns([group])):
             fits[each.name] = DisturbanceFit(
                 group, each.unit, float(value[k]), float(std[k]), shift
             )
@@ -68,37 +67,20 @@ def _shift(problem: Problem, solution: Solution, group: str) -> float:
     return float(np.max(np.abs(change) / np.sqrt(np.diag(C)[beta])))
 
 
-def members(problem: Problem, group: str) -> Iterator[Disturbance]:
-    """The numbers of a group."""
-    return (each for each in problem.acting.disturbances if each.group == group)
-
-
-def places_of(problem: Problem, names: Collection[str]) -> Float[np.ndarray, " n"]:
-    """The places of what has these names, among all that can be an unknown.
-
-    A name is that of a group of disturbances or of an instrument's error.
-    """
-    errors = [each.place for each in problem.calibrations if each.name in names]
-    if len(errors) == len({*names}):
-        # What may act takes some 3 kB a row to work out.
-        return np.array(errors, float)
-    acting = zip(problem.acting.disturbances, problem.acting.places, strict=True)
-    return np.array([*errors, *(k for each, k in acting if each.group in names)], float)
-
-
-def _selected(problem: Problem, state: Unknowns, group: str) -> Int[np.ndarray, " n"]:
-    """Where the numbers of a group are among those selected."""
-    return np.flatnonzero(np.isin(state.selected, places_of(problem, [group])))
-
-
 def sizes_of(
-    problem: Problem, solution: Solution, group: str
+    problem: Problem, solution: Solution, family: str
 ) -> tuple[Float[np.ndarray, " n"], Float[np.ndarray, "n n"]]:
-    """The numbers of a group that was freed, SI, and their covariance."""
+    """The numbers of a family that was freed, SI, and their covariance."""
     state = solution.state
-    which = _selected(problem, state, group)
+    which = _selected(problem, state, family)
     here = len(solution.covariance) - state.selected.size + which
     return state.calibration[which], solution.covariance[np.ix_(here, here)]
+
+
+def _selected(problem: Problem, state: Unknowns, family: str) -> Int[np.ndarray, " n"]:
+    """Where the numbers of a family are among those selected."""
+    places = [each.place for each in problem.unknowns([family])]
+    return np.flatnonzero(np.isin(state.selected, places))
 
 
 RANGE = 1e6
@@ -168,15 +150,16 @@ def densities(
         solution: of these, with the waves of all walks as its last unknowns.
         unknown: groups of waves; the density of any other walk is taken as it is.
     """
-    acting = [name for name in WALKS if places_of(problem, [name]).size]
-    waves = [places_of(problem, [name]).size for name in acting]
+    of_walks = {name: problem.unknowns([name]) for name in WALKS}
+    acting = [name for name in WALKS if of_walks[name]]
+    waves = [len(of_walks[name]) for name in acting]
     n, state, prior = sum(waves), solution.state, solution.prior
     std = prior.std.copy()
     std[-n:] = np.inf
     factor = prior._replace(std=std).added(solution.linear.common, state)
     R, z = factor[-1 - n : -1, -1 - n : -1], factor[-1 - n : -1, -1]
     parts = dict(zip(acting, np.split(R, np.cumsum(waves)[:-1], axis=1), strict=True))
-    before = {name: next(members(problem, name)).std for name in acting}
+    before = {name: of_walks[name][0].std for name in acting}
     noise = np.eye(n)
     for name in acting:
         if name not in unknown:

@@ -1,19 +1,67 @@
-"""Maximum likelihood as an estimator like the others."""
+"""Maximum likelihood by output error (theory: Section 6).
 
-from dataclasses import dataclass, replace
+Momentum conservation predicts what all sensors show; the unknowns are those that make
+the whitened prediction errors smallest: `beta = [M, sigma, iota]`, momentum and CM
+motion, sensor biases, attitudes where segments of the recording meet (multiple
+shooting), and the errors of the smoothed joint histories. The information at the
+solution gives the covariance.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 from jaxtyping import Float
 
-from orbident.estimation.estimate import Estimate, Progress, estimate_of_beta
-from orbident.estimation.maximum_likelihood import maximum_likelihood
-from orbident.estimation.momentum_problem import MomentumProblem
+from orbident import _core
+from orbident.errors import InputError
+from orbident.estimation.estimate import (
+    Estimate,
+    Goodness,
+    Progress,
+    SensorFit,
+    estimate_of_beta,
+)
+from orbident.estimation.found import BetaEstimate, hidden_of, prior_std
+from orbident.estimation.momentum_problem import MomentumProblem, OutsideMomentum
 from orbident.estimation.nonlinear_fit import beta_of_fits
+from orbident.estimation.output_error.beforehand import (
+    first_momentum,
+    prior_of,
+    with_others,
+)
+from orbident.estimation.output_error.disturbance_sizes import (
+    identified,
+    with_densities,
+)
+from orbident.estimation.output_error.forms import FILM, IN_WORDS, NEEDS, PUSH, SLOW
+from orbident.estimation.output_error.hypotheses import (
+    LONGEST,
+    Search,
+    averaged,
+    selected,
+)
+from orbident.estimation.output_error.noise_scaling import Fitted
+from orbident.estimation.output_error.problem import (
+    Problem,
+    linear,
+    problem_of,
+    start_of,
+)
+from orbident.estimation.output_error.sensitivity import sensitivity, with_unseen
+from orbident.estimation.output_error.sensors import Sensors, sensors_of
+from orbident.estimation.output_error.sharing import shared_of
 from orbident.estimation.output_error.solver import STEPS
+from orbident.estimation.output_error.walks import WALKS
+from orbident.estimation.predicted import sensor_signals
 from orbident.estimation.shared import Shared
-
-FEW_STEPS = 12
-"""Steps of a search that tries an amendment: where it is right, fewer are needed."""
+from orbident.estimation.solution import OUTSIDE, Solution, Unknowns
+from orbident.estimation.unknowns import CalibrationFit
+from orbident.model.minimal_sets import conserved_axes
+from orbident.preprocessing.delays import delays
+from orbident.recordings.long_recording import LARGE
+from orbident.robot.description import Robot
 
 
 @dataclass(frozen=True)
@@ -22,9 +70,14 @@ class OutputError:
 
     name: str = "maximum-likelihood"
     steps: int = STEPS
-    """The most steps that the search takes with one set of the sensors' weights."""
+    """The most steps that the search takes with one set of the sensors' weights; where
+    fewer than usual find no least cost, and the fit is bad, it is not asked what else
+    acts."""
     others: Shared | None = None
-    """What other recordings of the same robot say."""
+    """What other recordings of the same robot say; the search starts there."""
+    free: Mapping[str, float] = field(default_factory=dict)
+    """Standard deviations beforehand of errors of instruments, by family, in place of
+    the tolerances of the robot file; SI."""
 
     def estimate(self, problem: MomentumProblem, progress: Progress) -> Estimate:
         """Fit all sensors at once."""
@@ -36,45 +89,90 @@ class OutputError:
             done += (1 - done) / 2
             progress(done)
 
-        likelihood = maximum_likelihood(
-            problem.robot,
-            problem.sets,
-            problem.recording,
-            problem.samples,
-            problem.fits,
-            _first(problem),
-            problem.late,
-            problem.initial_momentum,
-            step,
-            self.steps,
-            self.others,
+        robot, sets = problem.robot, problem.sets
+        sensors = sensors_of(
+            robot, problem.recording, delays(robot, problem.recording, problem.late)
         )
-        sensors = likelihood.sensors
-        rms = {name: fit.rms for name, fit in sensors.items()}
+        search = self._search(problem, sensors, step)
+        # Without declared noise, what splines leave between samples looks slow too.
+        excluded = () if search.declared == {*sensors.by_name} else SLOW
+        asked = known_to_act(search.problem)
+        equations, density_std = with_densities(
+            search.problem,
+            asked,
+            lambda equations: replace(search, problem=equations).freed(asked),
+        )
+        search = replace(search, problem=equations)
+        selection = selected(search, asked, excluded)
+        zeros, found, families, base = selection
+        undecided = averaged(search, selection, asked, robot.disturbances is None)
+        beta = estimate_of(found.solution, prior_std(robot, sets))
+        off = undecided.off
+        by_sensor = {name: _sensor_fit(sensors, found, name) for name in found.parts}
+        disturbances = identified(equations, found.solution, families, density_std)
         return replace(
             estimate_of_beta(
                 problem,
-                likelihood.estimate,
+                beta._replace(covariance=beta.covariance + off @ off.T),
                 "maximum likelihood",
-                rms,
-                likelihood.goodness,
-                disturbed=bool(likelihood.disturbances),
+                {name: fit.rms for name, fit in by_sensor.items()},
+                _goodness(sensors, found),
+                disturbed=bool(disturbances),
             ),
-            sensors=sensors,
-            biases=likelihood.biases,
-            disturbances=likelihood.disturbances,
-            suspected=likelihood.suspected,
-            unseen=likelihood.unseen,
-            instead=likelihood.instead,
-            calibration=likelihood.calibration,
-            sensitivity=likelihood.sensitivity,
-            converged=likelihood.converged,
-            settled=likelihood.settled,
-            convergence=likelihood.convergence,
-            signals=likelihood.signals,
-            solution=likelihood.solution,
-            shared=likelihood.shared,
-            given=likelihood.given,
+            sensors=by_sensor,
+            biases=_biases(robot, sensors, found),
+            disturbances=disturbances,
+            suspected=undecided.suspected,
+            unseen=undecided.unseen,
+            instead=undecided.instead,
+            calibration=_calibration(equations, found.solution),
+            sensitivity=lambda: with_unseen(sensitivity(zeros), undecided.unseen),
+            converged=found.solution.converged,
+            settled=found.settled,
+            convergence=found.convergence,
+            signals=sensor_signals(robot, equations, sensors, found),
+            solution=base.solution,
+            shared=partial(shared_of, equations, found.solution, off),
+            given=partial(_given, equations, found.solution.state),
+        )
+
+    def _search(
+        self, problem: MomentumProblem, sensors: Sensors, step: Callable[[], object]
+    ) -> Search:
+        """The equations, and where their least cost is looked for."""
+        robot, sets, samples = problem.robot, problem.sets, problem.samples
+        momentum = problem.initial_momentum
+        equations = problem_of(robot, sets, samples, sensors, self.free)
+        outside = first_momentum(robot, sets, samples, problem.fits, momentum)
+        prior = prior_of(robot, sets, equations.declared, outside, momentum)
+        beta = _first(problem)
+        if self.others is not None:
+            beta = self.others.beta
+            prior = with_others(prior, self.others, equations.declared)
+        # Linear fits are poor where a velocity is noisier than the motion.
+        starts = [
+            start_of(equations, samples, outside, at)
+            for at in (beta, sets.beta(robot.theta))
+        ]
+        at_hand = []
+        # Those of many samples are as good as they will be, and equations take long.
+        if equations.t.size >= LARGE:
+            _core.give_back_memory()
+        else:
+            here, other = (linear(equations, equations.weights, at) for at in starts)
+            if other.cost < here.cost:
+                here, starts = other, starts[::-1]
+            at_hand = [here]
+            del here, other
+        return Search(
+            equations,
+            prior,
+            starts,
+            at_hand,
+            {name: each.least / each.std for name, each in sensors.by_name.items()},
+            {name for name, each in sensors.by_name.items() if each.declared},
+            step,
+            self.steps,
         )
 
 
@@ -83,3 +181,112 @@ def _first(problem: MomentumProblem) -> Float[np.ndarray, " beta"]:
     if problem.samples.unknown_thrust:
         return problem.sets.beta(problem.robot.theta)
     return beta_of_fits(problem.robot, problem.sets, problem.fits).values
+
+
+def known_to_act(problem: Problem) -> tuple[str, ...]:
+    """Families that act for certain: as the robot file says, or a push.
+
+    Raises:
+        InputError: there is none of this name, nothing of it shows in this recording,
+            or the recording is too long for it.
+    """
+    followed = problem.acting.followed
+    names = followed.robot.said_to_act
+    if {*WALKS} & {*names} and problem.t.size > LONGEST:
+        raise InputError(
+            f"momentum that walks at random needs 20 kB a row by maximum likelihood, "
+            f"and the recording has {problem.t.size} rows of at most {LONGEST}; "
+            "declare momentum_walk and use --method structured"
+        )
+    possible = followed.tracked and problem.t.size <= LONGEST
+    if not possible and FILM not in (followed.robot.disturbances or ()):
+        # Pads imply it, which is no reason to refuse.
+        names = tuple(name for name in names if name != FILM)
+    every = {each.family for each in problem.acting.unknowns} if names else set()
+    for name in names:
+        if name not in IN_WORDS:
+            known = ", ".join(IN_WORDS)
+            raise InputError(f"disturbance '{name}' is unknown; use {known}")
+        if name not in every:
+            raise InputError(
+                f"disturbance '{name}' is asked for, and shows in no "
+                f"recording without {NEEDS[name]}; give that, or do not ask for it"
+            )
+    return (*names, PUSH) if followed.samples.pushed else names
+
+
+def estimate_of(solution: Solution, scale: Float[np.ndarray, " beta"]) -> BetaEstimate:
+    """The part of a solution that is about `beta`."""
+    n, prior, state = scale.size, solution.prior, solution.state
+    of_beta = slice(OUTSIDE, OUTSIDE + n)
+    # What is known beforehand of all else counts: a momentum gives the scale.
+    std = prior.std.copy()
+    std[of_beta] = np.inf
+    factor = prior._replace(std=std).added(solution.linear.common, state)
+    if state.selected.size:
+        # With the calibrations first, the last rows are what is known of beta alone.
+        columns = np.roll(np.arange(OUTSIDE, len(factor) - 1), state.selected.size)
+        order = np.r_[:OUTSIDE, columns, len(factor) - 1]
+        factor = np.asarray(np.linalg.qr(factor[:, order], mode="r"))
+    C = solution.covariance[solution.linear.local :, solution.linear.local :]
+    return BetaEstimate(
+        values=state.beta,
+        covariance=C[of_beta, of_beta],
+        hidden=hidden_of(factor[-n - 1 : -1, -n - 1 : -1], scale),
+    )
+
+
+def _biases(
+    robot: Robot, sensors: Sensors, found: Fitted
+) -> dict[str, dict[str, float]]:
+    """The biases at the end of the recording, estimated from all of it."""
+    turning, moving = conserved_axes(robot)
+    solution = found.solution
+    C = solution.end.covariance(solution.covariance)
+    biases = {}
+    for first, name, axes in ((3, "gyro", turning), (6, "accelerometer", moving)):
+        for k in axes if name in sensors.by_name else ():
+            biases[f"{name}.{'xyz'[k]}"] = {
+                "value": float(solution.state.local[-1, first + k]),
+                "std": float(np.sqrt(max(C[first + k, first + k], 0.0))),
+            }
+    return biases
+
+
+def _given(problem: Problem, at: Unknowns) -> OutsideMomentum | None:
+    return problem.acting.given(at.beta, at.calibration, at.selected)
+
+
+def _calibration(problem: Problem, solution: Solution) -> dict[str, CalibrationFit]:
+    values, n = solution.state.calibration, len(solution.state.selected)
+    std = np.sqrt(np.diag(solution.covariance))[-n:] if n else np.zeros(0)
+    # Disturbances come after them.
+    return {
+        each.name: CalibrationFit(float(value), float(deviation), each.std)
+        for each, value, deviation in zip(problem.declared, values, std, strict=False)
+    }
+
+
+def _sensor_fit(sensors: Sensors, found: Fitted, name: str) -> SensorFit:
+    sensed, part = sensors.by_name[name], found.parts[name]
+    noise = sensed.std * found.levels[name]
+    size = part.values.size
+    rms = float(np.sqrt(np.mean(part.values**2))) if size else np.nan
+    return SensorFit(
+        rms=rms * noise,
+        noise=noise,
+        declared=sensed.std if sensed.declared else np.nan,
+        whiteness=part.whiteness,
+        samples=len(part.values),
+    )
+
+
+def _goodness(sensors: Sensors, found: Fitted) -> Goodness:
+    total = left = 0.0
+    for name, part in found.parts.items():
+        declared = sensors.by_name[name].declared
+        level = found.levels[name] if declared else 1.0
+        total += level**2 * float(np.sum(part.values**2))
+        left += part.values.size - part.unknowns
+    declared = any(sensors.by_name[name].declared for name in found.parts)
+    return Goodness(total, left, declared)

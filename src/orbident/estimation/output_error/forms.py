@@ -38,6 +38,9 @@ SLOW = ("slow_torque", "slow_base_torque", "wheel_loss")
 STEADY = {"slow_torque": "torque", "slow_base_torque": "base_torque"}
 """What has a mean beside, by groups of what changes slowly."""
 
+FILM = "drag"
+"""The group that acts where a robot has pads."""
+
 PUSH = "push"
 """The group of what acts for a short time, which is not tested for but looked for."""
 

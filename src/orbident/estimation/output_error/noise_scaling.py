@@ -139,6 +139,7 @@ def fitted(
     declared: Collection[str],
     progress: Callable[[], object],
     steps: int,
+    hasty: bool,
 ) -> Fitted:
     """Go on from a solution with assumed noise to the most likely one.
 
@@ -149,11 +150,13 @@ def fitted(
         declared: sensors whose noise is.
         progress: is called at every step.
         steps: at most, for the weights of each round.
+        hasty: whether one round without a solution is enough.
     """
     solution = first()
     assumed, unknowns = solution.cost, _unknowns(problem, solution.state)
     levels = dict.fromkeys(problem.weights, 1.0)
     rounds = lost = 0
+    most = 1 if hasty else LOST
     taken: Convergence = ()
     while True:
         if problem.t.size >= LARGE:
@@ -172,7 +175,7 @@ def fitted(
                 partial(_level, least=least[name], declared=name in declared),
             )
             changed = max(changed, change(solution.weights[name], used[name]))
-        if rounds == ROUNDS or lost == LOST or changed < SETTLED:
+        if rounds == ROUNDS or lost == most or changed < SETTLED:
             break
         state, prior = solution.state, solution.prior
         # Its rows take as much memory as those of the next one.

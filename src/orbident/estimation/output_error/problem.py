@@ -11,6 +11,7 @@ It has no momentum in the geometry that is declared. With joints elsewhere it ha
 the product of its own size and the change of geometry.
 """
 
+from collections.abc import Collection, Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -19,7 +20,10 @@ from scipy.spatial.transform import Rotation, Slerp
 
 from orbident import _core
 from orbident.estimation.output_error.acting import Acting
-from orbident.estimation.output_error.calibration import calibrations_of
+from orbident.estimation.output_error.calibration import (
+    NOTHING_FREE,
+    calibrations_of,
+)
 from orbident.estimation.output_error.followed import Followed
 from orbident.estimation.output_error.sensors import (
     Lasting,
@@ -39,7 +43,7 @@ from orbident.estimation.solution import (
     Outside,
     Unknowns,
 )
-from orbident.estimation.unknowns import Calibration
+from orbident.estimation.unknowns import Unknown
 from orbident.model.core_robot import core_tree
 from orbident.model.minimal_sets import MinimalSets
 from orbident.model.wheel_arrays import wheels_of
@@ -78,15 +82,24 @@ class Problem(NamedTuple):
     loose: Looseness
     lasting: Lasting
     """What lasts of the noise of attitude and position."""
-    calibrations: tuple[Calibration, ...]
-    """The calibration errors that act on it."""
+    instruments: tuple[Unknown, ...]
+    """The errors that act on it, and gains of recorded thrust."""
     acting: Acting
     """What may act from outside."""
 
     @property
-    def declared(self) -> tuple[Calibration, ...]:
-        """The calibration errors that have a tolerance: the unknown ones."""
-        return tuple(each for each in self.calibrations if each.std)
+    def declared(self) -> tuple[Unknown, ...]:
+        """Those errors that are unknown in every fit: they have a tolerance."""
+        return tuple(each for each in self.instruments if each.std)
+
+    def unknowns(self, names: Collection[str]) -> tuple[Unknown, ...]:
+        """All that have one of these names, or are of one of these families."""
+        named = tuple(each for each in self.instruments if {*each[:2]} & {*names})
+        if {*names} <= {name for each in named for name in each[:2]}:
+            # What may act takes some 3 kB a row to work out.
+            return named
+        acting = (each for each in self.acting.unknowns if each.family in names)
+        return (*named, *acting)
 
 
 def linear(problem: Problem, weights: BySensor, state: Unknowns) -> Linear:
@@ -129,7 +142,11 @@ def _linearised(
 
 
 def problem_of(
-    robot: Robot, sets: MinimalSets, samples: Samples, sensors: Sensors
+    robot: Robot,
+    sets: MinimalSets,
+    samples: Samples,
+    sensors: Sensors,
+    free: Mapping[str, float] = NOTHING_FREE,
 ) -> Problem:
     """The equations of a recording.
 
@@ -138,6 +155,7 @@ def problem_of(
         sets: its minimal sets.
         samples: histories of joints and wheels.
         sensors: what is predicted.
+        free: standard deviations beforehand in place of tolerances, by family; SI.
     """
     intervals = intervals_of(robot, samples, sensors)
     lasting = lasting_noise(robot, sensors)
@@ -186,7 +204,7 @@ def problem_of(
     )
     acting = Acting(Followed(robot, sets, samples, intervals), recorded.places)
     gains = (
-        Calibration(each.name, "1", True, each.std, recorded.places + k)
+        Unknown(each.name, each.group, "1", each.std, float(recorded.places + k))
         for k, each in enumerate(acting.recorded)
     )
     return Problem(
@@ -197,7 +215,7 @@ def problem_of(
         weights,
         loose,
         lasting,
-        (*calibrations_of(robot, sensors.by_name), *gains),
+        (*calibrations_of(robot, sensors.by_name, free), *gains),
         acting,
     )
 
@@ -250,7 +268,7 @@ def start_of(
     state = Unknowns(
         np.ascontiguousarray(x_WB), local, np.concatenate([*outside, beta])
     )
-    return state.selecting(np.array([float(each.place) for each in problem.declared]))
+    return state.selecting(np.array([each.place for each in problem.declared]))
 
 
 def unseen_part(robot: Robot, sets: MinimalSets) -> Float[np.ndarray, " theta"]:

@@ -19,8 +19,8 @@ from small_problems import (
 )
 
 from orbident.estimation.found import prior_std
-from orbident.estimation.maximum_likelihood import estimate_of
 from orbident.estimation.output_error.calibration import calibrations_of
+from orbident.estimation.output_error.estimator import estimate_of
 from orbident.estimation.output_error.problem import linear
 from orbident.estimation.output_error.solver import solved
 from orbident.estimation.solution import OUTSIDE, Solution

@@ -151,8 +151,9 @@ def test_slopes_are_those_of_the_predictions(motion):
         robot = small_robot_in_space()
         recording = noisy_in_space(small_recording_in_space(robot), 0)
     problem, _, state, _ = small_problem(with_sensors(robot), recording)
-    state = state.selecting(problem.acting.places)
-    size = len(problem.acting.places)
+    places = np.array([each.place for each in problem.acting.unknowns])
+    state = state.selecting(places)
+    size = places.size
     common = state.common.copy()
     common[-size:] = 1e-2 * np.linspace(1.0, 2.0, size)
     state = state._replace(common=common)

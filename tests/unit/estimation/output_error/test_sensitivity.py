@@ -14,15 +14,11 @@ from small_problems import (
 )
 
 from orbident.estimation.output_error.problem import linear
-from orbident.estimation.output_error.sensitivity import (
-    SMALL_ERROR,
-    TakenForZero,
-    _freed,
-    sensitivity,
-)
+from orbident.estimation.output_error.scores import TakenForZero
+from orbident.estimation.output_error.sensitivity import SMALL_ERROR, sensitivity
 from orbident.estimation.output_error.solver import solved
 from orbident.estimation.solution import Solution
-from orbident.estimation.unknowns import Freed
+from orbident.estimation.unknowns import score
 from orbident.model.derivatives import derivatives_of_beta
 from orbident.model.minimal_sets import minimal_sets
 from orbident.recordings.recording import Recording
@@ -56,9 +52,9 @@ def test_shifts_are_those_of_estimates_from_such_instruments(flown):
     table = sensitivity(TakenForZero(problem, solution))
     std = np.sqrt(np.diag(table.covariance))
     errors = one_by_one(robot, size)
-    assert table.names == tuple(each.name for each in problem.calibrations)
-    for k, each in enumerate(problem.calibrations):
-        error = errors[each.place]
+    assert table.names == tuple(each.name for each in problem.instruments)
+    for k, each in enumerate(problem.instruments):
+        error = errors[int(each.place)]
         shown = shown_with(error, robot, small_flight(error.robot(robot)))
         # With the weights of the recording without errors.
         there = small_problem(robot, shown).problem
@@ -102,19 +98,16 @@ def test_an_error_freed_alone_is_what_a_refit_finds(flown):
     exact = small_problem(robot, recording)
     weights = by_noise(exact)
     solution = solved(exact.problem, weights, exact.prior, exact.state)
-    freed = {
-        each.name: each
-        for each in sensitivity(TakenForZero(exact.problem, solution)).freed
-    }
+    alone = sensitivity(TakenForZero(exact.problem, solution)).alone
     free = Tolerances(position_scale=1.0)
     small = small_problem(replace(robot, tolerances=free), recording)
     again = solved(small.problem, weights, small.prior, small.state)
     std = np.sqrt(again.covariance[-1, -1])
-    found = freed["position.scale"]
-    assert abs(found.value - again.state.calibration[0]) < 0.02 * std
-    np.testing.assert_allclose(found.std, std, rtol=0.01)
+    (value,), (found,), fall = alone["position.scale"]
+    assert abs(value - again.state.calibration[0]) < 0.02 * std
+    np.testing.assert_allclose(found, std, rtol=0.01)
     drop = cost(exact, solution) - cost(small, again)
-    assert abs(found.chi2_drop - drop) < 0.01 * (1 + drop)
+    assert abs(fall - drop) < 0.01 * (1 + drop)
 
 
 def by_noise(small: Small) -> dict[str, np.ndarray]:
@@ -135,15 +128,17 @@ def test_the_cause_of_a_misfit_has_the_largest_drop(flown):
     errors = replace(no_errors(robot), position=np.array([5e-3]))
     small = small_problem(robot, shown_with(errors, robot, recording))
     solution = solved(small.problem, by_noise(small), small.prior, small.state)
-    freed = sensitivity(TakenForZero(small.problem, solution)).freed
-    cause = max(freed, key=lambda each: each.chi2_drop)
-    assert cause.name == "position.scale"
+    alone = sensitivity(TakenForZero(small.problem, solution)).alone
+    cause = max(alone, key=lambda name: alone[name].fall)
+    assert cause == "position.scale"
     # All of chi-square is its doing, but for what bends.
-    assert cause.value == pytest.approx(5e-3, rel=0.05)
-    assert cause.chi2_drop == pytest.approx(cost(small, solution), rel=0.05)
-    assert cause.value > 20 * cause.std
+    (value,), (std,), fall = alone[cause]
+    assert value == pytest.approx(5e-3, rel=0.05)
+    assert fall == pytest.approx(cost(small, solution), rel=0.05)
+    assert value > 20 * std
 
 
 def test_what_nothing_shows_has_an_infinite_deviation():
     """The scale of an encoder that shows zero all the time."""
-    assert _freed("any", np.zeros(3), np.ones(3)) == Freed("any", 0.0, np.inf, 0.0)
+    (value,), (std,), fall = score(np.zeros((3, 1)), np.ones(3))
+    assert (value, std, fall) == (0.0, np.inf, 0.0)

@@ -11,7 +11,7 @@ from orbident.estimation.estimate import Estimate
 from orbident.estimation.levels import limit
 from orbident.estimation.momentum_problem import momentum_problems
 from orbident.estimation.output_error.estimator import OutputError
-from orbident.estimation.output_error.sensitivity import suspects_in_words
+from orbident.estimation.output_error.hypotheses import undecided_in_words
 from orbident.estimation.unknowns import UNSEEN
 from orbident.recordings.recording import Recording
 
@@ -30,7 +30,7 @@ def test_mean_square_errors_are_those_of_a_fit_with_it_and_the_difference():
     plain, free = estimated(recording), estimated(recording, "torque")
     assert [*plain.suspected] == ["torque"]
     assert not plain.disturbances
-    (words,) = suspects_in_words(plain.suspected)
+    (words,) = undecided_in_words(plain.suspected, ())
     assert "--disturbance torque" in words
     one, other = plain.found.base, free.found.base
     square = np.diag(other.covariance) + (one.values - other.values) ** 2

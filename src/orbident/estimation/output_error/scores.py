@@ -1,0 +1,85 @@
+"""What a fit takes for zero, and what it would be if it were among the unknowns.
+
+At a solution the equations of what is taken for zero, `c`, after those of all other
+unknowns `x`, are
+
+    R_x dx + R_xc c = 0
+             R_c  c = z
+
+so that one linearisation gives the score of any family: the `c` of `R_c c = z` that
+leaves least, and by how much chi-square would fall. The others would change by `B c`,
+`R_x B = -R_xc`.
+"""
+
+from collections.abc import Collection
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from jaxtyping import Float
+from scipy.linalg import solve_triangular
+
+from orbident.estimation.output_error.problem import Problem, common_factor
+from orbident.estimation.solution import OUTSIDE, Solution
+from orbident.estimation.unknowns import Score, Unknown, score
+
+
+@dataclass(frozen=True)
+class TakenForZero:
+    """What a solution takes for zero: errors of instruments, and what may act."""
+
+    problem: Problem
+    solution: Solution
+    families: Collection[str] = ()
+    """Those of what may act that are considered beside all errors."""
+
+    @cached_property
+    def errors(self) -> tuple[Unknown, ...]:
+        """The errors of instruments that the solution takes for zero."""
+        selected = self.solution.state.selected
+        return tuple(
+            each for each in self.problem.instruments if each.place not in selected
+        )
+
+    @cached_property
+    def unknowns(self) -> tuple[Unknown, ...]:
+        """All of it, errors first."""
+        selected = self.solution.state.selected
+        acting = self.problem.unknowns(self.families) if self.families else ()
+        return (*self.errors, *(one for one in acting if one.place not in selected))
+
+    @cached_property
+    def factor(self) -> Float[np.ndarray, "n n"]:
+        """Triangular, over changes of the solution's unknowns, of these, and rhs."""
+        places = np.array([each.place for each in self.unknowns])
+        state = self.solution.state.selecting(places)
+        factor = common_factor(self.problem, self.solution.weights, state)
+        self.problem.acting.forget()
+        prior = self.solution.prior.extended(np.full(places.size, np.inf))
+        return prior.added(factor, state)
+
+    def equations(self, names: Collection[str]) -> Float[np.ndarray, "zeros columns"]:
+        """`[R_c, z]` of what has these names, or is of these families."""
+        n = len(self.unknowns)
+        left = self.factor[-1 - n : -1, -1 - n :]
+        return left[:, [*self._which(names), -1]]
+
+    def score(self, names: Collection[str]) -> Score:
+        """What all of these would be if they were unknowns."""
+        left = self.equations(names)
+        return score(left[:, :-1], left[:, -1])
+
+    def shift(self, names: Collection[str]) -> Float[np.ndarray, "unknowns n"]:
+        """`B`: how all unknowns of the solution change by these, of size one."""
+        size = self.solution.state.common.size
+        columns = [size + k for k in self._which(names)]
+        R_x = self.factor[:size, :size]
+        return -solve_triangular(R_x, self.factor[:size, columns])
+
+    def _which(self, names: Collection[str]) -> list[int]:
+        return [k for k, each in enumerate(self.unknowns) if {*each[:2]} & {*names}]
+
+    @property
+    def beta(self) -> slice:
+        """Where `beta` is among the solution's unknowns."""
+        return slice(OUTSIDE, OUTSIDE + self.solution.state.beta.size)
