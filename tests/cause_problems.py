@@ -10,7 +10,7 @@ from edited_recordings import changed
 
 from orbident.estimation.estimate import Estimate, Solved
 from orbident.estimation.identify import estimator_of
-from orbident.estimation.momentum_problem import MomentumProblem, momentum_problems
+from orbident.estimation.momentum_problem import MomentumProblem, momentum_problem
 from orbident.robot.description import Robot
 
 SECONDS = 30.0
@@ -31,9 +31,9 @@ def problem_with(
         name: change(recording.columns[name])
         for name, change in (columns or {}).items()
     }
-    return momentum_problems(
+    return momentum_problem(
         robot or clean().robot, changed(recording, new), "unknown", lambda _: None
-    )[0]
+    )
 
 
 def fitted(problem: MomentumProblem) -> Estimate:

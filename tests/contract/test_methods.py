@@ -12,7 +12,7 @@ from random_robots import random_robot, random_wheels
 from scipy.spatial.transform import Rotation
 
 from orbident.estimation.identify import METHODS, Method, estimator_of, identify
-from orbident.estimation.momentum_problem import momentum_problems
+from orbident.estimation.momentum_problem import momentum_problem
 from orbident.estimation.quantities import Parameters
 from orbident.estimation.result import Identified, Result
 from orbident.identified.run_folder import load_result, save_result
@@ -247,7 +247,7 @@ def test_noise_shows_in_the_deviations(
             recording, level if method == "maximum-likelihood" else 0.0
         )
         spoiled = changed(recording, columns)
-        problem, *_ = momentum_problems(robot, spoiled, "unknown", lambda _: None)
+        problem = momentum_problem(robot, spoiled, "unknown", lambda _: None)
         estimates.append(estimator.estimate(problem, lambda _: None))
         results.append(identify(robot, spoiled, method))
     for name in ("pi", "phi", "base"):

@@ -21,10 +21,10 @@ from orbident.diagnosis.suspects import score_of
 from orbident.diagnosis.suspects import tried as put_right
 from orbident.diagnosis.trial import Trial, amended_trial
 from orbident.estimation.checks import Check
+from orbident.estimation.clock_search import WORTH, misfit
 from orbident.estimation.estimate import Estimate, Solved
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.residual_checks import NOISY
-from orbident.estimation.solve import WORTH, misfit
 from orbident.recordings.rounded_times import float32_step
 from orbident.threads import one_blas_thread
 

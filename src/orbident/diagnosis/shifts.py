@@ -21,10 +21,10 @@ from scipy.special import chdtri
 
 from orbident.diagnosis.suspects import Numbers, Suspect, score_of, tried
 from orbident.diagnosis.trial import Trial
+from orbident.estimation.clock_search import misfit
 from orbident.estimation.estimate import Estimate
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.output_error.sensors import COMPONENTS
-from orbident.estimation.solve import misfit
 from orbident.estimation.unknowns import Score
 from orbident.model.minimal_sets import conserved_axes
 from orbident.recordings.recording import Recording

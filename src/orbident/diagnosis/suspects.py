@@ -14,12 +14,12 @@ from jaxtyping import Float
 
 from orbident.diagnosis.trial import Trial, trial
 from orbident.errors import InputError
+from orbident.estimation.clock_search import WORTH
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.output_error.estimator import known_to_act
 from orbident.estimation.output_error.problem import linear, problem_of
 from orbident.estimation.output_error.sensors import sensors_of
 from orbident.estimation.solution import Solution
-from orbident.estimation.solve import WORTH
 from orbident.estimation.unknowns import Score, score
 from orbident.preprocessing.delays import delays
 

@@ -7,6 +7,7 @@ import numpy as np
 
 from orbident.errors import InputError
 from orbident.estimation.checks import only_vague, worst
+from orbident.estimation.clock_search import misfit
 from orbident.estimation.criteria import judge
 from orbident.estimation.estimate import Estimate, Solved
 from orbident.estimation.momentum_problem import MomentumProblem
@@ -14,7 +15,6 @@ from orbident.estimation.obstacles import obstacles
 from orbident.estimation.output_error.calibration import NOTHING_FREE
 from orbident.estimation.output_error.estimator import OutputError
 from orbident.estimation.output_error.hypotheses import FEW_STEPS
-from orbident.estimation.solve import misfit
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 

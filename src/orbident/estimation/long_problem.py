@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 from orbident import _core
-from orbident.estimation.clocks import base_clocks, joint_clocks
+from orbident.estimation.clocks import base_clocks
 from orbident.estimation.extent import Extent
 from orbident.estimation.kept_pieces import KeptPieces, Piece
 from orbident.estimation.linear_fits import (
@@ -20,7 +20,7 @@ from orbident.estimation.linear_fits import (
     LinearEquations,
     fit,
 )
-from orbident.estimation.momentum_problem import MomentumProblem, on_clocks
+from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.recursive.given import packed_piece, trusted
 from orbident.estimation.stretches import (
     Part,
@@ -36,7 +36,7 @@ from orbident.preprocessing.point_velocity import COUNTED, FELT
 from orbident.preprocessing.samples import samples_of
 from orbident.preprocessing.screening import cleaned, screened
 from orbident.preprocessing.smoothing import LONGEST, Settings
-from orbident.recordings.long_recording import SPANS, LongRecording
+from orbident.recordings.long_recording import LongRecording
 from orbident.recordings.no_measurements import NO_SENSORS
 from orbident.robot.description import Robot
 
@@ -44,17 +44,17 @@ NOT_LOCAL = {INTEGRATED, FUSED, FELT, COUNTED}
 """How a signal is obtained that depends on all samples before, or on all there are."""
 
 
-def digest_problems(
+def digest_of(
     robot: Robot, recording: LongRecording, initial_momentum: InitialMomentum
-) -> list[MomentumProblem] | None:
-    """As `momentum_problems`, of a digest of the recording.
+) -> MomentumProblem | None:
+    """As `momentum_problem`, of a digest of the recording.
 
     Returns:
         None where something must be integrated over the whole recording, so that it
         has to be in memory.
 
     Raises:
-        InputError: as `momentum_problems`.
+        InputError: as `momentum_problem`.
     """
     check_regular(robot)
     clean = screened(robot, recording.digest.with_joints_of(robot))
@@ -67,23 +67,17 @@ def digest_problems(
     samples = samples_of(robot, clean.recording, corrections(clocks), settings)
     if NOT_LOCAL & set(samples.origins.values()):
         return None
-    span = samples.t.size // SPANS
-    middle = some_rows(samples, slice(SPANS // 2 * span, (SPANS // 2 + 1) * span))
-    seen = joint_clocks(robot, sets, middle, initial_momentum)
-    punctual = {name: delay._replace(believed=False) for name, delay in seen.items()}
-    problem = MomentumProblem(
+    return MomentumProblem(
         robot,
         sets,
         clean.recording,
         {},
         clean.notes,
-        clocks | punctual,
+        clocks,
         samples,
         initial_momentum,
         fit(robot, sets, samples, initial_momentum, lambda _: None),
     )
-    late = [] if seen == punctual else [on_clocks(problem, clocks | seen)]
-    return [problem, *late]
 
 
 def whole(
@@ -107,7 +101,7 @@ def whole(
         linear fits are of all samples.
 
     Raises:
-        InputError: as `momentum_problems`.
+        InputError: as `momentum_problem`.
     """
     robot, settings = problem.robot, Settings(LONGEST)
     late = corrections(problem.clocks)

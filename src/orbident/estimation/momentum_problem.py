@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident import _core
-from orbident.estimation.clocks import base_clocks, joint_clocks
+from orbident.estimation.clocks import base_clocks
 from orbident.estimation.extent import Extent
 from orbident.estimation.kept_pieces import KeptPieces
 from orbident.estimation.linear_fits import (
@@ -131,12 +131,12 @@ class MomentumProblem:
         return replace(again, samples=replace(again.samples, pushed=known))
 
 
-def momentum_problems(
+def momentum_problem(
     robot: Robot,
     recording: Recording,
     initial_momentum: InitialMomentum,
     progress: Callable[[float], object],
-) -> list[MomentumProblem]:
+) -> MomentumProblem:
     """Screen a recording, settle its clocks, and derive what it lacks.
 
     Args:
@@ -146,8 +146,7 @@ def momentum_problems(
         progress: is called with the fraction of the samples that is done.
 
     Returns:
-        The problem and, where the clock of joints and wheels seems to be late, another
-        in which that is corrected: a push from outside seems to be so too.
+        The problem, on the clock of the attitude that the gyro shows.
 
     Raises:
         InputError: a column is missing, there are too few samples, or the nominal mass
@@ -159,24 +158,20 @@ def momentum_problems(
     clocks = base_clocks(robot, clean.recording)
     samples = samples_of(robot, clean.recording, corrections(clocks))
     fits = fit(robot, sets, samples, initial_momentum, progress)
-    late = joint_clocks(robot, sets, samples, initial_momentum)
-    punctual = {name: delay._replace(believed=False) for name, delay in late.items()}
     problem = MomentumProblem(
         robot,
         sets,
         clean.recording,
         clean.rejected,
         clean.notes,
-        clocks | punctual,
+        clocks,
         samples,
         initial_momentum,
         fits,
     )
     if recording.t.size >= LARGE:
         _core.give_back_memory()
-    if late == punctual:
-        return [problem]
-    return [problem, on_clocks(problem, clocks | late)]
+    return problem
 
 
 def on_clocks(problem: MomentumProblem, clocks: Mapping[str, Delay]) -> MomentumProblem:

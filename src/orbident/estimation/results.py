@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from orbident.estimation.checks import worst
+from orbident.estimation.clock_search import CLOCK
 from orbident.estimation.clocks import clocks_in_words
 from orbident.estimation.criteria import Judgement
 from orbident.estimation.estimate import Estimate
@@ -70,7 +71,12 @@ def result_of(
         condition_number=_condition(problem.fits),
         residual=_residual(estimate),
         biases=estimate.biases,
-        calibration=estimate.calibration,
+        calibration={
+            name: each
+            for name, each in estimate.calibration.items()
+            # That of a clock that was corrected is said with the clocks.
+            if name != CLOCK or problem.robot.tolerances.joint_clock
+        },
         disturbances=estimate.disturbances,
         sensitivity=partial(_sensitivity, estimate, identified, refused),
         clocks=problem.clocks,

@@ -1,29 +1,20 @@
-"""The estimate from a robot and a recording, and what judges it.
+"""The estimate from a robot and a recording, beside what all its sensors show."""
 
-What the sensors show, whatever the method: by this its result is judged.
-
-Residuals of Eqs. 24 and 31 hide what sensors are made of, so no method is judged by
-them alone. Output error predicts every sensor; a result of another method is as far
-from the truth as it is from that fit, and its deviations say so.
-"""
-
-from collections.abc import Sequence
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 from scipy.optimize import root_scalar
 from scipy.special import ndtr, ndtri
 
-from orbident import _core
 from orbident.errors import InputError
+from orbident.estimation.clock_search import MOST, Evidence, evidence
 from orbident.estimation.estimate import Estimate, Estimator, Progress, Solved
 from orbident.estimation.found import EstimatedParameters, Known
 from orbident.estimation.least_squares import LeastSquares
 from orbident.estimation.linear_fits import InitialMomentum
-from orbident.estimation.long_problem import digest_problems, whole
-from orbident.estimation.momentum_problem import MomentumProblem, momentum_problems
+from orbident.estimation.long_problem import digest_of, whole
+from orbident.estimation.momentum_problem import MomentumProblem, momentum_problem
 from orbident.estimation.obstacles import obstacles
 from orbident.estimation.output_error.estimator import OutputError
 from orbident.estimation.quantities import Quantity
@@ -33,73 +24,10 @@ from orbident.recordings.long_recording import LongRecording
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 
-MOST = 2**13
-"""Samples of a recording that other methods are judged by: its beginning. A longer one
-is what they are for."""
-
 WITHIN = 0.95
 """So often an interval of 95 % holds what is true."""
 BESIDE = float(ndtri((1 + WITHIN) / 2))
 """Deviations to either side of such an interval."""
-
-WORTH = 25.0
-"""Fall in chi-square, five deviations squared, that a clock's correction must bring."""
-
-
-class Evidence(NamedTuple):
-    """A problem on the clocks that explain its sensors best."""
-
-    problem: MomentumProblem
-    shown: Estimate | None
-    """The estimate by output error; None for exact recordings, which need none."""
-
-
-def evidence(
-    problems: Sequence[MomentumProblem], estimator: Estimator, progress: Progress
-) -> Evidence:
-    """Fit the sensors.
-
-    Args:
-        problems: a recording as it is, then with clocks corrected that seem late.
-        estimator: all samples count where it is output error itself.
-        progress: is called with the fraction of the work that is done.
-    """
-    whole = isinstance(estimator, OutputError)
-
-    def fitted(problem: MomentumProblem) -> Evidence:
-        if whole:
-            return Evidence(problem, estimator.estimate(problem, progress))
-        if problem.exact:
-            return Evidence(problem, None)
-        part = problem.beginning(MOST)
-        return Evidence(problem, OutputError().estimate(part, progress))
-
-    first = fitted(problems[0])
-    found = [fitted(problem) for problem in problems[1:] if _may_be_late(first)]
-    return min([first, *(each for each in found if _better(each, first))], key=_misfit)
-
-
-def _may_be_late(found: Evidence) -> bool:
-    """Whether the sensors, as they are predicted, say that joints are shown late."""
-    shown = found.shown
-    if shown is None or shown.sensitivity is None or not shown.converged:
-        return True
-    late = shown.sensitivity().alone.get("joints.clock")
-    return late is None or late.fall > WORTH
-
-
-def _better(one: Evidence, other: Evidence) -> bool:
-    return bool(_misfit(one) < _misfit(other) - WORTH)
-
-
-def _misfit(found: Evidence) -> float:
-    return -np.inf if found.shown is None else misfit(found.shown)
-
-
-def misfit(shown: Estimate) -> float:
-    """Minus twice the logarithm of the likelihood, each sensor's noise at its best."""
-    left = (each.measured - each.predicted for each in shown.signals)
-    return sum(r.size * np.log(np.mean(r**2)) for r in left if r.any())
 
 
 def difference(one: Known, other: Known) -> float:
@@ -202,24 +130,45 @@ def solve(
     def later(done: float) -> None:
         progress((1 + done) / 2)
 
-    problems = _problems(
-        robot, recording, initial_momentum, estimator, lambda done: progress(done / 2)
-    )
+    def reading(done: float) -> None:
+        progress(done / 2)
+
+    problem, shown = _begun(robot, recording, initial_momentum, estimator, reading)
     if not isinstance(estimator, OutputError):
-        _check_outside(problems[0], estimator)
-    clear = [problem for problem in problems if not obstacles(problem)]
-    if not clear:
-        problem = problems[0]
+        _check_outside(problem, estimator)
+    if shown is None and not obstacles(problem):
+        problem, shown = evidence(problem, estimator, later)
+    hindered = obstacles(problem)
+    if hindered:
         # Nothing can be estimated: what linear fits show is kept for a look.
         estimate = LeastSquares().estimate(problem, later)
-        return Solved(problem, obstacles(problem), estimate, None)
-    give_back = _core.give_back_memory if clear[0].extent else lambda: None
-    give_back()
-    problem, shown = evidence(clear, estimator, later)
-    give_back()
+        return Solved(problem, hindered, estimate, None)
     if shown is None:
         return Solved(problem, [], estimator.estimate(problem, later), None)
     return solved_by(estimator, problem, shown, later)
+
+
+def _begun(
+    robot: Robot,
+    recording: Recording | LongRecording,
+    initial_momentum: InitialMomentum,
+    estimator: Estimator,
+    progress: Progress,
+) -> Evidence:
+    """The problem of all rows; of a long recording what its digest shows, too."""
+    if not isinstance(recording, LongRecording):
+        problem = momentum_problem(robot, recording, initial_momentum, progress)
+        return Evidence(problem, None)
+    problem, shown = digest_of(robot, recording, initial_momentum), None
+    if problem is None:
+        # Something must be integrated over all rows, in memory.
+        held = recording.read()
+        return _begun(robot, held, initial_momentum, estimator, progress)
+    if not obstacles(problem):
+        # Its clocks are settled before all rows are read.
+        problem, shown = evidence(problem, estimator, lambda _: None)
+    again = not isinstance(estimator, LeastSquares)
+    return Evidence(whole(problem, recording, again, progress), shown)
 
 
 def solved_by(
@@ -273,31 +222,3 @@ def _check_outside(problem: MomentumProblem, estimator: Estimator) -> None:
             f"{robot.name} has no wheel, and recursive cannot find the scale of its "
             "parameters by thrust alone; use another method"
         )
-
-
-def _problems(
-    robot: Robot,
-    recording: Recording | LongRecording,
-    initial_momentum: InitialMomentum,
-    estimator: Estimator,
-    progress: Progress,
-) -> list[MomentumProblem]:
-    if isinstance(recording, LongRecording):
-        found = digest_problems(robot, recording, initial_momentum)
-        if found is not None:
-            again = not isinstance(estimator, LeastSquares)
-            found = [_on_best_clocks(found, estimator)]
-            # The digest's own samples are held by nobody else.
-            return [whole(found.pop(), recording, again, progress)]
-        recording = recording.read()
-    return momentum_problems(robot, recording, initial_momentum, progress)
-
-
-def _on_best_clocks(
-    problems: list[MomentumProblem], estimator: Estimator
-) -> MomentumProblem:
-    """The one that explains the sensors best; each is to be folded for minutes."""
-    clear = [problem for problem in problems if not obstacles(problem)]
-    if len(clear) < 2:
-        return [*clear, *problems][0]
-    return evidence(clear, estimator, lambda _: None).problem

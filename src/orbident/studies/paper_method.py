@@ -20,7 +20,7 @@ from orbident.estimation.criteria import judge
 from orbident.estimation.estimate import Solved
 from orbident.estimation.least_squares import LeastSquares
 from orbident.estimation.linear_fits import InitialMomentum
-from orbident.estimation.momentum_problem import momentum_problems
+from orbident.estimation.momentum_problem import momentum_problem
 from orbident.estimation.obstacles import obstacles
 from orbident.estimation.result import Result
 from orbident.estimation.results import result_of
@@ -185,7 +185,7 @@ def paper_method(
         initial_momentum: as `identify` has it.
     """
     started = time.perf_counter()
-    problem, *_ = momentum_problems(robot, recording, initial_momentum, lambda _: None)
+    problem = momentum_problem(robot, recording, initial_momentum, lambda _: None)
     method = LeastSquares()
     estimate = method.estimate(problem, lambda _: None)
     masses = dict(estimate.masses)

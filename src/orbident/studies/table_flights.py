@@ -14,7 +14,7 @@ from orbident.estimation.criteria import judge
 from orbident.estimation.estimate import Estimate, Solved
 from orbident.estimation.found import EstimatedParameters, found_beta, prior_std
 from orbident.estimation.least_squares import LeastSquares
-from orbident.estimation.momentum_problem import momentum_problems
+from orbident.estimation.momentum_problem import momentum_problem
 from orbident.estimation.obstacles import obstacles
 from orbident.estimation.output_error.estimator import OutputError, estimate_of
 from orbident.estimation.result import Result
@@ -213,7 +213,7 @@ def read_table(
 
 def _by_paper(robot: Robot, recording: Recording) -> tuple[Estimate, Result]:
     """The linear fits of filtered signals, and what is thought of them."""
-    problem, *_ = momentum_problems(robot, recording, "at-rest", lambda _: None)
+    problem = momentum_problem(robot, recording, "at-rest", lambda _: None)
     estimate = LeastSquares().estimate(problem, lambda _: None)
     solved = Solved(problem, obstacles(problem), estimate, None)
     return estimate, _judged(solved, "least-squares")

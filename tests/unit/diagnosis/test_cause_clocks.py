@@ -10,7 +10,7 @@ from orbident.diagnosis.late_clocks import SHARED, _behind, clocks
 from orbident.errors import InputError
 from orbident.estimation.estimate import Solved
 from orbident.estimation.least_squares import LeastSquares
-from orbident.estimation.momentum_problem import momentum_problems
+from orbident.estimation.momentum_problem import momentum_problem
 from orbident.estimation.output_error.estimator import OutputError
 from orbident.recordings.recording import Recording
 
@@ -23,7 +23,7 @@ def test_a_position_that_is_a_row_early():
         for name, column in recording.columns.items()
     }
     early = Recording(recording.t[:-1], columns)
-    problem = momentum_problems(clean().robot, early, "unknown", lambda _: None)[0]
+    problem = momentum_problem(clean().robot, early, "unknown", lambda _: None)
     (found,) = clocks(problem)
     assert found.accepted
     assert found.cause == "the clock of the position is 100 ms early"
@@ -33,7 +33,7 @@ def test_a_clock_that_is_off_by_the_whole_recording():
     """Nothing can be fitted to what is left, and the search goes on without it."""
     robot = small_robot()
     short = small_recording(robot).between(0.0, 1.0)
-    problem = momentum_problems(robot, short, "at-rest", lambda _: None)[0]
+    problem = momentum_problem(robot, short, "at-rest", lambda _: None)
     late = dict.fromkeys(SHARED, 0.0) | {"position": 0.98}
     with pytest.raises(InputError, match="known together at 1 times"):
         OutputError().estimate(_behind(problem, late), lambda _: None)
@@ -44,7 +44,7 @@ def test_times_that_were_kept_as_float32():
     recording = clean().recording
     t = (recording.t + 604_800.0).astype(np.float32).astype(float)
     rounded = Recording(t, recording.columns)
-    problem = momentum_problems(clean().robot, rounded, "unknown", lambda _: None)[0]
+    problem = momentum_problem(clean().robot, rounded, "unknown", lambda _: None)
     nothing = LeastSquares().estimate(problem, lambda _: None)
     (found,) = causes(Solved(problem, [], nothing, None))
     assert found.reason == "the times were kept as float32, in steps of 0.062 s"

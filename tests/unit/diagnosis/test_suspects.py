@@ -8,7 +8,7 @@ from edited_recordings import changed
 
 from orbident.diagnosis.frames import beside, missing_wheel
 from orbident.diagnosis.suspects import Suspect, score_of
-from orbident.estimation.momentum_problem import MomentumProblem, momentum_problems
+from orbident.estimation.momentum_problem import MomentumProblem, momentum_problem
 from orbident.estimation.unknowns import Score
 
 
@@ -46,7 +46,7 @@ def test_a_wheel_that_the_robot_file_lacks():
         keep=lambda name: not name.startswith(f"wheel.{gone.name}."),
     )
     fewer = replace(robot, wheels=robot.wheels[1:])
-    (problem, *_) = momentum_problems(fewer, recording, "unknown", lambda _: None)
+    problem = momentum_problem(fewer, recording, "unknown", lambda _: None)
     (found,) = missing_wheel(problem)
     assert found.accepted
     assert "a wheel is missing" in found.cause

@@ -6,14 +6,15 @@ import numpy as np
 import pytest
 from small_problems import noisy, small_recording, small_robot
 
-from orbident.estimation import solve as module
+from orbident.estimation import clock_search as module
+from orbident.estimation.clock_search import evidence
 from orbident.estimation.estimate import Estimate
 from orbident.estimation.found import Known
 from orbident.estimation.least_squares import LeastSquares
-from orbident.estimation.momentum_problem import MomentumProblem, momentum_problems
+from orbident.estimation.momentum_problem import MomentumProblem, momentum_problem
 from orbident.estimation.output_error.estimator import OutputError
 from orbident.estimation.quantities import Quantity
-from orbident.estimation.solve import difference, evidence, widened
+from orbident.estimation.solve import difference, widened
 from orbident.model.derivatives import sets_of_beta
 from orbident.recordings.recording import Recording
 
@@ -21,8 +22,7 @@ ROBOT = small_robot()
 
 
 def problem_of(recording: Recording) -> MomentumProblem:
-    problem, *_ = momentum_problems(ROBOT, recording, "at-rest", lambda _: None)
-    return problem
+    return momentum_problem(ROBOT, recording, "at-rest", lambda _: None)
 
 
 @pytest.fixture(scope="module")
@@ -149,8 +149,8 @@ def test_what_is_not_determined_widens_nothing(problem, shown):
 
 def test_exact_data_need_no_other_witness():
     exact = problem_of(small_recording(ROBOT))
-    assert evidence([exact], LeastSquares(), lambda _: None).shown is None
-    whole = evidence([exact], OutputError(), lambda _: None)
+    assert evidence(exact, LeastSquares(), lambda _: None).shown is None
+    whole = evidence(exact, OutputError(), lambda _: None)
     assert whole.shown is not None
 
 
@@ -176,8 +176,8 @@ def test_other_methods_are_judged_by_the_beginning(problem, monkeypatch):
         (LeastSquares(), 200),
         (OutputError(), problem.recording.t.size),
     ):
-        found = evidence([problem], estimator, lambda _: None)
-        assert found.problem is problem
+        found = evidence(problem, estimator, lambda _: None)
+        assert found.problem.samples is problem.samples
         assert found.shown is not None
         sizes = {len(signal.measured) for signal in found.shown.signals}
         assert sizes == {rows}

@@ -10,7 +10,7 @@ import orbident as oi
 from orbident.estimation.checks import Check
 from orbident.estimation.found import Known
 from orbident.estimation.kinetic_energy import positive_energy
-from orbident.estimation.momentum_problem import MomentumProblem, momentum_problems
+from orbident.estimation.momentum_problem import MomentumProblem, momentum_problem
 
 
 @pytest.fixture(scope="module", params=["paper-spatial", "cepheus-like"])
@@ -20,7 +20,7 @@ def problem(request: pytest.FixtureRequest) -> MomentumProblem:
     start = "spun up" if planar else "turning"
     recording = oi.simulate(robot, random_motion(robot, duration=10.0, start=start))
     known = "at-rest" if planar else "unknown"
-    return momentum_problems(robot, recording, known, lambda _: None)[0]
+    return momentum_problem(robot, recording, known, lambda _: None)
 
 
 def check(problem: MomentumProblem, factor: float, std: float) -> Check:

@@ -15,10 +15,11 @@ import pytest
 from orbident.estimation.identify import identify
 from orbident.estimation.least_squares import LeastSquares
 from orbident.estimation.linear_fits import Fits, fit
-from orbident.estimation.long_problem import digest_problems, whole
+from orbident.estimation.long_problem import digest_of, whole
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.solve import solve
 from orbident.estimation.structured import Structured
+from orbident.preprocessing.delays import Delay
 from orbident.preprocessing.samples import samples_of
 from orbident.preprocessing.screening import screened
 from orbident.preprocessing.smoothing import LONGEST, Settings
@@ -83,9 +84,9 @@ def again(robot: Robot) -> Recording:
 
 def in_stretches(robot: Robot, recording: Recording, size: int) -> MomentumProblem:
     long = LongRecording.of(recording)
-    found = digest_problems(robot, long, "unknown")
+    found = digest_of(robot, long, "unknown")
     assert found is not None
-    return whole(found[0], long, True, lambda _: None, size)
+    return whole(found, long, True, lambda _: None, size)
 
 
 @pytest.fixture(scope="module")
@@ -186,12 +187,12 @@ def test_a_file_is_identified_as_its_recording(robot: Robot, tmp_path: Path):
 def test_what_must_be_integrated_is_read_whole(robot: Robot, recording: Recording):
     columns = {n: x for n, x in recording.columns.items() if "attitude" not in n}
     long = LongRecording.of(replace(recording, columns=columns))
-    assert digest_problems(robot, long, "unknown") is None
+    assert digest_of(robot, long, "unknown") is None
 
 
 def test_a_late_clock_is_corrected(robot: Robot, monkeypatch: pytest.MonkeyPatch):
     """Joints and wheels show what was 20 ms ago."""
-    monkeypatch.setattr("orbident.estimation.solve.MOST", 1000)
+    monkeypatch.setattr("orbident.estimation.clock_search.MOST", 1000)
     fine = noisy(again(robot), 0.1)
     flight = int(np.flatnonzero(np.diff(fine.t) > 0.5)[0]) + 1
     columns = dict(fine.columns)
@@ -199,10 +200,12 @@ def test_a_late_clock_is_corrected(robot: Robot, monkeypatch: pytest.MonkeyPatch
         columns[name] = np.roll(columns[name], 1)
         columns[name][::flight] = np.nan
     late = replace(fine, columns=columns)
-    assert len(digest_problems(robot, LongRecording.of(late), "unknown") or ()) == 2
-    assert len(digest_problems(robot, LongRecording.of(fine), "unknown") or ()) == 1
-    long = LongRecording.of(late)
-    found = solve(robot, long, "unknown", LeastSquares(), lambda _: None)
-    clock = found.problem.clocks["joints"]
-    assert clock.believed
-    assert clock.late == pytest.approx(0.02, abs=3 * clock.std)
+
+    def clock(recording: Recording) -> Delay:
+        long = LongRecording.of(recording)
+        found = solve(robot, long, "unknown", LeastSquares(), lambda _: None)
+        return found.problem.clocks["joints"]
+
+    assert clock(late).believed
+    assert clock(late).late == pytest.approx(0.02, abs=3 * clock(late).std)
+    assert not clock(fine).believed

@@ -13,7 +13,7 @@ from orbident.estimation.estimate import Solved
 from orbident.estimation.extent import Extent, motion_of
 from orbident.estimation.least_squares import LeastSquares
 from orbident.estimation.linear_fits import fit
-from orbident.estimation.momentum_problem import MomentumProblem, momentum_problems
+from orbident.estimation.momentum_problem import MomentumProblem, momentum_problem
 from orbident.estimation.obstacles import obstacles
 from orbident.preprocessing.samples import samples_of
 from orbident.preprocessing.screening import screened
@@ -32,7 +32,7 @@ def problem() -> MomentumProblem:
     robot = oi.load_robot("paper-spatial")
     motion = random_motion(robot)
     recording = oi.simulate(robot, motion, rate=(SAMPLES - 1) / motion.duration)
-    return momentum_problems(robot, recording, "unknown", lambda _: None)[0]
+    return momentum_problem(robot, recording, "unknown", lambda _: None)
 
 
 def judged(problem: MomentumProblem) -> None:

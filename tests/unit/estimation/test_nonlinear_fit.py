@@ -12,7 +12,7 @@ import orbident as oi
 from orbident.estimation.found import WIDE, found_beta, prior_std
 from orbident.estimation.least_squares import LeastSquares
 from orbident.estimation.linear_fits import Fits, fit
-from orbident.estimation.momentum_problem import momentum_problems
+from orbident.estimation.momentum_problem import momentum_problem
 from orbident.estimation.nonlinear_fit import beta_of_fits
 from orbident.model import minimal_sets as model
 from orbident.model.derivatives import sets_of_beta
@@ -115,7 +115,7 @@ def test_keeping_the_structure_makes_nothing_less_sure(robot):
     The mass by all forms of Eq. 32, weighed by their covariance, does already.
     """
     recording = oi.simulate(robot, random_motion(robot), noise="sensors", seed=2)
-    problem, *_ = momentum_problems(robot, recording, "unknown", lambda _: None)
+    problem = momentum_problem(robot, recording, "unknown", lambda _: None)
     apart = LeastSquares().estimate(problem, lambda _: None)
     estimate = beta_of_fits(robot, problem.sets, problem.fits)
     found = found_beta(robot, problem.sets, estimate)

@@ -9,7 +9,7 @@ from small_problems import noisy, small_recording, small_robot
 from orbident.estimation.criteria import judge
 from orbident.estimation.estimate import Estimate, Solved
 from orbident.estimation.least_squares import LeastSquares
-from orbident.estimation.momentum_problem import MomentumProblem, momentum_problems
+from orbident.estimation.momentum_problem import MomentumProblem, momentum_problem
 from orbident.estimation.quantities import Quantity
 
 
@@ -17,7 +17,7 @@ from orbident.estimation.quantities import Quantity
 def problem() -> MomentumProblem:
     robot = small_robot()
     recording = noisy(small_recording(robot), 0)
-    return momentum_problems(robot, recording, "at-rest", lambda _: None)[0]
+    return momentum_problem(robot, recording, "at-rest", lambda _: None)
 
 
 @pytest.fixture(scope="module")

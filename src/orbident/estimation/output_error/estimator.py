@@ -63,6 +63,9 @@ from orbident.preprocessing.delays import delays
 from orbident.recordings.long_recording import LARGE
 from orbident.robot.description import Robot
 
+CLOCK_STD = 0.1
+"""s: standard deviation beforehand of a clock that was corrected."""
+
 
 @dataclass(frozen=True)
 class OutputError:
@@ -142,7 +145,10 @@ class OutputError:
         """The equations, and where their least cost is looked for."""
         robot, sets, samples = problem.robot, problem.sets, problem.samples
         momentum = problem.initial_momentum
-        equations = problem_of(robot, sets, samples, sensors, self.free)
+        # A clock that was corrected is known no better than it was found.
+        late = problem.clocks.get("joints")
+        free = {"joints.clock": CLOCK_STD} if late and late.believed else {}
+        equations = problem_of(robot, sets, samples, sensors, {**free, **self.free})
         outside = first_momentum(robot, sets, samples, problem.fits, momentum)
         prior = prior_of(robot, sets, equations.declared, outside, momentum)
         beta = _first(problem)

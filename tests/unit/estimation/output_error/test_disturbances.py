@@ -21,7 +21,7 @@ from orbident import _core
 from orbident.errors import InputError
 from orbident.estimation.estimate import Estimate
 from orbident.estimation.identify import identify
-from orbident.estimation.momentum_problem import momentum_problems
+from orbident.estimation.momentum_problem import momentum_problem
 from orbident.estimation.output_error.estimator import OutputError
 from orbident.estimation.output_error.forms import IN_WORDS, NEEDS
 from orbident.estimation.output_error.problem import NO_ROWS, SENSORS, Problem
@@ -53,7 +53,7 @@ def with_sensors(robot: Robot) -> Robot:
 
 def identified(recording: Recording) -> dict[str, DisturbanceFit]:
     robot = with_sensors(small_robot())
-    problem, *_ = momentum_problems(robot, recording, "at-rest", lambda _: None)
+    problem = momentum_problem(robot, recording, "at-rest", lambda _: None)
     estimate = OutputError().estimate(problem, lambda _: None)
     assert estimate.converged
     return dict(estimate.disturbances)
@@ -192,7 +192,7 @@ def equations(problem: Problem, state: Unknowns, interval: int) -> np.ndarray:
 
 def asked_for(recording: Recording, *groups: str) -> Estimate:
     robot = replace(with_sensors(small_robot()), disturbances=groups)
-    problem, *_ = momentum_problems(robot, recording, "at-rest", lambda _: None)
+    problem = momentum_problem(robot, recording, "at-rest", lambda _: None)
     return OutputError().estimate(problem, lambda _: None)
 
 

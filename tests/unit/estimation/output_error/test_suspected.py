@@ -9,7 +9,7 @@ from test_disturbances import under_a_couple, with_sensors
 
 from orbident.estimation.estimate import Estimate
 from orbident.estimation.levels import limit
-from orbident.estimation.momentum_problem import momentum_problems
+from orbident.estimation.momentum_problem import momentum_problem
 from orbident.estimation.output_error.estimator import OutputError
 from orbident.estimation.output_error.hypotheses import undecided_in_words
 from orbident.estimation.unknowns import UNSEEN
@@ -21,7 +21,7 @@ FAINT = 6e-6
 
 def estimated(recording: Recording, *said: str) -> Estimate:
     robot = replace(with_sensors(small_robot()), disturbances=said or None)
-    problem, *_ = momentum_problems(robot, recording, "at-rest", lambda _: None)
+    problem = momentum_problem(robot, recording, "at-rest", lambda _: None)
     return OutputError().estimate(problem, lambda _: None)
 
 
