@@ -15,6 +15,7 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident import _core
+from orbident.environment.agents import PUSH, SLOW
 from orbident.estimation.estimate import Goodness, SensorFit
 from orbident.estimation.found import BetaEstimate, hidden_of, prior_std
 from orbident.estimation.linear_fits import Fits, InitialMomentum
@@ -33,7 +34,6 @@ from orbident.estimation.output_error.disturbances import (
     start_with,
     with_disturbances,
 )
-from orbident.estimation.output_error.forms import PUSH, SLOW
 from orbident.estimation.output_error.noise_scaling import Fitted, fitted
 from orbident.estimation.output_error.problem import (
     Problem,

@@ -12,6 +12,7 @@ from typing import NamedTuple, Protocol, runtime_checkable
 import numpy as np
 from jaxtyping import Float
 
+from orbident.environment.agents import FILM, IN_WORDS, NEEDS, SLOW, STEADY, WALKS
 from orbident.errors import InputError
 from orbident.estimation.levels import limit
 from orbident.estimation.output_error.disturbance_sizes import (
@@ -19,12 +20,10 @@ from orbident.estimation.output_error.disturbance_sizes import (
     places_of,
     sizes_of,
 )
-from orbident.estimation.output_error.forms import IN_WORDS, NEEDS, SLOW, STEADY
 from orbident.estimation.output_error.noise_scaling import Fitted
 from orbident.estimation.output_error.problem import Problem
 from orbident.estimation.output_error.sensitivity import TakenForZero
 from orbident.estimation.output_error.torques_or_losses import instead
-from orbident.estimation.output_error.walks import WALKS
 from orbident.estimation.solution import Prior, Solution, Unknowns
 from orbident.estimation.unknowns import explained
 
@@ -33,9 +32,6 @@ FREE = 1e3
 
 IMPOSSIBLE = 3.0
 """Deviations below zero that something positive is not by chance."""
-
-FILM = "drag"
-"""Acts where a robot has pads."""
 
 ROUNDS = 6
 """Times that a group is freed, at most; one that was freed may be dropped again."""

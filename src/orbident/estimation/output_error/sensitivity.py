@@ -43,11 +43,10 @@ import numpy as np
 from jaxtyping import Float
 from scipy.linalg import solve_triangular
 
+from orbident.environment.agents import IN_WORDS, WALKS
 from orbident.estimation.levels import limit
 from orbident.estimation.output_error.disturbance_sizes import places_of
-from orbident.estimation.output_error.forms import IN_WORDS
 from orbident.estimation.output_error.problem import Problem, common_factor
-from orbident.estimation.output_error.walks import WALKS
 from orbident.estimation.solution import OUTSIDE, Solution
 from orbident.estimation.unknowns import (
     UNSEEN,

@@ -13,9 +13,9 @@ from collections.abc import Callable, Collection, Iterator, Mapping
 import numpy as np
 from jaxtyping import Float
 
+from orbident.environment.agents import IN_WORDS, STEADY
 from orbident.estimation.levels import LEVELS
 from orbident.estimation.output_error.disturbance_sizes import places_of
-from orbident.estimation.output_error.forms import IN_WORDS, STEADY
 from orbident.estimation.output_error.noise_scaling import Fitted
 from orbident.estimation.output_error.problem import Problem
 from orbident.estimation.solution import Solution

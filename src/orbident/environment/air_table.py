@@ -1,0 +1,127 @@
+"""A table that is neither level nor even, and the drag of the air film on it.
+
+    pull   F_i = m_i a(r_i),   a(r) = g theta + A r   each body, at its CM; A symmetric
+    film   F = -c v_P,   tau = -c_r w_i               bodies with pads
+
+`theta` is how far the table falls along inertial x and y, and `r` is from the origin.
+To the fit a level pull is `a = e_k`, in space too, and an uneven one
+`a = E_k (r_cm - r_cm(0))`.
+"""
+
+from collections.abc import Iterator
+from itertools import combinations_with_replacement
+
+import numpy as np
+
+from orbident.environment.agent import AXES, Agent, Disturbance, World
+from orbident.environment.motion import (
+    Load,
+    RobotMotion,
+    Vectors,
+    by_step,
+    heavy_bodies,
+)
+from orbident.model.minimal_sets import conserved_axes
+from orbident.robot.units import STANDARD_GRAVITY
+from orbident.trajectories.environment import Environment
+
+IN_PLANE = np.array([1.0, 1.0, 0.0])
+
+
+class Pull(Agent):
+    """What accelerates all parts by where they are, and no accelerometer feels."""
+
+    unit = "m/s^2"
+
+    def at(self, environment: Environment, r: Vectors) -> Vectors | None:
+        """The acceleration of what is at `r` (m), inertial axes; None for none."""
+        raise NotImplementedError
+
+    def loads(self, world: World, motion: RobotMotion) -> Iterator[Load]:
+        """A force on each body, at its CM."""
+        for i, m, com in heavy_bodies(motion.robot):
+            a = self.at(world.environment, motion.point(i, com).r)
+            if a is not None:
+                yield motion.load(i, com, force=m * a)
+
+    def pulling(self, motion: RobotMotion, name: str, a: Vectors) -> Disturbance:
+        """An acceleration of all parts."""
+        return self.column(name, motion.nothing._replace(pull=by_step(a)))
+
+
+class LevelPull(Pull):
+    """A table that is not level."""
+
+    group = "pull"
+    words = "all parts are pulled alike, as on a table that is not level"
+    needs = "position or velocity of S"
+
+    def at(self, environment: Environment, r: Vectors) -> Vectors | None:
+        """The same everywhere."""
+        if environment.tilt is None:
+            return None
+        fall = np.array([*environment.tilt, 0.0])
+        return np.tile(STANDARD_GRAVITY * fall, (len(r), 1))
+
+    def columns(self, motion: RobotMotion) -> Iterator[Disturbance]:
+        """Along each axis that momentum is conserved along."""
+        for k in conserved_axes(motion.robot)[1] if motion.S else ():
+            yield self.pulling(motion, AXES[k], motion.always(np.eye(3)[k]))
+
+
+class UnevenPull(Pull):
+    """A table whose fall changes from place to place."""
+
+    group = "uneven"
+    words = "the pull changes from place to place, as on an uneven table"
+    needs = "position or velocity of S, and a robot whose motion is planar"
+    unit = "1/s^2"
+
+    def at(self, environment: Environment, r: Vectors) -> Vectors | None:
+        """Linear in the place."""
+        uneven = environment.uneven
+        if uneven is None:
+            return None
+        A = np.array([[uneven.xx, uneven.xy], [uneven.xy, uneven.yy]])
+        return np.pad(r[:, :2] @ A, ((0, 0), (0, 1)))
+
+    def columns(self, motion: RobotMotion) -> Iterator[Disturbance]:
+        """Each entry of the symmetric matrix, with the CM by CAD."""
+        if motion.S is None or motion.robot.motion != "planar":
+            return
+        r = motion.S.r + motion.to_cm(motion.robot.theta)
+        r = r - r[0]
+        for a, b in combinations_with_replacement(range(2), 2):
+            pull = np.zeros_like(r)
+            pull[:, a], pull[:, b] = r[:, b], r[:, a]
+            yield self.pulling(motion, AXES[a] + AXES[b], pull)
+
+
+class FilmDrag(Agent):
+    """Drag of the air film under bodies."""
+
+    group = "drag"
+    words = "drag acts, as of an air film"
+    needs = UnevenPull.needs
+
+    def loads(self, world: World, motion: RobotMotion) -> Iterator[Load]:
+        """At the pads of each body."""
+        robot = motion.robot
+        for body, film in world.environment.film_drag.items():
+            i, pad = robot.bodies.index(body), robot.pads[body]
+            force = -film.c * motion.point(i, pad).v * IN_PLANE
+            yield motion.load(i, pad, force, -film.c_r * motion.rate(i))
+
+    def columns(self, motion: RobotMotion) -> Iterator[Disturbance]:
+        """Of the pads under bodies: without any declared, of one below S."""
+        robot, none = motion.robot, motion.nothing
+        if motion.S is None or robot.motion != "planar":
+            return
+        for body, p in (robot.pads or {robot.bodies[0]: np.zeros(3)}).items():
+            k = robot.bodies.index(body)
+            force = -motion.point(k, p).v * IN_PLANE
+            torque = np.cross(motion.in_inertial(motion.arm(k, p)), force)
+            pushed = none._replace(force=by_step(force), torque=by_step(torque))
+            turned = none._replace(torque=by_step(-motion.rate(k)))
+            yield self.column(body, pushed, "N s/m", positive=True)
+            yield self.column(f"{body}.turning", turned, "N m s", positive=True)
