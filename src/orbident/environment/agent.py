@@ -31,9 +31,7 @@ class World:
     """As it was given."""
     arc: Arc | None = None
     """Of the orbit, if there is one."""
-    drawn: Mapping[str, Callable[[Float[np.ndarray, " n"]], Vectors]] = field(
-        default_factory=dict
-    )
+    drawn: Mapping[str, Callable[..., Vectors]] = field(default_factory=dict)
     """What is random, by the environment's name of it, at any times, s."""
 
     def sun(self, t: Float[np.ndarray, " n"]) -> Float[np.ndarray, "n 3"]:

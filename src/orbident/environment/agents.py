@@ -1,91 +1,52 @@
 """All agents, in order, and what of them the estimators ask for by their groups."""
 
-from collections.abc import Iterator, Mapping
-from typing import Any
+from collections.abc import Iterator
 
+from orbident.environment import air_table, orbital
+from orbident.environment import torques_and_forces as steady
 from orbident.environment.agent import Agent, Disturbance, World
-from orbident.environment.air_table import FilmDrag, LevelPull, UnevenPull
 from orbident.environment.motion import Load, RobotMotion
-from orbident.environment.orbital import (
-    GravityGradient,
-    MagneticDipole,
-    OrbitalDrag,
-    SunlightPressure,
-)
-from orbident.environment.torques_and_forces import (
-    BaseTorque,
-    ConstantTorque,
-    ForceAtS,
-    ForceWalk,
-    Push,
-    TorqueWalk,
-    VaryingBaseTorque,
-    VaryingTorque,
-    WheelLoss,
-)
 
 AGENTS: dict[str, Agent] = {
     agent.group: agent
     for agent in (
-        ConstantTorque(),
-        VaryingTorque(),
-        BaseTorque(),
-        VaryingBaseTorque(),
-        WheelLoss(),
-        ForceAtS(),
-        Push(),
-        LevelPull(),
-        UnevenPull(),
-        FilmDrag(),
-        GravityGradient(),
-        OrbitalDrag(),
-        SunlightPressure(),
-        MagneticDipole(),
+        steady.ConstantTorque(),
+        steady.VaryingTorque(),
+        steady.BaseTorque(),
+        steady.VaryingBaseTorque(),
+        steady.WheelLoss(),
+        steady.ForceAtS(),
+        steady.Push(),
+        air_table.LevelPull(),
+        air_table.UnevenPull(),
+        air_table.FilmDrag(),
+        orbital.GravityGradient(),
+        orbital.OrbitalDrag(),
+        orbital.SunlightPressure(),
+        orbital.MagneticDipole(),
         # Densities are estimated from the last unknowns: their waves are these.
-        TorqueWalk(),
-        ForceWalk(),
+        steady.TorqueWalk(),
+        steady.ForceWalk(),
     )
 }
 """What acts from outside, by its group."""
 
-
-class AgentTable(Mapping[str, Any]):
-    """One property of the agents that have it, by their groups, at any time."""
-
-    def __init__(self, name: str) -> None:
-        self.name = name
-
-    @property
-    def _now(self) -> dict[str, Any]:
-        each = ((group, getattr(agent, self.name)) for group, agent in AGENTS.items())
-        return {group: value for group, value in each if value}
-
-    def __getitem__(self, group: str) -> Any:
-        return self._now[group]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._now)
-
-    def __len__(self) -> int:
-        return len(self._now)
-
-
-IN_WORDS = AgentTable("words")
+IN_WORDS = {group: each.words for group, each in AGENTS.items() if each.words}
 """What acts: all that is tested for, or may be asked for."""
 
-NEEDS = AgentTable("needs")
+NEEDS = {group: each.needs for group, each in AGENTS.items() if each.needs}
 """Without which nothing shows of a group."""
 
-STEADY = AgentTable("mean")
+STEADY = {group: each.mean for group, each in AGENTS.items() if each.mean}
 """What has a mean beside, by groups of what changes slowly."""
 
-SLOW = AgentTable("slow")
+SLOW = tuple(group for group, each in AGENTS.items() if each.slow)
 """Groups that follow whatever changes slowly."""
 
-WALKS = AgentTable("density")
+WALKS = tuple(group for group, each in AGENTS.items() if each.density)
 """Groups of waves, in the order of `MomentumWalk`."""
 
-PUSH, FILM = Push.group, FilmDrag.group
+PUSH, FILM = steady.Push.group, air_table.FilmDrag.group
 """What is not tested for but looked for; and what acts where a robot has pads."""
 
 
@@ -96,8 +57,7 @@ def loads_of(world: World, motion: RobotMotion) -> list[Load]:
         world: what was given to act.
         motion: the flight at some of its times.
     """
-    every = AGENTS.values()
-    return [load for agent in every for load in agent.loads(world, motion)]
+    return [x for agent in AGENTS.values() for x in agent.loads(world, motion)]
 
 
 def disturbances(motion: RobotMotion) -> Iterator[Disturbance]:

@@ -10,8 +10,10 @@ To the fit a level pull is `a = e_k`, in space too, and an uneven one
 
 from collections.abc import Iterator
 from itertools import combinations_with_replacement
+from typing import ClassVar
 
 import numpy as np
+from jaxtyping import Float
 
 from orbident.environment.agent import AXES, Agent, Disturbance, World
 from orbident.environment.motion import (
@@ -23,7 +25,7 @@ from orbident.environment.motion import (
 )
 from orbident.model.minimal_sets import conserved_axes
 from orbident.robot.units import STANDARD_GRAVITY
-from orbident.trajectories.environment import Environment
+from orbident.trajectories.environment import Environment, Uneven
 
 IN_PLANE = np.array([1.0, 1.0, 0.0])
 
@@ -31,18 +33,20 @@ IN_PLANE = np.array([1.0, 1.0, 0.0])
 class Pull(Agent):
     """What accelerates all parts by where they are, and no accelerometer feels."""
 
+    key: ClassVar[str]
+    """The environment's name of it."""
     unit = "m/s^2"
 
-    def at(self, environment: Environment, r: Vectors) -> Vectors | None:
-        """The acceleration of what is at `r` (m), inertial axes; None for none."""
+    def at(self, environment: Environment, r: Vectors) -> Vectors:
+        """The acceleration of what is at `r` (m), inertial axes."""
         raise NotImplementedError
 
     def loads(self, world: World, motion: RobotMotion) -> Iterator[Load]:
         """A force on each body, at its CM."""
-        for i, m, com in heavy_bodies(motion.robot):
+        given = getattr(world.environment, self.key) is not None
+        for i, m, com in heavy_bodies(motion.robot) if given else ():
             a = self.at(world.environment, motion.point(i, com).r)
-            if a is not None:
-                yield motion.load(i, com, force=m * a)
+            yield motion.load(i, com, force=m * a)
 
     def pulling(self, motion: RobotMotion, name: str, a: Vectors) -> Disturbance:
         """An acceleration of all parts."""
@@ -52,15 +56,13 @@ class Pull(Agent):
 class LevelPull(Pull):
     """A table that is not level."""
 
-    group = "pull"
+    group, key = "pull", "tilt"
     words = "all parts are pulled alike, as on a table that is not level"
     needs = "position or velocity of S"
 
-    def at(self, environment: Environment, r: Vectors) -> Vectors | None:
+    def at(self, environment: Environment, r: Vectors) -> Vectors:
         """The same everywhere."""
-        if environment.tilt is None:
-            return None
-        fall = np.array([*environment.tilt, 0.0])
+        fall = np.array([*(environment.tilt or (0.0, 0.0)), 0.0])
         return np.tile(STANDARD_GRAVITY * fall, (len(r), 1))
 
     def columns(self, motion: RobotMotion) -> Iterator[Disturbance]:
@@ -72,16 +74,14 @@ class LevelPull(Pull):
 class UnevenPull(Pull):
     """A table whose fall changes from place to place."""
 
-    group = "uneven"
+    group = key = "uneven"
     words = "the pull changes from place to place, as on an uneven table"
     needs = "position or velocity of S, and a robot whose motion is planar"
     unit = "1/s^2"
 
-    def at(self, environment: Environment, r: Vectors) -> Vectors | None:
+    def at(self, environment: Environment, r: Vectors) -> Vectors:
         """Linear in the place."""
-        uneven = environment.uneven
-        if uneven is None:
-            return None
+        uneven = environment.uneven or Uneven()
         A = np.array([[uneven.xx, uneven.xy], [uneven.xy, uneven.yy]])
         return np.pad(r[:, :2] @ A, ((0, 0), (0, 1)))
 
@@ -106,22 +106,29 @@ class FilmDrag(Agent):
 
     def loads(self, world: World, motion: RobotMotion) -> Iterator[Load]:
         """At the pads of each body."""
-        robot = motion.robot
         for body, film in world.environment.film_drag.items():
-            i, pad = robot.bodies.index(body), robot.pads[body]
-            force = -film.c * motion.point(i, pad).v * IN_PLANE
-            yield motion.load(i, pad, force, -film.c_r * motion.rate(i))
+            yield self.film(motion, body, motion.robot.pads[body], film.c, film.c_r)
 
     def columns(self, motion: RobotMotion) -> Iterator[Disturbance]:
         """Of the pads under bodies: without any declared, of one below S."""
-        robot, none = motion.robot, motion.nothing
+        robot = motion.robot
         if motion.S is None or robot.motion != "planar":
             return
-        for body, p in (robot.pads or {robot.bodies[0]: np.zeros(3)}).items():
-            k = robot.bodies.index(body)
-            force = -motion.point(k, p).v * IN_PLANE
-            torque = np.cross(motion.in_inertial(motion.arm(k, p)), force)
-            pushed = none._replace(force=by_step(force), torque=by_step(torque))
-            turned = none._replace(torque=by_step(-motion.rate(k)))
+        for body, pad in (robot.pads or {robot.bodies[0]: np.zeros(3)}).items():
+            pushed = motion.effect(self.film(motion, body, pad, 1.0, 0.0))
+            turned = motion.effect(self.film(motion, body, pad, 0.0, 1.0))
             yield self.column(body, pushed, "N s/m", positive=True)
             yield self.column(f"{body}.turning", turned, "N m s", positive=True)
+
+    def film(
+        self,
+        motion: RobotMotion,
+        body: str,
+        pad: Float[np.ndarray, "3"],
+        c: float,
+        c_r: float,
+    ) -> Load:
+        """Drag under a pad of a body, at a point of its frame, m; N s/m and N m s."""
+        i = motion.robot.bodies.index(body)
+        force, moment = -c * motion.point(i, pad).v * IN_PLANE, -c_r * motion.rate(i)
+        return motion.load(i, pad, force, moment)

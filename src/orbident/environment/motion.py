@@ -61,13 +61,9 @@ class Effect(NamedTuple):
         """Whether the system CM is accelerated by it, or only turned."""
         return any(x.any() for x in (self.force, self.pull, self.push))
 
-    def times(self, size: float) -> "Effect":
-        """So many times as large."""
-        return Effect(*(size * part for part in self))
-
-    def plus(self, other: "Effect") -> "Effect":
-        """Both together."""
-        return Effect(*(a + b for a, b in zip(self, other, strict=True)))
+    def plus(self, size: float, other: "Effect") -> "Effect":
+        """Another one, so many times as large, in addition."""
+        return Effect(*(a + size * b for a, b in zip(self, other, strict=True)))
 
 
 def by_step(x: Float[np.ndarray, "nodes ..."]) -> Float[np.ndarray, "steps 3 ..."]:
@@ -165,6 +161,12 @@ class RobotMotion:
             self.nothing.force if force is None else by_step(force),
             self.nothing.torque if moment is None else by_step(moment),
         )
+
+    def effect(self, load: Load) -> Effect:
+        """What a load does to the robot as a whole."""
+        arm = by_step(self.in_inertial(self.arm(load.body, load.point)))
+        torque = load.moment + np.cross(arm, load.force)
+        return self.nothing._replace(force=load.force, torque=torque)
 
 
 def at_rest(robot: Robot) -> RobotMotion:

@@ -179,16 +179,14 @@ class TorqueWalk(Agent):
     density = "torque"
 
     def columns(self, motion: RobotMotion) -> Iterator[Disturbance]:
-        """Its waves, with its density as their deviation."""
+        """Its waves about each axis about which momentum is conserved."""
         if self.group in motion.robot.said_to_act:
+            axes = conserved_axes(motion.robot)[0]
             D = inertia(motion.robot, motion.q[:1]).D[0]
             std = _density(self, motion, float(np.trace(D)), motion.w)
-            for each in super().columns(motion):
-                yield each._replace(std=std)
-
-    def torques(self, motion: RobotMotion) -> Named:
-        """About each axis about which momentum is conserved."""
-        return _white(motion, conserved_axes(motion.robot)[0])
+            for name, wave in _white(motion, axes):
+                effect = motion.nothing._replace(torque=by_step(wave))
+                yield self.column(name, effect)._replace(std=std)
 
 
 class ForceWalk(Agent):

@@ -103,14 +103,11 @@ class ExternalForces:
         return [edge for b in bursts for edge in (b.start, b.start + b.duration)]
 
     def wrenches(self, path: Path | None) -> Wrenches:
-        """A function that gives force and moment at the points, at any nodes.
-
-        They are in base axes, and zero where there is no path.
-        """
+        """Force and moment at the points, base axes, at any nodes; without a path 0."""
 
         def at(nodes: Float[np.ndarray, "steps 3"]) -> Float[np.ndarray, "..."]:
             net = np.zeros((*nodes.shape, len(self.points), 6))
-            if path is not None and self.points:
+            if path is not None:
                 motion = path.at(nodes)
                 R_WB = by_step(motion.R_WB)
                 for k, load in enumerate(loads_of(self.world, motion)):
@@ -166,14 +163,14 @@ class ExternalForces:
 
     def pull_at_S(self, r_S: Vectors) -> Vectors:
         """The pull that an accelerometer at S does not feel, inertial axes, m/s^2."""
-        agents = (each for each in AGENTS.values() if isinstance(each, Pull))
-        pulls = (agent.at(self.world.environment, r_S) for agent in agents)
-        return sum((a for a in pulls if a is not None), np.zeros_like(r_S))
+        pulls = (agent for agent in AGENTS.values() if isinstance(agent, Pull))
+        each = (agent.at(self.world.environment, r_S) for agent in pulls)
+        return sum(each, np.zeros_like(r_S))
 
 
 def outside_of(
     robot: Robot,
-    environment: Environment | None,
+    environment: Environment,
     t: Float[np.ndarray, " rows"],
     seed: int,
 ) -> ExternalForces:
@@ -181,14 +178,13 @@ def outside_of(
 
     Args:
         robot: that flies.
-        environment: what acts; nothing where it is None.
+        environment: what acts.
         t: the rows of the flight, s; slow processes are drawn there.
         seed: of these.
 
     Raises:
         InputError: this robot cannot be acted on like that.
     """
-    environment = environment or Environment()
     check_environment(robot, environment)
     drawn = {}
     for name in ("slow_torque", "slow_force"):

@@ -99,7 +99,7 @@ class Acting:
         for k in {*range(len(self.recorded)), *pushing}:
             size = every[k].acts + (sizes[k] if k in pushing else 0.0)
             if size:
-                total = total.plus(every[k].effect.times(size))
+                total = total.plus(size, every[k].effect)
         own = self._moved([total, *(every[k].effect for k in pushing)], r, beta[0])
         still = [k for k in sizes if k not in pushing]
         table = self._without_force(tuple(still))

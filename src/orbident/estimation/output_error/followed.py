@@ -42,7 +42,17 @@ class Followed:
     @cached_property
     def wrenches(self) -> tuple[RecordedWrench, ...]:
         """What is known to act on the base from a row until the next."""
-        return _at(self.samples, self.intervals.t)
+        t = self.intervals.t
+        last = np.searchsorted(self.samples.t, t + TOGETHER, side="right") - 1
+        before = np.maximum(last, 0)
+        return tuple(
+            wrench._replace(
+                force=wrench.force[before],
+                torque=wrench.torque[before],
+                dipole=wrench.dipole[before],
+            )
+            for wrench in self.samples.wrenches
+        )
 
     @property
     def tracked(self) -> bool:
@@ -122,17 +132,3 @@ def integral(
     out[2::2] = np.cumsum(h * (a + 4 * b + c) / 6, axis=0)
     out[1::2] = out[:-1:2] + h * (5 * a + 8 * b - c) / 24
     return out
-
-
-def _at(samples: Samples, t: Float[np.ndarray, " rows"]) -> tuple[RecordedWrench, ...]:
-    """What acts at these times: what the last sample before says."""
-    last = np.searchsorted(samples.t, t + TOGETHER, side="right") - 1
-    before = np.maximum(last, 0)
-    return tuple(
-        each._replace(
-            force=each.force[before],
-            torque=each.torque[before],
-            dipole=each.dipole[before],
-        )
-        for each in samples.wrenches
-    )

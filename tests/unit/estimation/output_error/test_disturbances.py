@@ -18,7 +18,6 @@ from small_problems import (
 )
 
 from orbident import _core
-from orbident.environment.agents import IN_WORDS, NEEDS
 from orbident.errors import InputError
 from orbident.estimation.estimate import Estimate
 from orbident.estimation.identify import identify
@@ -31,7 +30,6 @@ from orbident.estimation.unknowns import DisturbanceFit
 from orbident.model.minimal_sets import minimal_sets
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot, Thruster
-from orbident.robot.disturbance_groups import DisturbanceGroup
 from orbident.simulation.control_laws import JointPD
 from orbident.simulation.flight import standing
 from orbident.simulation.free_floating import BaseState
@@ -219,8 +217,3 @@ def test_what_cannot_show_is_refused():
         asked_for(recording, "air")
     with pytest.raises(InputError, match="'wind' is unknown; use torque, "):
         asked_for(recording, "wind")
-
-
-def test_the_command_line_and_the_robot_file_have_the_estimators_names():
-    assert [*DisturbanceGroup] == [*IN_WORDS]
-    assert {*NEEDS} <= {*IN_WORDS}
