@@ -12,7 +12,7 @@ PACKAGE = ROOT / "src/orbident"
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
     "files": 392,
-    "lines": 55_943,
+    "lines": 55_944,
     "files of estimation": 65,
     "lines of estimation": 10_058,
     "files with one user": 106,

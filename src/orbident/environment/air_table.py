@@ -43,10 +43,11 @@ class Pull(Agent):
 
     def loads(self, world: World, motion: RobotMotion) -> Iterator[Load]:
         """A force on each body, at its CM."""
-        given = getattr(world.environment, self.key) is not None
-        for i, m, com in heavy_bodies(motion.robot) if given else ():
-            a = self.at(world.environment, motion.point(i, com).r)
-            yield motion.load(i, com, force=m * a)
+        if getattr(world.environment, self.key) is None or motion.S is None:
+            return
+        for i, m, com in heavy_bodies(motion.robot):
+            r = motion.S.r + motion.in_inertial(motion.arm(i, com))
+            yield motion.load(i, com, force=m * self.at(world.environment, r))
 
     def pulling(self, motion: RobotMotion, name: str, a: Vectors) -> Disturbance:
         """An acceleration of all parts."""
