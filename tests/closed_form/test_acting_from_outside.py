@@ -21,13 +21,12 @@ from orbident.errors import InputError
 from orbident.model.equations_of_motion import equations_of_motion
 from orbident.model.inertia import inertia
 from orbident.robot.description import Robot
+from orbident.simulation import outside
 from orbident.simulation.control_laws import Driven, Hold
-from orbident.simulation.environment import outside
-from orbident.simulation.environment.outside import thrust_columns
-from orbident.simulation.environment.steady import Slow
 from orbident.simulation.flight import FreeFlying, standing
 from orbident.simulation.free_flying import free_flying
-from orbident.simulation.noise_processes import stream
+from orbident.simulation.noise_processes import markov, stream
+from orbident.simulation.thrusters import thrust_columns
 from orbident.trajectories.environment import Environment
 
 G = 9.80665
@@ -134,7 +133,8 @@ def test_constant_force_at_S():
 def test_slow_torque_is_straight_between_samples():
     given = {"slow_torque": {"std": 0.2, "correlation_time": 1.5}}
     h, _ = gained(fly(SPACE, given, seed=4), SPACE)
-    drawn = Slow(T, 0.2, 1.5, stream(4, "environment.slow_torque")).drawn
+    random = stream(4, "environment.slow_torque")
+    drawn = markov(random, T, np.full(3, 0.2), np.full(3, 1.5))
     steps = np.diff(T)[:, None] * (drawn[1:] + drawn[:-1]) / 2
     np.testing.assert_allclose(h[1:], np.cumsum(steps, axis=0), atol=CLOSE)
     again, _ = gained(fly(SPACE, given, seed=5), SPACE)

@@ -12,11 +12,11 @@ PACKAGE = ROOT / "src/orbident"
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
     "files": 392,
-    "lines": 55_945,
-    "files of estimation": 67,
-    "lines of estimation": 10_580,
-    "files with one user": 107,
-    "imports below each other": 36,
+    "lines": 55_944,
+    "files of estimation": 65,
+    "lines of estimation": 10_058,
+    "files with one user": 106,
+    "imports below each other": 34,
     "numbers without a reason": 76,
 }
 

@@ -34,7 +34,7 @@ from orbident.robot.robot_file import (
     load_written_robot,
     write_robot,
 )
-from orbident.simulation.environment.outside import check_environment
+from orbident.simulation.outside import check_environment
 from orbident.trajectories.trajectory import Trajectory
 from orbident.trajectories.trajectory_file import load_trajectory, save_trajectory
 

@@ -9,13 +9,13 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool
 
+from orbident.environment.agents import IN_WORDS, PUSH, SLOW
 from orbident.estimation.checks import Check, Level
 from orbident.estimation.estimate import Estimate, Solved
 from orbident.estimation.kinetic_energy import positive_energy
 from orbident.estimation.mass_routes import agreement_of_routes, beside_nominal
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.obstacles import surprise
-from orbident.estimation.output_error.forms import IN_WORDS, PUSH, SLOW
 from orbident.estimation.quantities import Quantity
 from orbident.estimation.recursive.changes import changes_in_words
 from orbident.estimation.residual_checks import CAUSES, residual_checks

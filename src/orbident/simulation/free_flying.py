@@ -12,8 +12,6 @@ from orbident.model.inertia import inertia_at
 from orbident.model.rotations import quaternion_matrix, rotate_back, rotation_angle
 from orbident.robot.description import Robot
 from orbident.simulation.control_laws import JointLaw, WheelLaw, WheelLimits
-from orbident.simulation.environment.moving import Path
-from orbident.simulation.environment.outside import Wrenches, outside_of, true_pulses
 from orbident.simulation.flight import FlyingState, FreeFlying, check_flight, check_laws
 from orbident.simulation.flight_steps import (
     AT_S,
@@ -23,7 +21,8 @@ from orbident.simulation.flight_steps import (
     vehicle_of,
 )
 from orbident.simulation.free_floating import JointMotion
-from orbident.simulation.thrusters import Pulse, thrust
+from orbident.simulation.outside import Path, Wrenches, outside_of
+from orbident.simulation.thrusters import Pulse, thrust, true_pulses
 from orbident.trajectories.environment import Environment
 
 MOST_STEPS = 2**19
@@ -97,12 +96,12 @@ def free_flying(
 
             drive = Drive(command, joints, wheels, both)
             # What acts depends on the motion everywhere.
-            shown = wanted if not outside.forces else np.ones_like(wanted)
+            shown = wanted if not outside.points else np.ones_like(wanted)
             at = partial(drive.at, robot)
             return integrate(vehicle, at_start, nodes, at, shown)
 
         seen, path = outside.settled(fly, nodes[:, 0], path, tolerance / 10)
-        if outside.forces:
+        if outside.points:
             seen = FlightStates(*(each[wanted] for each in seen))
         return StateHistory(seen, thrust_at(nodes[wanted]), path)
 

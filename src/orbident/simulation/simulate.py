@@ -7,17 +7,19 @@ import numpy as np
 from jaxtyping import Float
 from scipy.spatial.transform import Rotation
 
+from orbident.environment.agent import World
+from orbident.environment.orbital import seen_from_base
 from orbident.errors import InputError
 from orbident.model.regularity import check_regular
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.simulation.control_laws import Driven
-from orbident.simulation.environment.orbital import seen_from_base
-from orbident.simulation.environment.outside import arc_of, thrust_columns
 from orbident.simulation.flight import FreeFlying, standing
 from orbident.simulation.free_floating import BaseState, FreeFloating, free_floating
 from orbident.simulation.free_flying import free_flying
 from orbident.simulation.measure import measure_truth
+from orbident.simulation.outside import arc_of
+from orbident.simulation.thrusters import thrust_columns
 from orbident.simulation.truth import Columns, Truth, truth_of, truth_of_flight
 from orbident.trajectories.environment import Environment
 from orbident.trajectories.trajectory import Trajectory
@@ -120,10 +122,10 @@ def _moved_along(
     trajectory = replace(trajectory, environment=environment)
     flight = fly_along(robot, trajectory, rate, tolerance, seed)
     R_WB = Rotation.from_quat(flight.attitude).as_matrix()
-    arc = arc_of(robot, environment, flight.t)
+    world = World(environment, arc_of(robot, environment, flight.t))
     return flight, {
         **thrust_columns(environment, flight.t),
-        **seen_from_base(environment, arc, flight.t, R_WB),
+        **seen_from_base(world, flight.t, R_WB),
     }
 
 

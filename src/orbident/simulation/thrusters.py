@@ -10,6 +10,7 @@ from jaxtyping import Float
 from orbident.errors import InputError
 from orbident.files.names import suggestion
 from orbident.robot.description import Robot
+from orbident.trajectories.environment import Environment, Firing
 
 
 class Pulse(NamedTuple):
@@ -77,3 +78,37 @@ def thrust(
         unit = np.append(thruster.direction, np.cross(arm, thruster.direction))
         net += np.where((on <= t) & (t < off), force, 0.0)[:, None] * unit
     return net
+
+
+def true_pulses(environment: Environment) -> tuple[Pulse, ...]:
+    """What the thrusters do: the recorded force times the gain."""
+    return tuple(
+        Pulse(name, pulse.on, pulse.off, thrust.gain * pulse.force)
+        for name, thrust in environment.thrusters.items()
+        for pulse in thrust.pulses
+    )
+
+
+def thrust_columns(
+    environment: Environment, t: Float[np.ndarray, " rows"]
+) -> dict[str, Float[np.ndarray, " rows"]]:
+    """The columns that a recording has of them, N.
+
+    A number holds until the next row: it is the mean over that time, and the impulse is
+    right wherever a pulse begins.
+
+    Args:
+        environment: with the thrusters.
+        t: the times of the rows, s.
+    """
+    return {
+        f"thruster.{name}.force": sum(
+            (_mean(pulse, t) for pulse in thrust.pulses), np.zeros(t.size)
+        )
+        for name, thrust in environment.thrusters.items()
+    }
+
+
+def _mean(pulse: Firing, t: Float[np.ndarray, " rows"]) -> Float[np.ndarray, " rows"]:
+    since = np.clip(t, pulse.on, pulse.off)
+    return np.append(pulse.force * np.diff(since) / np.diff(t), 0.0)

@@ -30,7 +30,7 @@ def found(robot: Robot, late: float, noise, seed=0, duration=40.0) -> oi.Result:
     recording = simulate(robot, motion, noise=noise, seed=seed)
     clean, t = simulate(robot, motion, noise="none").columns, recording.t
     # The noise is that of each sample, the motion that of before.
-    before = recording.columns | clean
+    before = {**recording.columns, **clean}
     shown = {
         name: column - before[name] + CubicSpline(t, before[name])(t - late)
         for name, column in recording.columns.items()

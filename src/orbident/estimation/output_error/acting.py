@@ -8,29 +8,19 @@ S to the CM,
 An accelerometer feels `F / M + b`.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
 from jaxtyping import Float
 
+from orbident.environment.agent import Disturbance
+from orbident.environment.agents import WALKS, disturbances
+from orbident.environment.motion import Effect, by_step
+from orbident.environment.orbital import GravityGradient
 from orbident.estimation.momentum_problem import OutsideMomentum
-from orbident.estimation.output_error.followed import (
-    Followed,
-    at_nodes,
-    by_step,
-    integral,
-)
-from orbident.estimation.output_error.forms import (
-    Disturbance,
-    Effect,
-    disturbances,
-    gravity_gradient,
-    nothing,
-    recorded,
-)
-from orbident.estimation.output_error.walks import WALKS, walks
+from orbident.estimation.output_error.followed import Followed, at_nodes, integral
 from orbident.estimation.unknowns import Unknown
 from orbident.robot.description import MomentumWalk
 
@@ -54,12 +44,12 @@ class Acting:
     @cached_property
     def recorded(self) -> tuple[Disturbance, ...]:
         """What is known to act, but for a gain each; its places are the first."""
-        return tuple(recorded(self.followed))
+        return tuple(recorded_gains(self.followed))
 
     @cached_property
     def disturbances(self) -> tuple[Disturbance, ...]:
         """All that may act besides."""
-        return (*disturbances(self.followed), *walks(self.followed))
+        return tuple(disturbances(self.followed.motion))
 
     def walking(self, found: Mapping[str, float]) -> "Acting":
         """The same with these densities of walks, by their groups."""
@@ -106,17 +96,21 @@ class Acting:
             for place, gain in zip(selected, gains, strict=True)
             if place >= self.first
         }
-        if not (sizes or self.recorded or "nadir" in self.followed.surroundings):
+        tide = "nadir" in self.followed.samples.surroundings
+        if not (sizes or self.recorded or tide):
             return np.zeros((0, ROWS, 1))
         every = (*self.recorded, *(self.disturbances if sizes else ()))
-        r = by_step(self.followed.to_cm(beta))
-        tide = by_step(gravity_gradient(self.followed, beta))
-        total = nothing(self.followed)._replace(torque=tide)
+        motion, theta = self.followed.motion, self.followed.theta(beta)
+        r = by_step(motion.to_cm(theta))
+        total = motion.nothing
+        if tide:
+            torque = by_step(GravityGradient().moment(motion, theta))
+            total = total._replace(torque=torque)
         pushing = [k for k in sizes if every[k].effect.force.any()]
         for k in {*range(len(self.recorded)), *pushing}:
             size = every[k].acts + (sizes[k] if k in pushing else 0.0)
             if size:
-                total = total.plus(every[k].effect.times(size))
+                total = total.plus(size, every[k].effect)
         own = self._moved([total, *(every[k].effect for k in pushing)], r, beta[0])
         still = [k for k in sizes if k not in pushing]
         table = self._without_force(tuple(still))
@@ -163,7 +157,7 @@ class Acting:
             every = (*self.recorded, *self.disturbances) if which else ()
             effects = [every[k].effect for k in which]
             nowhere = np.zeros((self.followed.t.size // 2, 3, 3))
-            together = nothing(self.followed)
+            together = self.followed.motion.nothing
             self._still = which, self._moved([together, *effects], nowhere, 1.0)
         return self._still[1]
 
@@ -203,3 +197,24 @@ class Acting:
         slopes[:, 6:9, 0], slopes[:, 9:12, 0] = integral(t, by_step(v)), v
         slopes[:, 12:15, 0] = at_nodes(felt)
         return slopes
+
+
+def recorded_gains(followed: Followed) -> Iterator[Disturbance]:
+    """The wrenches that were recorded, known up to a gain each.
+
+    A wrench holds in base axes, and turns with these, from a row until the next.
+
+    Args:
+        followed: the motion that was measured.
+    """
+    for each in followed.wrenches:
+        motion, steps = followed.motion, followed.t.size // 2
+        force, torque, dipole = (
+            np.einsum("skij,sj->ski", by_step(motion.R_WB), held[:steps])
+            for held in (each.force, each.torque, each.dipole)
+        )
+        if dipole.any():
+            torque = torque + np.cross(dipole, by_step(motion.surroundings["field"]))
+        effect = motion.nothing._replace(force=force, torque=torque)
+        name = f"{each.name}.gain"
+        yield Disturbance(name, name, "1", effect, acts=1.0, std=each.gain)

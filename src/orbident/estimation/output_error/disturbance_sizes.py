@@ -4,8 +4,9 @@ Its numbers are among the common unknowns that a solution selects.
 
 How strong white torques and forces from outside are, where nothing is declared.
 
-Where all other unknowns are eliminated, the equations of a walk's waves (`walks.py`)
-are `R c = z + e`, with `e` of unit variance and `c` of the variance `q^2`, so that
+Where all other unknowns are eliminated, the equations of a walk's waves
+(`torques_and_forces.py`) are `R c = z + e`, with `e` of unit variance and `c` of the
+variance `q^2`, so that
 
     z ~ N(0, 1 + q^2 R R'),   -2 ln L = ln |1 + q^2 R R'| + z' (1 + q^2 R R')^-1 z
 
@@ -20,8 +21,8 @@ from jaxtyping import Float, Int
 from scipy.linalg import cho_factor, cho_solve
 from scipy.optimize import minimize
 
+from orbident.environment.agents import WALKS
 from orbident.estimation.output_error.problem import Problem
-from orbident.estimation.output_error.walks import WALKS
 from orbident.estimation.solution import OUTSIDE, Solution, Unknowns
 from orbident.estimation.unknowns import DisturbanceFit
 

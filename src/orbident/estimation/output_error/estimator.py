@@ -15,6 +15,7 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident import _core
+from orbident.environment.agents import FILM, IN_WORDS, NEEDS, PUSH, SLOW, WALKS
 from orbident.errors import InputError
 from orbident.estimation.estimate import (
     Estimate,
@@ -35,7 +36,6 @@ from orbident.estimation.output_error.disturbance_sizes import (
     identified,
     with_densities,
 )
-from orbident.estimation.output_error.forms import FILM, IN_WORDS, NEEDS, PUSH, SLOW
 from orbident.estimation.output_error.hypotheses import (
     LONGEST,
     Search,
@@ -53,7 +53,6 @@ from orbident.estimation.output_error.sensitivity import sensitivity, with_unsee
 from orbident.estimation.output_error.sensors import Sensors, sensors_of
 from orbident.estimation.output_error.sharing import shared_of
 from orbident.estimation.output_error.solver import STEPS
-from orbident.estimation.output_error.walks import WALKS
 from orbident.estimation.predicted import sensor_signals
 from orbident.estimation.shared import Shared
 from orbident.estimation.solution import OUTSIDE, Solution, Unknowns

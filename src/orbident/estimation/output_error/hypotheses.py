@@ -24,14 +24,13 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
+from orbident.environment.agents import IN_WORDS, SLOW, STEADY, WALKS
 from orbident.estimation.levels import LEVELS, limit
 from orbident.estimation.output_error.disturbance_sizes import sizes_of
-from orbident.estimation.output_error.forms import IN_WORDS, SLOW, STEADY
 from orbident.estimation.output_error.noise_scaling import Fitted, fitted
 from orbident.estimation.output_error.problem import Problem
 from orbident.estimation.output_error.scores import TakenForZero
 from orbident.estimation.output_error.solver import STEPS, solved
-from orbident.estimation.output_error.walks import WALKS
 from orbident.estimation.solution import Linear, Prior, Solution, Unknowns
 
 FREE = 1e3

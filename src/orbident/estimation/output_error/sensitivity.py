@@ -14,8 +14,8 @@ import numpy as np
 from jaxtyping import Float
 from scipy.linalg import solve_triangular
 
+from orbident.environment.agents import WALKS
 from orbident.estimation.output_error.scores import TakenForZero
-from orbident.estimation.output_error.walks import WALKS
 from orbident.estimation.unknowns import UNSEEN, Sensitivity, score
 
 SMALL_ERROR = {

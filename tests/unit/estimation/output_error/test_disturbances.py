@@ -23,7 +23,6 @@ from orbident.estimation.estimate import Estimate
 from orbident.estimation.identify import identify
 from orbident.estimation.momentum_problem import momentum_problem
 from orbident.estimation.output_error.estimator import OutputError
-from orbident.estimation.output_error.forms import IN_WORDS, NEEDS
 from orbident.estimation.output_error.problem import NO_ROWS, SENSORS, Problem
 from orbident.estimation.output_error.sensors import at_level
 from orbident.estimation.solution import Unknowns
@@ -31,7 +30,6 @@ from orbident.estimation.unknowns import DisturbanceFit
 from orbident.model.minimal_sets import minimal_sets
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot, Thruster
-from orbident.robot.disturbance_groups import DisturbanceGroup
 from orbident.simulation.control_laws import JointPD
 from orbident.simulation.flight import standing
 from orbident.simulation.free_floating import BaseState
@@ -220,7 +218,3 @@ def test_what_cannot_show_is_refused():
         asked_for(recording, "air")
     with pytest.raises(InputError, match="'wind' is unknown; use torque, "):
         asked_for(recording, "wind")
-
-
-def test_the_command_line_and_the_robot_file_have_the_estimators_names():
-    assert {*DisturbanceGroup} == {*IN_WORDS} >= {*NEEDS}

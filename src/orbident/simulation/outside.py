@@ -1,23 +1,39 @@
-"""All that acts on a robot: checked, drawn, and as wrenches for the core."""
+"""All that acts on a robot, as wrenches for the core, along the motion it makes."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
+from scipy.interpolate import CubicHermiteSpline
 
+from orbident.environment.agent import World
+from orbident.environment.agents import AGENTS, loads_of
+from orbident.environment.air_table import Pull
+from orbident.environment.motion import (
+    PointMotion,
+    RobotMotion,
+    Vectors,
+    at_rest,
+    by_step,
+    straight,
+)
 from orbident.errors import InputError
 from orbident.files.names import listed, suggestion
-from orbident.model.rotations import rotate_back
+from orbident.model.rotations import (
+    quaternion_matrix,
+    quaternion_rate,
+    rotate,
+    rotate_back,
+    rotation_angle,
+)
 from orbident.orbits.orbit import Arc
 from orbident.robot.description import Robot
-from orbident.simulation.environment import air_table, orbital, steady
-from orbident.simulation.environment.moving import Force, Path, Vectors, at_rest
 from orbident.simulation.flight_steps import FlightStates, WrenchPoint
-from orbident.simulation.noise_processes import stream
-from orbident.simulation.thrusters import Pulse
-from orbident.trajectories.environment import Environment, Firing
+from orbident.simulation.noise_processes import markov, stream
+from orbident.trajectories.environment import Environment
 
 MOST_ROUNDS = 60
 """Flights until what acts is that of the motion; a whole orbit takes some 25."""
@@ -28,36 +44,76 @@ COARSE = 2**15
 Wrenches = Callable[[Float[np.ndarray, "steps 3"]], Float[np.ndarray, "steps 3 w 6"]]
 
 
+class Path(NamedTuple):
+    """A flight between its steps: cubics through places and rates at their starts."""
+
+    robot: Robot
+    spline: CubicHermiteSpline
+
+    @classmethod
+    def through(
+        cls, robot: Robot, t: Float[np.ndarray, " steps"], seen: FlightStates
+    ) -> "Path":
+        """The path of what was seen at the starts `t` (s) of steps."""
+        joints = len(robot.joints)
+        w, qd = seen.v[:, 3:6], seen.v[:, 6 : 6 + joints]
+        w_dot, qdd = seen.vd[:, 3:6], seen.vd[:, 6 : 6 + joints]
+        a_S = rotate(quaternion_matrix(seen.x_WB), seen.f_S)
+        turning = quaternion_rate(seen.x_WB, w)
+        x = np.hstack([seen.q, seen.x_WB, seen.r_S, qd, w, seen.v_S])
+        slope = np.hstack([qd, turning, seen.v_S, qdd, w_dot, a_S])
+        return cls(robot, CubicHermiteSpline(t, x, slope))
+
+    def at(self, nodes: Float[np.ndarray, "steps 3"]) -> RobotMotion:
+        """The robot at start, middle and end of steps that follow each other, s."""
+        t = np.append(nodes[:, :2], nodes[-1, 2])
+        q, x_WB, r_S, qd, w, v_S = self._parts(t)
+        S = PointMotion(r_S, v_S)
+        return RobotMotion(self.robot, t, q, qd, quaternion_matrix(x_WB), w, S)
+
+    def apart(self, other: "Path") -> float:
+        """The largest distance of places and attitudes at the steps' starts, m, rad."""
+        a, b = (path._parts(self.spline.x)[:3] for path in (self, other))
+        return max(
+            np.abs(a[2] - b[2]).max(),
+            np.abs(a[0] - b[0]).max(initial=0.0),
+            rotation_angle(a[1], b[1]).max(),
+        )
+
+    def _parts(self, t: Float[np.ndarray, " n"]) -> list[np.ndarray]:
+        joints = len(self.robot.joints)
+        ends = np.cumsum([joints, 4, 3, joints, 3])
+        parts = np.split(self.spline(t), ends, axis=1)
+        parts[1] /= np.linalg.norm(parts[1], axis=1, keepdims=True)
+        return parts
+
+
 @dataclass(frozen=True)
 class ExternalForces:
     """What acts on one flight."""
 
     robot: Robot
-    environment: Environment
-    forces: tuple[Force, ...]
+    world: World
     points: tuple[WrenchPoint, ...]
 
     @property
     def edges(self) -> list[float]:
         """When bursts begin and end, s."""
-        bursts = self.environment.bursts
+        bursts = self.world.environment.bursts
         return [edge for b in bursts for edge in (b.start, b.start + b.duration)]
 
     def wrenches(self, path: Path | None) -> Wrenches:
-        """A function that gives force and moment at the points, at any nodes.
-
-        They are in base axes, and zero where there is no path.
-        """
+        """Force and moment at the points, base axes, at any nodes; without a path 0."""
 
         def at(nodes: Float[np.ndarray, "steps 3"]) -> Float[np.ndarray, "..."]:
-            net = np.zeros((nodes.size, len(self.points), 6))
-            if path is not None and self.forces:
-                moving = path.at(nodes)
-                every = (each for force in self.forces for each in force(moving))
-                for k, acting in enumerate(every):
-                    net[:, k, :3] = rotate_back(moving.R_WB, acting.force)
-                    net[:, k, 3:] = rotate_back(moving.R_WB, acting.moment)
-            return net.reshape(*nodes.shape, -1, 6)
+            net = np.zeros((*nodes.shape, len(self.points), 6))
+            if path is not None:
+                motion = path.at(nodes)
+                R_WB = by_step(motion.R_WB)
+                for k, load in enumerate(loads_of(self.world, motion)):
+                    net[:, :, k, :3] = rotate_back(R_WB, load.force)
+                    net[:, :, k, 3:] = rotate_back(R_WB, load.moment)
+            return net
 
         return at
 
@@ -86,7 +142,7 @@ class ExternalForces:
         Raises:
             InputError: it does not settle although steps are short.
         """
-        if not self.forces:
+        if not self.points:
             return fly(self.wrenches(None)), None
         seen = fly(self.wrenches(path))
         for _ in range(MOST_ROUNDS):
@@ -107,12 +163,14 @@ class ExternalForces:
 
     def pull_at_S(self, r_S: Vectors) -> Vectors:
         """The pull that an accelerometer at S does not feel, inertial axes, m/s^2."""
-        return air_table.pull(self.environment, r_S)
+        pulls = (agent for agent in AGENTS.values() if isinstance(agent, Pull))
+        each = (agent.at(self.world.environment, r_S) for agent in pulls)
+        return sum(each, np.zeros_like(r_S))
 
 
 def outside_of(
     robot: Robot,
-    environment: Environment | None,
+    environment: Environment,
     t: Float[np.ndarray, " rows"],
     seed: int,
 ) -> ExternalForces:
@@ -120,24 +178,26 @@ def outside_of(
 
     Args:
         robot: that flies.
-        environment: what acts; nothing where it is None.
+        environment: what acts.
         t: the rows of the flight, s; slow processes are drawn there.
         seed: of these.
 
     Raises:
         InputError: this robot cannot be acted on like that.
     """
-    environment = environment or Environment()
     check_environment(robot, environment)
-    arc = arc_of(robot, environment, t)
-    forces = tuple(_forces(environment, arc, t, seed))
-    still = at_rest(robot)
-    points = [
-        WrenchPoint(acting.body, acting.point)
-        for force in forces
-        for acting in force(still)
-    ]
-    return ExternalForces(robot, environment, forces, tuple(points))
+    drawn = {}
+    for name in ("slow_torque", "slow_force"):
+        slow = getattr(environment, name)
+        if slow is not None:
+            random = stream(seed, f"environment.{name}")
+            T = np.full(3, slow.correlation_time)
+            x = markov(random, t, np.full(3, slow.std), T)
+            drawn[name] = partial(straight, at=t, x=x)
+    world = World(environment, arc_of(robot, environment, t), drawn)
+    loads = loads_of(world, at_rest(robot))
+    points = (WrenchPoint(load.body, load.point) for load in loads)
+    return ExternalForces(robot, world, tuple(points))
 
 
 def check_environment(robot: Robot, environment: Environment) -> None:
@@ -196,78 +256,3 @@ def arc_of(
             "given; add orbit: with altitude and inclination"
         )
     return None
-
-
-def true_pulses(environment: Environment) -> tuple[Pulse, ...]:
-    """What the thrusters do: the recorded force times the gain."""
-    return tuple(
-        Pulse(name, pulse.on, pulse.off, thrust.gain * pulse.force)
-        for name, thrust in environment.thrusters.items()
-        for pulse in thrust.pulses
-    )
-
-
-def thrust_columns(
-    environment: Environment, t: Float[np.ndarray, " rows"]
-) -> dict[str, Float[np.ndarray, " rows"]]:
-    """The columns that a recording has of them, N.
-
-    A number holds until the next row: it is the mean over that time, and the impulse is
-    right wherever a pulse begins.
-
-    Args:
-        environment: with the thrusters.
-        t: the times of the rows, s.
-    """
-    return {
-        f"thruster.{name}.force": sum(
-            (_mean(pulse, t) for pulse in thrust.pulses), np.zeros(t.size)
-        )
-        for name, thrust in environment.thrusters.items()
-    }
-
-
-def _mean(pulse: Firing, t: Float[np.ndarray, " rows"]) -> Float[np.ndarray, " rows"]:
-    since = np.clip(t, pulse.on, pulse.off)
-    return np.append(pulse.force * np.diff(since) / np.diff(t), 0.0)
-
-
-def _forces(
-    given: Environment, arc: Arc | None, t: Float[np.ndarray, " rows"], seed: int
-) -> Iterator[Force]:
-    if given.torque:
-        yield partial(steady.constant_torque, given.torque)
-    if given.force:
-        yield partial(steady.constant_force, given.force)
-    for name, act in (
-        ("slow_torque", steady.slow_torque),
-        ("slow_force", steady.slow_force),
-    ):
-        slow = getattr(given, name)
-        if slow is not None:
-            random = stream(seed, f"environment.{name}")
-            drawn = steady.Slow(t, slow.std, slow.correlation_time, random)
-            yield partial(act, drawn)
-    for burst in given.bursts:
-        yield partial(steady.burst, burst)
-    yield from _on_table(given)
-    if given.solar_pressure:
-        yield partial(orbital.solar_pressure, given.solar_pressure, arc)
-    if arc is not None:
-        yield from _in_orbit(given, arc)
-
-
-def _on_table(given: Environment) -> Iterator[Force]:
-    if given.tilt or given.uneven:
-        yield partial(air_table.pulls, given)
-    for body, film in given.film_drag.items():
-        yield partial(air_table.film_drag, body, film)
-
-
-def _in_orbit(given: Environment, arc: Arc) -> Iterator[Force]:
-    if given.gravity_gradient:
-        yield partial(orbital.tidal_loads, arc)
-    if given.air_drag:
-        yield partial(orbital.air_drag, given.air_drag, arc)
-    if given.dipole:
-        yield partial(orbital.dipole, given.dipole, arc)

@@ -1,0 +1,117 @@
+"""What an agent is: something that acts on a robot from outside.
+
+For the simulator it is loads on bodies, as the environment of a file gives them; for
+the fit it is disturbances at size one, whose sizes are unknown. Torques are about S,
+accelerations those of all parts alike.
+"""
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import ClassVar, NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+
+from orbident.environment.motion import Effect, Load, RobotMotion, Vectors, by_step
+from orbident.errors import InputError
+from orbident.orbits.orbit import Arc
+from orbident.trajectories.environment import Environment
+
+AXES = "xyz"
+
+Named = Iterator[tuple[str, Vectors]]
+"""Vectors at the nodes of a motion, by name."""
+
+
+@dataclass(frozen=True)
+class World:
+    """What acts on one flight."""
+
+    environment: Environment
+    """As it was given."""
+    arc: Arc | None = None
+    """Of the orbit, if there is one."""
+    drawn: Mapping[str, Callable[..., Vectors]] = field(default_factory=dict)
+    """What is random, by the environment's name of it, at any times, s."""
+
+    def sun(self, t: Float[np.ndarray, " n"]) -> Float[np.ndarray, "n 3"]:
+        """The sun's direction, as it is given or by date, inertial axes.
+
+        Raises:
+            InputError: no direction is given, and no orbit with an epoch.
+        """
+        given = self.environment.solar_pressure
+        if given is not None and given.sun is not None:
+            return np.tile(np.array(given.sun) / np.linalg.norm(given.sun), (t.size, 1))
+        if self.arc is None or self.arc.epoch is None:
+            raise InputError(
+                "environment: solar_pressure: where the sun is, is not known; add sun: "
+                "[x, y, z], or an orbit with an epoch"
+            )
+        return self.arc.sun(t)
+
+
+class Disturbance(NamedTuple):
+    """One number that says how large something from outside is."""
+
+    name: str
+    """Such as `tilt.x`."""
+    group: str
+    """What is there or not there together."""
+    unit: str
+    effect: Effect
+    positive: bool = False
+    """Whether less than zero is impossible."""
+    acts: float = 0.0
+    """Its size where the number is zero: 1 for what was recorded."""
+    std: float = 0.0
+    """Its deviation beforehand: zero for recorded thrust is exact, else unknown."""
+
+
+class Agent:
+    """Something that acts from outside."""
+
+    group: ClassVar[str]
+    """Its name; its numbers are there or not there together."""
+    words: ClassVar[str] = ""
+    """What acts; empty for what is not tested for."""
+    needs: ClassVar[str] = ""
+    """Without which nothing shows of it, in words."""
+    unit: ClassVar[str] = "N m"
+    """SI: of its numbers."""
+    mean: ClassVar[str] = ""
+    """The group that is its mean, and stands beside it."""
+    slow: ClassVar[bool] = False
+    """Whether it follows whatever changes slowly."""
+    density: ClassVar[str] = ""
+    """Of momentum that walks at random, the field of `MomentumWalk`."""
+
+    def loads(self, world: World, motion: RobotMotion) -> Iterator[Load]:
+        """What it does to a flight: always at the same points of the same bodies.
+
+        Args:
+            world: what was given to act.
+            motion: the flight at some of its times.
+        """
+        yield from ()
+
+    def columns(self, motion: RobotMotion) -> Iterator[Disturbance]:
+        """What of it may show in a recording, each number at size one.
+
+        Args:
+            motion: the motion that was measured.
+        """
+        for name, torque in self.torques(motion):
+            effect = motion.nothing._replace(torque=by_step(torque))
+            yield self.column(name, effect)
+
+    def torques(self, motion: RobotMotion) -> Named:
+        """Those of its columns that only turn: torques about S, inertial axes."""
+        yield from ()
+
+    def column(
+        self, name: str, effect: Effect, unit: str = "", positive: bool = False
+    ) -> Disturbance:
+        """One of its numbers, by default in the agent's unit."""
+        name = f"{self.group}.{name}"
+        return Disturbance(name, self.group, unit or self.unit, effect, positive)

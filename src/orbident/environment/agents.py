@@ -1,0 +1,69 @@
+"""All agents, in order, and what of them the estimators ask for by their groups."""
+
+from collections.abc import Iterator
+
+from orbident.environment import air_table, orbital
+from orbident.environment import torques_and_forces as steady
+from orbident.environment.agent import Agent, Disturbance, World
+from orbident.environment.motion import Load, RobotMotion
+
+AGENTS: dict[str, Agent] = {
+    agent.group: agent
+    for agent in (
+        steady.ConstantTorque(),
+        steady.VaryingTorque(),
+        steady.BaseTorque(),
+        steady.VaryingBaseTorque(),
+        steady.WheelLoss(),
+        steady.ForceAtS(),
+        steady.Push(),
+        air_table.LevelPull(),
+        air_table.UnevenPull(),
+        air_table.FilmDrag(),
+        orbital.GravityGradient(),
+        orbital.OrbitalDrag(),
+        orbital.SunlightPressure(),
+        orbital.MagneticDipole(),
+        # Densities are estimated from the last unknowns: their waves are these.
+        steady.TorqueWalk(),
+        steady.ForceWalk(),
+    )
+}
+"""What acts from outside, by its group."""
+
+IN_WORDS = {group: each.words for group, each in AGENTS.items() if each.words}
+"""What acts: all that is tested for, or may be asked for."""
+
+NEEDS = {group: each.needs for group, each in AGENTS.items() if each.needs}
+"""Without which nothing shows of a group."""
+
+STEADY = {group: each.mean for group, each in AGENTS.items() if each.mean}
+"""What has a mean beside, by groups of what changes slowly."""
+
+SLOW = tuple(group for group, each in AGENTS.items() if each.slow)
+"""Groups that follow whatever changes slowly."""
+
+WALKS = tuple(group for group, each in AGENTS.items() if each.density)
+"""Groups of waves, in the order of `MomentumWalk`."""
+
+PUSH, FILM = steady.Push.group, air_table.FilmDrag.group
+"""What is not tested for but looked for; and what acts where a robot has pads."""
+
+
+def loads_of(world: World, motion: RobotMotion) -> list[Load]:
+    """All that acts on a flight: always at the same points of the same bodies.
+
+    Args:
+        world: what was given to act.
+        motion: the flight at some of its times.
+    """
+    return [x for agent in AGENTS.values() for x in agent.loads(world, motion)]
+
+
+def disturbances(motion: RobotMotion) -> Iterator[Disturbance]:
+    """All that may act on this robot, and shows in what was recorded.
+
+    Args:
+        motion: the motion that was measured.
+    """
+    return (each for agent in AGENTS.values() for each in agent.columns(motion))

@@ -1,0 +1,135 @@
+"""A table that is neither level nor even, and the drag of the air film on it.
+
+    pull   F_i = m_i a(r_i),   a(r) = g theta + A r   each body, at its CM; A symmetric
+    film   F = -c v_P,   tau = -c_r w_i               bodies with pads
+
+`theta` is how far the table falls along inertial x and y, and `r` is from the origin.
+To the fit a level pull is `a = e_k`, in space too, and an uneven one
+`a = E_k (r_cm - r_cm(0))`.
+"""
+
+from collections.abc import Iterator
+from itertools import combinations_with_replacement
+from typing import ClassVar
+
+import numpy as np
+from jaxtyping import Float
+
+from orbident.environment.agent import AXES, Agent, Disturbance, World
+from orbident.environment.motion import (
+    Load,
+    RobotMotion,
+    Vectors,
+    by_step,
+    heavy_bodies,
+)
+from orbident.model.minimal_sets import conserved_axes
+from orbident.robot.units import STANDARD_GRAVITY
+from orbident.trajectories.environment import Environment, Uneven
+
+IN_PLANE = np.array([1.0, 1.0, 0.0])
+
+
+class Pull(Agent):
+    """What accelerates all parts by where they are, and no accelerometer feels."""
+
+    key: ClassVar[str]
+    """The environment's name of it."""
+    unit = "m/s^2"
+
+    def at(self, environment: Environment, r: Vectors) -> Vectors:
+        """The acceleration of what is at `r` (m), inertial axes."""
+        raise NotImplementedError
+
+    def loads(self, world: World, motion: RobotMotion) -> Iterator[Load]:
+        """A force on each body, at its CM."""
+        if getattr(world.environment, self.key) is None or motion.S is None:
+            return
+        for i, m, com in heavy_bodies(motion.robot):
+            r = motion.S.r + motion.in_inertial(motion.arm(i, com))
+            yield motion.load(i, com, force=m * self.at(world.environment, r))
+
+    def pulling(self, motion: RobotMotion, name: str, a: Vectors) -> Disturbance:
+        """An acceleration of all parts."""
+        return self.column(name, motion.nothing._replace(pull=by_step(a)))
+
+
+class LevelPull(Pull):
+    """A table that is not level."""
+
+    group, key = "pull", "tilt"
+    words = "all parts are pulled alike, as on a table that is not level"
+    needs = "position or velocity of S"
+
+    def at(self, environment: Environment, r: Vectors) -> Vectors:
+        """The same everywhere."""
+        fall = np.array([*(environment.tilt or (0.0, 0.0)), 0.0])
+        return np.tile(STANDARD_GRAVITY * fall, (len(r), 1))
+
+    def columns(self, motion: RobotMotion) -> Iterator[Disturbance]:
+        """Along each axis that momentum is conserved along."""
+        for k in conserved_axes(motion.robot)[1] if motion.S else ():
+            yield self.pulling(motion, AXES[k], motion.always(np.eye(3)[k]))
+
+
+class UnevenPull(Pull):
+    """A table whose fall changes from place to place."""
+
+    group = key = "uneven"
+    words = "the pull changes from place to place, as on an uneven table"
+    needs = "position or velocity of S, and a robot whose motion is planar"
+    unit = "1/s^2"
+
+    def at(self, environment: Environment, r: Vectors) -> Vectors:
+        """Linear in the place."""
+        uneven = environment.uneven or Uneven()
+        A = np.array([[uneven.xx, uneven.xy], [uneven.xy, uneven.yy]])
+        return np.pad(r[:, :2] @ A, ((0, 0), (0, 1)))
+
+    def columns(self, motion: RobotMotion) -> Iterator[Disturbance]:
+        """Each entry of the symmetric matrix, with the CM by CAD."""
+        if motion.S is None or motion.robot.motion != "planar":
+            return
+        r = motion.S.r + motion.to_cm(motion.robot.theta)
+        r = r - r[0]
+        for a, b in combinations_with_replacement(range(2), 2):
+            pull = np.zeros_like(r)
+            pull[:, a], pull[:, b] = r[:, b], r[:, a]
+            yield self.pulling(motion, AXES[a] + AXES[b], pull)
+
+
+class FilmDrag(Agent):
+    """Drag of the air film under bodies."""
+
+    group = "drag"
+    words = "drag acts, as of an air film"
+    needs = UnevenPull.needs
+
+    def loads(self, world: World, motion: RobotMotion) -> Iterator[Load]:
+        """At the pads of each body."""
+        for body, film in world.environment.film_drag.items():
+            yield self.film(motion, body, motion.robot.pads[body], film.c, film.c_r)
+
+    def columns(self, motion: RobotMotion) -> Iterator[Disturbance]:
+        """Of the pads under bodies: without any declared, of one below S."""
+        robot = motion.robot
+        if motion.S is None or robot.motion != "planar":
+            return
+        for body, pad in (robot.pads or {robot.bodies[0]: np.zeros(3)}).items():
+            pushed = motion.effect(self.film(motion, body, pad, 1.0, 0.0))
+            turned = motion.effect(self.film(motion, body, pad, 0.0, 1.0))
+            yield self.column(body, pushed, "N s/m", positive=True)
+            yield self.column(f"{body}.turning", turned, "N m s", positive=True)
+
+    def film(
+        self,
+        motion: RobotMotion,
+        body: str,
+        pad: Float[np.ndarray, "3"],
+        c: float,
+        c_r: float,
+    ) -> Load:
+        """Drag under a pad of a body, at a point of its frame, m; N s/m and N m s."""
+        i = motion.robot.bodies.index(body)
+        force, moment = -c * motion.point(i, pad).v * IN_PLANE, -c_r * motion.rate(i)
+        return motion.load(i, pad, force, moment)

@@ -1,0 +1,230 @@
+"""Torques and forces that depend on time, and on how the base turns.
+
+    constant torque            tau = e_k                    inertial axes
+    torque fixed to the base   tau = R_WB e_k
+    slow torque                tau = e_k cos(m pi t / T)    m = 1 .. 6
+    the same on the base       tau = R_WB e_k cos(m pi t / T)
+    wheel losing speed unseen  tau = d/dt (R_WB a_k l),  dl/dt = cos(m pi t / T)
+    push for a short time d    tau = e_k p,  b = e_k p      p = cos(m pi s / d) / d
+
+A flight draws what is slow, cov(tau(t), tau(t + s)) = std^2 exp(-abs(s) / T), and its
+pushes are forces at S, constant for a while in base axes.
+
+White torque and force of the density `q`, by which momentum walks at random, are waves
+whose sizes are independent,
+
+    tau(t) = c_0 sqrt(1/T) + sum_m c_m sqrt(2/T) cos(m pi t / T),   c_m ~ N(0, q^2)
+
+Their integral is a random walk with the deviation `q sqrt(t)` (the cosines are
+orthonormal; Karhunen 1947). The first `WAVES` of them leave out a part of
+`1 / (pi^2 WAVES)` of its variance. Such a force acts through the system CM.
+"""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from orbident.environment.agent import AXES, Agent, Disturbance, Named, World
+from orbident.environment.motion import Load, RobotMotion, Vectors, by_step
+from orbident.model.inertia import inertia
+from orbident.model.minimal_sets import conserved_axes
+from orbident.model.rotations import rotate
+
+HALF_WAVES = 6
+"""In a recording of what changes slowly: it takes a sixth of it, or longer."""
+
+WAVES = 24
+"""So the walk's deviation is wrong by a fifth of a percent."""
+
+LEAST = 1e-9
+"""SI: the first guess of a density where nothing moves."""
+
+
+class ConstantTorque(Agent):
+    """The same torque all the time."""
+
+    group = "torque"
+    words = "a constant torque acts, inertial axes"
+
+    def loads(self, world: World, motion: RobotMotion) -> Iterator[Load]:
+        """A moment on the base."""
+        if world.environment.torque:
+            yield motion.load(moment=motion.always(world.environment.torque))
+
+    def torques(self, motion: RobotMotion) -> Named:
+        """About each axis about which momentum is conserved."""
+        for k in conserved_axes(motion.robot)[0]:
+            yield AXES[k], motion.always(np.eye(3)[k])
+
+
+class VaryingTorque(ConstantTorque):
+    """A torque that changes slowly."""
+
+    group = "slow_torque"
+    words = "a torque acts that changes slowly, inertial axes"
+    mean = ConstantTorque.group
+    slow = True
+
+    def loads(self, world: World, motion: RobotMotion) -> Iterator[Load]:
+        """A moment on the base."""
+        if self.group in world.drawn:
+            yield motion.load(moment=world.drawn[self.group](motion.t))
+
+    def torques(self, motion: RobotMotion) -> Named:
+        """Half waves of all."""
+        return _slowly(motion, [*super().torques(motion)])
+
+
+class BaseTorque(Agent):
+    """A torque that turns with the base."""
+
+    group = "base_torque"
+    words = "a torque acts that turns with the base, base axes"
+    needs = "a robot whose motion is spatial"
+
+    def torques(self, motion: RobotMotion) -> Named:
+        """About each axis of the base."""
+        for k, axis in enumerate(AXES if motion.robot.motion == "spatial" else ""):
+            yield axis, motion.R_WB[:, :, k]
+
+
+class VaryingBaseTorque(BaseTorque):
+    """A torque that turns with the base and changes slowly."""
+
+    group = "slow_base_torque"
+    words = "a torque acts that turns with the base and changes slowly, base axes"
+    mean = BaseTorque.group
+    slow = True
+
+    def torques(self, motion: RobotMotion) -> Named:
+        """Half waves of each."""
+        for each in super().torques(motion):
+            yield from _slowly(motion, [each])
+
+
+class WheelLoss(Agent):
+    """A wheel that slows down unseen gives its momentum to the rest of the robot.
+
+    About the vertical of a table a loss and a torque are the same.
+    """
+
+    group = "wheel_loss"
+    words = "wheels lose momentum that their recorded speeds do not show"
+    needs = "a wheel, and a robot whose motion is spatial"
+    slow = True
+
+    def torques(self, motion: RobotMotion) -> Named:
+        """A constant loss and half waves of it, of each wheel."""
+        t = motion.t[:, None] - motion.t[0]
+        for wheel in motion.robot.wheels if motion.robot.motion == "spatial" else ():
+            for m in range(HALF_WAVES + 1):
+                k, rate = m * np.pi / t[-1], np.cos(m * np.pi * t / t[-1])
+                lost = np.sin(k * t) / k if m else t
+                torque = np.cross(motion.w, wheel.axis * lost) + wheel.axis * rate
+                yield f"{wheel.name}.{m}", motion.in_inertial(torque)
+
+
+class ForceAtS(Agent):
+    """A force on the base at S: a fit sees a pull, and torques."""
+
+    group = "force"
+
+    def loads(self, world: World, motion: RobotMotion) -> Iterator[Load]:
+        """What is constant of it, and what is drawn; inertial axes."""
+        if world.environment.force:
+            yield motion.load(force=motion.always(world.environment.force))
+        if "slow_force" in world.drawn:
+            yield motion.load(force=world.drawn["slow_force"](motion.t))
+
+
+class Push(Agent):
+    """What acts for a short time, which is not tested for but looked for."""
+
+    group = "push"
+
+    def loads(self, world: World, motion: RobotMotion) -> Iterator[Load]:
+        """Forces on the base, each on or off all through a step."""
+        R_WB, middle = by_step(motion.R_WB), by_step(motion.t)[:, 1]
+        for burst in world.environment.bursts:
+            on = (burst.start <= middle) & (middle < burst.start + burst.duration)
+            force = rotate(R_WB, on[:, None, None] * np.array(burst.force))
+            yield motion.load()._replace(force=force)
+
+    def columns(self, motion: RobotMotion) -> Iterator[Disturbance]:
+        """What it adds to both momenta in all, and how early or late."""
+        if motion.pushed is None:
+            return
+        begin, end = motion.pushed
+        turning, moving = conserved_axes(motion.robot)
+        s = by_step(motion.t - begin)
+        during = (s[:, :1] >= 0) & (s[:, 2:] <= end - begin)
+        for m in (0, 1):
+            shape = during * np.cos(m * np.pi * s / (end - begin)) / (end - begin)
+            for k in turning:
+                torque = shape[..., None] * np.eye(3)[k]
+                effect = motion.nothing._replace(torque=torque)
+                yield self.column(f"turning.{AXES[k]}.{m}", effect, "N m s")
+            for k in moving if motion.S else ():
+                push = shape[..., None] * np.eye(3)[k]
+                effect = motion.nothing._replace(push=push)
+                yield self.column(f"moving.{AXES[k]}.{m}", effect, "m/s")
+
+
+class TorqueWalk(Agent):
+    """A white torque, where it is declared or asked for."""
+
+    group = "torque_walk"
+    words = "torques act that change at random: angular momentum walks"
+    unit = "N m/sqrt(Hz)"
+    density = "torque"
+
+    def columns(self, motion: RobotMotion) -> Iterator[Disturbance]:
+        """Its waves about each axis about which momentum is conserved."""
+        if self.group in motion.robot.said_to_act:
+            axes = conserved_axes(motion.robot)[0]
+            D = inertia(motion.robot, motion.q[:1]).D[0]
+            std = _density(self, motion, float(np.trace(D)), motion.w)
+            for name, wave in _white(motion, axes):
+                effect = motion.nothing._replace(torque=by_step(wave))
+                yield self.column(name, effect)._replace(std=std)
+
+
+class ForceWalk(Agent):
+    """A white force, where it is declared or asked for."""
+
+    group = "force_walk"
+    words = "forces act that change at random: linear momentum walks"
+    needs = "position or velocity of S"
+    unit = "N/sqrt(Hz)"
+    density = "force"
+
+    def columns(self, motion: RobotMotion) -> Iterator[Disturbance]:
+        """Its waves along each axis along which momentum is conserved."""
+        robot = motion.robot
+        if self.group in robot.said_to_act and motion.S:
+            std = _density(self, motion, robot.mass, motion.S.v)
+            for name, wave in _white(motion, conserved_axes(robot)[1]):
+                effect = motion.nothing._replace(push=by_step(wave / robot.mass))
+                yield self.column(name, effect)._replace(std=std)
+
+
+def _slowly(motion: RobotMotion, vectors: Sequence[tuple[str, Vectors]]) -> Named:
+    t = motion.t[:, None] - motion.t[0]
+    for m in range(1, HALF_WAVES + 1):
+        for name, x in vectors:
+            yield f"{name}.{m}", x * np.cos(m * np.pi * t / t[-1])
+
+
+def _white(motion: RobotMotion, axes: Sequence[int]) -> Named:
+    since, T = motion.t - motion.t[0], motion.t[-1] - motion.t[0]
+    for m in range(WAVES + 1):
+        wave = np.sqrt((2 if m else 1) / T) * np.cos(m * np.pi * since / T)
+        for k in axes:
+            yield f"{AXES[k]}.{m}", wave[:, None] * np.eye(3)[k]
+
+
+def _density(agent: Agent, motion: RobotMotion, mass: float, v: Vectors) -> float:
+    """That declared, or so much that it could have moved the base as it moved."""
+    declared = getattr(motion.robot.momentum_walk, agent.density)
+    root = np.sqrt(motion.t[-1] - motion.t[0])
+    return declared or max(mass * float(np.sqrt(np.mean(v**2))) / root, LEAST)
