@@ -35,7 +35,7 @@ CLOCK = "joints.clock"
 SETTLED = 1e-6
 """s: changes of the clock below this are none."""
 
-ROUNDS = 6
+ROUNDS = 6  # of a search that converges as Newton's does; more find nothing
 
 ROWS = 1000
 """So many samples from the beginning of a recording show a clock that is far off."""
@@ -46,7 +46,7 @@ FAR = np.array([0.05, 0.1, 0.2, 0.4, 0.7, 1.0, 1.5, 2.0, 3.0])
 LONGEST_PART = 0.25
 """Of the time that is looked at: too little would be left for both clocks to show."""
 
-TINY = 1e-300
+TINY = 1e-300  # nothing is divided by zero
 
 HELPS = 0.5
 """Part of the squared residuals of Eq. 24 that a clock that is far off must leave at
