@@ -82,7 +82,7 @@ def assembled(
         momentum_walk=MomentumWalk(file.momentum_walk.torque, file.momentum_walk.force),
         orbit=orbit,
         structure=structure,
-        sensors=file.sensors.in_si(),
+        sensors=file.sensors,
         tolerances=file.tolerances.in_si(bodies.joints, place),
         warnings=(
             *urdf.warnings,

@@ -14,6 +14,7 @@ from jaxtyping import Float
 from orbident.files.names import counted
 from orbident.orbits.orbit import Orbit
 from orbident.robot.parameters import PER_BODY, SYMBOLS
+from orbident.robot.sensor_schema import SensorsSpec
 
 
 @dataclass(frozen=True)
@@ -206,8 +207,8 @@ class Robot:
     """How strong unknown torques and forces are that change quickly."""
     orbit: Orbit | None = None
     """Where it is while it is recorded; inertial axes are J2000's then."""
-    sensors: Mapping[str, Any] = field(default_factory=dict)
-    """The robot file's sensor section, in SI units."""
+    sensors: SensorsSpec = field(default_factory=SensorsSpec)
+    """What is measured, how often and how well."""
     tolerances: Tolerances = field(default_factory=Tolerances)
     """How far calibrations may be off; without tolerances they are exact."""
     warnings: tuple[str, ...] = ()

@@ -19,8 +19,9 @@ from orbident.robot.body_schema import BodyEntry, DhTable
 from orbident.robot.description import Axis
 from orbident.robot.disturbance_groups import DisturbanceGroup
 from orbident.robot.orbit_schema import OrbitEntry
-from orbident.robot.sensor_schema import SensorsSpec, Share, measure_of
+from orbident.robot.sensor_schema import SensorsSpec
 from orbident.robot.tolerance_schema import TolerancesEntry
+from orbident.robot.units import Share, measure_of
 
 
 def _range(value: object) -> tuple[float, ...]:

@@ -9,7 +9,7 @@ from orbident.errors import InputError
 from orbident.files.names import quoted, suggestion
 from orbident.files.schema_parts import MappingSchema, WrongValueError
 from orbident.robot.description import Joint, Tolerances
-from orbident.robot.sensor_schema import Angle, Length, Share, Time, at_least_zero
+from orbident.robot.units import Angle, Length, Share, Time, at_least_zero
 
 EVERY = "*"
 """Instead of a joint's name: what is said of all of them."""
