@@ -127,12 +127,8 @@ def _roughly(problem: MomentumProblem) -> dict[str, float]:
 
 def _behind(problem: MomentumProblem, late: Late) -> MomentumProblem:
     """The problem with later clocks than the robot file says."""
-    sensors = dict(problem.robot.sensors)
-    for name, seconds in late.items():
-        for each in SHARED[name]:
-            section = dict(sensors.get(each, {}))
-            section["latency"] = section.get("latency", 0.0) + seconds
-            sensors[each] = section
+    every = {each: late[name] for name in late for each in SHARED[name]}
+    sensors = problem.robot.sensors.later(every)
     return problem.amended(robot=replace(problem.robot, sensors=sensors))
 
 

@@ -3,7 +3,7 @@
     y = c + x_1 + x_2 + e
 
 with an unknown constant `c`, white noise `e`, a first-order Gauss-Markov process `x_1`
-and a random walk `x_2` (`robot/sensor_suites.py`). Of a filter's innovations `v_k` of
+and a random walk `x_2` (`robot/sensor_schema.py`). Of a filter's innovations `v_k` of
 the samples, `u_k` of a constant one, and their variances `S_k`, the likelihood is
 
     -2 ln L = sum (v_k - c u_k)^2 / S_k + sum ln S_k + ln sum u_k^2 / S_k

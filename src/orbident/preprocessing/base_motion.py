@@ -3,8 +3,7 @@
 The rate of the base from its attitude alone.
 """
 
-from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
@@ -20,7 +19,7 @@ from orbident.preprocessing.attitude_fusion import (
 from orbident.preprocessing.histories import MEASURED, Columns
 from orbident.preprocessing.smoothing import Settings, fits_of, smooth_rates
 from orbident.recordings.recording import Recording
-from orbident.robot.sensor_suites import bias_walk
+from orbident.robot.sensor_schema import Sampled, SensorsSpec
 
 
 def attitude_rates(
@@ -100,7 +99,7 @@ class BaseMotion(NamedTuple):
 
 
 def base_motion(
-    recording: Recording, sensors: Mapping[str, Any], late: float, settings: Settings
+    recording: Recording, sensors: SensorsSpec, late: float, settings: Settings
 ) -> BaseMotion:
     """What gyro and attitude say together, or one of them alone.
 
@@ -110,7 +109,7 @@ def base_motion(
 
     Args:
         recording: with a gyro, an attitude, or both.
-        sensors: the robot file's section, for the noise of both.
+        sensors: as the robot file has them, for the noise of both.
         late: by how much the attitude's times are behind the gyro's, s.
         settings: of the whole recording.
 
@@ -155,14 +154,14 @@ def _sparse(w: Columns, fixes: Columns) -> bool:
     return bool((seen & fixed).sum() < seen.sum() / 2)
 
 
-def _fused(recording: Recording, sensors: Mapping[str, Any], late: float) -> BaseMotion:
+def _fused(recording: Recording, sensors: SensorsSpec, late: float) -> BaseMotion:
     t, w = recording.t, recording.vector("gyro")
     fixes = recording.vector("attitude", "xyzw")
     by_gyro = integrate_gyro(t, w, UNTURNED, recording.source)
     if late:
         fixes = _caught_up(t, fixes, by_gyro, late)
-    std = sensors.get("attitude", {}).get("angle") or _scatter(by_gyro, fixes)
-    noise = _gyro_noise(t, w, sensors.get("gyro", {}))
+    std = sensors.of("attitude").white_std() or _scatter(by_gyro, fixes)
+    noise = _gyro_noise(t, w, sensors.of("gyro"))
     fused = fuse_attitude(t, w, fixes, noise, std, recording.source)
     return BaseMotion(
         tuple((w - fused.bias).T),
@@ -189,16 +188,16 @@ def _caught_up(
 
 
 def _gyro_noise(
-    t: Float[np.ndarray, " n"], w: Float[np.ndarray, "n 3"], section: Mapping[str, Any]
+    t: Float[np.ndarray, " n"], w: Float[np.ndarray, "n 3"], gyro: Sampled
 ) -> GyroNoise:
     """As declared, or else as the samples' second differences show it."""
-    N = section.get("angle_random_walk")
+    N = gyro.white_std()
     if not N:
         seen = np.isfinite(w).all(axis=1)
         # Of white noise these have 6 times its variance.
         bend = np.median(np.abs(np.diff(w[seen], n=2, axis=0)))
         N = OF_MEDIAN * bend / np.sqrt(6) * np.sqrt(np.median(np.diff(t[seen])))
-    return GyroNoise(max(float(N), LEAST_N), bias_walk(section))
+    return GyroNoise(max(float(N), LEAST_N), gyro.bias_walk)
 
 
 def _scatter(

@@ -1,10 +1,9 @@
 """What joints and wheels did at the rows of a recording."""
 
-import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from functools import partial
 from itertools import chain
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
@@ -21,6 +20,7 @@ from orbident.preprocessing.smoothing import (
     smooth_rates,
 )
 from orbident.recordings.recording import Recording
+from orbident.robot.sensor_schema import EncoderSpec
 from orbident.threads import side_by_side
 
 Columns = tuple[Float[np.ndarray, " samples"], ...]
@@ -52,7 +52,7 @@ def histories(
     what: str,
     names: Sequence[str],
     rate: str,
-    sensor: Mapping[str, Any],
+    sensor: EncoderSpec | None,
     late: float,
     settings: Settings,
 ) -> Histories:
@@ -67,21 +67,21 @@ def histories(
         what: `"joint"` or `"wheel"`: how the columns begin.
         names: of the robot.
         rate: how the columns of rates end.
-        sensor: the encoders' section of the robot file; empty where it has none.
+        sensor: the encoders, as the robot file has them.
         late: by how much the encoders' times are behind, s.
         settings: of the whole recording.
 
     Raises:
         InputError: a column has too few samples.
     """
+    noise = None if sensor is None else sensor.unseen_std
+    tachometer = None if sensor is None else sensor.tachometer
 
     def group(names: Sequence[str]) -> list[_History]:
         at = {name: f"{what}.{name}.position" for name in names}
         measured = {name: f"{what}.{name}.{rate}" for name in names}
-        tachometer = sensor.get("tachometer")
         both = [n for n in names if recording.has(at[n], measured[n]) and tachometer]
         derived = [n for n in names if n in both or not recording.has(measured[n])]
-        noise = encoder_noise(sensor)
         every = bool(both) or not all(settings.knows(_share(at[n])) for n in derived)
         angles = _smoothed(
             recording, [at[n] for n in derived], noise, late, settings, every
@@ -180,17 +180,6 @@ def _share_of(angle: Smoothed | Rates) -> float:
     assert isinstance(angle, Smoothed)
     std = angle.std_x[~np.isnan(angle.std_x)]
     return float((np.median(std) / angle.noise_std[0]) ** 2) if std.size else np.nan
-
-
-def encoder_noise(sensor: Mapping[str, Any]) -> float | None:
-    """Std of an encoder's samples, rad or m; None where the samples themselves show it.
-
-    Counts are no noise that samples show, `resolution / sqrt(12)` beside the rest.
-    """
-    resolution = sensor.get("resolution", 0.0)
-    if not resolution:
-        return None
-    return math.hypot(sensor.get("position", 0.0), resolution / math.sqrt(12))
 
 
 def _at(recording: Recording, name: str, late: float) -> Float[np.ndarray, " samples"]:

@@ -199,13 +199,12 @@ def samples_of(
     recording.check_torquers(robot)
     behind = delays(robot, recording, late or {})
     settings = settings or Settings()
-    sensors = robot.sensors
     joints = histories(
         recording,
         "joint",
         robot.joint_names,
         "velocity",
-        sensors.get("joints", {}),
+        robot.sensors.joints,
         behind["joints"],
         settings,
     )
@@ -214,11 +213,11 @@ def samples_of(
         "wheel",
         robot.wheel_names,
         "speed",
-        sensors.get("wheels", {}),
+        robot.sensors.wheels,
         behind["wheels"],
         settings,
     )
-    base = base_motion(recording, sensors, behind["attitude"], settings)
+    base = base_motion(recording, robot.sensors, behind["attitude"], settings)
     point = point_velocity(recording, base.x_WB, behind, settings)
     around = surroundings(robot, recording, base.x_WB)
     moving = _locked_apart(joints, robot.joint_names, settings.locked)

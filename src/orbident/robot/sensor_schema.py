@@ -24,14 +24,14 @@ random walk of `s sqrt(2 / T)` per square root of a second.
 """
 
 import math
-from typing import Annotated, Any, ClassVar, NamedTuple, Self
+from collections.abc import Mapping
+from typing import Annotated, Any, ClassVar, NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 from pydantic import (
     BeforeValidator,
     Field,
-    ValidationInfo,
     field_validator,
     model_validator,
 )
@@ -95,14 +95,11 @@ class Sampled(MappingSchema):
     latency: Time | None = None
     drop_out: Annotated[float, BeforeValidator(_probability)] | None = None
 
-    def white_std(self, dt: float) -> float:
-        """Standard deviation of the white noise of a sample, SI.
+    def white_std(self, dt: float = 1.0) -> float:
+        """Standard deviation of the white noise of a sample; SI, zero if not declared.
 
         Args:
             dt: from one sample to the next, s.
-
-        Returns:
-            Zero where it is not declared.
         """
         del dt
         return 0.0
@@ -117,15 +114,11 @@ class Sampled(MappingSchema):
         """What lasts of the noise."""
         return WHITE
 
-    def later(self, seconds: float) -> Self:
-        """The same sensor with so much more latency, s."""
-        return self.model_copy(update={"latency": (self.latency or 0.0) + seconds})
-
-    def ideal(self) -> Self:
+    def ideal(self) -> "Sampled":
         """A sensor that samples as often, without noise, errors or delay."""
         return self.model_construct(rate=self.rate, white_noise=0.0)
 
-    def louder(self, times: float) -> Self:
+    def louder(self, times: float) -> "Sampled":
         """The same sensor with all of its noise so many times as large."""
         sizes = {name: getattr(self, name) for name in self.NOISES}
         return self.model_copy(
@@ -168,7 +161,7 @@ class InertialSpec(Sampled):
     turn_on_bias: float | None
     constant_bias: Axes | None
 
-    def white_std(self, dt: float) -> float:
+    def white_std(self, dt: float = 1.0) -> float:
         """Std of the white noise of a sample, the mean over the `dt` s before it.
 
         The integral of the noise over `dt` has std `N sqrt(dt)`, so its mean has
@@ -208,7 +201,7 @@ class GyroSpec(InertialSpec):
     UNKNOWN_BIAS = 0.1
 
     white_noise: Annotated[float, measure_of("angle random walk")] = Field(
-        0.0, alias="angle_random_walk"
+        default=0.0, alias="angle_random_walk"
     )
     bias_instability: Annotated[float, measure_of("angular rate")] = 0.0
     turn_on_bias: Annotated[float, measure_of("angular rate")] | None = None
@@ -221,7 +214,7 @@ class AccelerometerSpec(InertialSpec):
     UNKNOWN_BIAS = 1.0
 
     white_noise: Annotated[float, measure_of("velocity random walk")] = Field(
-        0.0, alias="velocity_random_walk"
+        default=0.0, alias="velocity_random_walk"
     )
     bias_instability: Annotated[float, measure_of("acceleration")] = 0.0
     turn_on_bias: Annotated[float, measure_of("acceleration")] | None = None
@@ -234,7 +227,7 @@ class EncoderSpec(Sampled):
 
     NOISES = ("white_noise", "tachometer")
 
-    white_noise: Angle | None = Field(None, alias="position")
+    white_noise: Angle | None = Field(default=None, alias="position")
     """Std of the angle's noise, rad or m; None where only the rate is read."""
     resolution: Angle | None = None
     """One count, rad or m."""
@@ -247,11 +240,16 @@ class EncoderSpec(Sampled):
             raise WrongValueError("give position, tachometer or both")
         return self
 
-    def white_std(self, dt: float) -> float:
+    def white_std(self, dt: float = 1.0) -> float:
         """That of an angle: its noise, and that of counts, `resolution / sqrt(12)`."""
         del dt
         count = (self.resolution or 0.0) / math.sqrt(12)
         return math.hypot(self.white_noise or 0.0, count)
+
+    @property
+    def unseen_std(self) -> float | None:
+        """The noise of angles that samples do not show, as with counts; else None."""
+        return self.white_std() if self.resolution else None
 
 
 class TrackerSpec(Sampled):
@@ -273,7 +271,7 @@ class TrackerSpec(Sampled):
             raise WrongValueError("correlation_time needs a markov_std beside it")
         return self
 
-    def white_std(self, dt: float) -> float:
+    def white_std(self, dt: float = 1.0) -> float:
         """That of a sample, about or along each axis, rad or m."""
         del dt
         return self.white_noise
@@ -307,6 +305,16 @@ class PositionSpec(TrackerSpec):
 
 AnySensor = GyroSpec | AccelerometerSpec | EncoderSpec | AttitudeSpec | PositionSpec
 
+UNDECLARED: dict[str, AnySensor] = {
+    "gyro": GyroSpec(),
+    "accelerometer": AccelerometerSpec(),
+    "joints": EncoderSpec(position=0.0),
+    "attitude": AttitudeSpec(angle=0.0),
+    "position": PositionSpec(std=0.0),
+    "wheels": EncoderSpec(position=0.0),
+}
+"""Sensors of which a robot file says nothing: no noise is no noise that is known."""
+
 
 class SensorsSpec(MappingSchema, validate_default=True):
     """What is measured, how often and how well, SI; absent is not measured."""
@@ -331,7 +339,7 @@ class SensorsSpec(MappingSchema, validate_default=True):
 
     @field_validator("*", mode="before")
     @classmethod
-    def _ready_made(cls, given: Any, info: ValidationInfo) -> Any:
+    def _ready_made(cls, given: Any, info: Any) -> Any:
         """That of the last suite that has it, where the file gives none of its own."""
         if given is None:
             for name in info.data.get("suites", ()):
@@ -339,13 +347,40 @@ class SensorsSpec(MappingSchema, validate_default=True):
         return given
 
     @property
+    def rows_per_second(self) -> float:
+        """The rate of a recording, Hz: the paper's where the file says nothing."""
+        return self.rate or 20.0
+
+    @property
     def declared(self) -> dict[str, AnySensor]:
         """The sensors that are there, by their names in a robot file."""
         return {name: each for name, each in self if isinstance(each, AnySensor)}
 
+    @property
+    def of_base(self) -> dict[str, AnySensor]:
+        """Those of the motion of the base: all but the encoders."""
+        declared = self.declared.items()
+        return {name: x for name, x in declared if not isinstance(x, EncoderSpec)}
+
     def of(self, name: str) -> Sampled:
         """What is said of a sensor, even where that is nothing."""
-        return self.declared.get(name, Sampled())
+        return self.declared.get(name, UNDECLARED.get(name, Sampled()))
+
+    def later(self, late: Mapping[str, float]) -> "SensorsSpec":
+        """The same sensors with more latency, whether they are declared or not.
+
+        Args:
+            late: by how much more, by sensor, s.
+        """
+        every = {name: (self.of(name), more) for name, more in late.items()}
+        return self.model_copy(
+            update={
+                name: sensor.model_copy(
+                    update={"latency": (sensor.latency or 0.0) + more}
+                )
+                for name, (sensor, more) in every.items()
+            }
+        )
 
 
 def declared_sensors(section: dict[str, Any]) -> SensorsSpec:

@@ -22,7 +22,7 @@ from orbident.model.wheel_arrays import wheels_of
 from orbident.preprocessing.histories import MEASURED, Columns
 from orbident.preprocessing.samples import Samples
 from orbident.robot.description import Robot
-from orbident.robot.sensor_suites import UNKNOWN_BIAS
+from orbident.robot.sensor_schema import AccelerometerSpec, GyroSpec
 
 SHORT, LONG = 4, 128
 """Rows of an interval."""
@@ -46,7 +46,7 @@ SLIGHT = 1e-11
 FIXED = 1e-9
 """rad: without an attitude sensor, inertial axes are those of the first attitude."""
 
-BIAS = np.repeat([UNKNOWN_BIAS["gyro"], UNKNOWN_BIAS["accelerometer"]], 3)
+BIAS = np.repeat([GyroSpec.UNKNOWN_BIAS, AccelerometerSpec.UNKNOWN_BIAS], 3)
 """Std of biases beforehand, rad/s and m/s^2."""
 
 ENCODERS = 1e-2

@@ -10,13 +10,14 @@ from orbident.estimation.output_error.sensors import fourth_difference_std, sens
 from orbident.preprocessing.delays import delays
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
+from orbident.robot.sensor_schema import SensorsSpec, declared_sensors
 
 T = np.arange(200) * 0.05
 
 
 @pytest.fixture(scope="module")
 def robot() -> Robot:
-    return replace(oi.load_robot("paper-spatial"), sensors={})
+    return replace(oi.load_robot("paper-spatial"), sensors=SensorsSpec())
 
 
 def recording(random: np.random.Generator, noise: float = 0.0) -> Recording:
@@ -32,7 +33,7 @@ def recording(random: np.random.Generator, noise: float = 0.0) -> Recording:
 
 
 def read(robot: Robot, recording: Recording, sensors=None):
-    robot = replace(robot, sensors=sensors or {})
+    robot = replace(robot, sensors=declared_sensors(sensors or {}))
     return sensors_of(robot, recording, delays(robot, recording, {}))
 
 
