@@ -83,7 +83,7 @@ def test_a_sensor_without_samples_is_not_there(robot):
 
 def test_latencies_move_the_samples(robot):
     """Each at the time at which it saw the world, on the gyro's clock."""
-    late = {"gyro": {"latency": 0.02}, "attitude": {"latency": 0.03}}
+    late = {"gyro": {"latency": 0.02}, "attitude": {"angle": 0.0, "latency": 0.03}}
     plain = recording(np.random.default_rng(0))
     found = read(robot, plain, late)
     gyro, attitude = (found.by_name[name].values for name in ("gyro", "attitude"))
@@ -97,7 +97,7 @@ def test_latencies_move_the_samples(robot):
 def test_a_latency_of_whole_rows_meets_the_other_rows(robot):
     """Rows that differ by rounding alone are one row."""
     found = read(
-        robot, recording(np.random.default_rng(0)), {"joints": {"latency": 0.15}}
+        robot, recording(np.random.default_rng(0)), {"joints": {"position": 0.0, "latency": 0.15}}
     )
     assert found.t.size == T.size + 3
     assert np.diff(found.t).min() > 0.049
