@@ -132,7 +132,7 @@ def tilted_table() -> None:
 def at_rest() -> None:
     """A minute at rest at 100 Hz: 8.3 um of white noise, 20 um that last for 0.5 s."""
     n, rate, random = 6000, 100.0, np.random.default_rng(0)
-    std, time = 3 * (2e-5,), 3 * (0.5,)
+    std, time = (2e-5, 2e-5, 2e-5), (0.5, 0.5, 0.5)
     lasting = PositionSpec(std=8.3e-6, markov_std=std, correlation_time=time)
     level = np.tile([0, 0, 0, 1.0], (n, 1))
     x = read_attitude(AttitudeSpec(angle=6e-5), level, 1 / rate, random)

@@ -24,6 +24,7 @@ from orbident.estimation.output_error.sensors import Sensors, sensors_of
 from orbident.estimation.output_error.solver import solution_at
 from orbident.model.minimal_sets import minimal_sets
 from orbident.preprocessing.delays import SENSORS
+from orbident.preprocessing.origins import Origin
 from orbident.preprocessing.samples import Samples
 from orbident.preprocessing.smoothing import smooth
 from orbident.robot.description import Robot
@@ -101,6 +102,6 @@ def _true_samples(motion: FreeFloating, shares: tuple[float, ...]) -> Samples:
         surroundings={},
         locked=(),
         shares=shares,
-        origins={"wheel_speeds": "exact"},
+        origins={"wheel_speeds": Origin(0)},
         source="simulation",
     )

@@ -16,7 +16,8 @@ from orbident.preprocessing.attitude_fusion import (
     fuse_attitude,
     integrate_gyro,
 )
-from orbident.preprocessing.histories import MEASURED, Columns
+from orbident.preprocessing.histories import Columns
+from orbident.preprocessing.origins import Origin
 from orbident.preprocessing.smoothing import Settings, fits_of, smooth_rates
 from orbident.recordings.recording import Recording
 from orbident.robot.sensor_schema import Sampled, SensorsSpec
@@ -73,9 +74,7 @@ def same_sign(x: Float[np.ndarray, "n 4"]) -> Float[np.ndarray, "n 4"]:
     return turned
 
 
-INTEGRATED = "derived: integrated gyro, from an attitude of zero"
-FUSED = "derived: gyro and attitude fused"
-SMOOTHED = "derived: smoothed attitude"
+SMOOTHED = Origin.SMOOTHED_ATTITUDE
 
 AXES = ("gyro.x", "gyro.y", "gyro.z")
 QUATERNION = ("attitude.x", "attitude.y", "attitude.z", "attitude.w")
@@ -95,7 +94,7 @@ class BaseMotion(NamedTuple):
     w: Columns
     """Base axes, rad/s."""
     x_WB: Columns
-    origins: dict[str, str]
+    origins: dict[str, Origin]
 
 
 def base_motion(
@@ -120,24 +119,22 @@ def base_motion(
     if gyro and not attitude:
         w = recording.vector("gyro")
         x = integrate_gyro(recording.t, w, UNTURNED, recording.source)
-        return _motion(recording, x, INTEGRATED)
+        how = {"attitude": Origin.INTEGRATED_GYRO, "base_rate": Origin.MEASURED}
+        return BaseMotion(tuple(w.T), tuple(x.T), how)
     if attitude and not gyro:
         fixes = recording.vector("attitude", "xyzw")
         x, w = attitude_rates(recording.t, fixes, recording.source, settings)
-        return BaseMotion(
-            tuple(w.T), tuple(x.T), {"attitude": SMOOTHED, "base_rate": SMOOTHED}
-        )
+        return BaseMotion(tuple(w.T), tuple(x.T), _both(SMOOTHED))
     w, fixes = (
         tuple(recording.column(name) for name in names) for names in (AXES, QUATERNION)
     )
     if not late and not settings.once("sparse", lambda: _sparse(w, fixes)):
-        return BaseMotion(w, fixes, {"attitude": MEASURED, "base_rate": MEASURED})
+        return BaseMotion(w, fixes, _both(Origin.MEASURED))
     return _fused(recording, sensors, late)
 
 
-def _motion(recording: Recording, x: Float[np.ndarray, "n 4"], how: str) -> BaseMotion:
-    w = tuple(recording.column(name) for name in AXES)
-    return BaseMotion(w, tuple(x.T), {"attitude": how, "base_rate": MEASURED})
+def _both(how: Origin) -> dict[str, Origin]:
+    return {"attitude": how, "base_rate": how}
 
 
 def _recorded(recording: Recording, names: tuple[str, ...]) -> bool:
@@ -163,11 +160,8 @@ def _fused(recording: Recording, sensors: SensorsSpec, late: float) -> BaseMotio
     std = sensors.of("attitude").white_std() or _scatter(by_gyro, fixes)
     noise = _gyro_noise(t, w, sensors.of("gyro"))
     fused = fuse_attitude(t, w, fixes, noise, std, recording.source)
-    return BaseMotion(
-        tuple((w - fused.bias).T),
-        tuple(fused.x_WB.T),
-        {"attitude": FUSED, "base_rate": FUSED},
-    )
+    how = _both(Origin.FUSED_ATTITUDE)
+    return BaseMotion(tuple((w - fused.bias).T), tuple(fused.x_WB.T), how)
 
 
 def _caught_up(

@@ -1,13 +1,15 @@
 """What joints and wheels did at the rows of a recording."""
 
 from collections.abc import Sequence
-from functools import partial
+from functools import partial, reduce
 from itertools import chain
+from operator import or_
 from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 
+from orbident.preprocessing.origins import Origin
 from orbident.preprocessing.rates import at_times, fill
 from orbident.preprocessing.smoothing import (
     AT_ONCE,
@@ -25,11 +27,6 @@ from orbident.threads import side_by_side
 
 Columns = tuple[Float[np.ndarray, " samples"], ...]
 
-MEASURED = "measured"
-DERIVED = "derived: smoothed positions"
-BOTH = f"{DERIVED} and rates"
-
-
 LEAST = 1e-60
 """rad/s or m/s: its square and its inverse are still float64s."""
 
@@ -40,7 +37,7 @@ class Histories(NamedTuple):
     positions: Columns
     """Empty where they are not recorded."""
     rates: Columns
-    origin: str
+    origin: Origin
     """How the rates were obtained."""
     shares: tuple[float, ...]
     """Variance of a smoothed position over that of a sample; NaN where the rate was
@@ -96,11 +93,12 @@ def histories(
                 q = [at[name]] if recording.has(at[name]) else []
                 q = [_at(recording, column, late) for column in q]
                 qd = _at(recording, measured[name], late)
-                return _History(q, qd, np.nan, MEASURED)
+                return _History(q, qd, np.nan, Origin.MEASURED)
             share = settings.once(_share(at[name]), partial(_share_of, angle))
-            qd, origin = angle.rate[:, 0], DERIVED
+            qd, origin = angle.rate[:, 0], Origin.SMOOTHED_POSITIONS
             if name in both:
-                qd, origin = _combined(angle, read[measured[name]]), BOTH
+                qd = _combined(angle, read[measured[name]])
+                origin = Origin.SMOOTHED_POSITIONS_AND_RATES
             return _History([angle.x[:, 0]], qd, share, origin)
 
         return [one(name) for name in names]
@@ -110,7 +108,7 @@ def histories(
     return Histories(
         tuple(q for each in every for q in each.positions),
         tuple(each.rate for each in every),
-        "; ".join(sorted({each.origin for each in every})) or "none",
+        reduce(or_, (each.origin for each in every), Origin(0)),
         tuple(each.share for each in every),
     )
 
@@ -122,7 +120,7 @@ class _History(NamedTuple):
     """One, or none where it is not recorded."""
     rate: Float[np.ndarray, " samples"]
     share: float
-    origin: str
+    origin: Origin
 
 
 def _combined(

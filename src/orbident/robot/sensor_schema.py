@@ -383,10 +383,10 @@ class SensorsSpec(MappingSchema, validate_default=True):
         )
 
 
-def declared_sensors(section: dict[str, Any]) -> SensorsSpec:
+def declared_sensors(section: Mapping[str, Any]) -> SensorsSpec:
     """The sensors of a section that is written as in a robot file.
 
     Raises:
         InputError: it has an unknown key, lacks one, or a value is wrong.
     """
-    return validated(SensorsSpec, section, "sensors")
+    return validated(SensorsSpec, dict(section), "sensors")

@@ -3,7 +3,8 @@ import math
 import numpy as np
 import pytest
 
-from orbident.preprocessing.histories import DERIVED, MEASURED, histories
+from orbident.preprocessing.histories import histories
+from orbident.preprocessing.origins import Origin
 from orbident.preprocessing.smoothing import Settings
 from orbident.recordings.recording import Recording
 from orbident.robot.sensor_schema import EncoderSpec
@@ -28,7 +29,7 @@ def test_late_encoders_are_read_later(measured):
     assert not inside[-3:].any()
     assert inside[:-4].all()
     np.testing.assert_allclose(rate[inside], np.cos(T + 0.035)[inside], atol=1e-6)
-    assert found.origin == (MEASURED if measured else DERIVED)
+    assert found.origin == (Origin.MEASURED if measured else Origin.SMOOTHED_POSITIONS)
 
 
 def test_noise_is_declared_where_counts_hide_it():

@@ -1,6 +1,5 @@
 import numpy as np
 import pytest
-from orbident.simulation.sensor import velocity_increments
 from scipy.spatial.transform import Rotation
 
 from orbident.errors import InputError
@@ -9,6 +8,7 @@ from orbident.preprocessing.point_velocity import (
     velocity_from_accelerometer,
     velocity_from_increments,
 )
+from orbident.simulation.sensor import velocity_increments
 
 T = np.linspace(0.0, 20.0, 401)
 RATE = np.array([0.02, -0.05, 0.1])

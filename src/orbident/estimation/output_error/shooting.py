@@ -19,7 +19,8 @@ from orbident.estimation.tachometers import momentum_noise
 from orbident.model.inertia import inertia_at
 from orbident.model.minimal_sets import conserved_axes
 from orbident.model.wheel_arrays import wheels_of
-from orbident.preprocessing.histories import MEASURED, Columns
+from orbident.preprocessing.histories import Columns
+from orbident.preprocessing.origins import Origin
 from orbident.preprocessing.samples import Samples
 from orbident.robot.description import Robot
 from orbident.robot.sensor_schema import AccelerometerSpec, GyroSpec
@@ -221,7 +222,7 @@ def _turn_walk(robot: Robot, samples: Samples) -> float:
     rates = rates[np.isfinite(rates).all(axis=1)]
     dt = float(np.median(np.diff(rates[:, 0])))
     least = max(CONTINUOUS, between(rates[:, 0], rates[:, 1:]) * np.sqrt(dt))
-    if samples.origins["wheel_speeds"] != MEASURED or not robot.wheels:
+    if samples.origins["wheel_speeds"] is not Origin.MEASURED or not robot.wheels:
         return least
     h_rw = _wheels_momentum(robot, samples)
     known = np.isfinite(h_rw).all(axis=1)

@@ -17,9 +17,7 @@ from orbident.estimation.stretches import rate_scatter, smoothed_rate
 from orbident.estimation.tachometers import rate_noise
 from orbident.model.minimal_sets import minimal_sets
 from orbident.model.wheel_arrays import wheels_of
-from orbident.preprocessing.base_motion import INTEGRATED, SMOOTHED
-from orbident.preprocessing.histories import DERIVED, MEASURED
-from orbident.preprocessing.point_velocity import SMOOTHED as DIFFERENTIATED
+from orbident.preprocessing.origins import ENCODED, Origin
 from orbident.preprocessing.samples import Samples
 from orbident.preprocessing.smoothing import Settings
 from orbident.robot.description import Robot
@@ -100,9 +98,9 @@ def noise_of(robot: Robot, samples: Samples, seen: float = 0.0) -> Noise:
     joints = robot.sensors.joints or EncoderSpec(position=0.0)
     turns = attitude.coloured.random_walk.max()
     walk = force.white_noise if samples.biased else 0.0
-    measured = samples.origins["base_rate"] != SMOOTHED
-    integrated = samples.origins["attitude"] == INTEGRATED
-    derived = DERIVED in samples.origins["joint_rates"]
+    measured = samples.origins["base_rate"] is not Origin.SMOOTHED_ATTITUDE
+    integrated = samples.origins["attitude"] is Origin.INTEGRATED_GYRO
+    derived = samples.origins["joint_rates"] & ENCODED
     if not measured and not attitude.white_noise:
         raise InputError(
             f"{robot.name}: sensors: found no noise of the attitude, and the recording "
@@ -110,13 +108,13 @@ def noise_of(robot: Robot, samples: Samples, seen: float = 0.0) -> Noise:
         )
     if measured:
         rate = gyro.white_std(dt) or seen
-        if samples.origins["wheel_speeds"] == MEASURED and robot.wheels:
+        if samples.origins["wheel_speeds"] is Origin.MEASURED and robot.wheels:
             rate = np.hypot(rate, rate_noise(robot))
     else:
         rate = COLOURED * _changing(attitude) / MEMORY
-    smoothed = samples.origins["velocity"] == DIFFERENTIATED and position.white_noise
+    smoothed = samples.origins["velocity"] is Origin.SMOOTHED_POSITIONS
     velocity = FINE * walk * np.sqrt(dt)
-    if smoothed:
+    if smoothed and position.white_noise:
         velocity = COLOURED * _changing(position) / MEMORY
     seen_to_walk = turns * _spin(robot, samples) if turns else 0.0
     return Noise(
@@ -294,6 +292,6 @@ def trusted(samples: Samples) -> tuple[float, float]:
         samples: of the whole recording, or of a digest of it.
     """
     start, end = float(samples.t[0]), float(samples.t[-1])
-    derived = DERIVED in samples.origins["joint_rates"]
+    derived = samples.origins["joint_rates"] & ENCODED
     margin = ENDS if derived and end - start > 4 * ENDS else 0.0
     return start + margin, end - margin

@@ -97,7 +97,9 @@ def test_latencies_move_the_samples(robot):
 def test_a_latency_of_whole_rows_meets_the_other_rows(robot):
     """Rows that differ by rounding alone are one row."""
     found = read(
-        robot, recording(np.random.default_rng(0)), {"joints": {"position": 0.0, "latency": 0.15}}
+        robot,
+        recording(np.random.default_rng(0)),
+        {"joints": {"position": 0.0, "latency": 0.15}},
     )
     assert found.t.size == T.size + 3
     assert np.diff(found.t).min() > 0.049
