@@ -17,8 +17,7 @@ from orbident import _core
 from orbident.diagnosis.shifts import shown_by, without
 from orbident.diagnosis.trial import Trial, amended_trial
 from orbident.estimation.momentum_problem import MomentumProblem
-from orbident.estimation.output_error.sensors import fourth_difference_std
-from orbident.gaussian import OF_MEDIAN
+from orbident.gaussian import OF_MEDIAN, noisiest_std
 from orbident.robot.sensor_schema import InertialSpec, Sampled
 from orbident.threads import processors
 
@@ -41,7 +40,7 @@ def noisier_sensors(problem: MomentumProblem) -> Iterator[Trial]:
             continue
         x = tables[name][np.isfinite(tables[name]).all(axis=1)]
         # Of an attitude twice the quaternion's, which are angles.
-        shown = fourth_difference_std(2 * x if name == "attitude" else x)
+        shown = noisiest_std(2 * x if name == "attitude" else x)
         white = sensor.white_noise
         if isinstance(sensor, InertialSpec):
             white = sensor.white_std(float(np.median(np.diff(problem.recording.t))))

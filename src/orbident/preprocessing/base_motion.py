@@ -10,7 +10,7 @@ from jaxtyping import Float
 from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
-from orbident.gaussian import OF_MEDIAN
+from orbident.gaussian import white_std_of
 from orbident.preprocessing.attitude_fusion import (
     GyroNoise,
     fuse_attitude,
@@ -188,9 +188,8 @@ def _gyro_noise(
     N = gyro.white_std()
     if not N:
         seen = np.isfinite(w).all(axis=1)
-        # Of white noise these have 6 times its variance.
-        bend = np.median(np.abs(np.diff(w[seen], n=2, axis=0)))
-        N = OF_MEDIAN * bend / np.sqrt(6) * np.sqrt(np.median(np.diff(t[seen])))
+        dt = np.median(np.diff(t[seen]))
+        N = white_std_of(np.diff(w[seen], n=2, axis=0), 2) * np.sqrt(dt)
     return GyroNoise(max(float(N), LEAST_N), gyro.bias_walk)
 
 
@@ -203,5 +202,4 @@ def _scatter(
     between = (error[1:] * error[:-1].inv()).as_rotvec()
     if both.sum() < 2:
         return LEAST_STD
-    scatter = OF_MEDIAN * np.median(np.abs(between)) / np.sqrt(2)
-    return max(float(scatter), LEAST_STD)
+    return max(float(white_std_of(between, 1)), LEAST_STD)

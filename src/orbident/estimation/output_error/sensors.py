@@ -17,7 +17,7 @@ from scipy.spatial.transform import Rotation
 from orbident import _core
 from orbident.estimation.tachometers import rate_noise
 from orbident.files.bounds import TOGETHER
-from orbident.gaussian import white_std
+from orbident.gaussian import noisiest_std
 from orbident.model.minimal_sets import conserved_axes
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
@@ -156,7 +156,7 @@ def _sensed(
     std = sensor.white_std(float(np.median(np.diff(at))) if at.size > 1 else 1.0)
     declared = std > 0
     if not declared:
-        std = fourth_difference_std(samples)
+        std = noisiest_std(samples)
     size = 1.0 if name == "attitude" else float(np.sqrt(np.mean(samples**2)))
     least = max(LEAST * size, between(at, samples), 1e-15)
     std = max(std, least)
@@ -186,13 +186,6 @@ def some_of(
     if rows.size and rows[-1] - rows[0] + 1 == rows.size:
         return np.ascontiguousarray(x[rows[0] : rows[-1] + 1])
     return x[rows]
-
-
-def fourth_difference_std(samples: Float[np.ndarray, "samples axes"]) -> float:
-    """Std of the white noise of the noisiest axis: in the plane some show nothing."""
-    if len(samples) < 5:
-        return 0.0
-    return float(white_std(samples).max())
 
 
 TRACKERS = ("attitude", "position")

@@ -12,10 +12,10 @@ from orbident.estimation.output_error.sensors import (
     Sensors,
     between,
     first_lasting,
-    fourth_difference_std,
     some_of,
 )
 from orbident.estimation.tachometers import momentum_noise
+from orbident.gaussian import noisiest_std
 from orbident.model.inertia import inertia_at
 from orbident.model.minimal_sets import conserved_axes
 from orbident.model.wheel_arrays import wheels_of
@@ -227,7 +227,7 @@ def _turn_walk(robot: Robot, samples: Samples) -> float:
     h_rw = _wheels_momentum(robot, samples)
     known = np.isfinite(h_rw).all(axis=1)
     h_std = float(np.linalg.norm(momentum_noise(robot), 2))
-    h_std = h_std or fourth_difference_std(h_rw[known])
+    h_std = h_std or noisiest_std(h_rw[known])
     rate = h_std / float(_principal_inertias(robot)[0])
     return max(rate * np.sqrt(dt), least)
 
