@@ -4,7 +4,7 @@ import pytest
 from urdf_texts import ARM
 
 from orbident.errors import InputError
-from orbident.robot.description import Tolerances
+from orbident.robot.tolerances import Tolerances
 
 SLIDING = ARM.replace('type="continuous"', 'type="prismatic"').replace(
     'type="revolute"', 'type="prismatic"'
