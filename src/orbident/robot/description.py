@@ -3,16 +3,31 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, Literal, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 from jaxtyping import Float
+from pydantic import PlainValidator
 
 from orbident.files.names import counted
+from orbident.files.schema_parts import Name, Positive, finite_vector, nonzero_vector
 from orbident.orbits.orbit import Orbit
 from orbident.robot.parameters import PER_BODY, SYMBOLS
 from orbident.robot.sensor_schema import SensorsSpec
 from orbident.robot.tolerances import Tolerances
+from orbident.robot.units import Share, measure_of
+
+POINT = PlainValidator(lambda value: np.array(finite_vector(value, 3)))
+"""Reads a point of a robot file as an array."""
+
+
+def _unit_vector(value: object) -> Float[np.ndarray, "3"]:
+    vector = np.array(nonzero_vector(value))
+    return vector / np.linalg.norm(vector)
+
+
+UNIT_VECTOR = PlainValidator(_unit_vector)
+"""Reads a direction of a robot file as an array of length one."""
 
 Axis = Literal["x", "y", "z"]
 
@@ -85,14 +100,14 @@ class Wheel:
 class Thruster:
     """A thruster on the base."""
 
-    name: str
-    position: Float[np.ndarray, "3"]
+    name: Name
+    position: Annotated[Float[np.ndarray, "3"], POINT]
     """Position in the base link's frame, m."""
-    direction: Float[np.ndarray, "3"]
+    direction: Annotated[Float[np.ndarray, "3"], UNIT_VECTOR]
     """Unit vector of the force on the base, base axes."""
-    gain: float = 0.1
+    gain: Share = 0.1
     """Standard deviation of its force, over that which a recording says."""
-    thrust: float | None = None
+    thrust: Positive | None = None
     """Its force at a duty of one, N."""
 
 
@@ -103,9 +118,9 @@ class MomentumWalk(NamedTuple):
     square root of `t`. Zero is none.
     """
 
-    torque: float = 0.0
+    torque: Annotated[float, measure_of("torque density")] = 0.0
     """About the system CM, N m/sqrt(Hz)."""
-    force: float = 0.0
+    force: Annotated[float, measure_of("force density")] = 0.0
     """N/sqrt(Hz)."""
 
 
@@ -113,10 +128,10 @@ class MomentumWalk(NamedTuple):
 class Torquer:
     """A magnetic torquer in the base."""
 
-    name: str
-    axis: Float[np.ndarray, "3"]
+    name: Name
+    axis: Annotated[Float[np.ndarray, "3"], UNIT_VECTOR]
     """Unit vector of its dipole, base axes."""
-    gain: float = 0.1
+    gain: Share = 0.1
     """Standard deviation of its dipole, over that which a recording says."""
 
 
