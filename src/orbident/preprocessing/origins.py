@@ -21,6 +21,7 @@ ENCODED = Origin.SMOOTHED_POSITIONS | Origin.SMOOTHED_POSITIONS_AND_RATES
 """Rates that encoders tell, whose errors last from sample to sample."""
 
 SMOOTHED = ENCODED | Origin.SMOOTHED_ATTITUDE
+"""What a smoothing spline tells."""
 
 BIASED = Origin.INTEGRATED_ACCELEROMETER | Origin.SUMMED_INCREMENTS
 """Velocities in which the bias of an accelerometer shows."""

@@ -304,6 +304,7 @@ class PositionSpec(TrackerSpec):
 
 
 AnySensor = GyroSpec | AccelerometerSpec | EncoderSpec | AttitudeSpec | PositionSpec
+"""A sensor of which something is declared."""
 
 UNDECLARED: dict[str, AnySensor] = {
     "gyro": GyroSpec(),
