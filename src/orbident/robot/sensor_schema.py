@@ -344,7 +344,7 @@ class SensorsSpec(MappingSchema, validate_default=True):
         """That of the last suite that has it, where the file gives none of its own."""
         if given is None:
             for name in info.data.get("suites", ()):
-                given = SUITES[name].get(info.field_name or "", given)
+                given = SUITES[name].get(info.field_name, given)
         return given
 
     @property
@@ -366,22 +366,6 @@ class SensorsSpec(MappingSchema, validate_default=True):
     def of(self, name: str) -> Sampled:
         """What is said of a sensor, even where that is nothing."""
         return self.declared.get(name, UNDECLARED.get(name, Sampled()))
-
-    def later(self, late: Mapping[str, float]) -> "SensorsSpec":
-        """The same sensors with more latency, whether they are declared or not.
-
-        Args:
-            late: by how much more, by sensor, s.
-        """
-        every = {name: (self.of(name), more) for name, more in late.items()}
-        return self.model_copy(
-            update={
-                name: sensor.model_copy(
-                    update={"latency": (sensor.latency or 0.0) + more}
-                )
-                for name, (sensor, more) in every.items()
-            }
-        )
 
 
 def declared_sensors(section: Mapping[str, Any]) -> SensorsSpec:
