@@ -36,6 +36,8 @@ from pydantic import (
     model_validator,
 )
 
+from orbident.errors import InputError
+from orbident.files.names import suggestion
 from orbident.files.schema_errors import validated
 from orbident.files.schema_parts import (
     MappingSchema,
@@ -43,7 +45,7 @@ from orbident.files.schema_parts import (
     WrongValueError,
     finite_number,
 )
-from orbident.robot.sensor_suites import SUITES, sensor_suite
+from orbident.robot.sensor_suites import SUITES
 from orbident.robot.units import (
     Angle,
     Lasting,
@@ -335,7 +337,9 @@ class SensorsSpec(MappingSchema, validate_default=True):
     @classmethod
     def _known(cls, names: tuple[str, ...]) -> tuple[str, ...]:
         for name in names:
-            sensor_suite(name)
+            if name not in SUITES:
+                known = suggestion(name, SUITES, "sensor suites")
+                raise InputError(f"sensor suite {name!r}: {known}")
         return names
 
     @field_validator("*", mode="before")

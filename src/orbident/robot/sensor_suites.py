@@ -9,9 +9,6 @@ kind of instrument, rounded, to try an identification with before there is hardw
 from collections.abc import Mapping
 from typing import Any
 
-from orbident.errors import InputError
-from orbident.files.names import suggestion
-
 SUITES: Mapping[str, Mapping[str, Mapping[str, Any]]] = {
     # Section 3.5: the IMU, and encoders on the motors of joints and wheels.
     "paper": {
@@ -48,54 +45,20 @@ SUITES: Mapping[str, Mapping[str, Mapping[str, Any]]] = {
     # millimetre of a marker is a third of a milliradian of the robot. Markers are
     # hidden behind an arm now and then.
     "phasespace-like": {
-        "attitude": {
-            "angle": "0.02 deg",
-            "latency": 5e-3,
-            "drop_out": 0.01,
-        },
-        "position": {
-            "std": "0.1 mm",
-            "latency": 5e-3,
-            "drop_out": 0.01,
-        },
+        "attitude": {"angle": "0.02 deg", "latency": 5e-3, "drop_out": 0.01},
+        "position": {"std": "0.1 mm", "latency": 5e-3, "drop_out": 0.01},
     },
     # A consumer-size IMU, and a camera that knows its surroundings: centimetres and
     # tenths of degrees, twice a second, after the image has been processed.
     "astrobee-like": {
-        "gyro": {
-            "angle_random_walk": "0.1 deg/sqrt(h)",
-            "bias_instability": "3 deg/h",
-        },
+        "gyro": {"angle_random_walk": "0.1 deg/sqrt(h)", "bias_instability": "3 deg/h"},
         "accelerometer": {
             "velocity_random_walk": "0.04 m/s/sqrt(h)",
             "bias_instability": "0.1 mg",
         },
         "joints": {"position": 5e-4, "resolution": "0.088 deg"},
-        "attitude": {
-            "angle": "0.5 deg",
-            "rate": 2.0,
-            "latency": 0.2,
-            "drop_out": 0.1,
-        },
-        "position": {
-            "std": "2 cm",
-            "rate": 2.0,
-            "latency": 0.2,
-            "drop_out": 0.1,
-        },
+        "attitude": {"angle": "0.5 deg", "rate": 2.0, "latency": 0.2, "drop_out": 0.1},
+        "position": {"std": "2 cm", "rate": 2.0, "latency": 0.2, "drop_out": 0.1},
     },
 }
-"""Suites of sensors, SI. Rates not given are those of the recording's rows."""
-
-
-def sensor_suite(name: str) -> Mapping[str, Any]:
-    """A ready-made sensor section.
-
-    Raises:
-        InputError: there is none of this name.
-    """
-    if name not in SUITES:
-        raise InputError(
-            f"sensor suite {name!r}: {suggestion(name, SUITES, 'sensor suites')}"
-        )
-    return SUITES[name]
+"""Suites of sensors by name. Rates not given are those of the recording's rows."""
