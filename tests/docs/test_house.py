@@ -12,9 +12,9 @@ PACKAGE = ROOT / "src/orbident"
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
     "files": 392,
-    "lines": 55_945,
+    "lines": 55_692,
     "files of estimation": 67,
-    "lines of estimation": 10_580,
+    "lines of estimation": 10_560,
     "files with one user": 107,
     "imports below each other": 36,
     "numbers without a reason": 76,
