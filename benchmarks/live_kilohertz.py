@@ -68,7 +68,7 @@ def flown(robot: Robot, seconds: float, rate: float) -> list[bytes]:
     )
     made = made_along(robot, motion, rate)
     exact = made.true.columns(robot)
-    walk = robot.sensors["gyro"]["angle_random_walk"]
+    walk = robot.sensors.of("gyro").white_std()
     std = {"gyro": walk * np.sqrt(rate), "velocity": VELOCITY_STD}
     columns = {"t": made.t}
     for name in (*needed_columns(robot)[1:], *VELOCITY):

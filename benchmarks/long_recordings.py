@@ -31,6 +31,7 @@ from orbident.recordings.recording import Recording
 from orbident.recordings.table_writer import write_blocks
 from orbident.robot.description import Robot
 from orbident.robot.robot_file import write_robot
+from orbident.robot.sensor_schema import declared_sensors
 from orbident.simulation.measure import measure_truth
 from orbident.simulation.simulate import made_along
 from orbident.studies.spatial import spatial_robot, spatial_trajectory
@@ -67,7 +68,7 @@ def main() -> None:
     asked = parser.parse_args()
     make, move = ROBOTS[asked.robot]
     sensors = ALWAYS | (TRACKED if asked.tracked else INERTIAL)
-    robot = replace(make(), sensors=sensors)
+    robot = replace(make(), sensors=declared_sensors(sensors))
     with tempfile.TemporaryDirectory() as temporary:
         folder = asked.folder or Path(temporary)
         folder /= f"{asked.robot}{'-tracked' if asked.tracked else ''}"

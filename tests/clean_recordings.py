@@ -8,6 +8,7 @@ import numpy as np
 from random_motions import random_motion
 
 import orbident as oi
+from orbident.robot.sensor_schema import declared_sensors
 from orbident.simulation.measure import measure
 from orbident.simulation.simulate import float_along
 
@@ -37,7 +38,7 @@ class Recorded:
     @property
     def gyro_std(self) -> float:
         """Standard deviation of the gyro's white noise in a sample, rad/s."""
-        return self.robot.sensors["gyro"]["angle_random_walk"] * math.sqrt(RATE)
+        return self.robot.sensors.of("gyro").white_std(1 / RATE)
 
     def z(self, result: oi.Result) -> np.ndarray:
         """Errors of the base parameters over their deviations."""
@@ -48,7 +49,8 @@ class Recorded:
 def clean_space(seed: int, duration: float = 80.0, **sensors: Any) -> Recorded:
     """`paper-spatial`, tumbling, wheels spinning; `sensors` stand instead of others."""
     kept = {**SENSORS, **sensors}
-    robot = replace(oi.load_robot("paper-spatial"), sensors={"rate": RATE, **kept})
+    declared = declared_sensors({"rate": RATE, **kept})
+    robot = replace(oi.load_robot("paper-spatial"), sensors=declared)
     trajectory = random_motion(
         robot, seed=1, duration=duration, wheel_speed=100.0, start="turning"
     )

@@ -15,6 +15,7 @@ from orbident.estimation.recursive.filter import Extended
 from orbident.estimation.recursive.given import declared_noise
 from orbident.estimation.recursive.prior import cad_prior
 from orbident.robot.description import Robot
+from orbident.robot.sensor_schema import declared_sensors
 
 ROWS = 5
 """Of most arrays."""
@@ -69,7 +70,8 @@ def core_calls(robot: Robot) -> list[Call]:
     _rigid_bodies(calls, robot, tree, made, random)
     _tables(calls, len(robot.joints), random)
     filter_names = ("MinimalSets", "Filter")
-    walk = replace(robot, sensors={"gyro": {"angle_random_walk": 1e-4}})
+    gyro = declared_sensors({"gyro": {"angle_random_walk": 1e-4}})
+    walk = replace(robot, sensors=gyro)
     noise = declared_noise(walk, 0.1, 1e-3)
     kalman = calls.watch(filter_names, lambda: Extended.of(walk, noise))
     _filter(calls, walk, kalman, random)

@@ -46,7 +46,7 @@ def flown(
         held = holding(robot(), CAPTURED)
         true = truth_through_change(robot(), held, motion, captured_at, t)
     random = np.random.default_rng(0)
-    walk = robot().sensors["gyro"]["angle_random_walk"]
+    walk = robot().sensors.of("gyro").white_std()
     std = {"gyro": walk * np.sqrt(rate), "velocity": VELOCITY_STD, "joint": 2.5e-5}
     columns, exact = {"t": t}, true.columns(robot())
     for name in (*needed_columns(robot())[1:], *VELOCITY):

@@ -18,8 +18,9 @@ import orbident as oi
 from orbident.recordings.recording import Recording
 from orbident.recordings.tables import write_recording
 from orbident.robot.parameters import from_mass_com_inertia
+from orbident.robot.sensor_schema import AttitudeSpec, PositionSpec
+from orbident.simulation.sensor import read_attitude, read_position
 from orbident.simulation.simulate import simulate
-from orbident.simulation.tracking import AttitudeTracker, PositionTracker
 
 LIBRARY = Path(str(files("orbident.robot") / "library"))
 MS = 1_000_000
@@ -131,13 +132,15 @@ def tilted_table() -> None:
 def at_rest() -> None:
     """A minute at rest at 100 Hz: 8.3 um of white noise, 20 um that last for 0.5 s."""
     n, rate, random = 6000, 100.0, np.random.default_rng(0)
-    lasting = PositionTracker(std=8.3e-6, markov_std=2e-5, correlation_time=0.5)
-    x = AttitudeTracker(angle=6e-5).read(
-        np.tile([0, 0, 0, 1.0], (n, 1)), 1 / rate, random
-    )
+    std, time = (2e-5, 2e-5, 2e-5), (0.5, 0.5, 0.5)
+    lasting = PositionSpec(std=8.3e-6, markov_std=std, correlation_time=time)
+    level = np.tile([0, 0, 0, 1.0], (n, 1))
+    x = read_attitude(AttitudeSpec(angle=6e-5), level, 1 / rate, random)
     x[:, :2] = 0.0
     columns = {f"attitude.{k}": x[:, i] for i, k in enumerate("xyzw")}
-    columns["position.x"] = lasting.read(np.ones((n, 3)), 1 / rate, random)[:, 0]
+    columns["position.x"] = read_position(lasting, np.ones((n, 3)), 1 / rate, random)[
+        :, 0
+    ]
     columns |= {f"position.{k}": np.ones(n) for k in "yz"}
     write_recording(Recording(np.arange(n) / rate, columns), "rest.csv")
 

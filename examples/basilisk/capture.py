@@ -112,8 +112,8 @@ def run(by_cad: bool = False) -> Found:
 
     control = JointControl()
     links.motorTorqueInMsg.subscribeTo(control.torqueOutMsg)
-    walk = cad.sensors["gyro"]["angle_random_walk"]
-    filter_ = MassProperties(cad, walk * np.sqrt(RATE), velocity_std=1e-4)
+    gyro_std = cad.sensors.of("gyro").white_std(1 / RATE)
+    filter_ = MassProperties(cad, gyro_std, velocity_std=1e-4)
     pointing = AttitudeControl(
         Plan(joints_at, attitude_at), lambda: cad if by_cad else filter_.identified
     )

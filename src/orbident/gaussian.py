@@ -1,5 +1,7 @@
 """Numbers of the normal distribution, and the white noise that samples show."""
 
+import math
+
 import numpy as np
 from jaxtyping import Float
 
@@ -10,14 +12,35 @@ OF_MEDIAN = 1.4826
 """The standard deviation over the median absolute value."""
 
 
+def white_std_of(
+    differences: Float[np.ndarray, "n ..."], order: int, axis: int | None = None
+) -> Float[np.ndarray, " ..."]:
+    """Std of the white noise whose differences of some order these are.
+
+    A smooth motion has the less of them the higher the order. Those of white noise have
+    `C(2 order, order)` times its variance: 2, 6, 20, 70. Outliers hardly count.
+
+    Args:
+        differences: of evenly spaced samples, any unit.
+        order: of the differences.
+        axis: along which the median is taken; of all of them where it is None.
+    """
+    typical = np.median(np.abs(differences), axis=axis)
+    return np.asarray(OF_MEDIAN * typical / np.sqrt(math.comb(2 * order, order)))
+
+
 def white_std(samples: Float[np.ndarray, "samples ..."]) -> Float[np.ndarray, " ..."]:
     """Std of the white noise of each column, from fourth differences.
-
-    A motion hardly has any, and those of white noise have 1 + 16 + 36 + 16 + 1 = 70
-    times its variance.
 
     Args:
         samples: evenly spaced, five at least; any unit.
     """
-    bends = np.median(np.abs(np.diff(samples, n=4, axis=0)), axis=0)
-    return np.asarray(OF_MEDIAN * bends / np.sqrt(70))
+    return white_std_of(np.diff(samples, n=4, axis=0), 4, axis=0)
+
+
+def noisiest_std(samples: Float[np.ndarray, "samples axes"]) -> float:
+    """Std of the white noise of the noisiest axis: in the plane some show nothing.
+
+    It is zero where there are less than five samples.
+    """
+    return float(white_std(samples).max()) if len(samples) >= 5 else 0.0

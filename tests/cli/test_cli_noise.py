@@ -11,9 +11,9 @@ from scipy.spatial.transform import Rotation
 
 from orbident.recordings.recording import Recording
 from orbident.robot.robot_file import load_robot
-from orbident.robot.sensor_suites import coloured_noise
+from orbident.robot.sensor_schema import AttitudeSpec, PositionSpec, declared_sensors
+from orbident.simulation.sensor import read_attitude, read_position
 from orbident.simulation.simulate import simulate
-from orbident.simulation.tracking import AttitudeTracker, PositionTracker
 
 RATE = 50.0
 POSITION = {"std": 1e-5, "markov_std": 3e-5, "correlation_time": 0.4}
@@ -26,8 +26,10 @@ def rest() -> Recording:
     n = 1500
     random = np.random.default_rng(0)
     level = Rotation.from_rotvec([0.0, 0.0, 0.4]).as_quat()
-    r = PositionTracker(**POSITION).read(np.ones((n, 3)), 1 / RATE, random)
-    x = AttitudeTracker(**ATTITUDE).read(np.tile(level, (n, 1)), 1 / RATE, random)
+    position = PositionSpec.model_validate(POSITION)
+    r = read_position(position, np.ones((n, 3)), 1 / RATE, random)
+    attitude = AttitudeSpec.model_validate(ATTITUDE)
+    x = read_attitude(attitude, np.tile(level, (n, 1)), 1 / RATE, random)
     r[:, 2] = 0.0
     x[:, :2] = 0.0
     columns = {f"position.{k}": r[:, i] for i, k in enumerate("xyz")}
@@ -45,7 +47,7 @@ def test_the_section_that_is_written_is_one_of_a_robot_file(
     assert sensors == ran.json["sensors"]
     # 1500 samples: 2 %; 75 independent values of what lasts: 8 % and 20 %.
     assert sensors["position"]["std"] == pytest.approx(1e-5, rel=0.1)
-    declared = coloured_noise(sensors["position"])
+    declared = declared_sensors(sensors).of("position").coloured
     assert declared.markov_std == pytest.approx([3e-5, 3e-5, 0.0], rel=0.35)
     assert declared.correlation_time[:2] == pytest.approx([0.4, 0.4], rel=0.7)
     assert set(sensors["attitude"]) == {"angle"}
@@ -68,7 +70,7 @@ def test_the_section_that_is_written_is_one_of_a_robot_file(
         '<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/>'
         "</inertial></link></robot>"
     )
-    assert load_robot(robot).sensors["position"]["std"] == sensors["position"]["std"]
+    assert load_robot(robot).sensors == declared_sensors(sensors)
 
 
 def test_the_table_names_each_part(orbident: Orbident, rest: Recording, tmp_path):
@@ -80,7 +82,8 @@ def test_the_table_names_each_part(orbident: Orbident, rest: Recording, tmp_path
 
 
 def test_a_flight_is_refused(orbident: Orbident, tmp_path):
-    robot = replace(load_robot("cepheus-like"), sensors={"position": {"std": 1e-4}})
+    camera = declared_sensors({"position": {"std": 1e-4}})
+    robot = replace(load_robot("cepheus-like"), sensors=camera)
     flight = simulate(robot, random_motion(robot), rate=RATE, noise="sensors")
     file = written(flight, tmp_path / "flight.csv")
     orbident("noise", file).refused("joint.joint1.position moves", "at rest")

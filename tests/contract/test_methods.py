@@ -20,6 +20,7 @@ from orbident.identified.validate import validate
 from orbident.model.minimal_sets import minimal_sets
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
+from orbident.robot.sensor_schema import SensorsSpec
 from orbident.simulation.simulate import simulate
 
 pytestmark = pytest.mark.parametrize("method", METHODS)
@@ -229,7 +230,7 @@ def test_noise_shows_in_the_deviations(
     equations; all sensors of the base; gyro and velocity. None of it is declared. The
     deviations are the method's own; `identify` adds what all sensors show.
     """
-    robot = replace(robot, sensors={})
+    robot = replace(robot, sensors=SensorsSpec())
     estimator = estimator_of(method)
     noisy = ("velocity", "wheel" if method == "least-squares" else "gyro", "position")
     random = np.random.default_rng(0)

@@ -3,6 +3,7 @@
 import re
 import typing
 from collections.abc import Iterator
+from dataclasses import is_dataclass
 
 import pytest
 from pages import ROOT
@@ -30,16 +31,24 @@ def code(page: str) -> str:
     return "\n".join(re.findall(r"`([^`\n]+)`", text))
 
 
-def keys(schema: type[BaseModel]) -> Iterator[str]:
+def keys(schema: type) -> Iterator[str]:
     """The keys of a file, those of its sections too."""
+    if not issubclass(schema, BaseModel):
+        yield from schema.__annotations__
+        return
     for name, field in schema.model_fields.items():
         yield field.alias or name
         for section in sections(field.annotation):
             yield from keys(section)
 
 
-def sections(annotation: object) -> Iterator[type[BaseModel]]:
-    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+def sections(annotation: object) -> Iterator[type]:
+    """Models, dataclasses and named tuples."""
+    if isinstance(annotation, type) and (
+        issubclass(annotation, BaseModel)
+        or is_dataclass(annotation)
+        or hasattr(annotation, "_fields")
+    ):
         yield annotation
     for part in typing.get_args(annotation):
         yield from sections(part)
@@ -49,6 +58,7 @@ def test_keys_are_those_of_all_sections():
     found = set(keys(RobotFile))
     # One of each section and depth.
     assert {"schema", "joint", "alpha", "drop_out", "markov_std", "clocks"} <= found
+    assert {"angle", "thrust", "com_on_axis", "torque", "direction"} <= found
 
 
 @pytest.mark.parametrize("key", sorted(set(keys(RobotFile))))

@@ -203,7 +203,7 @@ def gyro_jump(clean: Clean, random: Random) -> Mistake:
 
 def noisy_encoders(clean: Clean, random: Random) -> Mistake:
     n = between(random, 5.0, 15.0)
-    declared = clean.robot.sensors["joints"]["position"]
+    declared = clean.robot.sensors.of("joints").white_std()
     return Mistake(
         f"encoder noise {n:g} times",
         sensed("joints", position=n * declared),
@@ -213,7 +213,7 @@ def noisy_encoders(clean: Clean, random: Random) -> Mistake:
 
 def noisy_attitude(clean: Clean, random: Random) -> Mistake:
     n = between(random, 5.0, 15.0)
-    declared = clean.robot.sensors["attitude"]["angle"]
+    declared = clean.robot.sensors.of("attitude").white_std()
     return Mistake(
         f"attitude noise {n:g} times",
         sensed("attitude", angle=n * declared),

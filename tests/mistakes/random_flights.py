@@ -19,6 +19,7 @@ from recordings import Clean, motion_of
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Joint, Robot, Wheel
 from orbident.robot.parameters import from_mass_com_inertia, inertia_about_com
+from orbident.robot.sensor_schema import declared_sensors
 from orbident.simulation.free_floating import BaseState
 from orbident.simulation.measure import measure_truth
 from orbident.simulation.simulate import sample_times
@@ -60,7 +61,7 @@ def flight(name: str) -> Clean:
         initial.velocity,
         initial.wheel_speeds(robot.wheel_names),
     )
-    t = sample_times(trajectory.duration, robot.sensors["rate"])
+    t = sample_times(trajectory.duration, robot.sensors.rows_per_second)
     true = motion_of(robot, trajectory, state, t)
     return Clean(robot, trajectory, state, t, true, "at-rest" if planar else "unknown")
 
@@ -90,7 +91,9 @@ def _random(number: int) -> Robot:
             Wheel(f"rw{k + 1}", z if planar else random_unit_vector(random), size)
             for k in range(wheels)
         ),
-        sensors=_on_table(random) if planar else sensors_in_space(random),
+        sensors=declared_sensors(
+            _on_table(random) if planar else sensors_in_space(random)
+        ),
     )
 
 
@@ -128,15 +131,17 @@ def free_flyer(number: int) -> Robot:
         ),
         feature_point=np.zeros(3),
         wheels=(Wheel("port", y, 5e-4), Wheel("starboard", y, 5e-4)),
-        sensors={
-            "rate": 20.0,
-            "gyro": {
-                "angle_random_walk": math.radians(0.1) / 60,
-                "bias_instability": math.radians(3.0) / 3600,
-            },
-            "joints": {"position": 5e-4},
-            "wheels": {"position": 5e-4},
-            "attitude": {"angle": math.radians(0.05)},
-            "position": {"std": 5e-4 * (1 + number / (FLYERS - 1))},
-        },
+        sensors=declared_sensors(
+            {
+                "rate": 20.0,
+                "gyro": {
+                    "angle_random_walk": math.radians(0.1) / 60,
+                    "bias_instability": math.radians(3.0) / 3600,
+                },
+                "joints": {"position": 5e-4},
+                "wheels": {"position": 5e-4},
+                "attitude": {"angle": math.radians(0.05)},
+                "position": {"std": 5e-4 * (1 + number / (FLYERS - 1))},
+            }
+        ),
     )

@@ -14,6 +14,7 @@ from random_motions import random_motion
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.robot.robot_file import load_robot
+from orbident.robot.sensor_schema import declared_sensors
 from orbident.simulation.free_floating import BaseState, JointMotion, free_floating
 from orbident.simulation.measure import measure_truth
 from orbident.simulation.simulate import sample_times
@@ -76,10 +77,10 @@ class Clean:
             true: of another motion at the same times.
             sensors: what is different about them, by sensor.
         """
-        actual = dict(self.robot.sensors)
+        declared = self.robot.sensors.model_dump(by_alias=True, exclude_none=True)
         for name, changes in (sensors or {}).items():
-            actual[name] = {**actual[name], **changes}
-        robot = replace(self.robot, sensors=actual)
+            declared[name] |= changes
+        robot = replace(self.robot, sensors=declared_sensors(declared))
         return measure_truth(robot, self.t, true or self.true, SEED)
 
 
@@ -93,7 +94,7 @@ def motion_of(
 @cache
 def clean(name: str) -> Clean:
     """80 s in space while the base tumbles, or 20 s on the table from rest."""
-    robot = replace(load_robot(name), sensors=SENSORS[name])
+    robot = replace(load_robot(name), sensors=declared_sensors(SENSORS[name]))
     space = name == SPACE
     trajectory = random_motion(
         robot,

@@ -66,14 +66,10 @@ def visibility_of(noisy: Clean, spoil: Spoil) -> Visibility:
 
 def _without_noise(noisy: Clean) -> Clean:
     """The same motion and sensors that show it as it is."""
-    numbers = ("angle_random_walk", "bias_instability", "position", "angle", "std")
-    sensors = {
-        name: {k: 0.0 if k in numbers else v for k, v in section.items()}
-        if isinstance(section, dict)
-        else section
-        for name, section in noisy.robot.sensors.items()
-    }
-    return replace(noisy, robot=replace(noisy.robot, sensors=sensors))
+    sensors = noisy.robot.sensors
+    exact = {name: each.louder(0.0) for name, each in sensors.declared.items()}
+    robot = replace(noisy.robot, sensors=sensors.model_copy(update=exact))
+    return replace(noisy, robot=robot)
 
 
 class Fit:
@@ -212,11 +208,5 @@ def _in_3d(part: np.ndarray, space: bool) -> np.ndarray:
 def _weights(noisy: Clean) -> dict[str, float]:
     """Deviations of a sample, SI."""
     sensors = noisy.robot.sensors
-    weights = {
-        "attitude": sensors["attitude"]["angle"],
-        "position": sensors["position"]["std"],
-    }
-    if "gyro" in sensors:
-        rate = sensors["rate"]
-        weights["gyro"] = sensors["gyro"]["angle_random_walk"] * np.sqrt(rate)
-    return weights
+    dt = 1 / sensors.rows_per_second
+    return {name: each.white_std(dt) for name, each in sensors.of_base.items()}

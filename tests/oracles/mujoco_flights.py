@@ -49,7 +49,7 @@ class Flight:
     def flown(self) -> tuple[np.ndarray, Truth]:
         """Times, and what is true at them."""
         plant = _Plant(self)
-        every = round(1 / self.robot.sensors["rate"] / self.dt)
+        every = round(1 / self.robot.sensors.rows_per_second / self.dt)
         rows = []
         mujoco.set_mjcb_control(plant)
         try:

@@ -19,6 +19,7 @@ from random_robots import (
 from orbident.estimation.linear_fits import InitialMomentum
 from orbident.robot.description import Robot, Wheel
 from orbident.robot.parameters import inertia_about_com
+from orbident.robot.sensor_schema import declared_sensors
 
 G = 9.81
 """m/s^2."""
@@ -98,7 +99,8 @@ def robot_of(number: int) -> Robot:
         robot.bodies[k]: np.append(0.05 * random.standard_normal(2), 0.0)
         for k in sorted(bodies)
     }
-    sensors = _motion_capture(random) if planar else sensors_in_space(random)
+    given = _motion_capture(random) if planar else sensors_in_space(random)
+    sensors = declared_sensors(given)
     return replace(robot, theta=theta, wheels=wheels, pads=pads, sensors=sensors)
 
 

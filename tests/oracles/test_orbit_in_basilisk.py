@@ -27,6 +27,7 @@ from orbident.orbits.elements import Elements
 from orbident.orbits.orbit import Orbit
 from orbident.robot.description import Joint, Robot, Wheel
 from orbident.robot.parameters import from_mass_com_inertia
+from orbident.robot.sensor_schema import declared_sensors
 from orbident.simulation.control_laws import Driven, Hold
 from orbident.simulation.flight import standing
 from orbident.simulation.free_floating import BaseState
@@ -268,7 +269,7 @@ def swinging() -> tuple[Robot, Flight]:
         "attitude": {"angle": 2e-5},
         "position": {"std": 1e-4},
     }
-    robot = replace(spacecraft(arms()), sensors=sensors)
+    robot = replace(spacecraft(arms()), sensors=declared_sensors(sensors))
     return robot, Flight(robot, 60.0, air=False).fly(150.0)
 
 

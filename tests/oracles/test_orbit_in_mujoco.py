@@ -26,6 +26,7 @@ from orbident.model.minimal_sets import minimal_sets
 from orbident.orbits.elements import Elements
 from orbident.orbits.orbit import Orbit
 from orbident.robot.description import Robot
+from orbident.robot.sensor_schema import AttitudeSpec
 from orbident.simulation.control_laws import JointPD
 from orbident.simulation.flight import FlyingState, FreeFlying, standing
 from orbident.simulation.free_flying import free_flying
@@ -137,7 +138,7 @@ MANY, SEVERAL = 20, 30
 def servicer() -> Robot:
     """The paper's, with a star tracker."""
     robot = spatial_robot()
-    sensors = {**robot.sensors, "attitude": {"angle": 1.7e-5}}
+    sensors = robot.sensors.model_copy(update={"attitude": AttitudeSpec(angle=1.7e-5)})
     a, e, inclination = TALL
     return replace(robot, sensors=sensors, orbit=Orbit(Elements(a, inclination, e)))
 
@@ -151,7 +152,7 @@ def short_flight() -> Flight:
 @cache
 def long_flight() -> Flight:
     """Once around the Earth, the joints waving with periods of one to three minutes."""
-    sensors = {**servicer().sensors, "rate": 1.0}
+    sensors = servicer().sensors.model_copy(update={"rate": 1.0})
     robot = replace(servicer(), sensors=sensors)
     motion = spatial_trajectory(robot)
     a, b = np.zeros((2, len(robot.joints), 90))

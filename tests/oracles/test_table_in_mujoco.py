@@ -21,6 +21,7 @@ from orbident.estimation.result import Result
 from orbident.model.minimal_sets import minimal_sets
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot, Wheel
+from orbident.robot.sensor_schema import declared_sensors
 from orbident.simulation.measure import measure_truth
 from orbident.simulation.truth import Truth
 
@@ -67,7 +68,7 @@ def table_robot() -> Robot:
         "attitude": {"angle": 1e-4},
         "position": white,
     }
-    return replace(robot, theta=theta, pads=pads, sensors=sensors)
+    return replace(robot, theta=theta, pads=pads, sensors=declared_sensors(sensors))
 
 
 def commanded(t: float, joints: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -13,6 +13,7 @@ from orbident.excitation.conditions import Conditions, conditions_for
 from orbident.excitation.criterion import Objective
 from orbident.excitation.design_problem import problem_for
 from orbident.robot.description import Robot
+from orbident.robot.sensor_schema import declared_sensors
 
 pytestmark = pytest.mark.core
 
@@ -50,7 +51,9 @@ class Recipe(NamedTuple):
             "attitude": {"angle": 1e-3},
             "position": {"std": 1e-3},
         }
-        return replace(robot, joints=joints, theta=theta, sensors=sensors)
+        return replace(
+            robot, joints=joints, theta=theta, sensors=declared_sensors(sensors)
+        )
 
     def conditions(self, robot: Robot) -> Conditions:
         given = conditions_for(robot, 5.0, 2)

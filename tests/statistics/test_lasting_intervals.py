@@ -11,6 +11,7 @@ from orbident.excitation.bound import cramer_rao
 from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.description import Robot
 from orbident.robot.robot_file import load_robot
+from orbident.robot.sensor_schema import declared_sensors
 from orbident.simulation.simulate import simulate
 
 WHITE = {
@@ -34,7 +35,7 @@ LASTS = {
 
 
 def robot_with(sensors) -> Robot:
-    return replace(load_robot("cepheus-like"), sensors=sensors)
+    return replace(load_robot("cepheus-like"), sensors=declared_sensors(sensors))
 
 
 def off(

@@ -5,10 +5,8 @@ changed leaves the numbers of all others as they were; so do the sensors' noises
 """
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -26,24 +24,11 @@ from orbident.robot.parameters import (
     from_mass_com_inertia,
     inertia_about_com,
 )
+from orbident.robot.sensor_schema import SensorsSpec
 from orbident.simulation.measure import measure_truth
 from orbident.simulation.noise_processes import stream
-from orbident.simulation.simulate import RATE, made_along
+from orbident.simulation.simulate import made_along
 from orbident.trajectories.trajectory import InitialState, Trajectory
-
-NOISES = (
-    "angle_random_walk",
-    "velocity_random_walk",
-    "bias_instability",
-    "turn_on_bias",
-    "position",
-    "tachometer",
-    "angle",
-    "std",
-    "markov_std",
-    "random_walk",
-)
-"""What a sensor section has of sizes of noise."""
 
 Draws = dict[str, float]
 
@@ -82,12 +67,12 @@ class Case:
         draws = self._draw("inertia", what.inertia, _names_of_inertia(robot))
         errors = {
             each.name: each.std
-            for each in calibrations_of(robot, set(robot.sensors))
+            for each in calibrations_of(robot, set(robot.sensors.declared))
             if each.std > 0
         }
         drawn = self._draw("instruments", what.instruments, tuple(errors))
         draws |= {name: x * errors[name.partition(".")[2]] for name, x in drawn.items()}
-        draws |= self._draw("noise", what.noise, _noisy(robot.sensors))
+        draws |= self._draw("noise", what.noise, tuple(robot.sensors.declared))
         turning, moving = (
             tuple("xyz"[axis] for axis in axes) for axes in conserved_axes(robot)
         )
@@ -146,7 +131,7 @@ class Case:
         Raises:
             InputError: this robot cannot fly that, or its sensors cannot record it.
         """
-        robot, rate = self.robot, float(self.robot.sensors.get("rate", RATE))
+        robot, rate = self.robot, self.robot.sensors.rows_per_second
         t, true, known = made_along(robot, self.trajectory, rate, seed=self.seed)
         seen = with_instrument_errors(robot, t, true, self._of("instruments"))
         return measure_truth(robot, t, seen, self.seed).with_columns(known)
@@ -174,28 +159,10 @@ def _theta(robot: Robot, drawn: Draws) -> np.ndarray:
     return np.array(bodies)
 
 
-def _noisy(sensors: Mapping[str, Any]) -> tuple[str, ...]:
-    """The sensors that have a section of their own; `rate` is a number."""
-    return tuple(name for name, each in sensors.items() if isinstance(each, Mapping))
-
-
-def _louder(sensors: Mapping[str, Any], drawn: Draws) -> dict[str, Any]:
-    def scaled(section: Mapping[str, Any], factor: float) -> dict[str, Any]:
-        return {
-            key: _times(value, factor) if key in NOISES else value
-            for key, value in section.items()
-        }
-
-    return {
-        name: scaled(each, math.exp(drawn[name])) if name in drawn else each
-        for name, each in sensors.items()
-    }
-
-
-def _times(value: Any, factor: float) -> Any:
-    if isinstance(value, list | tuple):
-        return tuple(factor * each for each in value)
-    return None if value is None else factor * value
+def _louder(sensors: SensorsSpec, drawn: Draws) -> SensorsSpec:
+    every = sensors.declared
+    louder = {name: every[name].louder(math.exp(x)) for name, x in drawn.items()}
+    return sensors.model_copy(update=louder)
 
 
 def _state(

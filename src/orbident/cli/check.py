@@ -82,6 +82,6 @@ def _document(robot: Any, odd: tuple[str, ...]) -> dict[str, Any]:
         "bodies": bodies,
         "couplings": [coupling._asdict() for coupling in robot.couplings],
         "wheels": list(robot.wheel_names),
-        "sensors": [name for name in robot.sensors if name != "rate"],
+        "sensors": list(robot.sensors.declared),
         "odd": list(odd),
     }

@@ -52,11 +52,9 @@ def wheel_words(wheel: Wheel) -> str:
 
 def sensor_lines(robot: Robot) -> Iterator[str]:
     """A line for each sensor that the robot file declares, in SI."""
-    rate = robot.sensors.get("rate")
-    for name, section in robot.sensors.items():
-        if not isinstance(section, dict):
-            continue
-        entries = {"rate": rate} | section
+    for name, sensor in robot.sensors.declared.items():
+        section = sensor.model_dump(by_alias=True, exclude_none=True)
+        entries = {"rate": robot.sensors.rate} | section
         said = (f"{key} {_value(x)}" for key, x in entries.items() if _tells(x))
         yield f"{name}: {', '.join(said)}"
 

@@ -121,12 +121,13 @@ def _roughly(problem: MomentumProblem) -> dict[str, float]:
 
 def _behind(problem: MomentumProblem, late: Late) -> MomentumProblem:
     """The problem with later clocks than the robot file says."""
-    sensors = dict(problem.robot.sensors)
+    sensors, later = problem.robot.sensors, {}
     for name, seconds in late.items():
         for each in SHARED[name]:
-            section = dict(sensors.get(each, {}))
-            section["latency"] = section.get("latency", 0.0) + seconds
-            sensors[each] = section
+            sensor = sensors.of(each)
+            latency = {"latency": (sensor.latency or 0.0) + seconds}
+            later[each] = sensor.model_copy(update=latency)
+    sensors = sensors.model_copy(update=later)
     return problem.amended(robot=replace(problem.robot, sensors=sensors))
 
 

@@ -8,7 +8,6 @@ of a joint that moves is far beyond noise all the same.
 
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -18,12 +17,8 @@ from orbident import _core
 from orbident.diagnosis.shifts import shown_by, without
 from orbident.diagnosis.trial import Trial, amended_trial
 from orbident.estimation.momentum_problem import MomentumProblem
-from orbident.estimation.output_error.sensors import (
-    INERTIAL,
-    POINTS,
-    fourth_difference_std,
-)
-from orbident.gaussian import OF_MEDIAN
+from orbident.gaussian import OF_MEDIAN, noisiest_std
+from orbident.robot.sensor_schema import InertialSpec, Sampled
 from orbident.threads import processors
 
 NOISIER = 1.5
@@ -39,47 +34,46 @@ def noisier_sensors(problem: MomentumProblem) -> Iterator[Trial]:
     joints = [x for name, x in tables.items() if name.startswith("joint.")]
     if joints:
         tables["joints"] = np.hstack(joints)
-    for name, key in {**INERTIAL, **POINTS, "joints": "position"}.items():
-        section = problem.robot.sensors.get(name) or {}
-        if name not in tables or not section.get(key):
+    declared = problem.robot.sensors
+    for name, sensor in {**declared.of_base, "joints": declared.joints}.items():
+        if name not in tables or sensor is None or not sensor.white_noise:
             continue
         x = tables[name][np.isfinite(tables[name]).all(axis=1)]
         # Of an attitude twice the quaternion's, which are angles.
-        shown = fourth_difference_std(2 * x if name == "attitude" else x)
-        declared = section[key]
-        if name in INERTIAL:
-            declared = declared / np.sqrt(np.median(np.diff(problem.recording.t)))
-        if shown > NOISIER * declared:
+        shown = noisiest_std(2 * x if name == "attitude" else x)
+        white = sensor.white_noise
+        if isinstance(sensor, InertialSpec):
+            white = sensor.white_std(float(np.median(np.diff(problem.recording.t))))
+        if shown > NOISIER * white:
             words = (
-                f"the noise of the {name} is {shown:.2g} (SI), {shown / declared:.2g} "
+                f"the noise of the {name} is {shown:.2g} (SI), {shown / white:.2g} "
                 "times what the robot file declares"
             )
-            more = {key: shown * section[key] / declared}
-            yield _trial(problem, name, words, more)._replace(seen=True)
+            more = {"white_noise": shown * sensor.white_noise / white}
+            amended = sensor.model_copy(update=more)
+            yield _trial(problem, name, words, amended)._replace(seen=True)
 
 
 def wandering(problem: MomentumProblem) -> Iterator[Trial]:
     """Identify again with a gyro whose bias may walk freely."""
-    gyro = problem.robot.sensors.get("gyro") or {}
-    if not problem.recording.has("gyro.x") or not gyro.get("bias_instability"):
+    gyro = problem.robot.sensors.gyro
+    if not problem.recording.has("gyro.x") or not (gyro and gyro.bias_instability):
         return
-    walk = {"bias_instability": WANDERS * gyro["bias_instability"]}
+    walk = {"bias_instability": WANDERS * gyro.bias_instability}
     words = (
         "the bias of the gyro drifts far more than the robot file declares: with one "
         "that may walk 100 times as far"
     )
-    found = _trial(problem, "gyro", words, walk)
+    found = _trial(problem, "gyro", words, gyro.model_copy(update=walk))
     # So free a bias explains much that is none.
     if found.accepted:
         yield found
 
 
-def _trial(
-    problem: MomentumProblem, name: str, words: str, changes: dict[str, Any]
-) -> Trial:
+def _trial(problem: MomentumProblem, name: str, words: str, sensor: Sampled) -> Trial:
     """The same problem with other noise of a sensor."""
     robot = problem.robot
-    sensors = {**robot.sensors, name: {**robot.sensors[name], **changes}}
+    sensors = robot.sensors.model_copy(update={name: sensor})
     return amended_trial(words, problem, replace(robot, sensors=sensors))
 
 

@@ -19,7 +19,7 @@ from orbident.estimation.shared import Shared
 from orbident.estimation.signals import Signals
 from orbident.estimation.solution import Convergence, Solution
 from orbident.estimation.unknowns import CalibrationFit, DisturbanceFit, Sensitivity
-from orbident.preprocessing.histories import MEASURED
+from orbident.preprocessing.origins import Origin
 
 Progress = Callable[[float], object]
 """Is called with the fraction of the work that is done."""
@@ -155,7 +155,7 @@ def biases_of_sensors(
     problem: MomentumProblem, biases: Mapping[str, Mapping[str, float]]
 ) -> dict[str, Mapping[str, float]]:
     """Without that of a base rate which is not the gyro's own."""
-    if problem.samples.origins["base_rate"] == MEASURED:
+    if problem.samples.origins["base_rate"] is Origin.MEASURED:
         return dict(biases)
     return {name: b for name, b in biases.items() if not name.startswith("gyro")}
 

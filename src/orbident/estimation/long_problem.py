@@ -30,18 +30,14 @@ from orbident.estimation.stretches import (
 )
 from orbident.model.minimal_sets import minimal_sets
 from orbident.model.regularity import check_regular
-from orbident.preprocessing.base_motion import FUSED, INTEGRATED
 from orbident.preprocessing.delays import corrections
-from orbident.preprocessing.point_velocity import COUNTED, FELT
+from orbident.preprocessing.origins import RUNNING
 from orbident.preprocessing.samples import samples_of
 from orbident.preprocessing.screening import cleaned, screened
 from orbident.preprocessing.smoothing import LONGEST, Settings
 from orbident.recordings.long_recording import LongRecording
 from orbident.recordings.no_measurements import NO_SENSORS
 from orbident.robot.description import Robot
-
-NOT_LOCAL = {INTEGRATED, FUSED, FELT, COUNTED}
-"""How a signal is obtained that depends on all samples before, or on all there are."""
 
 
 def digest_of(
@@ -65,7 +61,7 @@ def digest_of(
     clocks = base_clocks(robot, clean.recording)
     settings = Settings(LONGEST)
     samples = samples_of(robot, clean.recording, corrections(clocks), settings)
-    if NOT_LOCAL & set(samples.origins.values()):
+    if any(origin & RUNNING for origin in samples.origins.values()):
         return None
     return MomentumProblem(
         robot,

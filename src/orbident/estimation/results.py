@@ -35,6 +35,7 @@ from orbident.estimation.triangular import condition_numbers
 from orbident.estimation.weigh import Weighing
 from orbident.model.formulas import Formulas, SetFormulas, formulas_of, mass_forms
 from orbident.model.nominal import nominal_parameters
+from orbident.preprocessing.origins import origin_in_words
 from orbident.preprocessing.screening import rejected_in_words
 
 NAN = float("nan")
@@ -81,7 +82,10 @@ def result_of(
         sensitivity=partial(_sensitivity, estimate, identified, refused),
         clocks=problem.clocks,
         rejected=problem.rejected,
-        origins=problem.samples.origins,
+        origins={
+            name: origin_in_words(origin)
+            for name, origin in problem.samples.origins.items()
+        },
         samples=problem.fits.samples,
         elapsed_s=elapsed_s,
         versions=_versions(),

@@ -8,8 +8,8 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 from jaxtyping import Float
 
-from orbident.preprocessing.base_motion import SMOOTHED
 from orbident.preprocessing.delays import delays
+from orbident.preprocessing.origins import Origin
 from orbident.preprocessing.samples import Samples, samples_of
 from orbident.preprocessing.screening import cleaned
 from orbident.preprocessing.smoothing import Roughness, Settings, fits_of, smooth_rates
@@ -83,7 +83,7 @@ def smoothed_rate(samples: Samples, settings: Settings) -> Float[np.ndarray, "n 
         settings: of the whole recording.
     """
     w = np.column_stack(samples.w)
-    if samples.origins["base_rate"] == SMOOTHED:
+    if samples.origins["base_rate"] is Origin.SMOOTHED_ATTITUDE:
         return w
     fits = _roughness(samples, w, settings)
     return smooth_rates(samples.t, w, samples.t, _gyro_of(samples), fits).x
@@ -96,7 +96,7 @@ def rate_scatter(samples: Samples, settings: Settings) -> float:
         samples: of the whole recording, or of a digest of it.
         settings: of the whole recording.
     """
-    if samples.origins["base_rate"] == SMOOTHED:
+    if samples.origins["base_rate"] is Origin.SMOOTHED_ATTITUDE:
         return 0.0
     fits = _roughness(samples, np.column_stack(samples.w), settings)
     return float(np.nan_to_num([fit.noise_std for fit in fits]).max())

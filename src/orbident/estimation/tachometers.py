@@ -11,8 +11,8 @@ from orbident.robot.description import Robot
 
 def momentum_noise(robot: Robot) -> Float[np.ndarray, "3 wheels"]:
     """A root of the covariance of `h_rw`, N m s, by the declared tachometers."""
-    std = robot.sensors.get("wheels", {}).get("tachometer", 0.0)
-    return wheels_of(robot).A_rw * std
+    wheels = robot.sensors.wheels
+    return wheels_of(robot).A_rw * ((wheels and wheels.tachometer) or 0.0)
 
 
 def rate_noise(robot: Robot) -> float:

@@ -5,9 +5,7 @@ information that they give, with momenta, biases, attitudes and the joints' hist
 unknown too.
 """
 
-from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -26,25 +24,15 @@ from orbident.estimation.output_error.sensors import Sensors, sensors_of
 from orbident.estimation.output_error.solver import solution_at
 from orbident.model.minimal_sets import minimal_sets
 from orbident.preprocessing.delays import SENSORS
+from orbident.preprocessing.origins import Origin
 from orbident.preprocessing.samples import Samples
 from orbident.preprocessing.smoothing import smooth
 from orbident.robot.description import Robot
 from orbident.simulation.free_floating import FreeFloating
 from orbident.simulation.measure import measure
-from orbident.simulation.simulate import RATE, float_along
+from orbident.simulation.simulate import float_along
 from orbident.threads import one_blas_thread
 from orbident.trajectories.trajectory import Trajectory
-
-SIZES = {
-    "gyro": "angle_random_walk",
-    "accelerometer": "velocity_random_walk",
-    "attitude": "angle",
-    "position": "std",
-}
-"""The key under which each sensor of the base has the size of its noise."""
-
-TIMING = ("rate", "correlation_time")
-"""What a sensor without noise keeps."""
 
 
 @one_blas_thread
@@ -66,9 +54,11 @@ def cramer_rao(
     """
     _check_noise(robot)
     sets = minimal_sets(robot)
-    motion = float_along(robot, trajectory, float(robot.sensors.get("rate", RATE)))
-    ideal = replace(robot, sensors=_without_noise(robot.sensors))
-    recording = measure(ideal, motion, trajectory)
+    declared = robot.sensors
+    motion = float_along(robot, trajectory, declared.rows_per_second)
+    ideal = {name: sensor.ideal() for name, sensor in declared.declared.items()}
+    exact = replace(robot, sensors=declared.model_copy(update=ideal))
+    recording = measure(exact, motion, trajectory)
     sensors = sensors_of(robot, recording, dict.fromkeys(SENSORS, 0.0))
     samples = _true_samples(motion, _shares(motion, sensors))
     problem = problem_of(robot, sets, samples, sensors)
@@ -81,28 +71,12 @@ def cramer_rao(
 
 
 def _check_noise(robot: Robot) -> None:
-    sections = ((robot.sensors.get(name) or {}, key) for name, key in SIZES.items())
-    if not any(section.get(key, 0.0) > 0 for section, key in sections):
+    if not any(sensor.white_noise for sensor in robot.sensors.of_base.values()):
         raise InputError(
             f"{robot.name}: sensors: found no noise of gyro, accelerometer, attitude "
             "or position, from which the least deviations are computed; add the noise "
             "of the sensors to the robot file"
         )
-
-
-def _without_noise(sensors: Mapping[str, Any]) -> dict[str, Any]:
-    ideal: dict[str, Any] = {}
-    for name, section in sensors.items():
-        if not isinstance(section, Mapping):
-            ideal[name] = section
-            continue
-        ideal[name] = {key: section[key] for key in TIMING if key in section}
-        if name in ("joints", "wheels"):
-            # Exact histories need no rates.
-            ideal[name]["position"] = 0.0
-        elif name in SIZES:
-            ideal[name][SIZES[name]] = 0.0
-    return ideal
 
 
 def _shares(motion: FreeFloating, sensors: Sensors) -> tuple[float, ...]:
@@ -128,6 +102,6 @@ def _true_samples(motion: FreeFloating, shares: tuple[float, ...]) -> Samples:
         surroundings={},
         locked=(),
         shares=shares,
-        origins={"wheel_speeds": "exact"},
+        origins={"wheel_speeds": Origin(0)},
         source="simulation",
     )

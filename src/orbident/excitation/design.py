@@ -141,7 +141,7 @@ def usual_objective(robot: Robot, given: Conditions) -> Objective:
 
     A basis is named for its condition number.
     """
-    return "d" if given.basis is None and weights_of(robot) else "cond"
+    return "d" if given.basis is None and weights_of(robot.sensors) else "cond"
 
 
 def _judged(

@@ -24,9 +24,7 @@ from orbident.model.independent import DEPENDENT
 from orbident.model.minimal_sets import MinimalSets
 from orbident.robot.description import Robot
 from orbident.robot.parameters import cross_matrix
-
-RATE = 20.0
-"""Hz, where the robot file does not say: the paper's."""
+from orbident.robot.sensor_schema import InertialSpec, SensorsSpec
 
 Rows = Float[np.ndarray, "n axes columns"]
 
@@ -48,22 +46,15 @@ class Sensing:
     """Axes in which linear momentum is conserved."""
 
 
-def weights_of(robot: Robot) -> dict[str, float]:
+def weights_of(sensors: SensorsSpec) -> dict[str, float]:
     """How well each sensor of the base's motion that has a noise measures it."""
-    declared = robot.sensors
-    rate = float(declared.get("rate") or RATE)
-    entries = {
-        "gyro": ("angle_random_walk", 1.0),
-        "accelerometer": ("velocity_random_walk", 1.0),
-        "attitude": ("angle", rate),
-        "position": ("std", rate),
+    # A rate's weight is that of its density, an angle's of all samples of a second.
+    return {
+        name: (1.0 if isinstance(sensor, InertialSpec) else sensors.rows_per_second)
+        / sensor.white_noise**2
+        for name, sensor in sensors.of_base.items()
+        if sensor.white_noise
     }
-    weights = {}
-    for sensor, (key, per_second) in entries.items():
-        noise = (declared.get(sensor) or {}).get(key, 0.0)
-        if noise:
-            weights[sensor] = per_second / noise**2
-    return weights
 
 
 def sensing_of(robot: Robot, sets: MinimalSets) -> Sensing:
@@ -72,7 +63,7 @@ def sensing_of(robot: Robot, sets: MinimalSets) -> Sensing:
     Raises:
         InputError: the robot file has no sensor of the base's motion.
     """
-    weights = weights_of(robot)
+    weights = weights_of(robot.sensors)
     if not weights:
         raise InputError(
             f"{robot.name}: sensors: found no noise of gyro, accelerometer, attitude "

@@ -93,7 +93,7 @@ def scores_of(
     regressors, basis = sets.regressors, basis or basis_of(robot, sets)
     Y = Y_hat(seen, basis.pi_of, regressors.momentum_axes, at_rest)
     W = W_hat(seen, basis.phi_of, regressors.velocity_axes)
-    sensing = sensing_of(robot, sets) if weights_of(robot) else None
+    sensing = sensing_of(robot, sets) if weights_of(robot.sensors) else None
     F = None if sensing is None else Information(sensing, seen, at_rest).F
     F = None if F is None or not _determined(F) else F
     # What only shows when coupled joints move apart has no deviation.

@@ -1,6 +1,7 @@
 """What every file's schema is made of: sections with fixed keys, and numbers."""
 
 import math
+from collections.abc import Sequence
 from contextlib import suppress
 from typing import Annotated, Any, ClassVar
 
@@ -89,6 +90,27 @@ Direction = Annotated[tuple[float, float, float], BeforeValidator(nonzero_vector
 Name = Annotated[str, Field(min_length=1)]
 
 
+def with_known_keys(data: Any, keys: Sequence[str]) -> Any:
+    """A mapping as it is given, if it has no other keys than these.
+
+    Raises:
+        InputError: it names an unknown key and the known ones, which pydantic does not.
+    """
+    if not isinstance(data, dict):
+        raise WrongValueError("give keys and values: " + ", ".join(keys))
+    for key in data:
+        if key not in keys:
+            known = suggestion(str(key), keys, "keys")
+            raise InputError(f"unknown key {quoted(key)}; {known}")
+    return data
+
+
+def keys_of(kind: type) -> BeforeValidator:
+    """Lets pydantic make a dataclass or a named tuple of a mapping with its fields."""
+    keys = tuple(kind.__annotations__)
+    return BeforeValidator(lambda data: with_known_keys(data, keys))
+
+
 class MappingSchema(BaseModel):
     """A mapping with fixed keys."""
 
@@ -97,14 +119,7 @@ class MappingSchema(BaseModel):
     @model_validator(mode="before")
     @classmethod
     def _known_keys(cls, data: Any) -> Any:
-        """Names an unknown key and the known ones, which pydantic does not."""
-        if not isinstance(data, dict):
-            raise WrongValueError("give keys and values: " + ", ".join(cls._keys()))
-        for key in data:
-            if key not in cls._keys():
-                known = suggestion(str(key), cls._keys(), "keys")
-                raise InputError(f"unknown key {quoted(key)}; {known}")
-        return data
+        return with_known_keys(data, cls._keys())
 
     @classmethod
     def _keys(cls) -> tuple[str, ...]:

@@ -3,7 +3,7 @@
     y = c + x_1 + x_2 + e
 
 with an unknown constant `c`, white noise `e`, a first-order Gauss-Markov process `x_1`
-and a random walk `x_2` (`robot/sensor_suites.py`). Of a filter's innovations `v_k` of
+and a random walk `x_2` (`robot/sensor_schema.py`). Of a filter's innovations `v_k` of
 the samples, `u_k` of a constant one, and their variances `S_k`, the likelihood is
 
     -2 ln L = sum (v_k - c u_k)^2 / S_k + sum ln S_k + ln sum u_k^2 / S_k
@@ -23,8 +23,7 @@ from jaxtyping import Float
 from scipy.optimize import minimize
 
 from orbident import _core
-from orbident.estimation.output_error.sensors import fourth_difference_std
-from orbident.gaussian import NINETY_FIVE
+from orbident.gaussian import NINETY_FIVE, noisiest_std
 
 FEWEST = 200
 """Samples: with less the parts cannot be told apart."""
@@ -222,7 +221,7 @@ def _starts(
 ) -> list[Float[np.ndarray, " parts"]]:
     """Where the search begins: logarithms over the white part."""
     dt, span = float(np.median(np.diff(t))), float(t[-1] - t[0])
-    white = max(fourth_difference_std(y[:, None]), 1e-3 * float(y.std()))
+    white = max(noisiest_std(y[:, None]), 1e-3 * float(y.std()))
     rest = max(float(y.std()) / white, 0.3)
     tries = {
         "markov_std": [0.3 * rest, rest],

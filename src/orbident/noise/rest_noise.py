@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from orbident.errors import InputError
 from orbident.estimation.checks import Check
-from orbident.estimation.output_error.sensors import COMPONENTS, INERTIAL, POINTS
+from orbident.estimation.output_error.sensors import COMPONENTS
 from orbident.estimation.whiteness import low_frequencies
 from orbident.noise.noise_model import (
     FEWEST,
@@ -21,7 +21,12 @@ from orbident.noise.noise_model import (
 from orbident.noise.spikes import OUTLYING, clean_model, varies
 from orbident.noise.stillness import check_joints, check_still
 from orbident.recordings.recording import Recording
-from orbident.robot.sensor_suites import FLICKER_FLOOR, MARKOV_PEAK
+from orbident.robot.sensor_schema import (
+    FLICKER_FLOOR,
+    MARKOV_PEAK,
+    UNDECLARED,
+    InertialSpec,
+)
 
 UNITS = {
     "gyro": "rad/s",
@@ -127,9 +132,8 @@ def _axis_noise(
 ) -> AxisNoise:
     """The bias of a gyro or an accelerometer is a Gauss-Markov process alone."""
     where = f"{recording.source}: {sensor}.{axis}"
-    model, kept, settled = clean_model(
-        t, x, ((), MARKOV) if sensor in INERTIAL else PARTS
-    )
+    inertial = isinstance(UNDECLARED[sensor], InertialSpec)
+    model, kept, settled = clean_model(t, x, ((), MARKOV) if inertial else PARTS)
     if not settled:
         raise InputError(
             f"{where} jumps: again and again there are samples beyond {OUTLYING:g} "
@@ -150,28 +154,30 @@ def sensor_section(found: tuple[AxisNoise, ...]) -> dict[str, dict[str, Any]]:
     for sensor in UNITS:
         axes = {each.axis: each for each in found if each.sensor == sensor}
         if axes:
-            make = _inertial if sensor in INERTIAL else _tracker
-            section[sensor] = make(sensor, axes)
+            kind = type(UNDECLARED[sensor])
+            white = kind.model_fields["white_noise"].alias or ""
+            make = _inertial if issubclass(kind, InertialSpec) else _tracker
+            section[sensor] = make(white, axes)
     return section
 
 
-def _inertial(sensor: str, axes: Mapping[str, AxisNoise]) -> dict[str, Any]:
+def _inertial(white: str, axes: Mapping[str, AxisNoise]) -> dict[str, Any]:
     models = [each.model for each in axes.values()]
     dt = float(np.median(np.diff(next(iter(axes.values())).t)))
-    section = {INERTIAL[sensor]: digits(_rms(models, "white") * np.sqrt(dt))}
+    section = {white: digits(_rms(models, "white") * np.sqrt(dt))}
     wandering = [model for model in models if "markov_std" in model.levels]
     if wandering:
         s = _rms(models, "markov_std")
         times = [model.value("correlation_time") for model in wandering]
-        # sensor_bias.py has s of B; this is B of s.
+        # sensor_schema.py has s of B; this is B of s.
         section["bias_instability"] = digits(s * MARKOV_PEAK / FLICKER_FLOOR)
         section["correlation_time"] = digits(np.exp(np.mean(np.log(times))))
     return section
 
 
-def _tracker(sensor: str, axes: Mapping[str, AxisNoise]) -> dict[str, Any]:
+def _tracker(white: str, axes: Mapping[str, AxisNoise]) -> dict[str, Any]:
     models = [each.model for each in axes.values()]
-    section: dict[str, Any] = {POINTS[sensor]: digits(_rms(models, "white"))}
+    section: dict[str, Any] = {white: digits(_rms(models, "white"))}
     for name, absent in (
         ("markov_std", 0.0),
         ("correlation_time", 1.0),

@@ -20,7 +20,7 @@ from scipy.spatial.transform import Rotation
 from orbident import _core
 from orbident.errors import InputError
 from orbident.preprocessing.point_velocity import bias_response
-from orbident.robot.sensor_suites import UNKNOWN_BIAS
+from orbident.robot.sensor_schema import GyroSpec
 
 ROUNDS = 3
 """The first leaves errors of second order in `phi`; the third is for large ones."""
@@ -152,7 +152,7 @@ def _fused(
         y[fixed] = turned.as_rotvec()
         B = np.diff(bias_response(t, x), axis=0)
         noise = np.array([gyro.N, gyro.drift, std])
-        before = np.array([UNKNOWN_ATTITUDE, UNKNOWN_BIAS["gyro"]])
+        before = np.array([UNKNOWN_ATTITUDE, GyroSpec.UNKNOWN_BIAS])
         mean, variance = _core.smooth_gyro_error(B, np.diff(t), y, noise, before)
         fused = Rotation.from_rotvec(mean[:, :3]) * Rotation.from_quat(x)
         return _FusionPass(fused.as_quat(), variance, bias + mean[:, 3:])

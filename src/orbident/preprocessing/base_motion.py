@@ -3,24 +3,24 @@
 The rate of the base from its attitude alone.
 """
 
-from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
-from orbident.gaussian import OF_MEDIAN
+from orbident.gaussian import white_std_of
 from orbident.preprocessing.attitude_fusion import (
     GyroNoise,
     fuse_attitude,
     integrate_gyro,
 )
-from orbident.preprocessing.histories import MEASURED, Columns
+from orbident.preprocessing.histories import Columns
+from orbident.preprocessing.origins import Origin
 from orbident.preprocessing.smoothing import Settings, fits_of, smooth_rates
 from orbident.recordings.recording import Recording
-from orbident.robot.sensor_suites import bias_walk
+from orbident.robot.sensor_schema import Sampled, SensorsSpec
 
 
 def attitude_rates(
@@ -74,9 +74,7 @@ def same_sign(x: Float[np.ndarray, "n 4"]) -> Float[np.ndarray, "n 4"]:
     return turned
 
 
-INTEGRATED = "derived: integrated gyro, from an attitude of zero"
-FUSED = "derived: gyro and attitude fused"
-SMOOTHED = "derived: smoothed attitude"
+SMOOTHED = Origin.SMOOTHED_ATTITUDE
 
 AXES = ("gyro.x", "gyro.y", "gyro.z")
 QUATERNION = ("attitude.x", "attitude.y", "attitude.z", "attitude.w")
@@ -96,11 +94,11 @@ class BaseMotion(NamedTuple):
     w: Columns
     """Base axes, rad/s."""
     x_WB: Columns
-    origins: dict[str, str]
+    origins: dict[str, Origin]
 
 
 def base_motion(
-    recording: Recording, sensors: Mapping[str, Any], late: float, settings: Settings
+    recording: Recording, sensors: SensorsSpec, late: float, settings: Settings
 ) -> BaseMotion:
     """What gyro and attitude say together, or one of them alone.
 
@@ -110,7 +108,7 @@ def base_motion(
 
     Args:
         recording: with a gyro, an attitude, or both.
-        sensors: the robot file's section, for the noise of both.
+        sensors: as the robot file has them, for the noise of both.
         late: by how much the attitude's times are behind the gyro's, s.
         settings: of the whole recording.
 
@@ -121,24 +119,22 @@ def base_motion(
     if gyro and not attitude:
         w = recording.vector("gyro")
         x = integrate_gyro(recording.t, w, UNTURNED, recording.source)
-        return _motion(recording, x, INTEGRATED)
+        how = {"attitude": Origin.INTEGRATED_GYRO, "base_rate": Origin.MEASURED}
+        return BaseMotion(tuple(w.T), tuple(x.T), how)
     if attitude and not gyro:
         fixes = recording.vector("attitude", "xyzw")
         x, w = attitude_rates(recording.t, fixes, recording.source, settings)
-        return BaseMotion(
-            tuple(w.T), tuple(x.T), {"attitude": SMOOTHED, "base_rate": SMOOTHED}
-        )
+        return BaseMotion(tuple(w.T), tuple(x.T), _both(SMOOTHED))
     w, fixes = (
         tuple(recording.column(name) for name in names) for names in (AXES, QUATERNION)
     )
     if not late and not settings.once("sparse", lambda: _sparse(w, fixes)):
-        return BaseMotion(w, fixes, {"attitude": MEASURED, "base_rate": MEASURED})
+        return BaseMotion(w, fixes, _both(Origin.MEASURED))
     return _fused(recording, sensors, late)
 
 
-def _motion(recording: Recording, x: Float[np.ndarray, "n 4"], how: str) -> BaseMotion:
-    w = tuple(recording.column(name) for name in AXES)
-    return BaseMotion(w, tuple(x.T), {"attitude": how, "base_rate": MEASURED})
+def _both(how: Origin) -> dict[str, Origin]:
+    return {"attitude": how, "base_rate": how}
 
 
 def _recorded(recording: Recording, names: tuple[str, ...]) -> bool:
@@ -155,20 +151,17 @@ def _sparse(w: Columns, fixes: Columns) -> bool:
     return bool((seen & fixed).sum() < seen.sum() / 2)
 
 
-def _fused(recording: Recording, sensors: Mapping[str, Any], late: float) -> BaseMotion:
+def _fused(recording: Recording, sensors: SensorsSpec, late: float) -> BaseMotion:
     t, w = recording.t, recording.vector("gyro")
     fixes = recording.vector("attitude", "xyzw")
     by_gyro = integrate_gyro(t, w, UNTURNED, recording.source)
     if late:
         fixes = _caught_up(t, fixes, by_gyro, late)
-    std = sensors.get("attitude", {}).get("angle") or _scatter(by_gyro, fixes)
-    noise = _gyro_noise(t, w, sensors.get("gyro", {}))
+    std = sensors.of("attitude").white_std() or _scatter(by_gyro, fixes)
+    noise = _gyro_noise(t, w, sensors.of("gyro"))
     fused = fuse_attitude(t, w, fixes, noise, std, recording.source)
-    return BaseMotion(
-        tuple((w - fused.bias).T),
-        tuple(fused.x_WB.T),
-        {"attitude": FUSED, "base_rate": FUSED},
-    )
+    how = _both(Origin.FUSED_ATTITUDE)
+    return BaseMotion(tuple((w - fused.bias).T), tuple(fused.x_WB.T), how)
 
 
 def _caught_up(
@@ -189,16 +182,15 @@ def _caught_up(
 
 
 def _gyro_noise(
-    t: Float[np.ndarray, " n"], w: Float[np.ndarray, "n 3"], section: Mapping[str, Any]
+    t: Float[np.ndarray, " n"], w: Float[np.ndarray, "n 3"], gyro: Sampled
 ) -> GyroNoise:
     """As declared, or else as the samples' second differences show it."""
-    N = section.get("angle_random_walk")
+    N = gyro.white_std()
     if not N:
         seen = np.isfinite(w).all(axis=1)
-        # Of white noise these have 6 times its variance.
-        bend = np.median(np.abs(np.diff(w[seen], n=2, axis=0)))
-        N = OF_MEDIAN * bend / np.sqrt(6) * np.sqrt(np.median(np.diff(t[seen])))
-    return GyroNoise(max(float(N), LEAST_N), bias_walk(section))
+        dt = np.median(np.diff(t[seen]))
+        N = white_std_of(np.diff(w[seen], n=2, axis=0), 2) * np.sqrt(dt)
+    return GyroNoise(max(float(N), LEAST_N), gyro.bias_walk)
 
 
 def _scatter(
@@ -210,5 +202,4 @@ def _scatter(
     between = (error[1:] * error[:-1].inv()).as_rotvec()
     if both.sum() < 2:
         return LEAST_STD
-    scatter = OF_MEDIAN * np.median(np.abs(between)) / np.sqrt(2)
-    return max(float(scatter), LEAST_STD)
+    return max(float(white_std_of(between, 1)), LEAST_STD)

@@ -79,8 +79,7 @@ def delays(
         found: by sensor, on top of the declared latencies.
     """
     total = {
-        sensor: robot.sensors.get(sensor, {}).get("latency", 0.0)
-        + found.get(sensor, 0.0)
+        sensor: (robot.sensors.of(sensor).latency or 0.0) + found.get(sensor, 0.0)
         for sensor in SENSORS
     }
     reference = total["gyro" if recording.has("gyro.x") else "attitude"]

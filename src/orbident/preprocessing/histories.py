@@ -1,14 +1,15 @@
 """What joints and wheels did at the rows of a recording."""
 
-import math
-from collections.abc import Mapping, Sequence
-from functools import partial
+from collections.abc import Sequence
+from functools import partial, reduce
 from itertools import chain
-from typing import Any, NamedTuple
+from operator import or_
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 
+from orbident.preprocessing.origins import Origin
 from orbident.preprocessing.rates import at_times, fill
 from orbident.preprocessing.smoothing import (
     AT_ONCE,
@@ -21,14 +22,10 @@ from orbident.preprocessing.smoothing import (
     smooth_rates,
 )
 from orbident.recordings.recording import Recording
+from orbident.robot.sensor_schema import EncoderSpec
 from orbident.threads import side_by_side
 
 Columns = tuple[Float[np.ndarray, " samples"], ...]
-
-MEASURED = "measured"
-DERIVED = "derived: smoothed positions"
-BOTH = f"{DERIVED} and rates"
-
 
 LEAST = 1e-60
 """rad/s or m/s: its square and its inverse are still float64s."""
@@ -40,7 +37,7 @@ class Histories(NamedTuple):
     positions: Columns
     """Empty where they are not recorded."""
     rates: Columns
-    origin: str
+    origin: Origin
     """How the rates were obtained."""
     shares: tuple[float, ...]
     """Variance of a smoothed position over that of a sample; NaN where the rate was
@@ -52,7 +49,7 @@ def histories(
     what: str,
     names: Sequence[str],
     rate: str,
-    sensor: Mapping[str, Any],
+    sensor: EncoderSpec | None,
     late: float,
     settings: Settings,
 ) -> Histories:
@@ -67,21 +64,21 @@ def histories(
         what: `"joint"` or `"wheel"`: how the columns begin.
         names: of the robot.
         rate: how the columns of rates end.
-        sensor: the encoders' section of the robot file; empty where it has none.
+        sensor: the encoders, as the robot file has them.
         late: by how much the encoders' times are behind, s.
         settings: of the whole recording.
 
     Raises:
         InputError: a column has too few samples.
     """
+    noise = None if sensor is None else sensor.unseen_std
+    tachometer = None if sensor is None else sensor.tachometer
 
     def group(names: Sequence[str]) -> list[_History]:
         at = {name: f"{what}.{name}.position" for name in names}
         measured = {name: f"{what}.{name}.{rate}" for name in names}
-        tachometer = sensor.get("tachometer")
         both = [n for n in names if recording.has(at[n], measured[n]) and tachometer]
         derived = [n for n in names if n in both or not recording.has(measured[n])]
-        noise = encoder_noise(sensor)
         every = bool(both) or not all(settings.knows(_share(at[n])) for n in derived)
         angles = _smoothed(
             recording, [at[n] for n in derived], noise, late, settings, every
@@ -96,11 +93,12 @@ def histories(
                 q = [at[name]] if recording.has(at[name]) else []
                 q = [_at(recording, column, late) for column in q]
                 qd = _at(recording, measured[name], late)
-                return _History(q, qd, np.nan, MEASURED)
+                return _History(q, qd, np.nan, Origin.MEASURED)
             share = settings.once(_share(at[name]), partial(_share_of, angle))
-            qd, origin = angle.rate[:, 0], DERIVED
+            qd, origin = angle.rate[:, 0], Origin.SMOOTHED_POSITIONS
             if name in both:
-                qd, origin = _combined(angle, read[measured[name]]), BOTH
+                qd = _combined(angle, read[measured[name]])
+                origin = Origin.SMOOTHED_POSITIONS_AND_RATES
             return _History([angle.x[:, 0]], qd, share, origin)
 
         return [one(name) for name in names]
@@ -110,7 +108,7 @@ def histories(
     return Histories(
         tuple(q for each in every for q in each.positions),
         tuple(each.rate for each in every),
-        "; ".join(sorted({each.origin for each in every})) or "none",
+        reduce(or_, (each.origin for each in every), Origin(0)),
         tuple(each.share for each in every),
     )
 
@@ -122,7 +120,7 @@ class _History(NamedTuple):
     """One, or none where it is not recorded."""
     rate: Float[np.ndarray, " samples"]
     share: float
-    origin: str
+    origin: Origin
 
 
 def _combined(
@@ -180,17 +178,6 @@ def _share_of(angle: Smoothed | Rates) -> float:
     assert isinstance(angle, Smoothed)
     std = angle.std_x[~np.isnan(angle.std_x)]
     return float((np.median(std) / angle.noise_std[0]) ** 2) if std.size else np.nan
-
-
-def encoder_noise(sensor: Mapping[str, Any]) -> float | None:
-    """Std of an encoder's samples, rad or m; None where the samples themselves show it.
-
-    Counts are no noise that samples show, `resolution / sqrt(12)` beside the rest.
-    """
-    resolution = sensor.get("resolution", 0.0)
-    if not resolution:
-        return None
-    return math.hypot(sensor.get("position", 0.0), resolution / math.sqrt(12))
 
 
 def _at(recording: Recording, name: str, late: float) -> Float[np.ndarray, " samples"]:

@@ -12,7 +12,8 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
 from orbident.errors import InputError
-from orbident.preprocessing.histories import MEASURED, Columns
+from orbident.preprocessing.histories import Columns
+from orbident.preprocessing.origins import Origin
 from orbident.preprocessing.rates import at_times
 from orbident.preprocessing.smoothing import Settings, fits_of, smooth_rates
 from orbident.recordings.recording import Recording
@@ -116,20 +117,12 @@ def _integral(
     return integrals.T
 
 
-SMOOTHED = "derived: smoothed positions"
-FELT = "derived: integrated accelerometer, its bias estimated"
-COUNTED = "derived: summed velocity increments, their bias estimated"
-BIASED = {FELT, COUNTED}
-"""In these the bias of an accelerometer shows."""
-MISSING = "missing"
-
-
 class PointVelocity(NamedTuple):
     """Columns; empty where they cannot be had."""
 
     v_S: Columns
     """Inertial axes, m/s; but for a constant where it is derived from forces."""
-    origin: str
+    origin: Origin
 
 
 def point_velocity(
@@ -150,18 +143,21 @@ def point_velocity(
         InputError: a column has too few samples.
     """
     if recording.has("velocity.x", "velocity.y", "velocity.z"):
-        return PointVelocity(_measured(recording, delays["position"]), MEASURED)
+        return PointVelocity(_measured(recording, delays["position"]), Origin.MEASURED)
     if recording.has("position.x", "position.y", "position.z"):
         at = recording.t + delays["position"]
         label = f"{recording.source}: position"
         t, r_S = recording.t, recording.vector("position")
         fits = settings.smoothers("position", lambda: fits_of(t, r_S, name=label))
         rate = smooth_rates(t, r_S, at, label, fits).rate
-        return PointVelocity(tuple(rate.T), SMOOTHED)
-    for sensor, how in (("accelerometer", FELT), ("velocity_increment", COUNTED)):
+        return PointVelocity(tuple(rate.T), Origin.SMOOTHED_POSITIONS)
+    for sensor, how in (
+        ("accelerometer", Origin.INTEGRATED_ACCELEROMETER),
+        ("velocity_increment", Origin.SUMMED_INCREMENTS),
+    ):
         if recording.has(*(f"{sensor}.{k}" for k in "xyz")):
             return _felt(recording, np.column_stack(x_WB), sensor, how)
-    return PointVelocity((), MISSING)
+    return PointVelocity((), Origin.MISSING)
 
 
 def _measured(recording: Recording, late: float) -> Columns:
@@ -173,7 +169,7 @@ def _measured(recording: Recording, late: float) -> Columns:
 
 
 def _felt(
-    recording: Recording, x_WB: Float[np.ndarray, "n 4"], sensor: str, how: str
+    recording: Recording, x_WB: Float[np.ndarray, "n 4"], sensor: str, how: Origin
 ) -> PointVelocity:
     known = np.isfinite(x_WB).all(axis=1)
     t, x, felt = recording.t[known], x_WB[known], recording.vector(sensor)[known]

@@ -10,7 +10,8 @@ from jaxtyping import Bool, Float
 from orbident.preprocessing.base_motion import base_motion
 from orbident.preprocessing.delays import delays
 from orbident.preprocessing.histories import Columns, Histories, histories
-from orbident.preprocessing.point_velocity import BIASED, bias_response, point_velocity
+from orbident.preprocessing.origins import BIASED, Origin
+from orbident.preprocessing.point_velocity import bias_response, point_velocity
 from orbident.preprocessing.smoothing import Settings
 from orbident.preprocessing.wrenches import (
     RecordedWrench,
@@ -63,7 +64,7 @@ class Samples:
     shares: tuple[float, ...]
     """Variance of each joint's smoothed position over that of a sample; NaN where the
     rate was measured."""
-    origins: dict[str, str]
+    origins: dict[str, Origin]
     """How joint rates, wheel speeds and the velocity of S were obtained."""
     source: str
     """Where the recording came from, for messages."""
@@ -153,7 +154,7 @@ class Samples:
     @property
     def biased(self) -> bool:
         """Whether the bias of an accelerometer shows in `v_S`."""
-        return bool(self.v_S) and self.origins.get("velocity") in BIASED
+        return bool(self.v_S) and bool(self.origins.get("velocity", Origin(0)) & BIASED)
 
     def drift(self) -> Float[np.ndarray, "samples 3 3"] | None:
         """What that bias adds to `v_S`, inertial axes, s; None where it does not show.
@@ -199,13 +200,12 @@ def samples_of(
     recording.check_torquers(robot)
     behind = delays(robot, recording, late or {})
     settings = settings or Settings()
-    sensors = robot.sensors
     joints = histories(
         recording,
         "joint",
         robot.joint_names,
         "velocity",
-        sensors.get("joints", {}),
+        robot.sensors.joints,
         behind["joints"],
         settings,
     )
@@ -214,11 +214,11 @@ def samples_of(
         "wheel",
         robot.wheel_names,
         "speed",
-        sensors.get("wheels", {}),
+        robot.sensors.wheels,
         behind["wheels"],
         settings,
     )
-    base = base_motion(recording, sensors, behind["attitude"], settings)
+    base = base_motion(recording, robot.sensors, behind["attitude"], settings)
     point = point_velocity(recording, base.x_WB, behind, settings)
     around = surroundings(robot, recording, base.x_WB)
     moving = _locked_apart(joints, robot.joint_names, settings.locked)

@@ -6,6 +6,7 @@ Where the methods come from. Data only.
 from collections.abc import Iterator
 
 from orbident.estimation.result import Result
+from orbident.preprocessing.origins import SMOOTHED, WORDS
 from orbident.report.numbers import NONE, short
 from orbident.report.page import ReportTable, Section, TableRow
 
@@ -39,7 +40,8 @@ def provenance(result: Result) -> Section:
 
 def references(result: Result) -> Section:
     """References of the methods that were used."""
-    smoothed = any("smooth" in origin for origin in result.origins.values())
+    words = {way for origin in result.origins.values() for way in origin.split("; ")}
+    smoothed = any(WORDS[each] in words for each in SMOOTHED)
     return Section(
         name="references",
         title="References",

@@ -13,11 +13,7 @@ from orbident.orbits.orbit import Orbit
 from orbident.robot.couplings import couplings_of
 from orbident.robot.description import (
     Joint,
-    MomentumWalk,
     Robot,
-    Structure,
-    Thruster,
-    Torquer,
     Wheel,
 )
 from orbident.robot.fusing import Bodies, about_feature_point, fused, rotor
@@ -25,8 +21,6 @@ from orbident.robot.physical_inertia import contradictions, nonphysical
 from orbident.robot.schema import (
     LimitEntry,
     RobotFile,
-    ThrusterEntry,
-    TorquerEntry,
     WheelEntry,
 )
 from orbident.robot.tree import LinkTree, link_tree
@@ -61,7 +55,7 @@ def assembled(
     held = frozenset(w.joint for w in file.wheels if w.joint is not None)
     bodies = about_feature_point(fused(tree, held=held), feature_point)
     _require_mass(bodies, urdf.place)
-    structure = _structure(file, bodies, place)
+    _require_bodies("structure", file.structure, bodies, place)
     couplings, uncoupled = couplings_of(urdf, [joint.name for joint in bodies.joints])
     _require_bodies("pads", file.pads, bodies, place)
     return Robot(
@@ -73,16 +67,16 @@ def assembled(
         feature_point=feature_point,
         couplings=couplings,
         wheels=wheels,
-        thrusters=tuple(_thruster(entry) for entry in file.thrusters),
-        torquers=tuple(_torquer(entry) for entry in file.torquers),
+        thrusters=file.thrusters,
+        torquers=file.torquers,
         pads=_pads(file, bodies),
         disturbances=None
         if file.disturbances is None
         else tuple(map(str, file.disturbances)),
-        momentum_walk=MomentumWalk(file.momentum_walk.torque, file.momentum_walk.force),
+        momentum_walk=file.momentum_walk,
         orbit=orbit,
-        structure=structure,
-        sensors=file.sensors.in_si(),
+        structure=file.structure,
+        sensors=file.sensors,
         tolerances=file.tolerances.in_si(bodies.joints, place),
         warnings=(
             *urdf.warnings,
@@ -90,7 +84,7 @@ def assembled(
             *_nonphysical_links(tree, bodies),
             *wheel_warnings,
             *uncoupled,
-            *contradictions(bodies.names, bodies.theta, structure),
+            *contradictions(bodies.names, bodies.theta, file.structure),
         ),
         document=document,
         urdf=text,
@@ -135,22 +129,6 @@ def _declared(entry: WheelEntry) -> Wheel:
     return Wheel(entry.label, axis / np.linalg.norm(axis), entry.inertia, entry.mode)
 
 
-def _thruster(entry: ThrusterEntry) -> Thruster:
-    direction = np.array(entry.direction)
-    return Thruster(
-        entry.name,
-        np.array(entry.position),
-        direction / np.linalg.norm(direction),
-        entry.gain,
-        entry.thrust,
-    )
-
-
-def _torquer(entry: TorquerEntry) -> Torquer:
-    axis = np.array(entry.axis)
-    return Torquer(entry.name, axis / np.linalg.norm(axis), entry.gain)
-
-
 def _limited(
     joints: tuple[Joint, ...], limits: dict[str, LimitEntry], place: str
 ) -> tuple[Joint, ...]:
@@ -167,14 +145,6 @@ def _limited(
         else joint
         for joint in joints
     )
-
-
-def _structure(file: RobotFile, bodies: Bodies, place: str) -> dict[str, Structure]:
-    _require_bodies("structure", file.structure, bodies, place)
-    return {
-        name: Structure(entry.com_on_axis, entry.principal_axes)
-        for name, entry in file.structure.items()
-    }
 
 
 def _pads(file: RobotFile, bodies: Bodies) -> dict[str, Float[np.ndarray, "3"]]:

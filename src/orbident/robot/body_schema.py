@@ -13,8 +13,7 @@ from orbident.files.schema_parts import (
     Name,
     WrongValueError,
 )
-from orbident.robot.sensor_schema import each_of, measure_of
-from orbident.robot.units import quantity
+from orbident.robot.units import each_of, measure_of, quantity
 
 MOMENTS, PRODUCTS = ("xx", "yy", "zz"), ("xy", "xz", "yz")
 

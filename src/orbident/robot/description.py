@@ -1,52 +1,33 @@
-"""The robot as plain frozen data: what every other layer is given.
-
-How well a robot's instruments are calibrated.
-"""
+"""The robot as plain frozen data: what every other layer is given."""
 
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, Literal, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 from jaxtyping import Float
+from pydantic import PlainValidator
 
 from orbident.files.names import counted
+from orbident.files.schema_parts import Name, Positive, finite_vector, nonzero_vector
 from orbident.orbits.orbit import Orbit
 from orbident.robot.parameters import PER_BODY, SYMBOLS
+from orbident.robot.sensor_schema import SensorsSpec
+from orbident.robot.tolerances import Tolerances
+from orbident.robot.units import Share, measure_of
+
+POINT = PlainValidator(lambda value: np.array(finite_vector(value, 3)))
+"""Reads a point of a robot file as an array."""
 
 
-@dataclass(frozen=True)
-class Tolerances:
-    """Standard deviations of calibration errors; zero where there are none."""
+def _unit_vector(value: object) -> Float[np.ndarray, "3"]:
+    vector = np.array(nonzero_vector(value))
+    return vector / np.linalg.norm(vector)
 
-    joint_zero: Mapping[str, float] = field(default_factory=dict)
-    """Angle or position where the encoder shows zero, by joint, rad or m."""
-    joint_scale: Mapping[str, float] = field(default_factory=dict)
-    """Scale of the encoder by joint, relative."""
-    joint_place: Mapping[str, float] = field(default_factory=dict)
-    """Place of a joint along each of its parent's axes, by joint, m."""
-    joint_direction: Mapping[str, float] = field(default_factory=dict)
-    """Direction of a joint's axis about each of its parent's axes, by joint, rad."""
-    wheel_inertia: float = 0.0
-    """Polar moment of inertia of each wheel, relative."""
-    feature_point: float = 0.0
-    """Distance of the tracked point from `S`, along each base axis, m."""
-    attitude_misalignment: float = 0.0
-    """Turn of the attitude sensor's axes from the base's, about each axis, rad."""
-    gyro_misalignment: float = 0.0
-    """Turn of the gyro's axes from the base's, about each axis, rad."""
-    gyro_scale: float = 0.0
-    """Scale of each axis of the gyro, relative."""
-    position_scale: float = 0.0
-    """Scale of the position, relative."""
-    joint_clock: float = 0.0
-    """How much joints and wheels are shown late, s."""
-    attitude_clock: float = 0.0
-    """How much the attitude is shown late, s."""
-    position_clock: float = 0.0
-    """How much the position is shown late, s."""
 
+UNIT_VECTOR = PlainValidator(_unit_vector)
+"""Reads a direction of a robot file as an array of length one."""
 
 Axis = Literal["x", "y", "z"]
 
@@ -119,14 +100,14 @@ class Wheel:
 class Thruster:
     """A thruster on the base."""
 
-    name: str
-    position: Float[np.ndarray, "3"]
+    name: Name
+    position: Annotated[Float[np.ndarray, "3"], POINT]
     """Position in the base link's frame, m."""
-    direction: Float[np.ndarray, "3"]
+    direction: Annotated[Float[np.ndarray, "3"], UNIT_VECTOR]
     """Unit vector of the force on the base, base axes."""
-    gain: float = 0.1
+    gain: Share = 0.1
     """Standard deviation of its force, over that which a recording says."""
-    thrust: float | None = None
+    thrust: Positive | None = None
     """Its force at a duty of one, N."""
 
 
@@ -137,9 +118,9 @@ class MomentumWalk(NamedTuple):
     square root of `t`. Zero is none.
     """
 
-    torque: float = 0.0
+    torque: Annotated[float, measure_of("torque density")] = 0.0
     """About the system CM, N m/sqrt(Hz)."""
-    force: float = 0.0
+    force: Annotated[float, measure_of("force density")] = 0.0
     """N/sqrt(Hz)."""
 
 
@@ -147,10 +128,10 @@ class MomentumWalk(NamedTuple):
 class Torquer:
     """A magnetic torquer in the base."""
 
-    name: str
-    axis: Float[np.ndarray, "3"]
+    name: Name
+    axis: Annotated[Float[np.ndarray, "3"], UNIT_VECTOR]
     """Unit vector of its dipole, base axes."""
-    gain: float = 0.1
+    gain: Share = 0.1
     """Standard deviation of its dipole, over that which a recording says."""
 
 
@@ -206,8 +187,8 @@ class Robot:
     """How strong unknown torques and forces are that change quickly."""
     orbit: Orbit | None = None
     """Where it is while it is recorded; inertial axes are J2000's then."""
-    sensors: Mapping[str, Any] = field(default_factory=dict)
-    """The robot file's sensor section, in SI units."""
+    sensors: SensorsSpec = field(default_factory=SensorsSpec)
+    """What is measured, how often and how well."""
     tolerances: Tolerances = field(default_factory=Tolerances)
     """How far calibrations may be off; without tolerances they are exact."""
     warnings: tuple[str, ...] = ()

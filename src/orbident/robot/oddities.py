@@ -5,6 +5,7 @@ import numpy as np
 from orbident.files.names import listed
 from orbident.robot.description import Robot
 from orbident.robot.parameters import FIRST_MOMENT, MASS
+from orbident.robot.sensor_schema import GyroSpec
 
 FAR = 10.0
 """A tracked point is usually on the base: it is far where it is so many times further
@@ -117,7 +118,7 @@ def _without_wheels(robot: Robot) -> list[str]:
 
 
 def _without_sensors(robot: Robot) -> list[str]:
-    known = robot.sensors
+    known = robot.sensors.declared
     missing = []
     if robot.joints and "joints" not in known:
         missing.append("joints")
@@ -137,15 +138,14 @@ def _without_sensors(robot: Robot) -> list[str]:
 
 
 def _taken_as_exact(robot: Robot) -> list[str]:
-    gyro = robot.sensors.get("gyro") or {}
-    known = {
-        "misalignment": robot.tolerances.gyro_misalignment,
-        "scale": robot.tolerances.gyro_scale,
-    }
+    gyro, known = robot.sensors.gyro or GyroSpec(), robot.tolerances
     missing = {
-        what: float(np.max(np.abs(gyro[what])))
-        for what, tolerance in known.items()
-        if np.any(gyro.get(what, 0.0)) and not tolerance
+        what: float(np.max(np.abs(error)))
+        for what, error, tolerance in (
+            ("misalignment", gyro.misalignment, known.gyro_misalignment),
+            ("scale", gyro.scale, known.gyro_scale),
+        )
+        if error is not None and np.any(error) and not tolerance
     }
     if not missing:
         return []

@@ -2,7 +2,7 @@
 
 from typing import Annotated, Literal
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from orbident.errors import InputError
 from orbident.files.names import first_duplicate
@@ -14,12 +14,13 @@ from orbident.files.schema_parts import (
     Vector3,
     WrongValueError,
     finite_number,
+    keys_of,
 )
 from orbident.robot.body_schema import BodyEntry, DhTable
-from orbident.robot.description import Axis
+from orbident.robot.description import MomentumWalk, Structure, Thruster, Torquer
 from orbident.robot.disturbance_groups import DisturbanceGroup
 from orbident.robot.orbit_schema import OrbitEntry
-from orbident.robot.sensor_schema import SensorsSpec, Share, measure_of
+from orbident.robot.sensor_schema import SensorsSpec
 from orbident.robot.tolerance_schema import TolerancesEntry
 
 
@@ -74,31 +75,6 @@ class WheelEntry(MappingSchema):
         return self.name or self.joint or ""
 
 
-class ThrusterEntry(MappingSchema):
-    """A thruster on the base."""
-
-    name: Name
-    position: Vector3
-    direction: Direction
-    gain: Share = 0.1
-    thrust: Positive | None = None
-
-
-class MomentumWalkEntry(MappingSchema):
-    """Densities of white torque and force from outside."""
-
-    torque: Annotated[float, measure_of("torque density")] = 0.0
-    force: Annotated[float, measure_of("force density")] = 0.0
-
-
-class TorquerEntry(MappingSchema):
-    """A magnetic torquer in the base."""
-
-    name: Name
-    axis: Direction
-    gain: Share = 0.1
-
-
 class LimitEntry(MappingSchema):
     """Limits of one joint, instead of the URDF's."""
 
@@ -106,22 +82,18 @@ class LimitEntry(MappingSchema):
     velocity: Positive | None = None
 
 
-class StructureEntry(MappingSchema):
-    """What is known of one body's mass distribution."""
+def _linear(known: Structure) -> Structure:
+    if known.principal_axes and known.com_on_axis is None:
+        raise InputError(
+            "principal_axes needs com_on_axis: about the body's origin the products of "
+            "inertia contain products of CM coordinates, so without it the knowledge "
+            "is not linear in the parameters; add com_on_axis or leave principal_axes "
+            "out"
+        )
+    return known
 
-    com_on_axis: Axis | None = None
-    principal_axes: bool = False
 
-    @model_validator(mode="after")
-    def _linear(self) -> "StructureEntry":
-        if self.principal_axes and self.com_on_axis is None:
-            raise InputError(
-                "principal_axes needs com_on_axis: about the body's origin the "
-                "products of inertia contain products of CM coordinates, so without it "
-                "the knowledge is not linear in the parameters; add com_on_axis or "
-                "leave principal_axes out"
-            )
-        return self
+KnownStructure = Annotated[Structure, AfterValidator(_linear), keys_of(Structure)]
 
 
 class RobotFile(MappingSchema):
@@ -138,14 +110,14 @@ class RobotFile(MappingSchema):
     motion: Literal["spatial", "planar"] = "spatial"
     feature_point: Vector3 = (0.0, 0.0, 0.0)
     wheels: tuple[WheelEntry, ...] = ()
-    thrusters: tuple[ThrusterEntry, ...] = ()
-    torquers: tuple[TorquerEntry, ...] = ()
+    thrusters: tuple[Annotated[Thruster, keys_of(Thruster)], ...] = ()
+    torquers: tuple[Annotated[Torquer, keys_of(Torquer)], ...] = ()
     pads: dict[str, Vector3] = Field(default_factory=dict)
     disturbances: tuple[DisturbanceGroup, ...] | None = None
-    momentum_walk: MomentumWalkEntry = MomentumWalkEntry()
+    momentum_walk: Annotated[MomentumWalk, keys_of(MomentumWalk)] = MomentumWalk()
     orbit: OrbitEntry | None = None
     limits: dict[str, LimitEntry] = Field(default_factory=dict)
-    structure: dict[str, StructureEntry] = Field(default_factory=dict)
+    structure: dict[str, KnownStructure] = Field(default_factory=dict)
     sensors: SensorsSpec = SensorsSpec()
     tolerances: TolerancesEntry = TolerancesEntry()
 

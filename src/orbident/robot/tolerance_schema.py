@@ -1,25 +1,29 @@
 """The tolerances of a robot file as pydantic models."""
 
+from collections import defaultdict
 from collections.abc import Sequence
 from typing import Annotated, Any
 
-from pydantic import BeforeValidator, Field
+from pydantic import BeforeValidator, Field, create_model
 
 from orbident.errors import InputError
 from orbident.files.names import quoted, suggestion
 from orbident.files.schema_parts import MappingSchema, WrongValueError
-from orbident.robot.description import Joint, Tolerances
-from orbident.robot.sensor_schema import Angle, Length, Share, Time, at_least_zero
+from orbident.robot.description import Joint
+from orbident.robot.tolerances import CALIBRATION_KINDS, Tolerances
+from orbident.robot.units import at_least_zero, measure_of
 
 EVERY = "*"
 """Instead of a joint's name: what is said of all of them."""
+
+EITHER = "angle or length"
 
 _ZERO_OF = {"revolute": "angle", "prismatic": "length"}
 
 
 def _zero(value: object) -> object:
     """An angle or a length; it is converted when the joint's kind is known."""
-    at_least_zero(value, "angle or length")
+    at_least_zero(value, EITHER)
     return value
 
 
@@ -29,60 +33,31 @@ def _by_joint(value: object) -> object:
     return value
 
 
-class JointTolerances(MappingSchema):
-    """How well an encoder is calibrated, and where the joint is."""
-
-    zero: Annotated[Any, BeforeValidator(_zero)] = 0.0
-    scale: Share = 0.0
-    place: Length = 0.0
-    direction: Angle = 0.0
-
-
-class WheelTolerances(MappingSchema):
-    """How well the wheels' inertia is known."""
-
-    inertia: Share = 0.0
-
-
-class AttitudeTolerances(MappingSchema):
-    """How well the attitude sensor is mounted."""
-
-    misalignment: Angle = 0.0
-
-
-class GyroTolerances(MappingSchema):
-    """How well the gyro is mounted and calibrated."""
-
-    misalignment: Angle = 0.0
-    scale: Share = 0.0
+def _sections() -> dict[str, Any]:
+    """The keys of the section, and what may stand there."""
+    sections: dict[str, dict[str, Any]] = defaultdict(dict)
+    for kind in CALIBRATION_KINDS.values():
+        section, _, key = kind.entry.partition(".")
+        either = Annotated[Any, BeforeValidator(_zero)]
+        read = Annotated[float, measure_of(kind.dimension)]
+        sections[section][key] = (either if kind.dimension == EITHER else read, 0.0)
+    found: dict[str, Any] = {}
+    for section, keys in sections.items():
+        if "" in keys:
+            found[section] = keys[""]
+            continue
+        model = create_model(f"_{section}", __base__=MappingSchema, **keys)
+        found[section] = (model, model())
+        if section == "joints":
+            each = Annotated[dict[str, model], BeforeValidator(_by_joint)]
+            found[section] = (each, Field(default_factory=dict))
+    return found
 
 
-class PositionTolerances(MappingSchema):
-    """How well the position's scale is calibrated."""
-
-    scale: Share = 0.0
-
-
-class ClockTolerances(MappingSchema):
-    """How late instruments may be shown."""
-
-    joints: Time = 0.0
-    attitude: Time = 0.0
-    position: Time = 0.0
-
-
-class TolerancesEntry(MappingSchema):
+class TolerancesEntry(
+    create_model("ToleranceSections", __base__=MappingSchema, **_sections())
+):
     """Standard deviations of calibration errors; what is absent is exact."""
-
-    joints: Annotated[dict[str, JointTolerances], BeforeValidator(_by_joint)] = Field(
-        default_factory=dict
-    )
-    feature_point: Length = 0.0
-    wheels: WheelTolerances = WheelTolerances()
-    attitude: AttitudeTolerances = AttitudeTolerances()
-    gyro: GyroTolerances = GyroTolerances()
-    position: PositionTolerances = PositionTolerances()
-    clocks: ClockTolerances = ClockTolerances()
 
     def in_si(self, joints: Sequence[Joint], place: str) -> Tolerances:
         """The tolerances of a robot with these joints.
@@ -91,33 +66,30 @@ class TolerancesEntry(MappingSchema):
             InputError: there is no such joint, or a joint that turns has a zero in
                 metres, or one that slides in radians.
         """
+        given: dict[str, Any] = dict(self)
         names = [joint.name for joint in joints]
-        for name in self.joints:
+        for name in given["joints"]:
             if name not in (*names, EVERY):
                 raise InputError(
                     f"{place}: tolerances.joints: no joint {name!r}; "
                     + suggestion(name, names, "joints")
                 )
-        every = self.joints.get(EVERY, JointTolerances())
-        own = {name: self.joints.get(name, every) for name in names}
-        return Tolerances(
-            joint_zero={
-                joint.name: _zero_of(joint, own[joint.name].zero, place)
-                for joint in joints
-            },
-            joint_scale={name: entry.scale for name, entry in own.items()},
-            joint_place={name: entry.place for name, entry in own.items()},
-            joint_direction={name: entry.direction for name, entry in own.items()},
-            wheel_inertia=self.wheels.inertia,
-            feature_point=self.feature_point,
-            attitude_misalignment=self.attitude.misalignment,
-            gyro_misalignment=self.gyro.misalignment,
-            gyro_scale=self.gyro.scale,
-            position_scale=self.position.scale,
-            joint_clock=self.clocks.joints,
-            attitude_clock=self.clocks.attitude,
-            position_clock=self.clocks.position,
-        )
+        every = given["joints"].get(EVERY)
+        own = {each.name: given["joints"].get(each.name, every) for each in joints}
+        found: dict[str, Any] = {}
+        for tolerance, kind in CALIBRATION_KINDS.items():
+            section, _, key = kind.entry.partition(".")
+            if section == "joints":
+                # Joints of which nothing is said are exact.
+                stds = {name: getattr(entry, key, 0.0) for name, entry in own.items()}
+                if kind.dimension == EITHER:
+                    stds = {x.name: _zero_of(x, stds[x.name], place) for x in joints}
+                found[tolerance] = stds
+            else:
+                found[tolerance] = (
+                    getattr(given[section], key) if key else given[section]
+                )
+        return Tolerances(**found)
 
 
 def _zero_of(joint: Joint, zero: object, place: str) -> float:

@@ -2,10 +2,13 @@
 
 import math
 import re
+from typing import Annotated
 
-from orbident.files.bounds import LARGEST
+from pydantic import BeforeValidator
+
+from orbident.files.bounds import LARGEST, SMALLEST
 from orbident.files.names import quoted
-from orbident.files.schema_parts import WrongValueError
+from orbident.files.schema_parts import WrongValueError, finite_vector
 
 STANDARD_GRAVITY = 9.80665
 """m/s^2, exact by definition."""
@@ -123,3 +126,77 @@ def _split(given: object) -> tuple[float | None, str]:
 
 def _article(noun: str) -> str:
     return f"an {noun}" if noun[0] in "aeiou" else f"a {noun}"
+
+
+def at_least_zero(value: object, dimension: str) -> float:
+    """A quantity of zero or more, in SI.
+
+    Raises:
+        WrongValueError: it is negative, too small, or of another dimension.
+    """
+    number = quantity(value, dimension)
+    if number < 0:
+        raise WrongValueError("give zero or more")
+    if number and number < SMALLEST:
+        raise WrongValueError(f"give zero, or at least {SMALLEST:g} in SI units")
+    return number
+
+
+def measure_of(dimension: str) -> BeforeValidator:
+    """Reads a quantity of zero or more, in SI."""
+    return BeforeValidator(lambda value: at_least_zero(value, dimension))
+
+
+def each_of(dimension: str, length: int = 3) -> BeforeValidator:
+    """Reads so many numbers of a dimension, in SI."""
+
+    def in_si(value: object) -> tuple[float, ...]:
+        if not isinstance(value, list | tuple):
+            raise WrongValueError(f"give a {length}-vector")
+        return finite_vector([quantity(each, dimension) for each in value], length)
+
+    return BeforeValidator(in_si)
+
+
+def per_axis(dimension: str, *, above_zero: bool = False) -> BeforeValidator:
+    """One quantity for all axes, or one for each, in SI."""
+
+    def one(value: object) -> float:
+        number = at_least_zero(value, dimension)
+        if above_zero and not number:
+            raise WrongValueError(f"give a {dimension} above zero")
+        return number
+
+    def in_si(value: object) -> tuple[float, ...]:
+        if not isinstance(value, list | tuple):
+            return 3 * (one(value),)
+        if len(value) != 3:
+            raise WrongValueError("give one number, or one for each of x, y, z")
+        return tuple(one(each) for each in value)
+
+    return BeforeValidator(in_si)
+
+
+def _rate(value: object) -> float:
+    number = quantity(value, "frequency")
+    if number < SMALLEST:
+        raise WrongValueError("give a rate above zero")
+    return number
+
+
+def _lasting(value: object) -> float:
+    """A time above zero; infinite for what never changes."""
+    if value == math.inf:
+        return math.inf
+    number = quantity(value, "time")
+    if number < SMALLEST:
+        raise WrongValueError("give a time above zero, or .inf")
+    return number
+
+
+Rate = Annotated[float, BeforeValidator(_rate)]
+Lasting = Annotated[float, BeforeValidator(_lasting)]
+Time = Annotated[float, measure_of("time")]
+Angle = Annotated[float, measure_of("angle")]
+Length = Annotated[float, measure_of("length")]
+Share = Annotated[float, measure_of("share")]

@@ -18,7 +18,7 @@ from orbident.robot.description import Robot
 from orbident.robot.parameters import from_mass_com_inertia
 from orbident.simulation.free_floating import BaseState, free_floating
 from orbident.simulation.measure import measure_truth
-from orbident.simulation.simulate import RATE, sample_times
+from orbident.simulation.simulate import sample_times
 from orbident.simulation.truth import Truth, truth_of
 from orbident.trajectories.trajectory import Trajectory
 
@@ -76,7 +76,7 @@ def simulate_change(
     Raises:
         InputError: as `simulate`, or the change is not between two samples.
     """
-    rate = float(before.sensors.get("rate", RATE) if rate is None else rate)
+    rate = before.sensors.rows_per_second if rate is None else float(rate)
     t = sample_times(trajectory.duration, rate)
     if not t[1] <= at <= t[-2]:
         raise InputError(f"change at {at:g} s: give a time from {t[1]:g} to {t[-2]:g}")

@@ -1,83 +1,30 @@
-"""A motion as the sensors of a robot would record it.
+"""A motion as the sensors of a robot would record it."""
 
-The sensors of a robot, from the sensor section of its file.
-"""
-
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields
-from typing import Any, NamedTuple
+from collections.abc import Iterator, Sequence
+from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 
 from orbident.errors import InputError
-from orbident.files.names import suggestion
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
+from orbident.robot.sensor_schema import EncoderSpec, Sampled, SensorsSpec
 from orbident.simulation.free_floating import FreeFloating, JointMotion
-from orbident.simulation.inertial import Accelerometer, Gyro
 from orbident.simulation.noise_processes import stream
-from orbident.simulation.sensor import Reading, Sensor
-from orbident.simulation.tracking import AttitudeTracker, Encoder, PositionTracker
+from orbident.simulation.sensor import (
+    Reading,
+    read_angles,
+    read_attitude,
+    read_increments,
+    read_inertial,
+    read_position,
+    read_rates,
+    sensor_columns,
+)
 from orbident.simulation.truth import Truth, truth_of
 from orbident.trajectories.trajectory import Trajectory
-
-KINDS: dict[str, type[Sensor]] = {
-    "gyro": Gyro,
-    "accelerometer": Accelerometer,
-    "joints": Encoder,
-    "wheels": Encoder,
-    "attitude": AttitudeTracker,
-    "position": PositionTracker,
-}
-"""Trackers by the keys of their sections."""
-
-
-@dataclass(frozen=True)
-class SensorModels:
-    """What is measured; None is not."""
-
-    gyro: Gyro | None = None
-    accelerometer: Accelerometer | None = None
-    joints: Encoder | None = None
-    wheels: Encoder | None = None
-    attitude: AttitudeTracker | None = None
-    position: PositionTracker | None = None
-
-
-def sensor_models(section: Mapping[str, Any]) -> SensorModels:
-    """The sensors that a sensor section declares.
-
-    Args:
-        section: as in `Robot.sensors`, SI. By sensor, the fields of its class; `rate`
-            beside them is the recording's and no sensor.
-
-    Raises:
-        InputError: an unknown sensor or key, a missing key, or a bad value.
-    """
-    unknown = [key for key in section if key not in {*KINDS, "rate"}]
-    if unknown:
-        known = suggestion(str(unknown[0]), tuple(KINDS), "keys")
-        raise InputError(f"sensors: unknown key {unknown[0]!r}; {known}")
-    return SensorModels(
-        **{key: _sensor(key, section[key]) for key in KINDS if key in section}
-    )
-
-
-def _sensor(key: str, given: Mapping[str, Any]) -> Any:
-    names = tuple(field.name for field in fields(KINDS[key]))
-    for name in given:
-        if name not in names:
-            known = suggestion(str(name), names, "keys")
-            raise InputError(f"sensors.{key}: unknown key {name!r}; {known}")
-    try:
-        return KINDS[key](**given)
-    except InputError as error:
-        raise InputError(f"sensors.{key}.{error}") from None
-    except TypeError:
-        raise InputError(
-            f"sensors.{key}: a key is missing; give {', '.join(names)}"
-        ) from None
 
 
 def measure(
@@ -130,16 +77,12 @@ def measure_truth(
     Raises:
         InputError: as `measure`.
     """
-    sensors = sensor_models(robot.sensors)
     columns = {}
-    for channel in _channels(robot, sensors, true):
-        sensor = getattr(sensors, channel.key)
-        if sensor is not None:
-            values = _measured(channel, sensor, t, seed)
-        elif channel.key == "joints":
-            values = channel.true
-        else:
-            continue
+    if robot.sensors.joints is None:
+        names = (f"joint.{name}.position" for name in robot.joint_names)
+        columns = dict(zip(names, true.q.T, strict=True))
+    for channel in _channels(robot, true):
+        values = _measured(channel, t, seed)
         for k, component in enumerate(channel.components):
             columns[f"{channel.name}.{component}"] = values[:, k]
     if truth:
@@ -154,14 +97,14 @@ class Channel(NamedTuple):
 
     key: str
     """Name of the section of the sensor."""
+    sensor: Sampled
     name: str
     """What the columns' names have before the dot."""
     components: Sequence[str]
     """What the columns' names have after the dot."""
     true: Float[np.ndarray, "rows true"]
     """The noise-free values."""
-    read: Reading | None = None
-    """Instead of the sensor's own."""
+    read: Reading
 
     @property
     def stream(self) -> str:
@@ -170,38 +113,59 @@ class Channel(NamedTuple):
         return f"{self.name}.{self.components[0]}" if rate else self.name
 
 
-def _channels(robot: Robot, sensors: SensorModels, true: Truth) -> Iterator[Channel]:
-    joints, wheels = sensors.joints, sensors.wheels
-    for k, name in enumerate(robot.joint_names):
-        joint = f"joint.{name}"
-        yield Channel("joints", joint, ("position",), true.q[:, [k]])
-        if joints is not None and joints.tachometer is not None:
-            rate = true.qd[:, [k]]
-            yield Channel("joints", joint, ("velocity",), rate, joints.read_rates)
-    for k, name in enumerate(robot.wheel_names):
-        wheel = f"wheel.{name}"
-        if wheels is not None and wheels.position is not None:
-            yield Channel("wheels", wheel, ("position",), true.q_rw[:, [k]])
-        if wheels is not None and wheels.tachometer is not None:
-            speed = true.qd_rw[:, [k]]
-            yield Channel("wheels", wheel, ("speed",), speed, wheels.read_rates)
-    yield Channel("gyro", "gyro", "xyz", true.gyro)
-    if sensors.accelerometer is not None and sensors.accelerometer.increments:
-        pose = np.hstack([true.attitude, true.velocity])
-        read = sensors.accelerometer.read_increments
-        yield Channel("accelerometer", "velocity_increment", "xyz", pose, read)
-    else:
-        yield Channel("accelerometer", "accelerometer", "xyz", true.accelerometer)
-    yield Channel("attitude", "attitude", "xyzw", true.attitude)
-    yield Channel("position", "position", "xyz", true.position)
+def _channels(robot: Robot, true: Truth) -> Iterator[Channel]:
+    joints, wheels = robot.sensors.joints, robot.sensors.wheels
+    if joints is not None:
+        for k, name in enumerate(robot.joint_names):
+            pair = true.q[:, [k]], true.qd[:, [k]]
+            yield from _encoder("joints", joints, f"joint.{name}", "velocity", *pair)
+    if wheels is not None:
+        for k, name in enumerate(robot.wheel_names):
+            pair = true.q_rw[:, [k]], true.qd_rw[:, [k]]
+            yield from _encoder("wheels", wheels, f"wheel.{name}", "speed", *pair)
+    yield from _of_base(robot.sensors, true)
+
+
+def _encoder(
+    key: str,
+    sensor: EncoderSpec,
+    name: str,
+    rate: str,
+    q: Float[np.ndarray, "rows 1"],
+    qd: Float[np.ndarray, "rows 1"],
+) -> Iterator[Channel]:
+    # Joint positions are always there.
+    if key == "joints" or sensor.white_noise is not None:
+        read = partial(read_angles, sensor)
+        yield Channel(key, sensor, name, ("position",), q, read)
+    if sensor.tachometer is not None:
+        yield Channel(key, sensor, name, (rate,), qd, partial(read_rates, sensor))
+
+
+def _of_base(sensors: SensorsSpec, true: Truth) -> Iterator[Channel]:
+    if (gyro := sensors.gyro) is not None:
+        read = partial(read_inertial, gyro)
+        yield Channel("gyro", gyro, "gyro", "xyz", true.gyro, read)
+    if (felt := sensors.accelerometer) is not None:
+        name, seen, read = "accelerometer", true.accelerometer, read_inertial
+        if felt.increments:
+            name, read = "velocity_increment", read_increments
+            seen = np.hstack([true.attitude, true.velocity])
+        yield Channel("accelerometer", felt, name, "xyz", seen, partial(read, felt))
+    if (attitude := sensors.attitude) is not None:
+        read = partial(read_attitude, attitude)
+        yield Channel("attitude", attitude, "attitude", "xyzw", true.attitude, read)
+    if (position := sensors.position) is not None:
+        read = partial(read_position, position)
+        yield Channel("position", position, "position", "xyz", true.position, read)
 
 
 def _measured(
-    channel: Channel, sensor: Sensor, t: Float[np.ndarray, " rows"], seed: int
+    channel: Channel, t: Float[np.ndarray, " rows"], seed: int
 ) -> Float[np.ndarray, "rows axes"]:
     """A sensor's samples; what is wrong with it is said with its place in the file."""
     random = stream(seed, channel.stream)
     try:
-        return sensor.sample(t, channel.true, random, channel.read)
+        return sensor_columns(channel.sensor, t, channel.true, random, channel.read)
     except InputError as error:
         raise InputError(f"sensors.{channel.key}: {error}") from None

@@ -14,7 +14,7 @@ from jaxtyping import Float
 from scipy.linalg import solve_banded
 
 from orbident.errors import InputError
-from orbident.robot.sensor_suites import Coloured, markov_std
+from orbident.robot.sensor_schema import Coloured
 
 
 def stream(seed: int, name: str) -> np.random.Generator:
@@ -47,52 +47,31 @@ def gaussian(
     return std * random.standard_normal(shape)
 
 
-def random_walk_rate(
-    random: np.random.Generator, shape: tuple[int, int], N: float, dt: float
-) -> Float[np.ndarray, "n axes"]:
-    """White noise of rate samples whose integral is a random walk.
-
-    The integral over `dt` has std `N sqrt(dt)`, so its mean, the sample, has
-    `N / sqrt(dt)`. IEEE 952, C.1.1: `S(f) = N^2`.
-
-    Args:
-        random: the sensor's stream.
-        shape: samples and axes.
-        N: angle random walk, rad/sqrt(s), or velocity random walk, m/s/sqrt(s).
-        dt: from one sample to the next, s.
-
-    Returns:
-        rad/s, or m/s^2.
-    """
-    return gaussian(random, shape, N / np.sqrt(dt))
-
-
 def bias_drift(
     random: np.random.Generator,
     shape: tuple[int, int],
-    B: float,
+    std: float,
     correlation_time: float,
     dt: float,
 ) -> Float[np.ndarray, "n axes"]:
     """How a bias wanders from its value at turn-on: a first-order Gauss-Markov process.
 
     `b_k = exp(-dt/T) b_{k-1} + s sqrt(1 - exp(-2 dt/T)) n_k`, `b_0 = 0` (IEEE 952,
-    C.1.5), with `s` as `orbident.robot.sensor_suites` has it: the Allan deviation peaks
-    at flicker's floor, `0.664 B`, at the averaging time 1.89 T. For shorter times it
-    rises as `sqrt(tau)`.
+    C.1.5). The Allan deviation peaks at `0.617 s`, at the averaging time 1.89 T. For
+    shorter times it rises as `sqrt(tau)`.
 
     Args:
         random: the sensor's stream.
         shape: samples and axes.
-        B: bias instability, rad/s or m/s^2.
+        std: `s`, rad/s or m/s^2.
         correlation_time: T, s; infinite for a bias that stays.
         dt: from one sample to the next, s.
 
     Returns:
-        In the unit of `B`; zero at the first sample.
+        In the unit of `std`; zero at the first sample.
     """
     # expm1: T may be long, and infinite.
-    kick = markov_std(B) * np.sqrt(-np.expm1(-2 * dt / correlation_time))
+    kick = std * np.sqrt(-np.expm1(-2 * dt / correlation_time))
     kicks = gaussian(random, shape, float(kick))
     kicks[:1] = 0.0
     # Late: the import takes half a second.

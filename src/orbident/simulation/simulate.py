@@ -24,9 +24,6 @@ from orbident.simulation.truth import Columns, Truth, truth_of, truth_of_flight
 from orbident.trajectories.environment import Environment
 from orbident.trajectories.trajectory import Trajectory
 
-RATE = 20.0
-"""Hz, where neither the caller nor the robot file says otherwise: the paper's."""
-
 MOST_SAMPLES = 2_000_000
 """A simulated sample of a small robot takes 0.8 kB: so many take 1.6 GB."""
 
@@ -65,7 +62,7 @@ def simulate(
         raise InputError(f"noise {noise!r}: give 'none' or 'sensors'")
     if truth and noise == "none":
         raise InputError("truth: a recording without noise is the truth already")
-    rate = float(robot.sensors.get("rate", RATE) if rate is None else rate)
+    rate = robot.sensors.rows_per_second if rate is None else float(rate)
     if noise == "none":
         motion, known = _moved_along(robot, trajectory, rate, tolerance, seed)
         return motion_recording(robot, motion).with_columns(known)

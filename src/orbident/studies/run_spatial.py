@@ -24,6 +24,7 @@ from orbident.model.paper_bases import PaperBasis, paper_basis, spatial_columns
 from orbident.preprocessing.low_pass import CutOff
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
+from orbident.robot.sensor_schema import SensorsSpec
 from orbident.simulation.free_floating import FreeFloating
 from orbident.simulation.measure import measure
 from orbident.simulation.simulate import float_along, motion_recording
@@ -33,30 +34,20 @@ from orbident.studies.paper_tables import PaperRow
 from orbident.studies.spatial import spatial_robot, spatial_trajectory
 from orbident.trajectories.trajectory import Trajectory
 
-COEFFICIENTS = {
-    "gyro": (),
-    "accelerometer": (),
-    "joints": ("position",),
-    "wheels": ("position",),
-    "attitude": ("angle",),
-    "position": ("std",),
-}
-"""What a sensor's section must give even where it is zero."""
 
-
-def sensors_alone(sensors: Mapping[str, Any], noisy: str) -> dict[str, Any]:
-    """A sensor section with the noise of one sensor only; the others are ideal.
+def sensors_alone(sensors: SensorsSpec, noisy: str) -> SensorsSpec:
+    """Sensors of which only one is noisy; the others are ideal.
 
     Args:
-        sensors: as in `Robot.sensors`.
+        sensors: of a robot.
         noisy: the sensor that keeps its noise.
     """
-    ideal = {
-        sensor: dict.fromkeys(COEFFICIENTS[sensor], 0.0)
-        for sensor in sensors
-        if sensor in COEFFICIENTS
+    others = {
+        name: sensor.ideal()
+        for name, sensor in sensors.declared.items()
+        if name != noisy
     }
-    return {**sensors, **ideal, noisy: sensors[noisy]}
+    return sensors.model_copy(update=others)
 
 
 EXACT = 1e-9
@@ -155,7 +146,7 @@ def run_spatial(
     else:
         recording, result = noisy.run(first_seed)
         bound = cramer_rao(robot, trajectory)
-        sensors = [key for key in robot.sensors if key != "rate" and method == "paper"]
+        sensors = list(robot.sensors.declared) if method == "paper" else []
         all_seeds = range(first_seed, first_seed + seeds)
         errors, *parts = over_seeds(
             [

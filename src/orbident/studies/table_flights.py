@@ -22,6 +22,7 @@ from orbident.estimation.results import result_of
 from orbident.estimation.solve import solve
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
+from orbident.robot.sensor_schema import declared_sensors
 from orbident.robot.units import STANDARD_GRAVITY
 from orbident.simulation.control_laws import OpenLoop
 from orbident.simulation.flight import FreeFlying, standing
@@ -86,7 +87,7 @@ def table_robot() -> Robot:
     """The planar study's robot, with pads below base and elbow, and such sensors."""
     robot = planar_robot()
     pads = {robot.bodies[0]: np.zeros(3), robot.bodies[-1]: np.zeros(3)}
-    return replace(robot, pads=pads, sensors=SENSORS)
+    return replace(robot, pads=pads, sensors=declared_sensors(SENSORS))
 
 
 def table_environment(robot: Robot) -> Environment:
@@ -125,7 +126,7 @@ def fly_table(robot: Robot, trajectory: Trajectory) -> FreeFlying:
         trajectory: `planar_trajectory`, with what acts.
     """
     end = SPIN_UP + trajectory.duration
-    rate = robot.sensors["rate"]
+    rate = robot.sensors.rows_per_second
     t = np.arange(round(end * rate) + 1) / rate
     level = np.array([0.0, 0.0, 0.0, 1.0])
     still = BaseState(np.zeros(3), level, np.zeros(3), np.zeros(1))

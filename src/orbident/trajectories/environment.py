@@ -13,8 +13,7 @@ from orbident.files.schema_parts import (
     WrongValueError,
 )
 from orbident.robot.orbit_schema import OrbitEntry
-from orbident.robot.sensor_schema import Lasting, Time, each_of, measure_of
-from orbident.robot.units import quantity
+from orbident.robot.units import Lasting, Time, each_of, measure_of, quantity
 
 
 def _signed(dimension: str) -> BeforeValidator:

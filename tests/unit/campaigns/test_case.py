@@ -62,8 +62,8 @@ def test_what_flies_is_dispersed_and_what_is_told_is_not(tmp_path: Path):
     mass = np.exp(found.draws["inertia.link1.mass"])
     np.testing.assert_allclose(true.theta[1, 0], mass * declared.theta[1, 0], 1e-14)
     louder = np.exp(found.draws["noise.gyro"])
-    size = "angle_random_walk"
-    assert true.sensors["gyro"][size] == louder * declared.sensors["gyro"][size]
+    sizes = [robot.sensors.of("gyro").white_std() for robot in (true, declared)]
+    assert sizes[0] == louder * sizes[1]
     before, now = found.subject.trajectory.initial, found.trajectory.initial
     by = [found.draws[f"initial.angular_velocity.{k}"] for k in "xyz"]
     np.testing.assert_array_equal(now.angular_velocity, before.angular_velocity + by)

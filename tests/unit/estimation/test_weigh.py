@@ -10,6 +10,7 @@ from orbident.estimation.weigh import weigh
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Thruster
 from orbident.robot.robot_file import load_robot
+from orbident.robot.sensor_schema import declared_sensors
 
 PLANAR = load_robot("cepheus-like")
 SPATIAL = load_robot("paper-spatial")
@@ -129,7 +130,8 @@ def test_positions_may_be_late():
     rows = round(late * 100)
     position = np.full((TABLE_BURN.t.size, 3), np.nan)
     position[rows:] = TABLE_BURN.vector("position")[:-rows]
-    robot = replace(PLANAR, sensors={"position": {"std": 1e-4, "latency": late}})
+    sensors = declared_sensors({"position": {"std": 1e-4, "latency": late}})
+    robot = replace(PLANAR, sensors=sensors)
     seen = changed(only("position", TABLE_BURN), position=position)
     # The spline between samples meets a kink of the velocity's slope, 0.05 m/s^2: off
     # by 1e-2 of 0.05 h^2 for a sample or two, of 0.02 m.

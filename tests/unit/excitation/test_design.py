@@ -17,6 +17,7 @@ from orbident.excitation.floating import was_at_rest
 from orbident.excitation.search import Descent
 from orbident.robot.parameters import inertia_about_com
 from orbident.robot.physical_inertia import nonphysical
+from orbident.robot.sensor_schema import SensorsSpec
 from orbident.studies.exciting import paper_case
 from orbident.trajectories.trajectory import InitialState
 
@@ -138,7 +139,7 @@ def test_the_usual_objective(emulator, case):
     """`d` where sensors are declared; a basis is named for its condition number."""
     usual = conditions_for(emulator, 20.0)
     assert usual_objective(emulator, usual) == "d"
-    assert usual_objective(replace(emulator, sensors={}), usual) == "cond"
+    assert usual_objective(replace(emulator, sensors=SensorsSpec()), usual) == "cond"
     assert usual_objective(emulator, case.conditions) == "cond"
 
 

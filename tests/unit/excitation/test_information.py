@@ -12,6 +12,7 @@ from orbident.model.inertia import inertia
 from orbident.model.minimal_sets import minimal_sets
 from orbident.model.rotations import quaternion_matrix
 from orbident.model.wheel_arrays import wheels_of
+from orbident.robot.sensor_schema import SensorsSpec
 from orbident.simulation.free_floating import BaseState, free_floating
 
 NODES = 81
@@ -90,6 +91,6 @@ def test_the_gyro_and_the_accelerometer(servicer, table_2, motion):
 
 
 def test_without_sensors_the_information_is_refused(servicer):
-    bare = replace(servicer, sensors={})
+    bare = replace(servicer, sensors=SensorsSpec())
     with pytest.raises(InputError, match="sensors: found no noise"):
         sensing_of(bare, minimal_sets(servicer))

@@ -28,6 +28,7 @@ from random_robots import random_parents, random_robot, random_wheels
 
 from orbident.errors import InputError
 from orbident.identified.flight_export import SOURCES, check_empty
+from orbident.robot.sensor_schema import declared_sensors
 
 pytestmark = needs_compilers
 
@@ -171,7 +172,7 @@ def test_20_random_robots(built: Path, tmp_path: Path):
             random_wheels(seed, ["held" for _ in range(seed % 4)]),
             base=5.0,
         )
-        robot = replace(robot, sensors=sensors)
+        robot = replace(robot, sensors=declared_sensors(sensors))
         folder = exported_of(robot, tmp_path / f"{seed}", 20.0, 20.0, seed)
         steps, changes = agreed(folder, built)
         print(f"{joints} joints, slide: {slide}, {seed % 4} wheels: {steps}, {changes}")

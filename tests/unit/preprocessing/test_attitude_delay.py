@@ -6,7 +6,7 @@ from scipy.spatial.transform import Rotation
 
 from orbident.preprocessing.attitude_delay import attitude_delay
 from orbident.robot.robot_file import load_robot
-from orbident.simulation.noise_processes import random_walk_rate
+from orbident.simulation.noise_processes import gaussian
 from orbident.simulation.simulate import simulate
 
 ROBOT = load_robot("paper-spatial")
@@ -40,7 +40,7 @@ def test_with_noise_it_is_as_sure_as_it_says():
     errors = []
     for seed in range(20):
         random = np.random.default_rng(100 + seed)
-        w = W + BIAS + random_walk_rate(random, W.shape, 3e-6, 0.02)
+        w = W + BIAS + gaussian(random, W.shape, 3e-6 / np.sqrt(0.02))
         found = attitude_delay(T, w, late_fixes(0.037, 1e-4, 5, seed))
         assert found is not None
         assert found.believed

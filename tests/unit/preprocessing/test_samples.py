@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from orbident.errors import InputError
-from orbident.preprocessing.histories import DERIVED, MEASURED
+from orbident.preprocessing.origins import Origin, origin_in_words
 from orbident.preprocessing.samples import samples_of
 from orbident.recordings.recording import Recording
 from orbident.robot.robot_file import load_robot
@@ -47,14 +47,16 @@ def test_columns_come_in_the_order_of_the_robot_and_without_a_copy():
     batch = taken.batch(0, T.size)
     np.testing.assert_array_equal(batch.q, np.stack([T**2, 1 + T**3], axis=1))
     np.testing.assert_array_equal(batch.v_S[:, 1], 5 * T)
-    assert set(taken.origins.values()) == {MEASURED}
+    assert set(taken.origins.values()) == {Origin.MEASURED}
 
 
 def test_only_the_rates_that_are_missing_are_derived():
     taken = samples(joint__joint2__velocity=None)
     np.testing.assert_allclose(taken.qd[1], 3 * T**2, atol=1e-12)  # a cubic: exact
     np.testing.assert_array_equal(taken.qd[0], 2 * T)
-    assert taken.origins["joint_rates"] == f"{DERIVED}; {MEASURED}"
+    assert origin_in_words(taken.origins["joint_rates"]) == (
+        "derived: smoothed positions; measured"
+    )
 
 
 def test_wheel_speed_and_velocity_follow_from_positions():
@@ -68,7 +70,8 @@ def test_wheel_speed_and_velocity_follow_from_positions():
     )
     np.testing.assert_allclose(taken.qd_rw[0], -170, rtol=1e-12)
     np.testing.assert_allclose(taken.v_S[0], 2 * T, atol=1e-12)
-    assert taken.origins["wheel_speeds"] == taken.origins["velocity"] == DERIVED
+    for name in ("wheel_speeds", "velocity"):
+        assert taken.origins[name] is Origin.SMOOTHED_POSITIONS
 
 
 def test_without_velocity_nothing_moves_but_momentum_stays():

@@ -8,7 +8,7 @@ from orbident.preprocessing.point_velocity import (
     velocity_from_accelerometer,
     velocity_from_increments,
 )
-from orbident.simulation.inertial import velocity_increments
+from orbident.simulation.sensor import velocity_increments
 
 T = np.linspace(0.0, 20.0, 401)
 RATE = np.array([0.02, -0.05, 0.1])

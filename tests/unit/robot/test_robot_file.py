@@ -36,7 +36,7 @@ def test_only_the_urdf_is_required(load_yaml):
     found = load_yaml()
     assert found.name == "test"
     assert found.motion == "spatial"
-    assert (found.wheels, found.thrusters, found.sensors) == ((), (), {})
+    assert (found.wheels, found.thrusters, found.sensors.declared) == ((), (), {})
     assert found.urdf == ARM
     assert found.document == {"schema": "orbident/robot/1", "urdf": "arm.urdf"}
 
@@ -59,12 +59,10 @@ def test_a_full_robot_file(load_yaml):
     assert found.joints[0].velocity == 0.7
     assert found.joints[1].position is None
     assert found.structure["link1"].com_on_axis == "z"
-    assert found.sensors["rate"] == 20.0
-    assert found.sensors["attitude"]["angle"] == pytest.approx(np.pi)
-    assert found.sensors["gyro"] == {
-        "angle_random_walk": pytest.approx(np.pi / 180),
-        "bias_instability": 0.0,
-    }
+    assert found.sensors.rate == 20.0
+    assert found.sensors.of("attitude").white_std() == pytest.approx(np.pi)
+    assert found.sensors.of("gyro").white_std() == pytest.approx(np.pi / 180)
+    assert found.sensors.of("gyro").bias_walk == 0.0
     # Base CM at 0.1 m along x of the base link; S at [0.5, 0, 0.1].
     np.testing.assert_allclose(found.theta[0, :4], [100, -40, 0, -10])
 

@@ -3,14 +3,12 @@ import math
 import pytest
 
 from orbident.errors import InputError
-from orbident.robot.sensor_suites import SUITES
-from orbident.simulation.measure import sensor_models
+from orbident.robot.sensor_schema import EncoderSpec, declared_sensors
 
 
 def test_every_key_of_a_sensor_may_stand_in_the_file(load_yaml):
-    found = sensor_models(
-        load_yaml(
-            """
+    found = load_yaml(
+        """
 sensors:
   rate: 0.1 kHz
   gyro:
@@ -26,8 +24,7 @@ sensors:
   joints: {position: 1 mrad, resolution: 2 mrad}
   position: {std: 1 mm, latency: 5 ms, drop_out: 0.1}
 """
-        ).sensors
-    )
+    ).sensors
     gyro, accelerometer = found.gyro, found.accelerometer
     assert gyro is not None
     assert accelerometer is not None
@@ -59,23 +56,23 @@ sensors:
     random_walk: 3 um/sqrt(s)
 """
     ).sensors
-    assert found["attitude"]["random_walk"] == (2e-6, 2e-6, 2e-6)
-    assert found["position"]["markov_std"] == pytest.approx((19e-6, 11e-6, 0.0))
-    assert found["position"]["correlation_time"] == pytest.approx((2.0, 0.1, 1.0))
-    position = sensor_models(found).position
-    assert position is not None
-    assert position.coloured.random_walk == pytest.approx(3e-6)
+    assert found.of("attitude").coloured.random_walk == pytest.approx(2e-6)
+    lasting = found.of("position").coloured
+    assert lasting.markov_std == pytest.approx((19e-6, 11e-6, 0.0))
+    assert lasting.correlation_time == pytest.approx((2.0, 0.1, 1.0))
+    assert lasting.random_walk == pytest.approx(3e-6)
 
 
 def test_suites_are_there_unless_the_file_says_otherwise(load_yaml):
     found = load_yaml(
         "sensors: {suites: [paper, phasespace-like], joints: {position: 1 mrad}}"
     ).sensors
-    assert found == {
-        **SUITES["paper"],
-        **SUITES["phasespace-like"],
-        "joints": {"position": 1e-3},
-    }
+    ready = [
+        declared_sensors({"suites": [name]}).declared
+        for name in ("paper", "phasespace-like")
+    ]
+    own = {"joints": EncoderSpec(position=1e-3)}
+    assert found.declared == ready[0] | ready[1] | own
 
 
 @pytest.mark.parametrize(

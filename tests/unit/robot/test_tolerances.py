@@ -4,7 +4,9 @@ import pytest
 from urdf_texts import ARM
 
 from orbident.errors import InputError
-from orbident.robot.description import Tolerances
+from orbident.estimation.output_error.calibration import calibrations_of
+from orbident.robot.robot_file import load_robot
+from orbident.robot.tolerances import CALIBRATION_KINDS, Tolerances
 
 SLIDING = ARM.replace('type="continuous"', 'type="prismatic"').replace(
     'type="revolute"', 'type="prismatic"'
@@ -88,3 +90,18 @@ def test_what_is_no_tolerance_is_refused_in_one_line(load_yaml, section, message
     with pytest.raises(InputError, match=message) as error:
         load_yaml(f"tolerances: {{{section}}}")
     assert "\n" not in str(error.value)
+
+
+def test_the_kinds_are_those_of_the_unknowns_in_their_order():
+    robot = load_robot("paper-spatial")
+    owners = {"joint": robot.joint_names, "wheel": robot.wheel_names}
+    names = [
+        name
+        for kind in CALIBRATION_KINDS.values()
+        for of in owners.get(kind.name.partition(".{}")[0], ("",))
+        for name in kind.names(of)
+    ]
+    unknowns = calibrations_of(robot, {"gyro", "attitude", "position"})
+    assert unknowns
+    for each in unknowns:
+        assert names[each.place] == each.name

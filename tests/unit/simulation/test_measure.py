@@ -7,6 +7,7 @@ from random_motions import random_motion
 from orbident.errors import InputError
 from orbident.model.rotations import quaternion_matrix
 from orbident.robot.robot_file import load_robot
+from orbident.robot.sensor_schema import declared_sensors
 from orbident.simulation.free_floating import BaseState, free_floating
 from orbident.simulation.measure import measure
 from orbident.simulation.simulate import sample_times, simulate
@@ -49,7 +50,7 @@ MOTION = motion_of(ROBOT)
 
 
 def with_sensors(sensors, robot=ROBOT):
-    return replace(robot, sensors=sensors)
+    return replace(robot, sensors=declared_sensors(sensors))
 
 
 def measured(sensors, seed=0, **options):

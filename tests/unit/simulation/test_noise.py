@@ -2,17 +2,18 @@ import numpy as np
 import pytest
 from allan import allan_deviation
 
-from orbident.robot.sensor_suites import FLICKER_FLOOR, MARKOV_PEAK
+from orbident.robot.sensor_schema import FLICKER_FLOOR, MARKOV_PEAK, GyroSpec
 from orbident.simulation.noise_processes import (
     MARKOV_PEAK_AT,
     bias_drift,
     gaussian,
     quantised,
-    random_walk_rate,
 )
 
 N = 3e-6
 B = 1.5e-6
+STD = GyroSpec(bias_instability=B).drift_std
+GYRO = GyroSpec(angle_random_walk=N)
 SHAPE = (100_000, 8)
 
 
@@ -22,7 +23,7 @@ def random(seed=0):
 
 @pytest.mark.parametrize("rate", [20.0, 100.0, 2000.0])
 def test_white_noise_of_rate_samples_grows_with_the_rate(rate):
-    noise = random_walk_rate(random(), SHAPE, N, 1 / rate)
+    noise = gaussian(random(), SHAPE, GYRO.white_std(1 / rate))
     # 8e5 samples: their std is known to 0.08 %; five times that.
     assert noise.std() == pytest.approx(N * np.sqrt(rate), rel=4e-3)
     assert abs(noise.mean()) < 5 * N * np.sqrt(rate) / np.sqrt(noise.size)
@@ -30,7 +31,7 @@ def test_white_noise_of_rate_samples_grows_with_the_rate(rate):
 
 def test_white_noise_integrates_to_a_random_walk():
     dt, seconds = 0.05, 50.0
-    noise = random_walk_rate(random(), (1000, 4000), N, dt)
+    noise = gaussian(random(), (1000, 4000), GYRO.white_std(dt))
     walk = dt * noise.sum(axis=0)
     # 4000 walks: 1.1 % of their std.
     assert walk.std() == pytest.approx(N * np.sqrt(seconds), rel=0.05)
@@ -38,7 +39,7 @@ def test_white_noise_integrates_to_a_random_walk():
 
 def test_allan_deviation_of_white_noise_is_the_coefficient_over_root_tau():
     dt, means = 0.01, [1, 4, 16, 64, 256]
-    noise = random_walk_rate(random(1), SHAPE, N, dt)
+    noise = gaussian(random(1), SHAPE, GYRO.white_std(dt))
     expected = N / np.sqrt(dt * np.array(means))
     # The longest mean has 390 independent ones an axis, 3100 in all: 1.3 %, three
     # times that; the shorter ones are better known.
@@ -47,7 +48,7 @@ def test_allan_deviation_of_white_noise_is_the_coefficient_over_root_tau():
 
 def test_spectrum_of_white_noise_is_flat_at_the_coefficient_squared():
     dt = 0.01
-    noise = random_walk_rate(random(2), (2**16, 8), N, dt)
+    noise = gaussian(random(2), (2**16, 8), GYRO.white_std(dt))
     spectrum = dt / len(noise) * np.abs(np.fft.rfft(noise, axis=0)) ** 2
     # By octave from 0.1 Hz: 500 or more exponential variates each, 4.5 % at most.
     f = np.fft.rfftfreq(len(noise), dt)
@@ -74,11 +75,11 @@ def test_peak_constants_are_those_of_the_closed_form():
 
 def test_allan_deviation_of_the_drift_peaks_at_the_floor_of_flicker():
     dt, T = 1.0, 20.0
-    drift = bias_drift(random(3), (200_000, 8), B, T, dt)
+    drift = bias_drift(random(3), (200_000, 8), STD, T, dt)
     means = [10, 20, 38, 76, 200]
     found = allan_deviation(drift, dt, means)
     x = dt * np.array(means) / T
-    expected = FLICKER_FLOOR / MARKOV_PEAK * B * markov_allan_deviation(x)
+    expected = STD * markov_allan_deviation(x)
     # 1000 independent means of the longest kind an axis: 0.8 %, four times that; the
     # closed form is of the continuous process, half a percent off at ten samples.
     np.testing.assert_allclose(found, expected, rtol=0.035)
@@ -100,11 +101,10 @@ def test_flicker_floor_is_that_of_flicker_noise():
 
 
 def test_drift_starts_at_zero_and_settles_at_its_stationary_std():
-    drift = bias_drift(random(5), (200, 20_000), B, 10.0, 1.0)
+    drift = bias_drift(random(5), (200, 20_000), STD, 10.0, 1.0)
     assert not drift[0].any()
-    std = FLICKER_FLOOR / MARKOV_PEAK * B
     for k in (1, 5, 10, 30, 199):
-        expected = std * np.sqrt(1 - np.exp(-2 * k / 10.0))
+        expected = STD * np.sqrt(1 - np.exp(-2 * k / 10.0))
         # 20 000 processes: 0.5 %.
         assert drift[k].std() == pytest.approx(expected, rel=0.02)
 

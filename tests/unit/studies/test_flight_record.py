@@ -6,6 +6,7 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
 from orbident.robot.robot_file import load_robot
+from orbident.robot.sensor_schema import declared_sensors
 from orbident.simulation.control_laws import Hold, JointPD, WheelSpeed
 from orbident.simulation.flight import FlyingState, FreeFlying, standing
 from orbident.simulation.free_floating import BaseState
@@ -85,7 +86,9 @@ def test_exact_sensors_see_what_ideal_ones_do(flight: FreeFlying):
         "accelerometer": {},
     }
     ideal = ideal_record(ROBOT, flight)
-    exact = measured_record(replace(ROBOT, sensors=sensors), flight, seed=1)
+    exact = measured_record(
+        replace(ROBOT, sensors=declared_sensors(sensors)), flight, seed=1
+    )
     for name, values in exact.columns.items():
         # Quaternions are normalised once more.
         np.testing.assert_allclose(values, ideal.column(name), atol=1e-15)

@@ -8,7 +8,6 @@ their filter (`lasting_noise.hpp`), so that intervals stay coupled by boundaries
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -18,11 +17,11 @@ from scipy.spatial.transform import Rotation
 from orbident import _core
 from orbident.estimation.tachometers import rate_noise
 from orbident.files.bounds import TOGETHER
-from orbident.gaussian import white_std
+from orbident.gaussian import noisiest_std
 from orbident.model.minimal_sets import conserved_axes
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
-from orbident.robot.sensor_suites import WHITE, Coloured, bias_walk, coloured_noise
+from orbident.robot.sensor_schema import WHITE, Coloured
 
 COMPONENTS = {
     "gyro": "xyz",
@@ -37,9 +36,6 @@ INCREMENTS = tuple(f"velocity_increment.{k}" for k in "xyz")
 
 CLOCKS = {"velocity": "position"}
 """Sensors that share another's clock."""
-
-INERTIAL = {"gyro": "angle_random_walk", "accelerometer": "velocity_random_walk"}
-POINTS = {"attitude": "angle", "position": "std"}
 
 LEAST = 3e-8
 """Least noise of a sensor, over its signal's size or in rad. Splines and integration
@@ -87,13 +83,13 @@ def sensors_of(
         for sensor, components in COMPONENTS.items()
         if recording.has(*(f"{sensor}.{k}" for k in components))
     }
-    joints = robot.joint_names
+    joints, encoders = robot.joint_names, robot.sensors.joints
     exact = any(recording.has(f"joint.{name}.velocity") for name in joints) and not (
-        robot.sensors.get("joints", {}).get("tachometer")
+        encoders and encoders.tachometer
     )
     if joints and not exact:
-        encoders = [recording.column(f"joint.{name}.position") for name in joints]
-        tables["joints"] = np.column_stack(encoders)
+        angles = [recording.column(f"joint.{name}.position") for name in joints]
+        tables["joints"] = np.column_stack(angles)
     times, samples = {}, {}
     for name in list(tables):
         table = tables.pop(name)
@@ -156,30 +152,15 @@ def _sensed(
     if not np.array_equal(rows, np.arange(t.size)):
         values = np.full((t.size, samples.shape[1]), np.nan)
         values[rows] = samples
-    section = robot.sensors.get(name) or {}
-    std, drift = _declared(name, section, at)
-    declared = bool(std > 0)
+    sensor = robot.sensors.of(name)
+    std = sensor.white_std(float(np.median(np.diff(at))) if at.size > 1 else 1.0)
+    declared = std > 0
     if not declared:
-        std = fourth_difference_std(samples)
+        std = noisiest_std(samples)
     size = 1.0 if name == "attitude" else float(np.sqrt(np.mean(samples**2)))
     least = max(LEAST * size, between(at, samples), 1e-15)
-    coloured = coloured_noise(section) if name in POINTS else WHITE
-    return Sensed(values, max(std, least), least, declared, drift, coloured)
-
-
-def _declared(
-    name: str, section: Mapping[str, Any], at: Float[np.ndarray, " samples"]
-) -> tuple[float, float]:
-    """Std of a sample and random walk of the bias; zero where not declared."""
-    if name in INERTIAL:
-        dt = float(np.median(np.diff(at))) if at.size > 1 else 1.0
-        return section.get(INERTIAL[name], 0.0) / dt**0.5, bias_walk(section)
-    if name in POINTS:
-        return section.get(POINTS[name], 0.0), 0.0
-    if name == "joints":
-        count = section.get("resolution", 0.0) / np.sqrt(12)
-        return float(np.hypot(section.get("position", 0.0), count)), 0.0
-    return 0.0, 0.0
+    std = max(std, least)
+    return Sensed(values, std, least, declared, sensor.bias_walk, sensor.coloured)
 
 
 def between(
@@ -205,13 +186,6 @@ def some_of(
     if rows.size and rows[-1] - rows[0] + 1 == rows.size:
         return np.ascontiguousarray(x[rows[0] : rows[-1] + 1])
     return x[rows]
-
-
-def fourth_difference_std(samples: Float[np.ndarray, "samples axes"]) -> float:
-    """Std of the white noise of the noisiest axis: in the plane some show nothing."""
-    if len(samples) < 5:
-        return 0.0
-    return float(white_std(samples).max())
 
 
 TRACKERS = ("attitude", "position")

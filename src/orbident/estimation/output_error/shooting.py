@@ -12,17 +12,18 @@ from orbident.estimation.output_error.sensors import (
     Sensors,
     between,
     first_lasting,
-    fourth_difference_std,
     some_of,
 )
 from orbident.estimation.tachometers import momentum_noise
+from orbident.gaussian import noisiest_std
 from orbident.model.inertia import inertia_at
 from orbident.model.minimal_sets import conserved_axes
 from orbident.model.wheel_arrays import wheels_of
-from orbident.preprocessing.histories import MEASURED, Columns
+from orbident.preprocessing.histories import Columns
+from orbident.preprocessing.origins import Origin
 from orbident.preprocessing.samples import Samples
 from orbident.robot.description import Robot
-from orbident.robot.sensor_suites import UNKNOWN_BIAS
+from orbident.robot.sensor_schema import AccelerometerSpec, GyroSpec
 
 SHORT, LONG = 4, 128
 """Rows of an interval."""
@@ -46,7 +47,7 @@ SLIGHT = 1e-11
 FIXED = 1e-9
 """rad: without an attitude sensor, inertial axes are those of the first attitude."""
 
-BIAS = np.repeat([UNKNOWN_BIAS["gyro"], UNKNOWN_BIAS["accelerometer"]], 3)
+BIAS = np.repeat([GyroSpec.UNKNOWN_BIAS, AccelerometerSpec.UNKNOWN_BIAS], 3)
 """Std of biases beforehand, rad/s and m/s^2."""
 
 ENCODERS = 1e-2
@@ -221,12 +222,12 @@ def _turn_walk(robot: Robot, samples: Samples) -> float:
     rates = rates[np.isfinite(rates).all(axis=1)]
     dt = float(np.median(np.diff(rates[:, 0])))
     least = max(CONTINUOUS, between(rates[:, 0], rates[:, 1:]) * np.sqrt(dt))
-    if samples.origins["wheel_speeds"] != MEASURED or not robot.wheels:
+    if samples.origins["wheel_speeds"] is not Origin.MEASURED or not robot.wheels:
         return least
     h_rw = _wheels_momentum(robot, samples)
     known = np.isfinite(h_rw).all(axis=1)
     h_std = float(np.linalg.norm(momentum_noise(robot), 2))
-    h_std = h_std or fourth_difference_std(h_rw[known])
+    h_std = h_std or noisiest_std(h_rw[known])
     rate = h_std / float(_principal_inertias(robot)[0])
     return max(rate * np.sqrt(dt), least)
 

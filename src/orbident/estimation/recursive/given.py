@@ -3,8 +3,8 @@
 What the sensors' noise is, sample by sample.
 """
 
-from collections.abc import Callable, Iterator, Mapping
-from typing import Any, NamedTuple
+from collections.abc import Callable, Iterator
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
@@ -17,13 +17,18 @@ from orbident.estimation.stretches import rate_scatter, smoothed_rate
 from orbident.estimation.tachometers import rate_noise
 from orbident.model.minimal_sets import minimal_sets
 from orbident.model.wheel_arrays import wheels_of
-from orbident.preprocessing.base_motion import INTEGRATED, SMOOTHED
-from orbident.preprocessing.histories import DERIVED, MEASURED
-from orbident.preprocessing.point_velocity import SMOOTHED as DIFFERENTIATED
+from orbident.preprocessing.origins import ENCODED, Origin
 from orbident.preprocessing.samples import Samples
 from orbident.preprocessing.smoothing import Settings
 from orbident.robot.description import Robot
-from orbident.robot.sensor_suites import bias_std, bias_walk, coloured_noise
+from orbident.robot.sensor_schema import (
+    AccelerometerSpec,
+    AttitudeSpec,
+    EncoderSpec,
+    GyroSpec,
+    PositionSpec,
+    TrackerSpec,
+)
 from orbident.threads import ahead
 
 MEMORY = 1.0
@@ -86,43 +91,43 @@ def noise_of(robot: Robot, samples: Samples, seen: float = 0.0) -> Noise:
         InputError: the base rate is that of a smoothed attitude of unknown noise.
     """
     dt = float(np.median(np.diff(samples.t)))
-    gyro, force, attitude, position, joints = (
-        robot.sensors.get(key) or {}
-        for key in ("gyro", "accelerometer", "attitude", "position", "joints")
-    )
-    angle, std = attitude.get("angle", 0.0), position.get("std", 0.0)
-    turns = coloured_noise(attitude).random_walk.max()
-    walk = force.get("velocity_random_walk", 0.0) if samples.biased else 0.0
-    measured = samples.origins["base_rate"] != SMOOTHED
-    integrated = samples.origins["attitude"] == INTEGRATED
-    derived = DERIVED in samples.origins["joint_rates"]
-    if not measured and not angle:
+    gyro = robot.sensors.gyro or GyroSpec()
+    force = robot.sensors.accelerometer or AccelerometerSpec()
+    attitude = robot.sensors.attitude or AttitudeSpec(angle=0.0)
+    position = robot.sensors.position or PositionSpec(std=0.0)
+    joints = robot.sensors.joints or EncoderSpec(position=0.0)
+    turns = attitude.coloured.random_walk.max()
+    walk = force.white_noise if samples.biased else 0.0
+    measured = samples.origins["base_rate"] is not Origin.SMOOTHED_ATTITUDE
+    integrated = samples.origins["attitude"] is Origin.INTEGRATED_GYRO
+    derived = samples.origins["joint_rates"] & ENCODED
+    if not measured and not attitude.white_noise:
         raise InputError(
             f"{robot.name}: sensors: found no noise of the attitude, and the recording "
             "has no gyro; give attitude.angle in the robot file"
         )
     if measured:
-        rate = gyro.get("angle_random_walk", 0.0) / np.sqrt(dt) or seen
-        if samples.origins["wheel_speeds"] == MEASURED and robot.wheels:
+        rate = gyro.white_std(dt) or seen
+        if samples.origins["wheel_speeds"] is Origin.MEASURED and robot.wheels:
             rate = np.hypot(rate, rate_noise(robot))
     else:
-        rate = COLOURED * _changing(attitude, angle) / MEMORY
-    smoothed = samples.origins["velocity"] == DIFFERENTIATED and std
+        rate = COLOURED * _changing(attitude) / MEMORY
+    smoothed = samples.origins["velocity"] is Origin.SMOOTHED_POSITIONS
     velocity = FINE * walk * np.sqrt(dt)
-    if smoothed:
-        velocity = COLOURED * _changing(position, std) / MEMORY
+    if smoothed and position.white_noise:
+        velocity = COLOURED * _changing(position) / MEMORY
     seen_to_walk = turns * _spin(robot, samples) if turns else 0.0
     return Noise(
         gyro=max(float(rate), LEAST),
         velocity=float(velocity or _left_over(robot, samples)),
-        gyro_bias=max(bias_std("gyro", gyro), LEAST) if measured else LEAST,
-        gyro_walk=bias_walk(gyro) if measured else 0.0,
+        gyro_bias=max(gyro.turn_on_std, LEAST) if measured else LEAST,
+        gyro_walk=gyro.bias_walk if measured else 0.0,
         integrated=float(integrated),
         attitude=0.0 if integrated or not measured else _as_white(attitude, dt),
         velocity_walk=float(np.hypot(walk, robot.momentum_walk.force / robot.mass)),
-        accelerometer_bias=max(bias_std("accelerometer", force), LEAST),
-        accelerometer_walk=bias_walk(force),
-        joint_rates=joints.get("position", 0.0) / MEMORY if derived else 0.0,
+        accelerometer_bias=max(force.turn_on_std, LEAST),
+        accelerometer_walk=force.bias_walk,
+        joint_rates=(joints.white_noise or 0.0) / MEMORY if derived else 0.0,
         momentum_walk=float(np.hypot(robot.momentum_walk.torque, seen_to_walk)),
         accelerometer=samples.biased,
         declared=bool(velocity),
@@ -141,10 +146,10 @@ def declared_noise(robot: Robot, dt: float, velocity: float | None) -> Noise:
     Raises:
         InputError: the gyro's noise is not declared.
     """
-    gyro, attitude, joints = (
-        robot.sensors.get(key) or {} for key in ("gyro", "attitude", "joints")
-    )
-    white = gyro.get("angle_random_walk", 0.0) / np.sqrt(dt)
+    gyro = robot.sensors.gyro or GyroSpec()
+    attitude = robot.sensors.attitude or AttitudeSpec(angle=0.0)
+    joints = robot.sensors.joints or EncoderSpec(position=0.0)
+    white = gyro.white_std(dt)
     if not white:
         raise InputError(
             f"{robot.name}: sensors: found no noise of the gyro; give "
@@ -154,30 +159,30 @@ def declared_noise(robot: Robot, dt: float, velocity: float | None) -> Noise:
     return Noise(
         gyro=float(np.hypot(white, rate_noise(robot))) if robot.wheels else white,
         velocity=max(velocity or 0.0, LEAST),
-        gyro_bias=max(bias_std("gyro", gyro), LEAST),
-        gyro_walk=bias_walk(gyro),
+        gyro_bias=max(gyro.turn_on_std, LEAST),
+        gyro_walk=gyro.bias_walk,
         attitude=_as_white(attitude, dt),
-        joint_rates=joints.get("tachometer") or joints.get("position", 0.0) / MEMORY,
+        joint_rates=joints.tachometer or (joints.white_noise or 0.0) / MEMORY,
     )
 
 
-def _changing(section: Mapping[str, Any], white: float) -> float:
+def _changing(sensor: TrackerSpec) -> float:
     """How much the noise of a pose changes within `MEMORY`, rad or m."""
-    lasting = coloured_noise(section)
+    lasting = sensor.coloured
     markov = lasting.markov_std**2 * -np.expm1(-MEMORY / lasting.correlation_time)
     walk = lasting.random_walk**2 * MEMORY
-    return float(np.sqrt(white**2 + (2 * markov + walk).max()))
+    return float(np.sqrt(sensor.white_noise**2 + (2 * markov + walk).max()))
 
 
-def _as_white(attitude: Mapping[str, Any], dt: float) -> float:
+def _as_white(attitude: AttitudeSpec, dt: float) -> float:
     """White noise that tells as little as that of an attitude, rad.
 
     The spectral density of a first-order Gauss-Markov process is at most
     `2 markov_std^2 correlation_time`; that of white noise is its variance times `dt`.
     """
-    lasting = coloured_noise(attitude)
+    lasting = attitude.coloured
     markov = 2 * lasting.markov_std**2 * lasting.correlation_time / dt
-    return float(np.sqrt(attitude.get("angle", 0.0) ** 2 + markov.max()))
+    return float(np.sqrt(attitude.white_noise**2 + markov.max()))
 
 
 def _spin(robot: Robot, samples: Samples) -> float:
@@ -287,6 +292,6 @@ def trusted(samples: Samples) -> tuple[float, float]:
         samples: of the whole recording, or of a digest of it.
     """
     start, end = float(samples.t[0]), float(samples.t[-1])
-    derived = DERIVED in samples.origins["joint_rates"]
+    derived = samples.origins["joint_rates"] & ENCODED
     margin = ENDS if derived and end - start > 4 * ENDS else 0.0
     return start + margin, end - margin

@@ -26,8 +26,10 @@ from orbident.estimation.output_error.solver import solved
 from orbident.estimation.solution import OUTSIDE, Solution
 from orbident.model.minimal_sets import minimal_sets
 from orbident.recordings.recording import Recording
-from orbident.robot.description import Robot, Tolerances
+from orbident.robot.description import Robot
 from orbident.robot.robot_file import load_robot
+from orbident.robot.sensor_schema import declared_sensors
+from orbident.robot.tolerances import Tolerances
 
 Z = np.array([0.0, 0.0, 1.0])
 XY = np.array([1.0, 1.0, 0.0])
@@ -129,7 +131,7 @@ def knowing_its_noise(robot: Robot) -> Robot:
         "attitude": {"angle": NOISE["attitude"]},
         "position": {"std": NOISE["position"]},
     }
-    return replace(robot, sensors=sensors)
+    return replace(robot, sensors=declared_sensors(sensors))
 
 
 @pytest.fixture(scope="module")

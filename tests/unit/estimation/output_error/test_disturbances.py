@@ -30,6 +30,7 @@ from orbident.estimation.unknowns import DisturbanceFit
 from orbident.model.minimal_sets import minimal_sets
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot, Thruster
+from orbident.robot.sensor_schema import declared_sensors
 from orbident.simulation.control_laws import JointPD
 from orbident.simulation.flight import standing
 from orbident.simulation.free_floating import BaseState
@@ -46,7 +47,7 @@ def with_sensors(robot: Robot) -> Robot:
         "attitude": {"angle": NOISE["attitude"]},
         "position": {"std": NOISE["position"]},
     }
-    return replace(robot, sensors=sensors)
+    return replace(robot, sensors=declared_sensors(sensors))
 
 
 def identified(recording: Recording) -> dict[str, DisturbanceFit]:

@@ -17,6 +17,7 @@ from orbident.errors import InputError
 from orbident.orbits.elements import Elements
 from orbident.orbits.orbit import Orbit
 from orbident.preprocessing.samples import samples_of
+from orbident.robot.sensor_schema import AttitudeSpec
 from orbident.simulation.measure import measure_truth
 from orbident.simulation.simulate import Made, made_along
 from orbident.studies import paper_tables
@@ -120,7 +121,8 @@ def without(seen: oi.Recording, *names: str) -> oi.Recording:
 def test_the_tide_is_known_by_the_orbit_in_the_robot_file():
     """Without a date nobody knows sun and field, and the servicer needs a tracker."""
     robot = in_orbit()
-    robot = replace(robot, sensors={**robot.sensors, "attitude": {"angle": 1e-4}})
+    tracker = {"attitude": AttitudeSpec(angle=1e-4)}
+    robot = replace(robot, sensors=robot.sensors.model_copy(update=tracker))
     flown = made("tide")
     seen = measure_truth(robot, flown.t, flown.true, 0)
     assert set(around(robot, seen)) == {"nadir", "flow"}

@@ -19,6 +19,7 @@ from orbident import _core
 from orbident.estimation.output_error.problem import NO_ROWS, SENSORS, linear
 from orbident.estimation.output_error.sensors import TRACKERS, at_level, innovated
 from orbident.estimation.output_error.solver import _damped
+from orbident.robot.sensor_schema import declared_sensors
 
 WHITE = {"position": {"std": 1e-3}, "attitude": {"angle": 1e-3}}
 LASTS = {
@@ -38,7 +39,7 @@ def both():
     robot = small_robot()
     shown = noisy(small_recording(robot, 5.0), 0)
     return [
-        small_problem(replace(robot, sensors=declared), shown)
+        small_problem(replace(robot, sensors=declared_sensors(declared)), shown)
         for declared in (WHITE, LASTS)
     ]
 

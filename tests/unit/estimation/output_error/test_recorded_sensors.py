@@ -6,17 +6,19 @@ import numpy as np
 import pytest
 
 import orbident as oi
-from orbident.estimation.output_error.sensors import fourth_difference_std, sensors_of
+from orbident.estimation.output_error.sensors import sensors_of
+from orbident.gaussian import noisiest_std
 from orbident.preprocessing.delays import delays
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
+from orbident.robot.sensor_schema import SensorsSpec, declared_sensors
 
 T = np.arange(200) * 0.05
 
 
 @pytest.fixture(scope="module")
 def robot() -> Robot:
-    return replace(oi.load_robot("paper-spatial"), sensors={})
+    return replace(oi.load_robot("paper-spatial"), sensors=SensorsSpec())
 
 
 def recording(random: np.random.Generator, noise: float = 0.0) -> Recording:
@@ -32,7 +34,7 @@ def recording(random: np.random.Generator, noise: float = 0.0) -> Recording:
 
 
 def read(robot: Robot, recording: Recording, sensors=None):
-    robot = replace(robot, sensors=sensors or {})
+    robot = replace(robot, sensors=declared_sensors(sensors or {}))
     return sensors_of(robot, recording, delays(robot, recording, {}))
 
 
@@ -82,7 +84,7 @@ def test_a_sensor_without_samples_is_not_there(robot):
 
 def test_latencies_move_the_samples(robot):
     """Each at the time at which it saw the world, on the gyro's clock."""
-    late = {"gyro": {"latency": 0.02}, "attitude": {"latency": 0.03}}
+    late = {"gyro": {"latency": 0.02}, "attitude": {"angle": 0.0, "latency": 0.03}}
     plain = recording(np.random.default_rng(0))
     found = read(robot, plain, late)
     gyro, attitude = (found.by_name[name].values for name in ("gyro", "attitude"))
@@ -96,7 +98,9 @@ def test_latencies_move_the_samples(robot):
 def test_a_latency_of_whole_rows_meets_the_other_rows(robot):
     """Rows that differ by rounding alone are one row."""
     found = read(
-        robot, recording(np.random.default_rng(0)), {"joints": {"latency": 0.15}}
+        robot,
+        recording(np.random.default_rng(0)),
+        {"joints": {"position": 0.0, "latency": 0.15}},
     )
     assert found.t.size == T.size + 3
     assert np.diff(found.t).min() > 0.049
@@ -135,8 +139,8 @@ def test_scatter_sees_noise_and_no_motion():
     random = np.random.default_rng(0)
     noise = 0.01 * random.standard_normal((20000, 2))
     t = np.arange(20000)[:, None] * 0.05
-    assert fourth_difference_std(noise) == pytest.approx(0.01, rel=0.03)
-    assert fourth_difference_std(noise + np.sin(t)) == pytest.approx(0.01, rel=0.03)
+    assert noisiest_std(noise) == pytest.approx(0.01, rel=0.03)
+    assert noisiest_std(noise + np.sin(t)) == pytest.approx(0.01, rel=0.03)
     # The fourth difference of sin(t): 0.05^4 / sqrt(70).
-    assert fourth_difference_std(np.sin(t)) < 1e-6
-    assert fourth_difference_std(noise[:4]) == 0.0
+    assert noisiest_std(np.sin(t)) < 1e-6
+    assert noisiest_std(noise[:4]) == 0.0

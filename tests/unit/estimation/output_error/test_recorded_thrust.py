@@ -11,6 +11,7 @@ from orbident.estimation.identify import identify
 from orbident.model.minimal_sets import minimal_sets
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot, Thruster
+from orbident.robot.sensor_schema import declared_sensors
 from orbident.simulation.control_laws import JointPD
 from orbident.simulation.flight import FreeFlying, standing
 from orbident.simulation.free_floating import BaseState
@@ -56,13 +57,14 @@ def robot() -> Robot:
         Thruster("right", -0.4 * y, np.array([0.8, 0.6, 0.0]), 0.1),
     )
     sensors = {
+        "rate": RATE,
         "gyro": {"angle_random_walk": 2e-6},
         "joints": {"position": 2e-5},
         "attitude": {"angle": 2e-4},
         "position": {"std": 2e-4},
     }
     made = random_robot(11, (0, 1), base=10.0)
-    return replace(made, thrusters=sides, sensors={"rate": RATE, **sensors})
+    return replace(made, thrusters=sides, sensors=declared_sensors(sensors))
 
 
 @pytest.fixture(scope="module")

@@ -16,6 +16,7 @@ from orbident.orbits.elements import Elements
 from orbident.orbits.orbit import Orbit
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot, Torquer
+from orbident.robot.sensor_schema import declared_sensors
 from orbident.simulation.measure import measure_truth
 from orbident.simulation.simulate import Made, made_along
 from orbident.trajectories.environment import Environment
@@ -36,6 +37,7 @@ def robot() -> Robot:
     """No wheel; one torquer is calibrated, the other to a tenth."""
     x, _, z = np.eye(3)
     sensors = {
+        "rate": RATE,
         "gyro": {"angle_random_walk": 2e-6},
         "joints": {"position": 2e-5},
         "attitude": {"angle": 1e-4},
@@ -45,7 +47,7 @@ def robot() -> Robot:
         random_robot(11, (0, 1), base=10.0),
         torquers=(Torquer("mx", x, 0.0), Torquer("mz", z, 0.1)),
         orbit=Orbit(Elements(6778137.0, 0.9)),
-        sensors={"rate": RATE, **sensors},
+        sensors=declared_sensors(sensors),
     )
 
 

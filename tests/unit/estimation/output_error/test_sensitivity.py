@@ -22,7 +22,8 @@ from orbident.estimation.unknowns import score
 from orbident.model.derivatives import derivatives_of_beta
 from orbident.model.minimal_sets import minimal_sets
 from orbident.recordings.recording import Recording
-from orbident.robot.description import Robot, Tolerances
+from orbident.robot.description import Robot
+from orbident.robot.tolerances import Tolerances
 
 NOISE = 1e-3
 """Standard deviation of all sensors, SI."""

@@ -20,6 +20,7 @@ from orbident.estimation.output_error.problem import NO_ROWS, SENSORS, Problem, 
 from orbident.estimation.output_error.solver import _damped, equations_at, solved
 from orbident.estimation.solution import SMALL, Unknowns
 from orbident.recordings.recording import Recording
+from orbident.robot.sensor_schema import declared_sensors
 
 
 @pytest.fixture(scope="module")
@@ -153,7 +154,7 @@ def test_the_cost_is_that_of_the_last_state(recording, joints, steps):
     """Less than before; encoders with noise are sensors too."""
     robot = small_robot()
     if joints:
-        robot = replace(robot, sensors={**robot.sensors, "joints": joints})
+        robot = replace(robot, sensors=declared_sensors({"joints": joints}))
     small = small_problem(robot, noisy(recording, 1), off=0.5)
     problem, prior, state, _ = small
 

@@ -298,7 +298,7 @@ def test_noise_is_what_the_robot_file_says(robot: Robot, sets: MinimalSets):
     motion = random_motion(robot, duration=10.0)
     samples = samples_of(robot, simulate(robot, motion, noise="sensors"))
     noise = noise_of(robot, samples)
-    N = robot.sensors["gyro"]["angle_random_walk"]
+    N = robot.sensors.of("gyro").white_std()
     assert noise.gyro == pytest.approx(N * np.sqrt(20.0))
     assert noise.integrated == 1.0
     assert noise.accelerometer

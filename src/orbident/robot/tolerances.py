@@ -1,0 +1,88 @@
+"""What may be off about instruments and about where joints are: each kind once.
+
+Their equations stand in `calibration.hpp`. An error is named after what it is of:
+`joint.elbow.zero`, `wheel.rw1.inertia`, `gyro.scale.x`, `joints.clock`.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
+from typing import Any, NamedTuple
+
+
+class CalibrationKind(NamedTuple):
+    """One kind of error."""
+
+    name: str
+    """Of its errors, with `{}` in the place of a joint or a wheel."""
+    entry: str
+    """Of its tolerance in a robot file: section and key."""
+    dimension: str
+    """Of the error, as `units` has it."""
+    by_axis: bool = False
+    """Whether there is one for each of x, y and z."""
+
+    def names(self, of: str = "") -> tuple[str, ...]:
+        """Names of the errors: of one joint or wheel where they have one each."""
+        name = self.name.format(of)
+        return tuple(f"{name}.{axis}" for axis in "xyz") if self.by_axis else (name,)
+
+
+def _of_each_joint(*kind: Any) -> Any:
+    return field(default_factory=dict, metadata={"kind": CalibrationKind(*kind)})
+
+
+def _of_all(*kind: Any) -> Any:
+    return field(default=0.0, metadata={"kind": CalibrationKind(*kind)})
+
+
+@dataclass(frozen=True)
+class Tolerances:
+    """Standard deviations of calibration errors; zero where there are none.
+
+    They are in the order of the core's `calibration.hpp`.
+    """
+
+    joint_zero: Mapping[str, float] = _of_each_joint(
+        "joint.{}.zero", "joints.zero", "angle or length"
+    )
+    """Angle or position where the encoder shows zero, by joint, rad or m."""
+    joint_scale: Mapping[str, float] = _of_each_joint(
+        "joint.{}.scale", "joints.scale", "share"
+    )
+    """Scale of the encoder by joint, relative."""
+    wheel_inertia: float = _of_all("wheel.{}.inertia", "wheels.inertia", "share")
+    """Polar moment of inertia of each wheel, relative."""
+    feature_point: float = _of_all("feature_point", "feature_point", "length", True)
+    """Distance of the tracked point from `S`, along each base axis, m."""
+    attitude_misalignment: float = _of_all(
+        "attitude.misalignment", "attitude.misalignment", "angle", True
+    )
+    """Turn of the attitude sensor's axes from the base's, about each axis, rad."""
+    gyro_misalignment: float = _of_all(
+        "gyro.misalignment", "gyro.misalignment", "angle", True
+    )
+    """Turn of the gyro's axes from the base's, about each axis, rad."""
+    gyro_scale: float = _of_all("gyro.scale", "gyro.scale", "share", True)
+    """Scale of each axis of the gyro, relative."""
+    position_scale: float = _of_all("position.scale", "position.scale", "share")
+    """Scale of the position, relative."""
+    joint_clock: float = _of_all("joints.clock", "clocks.joints", "time")
+    """How much joints and wheels are shown late, s."""
+    attitude_clock: float = _of_all("attitude.clock", "clocks.attitude", "time")
+    """How much the attitude is shown late, s."""
+    position_clock: float = _of_all("position.clock", "clocks.position", "time")
+    """How much the position is shown late, s."""
+    joint_place: Mapping[str, float] = _of_each_joint(
+        "joint.{}.place", "joints.place", "length", True
+    )
+    """Place of a joint along each of its parent's axes, by joint, m."""
+    joint_direction: Mapping[str, float] = _of_each_joint(
+        "joint.{}.direction", "joints.direction", "angle", True
+    )
+    """Direction of a joint's axis about each of its parent's axes, by joint, rad."""
+
+
+CALIBRATION_KINDS: dict[str, CalibrationKind] = {
+    each.name: each.metadata["kind"] for each in fields(Tolerances)
+}
+"""The kinds of errors by the names of their tolerances."""
