@@ -8,10 +8,10 @@ One result of several recordings: what is each one's own begins with its name.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import fields, replace
+from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
@@ -22,8 +22,7 @@ from orbident.estimation.found import exact_std
 from orbident.estimation.levels import limit
 from orbident.estimation.output_error.estimator import OutputError
 from orbident.estimation.output_error.sharing import together
-from orbident.estimation.quantities import Identified
-from orbident.estimation.result import Result
+from orbident.estimation.result import OWN, Residual, Result
 from orbident.estimation.shared import Shared
 from orbident.estimation.signals import Signals
 from orbident.files.names import listed
@@ -140,9 +139,6 @@ def _said(solved: Solved) -> Shared:
     return solved.estimate.shared()
 
 
-T = TypeVar("T")
-
-
 def as_one(
     results: Sequence[Result], labels: Sequence[str], agreement: Check
 ) -> Result:
@@ -155,30 +151,23 @@ def as_one(
     """
     last = results[-1]
     refused = next((one for one in results if one.status == "rejected"), last)
-
-    def every(name: str) -> dict[str, Any]:
-        return _every(labels, [getattr(one, name) for one in results])
-
+    own = {
+        name: _every(labels, [getattr(one, name) for one in results]) for name in OWN
+    }
     one = replace(
         last,
+        **own,
         checks=(agreement, *_checks(results, labels)),
         notes=_notes(results, labels),
         residual=_residual(results, labels),
-        biases=every("biases"),
-        disturbances=every("disturbances"),
-        clocks=every("clocks"),
-        rejected=every("rejected"),
-        origins=every("origins"),
         samples=sum(one.samples for one in results),
         solved=refused.solved,
         signals=lambda: _signals(results, labels),
     )
-    if one.status == "ok" or last.status == "rejected":
-        return one
-    whole = Identified(
-        **{each.name: getattr(last, each.name) for each in fields(Identified)}
-    )
-    return replace(one, **vars(whole.nothing()), diagnostics=whole)
+    return one if one.status == last.status else one.withheld()
+
+
+T = TypeVar("T")
 
 
 def _every(labels: Sequence[str], parts: Sequence[Mapping[str, T]]) -> dict[str, T]:
@@ -214,17 +203,18 @@ def _notes(results: Sequence[Result], labels: Sequence[str]) -> tuple[str, ...]:
     return (*(note for note in results[-1].notes if note in common), *own)
 
 
-def _residual(results: Sequence[Result], labels: Sequence[str]) -> dict[str, Any]:
+def _residual(results: Sequence[Result], labels: Sequence[str]) -> Residual:
     """The residuals of every sensor, and chi-square as if all were one recording."""
     parts = [one.residual for one in results]
+    ratios = [part.get("chi2_per_dof") for part in parts]
     known = [
-        (part["chi2_per_dof"], one.samples)
-        for part, one in zip(parts, results, strict=True)
-        if part["chi2_per_dof"] is not None
+        (r, one.samples)
+        for r, one in zip(ratios, results, strict=True)
+        if r is not None
     ]
     chi2, samples = (sum(c * n for c, n in known), sum(n for _, n in known))
     return {
-        "rms": _every(labels, [part["rms"] for part in parts]),
+        "rms": _every(labels, [part.get("rms", {}) for part in parts]),
         "chi2_per_dof": chi2 / samples if samples else None,
         "sensors": _every(labels, [part.get("sensors", {}) for part in parts]),
     }

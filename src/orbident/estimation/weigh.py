@@ -20,8 +20,9 @@ from jaxtyping import Float, Int
 from scipy.spatial.transform import Rotation
 
 from orbident.errors import InputError
-from orbident.estimation.quantities import Quantity, nulled
+from orbident.estimation.quantities import Quantity
 from orbident.estimation.triangular import Layout, LinearFit, fold, solve_factor
+from orbident.files.json_parts import nulled
 from orbident.model.minimal_sets import conserved_axes
 from orbident.preprocessing.base_motion import base_motion, same_sign
 from orbident.preprocessing.delays import delays

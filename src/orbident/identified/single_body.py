@@ -12,7 +12,8 @@ from jaxtyping import Float, Inexact, Int
 from scipy.special import chdtrc
 
 from orbident.estimation.criteria import VAGUE
-from orbident.estimation.quantities import Parameters, Quantity, nulled
+from orbident.estimation.quantities import Parameters, Quantity
+from orbident.files.json_parts import nulled
 from orbident.gaussian import NINETY_FIVE
 from orbident.identified.difference import Difference, determined_combinations
 from orbident.robot.description import Robot, Structure

@@ -16,8 +16,8 @@ from scipy.special import chdtrc
 
 from orbident.estimation.found import exact_std
 from orbident.estimation.identify import identify
-from orbident.estimation.quantities import nulled
 from orbident.estimation.result import Result
+from orbident.files.json_parts import nulled
 from orbident.gaussian import NINETY_FIVE
 from orbident.identified.prediction import predict, prediction_deviations
 from orbident.model.minimal_sets import conserved_axes, minimal_sets
