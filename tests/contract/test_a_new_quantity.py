@@ -5,7 +5,7 @@ All that `result.json` holds comes back as it was.
 
 from dataclasses import dataclass, fields, is_dataclass, replace
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
 import pytest
@@ -32,7 +32,7 @@ class LongerResult(Result):
     """A result with four more quantities."""
 
     flexibility: Quantity
-    hysteresis: Annotated[Delay, Keyed()]
+    hysteresis: Keyed[Delay]
     modes: NullableTable
     damped: bool
 

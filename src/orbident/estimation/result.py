@@ -35,6 +35,7 @@ from orbident.files.json_parts import (
     Keyed,
     NullableNumber,
     NumberOrNone,
+    Unwritten,
     as_computed,
 )
 from orbident.files.schema_parts import WrongValueError
@@ -149,19 +150,15 @@ class Result(Identified):
     """The steps of the search; none for a method that solves its equations once."""
     biases: Mapping[str, Bias]
     """Biases of sensors, with their standard deviations; SI."""
-    calibration: Mapping[str, Annotated[CalibrationFit, Keyed()]] = field(
-        default_factory=dict
-    )
+    calibration: Mapping[str, Keyed[CalibrationFit]] = field(default_factory=dict)
     """The errors of instruments that have a tolerance."""
-    disturbances: Mapping[str, Annotated[DisturbanceFit, Keyed()]] = field(
-        default_factory=dict
-    )
+    disturbances: Mapping[str, Keyed[DisturbanceFit]] = field(default_factory=dict)
     """What acted from outside, where the recording shows that something did."""
-    sensitivity: Annotated[Callable[[], SensitivityTable | None], Computed()] = field(
+    sensitivity: Computed[SensitivityTable | None] = field(
         default=lambda: None, compare=False, repr=False
     )
     """What errors of the other instruments would shift; None where it is not known."""
-    clocks: Mapping[str, Annotated[Delay, Keyed()]]
+    clocks: Mapping[str, Keyed[Delay]]
     """How far each sensor's clock is behind that of the base rate."""
     rejected: Mapping[str, Mapping[str, Count]]
     """How many samples were left out, by column and reason."""
@@ -177,17 +174,11 @@ class Result(Identified):
     versions: dict[str, str]
 
     # What follows is not in `result.json`.
-    solved: Annotated[InstanceOf[Solved] | None, Field(exclude=True)] = field(
-        default=None, compare=False, repr=False
-    )
+    solved: Unwritten[Solved] = field(default=None, compare=False, repr=False)
     """What a refused result was judged by, in which its cause is looked for."""
-    fits: Annotated[InstanceOf[Fits] | None, Field(exclude=True)] = field(
-        default=None, compare=False, repr=False
-    )
+    fits: Unwritten[Fits] = field(default=None, compare=False, repr=False)
     """The linear fits."""
-    history: Annotated[InstanceOf[History] | None, Field(exclude=True)] = field(
-        default=None, compare=False, repr=False
-    )
+    history: Unwritten[History] = field(default=None, compare=False, repr=False)
     """How a recursive estimate came about; in a RUN it is `history.csv`."""
     signals: Annotated[Callable[[], Signals], Field(exclude=True)] = field(
         default=tuple, compare=False, repr=False

@@ -4,7 +4,7 @@ How a search converged: its cost, and its steps, which become small.
 """
 
 from collections.abc import Mapping
-from typing import Annotated, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
@@ -31,7 +31,7 @@ class Step(NamedTuple):
     showed, so costs of different rounds cannot be compared."""
 
 
-Convergence = tuple[Annotated[Step, Keyed()], ...]
+Convergence = tuple[Keyed[Step], ...]
 """All steps of a search, in order; none for a method that solves its equations once."""
 
 

@@ -19,7 +19,13 @@ from typing import (
 
 import numpy as np
 from jaxtyping import Float
-from pydantic import BeforeValidator, Field, GetCoreSchemaHandler, PlainSerializer
+from pydantic import (
+    BeforeValidator,
+    Field,
+    GetCoreSchemaHandler,
+    InstanceOf,
+    PlainSerializer,
+)
 from pydantic_core import CoreSchema, core_schema
 from typing_extensions import TypedDict
 
@@ -146,7 +152,7 @@ Symmetric = Annotated[Float[np.ndarray, "size size"], Listed(_ROWS, _symmetric, 
 """A file has its rows as far as the diagonal."""
 
 
-class Keyed:
+class _Keyed:
     """A named tuple that a file holds as keys and values."""
 
     def __get_pydantic_core_schema__(
@@ -169,7 +175,7 @@ class Keyed:
         )
 
 
-class Computed:
+class _Computed:
     """A function without arguments, of which a file holds what it gives."""
 
     def __get_pydantic_core_schema__(
@@ -184,6 +190,16 @@ class Computed:
                 lambda function: function(), return_schema=given
             ),
         )
+
+
+Keyed = Annotated[T, _Keyed()]
+"""`Keyed[X]` is a named tuple `X` that a file holds as keys and values."""
+
+Computed = Annotated[Callable[[], T], _Computed()]
+"""`Computed[X]` is a function without arguments, of which a file holds the `X`."""
+
+Unwritten = Annotated[InstanceOf[T] | None, Field(exclude=True)]
+"""`Unwritten[X]` is an `X`, or None, that no file holds."""
 
 
 def as_computed(value: T) -> Callable[[], T]:

@@ -8,16 +8,17 @@ the noise of every sensor, filtered or raw, are accounted for in both.
 """
 
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import Annotated, Literal
 
 import numpy as np
 from jaxtyping import Float
+from pydantic import Field
 from scipy.special import chdtrc
 
 from orbident.estimation.found import exact_std
 from orbident.estimation.identify import identify
 from orbident.estimation.result import Result
-from orbident.files.json_parts import nulled
+from orbident.files.json_parts import JsonPart, NullableNumber
 from orbident.gaussian import NINETY_FIVE
 from orbident.identified.prediction import predict, prediction_deviations
 from orbident.model.minimal_sets import conserved_axes, minimal_sets
@@ -37,34 +38,34 @@ ROUNDING = 1e-12
 
 
 @dataclass(frozen=True, repr=False)
-class Validation:
+class Validation(JsonPart):
     """How well a result predicts a recording, by signal.
 
     Errors are NaN where the recording has nothing to compare with.
     """
 
-    nrmse: dict[str, float]
+    nrmse: dict[str, NullableNumber]
     """RMS of the error over the RMS of the measured signal about its mean."""
-    rms: dict[str, float]
+    rms: dict[str, NullableNumber]
     """RMS of the error: gyro in rad/s, velocity in m/s."""
     samples: int
     """Number of samples that were predicted."""
-    std: dict[str, float]
+    std: Annotated[dict[str, NullableNumber], Field(alias="predicted_std")]
     """RMS of the predicted signals' deviations, as the parameters have theirs."""
-    inside: dict[str, float]
+    inside: Annotated[dict[str, NullableNumber], Field(alias="inside_95")]
     """Fraction of samples within 1.96 of these: 0.95 where the parameters alone are
     off, and less with noisy sensors, whose noise is not in it."""
-    noise: dict[str, float]
+    noise: dict[str, NullableNumber]
     """RMS of the error that parameters fitted to this very recording leave: the
     sensors' share."""
     verdict: Verdict
     """Whether deviations and sensors explain the errors."""
     reason: str
-    chi2: float = np.nan
+    chi2: NullableNumber = np.nan
     """Squared difference from the recording's own parameters, over its covariance."""
-    dof: int = 0
+    dof: Annotated[int, Field(alias="degrees_of_freedom")] = 0
     """How many parameters are compared: what `chi2` is on average."""
-    p_value: float = np.nan
+    p_value: NullableNumber = np.nan
     """Probability of a larger `chi2` where the result is right."""
 
     def summary(self) -> list[str]:
@@ -97,22 +98,6 @@ class Validation:
         verdict = f"{self.samples} samples: {self.verdict}"
         reason = f": {self.reason}" if self.reason else ""
         return "\n".join([verdict + reason, *self.summary()])
-
-    def to_json(self) -> dict[str, Any]:
-        """As `validate --json` gives it."""
-        return {
-            "nrmse": {name: nulled(value) for name, value in self.nrmse.items()},
-            "rms": {name: nulled(value) for name, value in self.rms.items()},
-            "samples": self.samples,
-            "predicted_std": {name: nulled(value) for name, value in self.std.items()},
-            "inside_95": {name: nulled(value) for name, value in self.inside.items()},
-            "noise": {name: nulled(value) for name, value in self.noise.items()},
-            "verdict": self.verdict,
-            "reason": self.reason,
-            "chi2": nulled(self.chi2),
-            "degrees_of_freedom": self.dof,
-            "p_value": nulled(self.p_value),
-        }
 
 
 def validate(result: Result, recording: Recording) -> Validation:
