@@ -13,10 +13,10 @@ from typing import Annotated, Literal
 import numpy as np
 from jaxtyping import Float
 from pydantic import Field
-from scipy.special import chdtrc
 
 from orbident.estimation.found import exact_std
 from orbident.estimation.identify import identify
+from orbident.estimation.levels import chi_square
 from orbident.estimation.result import Result
 from orbident.files.json_parts import JsonPart, NullableNumber
 from orbident.gaussian import NINETY_FIVE
@@ -26,15 +26,9 @@ from orbident.recordings.recording import Recording
 
 Verdict = Literal["explained", "not explained", "not judged"]
 
-CHANCE = 0.005
-"""Probability that a right result is called wrong."""
-
 MISSED = 0.1
 """Share of the squared signal: even where a recording tells too little to judge by, a
 larger squared error is no noise."""
-
-ROUNDING = 1e-12
-"""Directions of the combined covariance with less of the largest are rounding."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -140,32 +134,27 @@ def _compared(result: Result, own: Result, scores: Validation) -> Validation:
     exact = exact_std(result.robot, sets)[both]
     C = (result.base_covariance + own.base_covariance)[np.ix_(both, both)]
     d = (own.base.values - result.base.values)[both]
-    # Parameters have units: unit variances while decomposing.
-    std = np.sqrt(np.diag(C) + exact**2)
-    values, vectors = np.linalg.eigh((C + np.diag(exact**2)) / np.outer(std, std))
-    known = values > ROUNDING * values.max(initial=0.0)
-    z = vectors.T[known] @ (d / std) / np.sqrt(values[known])
-    chi2, dof = float(z @ z), int(known.sum())
-    p = float(chdtrc(dof, chi2))
-    if p >= CHANCE:
+    C += np.diag(exact**2)
+    apart = chi_square(d, C)
+    if not apart.is_no_chance("validation"):
         reason = (
             "the parameters differ from those that this recording alone would give by "
             "no more than the standard deviations of both allow"
         )
         verdict = "explained"
     else:
-        worst = int(np.argmax(np.abs(d / std)))
+        sigmas = np.abs(d) / np.sqrt(np.diag(C))
+        worst = int(np.argmax(sigmas))
         name = np.array(result.base.names)[both][worst]
         reason = (
             "the parameters differ from those that this recording alone would give by "
-            f"more than chance: {name} by {abs(d[worst] / std[worst]):.2g} combined "
+            f"more than chance: {name} by {sigmas[worst]:.2g} combined "
             "standard deviations; the robot may have changed, or one of the two "
             "recordings or its deviations are wrong"
         )
         verdict = "not explained"
-    return replace(
-        scores, verdict=verdict, reason=reason, chi2=chi2, dof=dof, p_value=p
-    )
+    found = {"chi2": apart.value, "dof": apart.dof, "p_value": apart.p}
+    return replace(scores, verdict=verdict, reason=reason, **found)
 
 
 def scored(result: Result, recording: Recording) -> Validation:
