@@ -116,6 +116,13 @@ class BaseSet(EstimatedSet):
     covariance: NullableSquare
     """NaN where one is not determined."""
 
+    def __post_init__(self) -> None:
+        """Refuse a covariance of other parameters."""
+        size = len(self.names)
+        if self.covariance.shape != (size, size):
+            raise InputError(f"the covariance is not {size} by {size}")
+        super().__post_init__()
+
 
 @dataclass(frozen=True, repr=False)
 class MassRoutes(Parameters):

@@ -123,12 +123,6 @@ def _table(rows: Rows) -> Float[np.ndarray, "rows columns"]:
     return np.array(rows).reshape(len(rows), columns)
 
 
-def _square(rows: Rows) -> Float[np.ndarray, "n n"]:
-    if any(len(row) != len(rows) for row in rows):
-        raise WrongValueError(f"each of {len(rows)} rows has as many numbers")
-    return _table(rows)
-
-
 def _symmetric(lower: Rows) -> Float[np.ndarray, "n n"]:
     if any(len(row) != k + 1 for k, row in enumerate(lower)):
         raise WrongValueError("rows that end at the diagonal are expected")
@@ -147,7 +141,7 @@ _ROWS = list[list[NullableNumber]]
 NullableVector = Annotated[Float[np.ndarray, " n"], Listed(list[NullableNumber])]
 NullableStds = Annotated[Float[np.ndarray, " n"], Listed(list[NullableStd])]
 NullableTable = Annotated[Float[np.ndarray, "rows columns"], Listed(_ROWS, _table)]
-NullableSquare = Annotated[Float[np.ndarray, "n n"], Listed(_ROWS, _square)]
+NullableSquare = Annotated[Float[np.ndarray, "n n"], Listed(_ROWS, _table)]
 Symmetric = Annotated[Float[np.ndarray, "size size"], Listed(_ROWS, _symmetric, _lower)]
 """A file has its rows as far as the diagonal."""
 

@@ -87,15 +87,15 @@ REFUSED = {
     "other joints": (({}, "motion", "joints"), "these are not the robot's"),
     "a row less": (
         (WRITTEN["base"]["covariance"][1:], "base", "covariance"),
-        "base.covariance: found [[",
+        "base: the covariance is not 8 by 8",
     ),
     "a short row": (
         ([1.0], "base", "covariance", 0),
-        "each of 8 rows has as many numbers",
+        "rows of one length are expected",
     ),
     "a smaller square": (
         ([[1.0]], "base", "covariance"),
-        "names, formulas, values, std, nominal, covariance are not of one length",
+        "base: the covariance is not 8 by 8",
     ),
     "half a covariance": (
         ([[1.0], [1.0]], "covariance"),
