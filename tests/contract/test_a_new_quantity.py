@@ -14,7 +14,7 @@ from made_results import exact_result
 from orbident.errors import InputError
 from orbident.estimation.checks import Check
 from orbident.estimation.quantities import MassRoutes, Quantity, TotalMass
-from orbident.estimation.result import Bias, Result
+from orbident.estimation.result import Result
 from orbident.estimation.sensitivity_table import SensitivityTable
 from orbident.estimation.solution import Step
 from orbident.estimation.unknowns import CalibrationFit, DisturbanceFit
@@ -89,7 +89,7 @@ def full(robot: Robot) -> Result:
     routes = MassRoutes(("M by x", "M by y"), ("x", ""), two, two, two, 3)
     moved = {"position": [-1.0, 2.5], "rate": 0.5}
     fit = {"rms": 1e-3, "noise": 1e-3, "declared": None, "whiteness": 0.1}
-    file = {"file": "a.csv", "sha256": "0", "from": 1.5, "to": None, "seed": 3}
+    file = {"file": "a.csv", "sha256": "0", "from": 1.5, "to": 20.0, "seed": 3}
     return replace(
         made,
         mass=TotalMass(1110.0, nan, routes),
@@ -108,7 +108,7 @@ def full(robot: Robot) -> Result:
             "sensors": {"gyro": {**fit, "samples": 1001}},
         },
         convergence=(Step(1e9, nan), Step(1e3, 0.5, 2)),
-        biases={"gyro.x": Bias(value=1e-4, std=1e-6)},
+        biases={"gyro.x": {"value": 1e-4, "std": 1e-6}},
         calibration={"gyro.scale.x": CalibrationFit(0.1, 0.2, 0.3)},
         disturbances={"drag": DisturbanceFit("drag", "N", 1e-3, 1e-4, 2.0)},
         sensitivity=as_computed(

@@ -1,7 +1,7 @@
 """Numbers with standard deviations: one, a named set, or all that is identified."""
 
 from collections.abc import Iterator, Sized
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from itertools import islice
 from typing import Any, TypeVar
 
@@ -165,6 +165,11 @@ def without_values(found: P) -> P:
     """The same names, without values."""
     nothing = np.full_like(found.values, np.nan)
     return replace(found, values=nothing, std=nothing)
+
+
+def part_of(whole: Any, kind: type) -> dict[str, Any]:
+    """The fields that an object has from one of its base classes."""
+    return {each.name: getattr(whole, each.name) for each in fields(kind)}
 
 
 @dataclass(frozen=True, kw_only=True)

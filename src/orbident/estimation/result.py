@@ -1,7 +1,7 @@
 """What identification found: the object that all later stages are given."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from operator import attrgetter
 from typing import Annotated, Any, Literal
 
@@ -17,21 +17,19 @@ from typing_extensions import TypedDict
 
 from orbident.errors import InputError
 from orbident.estimation.checks import Check, Level, worst
-from orbident.estimation.estimate import Solved
+from orbident.estimation.estimate import BesideParameters, Solved
 from orbident.estimation.extent import Motion
 from orbident.estimation.linear_fits import Fits, InitialMomentum
 from orbident.estimation.parameter_table import short_table
 from orbident.estimation.provided import provided
-from orbident.estimation.quantities import Identified
-from orbident.estimation.recursion import History
+from orbident.estimation.quantities import Identified, part_of
 from orbident.estimation.sensitivity_table import SensitivityTable
 from orbident.estimation.signals import Signals, sensor_of
-from orbident.estimation.solution import Convergence
-from orbident.estimation.unknowns import CalibrationFit, DisturbanceFit
 from orbident.files.json_parts import (
     Computed,
     Count,
     FiniteNumber,
+    InFile,
     Keyed,
     NullableNumber,
     NumberOrNone,
@@ -48,7 +46,8 @@ SCHEMA = "orbident/result/2"
 
 FIRST = (
     *("schema", "robot", "method", "initial_momentum", "status", "level", "checks"),
-    *("notes", "warnings"),
+    *("notes", "warnings", "mass", "pi", "phi", "base", "covariance", "diagnostics"),
+    *("condition_number", "residual"),
 )
 """What a reader of `result.json` looks for stands first in it."""
 
@@ -96,20 +95,13 @@ class Residual(TypedDict, total=False):
     sensors: dict[Equation, SensorResidual]
 
 
-class Bias(TypedDict):
-    """A bias of a sensor, and its standard deviation; SI."""
-
-    value: NumberOrNone
-    std: NumberOrNone
-
-
 RecordingFile = TypedDict(
     "RecordingFile",
     {
         "file": str,
         "sha256": str,
-        "from": NumberOrNone,
-        "to": NumberOrNone,
+        "from": FiniteNumber,
+        "to": FiniteNumber,
         "seed": int | None,
     },
     total=False,
@@ -124,7 +116,7 @@ class Source(RecordingFile, total=False):
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
-class Result(Identified):
+class Result(BesideParameters, Identified):
     """Everything identified from a recording, or from several as one.
 
     Of several, the names of what is a recording's own begin with its name: `second
@@ -146,14 +138,6 @@ class Result(Identified):
     """What was estimated where the result is refused: for a look, not for use."""
     condition_number: dict[str, NullableNumber]
     residual: Residual
-    convergence: Convergence = ()
-    """The steps of the search; none for a method that solves its equations once."""
-    biases: Mapping[str, Bias]
-    """Biases of sensors, with their standard deviations; SI."""
-    calibration: Mapping[str, Keyed[CalibrationFit]] = field(default_factory=dict)
-    """The errors of instruments that have a tolerance."""
-    disturbances: Mapping[str, Keyed[DisturbanceFit]] = field(default_factory=dict)
-    """What acted from outside, where the recording shows that something did."""
     sensitivity: Computed[SensitivityTable | None] = field(
         default=lambda: None, compare=False, repr=False
     )
@@ -167,7 +151,9 @@ class Result(Identified):
     samples: Count
     motion: Motion | None = field(default=None, repr=False)
     """How far and how fast all moved that was recorded."""
-    input: Source = field(default_factory=Source)
+    input: Annotated[Mapping[str, Any], InFile(Source, dict, dict)] = field(
+        default_factory=dict
+    )
     """The recording's `file` and its `sha256`, and the `seed` of a simulated one; of
     several these of each, as `recordings`."""
     elapsed_s: FiniteNumber
@@ -178,8 +164,6 @@ class Result(Identified):
     """What a refused result was judged by, in which its cause is looked for."""
     fits: Unwritten[Fits] = field(default=None, compare=False, repr=False)
     """The linear fits."""
-    history: Unwritten[History] = field(default=None, compare=False, repr=False)
-    """How a recursive estimate came about; in a RUN it is `history.csv`."""
     signals: Annotated[Callable[[], Signals], Field(exclude=True)] = field(
         default=tuple, compare=False, repr=False
     )
@@ -274,9 +258,7 @@ class Result(Identified):
 
     def withheld(self) -> "Result":
         """The result without numbers: from then on they are its diagnostics."""
-        whole = Identified(
-            **{k.name: getattr(self, k.name) for k in fields(Identified)}
-        )
+        whole = Identified(**part_of(self, Identified))
         return replace(self, **vars(whole.nothing()), diagnostics=whole)
 
     def check_accepted(self) -> None:

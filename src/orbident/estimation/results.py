@@ -10,7 +10,7 @@ from jaxtyping import Bool, Float
 
 from orbident.estimation.clocks import clocks_in_words
 from orbident.estimation.criteria import Judgement
-from orbident.estimation.estimate import Estimate
+from orbident.estimation.estimate import BesideParameters, Estimate
 from orbident.estimation.extent import Extent, motion_of
 from orbident.estimation.found import Known
 from orbident.estimation.linear_fits import Fits
@@ -27,8 +27,9 @@ from orbident.estimation.quantities import (
     MassRoutes,
     Quantity,
     TotalMass,
+    part_of,
 )
-from orbident.estimation.result import Bias, Residual, Result, SensorResidual
+from orbident.estimation.result import Residual, Result, SensorResidual
 from orbident.estimation.sensitivity_table import SensitivityTable
 from orbident.estimation.signals import Signals
 from orbident.estimation.triangular import condition_numbers
@@ -69,12 +70,7 @@ def result_of(
         **vars(identified),
         condition_number=_condition(problem.fits),
         residual=_residual(estimate),
-        biases={
-            name: Bias(value=bias["value"], std=bias["std"])
-            for name, bias in estimate.biases.items()
-        },
-        calibration=estimate.calibration,
-        disturbances=estimate.disturbances,
+        **part_of(estimate, BesideParameters),
         sensitivity=partial(_sensitivity, estimate, identified),
         clocks=problem.clocks,
         rejected=problem.rejected,
@@ -83,8 +79,6 @@ def result_of(
         elapsed_s=elapsed_s,
         versions=_versions(),
         fits=problem.fits,
-        convergence=estimate.convergence,
-        history=estimate.history,
         motion=motion_of(
             problem.robot,
             problem.extent or Extent.of(problem.samples),

@@ -97,12 +97,12 @@ FiniteNumber = Annotated[float, BeforeValidator(_finite)]
 Count = Annotated[int, Field(strict=True, ge=0, le=MOST_COUNTED)]
 
 
-class Listed(NamedTuple):
-    """An array that a file holds as a list."""
+class InFile(NamedTuple):
+    """How a file holds something that Python has in another form."""
 
     of: Any
-    """The type of the list."""
-    read: Callable[[Any], Float[np.ndarray, "..."]] = np.array
+    """The type of what the file holds."""
+    read: Callable[[Any], Any] = np.array
     write: Callable[[Any], Any] = nulled
 
     def __get_pydantic_core_schema__(
@@ -138,11 +138,11 @@ def _lower(matrix: Float[np.ndarray, "n n"]) -> list[Any]:
 
 _ROWS = list[list[NullableNumber]]
 
-NullableVector = Annotated[Float[np.ndarray, " n"], Listed(list[NullableNumber])]
-NullableStds = Annotated[Float[np.ndarray, " n"], Listed(list[NullableStd])]
-NullableTable = Annotated[Float[np.ndarray, "rows columns"], Listed(_ROWS, _table)]
-NullableSquare = Annotated[Float[np.ndarray, "n n"], Listed(_ROWS, _table)]
-Symmetric = Annotated[Float[np.ndarray, "size size"], Listed(_ROWS, _symmetric, _lower)]
+NullableVector = Annotated[Float[np.ndarray, " n"], InFile(list[NullableNumber])]
+NullableStds = Annotated[Float[np.ndarray, " n"], InFile(list[NullableStd])]
+NullableTable = Annotated[Float[np.ndarray, "rows columns"], InFile(_ROWS, _table)]
+NullableSquare = Annotated[Float[np.ndarray, "n n"], InFile(_ROWS, _table)]
+Symmetric = Annotated[Float[np.ndarray, "size size"], InFile(_ROWS, _symmetric, _lower)]
 """A file has its rows as far as the diagonal."""
 
 
