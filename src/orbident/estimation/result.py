@@ -29,12 +29,12 @@ from orbident.files.json_parts import (
     Computed,
     Count,
     FiniteNumber,
-    InFile,
     Keyed,
     NullableNumber,
     NumberOrNone,
     Unwritten,
     as_computed,
+    held_as,
 )
 from orbident.files.schema_parts import WrongValueError
 from orbident.gaussian import NINETY_FIVE
@@ -151,7 +151,7 @@ class Result(BesideParameters, Identified):
     samples: Count
     motion: Motion | None = field(default=None, repr=False)
     """How far and how fast all moved that was recorded."""
-    input: Annotated[Mapping[str, Any], InFile(Source, dict, dict)] = field(
+    input: Annotated[Mapping[str, Any], held_as(Source, dict, dict)] = field(
         default_factory=dict
     )
     """The recording's `file` and its `sha256`, and the `seed` of a simulated one; of

@@ -23,7 +23,7 @@ from scipy.spatial.transform import Rotation
 from orbident.errors import InputError
 from orbident.estimation.quantities import Quantity
 from orbident.estimation.triangular import Layout, LinearFit, fold, solve_factor
-from orbident.files.json_parts import InFile, JsonPart, NullableNumber
+from orbident.files.json_parts import JsonPart, NullableNumber, held_as
 from orbident.model.minimal_sets import conserved_axes
 from orbident.preprocessing.base_motion import base_motion, same_sign
 from orbident.preprocessing.delays import delays
@@ -241,7 +241,7 @@ class Weighing(JsonPart):
     """The signal of S that it was found from, such as `"position"`."""
     samples: int
     """How many samples were used."""
-    impulse: Annotated[Float[np.ndarray, "3"], InFile(list[NullableNumber])]
+    impulse: Annotated[Float[np.ndarray, "3"], held_as(list[NullableNumber])]
     """Impulse of the thrusters, inertial axes, N s."""
     rms: Annotated[NullableNumber, Field(alias="residual_rms")]
     """Root mean square of the residual: m, or m/s."""

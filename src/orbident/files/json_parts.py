@@ -98,22 +98,36 @@ Count = Annotated[int, Field(strict=True, ge=0, le=MOST_COUNTED)]
 
 
 class InFile(NamedTuple):
-    """How a file holds something that Python has in another form."""
+    """How a file holds what Python has in another form."""
 
-    of: Any
-    """The type of what the file holds."""
-    read: Callable[[Any], Any] = np.array
-    write: Callable[[Any], Any] = nulled
+    form: Callable[[Any], Any]
+    """The type in the file, of that in Python."""
+    read: Callable[[Any, Any], Any]
+    """What Python has, of its type and of what the file holds."""
+    write: Callable[[Any], Any]
+    """What the file holds."""
 
     def __get_pydantic_core_schema__(
         self, source: Any, handler: GetCoreSchemaHandler
     ) -> CoreSchema:
         """As pydantic asks for it."""
+        form = handler.generate_schema(self.form(source))
         return core_schema.no_info_after_validator_function(
-            self.read,
-            handler.generate_schema(self.of),
-            serialization=core_schema.plain_serializer_function_ser_schema(self.write),
+            partial(self.read, source),
+            form,
+            serialization=core_schema.plain_serializer_function_ser_schema(
+                self.write, return_schema=form
+            ),
         )
+
+
+def held_as(
+    form: Any,
+    read: Callable[[Any], Any] = np.array,
+    write: Callable[[Any], Any] = np.ndarray.tolist,
+) -> InFile:
+    """How a file holds something always as the same type, by default an array."""
+    return InFile(lambda _: form, lambda _, value: read(value), write)
 
 
 def _table(rows: Rows) -> Float[np.ndarray, "rows columns"]:
@@ -132,64 +146,46 @@ def _symmetric(lower: Rows) -> Float[np.ndarray, "n n"]:
     return matrix
 
 
-def _lower(matrix: Float[np.ndarray, "n n"]) -> list[Any]:
-    return [nulled(row[: k + 1]) for k, row in enumerate(matrix)]
+def _lower(matrix: Float[np.ndarray, "n n"]) -> Rows:
+    return [row[: k + 1].tolist() for k, row in enumerate(matrix)]
 
 
 _ROWS = list[list[NullableNumber]]
 
-NullableVector = Annotated[Float[np.ndarray, " n"], InFile(list[NullableNumber])]
-NullableStds = Annotated[Float[np.ndarray, " n"], InFile(list[NullableStd])]
-NullableTable = Annotated[Float[np.ndarray, "rows columns"], InFile(_ROWS, _table)]
-NullableSquare = Annotated[Float[np.ndarray, "n n"], InFile(_ROWS, _table)]
-Symmetric = Annotated[Float[np.ndarray, "size size"], InFile(_ROWS, _symmetric, _lower)]
+NullableVector = Annotated[Float[np.ndarray, " n"], held_as(list[NullableNumber])]
+NullableStds = Annotated[Float[np.ndarray, " n"], held_as(list[NullableStd])]
+NullableTable = Annotated[Float[np.ndarray, "rows columns"], held_as(_ROWS, _table)]
+NullableSquare = Annotated[Float[np.ndarray, "n n"], held_as(_ROWS, _table)]
+Symmetric = Annotated[
+    Float[np.ndarray, "size size"], held_as(_ROWS, _symmetric, _lower)
+]
 """A file has its rows as far as the diagonal."""
 
 
-class _Keyed:
-    """A named tuple that a file holds as keys and values."""
-
-    def __get_pydantic_core_schema__(
-        self, source: Any, handler: GetCoreSchemaHandler
-    ) -> CoreSchema:
-        """As pydantic asks for it."""
-        hints = {
-            name: NotRequired[hint] if name in source._field_defaults else hint
-            for name, hint in get_type_hints(source, include_extras=True).items()
-        }
-        # A type checker knows the keys of no dictionary that is made at run time.
-        made: Any = TypedDict
-        keys = handler.generate_schema(made(source.__name__, hints))
-        return core_schema.no_info_after_validator_function(
-            lambda values: source(**values),
-            keys,
-            serialization=core_schema.plain_serializer_function_ser_schema(
-                lambda values: values._asdict(), return_schema=keys
-            ),
-        )
+def _keys(source: Any) -> Any:
+    hints = {
+        name: NotRequired[hint] if name in source._field_defaults else hint
+        for name, hint in get_type_hints(source, include_extras=True).items()
+    }
+    # A type checker knows the keys of no dictionary that is made at run time.
+    made: Any = TypedDict
+    return made(source.__name__, hints)
 
 
-class _Computed:
-    """A function without arguments, of which a file holds what it gives."""
-
-    def __get_pydantic_core_schema__(
-        self, source: Any, handler: GetCoreSchemaHandler
-    ) -> CoreSchema:
-        """As pydantic asks for it."""
-        given = handler.generate_schema(get_args(source)[1])
-        return core_schema.no_info_after_validator_function(
-            as_computed,
-            given,
-            serialization=core_schema.plain_serializer_function_ser_schema(
-                lambda function: function(), return_schema=given
-            ),
-        )
-
-
-Keyed = Annotated[T, _Keyed()]
+Keyed = Annotated[
+    T,
+    InFile(_keys, lambda kind, values: kind(**values), lambda values: values._asdict()),
+]
 """`Keyed[X]` is a named tuple `X` that a file holds as keys and values."""
 
-Computed = Annotated[Callable[[], T], _Computed()]
+Computed = Annotated[
+    Callable[[], T],
+    InFile(
+        lambda kind: get_args(kind)[1],
+        lambda _, value: as_computed(value),
+        lambda function: function(),
+    ),
+]
 """`Computed[X]` is a function without arguments, of which a file holds the `X`."""
 
 Unwritten = Annotated[InstanceOf[T] | None, Field(exclude=True)]
