@@ -12,12 +12,12 @@ PACKAGE = ROOT / "src/orbident"
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
     "files": 392,
-    "lines": 55_945,
+    "lines": 55_840,
     "files of estimation": 67,
-    "lines of estimation": 10_580,
-    "files with one user": 107,
+    "lines of estimation": 10_723,
+    "files with one user": 106,
     "imports below each other": 36,
-    "numbers without a reason": 76,
+    "numbers without a reason": 75,
 }
 
 

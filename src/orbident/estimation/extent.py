@@ -112,7 +112,7 @@ class MovedBase(TypedDict):
     rate: NumberOrNone
 
 
-class Motion(TypedDict):
+class RecordedMotion(TypedDict):
     """How far and how fast all moved that was recorded; SI."""
 
     duration: FiniteNumber
@@ -126,7 +126,7 @@ class Motion(TypedDict):
     """The joints that did not move."""
 
 
-def motion_of(robot: Robot, extent: Extent, locked: tuple[str, ...]) -> Motion:
+def motion_of(robot: Robot, extent: Extent, locked: tuple[str, ...]) -> RecordedMotion:
     """How far and how fast all moved.
 
     Args:

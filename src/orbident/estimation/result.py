@@ -18,7 +18,7 @@ from typing_extensions import TypedDict
 from orbident.errors import InputError
 from orbident.estimation.checks import Check, Level, worst
 from orbident.estimation.estimate import BesideParameters, Solved
-from orbident.estimation.extent import Motion
+from orbident.estimation.extent import RecordedMotion
 from orbident.estimation.linear_fits import Fits, InitialMomentum
 from orbident.estimation.parameter_table import short_table
 from orbident.estimation.provided import provided
@@ -149,7 +149,7 @@ class Result(BesideParameters, Identified):
     origins: Mapping[str, str]
     """How rates and velocities were obtained: measured, or derived."""
     samples: Count
-    motion: Motion | None = field(default=None, repr=False)
+    motion: RecordedMotion | None = field(default=None, repr=False)
     """How far and how fast all moved that was recorded."""
     input: Annotated[Mapping[str, Any], held_as(Source, dict, dict)] = field(
         default_factory=dict
