@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from orbident.estimation.checks import Check
-from orbident.estimation.quantities import NO_ROUTES, EstimatedSet, Quantity
+from orbident.estimation.quantities import NO_ROUTES, BaseSet, EstimatedSet, TotalMass
 from orbident.estimation.result import Result
 from orbident.model.formulas import formulas_of
 from orbident.model.minimal_sets import minimal_sets
@@ -28,11 +28,10 @@ def made_result(robot: Robot, beta: np.ndarray, covariance: np.ndarray) -> Resul
         method="maximum-likelihood",
         initial_momentum="unknown",
         checks=(),
-        mass=Quantity(float(beta[0]), float(std[0])),
-        mass_forms=NO_ROUTES,
+        mass=TotalMass(float(beta[0]), float(std[0]), NO_ROUTES),
         pi=NONE,
         phi=NONE,
-        base=EstimatedSet(words.names, words.formulas, beta, std, nominal),
+        base=BaseSet(words.names, words.formulas, beta, std, nominal, covariance),
         condition_number={},
         residual={},
         biases={},
@@ -42,7 +41,6 @@ def made_result(robot: Robot, beta: np.ndarray, covariance: np.ndarray) -> Resul
         samples=1601,
         elapsed_s=1.0,
         versions={},
-        base_covariance=covariance,
         covariance=np.zeros((0, 0)),
     )
 
@@ -56,8 +54,8 @@ def without(result: Result, *names: str) -> Result:
         for numbers in (result.base.values, result.base.std)
     )
     C = np.where(np.logical_or.outer(lost, lost), np.nan, result.base_covariance)
-    base = replace(result.base, values=values, std=std)
-    return replace(result, base=base, base_covariance=C)
+    base = replace(result.base, values=values, std=std, covariance=C)
+    return replace(result, base=base)
 
 
 def freed(robot: Robot, *bodies: str) -> Robot:

@@ -7,7 +7,7 @@ import numpy as np
 
 from orbident.diagnosis.shifts import without
 from orbident.diagnosis.trial import Trial, amended_trial
-from orbident.estimation.levels import limit
+from orbident.estimation.levels import chi_square
 from orbident.estimation.linear_fits import InitialMomentum
 from orbident.estimation.momentum_problem import MomentumProblem
 
@@ -123,9 +123,7 @@ def _differ(one: Trial, other: Trial) -> bool:
     assert other.estimate is not None
     a, b = one.estimate.found.base, other.estimate.found.base
     both = np.flatnonzero(a.determined & b.determined)
-    off = (a.values - b.values)[both]
     C = (a.covariance + b.covariance)[np.ix_(both, both)]
     # With their correlations: all may share a doubt about the scale.
-    std = np.sqrt(np.diag(C))
-    z, C = off / std, C / np.outer(std, std)
-    return bool(z @ np.linalg.solve(C, z) > limit("other parameters", both.size))
+    apart = chi_square((a.values - b.values)[both], C)
+    return apart.is_no_chance("other parameters")

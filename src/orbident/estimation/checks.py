@@ -2,9 +2,9 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
-from orbident.estimation.quantities import nulled
+from orbident.files.json_parts import JsonPart, NullableNumber
 
 Level = Literal["trust", "with care", "do not trust"]
 LEVELS: tuple[Level, ...] = ("trust", "with care", "do not trust")
@@ -12,7 +12,7 @@ LEVELS: tuple[Level, ...] = ("trust", "with care", "do not trust")
 
 
 @dataclass(frozen=True, repr=False)
-class Check:
+class Check(JsonPart):
     """A rule, and how a result fares under it."""
 
     name: str
@@ -22,8 +22,8 @@ class Check:
     """What was found, and what it means."""
     remedy: str = ""
     """What to do. Of a rule that is passed, empty or what to mind all the same."""
-    statistic: float = float("nan")
-    limit: float = float("nan")
+    statistic: NullableNumber = float("nan")
+    limit: NullableNumber = float("nan")
     """The value of `statistic` beyond which the rule is broken; NaN without one."""
 
     @property
@@ -44,12 +44,6 @@ class Check:
     def __repr__(self) -> str:
         """What it says, in a line."""
         return f"{self.name} ({self.level}): {self.words}"
-
-    def to_json(self) -> dict[str, Any]:
-        """As in `result.json`."""
-        numbers = {"statistic": nulled(self.statistic), "limit": nulled(self.limit)}
-        words = {"reason": self.reason, "remedy": self.remedy}
-        return {"name": self.name, "level": self.level, **words, **numbers}
 
 
 def only_vague(checks: Iterable[Check]) -> bool:

@@ -2,10 +2,11 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import NamedTuple, Protocol, runtime_checkable
+from typing import Annotated, NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Float
+from pydantic import AfterValidator
 
 from orbident.estimation.checks import Check
 from orbident.estimation.found import BetaEstimate, EstimatedParameters, found_beta
@@ -19,6 +20,8 @@ from orbident.estimation.shared import Shared
 from orbident.estimation.signals import Signals
 from orbident.estimation.solution import Convergence, Solution
 from orbident.estimation.unknowns import CalibrationFit, DisturbanceFit, Sensitivity
+from orbident.files.json_parts import Keyed, NumberOrNone, Unwritten
+from orbident.files.schema_parts import WrongValueError
 from orbident.preprocessing.origins import Origin
 
 Progress = Callable[[float], object]
@@ -54,8 +57,34 @@ class Goodness(NamedTuple):
         return self.chi2 / max(self.dof, 1.0)
 
 
+def _with_deviation(bias: Mapping[str, float | None]) -> Mapping[str, float | None]:
+    if not {"value", "std"} <= bias.keys():
+        raise WrongValueError("give a value and its std")
+    return bias
+
+
+Bias = Annotated[Mapping[str, NumberOrNone], AfterValidator(_with_deviation)]
+"""Its `value` and `std`; SI."""
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class BesideParameters:
+    """What is estimated beside the parameters: of an estimate and of its result."""
+
+    convergence: Convergence = ()
+    """The steps of the search; none for a method that solves its equations once."""
+    biases: Mapping[str, Bias] = field(default_factory=dict)
+    """The biases of sensors, with their standard deviations; SI."""
+    calibration: Mapping[str, Keyed[CalibrationFit]] = field(default_factory=dict)
+    """The errors of instruments that have a tolerance."""
+    disturbances: Mapping[str, Keyed[DisturbanceFit]] = field(default_factory=dict)
+    """What acted from outside, where the recording shows that something did."""
+    history: Unwritten[History] = field(default=None, compare=False, repr=False)
+    """How a recursive estimate came about; in a RUN it is `history.csv`."""
+
+
 @dataclass(frozen=True)
-class Estimate:
+class Estimate(BesideParameters):
     """The parameters, and what the residuals say of them."""
 
     found: EstimatedParameters
@@ -69,10 +98,6 @@ class Estimate:
     goodness: Goodness | None = None
     """How large all residuals are; None where the noise is estimated from them."""
     sensors: Mapping[str, SensorFit] = field(default_factory=dict)
-    biases: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
-    """The biases of sensors, with their standard deviations; SI."""
-    disturbances: Mapping[str, DisturbanceFit] = field(default_factory=dict)
-    """What acted from outside, where that was an unknown."""
     suspected: Mapping[str, float] = field(default_factory=dict)
     """What may act too and is not sure, by its group: the fall in chi-square if it were
     an unknown."""
@@ -80,17 +105,11 @@ class Estimate:
     """How far off `beta` could be by what acts too faintly to be seen, by its group."""
     instead: Mapping[str, Float[np.ndarray, " beta"]] = field(default_factory=dict)
     """What may act in place of a torque, by its group: how far off `beta` is then."""
-    calibration: Mapping[str, CalibrationFit] = field(default_factory=dict)
-    """The errors of instruments that have a tolerance."""
     sensitivity: Callable[[], Sensitivity] | None = None
     """What errors of the other instruments would do, where that is known."""
     converged: bool = True
     settled: bool = True
     """Whether the weights of the residuals no longer changed from round to round."""
-    convergence: Convergence = ()
-    """The steps of the search, where the method searches."""
-    history: History | None = None
-    """The course of a recursion; None for other methods."""
     signals: Signals = ()
     """What sensors showed and what was predicted, where sensors are what is fitted."""
     solution: Solution | None = None

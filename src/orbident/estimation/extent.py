@@ -4,11 +4,14 @@ How far and how fast all moved: whether a recording excites what it should tell.
 """
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 from jaxtyping import Float
+from pydantic import Field
+from typing_extensions import TypedDict
 
+from orbident.files.json_parts import FiniteNumber, NumberOrNone
 from orbident.preprocessing.samples import LOCKED, Samples
 from orbident.robot.description import Robot
 
@@ -86,8 +89,45 @@ class Extent(NamedTuple):
         }
 
 
-def motion_of(robot: Robot, extent: Extent, locked: tuple[str, ...]) -> dict[str, Any]:
-    """As in `result.json`; SI, None where nothing was measured.
+Ends = Annotated[list[FiniteNumber], Field(min_length=2, max_length=2)] | None
+"""The least and the largest; None where nothing was measured."""
+
+
+class MovedJoint(TypedDict):
+    """How far a joint moved and how fast; rad or m, and the same a second."""
+
+    position: Ends
+    rate: NumberOrNone
+
+
+class MovedWheel(TypedDict):
+    """How fast a wheel turned, rad/s."""
+
+    speed: Ends
+
+
+class MovedBase(TypedDict):
+    """How fast the base turned about an axis, rad/s."""
+
+    rate: NumberOrNone
+
+
+class RecordedMotion(TypedDict):
+    """How far and how fast all moved that was recorded; SI."""
+
+    duration: FiniteNumber
+    rate: FiniteNumber
+    """Rows a second."""
+    joints: dict[str, MovedJoint]
+    wheels: dict[str, MovedWheel]
+    base: dict[str, MovedBase]
+    """By axis."""
+    locked: list[str]
+    """The joints that did not move."""
+
+
+def motion_of(robot: Robot, extent: Extent, locked: tuple[str, ...]) -> RecordedMotion:
+    """How far and how fast all moved.
 
     Args:
         robot: that was recorded.

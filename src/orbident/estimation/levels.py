@@ -5,9 +5,11 @@ with what chance exceeds with the probability of its level. What follows from ex
 it, and what part of good recordings that concerns, is in decision 0028.
 """
 
-from typing import Literal
+from typing import Literal, NamedTuple
 
-from scipy.special import chdtri
+import numpy as np
+from jaxtyping import Float
+from scipy.special import chdtrc, chdtri
 
 Rule = Literal[
     "same robot",
@@ -18,6 +20,8 @@ Rule = Literal[
     "other explanation",
     "change",
     "other parameters",
+    "validation",
+    "comparison",
 ]
 
 LEVELS: dict[Rule, float] = {
@@ -37,6 +41,10 @@ LEVELS: dict[Rule, float] = {
     "change": 1e-4,
     # The parts of a recording have different parameters, as by five deviations.
     "other parameters": 5.7e-7,
+    # A result seems not to be that of another recording.
+    "validation": 5e-3,
+    # A robot seems to differ between two recordings, or by more than one body.
+    "comparison": 1e-3,
 }
 """The probability of a false alarm, in one recording if not said otherwise."""
 
@@ -50,3 +58,42 @@ def limit(rule: Rule, numbers: int, among: int = 1) -> float:
         among: tests that share the probability (Bonferroni).
     """
     return float(chdtri(numbers, LEVELS[rule] / among))
+
+
+class ChiSquare(NamedTuple):
+    """A sum of squares of white noise, if nothing else is in it."""
+
+    value: float
+    dof: int
+
+    @property
+    def p(self) -> float:
+        """The probability that chance alone gives as much."""
+        return float(chdtrc(self.dof, self.value)) if self.dof else 1.0
+
+    def is_no_chance(self, rule: Rule) -> bool:
+        """Whether it is beyond the limit of a rule."""
+        return self.p < LEVELS[rule]
+
+    def to_json(self) -> dict[str, float]:
+        """As in the JSON of `compare`."""
+        return {"chi2": self.value, "dof": self.dof, "p": self.p}
+
+
+ROUNDING = 1e-12
+"""Directions of a covariance with less of its largest are rounding and do not count."""
+
+
+def chi_square(d: Float[np.ndarray, " n"], C: Float[np.ndarray, "n n"]) -> ChiSquare:
+    """How far two estimates of the same are apart: `d^T C^-1 d`.
+
+    Args:
+        d: the difference.
+        C: its covariance; of independent estimates, the sum of theirs.
+    """
+    # Parameters have units: unit variances while decomposing.
+    std = np.sqrt(np.diag(C))
+    values, vectors = np.linalg.eigh(C / np.outer(std, std))
+    known = values > ROUNDING * values.max(initial=0.0)
+    z = vectors.T[known] @ (d / std) / np.sqrt(values[known])
+    return ChiSquare(float(z @ z), int(known.sum()))

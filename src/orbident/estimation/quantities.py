@@ -1,27 +1,45 @@
 """Numbers with standard deviations: one, a named set, or all that is identified."""
 
-from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterator, Sized
+from dataclasses import dataclass, field, fields, replace
 from itertools import islice
 from typing import Any, TypeVar
 
 import numpy as np
 from jaxtyping import Float
 
+from orbident.errors import InputError
 from orbident.files.data_frames import frame
+from orbident.files.json_parts import (
+    Count,
+    JsonPart,
+    NullableNumber,
+    NullableSquare,
+    NullableStd,
+    NullableStds,
+    NullableVector,
+    Symmetric,
+)
+from orbident.files.names import joined
 
 LISTED = 8
 """Parameters that a `repr` shows."""
 
 
 @dataclass(frozen=True, repr=False)
-class Parameters:
+class Parameters(JsonPart):
     """A set of parameters; NaN where the recording does not determine one."""
 
     names: tuple[str, ...]
     formulas: tuple[str, ...]
-    values: Float[np.ndarray, " n"]
-    std: Float[np.ndarray, " n"]
+    values: NullableVector
+    std: NullableStds
+
+    def __post_init__(self) -> None:
+        """Refuse columns that do not stand side by side."""
+        sizes = {k: len(v) for k, v in vars(self).items() if isinstance(v, Sized)}
+        if len(set(sizes.values())) > 1:
+            raise InputError(f"{joined(sizes)} are not of one length")
 
     def __iter__(self) -> Iterator[tuple[str, str, float, float]]:
         """Name, formula, value and standard deviation of each."""
@@ -38,15 +56,6 @@ class Parameters:
         more = [f"{left} more: .names, .values, .std, .formulas"] if left else []
         return "\n".join([*lines, *more]) or "no parameters"
 
-    def to_json(self) -> dict[str, Any]:
-        """As in `result.json`: null for NaN."""
-        return {
-            "names": list(self.names),
-            "formulas": list(self.formulas),
-            "values": nulled(self.values),
-            "std": nulled(self.std),
-        }
-
 
 UNITS = {
     "M": "kg",
@@ -62,7 +71,7 @@ UNITS = {
 class EstimatedSet(Parameters):
     """A minimal set of a robot, beside what its CAD inertia says of it."""
 
-    nominal: Float[np.ndarray, " n"]
+    nominal: NullableVector
     """As CAD has it: zero where that is zero but for rounding."""
 
     @property
@@ -81,10 +90,6 @@ class EstimatedSet(Parameters):
         """How far each is from CAD, in percent of it; NaN where CAD has zero."""
         cad = np.where(self.nominal == 0, np.nan, self.nominal)
         return 100 * (self.values / cad - 1)
-
-    def to_json(self) -> dict[str, Any]:
-        """As in `result.json`: null for NaN."""
-        return {**super().to_json(), "nominal": nulled(self.nominal)}
 
     def to_frame(self) -> Any:
         """A `pandas.DataFrame` with a row for each parameter; NaN: not determined.
@@ -105,19 +110,29 @@ class EstimatedSet(Parameters):
 
 
 @dataclass(frozen=True, repr=False)
+class BaseSet(EstimatedSet):
+    """The free-flying base parameters `M, sigma, iota`."""
+
+    covariance: NullableSquare
+    """NaN where one is not determined."""
+
+    def __post_init__(self) -> None:
+        """Refuse a covariance of other parameters."""
+        size = len(self.names)
+        if self.covariance.shape != (size, size):
+            raise InputError(f"the covariance is not {size} by {size}")
+        super().__post_init__()
+
+
+@dataclass(frozen=True, repr=False)
 class MassRoutes(Parameters):
     """The total mass by every route that gives one, kg."""
 
-    sigmas: Float[np.ndarray, " n"]
+    sigmas: NullableVector
     """How far a form of Eq. 32 is from what all forms give together, and a route from
     the method's own mass, over the deviation of that difference; NaN for the last."""
-    left_out: int
+    left_out: Count
     """So many routes give no mass: their deviation is beyond a tenth of it."""
-
-    def to_json(self) -> dict[str, Any]:
-        """As in `result.json`: null for NaN."""
-        more = {"sigmas": nulled(self.sigmas), "left_out": self.left_out}
-        return {**super().to_json(), **more}
 
 
 NO_ROUTES = MassRoutes((), (), np.zeros(0), np.zeros(0), np.zeros(0), 0)
@@ -127,12 +142,20 @@ NO_ROUTES = MassRoutes((), (), np.zeros(0), np.zeros(0), np.zeros(0), 0)
 class Quantity:
     """One number and its standard deviation; NaN where it is not determined."""
 
-    value: float
-    std: float
+    value: NullableNumber
+    std: NullableStd
 
     def __repr__(self) -> str:
         """The number with its deviation."""
         return f"{self.value:.6g} +- {self.std:.2g}"
+
+
+@dataclass(frozen=True, repr=False)
+class TotalMass(Quantity):
+    """The total mass, kg."""
+
+    forms: MassRoutes = field(compare=False)
+    """Eq. 32: the mass by each product form, and by every route, kg."""
 
 
 P = TypeVar("P", bound=Parameters)
@@ -144,56 +167,47 @@ def without_values(found: P) -> P:
     return replace(found, values=nothing, std=nothing)
 
 
-def nulled(numbers: Float[np.ndarray, " n"] | float) -> Any:
-    """Numbers as JSON has them: null for what is not finite."""
-    if isinstance(numbers, np.ndarray):
-        return [nulled(float(number)) for number in numbers]
-    return float(numbers) if np.isfinite(numbers) else None
+def part_of(whole: Any, kind: type) -> dict[str, Any]:
+    """The fields that an object has from one of its base classes."""
+    return {each.name: getattr(whole, each.name) for each in fields(kind)}
 
 
 @dataclass(frozen=True, kw_only=True)
-class Identified:
+class Identified(JsonPart):
     """The identified parameters; NaN where the recording does not determine one."""
 
-    mass: Quantity
+    mass: TotalMass
     """Total mass, kg."""
-    mass_forms: MassRoutes
-    """Eq. 32: the mass by each product form, and by every route, kg."""
     pi: EstimatedSet
     phi: EstimatedSet
-    base: EstimatedSet
+    base: BaseSet
     """The free-flying base parameters `M, sigma, iota`."""
-    base_covariance: Float[np.ndarray, "beta beta"] = field(repr=False)
-    """The covariance of `M, sigma, iota`; NaN where one is not determined."""
-    covariance: Float[np.ndarray, "n n"] = field(compare=False, repr=False)
+    covariance: Symmetric = field(compare=False, repr=False)
     """The covariance of `[pi, phi]`; NaN where one is not determined."""
+
+    def __post_init__(self) -> None:
+        """Refuse a covariance of other parameters."""
+        size = len(self.pi.names) + len(self.phi.names)
+        if len(self.covariance) != size:
+            raise InputError(f"the covariance of pi and phi is not {size} by {size}")
+
+    @property
+    def mass_forms(self) -> MassRoutes:
+        """Eq. 32: the mass by each product form, and by every route, kg."""
+        return self.mass.forms
+
+    @property
+    def base_covariance(self) -> Float[np.ndarray, "beta beta"]:
+        """The covariance of `M, sigma, iota`; NaN where one is not determined."""
+        return self.base.covariance
 
     def nothing(self) -> "Identified":
         """The same parameters, none of them determined."""
+        unknown = np.full_like(self.base.covariance, np.nan)
         return Identified(
-            mass=Quantity(np.nan, np.nan),
-            mass_forms=NO_ROUTES,
+            mass=TotalMass(np.nan, np.nan, NO_ROUTES),
             pi=without_values(self.pi),
             phi=without_values(self.phi),
-            base=without_values(self.base),
-            base_covariance=np.full_like(self.base_covariance, np.nan),
+            base=replace(without_values(self.base), covariance=unknown),
             covariance=np.full_like(self.covariance, np.nan),
         )
-
-    def parameters_to_json(self) -> dict[str, Any]:
-        """As in `result.json`: null for what is not determined."""
-        covariance = [nulled(row) for row in self.base_covariance]
-        return {
-            "mass": {
-                "value": nulled(self.mass.value),
-                "std": nulled(self.mass.std),
-                "forms": self.mass_forms.to_json(),
-            },
-            "pi": self.pi.to_json(),
-            "phi": self.phi.to_json(),
-            "base": {**self.base.to_json(), "covariance": covariance},
-            # Symmetric: each row ends with its variance.
-            "covariance": [
-                nulled(row[: k + 1]) for k, row in enumerate(self.covariance)
-            ],
-        }

@@ -2,33 +2,121 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from functools import partial
-from typing import Any, Literal, TypeVar
+from operator import attrgetter
+from typing import Annotated, Any, Literal
+
+from pydantic import (
+    AfterValidator,
+    Field,
+    InstanceOf,
+    PlainSerializer,
+    computed_field,
+    model_serializer,
+)
+from typing_extensions import TypedDict
 
 from orbident.errors import InputError
 from orbident.estimation.checks import Check, Level, worst
-from orbident.estimation.estimate import Solved
+from orbident.estimation.estimate import BesideParameters, Solved
+from orbident.estimation.extent import RecordedMotion
 from orbident.estimation.linear_fits import Fits, InitialMomentum
 from orbident.estimation.parameter_table import short_table
 from orbident.estimation.provided import provided
-from orbident.estimation.quantities import Identified, nulled
-from orbident.estimation.recursion import History
+from orbident.estimation.quantities import Identified, part_of
 from orbident.estimation.sensitivity_table import SensitivityTable
-from orbident.estimation.signals import Signals
-from orbident.estimation.solution import Convergence
-from orbident.estimation.unknowns import CalibrationFit, DisturbanceFit
+from orbident.estimation.signals import Signals, sensor_of
+from orbident.files.json_parts import (
+    Computed,
+    Count,
+    FiniteNumber,
+    Keyed,
+    NullableNumber,
+    NumberOrNone,
+    Unwritten,
+    as_computed,
+    held_as,
+)
+from orbident.files.schema_parts import WrongValueError
 from orbident.gaussian import NINETY_FIVE
 from orbident.model.reconstruction import Dynamics, reconstructed
 from orbident.preprocessing.delays import Delay
 from orbident.robot.description import Robot
 
-T = TypeVar("T")
-
 SCHEMA = "orbident/result/2"
+
+FIRST = (
+    *("schema", "robot", "method", "initial_momentum", "status", "level", "checks"),
+    *("notes", "warnings", "mass", "pi", "phi", "base", "covariance", "diagnostics"),
+    *("condition_number", "residual"),
+)
+"""What a reader of `result.json` looks for stands first in it."""
+
+OWN = ("biases", "disturbances", "clocks", "rejected", "origins")
+"""What each of several recordings has for itself, by names that then begin with its own
+name."""
+
+EQUATIONS = (
+    "gyro",
+    "accelerometer",
+    "attitude",
+    "position",
+    "velocity",
+    "joints",
+    "momentum",
+)
+
+
+def _equation(name: str) -> str:
+    if sensor_of(name) not in EQUATIONS:
+        raise WrongValueError(f"one of {', '.join(EQUATIONS)} is expected")
+    return name
+
+
+Equation = Annotated[str, AfterValidator(_equation)]
+"""Name of an equation; where there are several recordings, as in `flight 2: gyro`."""
+
+
+class SensorResidual(TypedDict):
+    """How well a sensor, or an equation, was predicted, as `SensorFit`; SI."""
+
+    rms: NumberOrNone
+    noise: NumberOrNone
+    declared: NumberOrNone
+    whiteness: NumberOrNone
+    samples: Count
+
+
+class Residual(TypedDict, total=False):
+    """What the estimate leaves of what was measured; SI."""
+
+    rms: dict[Equation, NumberOrNone]
+    """Root mean squares."""
+    chi2_per_dof: NumberOrNone
+    sensors: dict[Equation, SensorResidual]
+
+
+RecordingFile = TypedDict(
+    "RecordingFile",
+    {
+        "file": str,
+        "sha256": str,
+        "from": FiniteNumber,
+        "to": FiniteNumber,
+        "seed": int | None,
+    },
+    total=False,
+)
+"""What a recording was read from, and its part that was used, s."""
+
+
+class Source(RecordingFile, total=False):
+    """What a result was identified from."""
+
+    recordings: list[RecordingFile]
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
-class Result(Identified):
+class Result(BesideParameters, Identified):
     """Everything identified from a recording, or from several as one.
 
     Of several, the names of what is a recording's own begin with its name: `second
@@ -38,7 +126,8 @@ class Result(Identified):
     else is computed when it is asked for; a refused result then begins with its causes.
     """
 
-    robot: Robot
+    schema: Literal["orbident/result/2"] = SCHEMA
+    robot: Annotated[InstanceOf[Robot], PlainSerializer(attrgetter("name"))]
     method: str
     initial_momentum: InitialMomentum
     checks: tuple[Check, ...]
@@ -47,53 +136,58 @@ class Result(Identified):
     """What was done to the recording, and what its readers remarked."""
     diagnostics: Identified | None = field(default=None, repr=False)
     """What was estimated where the result is refused: for a look, not for use."""
-    condition_number: dict[str, float]
-    residual: dict[str, Any]
-    biases: Mapping[str, Mapping[str, float]]
-    """Biases of sensors, with their standard deviations; SI."""
-    calibration: Mapping[str, CalibrationFit] = field(default_factory=dict)
-    """The errors of instruments that have a tolerance."""
-    disturbances: Mapping[str, DisturbanceFit] = field(default_factory=dict)
-    """What acted from outside, where the recording shows that something did."""
-    sensitivity: Callable[[], SensitivityTable | None] = field(
+    condition_number: dict[str, NullableNumber]
+    residual: Residual
+    sensitivity: Computed[SensitivityTable | None] = field(
         default=lambda: None, compare=False, repr=False
     )
     """What errors of the other instruments would shift; None where it is not known."""
-    solved: Solved | None = field(default=None, compare=False, repr=False)
-    """What a refused result was judged by, in which its cause is looked for."""
-    clocks: Mapping[str, Delay]
+    clocks: Mapping[str, Keyed[Delay]]
     """How far each sensor's clock is behind that of the base rate."""
-    rejected: Mapping[str, Mapping[str, int]]
+    rejected: Mapping[str, Mapping[str, Count]]
     """How many samples were left out, by column and reason."""
-    origins: dict[str, str]
+    origins: Mapping[str, str]
     """How rates and velocities were obtained: measured, or derived."""
-    samples: int
-    elapsed_s: float
-    versions: dict[str, str]
-    convergence: Convergence = ()
-    """The steps of the search; none for a method that solves its equations once."""
-    fits: Fits | None = field(default=None, compare=False, repr=False)
-    """The linear fits; not kept in `result.json`."""
-    history: History | None = field(default=None, compare=False, repr=False)
-    """How a recursive estimate came about; in a RUN it is `history.csv`."""
-    motion: Mapping[str, Any] = field(default_factory=dict, repr=False)
+    samples: Count
+    motion: RecordedMotion | None = field(default=None, repr=False)
     """How far and how fast all moved that was recorded."""
-    input: Mapping[str, Any] = field(default_factory=dict)
+    input: Annotated[Mapping[str, Any], held_as(Source, dict, dict)] = field(
+        default_factory=dict
+    )
     """The recording's `file` and its `sha256`, and the `seed` of a simulated one; of
     several these of each, as `recordings`."""
-    signals: Callable[[], Signals] = field(default=tuple, compare=False, repr=False)
+    elapsed_s: FiniteNumber
+    versions: dict[str, str]
+
+    # What follows is not in `result.json`.
+    solved: Unwritten[Solved] = field(default=None, compare=False, repr=False)
+    """What a refused result was judged by, in which its cause is looked for."""
+    fits: Unwritten[Fits] = field(default=None, compare=False, repr=False)
+    """The linear fits."""
+    signals: Annotated[Callable[[], Signals], Field(exclude=True)] = field(
+        default=tuple, compare=False, repr=False
+    )
     """What was measured and predicted; in a RUN it is `signals.parquet`."""
 
+    def __post_init__(self) -> None:
+        """Refuse the motion of another robot."""
+        super().__post_init__()
+        if self.motion and set(self.motion["joints"]) != {*self.robot.joint_names}:
+            raise InputError("motion.joints: these are not the robot's")
+
+    @computed_field
     @property
     def level(self) -> Level:
         """May the numbers be used: the worst that any check says."""
         return worst(self.checks)
 
+    @computed_field
     @property
     def status(self) -> Literal["ok", "rejected"]:
         """Whether there is a result."""
         return "rejected" if self.level == "do not trust" else "ok"
 
+    @computed_field
     @property
     def warnings(self) -> tuple[str, ...]:
         """What refuses the result, the notes, and what calls for care."""
@@ -133,7 +227,7 @@ class Result(Identified):
         computed = ("sensitivity", "signals")
         return {
             **vars(self.with_causes()),
-            **{name: partial(_known, getattr(self, name)()) for name in computed},
+            **{name: as_computed(getattr(self, name)()) for name in computed},
         }
 
     def __repr__(self) -> str:
@@ -161,6 +255,11 @@ class Result(Identified):
         """
         causes = () if self.solved is None else provided("causes")(self.solved)
         return replace(self, checks=(*causes, *self.checks), solved=None)
+
+    def withheld(self) -> "Result":
+        """The result without numbers: from then on they are its diagnostics."""
+        whole = Identified(**part_of(self, Identified))
+        return replace(self, **vars(whole.nothing()), diagnostics=whole)
 
     def check_accepted(self) -> None:
         """Refuse to go on with what must not be trusted.
@@ -218,63 +317,7 @@ class Result(Identified):
         """
         return provided("to_mujoco")(self)
 
-    def to_json(self) -> dict[str, Any]:
-        """The content of `result.json`."""
-        table = self.sensitivity()
-        return {
-            "schema": SCHEMA,
-            "robot": self.robot.name,
-            "method": self.method,
-            "initial_momentum": self.initial_momentum,
-            "status": self.status,
-            "level": self.level,
-            "checks": [check.to_json() for check in self.checks],
-            "notes": list(self.notes),
-            "warnings": list(self.warnings),
-            **self.parameters_to_json(),
-            "diagnostics": (
-                None
-                if self.diagnostics is None
-                else self.diagnostics.parameters_to_json()
-            ),
-            "condition_number": {
-                k: nulled(v) for k, v in self.condition_number.items()
-            },
-            "residual": self.residual,
-            "convergence": [
-                {
-                    "cost": nulled(step.cost),
-                    "size": nulled(step.size),
-                    "round": step.round,
-                }
-                for step in self.convergence
-            ],
-            "biases": {name: dict(bias) for name, bias in self.biases.items()},
-            "calibration": {
-                name: fit._asdict() for name, fit in self.calibration.items()
-            },
-            "disturbances": {
-                name: fit._asdict() for name, fit in self.disturbances.items()
-            },
-            "sensitivity": None if table is None else table.to_json(),
-            "clocks": {
-                sensor: {
-                    "late": nulled(delay.late),
-                    "std": nulled(delay.std),
-                    "corrected": delay.believed,
-                }
-                for sensor, delay in self.clocks.items()
-            },
-            "rejected": {name: dict(why) for name, why in self.rejected.items()},
-            "origins": self.origins,
-            "samples": self.samples,
-            "motion": dict(self.motion),
-            "input": dict(self.input),
-            "elapsed_s": self.elapsed_s,
-            "versions": self.versions,
-        }
-
-
-def _known(value: T) -> T:
-    """What a function that was called already gave."""
-    return value
+    @model_serializer(mode="wrap")
+    def _first_what_is_asked_first(self, written: Any) -> dict[str, Any]:
+        document = written(self)
+        return {**{name: document[name] for name in FIRST}, **document}

@@ -1,18 +1,17 @@
 """The result of an estimate and its checks."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cache, partial
 from importlib.metadata import version
-from typing import Any
 
 import numpy as np
 from jaxtyping import Bool, Float
 
-from orbident.estimation.checks import worst
 from orbident.estimation.clock_search import CLOCK
 from orbident.estimation.clocks import clocks_in_words
 from orbident.estimation.criteria import Judgement
-from orbident.estimation.estimate import Estimate
+from orbident.estimation.estimate import BesideParameters, Estimate
 from orbident.estimation.extent import Extent, motion_of
 from orbident.estimation.found import Known
 from orbident.estimation.linear_fits import Fits
@@ -22,17 +21,20 @@ from orbident.estimation.output_error.hypotheses import undecided_in_words
 from orbident.estimation.predicted import equation_signals
 from orbident.estimation.quantities import (
     NO_ROUTES,
+    BaseSet,
     EstimatedSet,
     Identified,
     MassRoutes,
     Quantity,
-    nulled,
+    TotalMass,
+    part_of,
 )
-from orbident.estimation.result import Result
+from orbident.estimation.result import Residual, Result, SensorResidual
 from orbident.estimation.sensitivity_table import SensitivityTable
 from orbident.estimation.signals import Signals
 from orbident.estimation.triangular import condition_numbers
 from orbident.estimation.weigh import Weighing
+from orbident.files.json_parts import as_computed, nulled
 from orbident.model.formulas import Formulas, SetFormulas, formulas_of, mass_forms
 from orbident.model.nominal import nominal_parameters
 from orbident.preprocessing.origins import origin_in_words
@@ -52,9 +54,7 @@ def result_of(
 ) -> Result:
     """Put together what was estimated and how it was judged."""
     identified = _identified(problem, estimate, judgement, masses)
-    refused = worst(judgement.checks) == "do not trust"
-    stands = identified.nothing() if refused else identified
-    return Result(
+    result = Result(
         robot=problem.robot,
         method=method,
         initial_momentum=problem.initial_momentum,
@@ -67,19 +67,19 @@ def result_of(
             *undecided_in_words(estimate.suspected, estimate.instead),
             *(() if weighing is None else (f"burn: {w}" for w in weighing.warnings)),
         ),
-        **vars(stands),
-        diagnostics=identified if refused else None,
+        **vars(identified),
         condition_number=_condition(problem.fits),
         residual=_residual(estimate),
-        biases=estimate.biases,
-        calibration={
-            name: each
-            for name, each in estimate.calibration.items()
+        **part_of(estimate, BesideParameters)
+        | {
             # That of a clock that was corrected is said with the clocks.
-            if name != CLOCK or problem.robot.tolerances.joint_clock
+            "calibration": {
+                name: each
+                for name, each in estimate.calibration.items()
+                if name != CLOCK or problem.robot.tolerances.joint_clock
+            }
         },
-        disturbances=estimate.disturbances,
-        sensitivity=partial(_sensitivity, estimate, identified, refused),
+        sensitivity=partial(_sensitivity, estimate, identified),
         clocks=problem.clocks,
         rejected=problem.rejected,
         origins={
@@ -90,8 +90,6 @@ def result_of(
         elapsed_s=elapsed_s,
         versions=_versions(),
         fits=problem.fits,
-        convergence=estimate.convergence,
-        history=estimate.history,
         motion=motion_of(
             problem.robot,
             problem.extent or Extent.of(problem.samples),
@@ -99,6 +97,10 @@ def result_of(
         ),
         signals=_signals(problem, estimate),
     )
+    if result.status == "ok":
+        return result
+    # For exact data deviations are rounding, and shifts over them say nothing.
+    return replace(result.withheld(), sensitivity=as_computed(None))
 
 
 def _identified(
@@ -112,12 +114,17 @@ def _identified(
     determined = np.outer(judgement.base, judgement.base)
     both = np.concatenate([judgement.pi, judgement.phi])
     return Identified(
-        mass=estimate.mass,
-        mass_forms=_mass_forms(problem, words, masses, estimate.mass),
+        mass=TotalMass(
+            estimate.mass.value,
+            estimate.mass.std,
+            _mass_forms(problem, words, masses, estimate.mass),
+        ),
         pi=_set(words.pi, found.pi, judgement.pi, cad.pi),
         phi=_set(words.phi, found.phi, judgement.phi, cad.phi),
-        base=_set(words.base, found.base, judgement.base, cad.base),
-        base_covariance=np.where(determined, found.base.covariance, NAN),
+        base=BaseSet(
+            **vars(_set(words.base, found.base, judgement.base, cad.base)),
+            covariance=np.where(determined, found.base.covariance, NAN),
+        ),
         covariance=np.where(np.outer(both, both), found.covariance, NAN),
     )
 
@@ -178,28 +185,28 @@ def _mass_forms(
     )
 
 
-def _residual(estimate: Estimate) -> dict[str, Any]:
+def _residual(estimate: Estimate) -> Residual:
     goodness = estimate.goodness
-    document: dict[str, Any] = {
-        "rms": dict(estimate.rms),
-        "chi2_per_dof": None if goodness is None else goodness.per_dof,
-    }
+    found = Residual(
+        rms=dict(estimate.rms),
+        chi2_per_dof=None if goodness is None else goodness.per_dof,
+    )
     if estimate.sensors:
-        document["sensors"] = {
-            name: {
-                key: nulled(value) if isinstance(value, float) else value
-                for key, value in fit._asdict().items()
-            }
+        found["sensors"] = {
+            name: SensorResidual(
+                rms=nulled(fit.rms),
+                noise=nulled(fit.noise),
+                declared=nulled(fit.declared),
+                whiteness=nulled(fit.whiteness),
+                samples=fit.samples,
+            )
             for name, fit in estimate.sensors.items()
         }
-    return document
+    return found
 
 
-def _sensitivity(
-    estimate: Estimate, identified: Identified, refused: bool
-) -> SensitivityTable | None:
-    """For exact data deviations are rounding, and shifts over them say nothing."""
-    if estimate.sensitivity is None or refused:
+def _sensitivity(estimate: Estimate, identified: Identified) -> SensitivityTable | None:
+    if estimate.sensitivity is None:
         return None
     found = estimate.sensitivity()
     if not found.names:

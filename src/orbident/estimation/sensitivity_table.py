@@ -1,17 +1,18 @@
 """What is taken for zero would shift: errors of instruments, and what acts unseen."""
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated
 
 import numpy as np
-from jaxtyping import Float
+from pydantic import Field
 
-from orbident.estimation.quantities import nulled
+from orbident.errors import InputError
 from orbident.estimation.unknowns import UNSEEN
+from orbident.files.json_parts import JsonPart, NullableTable
 
 
 @dataclass(frozen=True, repr=False)
-class SensitivityTable:
+class SensitivityTable(JsonPart):
     """Shifts of the base parameters, in their own standard deviations."""
 
     parameters: tuple[str, ...]
@@ -20,8 +21,15 @@ class SensitivityTable:
     units: tuple[str, ...]
     """The unit of each error: shifts are for one mrad, mm or %. For what acts from
     outside it is `unseen`: shifts are the largest by what is too faint to be seen."""
-    shifts: Float[np.ndarray, "parameters errors"]
-    """NaN for a parameter that is not determined."""
+    shifts: Annotated[NullableTable, Field(alias="in_deviations")]
+    """A row a parameter, a column an error; NaN for a parameter that is not determined.
+    """
+
+    def __post_init__(self) -> None:
+        """Refuse a table that lacks a row or a column."""
+        rows, columns = len(self.parameters), len(self.errors)
+        if self.shifts.shape != (rows, columns) or len(self.units) != columns:
+            raise InputError(f"the table is not {rows} by {columns}")
 
     def __repr__(self) -> str:
         """How large it is, and the largest shift by an instrument."""
@@ -46,12 +54,3 @@ class SensitivityTable:
         row, column = np.unravel_index(size.argmax(), size.shape)
         where = self.errors[column], self.units[column], self.parameters[row]
         return *where, max(float(size[row, column]), 0.0)
-
-    def to_json(self) -> dict[str, Any]:
-        """As in `result.json`."""
-        return {
-            "parameters": list(self.parameters),
-            "errors": list(self.errors),
-            "units": list(self.units),
-            "in_deviations": [nulled(row) for row in self.shifts],
-        }

@@ -8,10 +8,10 @@ One result of several recordings: what is each one's own begins with its name.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import fields, replace
+from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
@@ -19,11 +19,10 @@ from orbident.errors import InputError
 from orbident.estimation.checks import Check
 from orbident.estimation.estimate import Progress, Solved
 from orbident.estimation.found import exact_std
-from orbident.estimation.levels import limit
+from orbident.estimation.levels import ChiSquare, chi_square, limit
 from orbident.estimation.output_error.estimator import OutputError
 from orbident.estimation.output_error.sharing import together
-from orbident.estimation.quantities import Identified
-from orbident.estimation.result import Result
+from orbident.estimation.result import OWN, Residual, Result
 from orbident.estimation.shared import Shared
 from orbident.estimation.signals import Signals
 from orbident.files.names import listed
@@ -65,51 +64,51 @@ def agreement(solved: Sequence[Solved], labels: Sequence[str]) -> Check:
     is chi-square distributed where they do (Cochran 1954).
     """
     name, every = "agreement of recordings", range(len(solved))
-    Q, limit = _differ(solved), _limit(solved, len(solved))
-    if limit >= Q:
+    Q = _differ(solved)
+    most = limit("same robot", Q.dof)
+    if Q.value <= most:
         reason = f"all {len(solved)} recordings show the same robot"
-        return Check(name, "trust", reason, "", Q, limit)
+        return Check(name, "trust", reason, "", Q.value, most)
     reason = f"{listed(labels)} do not show the same robot"
     if len(solved) > 2:
         without = [_differ([solved[j] for j in every if j != k]) for k in every]
-        odd = int(np.argmin(without))
-        if without[odd] <= _limit(solved, len(solved) - 1):
+        odd = int(np.argmin([one.value for one in without]))
+        if not without[odd].is_no_chance("same robot"):
             reason = f"{labels[odd]} does not show the same robot as the others, which "
             reason += "agree with each other"
     return Check(
         name,
         "do not trust",
-        f"{reason}: their base parameters differ by a chi-square of {Q:.3g}, and more "
-        f"than {limit:.3g} is no chance",
+        f"{reason}: their base parameters differ by a chi-square of {Q.value:.3g}, and "
+        f"more than {most:.3g} is no chance",
         "identify each by itself and compare the results: the robot may have changed "
         "in between, by a payload or by propellant, or a recording is in other units",
-        Q,
-        limit,
+        Q.value,
+        most,
     )
 
 
-def _limit(solved: Sequence[Solved], recordings: int) -> float:
-    size = solved[0].estimate.found.base.values.size
-    return limit("same robot", (recordings - 1) * size)
+def _differ(solved: Sequence[Solved]) -> ChiSquare:
+    """`Q`; what interpolation may do to exact recordings is no difference.
 
-
-def _differ(solved: Sequence[Solved]) -> float:
-    """`Q`; what interpolation may do to exact recordings is no difference."""
+    Each recording is compared with the weighted mean of those before it, which adds up
+    to the same.
+    """
     problem = solved[0].problem
-    exact = exact_std(problem.robot, problem.sets)
+    exact = np.diag(exact_std(problem.robot, problem.sets) ** 2)
     bases = [each.estimate.found.base for each in solved]
     # Parameters have units: unit deviations while inverting.
-    std = np.min([np.sqrt(np.diag(b.covariance) + exact**2) for b in bases], axis=0)
-    weights = [
-        np.linalg.inv((b.covariance + np.diag(exact**2)) / np.outer(std, std))
-        for b in bases
-    ]
-    values = [b.values / std for b in bases]
-    pulled = sum(W @ b for W, b in zip(weights, values, strict=True))
-    mean = np.linalg.solve(np.sum(weights, axis=0), pulled)
-    return float(
-        sum((b - mean) @ W @ (b - mean) for W, b in zip(weights, values, strict=True))
+    std = np.min([np.sqrt(np.diag(b.covariance + exact)) for b in bases], axis=0)
+    (mean, P), *others = (
+        (b.values / std, (b.covariance + exact) / np.outer(std, std)) for b in bases
     )
+    Q, dof = 0.0, 0
+    for values, C in others:
+        apart = chi_square(values - mean, P + C)
+        Q, dof = Q + apart.value, dof + apart.dof
+        K = np.linalg.solve(P + C, P).T
+        mean, P = mean + K @ (values - mean), K @ C
+    return ChiSquare(Q, dof)
 
 
 def solved_together(
@@ -140,9 +139,6 @@ def _said(solved: Solved) -> Shared:
     return solved.estimate.shared()
 
 
-T = TypeVar("T")
-
-
 def as_one(
     results: Sequence[Result], labels: Sequence[str], agreement: Check
 ) -> Result:
@@ -155,30 +151,23 @@ def as_one(
     """
     last = results[-1]
     refused = next((one for one in results if one.status == "rejected"), last)
-
-    def every(name: str) -> dict[str, Any]:
-        return _every(labels, [getattr(one, name) for one in results])
-
+    own = {
+        name: _every(labels, [getattr(one, name) for one in results]) for name in OWN
+    }
     one = replace(
         last,
+        **own,
         checks=(agreement, *_checks(results, labels)),
         notes=_notes(results, labels),
         residual=_residual(results, labels),
-        biases=every("biases"),
-        disturbances=every("disturbances"),
-        clocks=every("clocks"),
-        rejected=every("rejected"),
-        origins=every("origins"),
         samples=sum(one.samples for one in results),
         solved=refused.solved,
         signals=lambda: _signals(results, labels),
     )
-    if one.status == "ok" or last.status == "rejected":
-        return one
-    whole = Identified(
-        **{each.name: getattr(last, each.name) for each in fields(Identified)}
-    )
-    return replace(one, **vars(whole.nothing()), diagnostics=whole)
+    return one if one.status == last.status else one.withheld()
+
+
+T = TypeVar("T")
 
 
 def _every(labels: Sequence[str], parts: Sequence[Mapping[str, T]]) -> dict[str, T]:
@@ -214,17 +203,18 @@ def _notes(results: Sequence[Result], labels: Sequence[str]) -> tuple[str, ...]:
     return (*(note for note in results[-1].notes if note in common), *own)
 
 
-def _residual(results: Sequence[Result], labels: Sequence[str]) -> dict[str, Any]:
+def _residual(results: Sequence[Result], labels: Sequence[str]) -> Residual:
     """The residuals of every sensor, and chi-square as if all were one recording."""
     parts = [one.residual for one in results]
+    ratios = [part.get("chi2_per_dof") for part in parts]
     known = [
-        (part["chi2_per_dof"], one.samples)
-        for part, one in zip(parts, results, strict=True)
-        if part["chi2_per_dof"] is not None
+        (r, one.samples)
+        for r, one in zip(ratios, results, strict=True)
+        if r is not None
     ]
     chi2, samples = (sum(c * n for c, n in known), sum(n for _, n in known))
     return {
-        "rms": _every(labels, [part["rms"] for part in parts]),
+        "rms": _every(labels, [part.get("rms", {}) for part in parts]),
         "chi2_per_dof": chi2 / samples if samples else None,
         "sensors": _every(labels, [part.get("sensors", {}) for part in parts]),
     }

@@ -12,6 +12,7 @@ from scipy.linalg import solve_triangular
 
 from orbident import _core
 from orbident.estimation.triangular import fold
+from orbident.files.json_parts import Count, Keyed, NullableNumber
 
 SMALL = 1e-2
 """Standard deviations: a search ends with a step that is smaller than this."""
@@ -20,17 +21,17 @@ SMALL = 1e-2
 class Step(NamedTuple):
     """One step of a search."""
 
-    cost: float
+    cost: NullableNumber
     """After the step: the sum of the squares of all whitened residuals and priors."""
-    size: float
+    size: NullableNumber
     """How far the step led, in standard deviations of the parameters: none moved by
     more of its own. NaN where a round starts."""
-    round: int = 1
+    round: Count = 1
     """Each round weighs residuals by the noise and outliers that the one before it
     showed, so costs of different rounds cannot be compared."""
 
 
-Convergence = tuple[Step, ...]
+Convergence = tuple[Keyed[Step], ...]
 """All steps of a search, in order; none for a method that solves its equations once."""
 
 

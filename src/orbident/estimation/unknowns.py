@@ -10,6 +10,8 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
+from orbident.files.json_parts import FiniteNumber
+
 UNSEEN = "unseen"
 """In place of a unit: as large as may act from outside and not be seen."""
 
@@ -17,9 +19,9 @@ UNSEEN = "unseen"
 class CalibrationFit(NamedTuple):
     """A calibration error; SI or relative."""
 
-    value: float
-    std: float
-    tolerance: float
+    value: FiniteNumber
+    std: FiniteNumber
+    tolerance: FiniteNumber
     """The standard deviation beforehand, as the robot file declares it."""
 
 
@@ -81,9 +83,9 @@ class DisturbanceFit(NamedTuple):
 
     group: str
     unit: str
-    value: float
-    std: float
-    shift: float
+    value: FiniteNumber
+    std: FiniteNumber
+    shift: FiniteNumber
     """How far off the base parameter that it concerns most would be, in its deviations,
     had the group been left out."""
 

@@ -13,15 +13,17 @@ Joints are locked, so `c` is a constant: an unknown as `r_0` and `v_0` are.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Literal, NamedTuple
+from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
 from jaxtyping import Float, Int
+from pydantic import Field
 from scipy.spatial.transform import Rotation
 
 from orbident.errors import InputError
-from orbident.estimation.quantities import Quantity, nulled
+from orbident.estimation.quantities import Quantity
 from orbident.estimation.triangular import Layout, LinearFit, fold, solve_factor
+from orbident.files.json_parts import JsonPart, NullableNumber, held_as
 from orbident.model.minimal_sets import conserved_axes
 from orbident.preprocessing.base_motion import base_motion, same_sign
 from orbident.preprocessing.delays import delays
@@ -226,40 +228,28 @@ NOWHERE = Quantity(float("nan"), float("nan"))
 
 
 @dataclass(frozen=True, repr=False)
-class Weighing:
+class Weighing(JsonPart):
     """The total mass by a thruster burn, and what it was found from."""
 
     mass: Quantity
     """kg; NaN where the status is rejected."""
-    signal: str
-    """The signal of S that it was found from, such as `"position"`."""
-    samples: int
-    """How many samples were used."""
-    impulse: Float[np.ndarray, "3"]
-    """Impulse of the thrusters, inertial axes, N s."""
-    rms: float
-    """Root mean square of the residual: m, or m/s."""
     status: Literal["ok", "rejected"]
     """`"rejected"` if the burn does not determine the mass."""
     warnings: tuple[str, ...]
     """What a person should know of it, in sentences."""
+    signal: str
+    """The signal of S that it was found from, such as `"position"`."""
+    samples: int
+    """How many samples were used."""
+    impulse: Annotated[Float[np.ndarray, "3"], held_as(list[NullableNumber])]
+    """Impulse of the thrusters, inertial axes, N s."""
+    rms: Annotated[NullableNumber, Field(alias="residual_rms")]
+    """Root mean square of the residual: m, or m/s."""
 
     def __repr__(self) -> str:
         """The mass and what it was found from."""
         found = f"mass {self.mass} kg from {self.signal}, {self.samples} samples"
         return "\n".join([f"{self.status}: {found}", *self.warnings])
-
-    def to_json(self) -> dict[str, Any]:
-        """As `weigh --json` gives it."""
-        return {
-            "mass": {"value": nulled(self.mass.value), "std": nulled(self.mass.std)},
-            "status": self.status,
-            "warnings": list(self.warnings),
-            "signal": self.signal,
-            "samples": self.samples,
-            "impulse": nulled(self.impulse),
-            "residual_rms": nulled(self.rms),
-        }
 
 
 def weigh(robot: Robot, recording: Recording) -> Weighing:

@@ -2,14 +2,14 @@
 
 from typing import Any, TypeVar
 
-from pydantic import BaseModel, ValidationError
+from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
 from orbident.errors import InputError
 from orbident.files.names import quoted
-from orbident.files.schema_parts import WrongValueError
+from orbident.files.schema_parts import WrongValueError, adapter
 
-Model = TypeVar("Model", bound=BaseModel)
+Model = TypeVar("Model")
 
 _REMEDIES = {
     "tuple_type": "give a list",
@@ -26,7 +26,7 @@ def validated(model: type[Model], document: dict[Any, Any], place: str) -> Model
     """The document as an instance of a schema.
 
     Args:
-        model: the schema.
+        model: the schema, a class with typed fields.
         document: keys and values, as read.
         place: the file's name, for messages.
 
@@ -34,7 +34,7 @@ def validated(model: type[Model], document: dict[Any, Any], place: str) -> Model
         InputError: the first thing that is wrong, and how many more there are.
     """
     try:
-        return model.model_validate(document)
+        return adapter(model).validate_python(document)
     except ValidationError as error:
         raise InputError(_one_line(error, place)) from None
 

@@ -3,13 +3,27 @@
 import math
 from collections.abc import Sequence
 from contextlib import suppress
+from functools import cache
 from typing import Annotated, Any, ClassVar
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    TypeAdapter,
+    model_validator,
+)
 
 from orbident.errors import InputError
 from orbident.files.bounds import LARGEST, SMALLEST
 from orbident.files.names import quoted, suggestion
+
+
+@cache
+def adapter(model: Any) -> Any:
+    """What checks, reads and writes objects of a class with typed fields."""
+    return TypeAdapter(model)
 
 
 class WrongValueError(InputError):

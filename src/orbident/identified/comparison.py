@@ -11,6 +11,7 @@ import numpy as np
 
 from orbident.errors import InputError
 from orbident.estimation.criteria import VAGUE
+from orbident.estimation.levels import ChiSquare
 from orbident.estimation.result import Result
 from orbident.files.names import joined, suggestion
 from orbident.identified.difference import (
@@ -21,7 +22,6 @@ from orbident.identified.difference import (
 )
 from orbident.identified.single_body import (
     AddedBody,
-    ChiSquare,
     Explanation,
     added_body,
     explanations,
@@ -30,9 +30,6 @@ from orbident.identified.single_body import (
 )
 from orbident.robot.description import Robot, Structure
 from orbident.robot.parameters import PER_BODY, SYMBOLS
-
-CHANCE = 1e-3
-"""What is less probable than this is no chance."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -113,7 +110,7 @@ def _compared(before: Result, after: Result, body: str | None) -> Comparison:
     warnings = optimistic(before, after)
     difference = difference_of(before, after)
     change = total(difference)
-    if change.dof and change.p > CHANCE:
+    if change.dof and not change.is_no_chance("comparison"):
         return Comparison("no change", warnings, change)
     # What holds it, and with what structure: the total mass tells.
     released = bool(before.base.values[0] > after.base.values[0])
@@ -123,7 +120,7 @@ def _compared(before: Result, after: Result, body: str | None) -> Comparison:
     useless = None
     if np.isnan(best.theta).all():
         useless = f"nothing that changed is determined: {lost(before, after)}"
-    elif best.left.p < CHANCE:
+    elif best.left.is_no_chance("comparison"):
         useless = unexplained(best, found)
     if useless:
         return Comparison("rejected", (*warnings, useless), change, found)

@@ -185,10 +185,10 @@ def determined_combinations(
 def _theta_of(result: Result) -> Float[np.ndarray, "theta beta"]:
     theta_of = minimal_sets(result.robot).base.theta_of
     size = theta_of.shape[1]
-    if result.base_covariance.shape != (size, size) or result.base.values.size != size:
+    if result.base.values.size != size:
         raise InputError(
             f"the result has not the {size} base parameters of robot "
-            f"'{result.robot.name}', or not their covariance; identify again"
+            f"'{result.robot.name}'; identify again"
         )
     return theta_of
 

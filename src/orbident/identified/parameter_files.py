@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 from orbident.errors import InputError
-from orbident.estimation.quantities import nulled
 from orbident.estimation.result import Result
+from orbident.files.json_parts import nulled
 from orbident.files.names import listed, quoted
 
 COLUMNS = ("set", "parameter", "estimate", "std", "nominal", "unit", "formula")

@@ -4,6 +4,7 @@ import json
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -11,19 +12,8 @@ from typing import Any
 import numpy as np
 
 from orbident.errors import InputError
-from orbident.estimation.checks import Check
-from orbident.estimation.quantities import (
-    EstimatedSet,
-    Identified,
-    MassRoutes,
-    Parameters,
-    Quantity,
-)
 from orbident.estimation.result import SCHEMA, Result
-from orbident.estimation.sensitivity_table import SensitivityTable
 from orbident.estimation.signals import Signals
-from orbident.estimation.solution import Step
-from orbident.estimation.unknowns import CalibrationFit, DisturbanceFit
 from orbident.files.folder_replacing import (
     finish,
     is_committed,
@@ -32,6 +22,7 @@ from orbident.files.folder_replacing import (
 )
 from orbident.files.pipes import refuse_pipe
 from orbident.files.replacing import UNFINISHED
+from orbident.files.schema_errors import validated
 from orbident.files.text import write_text
 from orbident.identified.checksums import (
     FILES,
@@ -39,9 +30,8 @@ from orbident.identified.checksums import (
     check_files,
     with_checksums,
 )
-from orbident.identified.result_document import check_content
 from orbident.identified.signals_file import read_signals, write_signals
-from orbident.preprocessing.delays import Delay
+from orbident.robot.description import Robot
 from orbident.robot.robot_file import load_written_robot, write_robot
 
 RESULT, REPORT = "result.json", "report.html"
@@ -217,123 +207,30 @@ def _read(text: str, folder: Path) -> Result:
     check_document(document, path)
     check_files(document[FILES], folder, READ)
     robot = load_written_robot(folder)
-    check_content(document, robot.joint_names, path)
-    refused = document["diagnostics"]
-    return Result(
-        robot=robot,
-        method=document["method"],
-        initial_momentum=document["initial_momentum"],
-        checks=tuple(_check(check) for check in document["checks"]),
-        notes=tuple(document["notes"]),
-        **vars(_identified(document)),
-        diagnostics=None if refused is None else _identified(refused),
-        condition_number={
-            name: _number(value) for name, value in document["condition_number"].items()
-        },
-        residual=document["residual"],
-        convergence=tuple(_step(step) for step in document.get("convergence", [])),
-        biases=document["biases"],
-        calibration={
-            name: CalibrationFit(**fit) for name, fit in document["calibration"].items()
-        },
-        disturbances={
-            name: DisturbanceFit(**fit)
-            for name, fit in document.get("disturbances", {}).items()
-        },
-        sensitivity=partial(_sensitivity, document["sensitivity"]),
-        clocks={
-            sensor: Delay(_number(d["late"]), _number(d["std"]), d["corrected"])
-            for sensor, d in document["clocks"].items()
-        },
-        rejected=document["rejected"],
-        origins=document["origins"],
-        samples=document["samples"],
-        motion=document.get("motion", {}),
-        input=document.get("input", {}),
-        signals=partial(_signals, folder, document[FILES]),
-        elapsed_s=document["elapsed_s"],
-        versions=document["versions"],
-    )
+    signals = partial(_signals, folder, document[FILES])
+    return replace(result_from(document, robot, path), signals=signals)
+
+
+def result_from(document: dict[str, Any], robot: Robot, path: Path) -> Result:
+    """The result that a document holds.
+
+    Args:
+        document: the content of `result.json`.
+        robot: whose result it is.
+        path: of the file, for messages.
+
+    Raises:
+        InputError: the first thing that is wrong, and how many more there are.
+    """
+    try:
+        return validated(Result, {**document, "robot": robot}, "")
+    except InputError as error:
+        raise InputError(
+            f"{path}: is not what 'orbident identify' wrote: {error}; identify again"
+        ) from None
 
 
 def _signals(folder: Path, files: dict[str, str]) -> Signals:
     """Read when they are wanted: the folder may have been replaced by then."""
     check_files(files, folder, [SIGNALS])
     return read_signals(folder / SIGNALS)
-
-
-def _number(value: float | None) -> float:
-    return float("nan") if value is None else float(value)
-
-
-def _table(rows: list[list[float | None]]) -> np.ndarray:
-    table = np.array([[_number(value) for value in row] for row in rows])
-    return table.reshape(len(rows), -1)
-
-
-def _sensitivity(document: dict[str, Any] | None) -> SensitivityTable | None:
-    if document is None:
-        return None
-    return SensitivityTable(
-        parameters=tuple(document["parameters"]),
-        errors=tuple(document["errors"]),
-        units=tuple(document["units"]),
-        shifts=_table(document["in_deviations"]),
-    )
-
-
-def _step(document: dict[str, Any]) -> Step:
-    cost, size = (_number(document[key]) for key in ("cost", "size"))
-    return Step(cost, size, document["round"])
-
-
-def _check(document: dict[str, Any]) -> Check:
-    numbers = {key: _number(document[key]) for key in ("statistic", "limit")}
-    return Check(**{**document, **numbers})
-
-
-def _identified(document: dict[str, Any]) -> Identified:
-    mass = document["mass"]
-    return Identified(
-        mass=Quantity(_number(mass["value"]), _number(mass["std"])),
-        mass_forms=_routes(mass["forms"]),
-        pi=_set(document["pi"]),
-        phi=_set(document["phi"]),
-        base=_set(document["base"]),
-        base_covariance=_table(document["base"]["covariance"]),
-        covariance=_symmetric(document["covariance"]),
-    )
-
-
-def _symmetric(lower: list[list[float | None]]) -> np.ndarray:
-    """A symmetric matrix, from rows that end at its diagonal."""
-    matrix = np.zeros((len(lower), len(lower)))
-    for k, row in enumerate(lower):
-        matrix[k, : k + 1] = matrix[: k + 1, k] = [_number(value) for value in row]
-    return matrix
-
-
-def _set(document: dict[str, Any]) -> EstimatedSet:
-    nominal = _numbers(document["nominal"])
-    return EstimatedSet(**vars(_parameters(document)), nominal=nominal)
-
-
-def _routes(document: dict[str, Any]) -> MassRoutes:
-    return MassRoutes(
-        **vars(_parameters(document)),
-        sigmas=_numbers(document["sigmas"]),
-        left_out=document["left_out"],
-    )
-
-
-def _parameters(document: dict[str, Any]) -> Parameters:
-    return Parameters(
-        names=tuple(document["names"]),
-        formulas=tuple(document["formulas"]),
-        values=_numbers(document["values"]),
-        std=_numbers(document["std"]),
-    )
-
-
-def _numbers(values: list[float | None]) -> np.ndarray:
-    return np.array([_number(value) for value in values])

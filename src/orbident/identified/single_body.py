@@ -9,10 +9,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from jaxtyping import Float, Inexact, Int
-from scipy.special import chdtrc
 
 from orbident.estimation.criteria import VAGUE
-from orbident.estimation.quantities import Parameters, Quantity, nulled
+from orbident.estimation.levels import ChiSquare
+from orbident.estimation.quantities import Parameters, Quantity
+from orbident.files.json_parts import nulled
 from orbident.gaussian import NINETY_FIVE
 from orbident.identified.difference import Difference, determined_combinations
 from orbident.robot.description import Robot, Structure
@@ -24,22 +25,6 @@ from orbident.robot.parameters import (
     PER_BODY,
     SYMBOLS,
 )
-
-
-class ChiSquare(NamedTuple):
-    """A sum of squares of white noise, if nothing else is in it."""
-
-    value: float
-    dof: int
-
-    @property
-    def p(self) -> float:
-        """The probability that chance alone gives as much."""
-        return float(chdtrc(self.dof, self.value)) if self.dof else 1.0
-
-    def to_json(self) -> dict[str, float]:
-        """As in the JSON of `compare`."""
-        return {"chi2": self.value, "dof": self.dof, "p": self.p}
 
 
 class Explanation(NamedTuple):

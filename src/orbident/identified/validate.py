@@ -8,16 +8,17 @@ the noise of every sensor, filtered or raw, are accounted for in both.
 """
 
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import Annotated, Literal
 
 import numpy as np
 from jaxtyping import Float
-from scipy.special import chdtrc
+from pydantic import Field
 
 from orbident.estimation.found import exact_std
 from orbident.estimation.identify import identify
-from orbident.estimation.quantities import nulled
+from orbident.estimation.levels import chi_square
 from orbident.estimation.result import Result
+from orbident.files.json_parts import JsonPart, NullableNumber
 from orbident.gaussian import NINETY_FIVE
 from orbident.identified.prediction import predict, prediction_deviations
 from orbident.model.minimal_sets import conserved_axes, minimal_sets
@@ -25,46 +26,40 @@ from orbident.recordings.recording import Recording
 
 Verdict = Literal["explained", "not explained", "not judged"]
 
-CHANCE = 0.005
-"""Probability that a right result is called wrong."""
-
 MISSED = 0.1
 """Share of the squared signal: even where a recording tells too little to judge by, a
 larger squared error is no noise."""
 
-ROUNDING = 1e-12
-"""Directions of the combined covariance with less of the largest are rounding."""
-
 
 @dataclass(frozen=True, repr=False)
-class Validation:
+class Validation(JsonPart):
     """How well a result predicts a recording, by signal.
 
     Errors are NaN where the recording has nothing to compare with.
     """
 
-    nrmse: dict[str, float]
+    nrmse: dict[str, NullableNumber]
     """RMS of the error over the RMS of the measured signal about its mean."""
-    rms: dict[str, float]
+    rms: dict[str, NullableNumber]
     """RMS of the error: gyro in rad/s, velocity in m/s."""
     samples: int
     """Number of samples that were predicted."""
-    std: dict[str, float]
+    std: Annotated[dict[str, NullableNumber], Field(alias="predicted_std")]
     """RMS of the predicted signals' deviations, as the parameters have theirs."""
-    inside: dict[str, float]
+    inside: Annotated[dict[str, NullableNumber], Field(alias="inside_95")]
     """Fraction of samples within 1.96 of these: 0.95 where the parameters alone are
     off, and less with noisy sensors, whose noise is not in it."""
-    noise: dict[str, float]
+    noise: dict[str, NullableNumber]
     """RMS of the error that parameters fitted to this very recording leave: the
     sensors' share."""
     verdict: Verdict
     """Whether deviations and sensors explain the errors."""
     reason: str
-    chi2: float = np.nan
+    chi2: NullableNumber = np.nan
     """Squared difference from the recording's own parameters, over its covariance."""
-    dof: int = 0
+    dof: Annotated[int, Field(alias="degrees_of_freedom")] = 0
     """How many parameters are compared: what `chi2` is on average."""
-    p_value: float = np.nan
+    p_value: NullableNumber = np.nan
     """Probability of a larger `chi2` where the result is right."""
 
     def summary(self) -> list[str]:
@@ -97,22 +92,6 @@ class Validation:
         verdict = f"{self.samples} samples: {self.verdict}"
         reason = f": {self.reason}" if self.reason else ""
         return "\n".join([verdict + reason, *self.summary()])
-
-    def to_json(self) -> dict[str, Any]:
-        """As `validate --json` gives it."""
-        return {
-            "nrmse": {name: nulled(value) for name, value in self.nrmse.items()},
-            "rms": {name: nulled(value) for name, value in self.rms.items()},
-            "samples": self.samples,
-            "predicted_std": {name: nulled(value) for name, value in self.std.items()},
-            "inside_95": {name: nulled(value) for name, value in self.inside.items()},
-            "noise": {name: nulled(value) for name, value in self.noise.items()},
-            "verdict": self.verdict,
-            "reason": self.reason,
-            "chi2": nulled(self.chi2),
-            "degrees_of_freedom": self.dof,
-            "p_value": nulled(self.p_value),
-        }
 
 
 def validate(result: Result, recording: Recording) -> Validation:
@@ -155,32 +134,27 @@ def _compared(result: Result, own: Result, scores: Validation) -> Validation:
     exact = exact_std(result.robot, sets)[both]
     C = (result.base_covariance + own.base_covariance)[np.ix_(both, both)]
     d = (own.base.values - result.base.values)[both]
-    # Parameters have units: unit variances while decomposing.
-    std = np.sqrt(np.diag(C) + exact**2)
-    values, vectors = np.linalg.eigh((C + np.diag(exact**2)) / np.outer(std, std))
-    known = values > ROUNDING * values.max(initial=0.0)
-    z = vectors.T[known] @ (d / std) / np.sqrt(values[known])
-    chi2, dof = float(z @ z), int(known.sum())
-    p = float(chdtrc(dof, chi2))
-    if p >= CHANCE:
+    C += np.diag(exact**2)
+    apart = chi_square(d, C)
+    if not apart.is_no_chance("validation"):
         reason = (
             "the parameters differ from those that this recording alone would give by "
             "no more than the standard deviations of both allow"
         )
         verdict = "explained"
     else:
-        worst = int(np.argmax(np.abs(d / std)))
+        sigmas = np.abs(d) / np.sqrt(np.diag(C))
+        worst = int(np.argmax(sigmas))
         name = np.array(result.base.names)[both][worst]
         reason = (
             "the parameters differ from those that this recording alone would give by "
-            f"more than chance: {name} by {abs(d[worst] / std[worst]):.2g} combined "
+            f"more than chance: {name} by {sigmas[worst]:.2g} combined "
             "standard deviations; the robot may have changed, or one of the two "
             "recordings or its deviations are wrong"
         )
         verdict = "not explained"
-    return replace(
-        scores, verdict=verdict, reason=reason, chi2=chi2, dof=dof, p_value=p
-    )
+    found = {"chi2": apart.value, "dof": apart.dof, "p_value": apart.p}
+    return replace(scores, verdict=verdict, reason=reason, **found)
 
 
 def scored(result: Result, recording: Recording) -> Validation:

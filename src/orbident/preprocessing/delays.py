@@ -1,8 +1,11 @@
 """How much each sensor's times are behind those of the base rate."""
 
 from collections.abc import Mapping
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
+from pydantic import Field
+
+from orbident.files.json_parts import NullableNumber, NullableStd
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 
@@ -30,12 +33,12 @@ SETTLED = 1e-6
 class Delay(NamedTuple):
     """How much the times of a sensor are behind those of the base rate."""
 
-    late: float
+    late: NullableNumber
     """s."""
-    std: float
-    believed: bool
+    std: NullableStd
+    believed: Annotated[bool, Field(strict=True, alias="corrected")]
     """Whether it is more than chance, matters, and is short enough to be corrected."""
-    apart: bool = False
+    apart: Annotated[bool, Field(exclude=True)] = False
     """Whether it is certain, but longer than any sensor is late."""
 
 

@@ -19,8 +19,8 @@ from jaxtyping import Float
 from orbident.campaigns.executors import Executors, InThisProcess
 from orbident.campaigns.seeds import Series, check_seeds, over_seeds
 from orbident.estimation.identify import identify
-from orbident.estimation.quantities import nulled
 from orbident.estimation.result import Result
+from orbident.files.json_parts import nulled
 from orbident.model.rotations import rotation_angle
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot

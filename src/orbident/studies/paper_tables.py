@@ -6,7 +6,7 @@ A study's parameters beside the paper's own numbers.
 from dataclasses import dataclass
 from typing import Any
 
-from orbident.estimation.quantities import nulled
+from orbident.files.json_parts import nulled
 
 # Table 2: row per joint, column per harmonic.
 SPATIAL_A = (

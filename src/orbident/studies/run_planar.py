@@ -11,10 +11,10 @@ from jaxtyping import Float
 from orbident.campaigns.executors import Executors, InThisProcess
 from orbident.campaigns.seeds import Errors, Series, check_seeds, over_seeds
 from orbident.estimation.identify import Method as Estimator
-from orbident.estimation.quantities import nulled
 from orbident.estimation.result import Result
 from orbident.estimation.triangular import condition_numbers
 from orbident.estimation.weigh import Weighing
+from orbident.files.json_parts import nulled
 from orbident.identified.validate import Validation
 from orbident.preprocessing.low_pass import CutOff
 from orbident.robot.description import Robot

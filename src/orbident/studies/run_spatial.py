@@ -15,10 +15,10 @@ from orbident.campaigns.executors import Executors, InThisProcess
 from orbident.campaigns.seeds import Errors, Series, check_seeds, over_seeds
 from orbident.estimation.found import EstimatedParameters
 from orbident.estimation.identify import Method, identify
-from orbident.estimation.quantities import nulled
 from orbident.estimation.result import Result
 from orbident.estimation.triangular import condition_numbers
 from orbident.excitation.bound import cramer_rao
+from orbident.files.json_parts import nulled
 from orbident.model.minimal_sets import minimal_sets
 from orbident.model.paper_bases import PaperBasis, paper_basis, spatial_columns
 from orbident.preprocessing.low_pass import CutOff

@@ -10,8 +10,8 @@ from jaxtyping import Float
 
 from orbident.campaigns.executors import Executors, InThisProcess
 from orbident.campaigns.seeds import Series, check_seeds, over_seeds
-from orbident.estimation.quantities import nulled
 from orbident.estimation.result import Result
+from orbident.files.json_parts import nulled
 from orbident.preprocessing.low_pass import CutOff
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot

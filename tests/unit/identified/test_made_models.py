@@ -37,9 +37,7 @@ def test_no_bodies(result: Result):
     """A total mass that is negative, with certainty."""
     values = result.base.values.copy()
     values[0] = -1.0
-    base = replace(result.base, values=values)
-    impossible = replace(
-        result, base=base, base_covariance=np.diag(np.full(values.size, 1e-20))
-    )
+    C = np.diag(np.full(values.size, 1e-20))
+    impossible = replace(result, base=replace(result.base, values=values, covariance=C))
     with pytest.raises(InputError, match="no bodies that can exist"):
         impossible.to_mujoco()

@@ -34,8 +34,9 @@ def found() -> Result:
 
 def with_base(result: Result, values: np.ndarray, std: np.ndarray) -> Result:
     """The same result with other base parameters, independent of one another."""
-    base = replace(result.base, values=values, std=std)
-    return replace(result, base=base, base_covariance=np.diag(std**2))
+    C = np.diag(std**2)
+    base = replace(result.base, values=values, std=std, covariance=C)
+    return replace(result, base=base)
 
 
 def smallest_eigenvalue(theta_i: np.ndarray) -> float:

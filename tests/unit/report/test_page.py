@@ -133,7 +133,7 @@ def test_rejected_has_a_report_too():
 def test_a_result_that_says_little_has_one():
     """As one that an older version wrote."""
     found: Result = replace(
-        report_runs.result(), signals=tuple, motion={}, input={}, residual={}
+        report_runs.result(), signals=tuple, motion=None, input={}, residual={}
     )
     ids = _seen(report_page(found)).ids
     assert "parameters" in ids

@@ -138,8 +138,9 @@ def test_what_cannot_be_drawn_is_said(result):
     with pytest.raises(InputError, match="is not known"):
         drawn(replace(result, sensitivity=lambda: None), "sensitivity")
     C = np.full_like(result.base_covariance, np.nan)
+    base = replace(result.base, covariance=C)
     with pytest.raises(InputError, match="no correlations"):
-        drawn(replace(result, base_covariance=C), "correlations")
+        drawn(replace(result, base=base), "correlations")
 
 
 def test_the_extra_is_named(result, monkeypatch: pytest.MonkeyPatch):

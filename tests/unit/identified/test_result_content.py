@@ -10,7 +10,7 @@ import pytest
 from made_results import exact_result
 
 from orbident.errors import InputError
-from orbident.identified.result_document import check_content
+from orbident.identified.run_folder import result_from
 from orbident.robot.robot_file import load_robot
 
 ROBOT = load_robot("cepheus-like")
@@ -52,13 +52,13 @@ def edited(value: Any, *keys: str | int) -> dict[str, Any]:
     return document
 
 
-def check(document: Any) -> None:
-    check_content(document, ROBOT.joint_names, PATH)
+def check(document: dict[str, Any]) -> None:
+    result_from(document, ROBOT, PATH)
 
 
 def test_what_is_written_is_accepted():
     check(WRITTEN)
-    check(edited({}, "motion"))
+    check(edited(None, "motion"))
     check(edited("of a later version", "more"))
 
 
@@ -81,21 +81,40 @@ REFUSED = {
     "an unknown sensor": (({"eye": 1.0}, "residual", "rms"), "residual.rms.eye"),
     "text for a time": (("1", "input"), "input: found '1'"),
     "text for a start": (({"from": "1"}, "input"), "input.from: found '1'"),
-    "a number for a list": ((3, "warnings"), "warnings: found 3; give a"),
+    "a number for a list": ((3, "notes"), "notes: found 3; give a"),
     "a number for a name": (([3], "motion", "locked"), "motion.locked[0]: found 3"),
     "a number for joints": ((1, "motion", "joints"), "motion.joints: found 1"),
     "other joints": (({}, "motion", "joints"), "these are not the robot's"),
     "a row less": (
         (WRITTEN["base"]["covariance"][1:], "base", "covariance"),
-        "not 8 by 8",
+        "base: the covariance is not 8 by 8",
     ),
-    "a short row": (([1.0], "base", "covariance", 0), "the covariance is not 8 by 8"),
+    "a short row": (
+        ([1.0], "base", "covariance", 0),
+        "rows of one length are expected",
+    ),
+    "a smaller square": (
+        ([[1.0]], "base", "covariance"),
+        "base: the covariance is not 8 by 8",
+    ),
+    "half a covariance": (
+        ([[1.0], [1.0]], "covariance"),
+        "rows that end at the diagonal are expected",
+    ),
+    "a covariance of others": (
+        ([[1.0], [0.0, 1.0]], "covariance"),
+        "the covariance of pi and phi is not 0 by 0",
+    ),
     "1e308": ((1e308, "base", "covariance", 0, 0), "covariance[0][0]: found 1e+308"),
     "infinite": ((float("inf"), "base", "values", 0), "base.values[0]: found inf"),
     "negative deviation": ((-1.0, "base", "std", 0), "a deviation is not negative"),
     "one value less": (([1.0], "base", "values"), "not of one length"),
     "true for a number": ((True, "elapsed_s"), "elapsed_s: found True"),
-    "a status": (("fine", "status"), "status: found 'fine'; give 'ok' or 'rejected'"),
+    "a momentum": (
+        ("known", "initial_momentum"),
+        "initial_momentum: found 'known'; give 'unknown'",
+    ),
+    "what is not kept": (({"pi": 1}, "fits"), "fits: found {'pi': 1}"),
     "another version": (("orbident/result/1", "schema"), "give 'orbident/result/2'"),
 }
 
@@ -112,10 +131,9 @@ def test_what_is_refused(edit: tuple[Any, ...], words: str):
     assert len(line) < 300
 
 
-@pytest.mark.parametrize("document", [[], 3, None, {}, "text"])
-def test_what_is_no_result_at_all(document: Any):
+def test_what_is_no_result_at_all():
     with pytest.raises(InputError, match=r"identify again$"):
-        check(document)
+        check({})
 
 
 def test_every_place_with_every_kind_of_value():
