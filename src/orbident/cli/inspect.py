@@ -5,8 +5,8 @@ from typing import Annotated, Any
 
 import typer
 
+from orbident.choices import InitialMomentum
 from orbident.cli.options import (
-    InitialMomentum,
     Json,
     MomentumKnown,
     Quiet,
@@ -24,7 +24,7 @@ def inspect(
             "robot's sensors allow (the Cramér-Rao bound).",
         ),
     ] = None,
-    initial_momentum: MomentumKnown = InitialMomentum.unknown,
+    initial_momentum: MomentumKnown = "unknown",
     json: Json = None,
     quiet: Quiet = False,
 ) -> None:
@@ -79,7 +79,7 @@ def _bound(robot: Any, trajectory: Path, initial_momentum: InitialMomentum) -> A
     from orbident.excitation.bound import cramer_rao
     from orbident.trajectories.trajectory_file import load_trajectory
 
-    return cramer_rao(robot, load_trajectory(trajectory), initial_momentum.value)
+    return cramer_rao(robot, load_trajectory(trajectory), initial_momentum)
 
 
 def _deviations(known: Any) -> list[float | None]:

@@ -7,8 +7,9 @@ import time
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Literal, get_args
+from typing import get_args
 
+from orbident.choices import Method
 from orbident.errors import InputError
 from orbident.estimation.criteria import judge
 from orbident.estimation.estimate import Estimate, Estimator, Progress, Solved
@@ -38,7 +39,6 @@ from orbident.robot.description import Robot
 from orbident.robot.robot_file import load_robot
 from orbident.threads import one_blas_thread
 
-Method = Literal["maximum-likelihood", "structured", "least-squares", "recursive"]
 METHODS: tuple[Method, ...] = get_args(Method)
 
 ESTIMATORS: dict[str, type[Estimator]] = {

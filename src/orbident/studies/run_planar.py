@@ -3,13 +3,14 @@
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, Literal, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 
 from orbident.campaigns.executors import Executors, InThisProcess
 from orbident.campaigns.seeds import Errors, Series, check_seeds, over_seeds
+from orbident.choices import StudyNoise
 from orbident.estimation.identify import Method as Estimator
 from orbident.estimation.quantities import nulled
 from orbident.estimation.result import Result
@@ -157,7 +158,7 @@ class PlanarStudy:
 
 
 def run_planar(
-    noise: Literal["none", "paper"] = "none",
+    noise: StudyNoise = "none",
     seeds: int = 1,
     first_seed: int = 0,
     method: Estimator = "maximum-likelihood",

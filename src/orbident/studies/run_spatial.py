@@ -13,6 +13,7 @@ from jaxtyping import Float
 
 from orbident.campaigns.executors import Executors, InThisProcess
 from orbident.campaigns.seeds import Errors, Series, check_seeds, over_seeds
+from orbident.choices import StudyNoise
 from orbident.estimation.found import EstimatedParameters
 from orbident.estimation.identify import Method, identify
 from orbident.estimation.quantities import nulled
@@ -118,7 +119,7 @@ class SpatialStudy:
 
 
 def run_spatial(
-    noise: Literal["none", "paper"] = "none",
+    noise: StudyNoise = "none",
     seeds: int = 1,
     first_seed: int = 0,
     method: Literal["paper"] | Method = "paper",
