@@ -1,7 +1,9 @@
 """Fields of numbers into columns: of tables in files, and of std_msgs/Float64."""
 
+from abc import abstractmethod
 from collections.abc import Iterator, Mapping
 from functools import cached_property
+from itertools import accumulate
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -16,22 +18,18 @@ from orbident.recordings.topics.stamps import stamp_fields, stamps_of
 from orbident.recordings.topics.targets import Slot, Target, slots_of, target_of
 
 
-class Fields(Placed):
-    """`take` says which columns are filled, `fields` from what, axis by axis."""
+class Filling(Placed):
+    """What fills columns with numbers: of a message, or of fields."""
 
-    take: Mapping[Name, Any] = Field(min_length=1)
-    fields: Mapping[Name, Annotated[Any, BeforeValidator(slots_of)]] = Field(
-        default_factory=dict
-    )
-
-    @cached_property
+    @property
+    @abstractmethod
     def targets(self) -> list[Target]:
-        """What is filled, in the order of the map.
+        """What is filled."""
 
-        Raises:
-            InputError: a column that numbers cannot fill, or a unit that is none of it.
-        """
-        return [target_of(name, unit) for name, unit in self.take.items()]
+    @property
+    def read(self) -> list[Target]:
+        """What a sample's values are of, in their order: the targets first."""
+        return self.targets
 
     @property
     def sensors(self) -> tuple[str, ...]:
@@ -44,6 +42,50 @@ class Fields(Placed):
         return tuple(name for target in self.targets for name in target.columns)
 
     @cached_property
+    def places(self) -> dict[str, slice]:
+        """Where in a sample's values each of `read` stands."""
+        ends = accumulate(target.width for target in self.read)
+        return {
+            t.name: slice(k - t.width, k) for t, k in zip(self.read, ends, strict=True)
+        }
+
+    @property
+    def quaternion(self) -> slice | None:
+        """Where the attitude stands, if it is a quaternion."""
+        found = (self.places[t.name] for t in self.read if t.unit == "quaternion")
+        return next(found, None)
+
+    def table(self, raw: Float[np.ndarray, "n K"]) -> Float[np.ndarray, "n columns"]:
+        """The columns in SI and base axes."""
+        parts = []
+        for target in self.targets:
+            values = target.in_si(raw[:, self.places[target.name]])
+            if target.name == "attitude":
+                values = self.of_base(values)
+            elif target.turned:
+                values = self.in_base(values)
+            parts.append(values)
+        return np.hstack(parts)
+
+
+class Fields(Filling):
+    """`take` says which columns are filled, `fields` from what, axis by axis."""
+
+    take: Mapping[Name, Any] = Field(min_length=1)
+    fields: Mapping[Name, Annotated[Any, BeforeValidator(slots_of)]] = Field(
+        default_factory=dict
+    )
+
+    @property
+    def targets(self) -> list[Target]:
+        """What is filled, in the order of the map.
+
+        Raises:
+            InputError: a column that numbers cannot fill, or a unit that is none of it.
+        """
+        return [target_of(name, unit) for name, unit in self.take.items()]
+
+    @cached_property
     def slots(self) -> list[Slot]:
         """The numbers of a sample, in the order of the targets.
 
@@ -51,29 +93,6 @@ class Fields(Placed):
             InputError: the fields of a target are missing, or too many or too few.
         """
         return [slot for target in self.targets for slot in self._slots_of(target)]
-
-    @property
-    def quaternion(self) -> slice | None:
-        """Where the attitude stands, if it is a quaternion."""
-        start = 0
-        for target in self.targets:
-            if target.unit == "quaternion":
-                return slice(start, start + 4)
-            start += target.width
-        return None
-
-    def table(self, raw: Float[np.ndarray, "n K"]) -> Float[np.ndarray, "n columns"]:
-        """The columns in SI and base axes."""
-        parts, start = [], 0
-        for target in self.targets:
-            values = target.in_si(raw[:, start : start + target.width])
-            start += target.width
-            if target.name == "attitude":
-                values = self.of_base(values)
-            elif target.turned:
-                values = self.in_base(values)
-            parts.append(values)
-        return np.hstack(parts)
 
     @model_validator(mode="after")
     def _consistent(self) -> "Fields":

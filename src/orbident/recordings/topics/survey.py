@@ -18,7 +18,7 @@ from orbident.files.pipes import refuse_pipe
 from orbident.recordings.logs.group import Group, listed_fields
 from orbident.recordings.logs.log import KINDS, Log, is_log, open_log
 from orbident.recordings.topics.declared_units import TIMES
-from orbident.recordings.topics.topic_map import MESSAGE_TYPES
+from orbident.recordings.topics.messages import MESSAGE_TYPES
 
 if TYPE_CHECKING:
     from orbident.recordings.bags.bag import Bag

@@ -70,7 +70,7 @@ def _bounded(slot: Slot) -> Slot:
     return slot._replace(offset=float(slot.offset))
 
 
-_DIMENSION_OF = {
+DIMENSION_OF = {
     "gyro": "angular rate",
     "accelerometer": "acceleration",
     "position": "length",
@@ -175,9 +175,9 @@ def _dimensions(name: str) -> tuple[str, ...]:
     if torquer_of(name):
         return ("magnetic moment",)
     whole = name in VECTORS or is_known(name)
-    if not whole or head not in _DIMENSION_OF:
+    if not whole or head not in DIMENSION_OF:
         raise InputError(
             "give a column that numbers can fill, such as wheel.<name>.speed, "
             "joint.<name>.position, gyro or attitude"
         )
-    return (_DIMENSION_OF[head],)
+    return (DIMENSION_OF[head],)
