@@ -12,7 +12,8 @@ from orbident.recordings.bags.libraries import (
     read_bytes,
     read_uint32,
 )
-from orbident.recordings.bags.topic import RawMessage, Storage, described
+from orbident.recordings.bags.topic import by_name, described
+from orbident.recordings.source import RawMessage, Source
 
 
 class _WithoutIndex(Ros1Reader):
@@ -23,11 +24,11 @@ class _WithoutIndex(Ros1Reader):
 
 
 @contextmanager
-def open_ros1(path: Path) -> Iterator[Storage]:
+def open_ros1(path: Path) -> Iterator[Source]:
     """A `.bag` file; messages come in the order of the file."""
     with _WithoutIndex(path) as reader:
-        topics = [described(name, info, "ros1") for name, info in reader.topics.items()]
-        yield Storage(topics, lambda names: _messages(reader, names))
+        topics = by_name(described(*each, "ros1") for each in reader.topics.items())
+        yield Source(path, topics, lambda names: _messages(reader, names))
 
 
 def _messages(reader: Ros1Reader, names: Collection[str]) -> Iterator[RawMessage]:

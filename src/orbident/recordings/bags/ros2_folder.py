@@ -7,11 +7,12 @@ from pathlib import Path
 from orbident.errors import InputError
 from orbident.recordings.bags.libraries import Ros2Reader
 from orbident.recordings.bags.mcap_file import open_mcap
-from orbident.recordings.bags.topic import RawMessage, Storage, described, merged
+from orbident.recordings.bags.topic import by_name, described
+from orbident.recordings.source import RawMessage, Source
 
 
 @contextmanager
-def open_ros2(path: Path) -> Iterator[Storage]:
+def open_ros2(path: Path) -> Iterator[Source]:
     """A folder with metadata.yaml, or one `.db3` file."""
     with Ros2Reader(path) as reader:
 
@@ -23,12 +24,12 @@ def open_ros2(path: Path) -> Iterator[Storage]:
                     raise TypeError(f"a message of '{connection.topic}' is none")
                 yield RawMessage(connection.topic, received, data)
 
-        topics = [described(name, info, "cdr") for name, info in reader.topics.items()]
-        yield Storage(topics, messages)
+        topics = by_name(described(*each, "cdr") for each in reader.topics.items())
+        yield Source(path, topics, messages)
 
 
 @contextmanager
-def open_ros2_folder(path: Path) -> Iterator[Storage]:
+def open_ros2_folder(path: Path) -> Iterator[Source]:
     """A folder with SQLite or MCAP files.
 
     ROS writes metadata.yaml when a recording is ended. Where that did not happen, the
@@ -38,8 +39,8 @@ def open_ros2_folder(path: Path) -> Iterator[Storage]:
         InputError: It has no such file.
     """
     if (path / "metadata.yaml").is_file():
-        with open_ros2(path) as storage:
-            yield storage
+        with open_ros2(path) as source:
+            yield source
         return
     readers = {".mcap": open_mcap, ".db3": open_ros2}
     files = [
@@ -67,8 +68,9 @@ def open_ros2_folder(path: Path) -> Iterator[Storage]:
             f"{path}: has no metadata.yaml, as when a recording is not ended; its "
             "files are read all the same"
         )
-        yield Storage(
-            merged(topic for part in parts for topic in part.topics),
+        yield Source(
+            path,
+            by_name(topic for part in parts for topic in part.topics.values()),
             messages,
             (note, *(note for part in parts for note in part.notes)),
         )

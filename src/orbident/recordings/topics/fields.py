@@ -194,39 +194,38 @@ class Table(Fields):
         return tuple(nanoseconds_of(unit) or 1 for unit in self.stamp.values())
 
     def rows(
-        self, group: Group, place: str
+        self, group: Group
     ) -> tuple[Int[np.ndarray, " n"], Float[np.ndarray, "n K"]]:
         """Times, ns, and every slot's values.
 
         Args:
             group: what is in the file.
-            place: the file, for messages.
 
         Raises:
             InputError: a field is missing, holds no numbers, or has another length
                 than the time; a time is not finite; the file has it in another unit.
         """
-        times = stamps_of(self.stamp, group, place)
-        self._check_units(group, place)
+        times = stamps_of(self.stamp, group)
+        self._check_units(group)
         raw = np.empty((times.size, len(self.slots)))
         for k, slot in enumerate(self.slots):
             if not slot.field:
                 raw[:, k] = slot.offset
                 continue
             # Before it is read: a damaged file may say that it is any size.
-            samples = group.samples(slot.field, place)
+            samples = group.samples(slot.field)
             if samples != times.size:
                 raise InputError(
-                    f"{place}: topic '{group.name}': field '{slot.field}' has "
+                    f"{group.place}: topic '{group.name}': field '{slot.field}' has "
                     f"{samples} values, but '{next(iter(self.stamp))}' has "
                     f"{times.size}; name the time of this field in an entry of its own"
                 )
             # What is beyond all numbers is no sample, as in the file itself.
             with np.errstate(over="ignore"):
-                raw[:, k] = slot.factor * group.column(slot.field, place) + slot.offset
+                raw[:, k] = slot.factor * group.column(slot.field) + slot.offset
         return times, raw
 
-    def _check_units(self, group: Group, place: str) -> None:
+    def _check_units(self, group: Group) -> None:
         """Refuses a unit that the file itself says is another one."""
         for target in self.targets:
             units = DIMENSIONS.get(target.dimension, {})
@@ -235,8 +234,8 @@ class Table(Fields):
                 scaled = abs(slot.factor) != 1 or slot.offset
                 if not scaled and units.get(known, target.si) != target.si:
                     raise InputError(
-                        f"{place}: topic '{group.name}': field '{slot.field}' is in "
-                        f"{known} in the file, but in {target.unit} in the map; "
+                        f"{group.place}: topic '{group.name}': field '{slot.field}' is "
+                        f"in {known} in the file, but in {target.unit} in the map; "
                         "correct the map, or the file"
                     )
 

@@ -31,7 +31,7 @@ from orbident.recordings.topics.fields import Filling, Number
 from orbident.recordings.topics.targets import DIMENSION_OF, Target, target_of
 
 
-class Vectors(Filling):
+class VectorMessage(Filling):
     """Whole vectors of a message that has a stamp."""
 
     take: Take
@@ -65,7 +65,7 @@ class Vectors(Filling):
         yield Extraction(header_stamp(header), values)
 
 
-class Odometry(Vectors):
+class Odometry(VectorMessage):
     """The child frame's pose `(x_WS, p_WS)` in the parent, which is inertial."""
 
     twist: Literal["child", "parent"] | None = None
@@ -98,7 +98,7 @@ class Odometry(Vectors):
         return super().table(raw)
 
 
-class Pose(Vectors):
+class Pose(VectorMessage):
     """A tracked body's pose, S its origin: `(x_WS, p_WS)`, or `(x_SW, p_SW)`."""
 
     pose: Literal["base-in-inertial", "inertial-in-base"]
@@ -255,7 +255,9 @@ PATHS: Mapping[str, Mapping[str, str]] = {
 """Where a message has the vectors that can be taken of it."""
 
 
-def _with_keys(kind: type[Vectors], names: Mapping[str, str]) -> type[Vectors]:
+def _with_keys(
+    kind: type[VectorMessage], names: Mapping[str, str]
+) -> type[VectorMessage]:
     """The entry of a message from which these can be taken."""
     units: dict[str, Any] = {
         name: Annotated[Unit, unit(DIMENSION_OF[name])]
@@ -269,7 +271,7 @@ def _with_keys(kind: type[Vectors], names: Mapping[str, str]) -> type[Vectors]:
     return create_model(kind.__name__, __base__=kind, take=(take, ...))
 
 
-_KINDS: Mapping[str, type[Vectors]] = {
+_KINDS: Mapping[str, type[VectorMessage]] = {
     "geometry_msgs/PoseStamped": Pose,
     "geometry_msgs/PoseWithCovarianceStamped": Pose,
     "geometry_msgs/TransformStamped": Transform,
@@ -280,7 +282,7 @@ _KINDS: Mapping[str, type[Vectors]] = {
 MESSAGE_TYPES: Mapping[str, type[Entry]] = {
     "sensor_msgs/JointState": JointStates,
     **{
-        name: _with_keys(_KINDS.get(name, Vectors), paths)
+        name: _with_keys(_KINDS.get(name, VectorMessage), paths)
         for name, paths in PATHS.items()
     },
     "std_msgs/Float64": Number,

@@ -30,15 +30,12 @@ def stamp_fields(value: object) -> dict[str, str]:
     )
 
 
-def stamps_of(
-    fields: Mapping[str, str], group: Group, place: str
-) -> Int[np.ndarray, " n"]:
+def stamps_of(fields: Mapping[str, str], group: Group) -> Int[np.ndarray, " n"]:
     """The sum of the fields, ns.
 
     Args:
         fields: their units by name.
         group: where they are.
-        place: the file, for messages.
 
     Raises:
         InputError: a field is missing or holds no numbers, the file says that it is in
@@ -46,8 +43,8 @@ def stamps_of(
     """
     stamps = np.zeros(0, dtype=np.int64)
     for number, (field, unit) in enumerate(fields.items()):
-        values = group.column(field, place)
-        where = f"{place}: topic '{group.name}': time '{field}'"
+        values = group.column(field)
+        where = f"{group.place}: topic '{group.name}': time '{field}'"
         known = group.unit(field)
         if unit in TIMES and known in TIMES and known != unit:
             raise InputError(
