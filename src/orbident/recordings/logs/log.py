@@ -11,7 +11,7 @@ from orbident.recordings.logs.arrow_file import read_parquet_log
 from orbident.recordings.logs.group import Tree, groups
 from orbident.recordings.logs.hdf5_file import MAGIC as HDF5_MAGIC
 from orbident.recordings.logs.hdf5_file import read_hdf5
-from orbident.recordings.logs.mat_file import read_mat
+from orbident.recordings.logs.mat5 import read_mat
 from orbident.recordings.logs.npz_file import read_npz
 from orbident.recordings.logs.text_file import (
     SUFFIXES,

@@ -2,31 +2,73 @@
 
 import dataclasses
 import os
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from jaxtyping import Bool, Float
 
 from orbident.errors import InputError
 from orbident.files.names import listed
 from orbident.recordings.logs.group import Group
+from orbident.recordings.no_measurements import no_measurements, sensor_groups
 from orbident.recordings.source import Source
 from orbident.recordings.table_writer import write_blocks
 from orbident.recordings.tables import check_writable
-from orbident.recordings.topics.common_rows import common_rows
 from orbident.recordings.topics.conversion_report import (
     ConversionReport,
     apart,
     topic_report,
 )
-from orbident.recordings.topics.emptied import Emptied
 from orbident.recordings.topics.fields import missing_of
 from orbident.recordings.topics.presets import preset_path, presets
 from orbident.recordings.topics.survey import open_source
-from orbident.recordings.topics.timing import Timed, check_times, timed
+from orbident.recordings.topics.timing import Timed, check_times, common_rows, timed
 from orbident.recordings.topics.topic_map import load_topic_map
 from orbident.recordings.topics.track import Track
+
+_LOOKED_AT = 65_536
+"""Samples that are looked at together: of what is held, some are kept where they meet.
+"""
+
+
+@dataclass(frozen=True, eq=False)
+class Emptied:
+    """The samples of one entry that are left empty."""
+
+    empty: Bool[np.ndarray, "used columns"]
+    reasons: dict[str, dict[str, int]]
+    """How many samples, by sensor and reason."""
+
+    @classmethod
+    def of(cls, used: Timed) -> "Emptied":
+        """What is found among all samples, in the order of their times."""
+        names = used.values.entry.columns
+        groups = [
+            (sensor, [names.index(name) for name in columns])
+            for sensor, columns in sensor_groups(names).items()
+        ]
+        empty = np.zeros((used.order.size, len(names)), dtype=bool)
+        reasons = defaultdict[str, Counter[str]](Counter)
+        if used.values.zeros:
+            reasons["attitude"]["quaternion of zeros"] = used.values.zeros
+        for start in range(0, used.order.size, _LOOKED_AT):
+            rows = slice(start, start + _LOOKED_AT)
+            block = used.values.rows.gather(used.order[rows])
+            for sensor, columns in groups:
+                for reason, mask in no_measurements(sensor, block[:, columns]).items():
+                    empty[start + np.flatnonzero(mask)[:, None], columns] = True
+                    reasons[sensor][reason] += int(mask.sum())
+        return cls(empty, {sensor: dict(why) for sensor, why in reasons.items()})
+
+    def without(
+        self, values: Float[np.ndarray, "n columns"], rows: slice
+    ) -> Float[np.ndarray, "n columns"]:
+        """These samples, those that are no measurement as NaN."""
+        return np.where(self.empty[rows], np.nan, values)
+
 
 _BLOCK_ROWS = 32_768
 _SAID_EVERY = 4096
