@@ -15,12 +15,10 @@ from orbident.errors import InputError
 from orbident.files.bounds import LARGEST
 from orbident.files.schema_parts import WrongValueError
 from orbident.recordings.columns import (
+    OF_PARTS,
     VECTORS,
     is_known,
-    joint_of,
-    thruster_of,
-    torquer_of,
-    wheel_of,
+    part_of,
 )
 from orbident.recordings.topics.declared_units import DIMENSIONS, unit_of
 from orbident.recordings.topics.entry import TURNED, product
@@ -77,6 +75,15 @@ DIMENSION_OF = {
     "velocity": "velocity",
     "force": "force",
     "torque": "torque",
+}
+_OF_PARTS = {
+    ("joint", "position"): ("angle", "length"),
+    ("joint", "velocity"): ("angular rate", "velocity"),
+    ("wheel", "position"): ("angle",),
+    ("wheel", "speed"): ("angular rate",),
+    ("thruster", "force"): ("force",),
+    ("thruster", "duty"): ("share",),
+    ("torquer", "dipole"): ("magnetic moment",),
 }
 _ATTITUDES: Mapping[str, tuple[int, str]] = {
     "quaternion": (4, "[qx, qy, qz, qw]"),
@@ -165,15 +172,8 @@ def target_of(name: str, unit: object) -> Target:
 
 def _dimensions(name: str) -> tuple[str, ...]:
     head, last = name.split(".")[0], name.rsplit(".", 1)[-1]
-    if joint_of(name):
-        both = last == "position"
-        return ("angle", "length") if both else ("angular rate", "velocity")
-    if wheel_of(name):
-        return ("angle",) if last == "position" else ("angular rate",)
-    if thruster_of(name):
-        return ("force",) if last == "force" else ("share",)
-    if torquer_of(name):
-        return ("magnetic moment",)
+    if head in OF_PARTS and part_of(head, name):
+        return _OF_PARTS[head, last]
     whole = name in VECTORS or is_known(name)
     if not whole or head not in DIMENSION_OF:
         raise InputError(
