@@ -90,15 +90,18 @@ def _yaml(section: dict[str, Any]) -> str:
 
 
 def _table(found: Any) -> Any:
-    from rich.table import Table
+    from orbident.data_table import table_of
 
-    table = Table("", "", "value", "std", "95 % from", "to", "unit", box=None)
-    for each in found:
-        for name, level in each.model.levels.items():
-            numbers = (level.value, level.std, *level.interval)
-            words = [f"{number:.3g}" for number in numbers]
-            table.add_row(each.name, name, *words, each.unit(name))
-    return table
+    rows = (
+        (
+            *(each.name, name),
+            *(f"{x:.3g}" for x in (level.value, level.std, *level.interval)),
+            each.unit(name),
+        )
+        for each in found
+        for name, level in each.model.levels.items()
+    )
+    return table_of("", ("", "", "value", "std", "95 % from", "to", "unit"), rows)
 
 
 def _document(found: Any) -> dict[str, Any]:

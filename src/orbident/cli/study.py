@@ -94,7 +94,7 @@ def study(
     if not noisy and seeds > 1:
         output.warn([f"--seeds {seeds}: without noise all are alike, so 1 is run"])
         seeds = 1
-    run, lines = _runner(name, method)
+    run = _runner(name, method)
     executors = local(min(workers or at_hand(), seeds))
     with progress(f"study {name}") as show:
         done = run(noise, seeds, seed, progress=show, executors=executors)
@@ -105,7 +105,7 @@ def study(
         output.warn([f"{done.rejected} of {done.seeds} runs were rejected"])
     if not done.trusted:
         output.warn(done.result.warnings)
-    output.say(*lines(done))
+    output.say(*_lines(done))
     if out is not None:
         output.say(f"written: {out}")
     output.write_json(done.to_json())
@@ -113,33 +113,31 @@ def study(
         raise typer.Exit(1)
 
 
-def _runner(
-    name: Study, method: StudyMethod
-) -> tuple[Callable[..., Any], Callable[[Any], list[Any]]]:
-    """What runs it, and what says how it went."""
-    from orbident.cli.study_tables import planar_lines, spatial_lines
-
+def _runner(name: Study, method: StudyMethod) -> Callable[..., Any]:
+    """What runs it."""
     if name == "spatial":
         from orbident.studies.run_spatial import run_spatial
 
-        return partial(run_spatial, method=method), spatial_lines
+        return partial(run_spatial, method=method)
     if name == "table":
-        from orbident.cli.study_tables import real_table_lines
         from orbident.studies.run_table import run_table
 
-        return lambda _, *given, **options: run_table(*given, **options), (
-            real_table_lines
-        )
+        return lambda _, *given, **options: run_table(*given, **options)
     if name == "control":
-        from orbident.cli.study_tables import control_lines
         from orbident.studies.control import run_control
 
-        return run_control, control_lines
+        return run_control
     from orbident.studies.run_planar import run_planar
 
-    if method != "paper":
-        return partial(run_planar, method=method), planar_lines
-    return run_planar, planar_lines
+    return run_planar if method == "paper" else partial(run_planar, method=method)
+
+
+def _lines(done: Any) -> list[Any]:
+    from orbident.studies.study_account import account_of
+
+    account = account_of(done)
+    tables = (part for table in account.tables for part in ("", table))
+    return [*account.words, *tables, "", f"{done.elapsed_s:.1f} s"]
 
 
 def _files(name: Study, cut_offs: Iterable[str] = ()) -> tuple[str, ...]:

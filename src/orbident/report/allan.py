@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float
 
+from orbident.data_table import DataTable, TableRow
 from orbident.estimation.checks import worst
 from orbident.files.text import write_text
 from orbident.noise.noise_model import NoiseModel
@@ -26,7 +27,7 @@ from orbident.report.charts import (
     stacked,
 )
 from orbident.report.numbers import short
-from orbident.report.page import Chart, ReportTable, Section, TableRow, Verdict, page
+from orbident.report.page import Chart, Section, Verdict, page
 
 PER_DECADE = 10
 
@@ -64,7 +65,7 @@ def write_allan(found: Sequence[AxisNoise], title: str, path: Path) -> None:
     write_text(path, page(title, "Noise of sensors at rest", verdict, [section]))
 
 
-def _table(found: Sequence[AxisNoise]) -> ReportTable:
+def _table(found: Sequence[AxisNoise]) -> DataTable:
     rows = [
         TableRow(
             (each.name, name, short(level.value), short(level.std, 2), each.unit(name))
@@ -73,7 +74,7 @@ def _table(found: Sequence[AxisNoise]) -> ReportTable:
         for name, level in each.model.levels.items()
     ]
     head = ("axis", "parameter", "value", "deviation", "unit")
-    return ReportTable("Parameters", head, tuple(rows))
+    return DataTable("Parameters", head, tuple(rows))
 
 
 def figure_of(each: AxisNoise) -> Figure:

@@ -22,6 +22,7 @@ from orbident.campaigns.statistics import (
     Parameter,
     method_statistics,
 )
+from orbident.data_table import DataTable, TableRow
 from orbident.errors import InputError
 from orbident.estimation.checks import Check, Level, worst
 from orbident.excitation.bound import cramer_rao
@@ -40,7 +41,7 @@ from orbident.report.charts import (
     stacked,
 )
 from orbident.report.numbers import NONE, short, signed
-from orbident.report.page import Chart, ReportTable, Section, TableRow, Verdict, page
+from orbident.report.page import Chart, Section, Verdict, page
 
 REACH = 4.0
 """Deviations that a histogram shows; what is beyond counts in its ends."""
@@ -204,7 +205,7 @@ def _errors(group: MethodStatistics, bounds: Bounds, folder: Path, k: int) -> Se
             "that the result states.",
         ),
         tables=(
-            ReportTable("Errors and 95 % intervals", HEAD, rows),
+            DataTable("Errors and 95 % intervals", HEAD, rows),
             *_worst(group, folder),
         ),
     )
@@ -224,7 +225,7 @@ def _dependences(group: MethodStatistics, k: int) -> Iterator[Section]:
             "pair is so strongly correlated although nothing depends on it.",
         ),
         tables=(
-            ReportTable(
+            DataTable(
                 "The strongest",
                 ("drawn", "parameter", "rank correlation", "chance"),
                 tuple(map(_correlation, strongest)),
@@ -292,10 +293,10 @@ def _rows(known: Sequence[Parameter], bounds: Bounds) -> Iterator[TableRow]:
         )
 
 
-def _worst(group: MethodStatistics, folder: Path) -> Iterator[ReportTable]:
+def _worst(group: MethodStatistics, folder: Path) -> Iterator[DataTable]:
     found = group.worst(WORST)
     if found:
-        yield ReportTable(
+        yield DataTable(
             "Farthest off, in their deviations",
             ("run", "parameter", "error", "to make it again"),
             tuple(
@@ -330,7 +331,7 @@ def _refusals(found: Sequence[MethodStatistics]) -> Iterator[Section]:
             rows.append(TableRow((group.robot, group.method, check, str(times), share)))
     if rows:
         head = ("robot", "method", "check", "refused", "of its results")
-        table = ReportTable("By the first check that refuses", head, tuple(rows))
+        table = DataTable("By the first check that refuses", head, tuple(rows))
         words = "'orbident campaign rerun' looks for the likely cause of one refusal."
         yield Section("refusals", "Refusals", (words,), (table,))
 
@@ -345,7 +346,7 @@ def _failed(failures: Sequence[Path]) -> Iterator[Section]:
         TableRow((reason, str(len(runs)), f"failed/{runs[0]}.json"))
         for reason, runs in reasons.items()
     )
-    table = ReportTable(
+    table = DataTable(
         "Why", ("reason", "runs", "the first"), tuple(rows), in_words=True
     )
     yield Section("failed", "Runs that failed", tables=(table,))

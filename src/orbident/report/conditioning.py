@@ -2,10 +2,11 @@
 
 import numpy as np
 
+from orbident.data_table import DataTable, TableRow
 from orbident.estimation.result import Result
 from orbident.report.charts import Figure, label, numbers
 from orbident.report.numbers import short
-from orbident.report.page import Chart, ReportTable, Section, TableRow
+from orbident.report.page import Chart, Section
 
 CLOSE = 0.95
 """A correlation worth a word."""
@@ -54,7 +55,7 @@ def conditioning(result: Result) -> Section:
         title="Condition and correlation",
         words=tuple(words),
         tables=(
-            ReportTable("Condition numbers", ("regressor", "as it is", "scaled"), rows),
+            DataTable("Condition numbers", ("regressor", "as it is", "scaled"), rows),
         ),
         charts=charts,
     )

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
+from orbident.data_table import DataTable, TableRow
 from orbident.estimation.result import Result
 from orbident.estimation.signals import Signal, Signals, sensor_of
 from orbident.gaussian import NINETY_FIVE
@@ -25,7 +26,7 @@ from orbident.report.charts import (
     stacked,
 )
 from orbident.report.numbers import NONE, short
-from orbident.report.page import Chart, ReportTable, Section, TableRow
+from orbident.report.page import Chart, Section
 
 SENSORS = "Every sensor, as momentum conservation predicts it with these parameters."
 EQUATIONS = (
@@ -64,7 +65,7 @@ def fits(result: Result, signals: Signals) -> Section | None:
     )
 
 
-def _tables(result: Result) -> Iterator[ReportTable]:
+def _tables(result: Result) -> Iterator[DataTable]:
     sensors = result.residual.get("sensors", {})
     if sensors:
         rows = tuple(
@@ -81,13 +82,13 @@ def _tables(result: Result) -> Iterator[ReportTable]:
             for name, fit in sensors.items()
         )
         head = ("sensor", "RMS", "noise", "declared", "whiteness", "samples")
-        yield ReportTable("Residuals", head, rows)
+        yield DataTable("Residuals", head, rows)
     else:
         rows = tuple(
             TableRow((f"{name}, {_unit_of(name)}", short(rms, 2)))
             for name, rms in result.residual.get("rms", {}).items()
         )
-        yield ReportTable("Residuals", ("equation", "RMS"), rows)
+        yield DataTable("Residuals", ("equation", "RMS"), rows)
     if result.biases:
         rows = tuple(
             TableRow(
@@ -99,7 +100,7 @@ def _tables(result: Result) -> Iterator[ReportTable]:
             )
             for name, b in result.biases.items()
         )
-        yield ReportTable("Biases", ("sensor", "bias", "± std"), rows)
+        yield DataTable("Biases", ("sensor", "bias", "± std"), rows)
 
 
 def _unit_of(name: str) -> str:

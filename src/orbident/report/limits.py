@@ -3,11 +3,12 @@
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+from orbident.data_table import DataTable, TableRow
 from orbident.estimation.result import Result
 from orbident.model.identifiability import not_identifiable
 from orbident.model.minimal_sets import minimal_sets
 from orbident.report.numbers import NONE, short
-from orbident.report.page import ReportTable, Section, TableRow
+from orbident.report.page import Section
 from orbident.robot.description import Joint
 
 
@@ -49,23 +50,23 @@ def excitation(result: Result) -> Section | None:
     )
 
 
-def _tables(result: Result, motion: Mapping[str, Any]) -> Iterator[ReportTable]:
+def _tables(result: Result, motion: Mapping[str, Any]) -> Iterator[DataTable]:
     if result.robot.joints:
         rows = tuple(
             _joint(joint, motion["joints"][joint.name]) for joint in result.robot.joints
         )
         head = "joint", "position", "limits", "fastest", "limit"
-        yield ReportTable("Joints", head, rows)
+        yield DataTable("Joints", head, rows)
     rows = tuple(
         TableRow((name, f"{_range(wheel['speed'])} rad/s"))
         for name, wheel in motion["wheels"].items()
     )
-    yield ReportTable("Wheels", ("wheel", "speed"), rows)
+    yield DataTable("Wheels", ("wheel", "speed"), rows)
     rows = tuple(
         TableRow((axis, f"{short(base['rate'])} rad/s"))
         for axis, base in motion["base"].items()
     )
-    yield ReportTable("Base", ("axis", "fastest"), rows)
+    yield DataTable("Base", ("axis", "fastest"), rows)
 
 
 def _joint(joint: Joint, moved: Mapping[str, Any]) -> TableRow:

@@ -15,32 +15,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from orbident.data_table import DataTable
 from orbident.estimation.checks import Check, Level
 from orbident.estimation.result import Result
 from orbident.extras import extra
-from orbident.report.numbers import interval_text, short, with_std
-
-
-class TableRow(NamedTuple):
-    """One row of a table."""
-
-    cells: tuple[str, ...]
-    note: str = ""
-    """Note in small letters below the row: a formula."""
-    marked: bool = False
-    """Whether the eye is to find it."""
-
-
-class ReportTable(NamedTuple):
-    """A table of numbers, with units in its head."""
-
-    title: str
-    head: tuple[str, ...]
-    rows: tuple[TableRow, ...]
-    in_words: bool = False
-    """Whether its cells are words more than numbers."""
-    folded: bool = False
-    """Whether a click opens it."""
+from orbident.report.numbers import interval_text, short, typeset, with_std
 
 
 class Chart(NamedTuple):
@@ -76,7 +55,7 @@ class Section(NamedTuple):
     """Unique in a report."""
     title: str
     words: tuple[str, ...] = ()
-    tables: tuple[ReportTable, ...] = ()
+    tables: tuple[DataTable, ...] = ()
     charts: tuple[Chart, ...] = ()
     pictures: tuple[Picture, ...] = ()
 
@@ -142,6 +121,7 @@ def page(
         trim_blocks=True,
         lstrip_blocks=True,
     )
+    environment.filters["typeset"] = typeset
     figures = {
         chart.name: chart.figure for section in sections for chart in section.charts
     }

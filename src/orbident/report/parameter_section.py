@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float, Int
 
+from orbident.data_table import DataTable, TableRow
 from orbident.estimation.parameter_table import most_different
 from orbident.estimation.quantities import EstimatedSet, MassRoutes
 from orbident.estimation.result import Result
@@ -16,7 +17,7 @@ from orbident.report.numbers import (
     signed,
     with_std,
 )
-from orbident.report.page import Chart, ReportTable, Section, TableRow
+from orbident.report.page import Chart, Section
 
 TITLES = {
     "base": "Base parameters: what free floating can identify",
@@ -116,7 +117,7 @@ def masses(result: Result, known_as: str) -> Section | None:
         name="masses",
         title="The mass by every route",
         words=tuple(words),
-        tables=(ReportTable("Mass", ("route", "kg", "± std", "95 %", "sigmas"), rows),),
+        tables=(DataTable("Mass", ("route", "kg", "± std", "95 %", "sigmas"), rows),),
         charts=(Chart("masses", f"Mass by every route; line: {known_as}", figure),),
     )
 
@@ -127,7 +128,7 @@ def _table(
     known_as: str,
     shown: Int[np.ndarray, " rows"] | None = None,
     folded: bool = True,
-) -> ReportTable:
+) -> DataTable:
     sigmas, percent = found.sigmas, found.percent
     rows = tuple(
         TableRow(
@@ -147,7 +148,7 @@ def _table(
         for k in (range(len(found.names)) if shown is None else shown)
     )
     before, after = ("parameter", "estimate", "± std", "unit", "95 %"), ("sigmas", "%")
-    return ReportTable(title, (*before, known_as, *after), rows, folded=folded)
+    return DataTable(title, (*before, known_as, *after), rows, folded=folded)
 
 
 def _chart(base: EstimatedSet, known_as: str) -> tuple[Chart, ...]:

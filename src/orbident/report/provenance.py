@@ -5,16 +5,17 @@ Where the methods come from. Data only.
 
 from collections.abc import Iterator
 
+from orbident.data_table import DataTable, TableRow
 from orbident.estimation.result import Result
 from orbident.report.numbers import NONE, short
-from orbident.report.page import ReportTable, Section, TableRow
+from orbident.report.page import Section
 
 
 def provenance(result: Result) -> Section:
     """Settings, input, signals, versions."""
     tables = [
-        ReportTable("Settings", ("", "value"), tuple(_settings(result)), in_words=True),
-        ReportTable(
+        DataTable("Settings", ("", "value"), tuple(_settings(result)), in_words=True),
+        DataTable(
             "How signals were obtained",
             ("signal", "origin"),
             tuple(
@@ -23,10 +24,10 @@ def provenance(result: Result) -> Section:
             ),
             in_words=True,
         ),
-        ReportTable(
+        DataTable(
             "Clocks", ("sensor", "behind", "± std", "corrected"), tuple(_clocks(result))
         ),
-        ReportTable(
+        DataTable(
             "Left out", ("column", "samples"), tuple(_left_out(result)), in_words=True
         ),
     ]

@@ -3,9 +3,10 @@
 import json
 from pathlib import Path
 
+from orbident.data_table import DataTable, TableRow
 from orbident.errors import InputError
 from orbident.report.numbers import NONE, short
-from orbident.report.page import ReportTable, Section, TableRow
+from orbident.report.page import Section
 
 UNITS = {"gyro": "rad/s", "velocity": "m/s"}
 
@@ -59,7 +60,7 @@ def validation(scores: dict) -> Section:
         name="validation",
         title="Validation",
         words=tuple(words),
-        tables=(ReportTable("Errors, and what is expected of them", head, rows),),
+        tables=(DataTable("Errors, and what is expected of them", head, rows),),
     )
 
 
