@@ -21,7 +21,7 @@ NONE = "\N{EN DASH}"
 _RAISED = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 
 
-def known(value: float | None) -> TypeGuard[float]:
+def known(value: float | int | None) -> TypeGuard[float]:
     """Whether it is a number at all."""
     return value is not None and math.isfinite(value)
 
