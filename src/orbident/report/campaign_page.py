@@ -37,7 +37,6 @@ from orbident.report.charts import (
     Panel,
     Trace,
     line,
-    numbers,
     stacked,
 )
 from orbident.report.numbers import NONE, short, signed
@@ -59,8 +58,8 @@ def histogram(z: Float[np.ndarray, " n"]) -> Figure:
     middle = (edges[1:] + edges[:-1]) / 2
     bars = {
         "type": "bar",
-        "x": numbers(middle),
-        "y": numbers(count / (z.size * width), "<f4"),
+        "x": middle,
+        "y": count / (z.size * width),
         "marker": {"color": MEASURED},
         "showlegend": False,
     }
@@ -97,8 +96,8 @@ def _points(x: np.ndarray, y: np.ndarray) -> Trace:
     return {
         "type": "scatter",
         "mode": "markers",
-        "x": numbers(x),
-        "y": numbers(y, "<f4"),
+        "x": x,
+        "y": y,
         "marker": {"color": MEASURED, "size": 4},
         "showlegend": False,
     }

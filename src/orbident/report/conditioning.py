@@ -4,7 +4,7 @@ import numpy as np
 
 from orbident.data_table import DataTable, TableRow
 from orbident.estimation.result import Result
-from orbident.report.charts import Figure, label, numbers
+from orbident.report.charts import heat_map
 from orbident.report.numbers import short
 from orbident.report.page import Chart, Section
 
@@ -13,11 +13,6 @@ CLOSE = 0.95
 
 LISTED = 8
 """Pairs in a sentence."""
-
-TICKS = 26
-"""Names along an axis."""
-
-COLORS = [[0, "--negative"], [0.5, "--card"], [1, "--positive"]]
 
 
 def conditioning(result: Result) -> Section:
@@ -34,7 +29,11 @@ def conditioning(result: Result) -> Section:
             Chart(
                 "correlations",
                 "Correlations of the base parameters",
-                _heat_map(names, R),
+                heat_map(
+                    *(names, names, R, 1.0, 480),
+                    colorbar={"thickness": 10, "tickvals": [-1, 0, 1]},
+                    hovertemplate="%{y}, %{x}: %{z:.3f}<extra></extra>",
+                ),
             ),
         )
     else:
@@ -80,32 +79,3 @@ def _close(names: list[str], R: np.ndarray) -> str:
     )
     more = " and others" if len(pairs) > LISTED else ""
     return f"Hardly distinguished (correlation): {listed}{more}."
-
-
-def _heat_map(names: list[str], R: np.ndarray) -> Figure:
-    step = -(-len(names) // TICKS)
-    ticks = {
-        "tickvals": list(range(0, len(names), step)),
-        "ticktext": [label(name) for name in names[::step]],
-        "showgrid": False,
-    }
-    return {
-        "data": [
-            {
-                "type": "heatmap",
-                "z": {**numbers(R, "<f4"), "shape": f"{len(names)}, {len(names)}"},
-                "zmin": -1,
-                "zmax": 1,
-                "colorscale": COLORS,
-                "showlegend": False,
-                "colorbar": {"thickness": 10, "tickvals": [-1, 0, 1]},
-                "hovertemplate": "%{y}, %{x}: %{z:.3f}<extra></extra>",
-            }
-        ],
-        "layout": {
-            "height": 480,
-            "margin": {"t": 12, "b": 64},
-            "xaxis": {**ticks, "tickangle": -90, "automargin": True},
-            "yaxis": {**ticks, "autorange": "reversed", "automargin": True},
-        },
-    }

@@ -61,7 +61,7 @@ def fits(result: Result, signals: Signals) -> Section | None:
             "as a screen can show.",
         ),
         tables=tuple(_tables(result)),
-        charts=tuple(chart for signal in signals for chart in _charts(signal)),
+        charts=tuple(chart for signal in signals for chart in charts_of(signal)),
     )
 
 
@@ -108,7 +108,8 @@ def _unit_of(name: str) -> str:
     return UNITS[sensor_of(name).split(".")[0]]
 
 
-def _charts(signal: Signal) -> Iterator[Chart]:
+def charts_of(signal: Signal) -> Iterator[Chart]:
+    """Measured and predicted (not of an attitude), residuals, spectrum, whiteness."""
     name = signal.name
     whole = signal.sensor != "attitude"
     if whole:

@@ -19,11 +19,12 @@ from orbident.data_table import DataTable
 from orbident.estimation.checks import Check, Level
 from orbident.estimation.result import Result
 from orbident.extras import extra
+from orbident.report.charts import numbers
 from orbident.report.numbers import interval_text, short, typeset, with_std
 
 
 class Chart(NamedTuple):
-    """A plotly figure as plain data; a colour may be the name of one of the page's."""
+    """A figure in plotly's words, which `drawing` draws too; colours are the page's."""
 
     name: str
     """Unique in a report."""
@@ -141,10 +142,13 @@ def embedded(data: object) -> str:
     return text.replace("<", "\\u003c")
 
 
-def _drawable(data: object) -> object:
-    """The data with gaps, plotly's null, for what is not finite."""
+def _drawable(data: object, key: str = "") -> object:
+    """The data with gaps, plotly's null, for what is not finite, and packed arrays."""
+    if isinstance(data, np.ndarray):
+        # Of what is measured nobody sees more digits; times may be large.
+        return numbers(data, "<f4" if key in {"y", "z"} else "<f8")
     if isinstance(data, dict):
-        return {key: _drawable(value) for key, value in data.items()}
+        return {name: _drawable(value, name) for name, value in data.items()}
     if isinstance(data, list | tuple):
         return [_drawable(value) for value in data]
     return None if isinstance(data, float) and not isfinite(data) else data

@@ -20,7 +20,6 @@ from orbident.report.charts import (
     extremes,
     history,
     line,
-    numbers,
     stacked,
 )
 from orbident.report.page import Chart, Section
@@ -125,8 +124,8 @@ def _course(trail: Trail, k: int) -> list[Trace]:
     half = NINETY_FIVE * trail.std[shown, k]
     band = {
         "type": "scatter",
-        "x": numbers(np.concatenate([t, t[::-1]])),
-        "y": numbers(np.concatenate([value + half, (value - half)[::-1]]), "<f4"),
+        "x": np.concatenate([t, t[::-1]]),
+        "y": np.concatenate([value + half, (value - half)[::-1]]),
         "fill": "toself",
         "fillcolor": BAND,
         "line": {"width": 0},
