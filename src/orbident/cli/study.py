@@ -219,8 +219,7 @@ def _draw(
     done: Any, result: Any, title: str, cut_offs: Mapping[str, Any], folder: Path
 ) -> None:
     """Write report and pictures."""
-    from orbident.report.cut_off_figure import draw_cut_off
-    from orbident.report.cut_offs import unit_of_signal
+    from orbident.report.cut_offs import draw_cut_off, unit_of_signal
     from orbident.report.study_page import write_study_report
 
     write_study_report(done, result, title, folder)

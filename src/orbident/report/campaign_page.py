@@ -35,8 +35,8 @@ from orbident.report.charts import (
     PREDICTED,
     Figure,
     Panel,
-    Trace,
     line,
+    points,
     stacked,
 )
 from orbident.report.numbers import NONE, short, signed
@@ -74,8 +74,8 @@ def normal_plot(z: Float[np.ndarray, " n"]) -> Figure:
     shown = _some(z.size)
     x = stats.norm.ppf(p)[shown]
     ends = np.array([x[0], x[-1]])
-    points = _points(x, np.sort(z)[shown])
-    panel = Panel("error / deviation", [line(ends, ends, LIMIT), points])
+    dots = points(x, np.sort(z)[shown], MEASURED)
+    panel = Panel("error / deviation", [line(ends, ends, LIMIT), dots])
     return stacked([panel], "normal quantile")
 
 
@@ -83,24 +83,13 @@ def dependence(each: Dependence) -> Figure:
     """A scatter of an error over what was drawn."""
     shown = _some(each.x.size)
     words = "size of error / deviation" if each.of_size else "error / deviation"
-    panel = Panel(words, [_points(each.x[shown], each.y[shown])])
+    panel = Panel(words, [points(each.x[shown], each.y[shown], MEASURED)])
     return stacked([panel], each.draw)
 
 
 def _some(n: int) -> np.ndarray:
     """Evenly chosen, the first and the last among them."""
     return np.unique(np.linspace(0, n - 1, min(n, POINTS)).round().astype(int))
-
-
-def _points(x: np.ndarray, y: np.ndarray) -> Trace:
-    return {
-        "type": "scatter",
-        "mode": "markers",
-        "x": x,
-        "y": y,
-        "marker": {"color": MEASURED, "size": 4},
-        "showlegend": False,
-    }
 
 
 WORST = 10

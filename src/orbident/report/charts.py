@@ -77,6 +77,19 @@ def history(t: np.ndarray, x: np.ndarray, color: str, **more: Any) -> Trace:
     return line(*with_gaps(t[shown], x[shown]), color, **more)
 
 
+def points(x: np.ndarray, y: np.ndarray, color: str, **more: Any) -> Trace:
+    """A dot a point."""
+    return {
+        "type": "scatter",
+        "mode": "markers",
+        "x": x,
+        "y": y,
+        "marker": {"color": color, "size": 4},
+        "showlegend": "name" in more,
+        **more,
+    }
+
+
 def _intervals(x: np.ndarray, half: np.ndarray) -> Trace:
     return {
         "type": "scatter",

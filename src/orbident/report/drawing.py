@@ -22,7 +22,7 @@ with extra("report", "drawing a figure"):
     from matplotlib.figure import Figure, SubFigure
     from matplotlib.ticker import MultipleLocator
 
-__all__ = ["Axes", "Drawing", "drawn", "kept"]
+__all__ = ["Drawing", "drawn", "kept"]
 
 PIXELS = 90.0
 """Pixels of a chart an inch of a drawing."""
@@ -78,10 +78,10 @@ def _draw(figure: Mapping[str, Any], part: SubFigure) -> None:
     for name, axes in panels.items():
         _scale(axes, "y", layout[name])
     grid[-1].set_xlabel(layout["xaxis"].get("title", {}).get("text", ""))
-    if grid[0].get_legend_handles_labels()[1]:
-        # Above, where no curve is.
-        above = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "frameon": False}
-        grid[0].legend(ncols=4, fontsize=8, **above)
+    curves = [curve for axes in grid for curve in axes.get_legend_handles_labels()[0]]
+    if curves:
+        below = {"loc": "outside lower center", "ncols": 2, "frameon": False}
+        part.legend(handles=curves, fontsize=8, **below)
 
 
 def _trace(axes: Axes, trace: Trace, colors: Mapping[str, Any]) -> None:
@@ -99,12 +99,14 @@ def _trace(axes: Axes, trace: Trace, colors: Mapping[str, Any]) -> None:
         half = trace["error_x"]["array"]
         axes.errorbar(x, y, xerr=half, fmt="o", markersize=4, color=color)
     else:
-        dots, lines = ("markers" in trace["mode"], "lines" in trace["mode"])
+        dashed = "--" if "dash" in style else "-"
         axes.plot(
-            *(x, y, ("o" if dots else "") + ("-" if lines else "")),
+            *(x, y),
             color=color,
             label=name,
+            linestyle=dashed if "lines" in trace["mode"] else "",
             linewidth=0.8 * style.get("width", 0.0),
+            marker="o" if "markers" in trace["mode"] else "",
             markersize=4,
         )
 

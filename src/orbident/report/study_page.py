@@ -4,6 +4,7 @@ The paper's Figs. 6 to 13, and the errors of its Table 4, drawn as in the paper.
 """
 
 from collections.abc import Mapping, Sequence
+from itertools import cycle
 from pathlib import Path
 
 import numpy as np
@@ -12,9 +13,20 @@ from orbident.estimation.checks import Check, worst
 from orbident.estimation.result import Result
 from orbident.files.text import write_text
 from orbident.identified.run_folder import REPORT
+from orbident.report.charts import (
+    ERROR,
+    LIMIT,
+    MEASURED,
+    Panel,
+    decades,
+    line,
+    points,
+    stacked,
+)
+from orbident.report.charts import PREDICTED as BLUE
 from orbident.report.cut_offs import cut_offs
-from orbident.report.drawing import Axes, Drawing, kept
-from orbident.report.page import Picture, Section, page, verdict_of
+from orbident.report.drawing import Drawing, drawn, kept
+from orbident.report.page import Chart, Picture, Section, page, verdict_of
 from orbident.report.write import sections_of, seen
 from orbident.studies.control import ControlStudy
 from orbident.studies.paper_tables import PaperRow
@@ -23,8 +35,11 @@ from orbident.studies.run_planar import PlanarStudy
 from orbident.studies.run_spatial import SpatialStudy
 from orbident.studies.study_account import Study, account_of
 
-COLORS = "#4477aa", "#ee6677", "#228833", "#ccbb44"
-"""Told apart by the colour-blind too (Tol 2021, bright)."""
+COLORS = BLUE, ERROR, LIMIT, MEASURED
+"""Of the curves of a panel, by their number."""
+
+HEIGHT = 360
+"""Of the picture of errors, pixels: it stands alone."""
 
 QUANTITIES = {
     "rad": "angle (rad)",
@@ -69,46 +84,37 @@ def draw_errors(rows: Sequence[PaperRow], path: Path, title: str) -> Picture:
     Raises:
         InputError: nothing can be written there.
     """
-    drawing = Drawing(figsize=(10.0, 4.2), layout="constrained")
-    axes = drawing.subplots()
     places = np.arange(len(rows))
-    curves = {
-        "paper": ([row.paper_error_percent for row in rows], "D"),
-        "estimate": ([row.error_percent for row in rows], "o"),
-        "RMS over seeds": ([row.rms_error_percent for row in rows], "s"),
-        "Cramér-Rao bound": ([row.cramer_rao_percent for row in rows], "_"),
+    every = {
+        "paper": [row.paper_error_percent for row in rows],
+        "estimate": [row.error_percent for row in rows],
+        "RMS over seeds": [row.rms_error_percent for row in rows],
+        "Cramér-Rao bound": [row.cramer_rao_percent for row in rows],
     }
-    for (name, (errors, marker)), color in zip(curves.items(), COLORS, strict=True):
+    dots = []
+    for (name, errors), color in zip(every.items(), COLORS, strict=True):
         size = np.abs(np.array(errors, dtype=float))
         if np.isfinite(size).any():
-            size = np.maximum(size, EXACT)
-            axes.plot(places, size, marker, color=color, label=name, fillstyle="none")
-    axes.set(yscale="log", ylabel="relative error (%)")
-    axes.set_xticks(places, [row.name for row in rows], rotation=90)
-    _finish(axes)
-    return kept(drawing, path, title)
+            dots.append(points(places, np.maximum(size, EXACT), color, name=name))
+    panel = Panel("relative error (%)", dots, y=decades(*(each["y"] for each in dots)))
+    names = {"tickvals": places, "ticktext": [row.name for row in rows]}
+    figure = stacked([panel], "", **names, tickangle=-90)
+    figure["layout"]["height"] = HEIGHT
+    return kept(drawn([[Chart("errors", "", figure)]]), path, title)
 
 
 def _figure(figure: Figure) -> Drawing:
     t_name, *names = figure.columns
-    panels = _panels(names)
-    drawing = Drawing(figsize=(7.0, 2.4 * len(panels)), layout="constrained")
-    every = drawing.subplots(len(panels), sharex=True, squeeze=False)[:, 0]
-    for axes, curves in zip(every, panels, strict=True):
-        for k, name in enumerate(curves):
-            foreseen = PREDICTED in name
-            axes.plot(
-                figure.columns[t_name],
-                figure.columns[name],
-                color=COLORS[k % len(COLORS)],
-                linestyle="--" if foreseen else "-",
-                linewidth=1.2 if foreseen or len(curves) == 1 else 1.6,
-                label=_parted(name)[0],
-            )
-        axes.set_ylabel(QUANTITIES[_parted(curves[0])[1]])
-        _finish(axes)
-    every[-1].set_xlabel(t_name)
-    return drawing
+    panels = []
+    for curves in _panels(names):
+        traces = []
+        for name, color in zip(curves, cycle(COLORS)):
+            y, what = figure.columns[name], _parted(name)[0]
+            traces.append(line(figure.columns[t_name], y, color, name=what))
+            if PREDICTED in name:
+                traces[-1]["line"]["dash"] = "dash"
+        panels.append(Panel(QUANTITIES[_parted(curves[0])[1]], traces))
+    return drawn([[Chart("figure", "", stacked(panels, t_name))]])
 
 
 def _panels(names: Sequence[str]) -> list[list[str]]:
@@ -127,14 +133,6 @@ def _parted(name: str) -> tuple[str, str]:
     """`"S x (m)"` in name and unit."""
     what, _, unit = name.rpartition(" (")
     return what, unit.removesuffix(")")
-
-
-def _finish(axes: Axes) -> None:
-    axes.grid(visible=True, color="0.9")
-    axes.set_axisbelow(True)
-    axes.margins(x=0.02)
-    # Above, where no curve is.
-    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=4, frameon=False)
 
 
 def write_study_report(done: Study, result: Result, title: str, folder: Path) -> Path:
