@@ -25,6 +25,7 @@ class Numeric(NamedTuple):
 
 
 Cell = str | Numeric
+"""What stands in a row of a table."""
 
 
 class TableRow(NamedTuple):

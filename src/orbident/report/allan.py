@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float
 
-from orbident.data_table import DataTable, TableRow
+from orbident.data_table import DataTable, Numeric, table_of
 from orbident.estimation.checks import worst
 from orbident.files.text import write_text
 from orbident.noise.noise_model import NoiseModel
@@ -26,7 +26,6 @@ from orbident.report.charts import (
     line,
     stacked,
 )
-from orbident.report.numbers import short
 from orbident.report.page import Chart, Section, Verdict, page
 
 PER_DECADE = 10
@@ -66,15 +65,14 @@ def write_allan(found: Sequence[AxisNoise], title: str, path: Path) -> None:
 
 
 def _table(found: Sequence[AxisNoise]) -> DataTable:
-    rows = [
-        TableRow(
-            (each.name, name, short(level.value), short(level.std, 2), each.unit(name))
-        )
+    rows = (
+        (each.name, name, Numeric(level.value), Numeric(level.std, ".2g"), unit)
         for each in found
         for name, level in each.model.levels.items()
-    ]
+        for unit in (each.unit(name),)
+    )
     head = ("axis", "parameter", "value", "deviation", "unit")
-    return DataTable("Parameters", head, tuple(rows))
+    return table_of("Parameters", head, rows)
 
 
 def figure_of(each: AxisNoise) -> Figure:

@@ -22,7 +22,7 @@ from orbident.campaigns.statistics import (
     Parameter,
     method_statistics,
 )
-from orbident.data_table import DataTable, TableRow
+from orbident.data_table import Cell, DataTable, Numeric, table_of
 from orbident.errors import InputError
 from orbident.estimation.checks import Check, Level, worst
 from orbident.excitation.bound import cramer_rao
@@ -39,7 +39,7 @@ from orbident.report.charts import (
     points,
     stacked,
 )
-from orbident.report.numbers import NONE, short, signed
+from orbident.report.numbers import short, signed
 from orbident.report.page import Chart, Section, Verdict, page
 
 REACH = 4.0
@@ -182,7 +182,6 @@ def _title(group: MethodStatistics) -> str:
 
 def _errors(group: MethodStatistics, bounds: Bounds, folder: Path, k: int) -> Section:
     refused = group.rows.num_rows - group.accepted.num_rows
-    rows = tuple(_rows(group.parameters, bounds))
     return Section(
         name=f"errors{k}",
         title=_title(group),
@@ -193,7 +192,9 @@ def _errors(group: MethodStatistics, bounds: Bounds, folder: Path, k: int) -> Se
             "that the result states.",
         ),
         tables=(
-            DataTable("Errors and 95 % intervals", HEAD, rows),
+            table_of(
+                "Errors and 95 % intervals", HEAD, _rows(group.parameters, bounds)
+            ),
             *_worst(group, folder),
         ),
     )
@@ -213,10 +214,10 @@ def _dependences(group: MethodStatistics, k: int) -> Iterator[Section]:
             "pair is so strongly correlated although nothing depends on it.",
         ),
         tables=(
-            DataTable(
+            table_of(
                 "The strongest",
                 ("drawn", "parameter", "rank correlation", "chance"),
-                tuple(map(_correlation, strongest)),
+                map(_correlation, strongest),
             ),
         ),
         charts=tuple(
@@ -230,9 +231,9 @@ def _dependences(group: MethodStatistics, k: int) -> Iterator[Section]:
     )
 
 
-def _correlation(each: Dependence) -> TableRow:
+def _correlation(each: Dependence) -> tuple[Cell, ...]:
     name = f"size of {each.parameter}" if each.of_size else each.parameter
-    return TableRow((each.draw, name, signed(each.rho), short(each.chance, 2)))
+    return each.draw, name, Numeric(each.rho, "+.2g"), Numeric(each.chance, ".2g")
 
 
 def _distributions(group: MethodStatistics, k: int) -> Section:
@@ -261,43 +262,32 @@ HEAD = (
 )
 
 
-def _rows(known: Sequence[Parameter], bounds: Bounds) -> Iterator[TableRow]:
+def _rows(known: Sequence[Parameter], bounds: Bounds) -> Iterator[tuple[Cell, ...]]:
     for each in known:
         mean, std = each.bias
         bound = bounds.get(each.name, float("nan"))
         low, high = each.coverage()
-        yield TableRow(
-            (
-                each.name,
-                signed(mean),
-                short(std, 2),
-                short(each.rms, 3),
-                short(bound, 3),
-                short(each.rms / bound, 3) if bound > 0 else NONE,
-                short(float(np.sqrt(np.mean(each.z**2))), 3),
-                f"{short(100 * each.covered / each.z.size, 3)} %",
-                f"{short(100 * low, 3)} to {short(100 * high, 3)} %",
-            )
+        yield (
+            each.name,
+            Numeric(mean, "+.2g"),
+            Numeric(std, ".2g"),
+            Numeric(each.rms),
+            Numeric(bound),
+            Numeric(each.rms / bound if bound > 0 else None),
+            Numeric(float(np.sqrt(np.mean(each.z**2)))),
+            f"{short(100 * each.covered / each.z.size, 3)} %",
+            f"{short(100 * low, 3)} to {short(100 * high, 3)} %",
         )
 
 
 def _worst(group: MethodStatistics, folder: Path) -> Iterator[DataTable]:
     found = group.worst(WORST)
     if found:
-        yield DataTable(
+        again = f"orbident campaign rerun {quote(str(folder))}"
+        yield table_of(
             "Farthest off, in their deviations",
             ("run", "parameter", "error", "to make it again"),
-            tuple(
-                TableRow(
-                    (
-                        str(k),
-                        name,
-                        signed(z),
-                        f"orbident campaign rerun {quote(str(folder))} {k}",
-                    )
-                )
-                for k, name, z in found
-            ),
+            ((str(k), name, signed(z), f"{again} {k}") for k, name, z in found),
             in_words=True,
         )
 
@@ -316,10 +306,10 @@ def _refusals(found: Sequence[MethodStatistics]) -> Iterator[Section]:
         count = Counter(group.rows["refused_by"].drop_null().to_pylist())
         for check, times in count.most_common():
             share = f"{short(100 * times / group.rows.num_rows, 3)} %"
-            rows.append(TableRow((group.robot, group.method, check, str(times), share)))
+            rows.append((group.robot, group.method, check, str(times), share))
     if rows:
         head = ("robot", "method", "check", "refused", "of its results")
-        table = DataTable("By the first check that refuses", head, tuple(rows))
+        table = table_of("By the first check that refuses", head, rows)
         words = "'orbident campaign rerun' looks for the likely cause of one refusal."
         yield Section("refusals", "Refusals", (words,), (table,))
 
@@ -331,10 +321,8 @@ def _failed(failures: Sequence[Path]) -> Iterator[Section]:
     for path in failures:
         reasons.setdefault(reason_in(path), []).append(int(path.stem))
     rows = (
-        TableRow((reason, str(len(runs)), f"failed/{runs[0]}.json"))
+        (reason, str(len(runs)), f"failed/{runs[0]}.json")
         for reason, runs in reasons.items()
     )
-    table = DataTable(
-        "Why", ("reason", "runs", "the first"), tuple(rows), in_words=True
-    )
+    table = table_of("Why", ("reason", "runs", "the first"), rows, in_words=True)
     yield Section("failed", "Runs that failed", tables=(table,))

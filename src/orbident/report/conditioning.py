@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from orbident.data_table import DataTable, TableRow
+from orbident.data_table import Numeric, table_of
 from orbident.estimation.result import Result
 from orbident.report.charts import heat_map
 from orbident.report.numbers import short
@@ -39,13 +39,11 @@ def conditioning(result: Result) -> Section:
     else:
         words.append("No correlations: no parameter is determined.")
     condition = result.condition_number
-    rows = tuple(
-        TableRow(
-            (
-                f"{name} ({equation})",
-                short(condition.get(name)),
-                short(condition.get(f"{name}_normalised")),
-            )
+    rows = (
+        (
+            f"{name} ({equation})",
+            Numeric(condition.get(name)),
+            Numeric(condition.get(f"{name}_normalised")),
         )
         for name, equation in (("Y", "momentum"), ("W", "velocity"))
     )
@@ -54,7 +52,7 @@ def conditioning(result: Result) -> Section:
         title="Condition and correlation",
         words=tuple(words),
         tables=(
-            DataTable("Condition numbers", ("regressor", "as it is", "scaled"), rows),
+            table_of("Condition numbers", ("regressor", "as it is", "scaled"), rows),
         ),
         charts=charts,
     )

@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from orbident.data_table import DataTable, TableRow
+from orbident.data_table import DataTable, table_of
 from orbident.estimation.result import Result
 from orbident.model.identifiability import not_identifiable
 from orbident.model.minimal_sets import minimal_sets
@@ -52,35 +52,30 @@ def excitation(result: Result) -> Section | None:
 
 def _tables(result: Result, motion: Mapping[str, Any]) -> Iterator[DataTable]:
     if result.robot.joints:
-        rows = tuple(
-            _joint(joint, motion["joints"][joint.name]) for joint in result.robot.joints
+        rows = (
+            _joint(each, motion["joints"][each.name]) for each in result.robot.joints
         )
         head = "joint", "position", "limits", "fastest", "limit"
-        yield DataTable("Joints", head, rows)
-    rows = tuple(
-        TableRow((name, f"{_range(wheel['speed'])} rad/s"))
+        yield table_of("Joints", head, rows)
+    rows = (
+        (name, f"{_range(wheel['speed'])} rad/s")
         for name, wheel in motion["wheels"].items()
     )
-    yield DataTable("Wheels", ("wheel", "speed"), rows)
-    rows = tuple(
-        TableRow((axis, f"{short(base['rate'])} rad/s"))
-        for axis, base in motion["base"].items()
+    yield table_of("Wheels", ("wheel", "speed"), rows)
+    rows = (
+        (axis, f"{short(base['rate'])} rad/s") for axis, base in motion["base"].items()
     )
-    yield DataTable("Base", ("axis", "fastest"), rows)
+    yield table_of("Base", ("axis", "fastest"), rows)
 
 
-def _joint(joint: Joint, moved: Mapping[str, Any]) -> TableRow:
+def _joint(joint: Joint, moved: Mapping[str, Any]) -> tuple[str, ...]:
     unit = "rad" if joint.kind == "revolute" else "m"
-    limits = NONE if joint.position is None else f"{_range(joint.position)} {unit}"
-    limit = NONE if joint.velocity is None else f"{short(joint.velocity)} {unit}/s"
-    return TableRow(
-        (
-            joint.name,
-            f"{_range(moved['position'])} {unit}",
-            limits,
-            f"{short(moved['rate'])} {unit}/s",
-            limit,
-        )
+    return (
+        joint.name,
+        f"{_range(moved['position'])} {unit}",
+        NONE if joint.position is None else f"{_range(joint.position)} {unit}",
+        f"{short(moved['rate'])} {unit}/s",
+        NONE if joint.velocity is None else f"{short(joint.velocity)} {unit}/s",
     )
 
 

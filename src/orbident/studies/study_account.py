@@ -14,6 +14,7 @@ from orbident.studies.run_spatial import SpatialStudy
 from orbident.studies.run_table import TableStudy
 
 Study = SpatialStudy | PlanarStudy | TableStudy | ControlStudy
+"""Which part of the paper, or what its result is good for."""
 
 UNITS = "pi, kg m²; phi, m; M, kg"
 
