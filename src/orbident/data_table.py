@@ -24,7 +24,27 @@ class Numeric(NamedTuple):
         return f"{self.value:{self.form}}" if self.is_known else "-"
 
 
-Cell = str | Numeric
+class Interval(NamedTuple):
+    """The 95 % interval of what is normally distributed."""
+
+    value: float
+    std: float
+
+    @property
+    def is_known(self) -> bool:
+        """Whether there are ends to show."""
+        return self.value == self.value and self.std == self.std
+
+    def __str__(self) -> str:
+        """Plain text; a dash where it is not known."""
+        # Late, because 'doctor' has tables where NumPy cannot be imported.
+        from orbident.gaussian import NINETY_FIVE
+
+        low, high = (self.value + k * NINETY_FIVE * self.std for k in (-1, 1))
+        return f"{low:.6g} to {high:.6g}" if self.is_known else "-"
+
+
+Cell = str | Numeric | Interval
 """What stands in a row of a table."""
 
 

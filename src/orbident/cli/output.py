@@ -13,7 +13,7 @@ from rich.table import Table
 
 from orbident.cli.notice import wipe
 from orbident.cli.streams import warn
-from orbident.data_table import DataTable, Numeric
+from orbident.data_table import DataTable
 from orbident.files.replacing import check_place
 from orbident.files.text import write_text
 
@@ -81,7 +81,7 @@ def _in_columns(table: DataTable) -> Group:
     drawn = Table(box=None)
     columns = zip(*(row.cells for row in table.rows), strict=True)
     for name, cells in zip(table.head, columns, strict=True):
-        right = any(isinstance(cell, Numeric) for cell in cells)
+        right = not all(isinstance(cell, str) for cell in cells)
         drawn.add_column(name, justify="right" if right else "left")
     for row in table.rows:
         drawn.add_row(*map(str, row.cells))

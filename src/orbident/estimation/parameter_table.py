@@ -1,15 +1,21 @@
 """Estimated parameters beside CAD, as lines of text: all, or those that differ most."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 from jaxtyping import Int
 
+from orbident.data_table import Interval, Numeric, TableRow
 from orbident.estimation.quantities import EstimatedSet
 from orbident.files.names import counted
 
 MOST = 12
 """Parameters that fit, with what stands around them, a terminal of 24 lines."""
+
+COLUMNS = "parameter", "estimate", "± std", "unit", "95 %", "CAD", "sigmas", "%"
+
+FAR = 3.0
+"""Sigmas from CAD that are no chance: the row is marked."""
 
 HEAD = f"  {'':10} {'estimate':>12} {'std':>9} {'CAD':>12} {'sigmas':>8} {'%':>8}"
 """`sigmas` and `%`: the difference from CAD in standard deviations, and in percent."""
@@ -33,10 +39,33 @@ def most_different(found: EstimatedSet, most: int) -> Int[np.ndarray, " rows"]:
     return np.concatenate([[0], order[: most - 1]])
 
 
+def parameter_rows(found: EstimatedSet, which: Iterable[int]) -> Iterator[TableRow]:
+    """Rows of a table, with the columns of `COLUMNS` and the formula as a note.
+
+    Args:
+        found: a set.
+        which: parameters of it, by their numbers.
+    """
+    units, sigmas, percent = found.units, found.sigmas, found.percent
+    for k in which:
+        std = float(found.std[k])
+        cells = (
+            found.names[k],
+            Numeric(float(found.values[k]), ".6g", std),
+            Numeric(std, ".2g"),
+            units[k],
+            Interval(float(found.values[k]), std),
+            Numeric(float(found.nominal[k]), ".6g", std),
+            Numeric(float(sigmas[k]), "+.1f" if abs(sigmas[k]) < 1000 else "+.1e"),
+            Numeric(float(percent[k]), "+.2g"),
+        )
+        yield TableRow(cells, found.formulas[k], bool(abs(sigmas[k]) > FAR))
+
+
 def short_table(found: EstimatedSet) -> list[str]:
     """Lines of at most `MOST` parameters, and how far the others are from CAD."""
     shown = most_different(found, MOST)
-    lines = [HEAD, *_rows(found, shown.tolist())]
+    lines = [HEAD, *map(_line, parameter_rows(found, shown.tolist()))]
     left = np.setdiff1d(np.arange(len(found.names)), shown)
     off = np.abs(found.sigmas[left])
     near, lost = np.isfinite(off), np.isnan(found.values[left])
@@ -52,25 +81,16 @@ def short_table(found: EstimatedSet) -> list[str]:
 
 def whole_table(found: EstimatedSet) -> list[str]:
     """All parameters, with their formulas."""
-    rows = _rows(found, range(len(found.names)))
-    both = zip(rows, found.formulas, strict=True)
-    return [HEAD, *(f"{row:75} {formula}" for row, formula in both)]
+    rows = parameter_rows(found, range(len(found.names)))
+    return [HEAD, *(f"{_line(row):75} {row.note}" for row in rows)]
 
 
-def _rows(found: EstimatedSet, which: Sequence[int]) -> list[str]:
-    units, sigmas, percent = found.units, found.sigmas, found.percent
-    return [
-        f"  {found.names[k]:10} {number(found.values[k], '.6g'):>12} "
-        f"{number(found.std[k], '.2g'):>9} {number(found.nominal[k], '.6g'):>12} "
-        f"{_sigmas(sigmas[k]):>8} {number(percent[k], '+.2g'):>8}  {units[k]}"
-        for k in which
-    ]
+def _line(row: TableRow) -> str:
+    name, value, std, unit, _, nominal, sigmas, percent = map(str, row.cells)
+    numbers = f"{value:>12} {std:>9} {nominal:>12} {sigmas:>8} {percent:>8}"
+    return f"  {name:10} {numbers}  {unit}"
 
 
 def number(value: float, form: str) -> str:
     """A number in this format; a dash for NaN."""
     return f"{value:{form}}" if value == value else "-"
-
-
-def _sigmas(value: float) -> str:
-    return number(value, "+.1f" if abs(value) < 1000 else "+.1e")

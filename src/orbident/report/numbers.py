@@ -3,7 +3,7 @@
 import math
 from typing import TypeGuard
 
-from orbident.data_table import Cell
+from orbident.data_table import Cell, Interval
 from orbident.gaussian import NINETY_FIVE
 
 DIGITS = 6
@@ -56,7 +56,9 @@ def signed(difference: float) -> str:
 def typeset(cell: Cell) -> str:
     """A cell of a table as a report shows it."""
     if isinstance(cell, str):
-        return cell
+        return cell.replace(" m^2", " m²")
+    if isinstance(cell, Interval):
+        return interval_text(cell.value, cell.std)
     if not known(cell.value):
         return NONE
     if cell.std is not None:

@@ -5,18 +5,12 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float, Int
 
-from orbident.data_table import DataTable, TableRow
-from orbident.estimation.parameter_table import most_different
+from orbident.data_table import DataTable, Interval, Numeric, TableRow
+from orbident.estimation.parameter_table import COLUMNS, most_different, parameter_rows
 from orbident.estimation.quantities import EstimatedSet, MassRoutes
 from orbident.estimation.result import Result
 from orbident.gaussian import NINETY_FIVE
 from orbident.report.charts import interval_list, shortened
-from orbident.report.numbers import (
-    interval_text,
-    short,
-    signed,
-    with_std,
-)
 from orbident.report.page import Chart, Section
 
 TITLES = {
@@ -38,9 +32,6 @@ ROUTES = (
     "standard deviations of the difference. Deviations of Eq. 32 count white noise of "
     "its equations only: more than 3 sigmas show that encoders or a drift add to it."
 )
-
-FAR = 3.0
-"""Sigmas from CAD that are no chance: the row is marked."""
 
 MOST = 20
 """Rows of a table: a robot with two arms has hundreds of parameters and routes."""
@@ -96,10 +87,10 @@ def masses(result: Result, known_as: str) -> Section | None:
         TableRow(
             (
                 shortened(routes.names[k]),
-                with_std(routes.values[k], routes.std[k]),
-                short(routes.std[k], 2),
-                interval_text(routes.values[k], routes.std[k]),
-                signed(routes.sigmas[k]),
+                Numeric(routes.values[k], ".6g", routes.std[k]),
+                Numeric(routes.std[k], ".2g"),
+                Interval(routes.values[k], routes.std[k]),
+                Numeric(routes.sigmas[k], "+.1f"),
             ),
             routes.formulas[k],
         )
@@ -129,26 +120,9 @@ def _table(
     shown: Int[np.ndarray, " rows"] | None = None,
     folded: bool = True,
 ) -> DataTable:
-    sigmas, percent = found.sigmas, found.percent
-    rows = tuple(
-        TableRow(
-            (
-                found.names[k],
-                with_std(found.values[k], found.std[k]),
-                short(found.std[k], 2),
-                found.units[k].replace("^2", "²"),
-                interval_text(found.values[k], found.std[k]),
-                with_std(found.nominal[k], found.std[k]),
-                signed(sigmas[k]),
-                signed(percent[k]),
-            ),
-            found.formulas[k],
-            bool(abs(sigmas[k]) > FAR),
-        )
-        for k in (range(len(found.names)) if shown is None else shown)
-    )
-    before, after = ("parameter", "estimate", "± std", "unit", "95 %"), ("sigmas", "%")
-    return DataTable(title, (*before, known_as, *after), rows, folded=folded)
+    which = range(len(found.names)) if shown is None else shown.tolist()
+    head = (*COLUMNS[:5], known_as, *COLUMNS[6:])
+    return DataTable(title, head, tuple(parameter_rows(found, which)), folded=folded)
 
 
 def _chart(base: EstimatedSet, known_as: str) -> tuple[Chart, ...]:
