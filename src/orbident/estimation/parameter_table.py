@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Int
 
 from orbident.data_table import Interval, Numeric, TableRow
-from orbident.estimation.quantities import EstimatedSet
+from orbident.estimation.quantities import EstimatedSet, MassRoutes
 from orbident.files.names import counted
 
 MOST = 12
@@ -85,12 +85,33 @@ def whole_table(found: EstimatedSet) -> list[str]:
     return [HEAD, *(f"{_line(row):75} {row.note}" for row in rows)]
 
 
+def mass_rows(routes: MassRoutes, which: Iterable[int]) -> Iterator[TableRow]:
+    """Route, mass, deviation, 95 % and sigmas; the note is the formula.
+
+    Args:
+        routes: to the mass.
+        which: of them, by their numbers.
+    """
+    for k in which:
+        value, std = float(routes.values[k]), float(routes.std[k])
+        cells = (
+            *(routes.names[k], Numeric(value, ".6g", std), Numeric(std, ".2g")),
+            *(Interval(value, std), Numeric(float(routes.sigmas[k]), "+.1f")),
+        )
+        yield TableRow(cells, routes.formulas[k])
+
+
+def routes_left_out(routes: MassRoutes) -> list[str]:
+    """How many forms of Eq. 32 are not shown, if any, and why."""
+    if not routes.left_out:
+        return []
+    return [
+        f"{routes.left_out} forms of Eq. 32 give no mass: their deviations are beyond "
+        "a tenth of it"
+    ]
+
+
 def _line(row: TableRow) -> str:
     name, value, std, unit, _, nominal, sigmas, percent = map(str, row.cells)
     numbers = f"{value:>12} {std:>9} {nominal:>12} {sigmas:>8} {percent:>8}"
     return f"  {name:10} {numbers}  {unit}"
-
-
-def number(value: float, form: str) -> str:
-    """A number in this format; a dash for NaN."""
-    return f"{value:{form}}" if value == value else "-"

@@ -5,12 +5,18 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float, Int
 
-from orbident.data_table import DataTable, Interval, Numeric, TableRow
-from orbident.estimation.parameter_table import COLUMNS, most_different, parameter_rows
+from orbident.data_table import DataTable
+from orbident.estimation.parameter_table import (
+    COLUMNS,
+    mass_rows,
+    most_different,
+    parameter_rows,
+    routes_left_out,
+)
 from orbident.estimation.quantities import EstimatedSet, MassRoutes
 from orbident.estimation.result import Result
 from orbident.gaussian import NINETY_FIVE
-from orbident.report.charts import interval_list, shortened
+from orbident.report.charts import interval_list
 from orbident.report.page import Chart, Section
 
 TITLES = {
@@ -83,27 +89,11 @@ def masses(result: Result, known_as: str) -> Section | None:
     names = [routes.names[k] for k in shown]
     half = NINETY_FIVE * routes.std[shown]
     figure = interval_list(names, routes.values[shown], half, M, ROUNDING * M, "M (kg)")
-    rows = tuple(
-        TableRow(
-            (
-                shortened(routes.names[k]),
-                Numeric(routes.values[k], ".6g", routes.std[k]),
-                Numeric(routes.std[k], ".2g"),
-                Interval(routes.values[k], routes.std[k]),
-                Numeric(routes.sigmas[k], "+.1f"),
-            ),
-            routes.formulas[k],
-        )
-        for k in shown
-    )
+    rows = tuple(mass_rows(routes, shown))
     words = [ROUTES]
     if len(shown) < len(routes.names):
         words.append(f"The surest of {len(routes.names)}.")
-    if routes.left_out:
-        words.append(
-            f"{routes.left_out} forms of Eq. 32 give no mass: their deviations are "
-            "beyond a tenth of it."
-        )
+    words += [f"{sentence}." for sentence in routes_left_out(routes)]
     return Section(
         name="masses",
         title="The mass by every route",
