@@ -11,8 +11,7 @@ from rich.console import Console, Group
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
-from orbident.cli.notice import wipe
-from orbident.cli.streams import warn
+from orbident.cli.streams import warn, wipe
 from orbident.data_table import DataTable
 from orbident.files.replacing import check_place
 from orbident.files.text import write_text
