@@ -94,7 +94,10 @@ def designed(found: Any, paper: Any, at_rest: bool) -> list[Any]:
     ]
     if paper is not None and paper.quoted is not None:
         lines.append(f"the paper quotes a condition number of {paper.quoted:g} for its")
-    lines += [f"  {words:30} {_number(made['scores'][key])}" for key, words in _rows()]
+    lines += [
+        f"  {words:30} {_number(made['scores'][key])}"
+        for key, words in CRITERIA.items()
+    ]
     rows = (
         (
             name,
@@ -131,7 +134,7 @@ def compared(found: Any) -> tuple[list[Any], dict[str, Any]]:
 
     rows = (
         (words, *(Numeric(_finite(getattr(s, key)), ".4g") for s in found.scores))
-        for key, words in _rows()
+        for key, words in CRITERIA.items()
     )
     criteria = table_of("", ("criterion", *found.sources), rows)
     rows = (
@@ -160,10 +163,6 @@ def compared(found: Any) -> tuple[list[Any], dict[str, Any]]:
     title = "predicted standard deviations (Cramer-Rao):"
     first = f"compared {len(found.sources)} trajectories"
     return [first, "", criteria, "", title, parameters], document
-
-
-def _rows() -> list[tuple[str, str]]:
-    return list(CRITERIA.items())
 
 
 def _number(value: float | None) -> str:

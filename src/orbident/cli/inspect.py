@@ -138,17 +138,13 @@ def _lines(robot: Any, document: dict[str, Any]) -> list[str]:
 
 def _in_words(entries: dict[str, Any]) -> list[str]:
     """The bound of each, in its unit and in percent of it."""
+    from orbident.data_table import Numeric
+
+    if "bound" not in entries:
+        return [""] * len(entries["values"])
     words = []
-    for value, bound in zip(
-        entries["values"],
-        entries.get("bound") or len(entries["values"]) * [""],
-        strict=True,
-    ):
-        if bound == "":
-            words.append("")
-        elif bound is None:
-            words.append(f" {'-':>9} {'-':>8}")
-        else:
-            relative = f"{100 * bound / abs(value):.2g}" if value else "-"
-            words.append(f" {bound:9.2g} {relative:>8}")
+    for value, bound in zip(entries["values"], entries["bound"], strict=True):
+        relative = 100 * bound / abs(value) if value and bound is not None else None
+        std, percent = str(Numeric(bound, ".2g")), str(Numeric(relative, ".2g"))
+        words.append(f" {std:>9} {percent:>8}")
     return words

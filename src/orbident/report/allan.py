@@ -12,11 +12,10 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float
 
-from orbident.data_table import DataTable, Numeric, table_of
 from orbident.estimation.checks import worst
 from orbident.files.text import write_text
 from orbident.noise.noise_model import NoiseModel
-from orbident.noise.rest_noise import AxisNoise
+from orbident.noise.rest_noise import AxisNoise, noise_table
 from orbident.report.charts import (
     MEASURED,
     PREDICTED,
@@ -54,7 +53,7 @@ def write_allan(found: Sequence[AxisNoise], title: str, path: Path) -> None:
         name="noise",
         title="Noise at rest",
         words=WORDS,
-        tables=(_table(found),),
+        tables=(noise_table(found),),
         charts=tuple(
             Chart(each.name, f"{each.name}: Allan deviation", figure_of(each))
             for each in found
@@ -62,17 +61,6 @@ def write_allan(found: Sequence[AxisNoise], title: str, path: Path) -> None:
     )
     verdict = Verdict(worst(checks), "", checks, ())
     write_text(path, page(title, "Noise of sensors at rest", verdict, [section]))
-
-
-def _table(found: Sequence[AxisNoise]) -> DataTable:
-    rows = (
-        (each.name, name, Numeric(level.value), Numeric(level.std, ".2g"), unit)
-        for each in found
-        for name, level in each.model.levels.items()
-        for unit in (each.unit(name),)
-    )
-    head = ("axis", "parameter", "value", "deviation", "unit")
-    return table_of("Parameters", head, rows)
 
 
 def figure_of(each: AxisNoise) -> Figure:

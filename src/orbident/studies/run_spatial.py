@@ -18,7 +18,6 @@ from orbident.estimation.found import EstimatedParameters
 from orbident.estimation.identify import Method, identify
 from orbident.estimation.quantities import nulled
 from orbident.estimation.result import Result
-from orbident.estimation.triangular import condition_numbers
 from orbident.excitation.bound import cramer_rao
 from orbident.model.minimal_sets import minimal_sets
 from orbident.model.paper_bases import PaperBasis, paper_basis, spatial_columns
@@ -29,7 +28,12 @@ from orbident.simulation.free_floating import FreeFloating
 from orbident.simulation.measure import measure
 from orbident.simulation.simulate import float_along, motion_recording
 from orbident.studies import paper_tables
-from orbident.studies.paper_method import Filters, from_imu, paper_method
+from orbident.studies.paper_method import (
+    Filters,
+    condition_in_basis,
+    from_imu,
+    paper_method,
+)
 from orbident.studies.paper_tables import PaperRow
 from orbident.studies.spatial import spatial_robot, spatial_trajectory
 from orbident.trajectories.trajectory import Trajectory
@@ -174,7 +178,7 @@ def run_spatial(
         rows=table.rows(result, errors, bound),
         by_sensor=by_sensor,
         cut_offs=filters.cut_offs,
-        condition_number=table.condition_numbers(result),
+        condition_number=condition_in_basis(table.basis, result),
         method=method,
         noisy=noise == "paper",
         trajectory=trajectory,
@@ -244,14 +248,6 @@ class _Table(NamedTuple):
                 zip(printed.items(), self.true, self.found(result), strict=True)
             )
         )
-
-    def condition_numbers(self, result: Result) -> dict[str, float]:
-        assert result.fits is not None
-        pi, phi = result.fits.pi.factor, result.fits.phi.factor
-        Y = condition_numbers(pi @ np.linalg.inv(self.basis.pi_of_pi))
-        W = condition_numbers(phi @ np.linalg.inv(self.basis.phi_of_phi))
-        names = ("Y", "Y_normalised", "W", "W_normalised")
-        return dict(zip(names, (*Y, *W), strict=True))
 
 
 class _NoisyMotion(NamedTuple):
