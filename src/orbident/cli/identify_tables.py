@@ -4,11 +4,8 @@ from pathlib import Path
 from typing import Any
 
 from orbident.data_table import Numeric
-from orbident.estimation.parameter_table import (
-    mass_rows,
-    routes_left_out,
-    whole_table,
-)
+from orbident.estimation.parameter_table import HEAD, parameter_line, parameter_rows
+from orbident.report.parameter_section import mass_rows, routes_left_out
 
 TITLES = {
     "base": "base parameters: what free floating can identify",
@@ -44,7 +41,10 @@ def summary(result: Any, out: Path | None, everything: bool) -> list[str]:
 def _everything(result: Any) -> list[str]:
     lines = []
     for name, title in TITLES.items():
-        lines += ["", title, *whole_table(getattr(result, name))]
+        found = getattr(result, name)
+        rows = parameter_rows(found, range(len(found.names)))
+        whole = (f"{parameter_line(row):75} {row.note}" for row in rows)
+        lines += ["", title, HEAD, *whole]
     lines += _masses(result)
     lines += _sensors(result)
     lines += _calibration(result)

@@ -11,7 +11,7 @@ Where `v_S` is an integrated accelerometer, its constant bias `b` is one more un
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import NamedTuple, get_args
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -24,8 +24,6 @@ from orbident.model.rotations import quaternion_matrix
 from orbident.model.wheel_arrays import Wheels, wheels_of
 from orbident.preprocessing.samples import Batch, Samples
 from orbident.robot.description import Robot
-
-INITIAL_MOMENTA: tuple[InitialMomentum, ...] = get_args(InitialMomentum)
 
 BATCH = 256
 """Samples folded in at once, at least: of a robot with two arms more are no faster,

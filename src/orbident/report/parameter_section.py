@@ -1,17 +1,15 @@
 """The parameters with their intervals, beside what CAD says of them."""
 
+from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float, Int
 
-from orbident.data_table import DataTable
+from orbident.data_table import DataTable, Interval, Numeric, TableRow
 from orbident.estimation.parameter_table import (
-    COLUMNS,
-    mass_rows,
     most_different,
     parameter_rows,
-    routes_left_out,
 )
 from orbident.estimation.quantities import EstimatedSet, MassRoutes
 from orbident.estimation.result import Result
@@ -38,6 +36,9 @@ ROUTES = (
     "standard deviations of the difference. Deviations of Eq. 32 count white noise of "
     "its equations only: more than 3 sigmas show that encoders or a drift add to it."
 )
+
+FAR = 3.0
+"""Sigmas from CAD that are no chance: the row is marked."""
 
 MOST = 20
 """Rows of a table: a robot with two arms has hundreds of parameters and routes."""
@@ -103,6 +104,32 @@ def masses(result: Result, known_as: str) -> Section | None:
     )
 
 
+def mass_rows(routes: MassRoutes, which: Iterable[int]) -> Iterator[TableRow]:
+    """Route, mass, deviation, 95 % and sigmas; the note is the formula.
+
+    Args:
+        routes: to the mass.
+        which: of them, by their numbers.
+    """
+    for k in which:
+        value, std = float(routes.values[k]), float(routes.std[k])
+        cells = (
+            *(routes.names[k], Numeric(value, ".6g", std), Numeric(std, ".2g")),
+            *(Interval(value, std), Numeric(float(routes.sigmas[k]), "+.1f")),
+        )
+        yield TableRow(cells, routes.formulas[k])
+
+
+def routes_left_out(routes: MassRoutes) -> list[str]:
+    """How many forms of Eq. 32 are not shown, if any, and why."""
+    if not routes.left_out:
+        return []
+    return [
+        f"{routes.left_out} forms of Eq. 32 give no mass: their deviations are beyond "
+        "a tenth of it"
+    ]
+
+
 def _table(
     title: str,
     found: EstimatedSet,
@@ -111,8 +138,14 @@ def _table(
     folded: bool = True,
 ) -> DataTable:
     which = range(len(found.names)) if shown is None else shown.tolist()
-    head = (*COLUMNS[:5], known_as, *COLUMNS[6:])
-    return DataTable(title, head, tuple(parameter_rows(found, which)), folded=folded)
+    far = np.abs(found.sigmas) > FAR
+    rows = (
+        row._replace(marked=bool(far[k]))
+        for k, row in zip(which, parameter_rows(found, which), strict=True)
+    )
+    before, after = ("parameter", "estimate", "± std", "unit", "95 %"), ("sigmas", "%")
+    head = (*before, known_as, *after)
+    return DataTable(title, head, tuple(rows), folded=folded)
 
 
 def _chart(base: EstimatedSet, known_as: str) -> tuple[Chart, ...]:
