@@ -1,6 +1,7 @@
 """A table as data: described once, shown by the terminal and by reports."""
 
 from collections.abc import Iterable
+from math import isnan
 from typing import NamedTuple
 
 
@@ -17,7 +18,7 @@ class Numeric(NamedTuple):
     @property
     def is_known(self) -> bool:
         """Whether there is a number to show."""
-        return self.value is not None and self.value == self.value
+        return self.value is not None and not isnan(self.value)
 
     def __str__(self) -> str:
         """Plain text; a dash where it is not known."""
@@ -33,7 +34,7 @@ class Interval(NamedTuple):
     @property
     def is_known(self) -> bool:
         """Whether there are ends to show."""
-        return self.value == self.value and self.std == self.std
+        return not (isnan(self.value) or isnan(self.std))
 
     def __str__(self) -> str:
         """Plain text; a dash where it is not known."""
