@@ -72,10 +72,8 @@ class DataTable(NamedTuple):
 
     def without_empty_columns(self) -> "DataTable":
         """Only the columns in which something is known."""
-        used = [
-            any(isinstance(cell, str) or cell.is_known for cell in column)
-            for column in zip(*(row.cells for row in self.rows), strict=True)
-        ]
+        columns = [[row.cells[k] for row in self.rows] for k in range(len(self.head))]
+        used = [any(isinstance(c, str) or c.is_known for c in each) for each in columns]
         rows = (row._replace(cells=_where(used, row.cells)) for row in self.rows)
         return self._replace(head=_where(used, self.head), rows=tuple(rows))
 

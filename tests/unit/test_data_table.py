@@ -35,3 +35,8 @@ def test_columns_in_which_nothing_is_known():
     table = table_of("t", ("name", "paper", "ours"), rows).without_empty_columns()
     assert table.head == ("name", "ours")
     assert [len(row.cells) for row in table.rows] == [2, 2]
+
+
+def test_a_table_without_rows():
+    table = table_of("", ("name", "ours"), [])
+    assert table.without_empty_columns().head == ()

@@ -78,9 +78,8 @@ class Output:
 def _in_columns(table: DataTable) -> Group:
     """Its title, if any, above the columns; those with numbers end at the right."""
     drawn = Table(box=None)
-    columns = zip(*(row.cells for row in table.rows), strict=True)
-    for name, cells in zip(table.head, columns, strict=True):
-        right = not all(isinstance(cell, str) for cell in cells)
+    for k, name in enumerate(table.head):
+        right = any(not isinstance(row.cells[k], str) for row in table.rows)
         drawn.add_column(name, justify="right" if right else "left")
     for row in table.rows:
         drawn.add_row(*map(str, row.cells))
