@@ -10,9 +10,7 @@ from pages import ROOT
 from pydantic import BaseModel
 
 from orbident.recordings.columns import (
-    PER_JOINT,
-    PER_THRUSTER,
-    PER_WHEEL,
+    OF_PARTS,
     VECTORS,
     is_known,
 )
@@ -81,13 +79,9 @@ def test_every_name_that_a_robot_file_may_hold_is_there():
 
 def test_every_column_of_a_recording_is_explained():
     lines = code(RECORDING).split("\n")
-    for sensor, names in (
-        ("joint", PER_JOINT),
-        ("wheel", PER_WHEEL),
-        ("thruster", PER_THRUSTER),
-    ):
+    for part, names in OF_PARTS.items():
         for name in names:
-            assert f"{sensor}.NAME.{name}" in lines
+            assert f"{part}.NAME.{name}" in lines
     for name, (axes, _) in VECTORS.items():
         row = re.search(rf"^\| `{name}\.x`(.*?)\|", RECORDING, re.MULTILINE)
         assert row is not None, name

@@ -7,8 +7,8 @@ from typing import Annotated, Any, Literal, NamedTuple
 from pydantic import Field, model_validator
 
 from orbident.campaigns.distributions import Distribution, drawn_from
+from orbident.choices import Method
 from orbident.errors import InputError
-from orbident.estimation.identify import Method
 from orbident.files.names import first_duplicate
 from orbident.files.schema_errors import validated
 from orbident.files.schema_parts import MappingSchema

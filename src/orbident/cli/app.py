@@ -8,12 +8,12 @@ from pathlib import Path
 from typing import Any, NamedTuple, NoReturn
 
 from orbident.cli.interruption import interruptible
-from orbident.cli.notice import wipe
 from orbident.cli.streams import (
     accept_any_output,
     complain,
     drop_output,
     plain_warnings,
+    wipe,
 )
 from orbident.errors import InputError
 

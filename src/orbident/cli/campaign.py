@@ -189,13 +189,29 @@ def _report(begun: Any, folder: Path) -> list[str]:
 
 
 def _lines(begun: Any, folder: Path, done: "Done") -> Sequence[Any]:
-    from orbident.cli.campaign_tables import levels
-
     return [
         f"{folder}: {done.runs} of {done.of} runs made, {done.failed} of them failed",
         *([""] if done.runs else []),
-        *([levels(begun, folder)] if done.runs else []),
+        *([_levels(begun, folder)] if done.runs else []),
     ]
+
+
+def _levels(begun: Any, folder: Path) -> Any:
+    """How many results of each robot and method may be trusted."""
+    from collections import Counter
+
+    from orbident.campaigns.campaign_table import read_rows
+    from orbident.data_table import Numeric, table_of
+    from orbident.estimation.checks import LEVELS
+
+    rows = read_rows(begun, folder, ("robot", "method", "level"))
+    keys = zip(*(rows[name].to_pylist() for name in ("robot", "method")), strict=True)
+    seen = Counter(zip(keys, rows["level"].to_pylist(), strict=True))
+    counted = (
+        (*key, *(Numeric(seen[key, level], "d") for level in LEVELS))
+        for key in dict.fromkeys(key for key, _ in seen)
+    )
+    return table_of("", ("robot", "method", *LEVELS), counted)
 
 
 def _failures(folder: Path, done: "Done") -> str:

@@ -57,29 +57,33 @@ def _lines(comparison: Any) -> list[Any]:
 
 
 def _explanations(explanations: Any) -> Any:
-    from rich.table import Table
+    from orbident.data_table import table_of
 
-    table = Table("joined", "chi-square left", "expected", "p", "probability", box=None)
-    for e in explanations:
-        left = f"{e.left.value:.4g}", f"{e.left.dof}", f"{e.left.p:.2g}"
-        table.add_row(e.body, *left, f"{e.probability:.2g}")
-    return table
+    rows = (
+        (
+            *(e.body, f"{e.left.value:.4g}", f"{e.left.dof}", f"{e.left.p:.2g}"),
+            f"{e.probability:.2g}",
+        )
+        for e in explanations
+    )
+    head = "joined", "chi-square left", "expected", "p", "probability"
+    return table_of("", head, rows)
 
 
 def _added(comparison: Any) -> list[Any]:
-    from rich.table import Table
+    from orbident.data_table import table_of
 
     added, body = comparison.added, comparison.body
     did = "let go" if added.mass.value < 0 else "captured"
-    table = Table("", "value", "std", "95 % from", "to", box=None)
-    table.add_row("mass, kg", *_numbers(added.mass.value, added.mass.std))
+    rows = [("mass, kg", *_numbers(added.mass.value, added.mass.std))]
     for what, unit, found in (
         ("", "m", added.com),
         (", about its CM", "kg m^2", added.I_com),
         (f", about the origin of {body}", "kg m^2", added.I_origin),
     ):
         for name, _, value, std in found:
-            table.add_row(f"{name}{what}, {unit}", *_numbers(value, std))
+            rows.append((f"{name}{what}, {unit}", *_numbers(value, std)))
+    table = table_of("", ("", "value", "std", "95 % from", "to"), rows)
     lines: list[Any] = [f"{did} on {body}; in the frame of {body}", table]
     return lines + [
         f"{name} is not determined: {why}"

@@ -52,26 +52,25 @@ def convert(
 
 
 def _lines(file: Path, report: Any) -> list[Any]:
-    from rich.table import Table
+    from orbident.data_table import Numeric, table_of
 
-    heads = ("topic", "messages", "used", "rate (Hz)", "from (s)", "to (s)", "time")
-    table = Table(*heads, box=None)
-    for column in table.columns[1:-1]:
-        column.justify = "right"
-    for topic in report.topics:
-        table.add_row(
+    head = ("topic", "messages", "used", "rate (Hz)", "from (s)", "to (s)", "time")
+    rows = (
+        (
             topic.topic,
-            str(topic.messages),
-            str(topic.used),
-            "-" if topic.rate is None else f"{topic.rate:.6g}",
-            f"{topic.start:.3f}",
-            f"{topic.end:.3f}",
+            Numeric(topic.messages, "d"),
+            Numeric(topic.used, "d"),
+            Numeric(topic.rate, ".6g"),
+            Numeric(topic.start, ".3f"),
+            Numeric(topic.end, ".3f"),
             topic.time if topic.clock is None else f"{topic.time}, {topic.clock}",
         )
+        for topic in report.topics
+    )
     odd = [sentence for topic in report.topics for sentence in topic.sentences()]
     return [
         f"converted {file}: {report.samples} samples over {report.duration:g} s",
-        table,
+        table_of("", head, rows),
         *odd,
         f"written: {report.recording}",
     ]

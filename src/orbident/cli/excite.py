@@ -1,12 +1,12 @@
 """`orbident excite ROBOT -o TRAJ`, and `orbident excite ROBOT --compare TRAJ`."""
 
 import sys
-from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
+from orbident.choices import Objective
 from orbident.cli.excite_tables import (
     INTERRUPTED,
     compared,
@@ -22,15 +22,6 @@ from orbident.errors import InputError
 DURATION = 60.0
 HARMONICS = 3
 LIMITS = ("acceleration", "base_rate", "excursion", "wheel_speed")
-
-
-class Objective(StrEnum):
-    """What is made small."""
-
-    cond = "cond"
-    d = "d"
-    a = "a"
-    e = "e"
 
 
 Out = Annotated[
@@ -150,7 +141,7 @@ def excite(
     with progress("preparing") as show:
         found = design_excitation(
             described,
-            objective=None if objective is None else objective.value,
+            objective=objective,
             starts=starts,
             budget=budget,
             uncertainty=uncertainty,

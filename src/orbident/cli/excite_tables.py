@@ -81,7 +81,7 @@ def designed(found: Any, paper: Any, at_rest: bool) -> list[Any]:
         paper: the paper's case, or None.
         at_rest: the robot is at rest before its wheels spin up.
     """
-    from rich.table import Table
+    from orbident.data_table import table_of
 
     made = found.design
     lines: list[Any] = [
@@ -94,16 +94,21 @@ def designed(found: Any, paper: Any, at_rest: bool) -> list[Any]:
     ]
     if paper is not None and paper.quoted is not None:
         lines.append(f"the paper quotes a condition number of {paper.quoted:g} for its")
-    lines += [f"  {words:30} {_number(made['scores'][key])}" for key, words in _rows()]
-    table = Table("joint", "position", "limit", "rate", "limit", box=None)
-    for name, joint in made["proven"]["joints"].items():
-        table.add_row(
+    lines += [
+        f"  {words:30} {_number(made['scores'][key])}"
+        for key, words in CRITERIA.items()
+    ]
+    rows = (
+        (
             name,
             _range(joint["position"]),
             _range(joint["position_limit"]),
             f"{joint['velocity']:.4g}",
             _number(joint["velocity_limit"]),
         )
+        for name, joint in made["proven"]["joints"].items()
+    )
+    table = table_of("", ("joint", "position", "limit", "rate", "limit"), rows)
     proven = made["proven"]
     base = (
         f"base: rate {_number(proven['rate'])} rad/s, turn "
@@ -125,18 +130,22 @@ def written(found: Any, paper: Any, out: Path) -> dict[str, Any]:
 
 def compared(found: Any) -> tuple[list[Any], dict[str, Any]]:
     """Trajectories side by side, as tables and as JSON."""
-    from rich.table import Table
+    from orbident.data_table import Numeric, table_of
 
-    criteria = Table("criterion", *found.sources, box=None)
-    for key, words in _rows():
-        criteria.add_row(words, *(_number(getattr(s, key)) for s in found.scores))
-    parameters = Table("parameter", "nominal", *found.sources, box=None)
-    for k, name in enumerate(found.parameters):
-        stds = (_number(float(std)) for std in found.deviations[:, k])
-        parameters.add_row(name, f"{found.nominal[k]:.5g}", *stds)
-    for table in (criteria, parameters):
-        for column in table.columns[1:]:
-            column.justify = "right"
+    rows = (
+        (words, *(Numeric(_finite(getattr(s, key)), ".4g") for s in found.scores))
+        for key, words in CRITERIA.items()
+    )
+    criteria = table_of("", ("criterion", *found.sources), rows)
+    rows = (
+        (
+            name,
+            Numeric(found.nominal[k], ".5g"),
+            *(Numeric(_finite(std), ".4g") for std in found.deviations[:, k]),
+        )
+        for k, name in enumerate(found.parameters)
+    )
+    parameters = table_of("", ("parameter", "nominal", *found.sources), rows)
     document = {
         "trajectories": [
             {
@@ -154,10 +163,6 @@ def compared(found: Any) -> tuple[list[Any], dict[str, Any]]:
     title = "predicted standard deviations (Cramer-Rao):"
     first = f"compared {len(found.sources)} trajectories"
     return [first, "", criteria, "", title, parameters], document
-
-
-def _rows() -> list[tuple[str, str]]:
-    return list(CRITERIA.items())
 
 
 def _number(value: float | None) -> str:

@@ -1,15 +1,14 @@
 """`orbident identify ROBOT REC... -o RUN`."""
 
-from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
+from orbident.choices import Method
 from orbident.cli.options import (
     End,
     Force,
-    InitialMomentum,
     Json,
     MomentumKnown,
     Quiet,
@@ -18,15 +17,6 @@ from orbident.cli.options import (
     cut_to_times,
 )
 from orbident.robot.disturbance_groups import DisturbanceGroup
-
-
-class MethodChoice(StrEnum):
-    """How parameters are estimated."""
-
-    maximum_likelihood = "maximum-likelihood"
-    structured = "structured"
-    least_squares = "least-squares"
-    recursive = "recursive"
 
 
 def identify(
@@ -48,15 +38,15 @@ def identify(
         ),
     ] = None,
     method: Annotated[
-        MethodChoice,
+        Method,
         typer.Option(
             help="maximum-likelihood: fits all sensors at once. structured: solves "
             "Eqs. 24 and 31 for the base parameters. least-squares: the paper's. "
             "recursive: a filter, sample by sample, that watches for changes (RUN has "
             "history.csv)."
         ),
-    ] = MethodChoice.maximum_likelihood,
-    initial_momentum: MomentumKnown = InitialMomentum.unknown,
+    ] = "maximum-likelihood",
+    initial_momentum: MomentumKnown = "unknown",
     disturbance: Annotated[
         list[DisturbanceGroup] | None,
         typer.Option(
@@ -120,8 +110,8 @@ def identify(
         result = identified(
             described,
             tables,
-            method.value,
-            initial_momentum.value,
+            method,
+            initial_momentum,
             pushed,
             progress=done,
         )

@@ -3,7 +3,9 @@
 from pathlib import Path
 from typing import Any
 
-from orbident.estimation.parameter_table import number, whole_table
+from orbident.data_table import Numeric
+from orbident.estimation.parameter_table import HEAD, parameter_line, parameter_rows
+from orbident.report.parameter_section import mass_rows, routes_left_out
 
 TITLES = {
     "base": "base parameters: what free floating can identify",
@@ -39,7 +41,10 @@ def summary(result: Any, out: Path | None, everything: bool) -> list[str]:
 def _everything(result: Any) -> list[str]:
     lines = []
     for name, title in TITLES.items():
-        lines += ["", title, *whole_table(getattr(result, name))]
+        found = getattr(result, name)
+        rows = parameter_rows(found, range(len(found.names)))
+        whole = (f"{parameter_line(row):75} {row.note}" for row in rows)
+        lines += ["", title, HEAD, *whole]
     lines += _masses(result)
     lines += _sensors(result)
     lines += _calibration(result)
@@ -52,18 +57,11 @@ def _everything(result: Any) -> list[str]:
 
 def _masses(result: Any) -> list[str]:
     """The mass by every route."""
-    routes = result.mass_forms
-    lines = [
-        f"  {name:24} {value:12.6g} {std:9.2g} {number(sigmas, '+.1f'):>8}  {formula}"
-        for (name, formula, value, std), sigmas in zip(
-            routes, routes.sigmas, strict=True
-        )
-    ]
-    if routes.left_out:
-        lines.append(
-            f"  {routes.left_out} forms of Eq. 32 give no mass: their deviations are "
-            "beyond a tenth of it"
-        )
+    routes, lines = result.mass_forms, []
+    for row in mass_rows(routes, range(len(routes.names))):
+        name, value, std, _, sigmas = map(str, row.cells)
+        lines.append(f"  {name:24} {value:>12} {std:>9} {sigmas:>8}  {row.note}")
+    lines += [f"  {sentence}" for sentence in routes_left_out(routes)]
     if not lines:
         return []
     head = f"  {'':24} {'estimate':>12} {'std':>9} {'sigmas':>8}"
@@ -126,6 +124,6 @@ def _sensitivity(result: Any) -> list[str]:
     return [
         f"{table.instruments} errors of instruments are taken for zero: 1 {unit} of "
         f"{name} would",
-        f"shift {parameter} by {number(shift, '.2g')} sigmas (see 'tolerances' in the "
+        f"shift {parameter} by {Numeric(shift, '.2g')} sigmas (see 'tolerances' in the "
         "docs; all: --json)",
     ]

@@ -5,8 +5,8 @@ from typing import Annotated, Any
 
 import typer
 
+from orbident.choices import InitialMomentum
 from orbident.cli.options import (
-    InitialMomentum,
     Json,
     MomentumKnown,
     Quiet,
@@ -24,7 +24,7 @@ def inspect(
             "robot's sensors allow (the Cramér-Rao bound).",
         ),
     ] = None,
-    initial_momentum: MomentumKnown = InitialMomentum.unknown,
+    initial_momentum: MomentumKnown = "unknown",
     json: Json = None,
     quiet: Quiet = False,
 ) -> None:
@@ -79,7 +79,7 @@ def _bound(robot: Any, trajectory: Path, initial_momentum: InitialMomentum) -> A
     from orbident.excitation.bound import cramer_rao
     from orbident.trajectories.trajectory_file import load_trajectory
 
-    return cramer_rao(robot, load_trajectory(trajectory), initial_momentum.value)
+    return cramer_rao(robot, load_trajectory(trajectory), initial_momentum)
 
 
 def _deviations(known: Any) -> list[float | None]:
@@ -138,17 +138,13 @@ def _lines(robot: Any, document: dict[str, Any]) -> list[str]:
 
 def _in_words(entries: dict[str, Any]) -> list[str]:
     """The bound of each, in its unit and in percent of it."""
+    from orbident.data_table import Numeric
+
+    if "bound" not in entries:
+        return [""] * len(entries["values"])
     words = []
-    for value, bound in zip(
-        entries["values"],
-        entries.get("bound") or len(entries["values"]) * [""],
-        strict=True,
-    ):
-        if bound == "":
-            words.append("")
-        elif bound is None:
-            words.append(f" {'-':>9} {'-':>8}")
-        else:
-            relative = f"{100 * bound / abs(value):.2g}" if value else "-"
-            words.append(f" {bound:9.2g} {relative:>8}")
+    for value, bound in zip(entries["values"], entries["bound"], strict=True):
+        relative = 100 * bound / abs(value) if value and bound is not None else None
+        std, percent = str(Numeric(bound, ".2g")), str(Numeric(relative, ".2g"))
+        words.append(f" {std:>9} {percent:>8}")
     return words

@@ -5,8 +5,8 @@ from typing import Annotated, Any
 
 import typer
 
-from orbident.cli.notice import wipe
 from orbident.cli.options import RobotName
+from orbident.cli.streams import wipe
 
 LOOPBACK = frozenset({"127.0.0.1", "localhost", "::1"})
 

@@ -43,7 +43,7 @@ def noise(
     from orbident.cli.output import Output, progress
     from orbident.files.names import counted
     from orbident.files.replacing import check_free
-    from orbident.noise.rest_noise import rest_noise, sensor_section
+    from orbident.noise.rest_noise import noise_table, rest_noise, sensor_section
     from orbident.recordings.tables import read_recording
 
     output = Output(json, quiet)
@@ -74,7 +74,7 @@ def noise(
     output.say(
         f"estimated the noise of {counted(len(found), 'axis', 'axes')} from {rest}",
         "",
-        _table(found),
+        noise_table(found),
         "",
         where,
     )
@@ -87,18 +87,6 @@ def _yaml(section: dict[str, Any]) -> str:
     return yaml.safe_dump(
         {"sensors": section}, sort_keys=False, default_flow_style=None
     )
-
-
-def _table(found: Any) -> Any:
-    from rich.table import Table
-
-    table = Table("", "", "value", "std", "95 % from", "to", "unit", box=None)
-    for each in found:
-        for name, level in each.model.levels.items():
-            numbers = (level.value, level.std, *level.interval)
-            words = [f"{number:.3g}" for number in numbers]
-            table.add_row(each.name, name, *words, each.unit(name))
-    return table
 
 
 def _document(found: Any) -> dict[str, Any]:

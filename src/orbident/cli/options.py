@@ -1,12 +1,12 @@
 """Arguments and options that several verbs share."""
 
-from enum import StrEnum
 from math import inf
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
+from orbident.choices import InitialMomentum
 from orbident.errors import InputError
 
 
@@ -89,14 +89,6 @@ Force = Annotated[bool, typer.Option("--force", help="Replace what is there alre
 RunFolder = Annotated[
     Path, typer.Argument(metavar="RUN", help="A folder that 'identify -o' wrote.")
 ]
-
-
-class InitialMomentum(StrEnum):
-    """What is known of the momentum (Section 3.1)."""
-
-    unknown = "unknown"
-    at_rest = "at-rest"
-    first_sample = "first-sample"
 
 
 MomentumKnown = Annotated[

@@ -7,11 +7,12 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from rich.console import Console
+from rich.console import Console, Group
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.table import Table
 
-from orbident.cli.notice import wipe
-from orbident.cli.streams import warn
+from orbident.cli.streams import warn, wipe
+from orbident.data_table import DataTable
 from orbident.files.replacing import check_place
 from orbident.files.text import write_text
 
@@ -52,7 +53,8 @@ class Output:
         for sentence in sentences:
             warn(sentence)
 
-    def _drawn(self, table: Any) -> str:
+    def _drawn(self, thing: Any) -> str:
+        table = _in_columns(thing) if isinstance(thing, DataTable) else thing
         with self._console.capture() as drawn:
             self._console.print(table, markup=False)
         return "\n".join(line.rstrip() for line in drawn.get().splitlines())
@@ -71,6 +73,17 @@ class Output:
             print(text)
             return
         write_text(Path(self._json_to), text + "\n")
+
+
+def _in_columns(table: DataTable) -> Group:
+    """Its title, if any, above the columns; those with numbers end at the right."""
+    drawn = Table(box=None)
+    for k, name in enumerate(table.head):
+        right = any(not isinstance(row.cells[k], str) for row in table.rows)
+        drawn.add_column(name, justify="right" if right else "left")
+    for row in table.rows:
+        drawn.add_row(*map(str, row.cells))
+    return Group(*([f"{table.title}\n"] if table.title else []), drawn)
 
 
 @contextmanager

@@ -8,13 +8,11 @@ def robots(json: Json = None, quiet: Quiet = False) -> None:
 
     Each name can be given wherever a command takes ROBOT.
     """
-    from rich.table import Table
-
     from orbident.cli.output import Output
+    from orbident.data_table import table_of
     from orbident.robot.robot_file import bundled_robots, load_robot
 
     output = Output(json, quiet)
-    table = Table("name", "motion", "joints", "wheels", "mass (kg)", box=None)
     entries = []
     for name in bundled_robots():
         robot = load_robot(name)
@@ -26,10 +24,15 @@ def robots(json: Json = None, quiet: Quiet = False) -> None:
             "mass": robot.mass,
         }
         entries.append(entry)
-        *words, mass = entry.values()
-        table.add_row(*map(str, words), f"{mass:.6g}")
     output.say(
         f"{len(entries)} robots come with Orbident; each name can be given as ROBOT",
-        table,
+        table_of(
+            "",
+            ("name", "motion", "joints", "wheels", "mass (kg)"),
+            (
+                (*map(str, words), f"{mass:.6g}")
+                for *words, mass in map(dict.values, entries)
+            ),
+        ),
     )
     output.write_json({"robots": entries})

@@ -1,19 +1,11 @@
 """`orbident sample TRAJ -o TABLE --rate HZ`."""
 
-from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
 from orbident.cli.options import Force, Json, Quiet
-
-
-class Format(StrEnum):
-    """Who reads it."""
-
-    table = "table"
-    joint_trajectory = "joint-trajectory"
 
 
 def sample(
@@ -30,13 +22,13 @@ def sample(
     ],
     rate: Annotated[float, typer.Option(help="Samples per second, Hz.")],
     format_: Annotated[
-        Format,
+        Literal["table", "joint-trajectory"],
         typer.Option(
             "--format",
             help="table: CSV or Parquet, by suffix. joint-trajectory: a ROS "
             "trajectory_msgs/JointTrajectory as YAML.",
         ),
-    ] = Format.table,
+    ] = "table",
     force: Force = False,
     json: Json = None,
     quiet: Quiet = False,
@@ -53,12 +45,12 @@ def sample(
     from orbident.trajectories.trajectory_file import load_trajectory
 
     output = Output(json, quiet)
-    if format_ is Format.table:
+    if format_ == "table":
         check_writable(out)
     check_free(out, force)
     motion = load_trajectory(trajectory)
     samples = sampled(motion, rate)
-    if format_ is Format.table:
+    if format_ == "table":
         write_recording(motion_table(samples), out)
     else:
         write_joint_trajectory(samples, out)

@@ -1,19 +1,12 @@
 """`orbident simulate ROBOT TRAJ -o REC`."""
 
-from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from orbident.choices import SensorNoise
 from orbident.cli.options import Force, Json, Quiet, RobotName
-
-
-class NoiseChoice(StrEnum):
-    """Who measures."""
-
-    none = "none"
-    sensors = "sensors"
 
 
 def simulate(
@@ -36,12 +29,12 @@ def simulate(
         typer.Option(help="Samples per second, Hz (default: that of the robot file)."),
     ] = None,
     noise: Annotated[
-        NoiseChoice,
+        SensorNoise,
         typer.Option(
             help="none: ideal sensors for every signal. sensors: those of the robot "
             "file, with their noise."
         ),
-    ] = NoiseChoice.none,
+    ] = "none",
     seed: Annotated[
         int, typer.Option(help="Random seed of noise and environment.", min=0)
     ] = 0,
@@ -71,10 +64,10 @@ def simulate(
     motion = load_trajectory(trajectory)
     with progress("floating"):
         recording = simulated(
-            described, motion, rate=rate, noise=noise.value, seed=seed, truth=truth
+            described, motion, rate=rate, noise=noise, seed=seed, truth=truth
         )
         write_recording(recording, out)
-    if noise.value == "sensors":
+    if noise == "sensors":
         output.warn(odd_sensors(described))
     duration = float(recording.t[-1])
     output.say(
@@ -87,7 +80,7 @@ def simulate(
             "recording": str(out),
             "samples": recording.t.size,
             "duration": duration,
-            "noise": str(noise),
+            "noise": noise,
             "seed": seed,
         }
     )

@@ -9,7 +9,6 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, TextIO
 
-from orbident.cli.notice import wipe
 from orbident.errors import readable
 
 
@@ -76,3 +75,22 @@ def plain_warnings() -> Iterator[None]:
     with warnings.catch_warnings():
         warnings.showwarning = show
         yield
+
+
+_shown = ""
+
+
+def show_at_work(verb: str) -> None:
+    """Say that the verb is at work; nothing where standard error is no terminal."""
+    global _shown
+    if sys.stderr.isatty():
+        _shown = f"orbident {verb}: working ..."
+        print(_shown, end="\r", file=sys.stderr, flush=True)
+
+
+def wipe() -> None:
+    """Make room for what the verb says."""
+    global _shown
+    if _shown:
+        print(" " * len(_shown), end="\r", file=sys.stderr, flush=True)
+        _shown = ""

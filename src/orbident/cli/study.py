@@ -1,13 +1,13 @@
 """`orbident study spatial|planar|table|control`."""
 
 from collections.abc import Callable, Iterable, Mapping
-from enum import StrEnum
 from functools import partial
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import typer
 
+from orbident.choices import StudyNoise
 from orbident.cli.options import Force, Json, Quiet, Workers
 from orbident.errors import InputError
 
@@ -18,37 +18,18 @@ REPORT = "report.html"
 FIGURES = tuple(f"fig{number:02}" for number in range(6, 14))
 
 
-class Study(StrEnum):
-    """Which part of the paper; or what its result is good for."""
+Study = Literal["spatial", "planar", "table", "control"]
+"""Which part of the paper; or what its result is good for."""
 
-    spatial = "spatial"
-    planar = "planar"
-    table = "table"
-    control = "control"
-
+StudyMethod = Literal["paper", "maximum-likelihood", "structured", "least-squares"]
+"""How parameters are estimated from noisy recordings."""
 
 RECORDINGS = {
-    Study.spatial: ("recording",),
-    Study.planar: ("identification", "burn", "validation"),
-    Study.table: ("recording",),
-    Study.control: ("recording",),
+    "spatial": ("recording",),
+    "planar": ("identification", "burn", "validation"),
+    "table": ("recording",),
+    "control": ("recording",),
 }
-
-
-class StudyMethod(StrEnum):
-    """How parameters are estimated from noisy recordings."""
-
-    paper = "paper"
-    maximum_likelihood = "maximum-likelihood"
-    structured = "structured"
-    least_squares = "least-squares"
-
-
-class StudyNoise(StrEnum):
-    """What sensors add."""
-
-    none = "none"
-    paper = "paper"
 
 
 def study(
@@ -67,7 +48,7 @@ def study(
             help="none: ideal sensors. paper: the noise of the paper's sensors. "
             "'table' always has the noise of motion capture."
         ),
-    ] = StudyNoise.none,
+    ] = "none",
     seeds: Annotated[
         int,
         typer.Option(
@@ -84,7 +65,7 @@ def study(
             "unfiltered. planar always runs the paper's and one other, by default "
             "maximum-likelihood."
         ),
-    ] = StudyMethod.paper,
+    ] = "paper",
     out: Annotated[
         Path | None,
         typer.Option(
@@ -109,14 +90,14 @@ def study(
 
         check_absent(out / RUN, force)
         _check_free(out, name, force)
-    noisy = noise == StudyNoise.paper or name == Study.table
+    noisy = noise == "paper" or name == "table"
     if not noisy and seeds > 1:
         output.warn([f"--seeds {seeds}: without noise all are alike, so 1 is run"])
         seeds = 1
-    run, lines = _runner(name, method)
+    run = _runner(name, method)
     executors = local(min(workers or at_hand(), seeds))
     with progress(f"study {name}") as show:
-        done = run(noise.value, seeds, seed, progress=show, executors=executors)
+        done = run(noise, seeds, seed, progress=show, executors=executors)
     if out is not None:
         used_seed = seed if noisy else None
         output.warn(_keep(done, name, out, force, used_seed))
@@ -124,7 +105,7 @@ def study(
         output.warn([f"{done.rejected} of {done.seeds} runs were rejected"])
     if not done.trusted:
         output.warn(done.result.warnings)
-    output.say(*lines(done))
+    output.say(*_lines(done))
     if out is not None:
         output.say(f"written: {out}")
     output.write_json(done.to_json())
@@ -132,39 +113,37 @@ def study(
         raise typer.Exit(1)
 
 
-def _runner(
-    name: Study, method: StudyMethod
-) -> tuple[Callable[..., Any], Callable[[Any], list[Any]]]:
-    """What runs it, and what says how it went."""
-    from orbident.cli.study_tables import planar_lines, spatial_lines
-
-    if name == Study.spatial:
+def _runner(name: Study, method: StudyMethod) -> Callable[..., Any]:
+    """What runs it."""
+    if name == "spatial":
         from orbident.studies.run_spatial import run_spatial
 
-        return partial(run_spatial, method=method.value), spatial_lines
-    if name == Study.table:
-        from orbident.cli.study_tables import real_table_lines
+        return partial(run_spatial, method=method)
+    if name == "table":
         from orbident.studies.run_table import run_table
 
-        return lambda _, *given, **options: run_table(*given, **options), (
-            real_table_lines
-        )
-    if name == Study.control:
-        from orbident.cli.study_tables import control_lines
+        return lambda _, *given, **options: run_table(*given, **options)
+    if name == "control":
         from orbident.studies.control import run_control
 
-        return run_control, control_lines
+        return run_control
     from orbident.studies.run_planar import run_planar
 
-    if method != StudyMethod.paper:
-        return partial(run_planar, method=method.value), planar_lines
-    return run_planar, planar_lines
+    return run_planar if method == "paper" else partial(run_planar, method=method)
+
+
+def _lines(done: Any) -> list[Any]:
+    from orbident.studies.study_account import account_of
+
+    account = account_of(done)
+    tables = (part for table in account.tables for part in ("", table))
+    return [*account.words, *tables, "", f"{done.elapsed_s:.1f} s"]
 
 
 def _files(name: Study, cut_offs: Iterable[str] = ()) -> tuple[str, ...]:
     """What a study leaves beside its RUN; the report last."""
-    tables = (*RECORDINGS[name], *(FIGURES if name == Study.planar else ()))
-    pictures = {Study.planar: FIGURES, Study.spatial: ("table4",)}.get(name, ())
+    tables = (*RECORDINGS[name], *(FIGURES if name == "planar" else ()))
+    pictures = {"planar": FIGURES, "spatial": ("table4",)}.get(name, ())
     return (
         TRAJECTORY,
         *(f"{table}.csv" for table in tables),
@@ -198,7 +177,7 @@ def _keep(
     from orbident.identified.run_folder import save_result
 
     unmade = []
-    cut_offs = {} if name == Study.control else done.cut_offs
+    cut_offs = {} if name == "control" else done.cut_offs
     with replacing_files(out, _files(name, cut_offs)) as new:
         # Another process may have been faster.
         _check_free(out, name, force)
@@ -223,7 +202,7 @@ def _write_data(done: Any, name: Study, folder: Path) -> Path:
     from orbident.trajectories.trajectory_file import save_trajectory
 
     save_trajectory(done.trajectory, folder / TRAJECTORY)
-    if name != Study.planar:
+    if name != "planar":
         recordings = (done.recording,)
     else:
         from orbident.studies.planar_run import write_figures
@@ -240,8 +219,7 @@ def _draw(
     done: Any, result: Any, title: str, cut_offs: Mapping[str, Any], folder: Path
 ) -> None:
     """Write report and pictures."""
-    from orbident.report.cut_off_figure import draw_cut_off
-    from orbident.report.cut_offs import unit_of_signal
+    from orbident.report.cut_offs import draw_cut_off, unit_of_signal
     from orbident.report.study_page import write_study_report
 
     write_study_report(done, result, title, folder)

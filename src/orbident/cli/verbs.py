@@ -17,11 +17,11 @@ from orbident.cli.inspect import inspect
 from orbident.cli.live import live
 from orbident.cli.new import new
 from orbident.cli.noise import noise
-from orbident.cli.notice import show_at_work
 from orbident.cli.report import report
 from orbident.cli.robots import robots
 from orbident.cli.sample import sample
 from orbident.cli.simulate import simulate
+from orbident.cli.streams import show_at_work
 from orbident.cli.study import study
 from orbident.cli.topics import topics
 from orbident.cli.validate import validate

@@ -7,13 +7,13 @@ import time
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Literal, get_args
+from typing import get_args
 
+from orbident.choices import InitialMomentum, Method
 from orbident.errors import InputError
 from orbident.estimation.criteria import judge
 from orbident.estimation.estimate import Estimate, Estimator, Progress, Solved
 from orbident.estimation.least_squares import LeastSquares
-from orbident.estimation.linear_fits import INITIAL_MOMENTA, InitialMomentum
 from orbident.estimation.mass_routes import BURN, is_a_mass
 from orbident.estimation.output_error.estimator import OutputError
 from orbident.estimation.pushes import with_push
@@ -38,7 +38,6 @@ from orbident.robot.description import Robot
 from orbident.robot.robot_file import load_robot
 from orbident.threads import one_blas_thread
 
-Method = Literal["maximum-likelihood", "structured", "least-squares", "recursive"]
 METHODS: tuple[Method, ...] = get_args(Method)
 
 ESTIMATORS: dict[str, type[Estimator]] = {
@@ -210,5 +209,5 @@ def _masses(weighing: Weighing | None, estimate: Estimate) -> dict[str, Quantity
 
 def _check_momentum(given: str) -> None:
     if given not in get_args(InitialMomentum):
-        choices = " or ".join(INITIAL_MOMENTA)
+        choices = " or ".join(get_args(InitialMomentum))
         raise InputError(f"initial momentum '{given}' is unknown; use {choices}")

@@ -11,11 +11,12 @@ Where `v_S` is an integrated accelerometer, its constant bias `b` is one more un
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Literal, NamedTuple, get_args
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Bool, Float
 
+from orbident.choices import InitialMomentum
 from orbident.errors import InputError
 from orbident.estimation.triangular import Layout, LinearFit, fold, solve_factor
 from orbident.model.minimal_sets import MinimalSets, Regressors
@@ -23,9 +24,6 @@ from orbident.model.rotations import quaternion_matrix
 from orbident.model.wheel_arrays import Wheels, wheels_of
 from orbident.preprocessing.samples import Batch, Samples
 from orbident.robot.description import Robot
-
-InitialMomentum = Literal["unknown", "at-rest", "first-sample"]
-INITIAL_MOMENTA: tuple[InitialMomentum, ...] = get_args(InitialMomentum)
 
 BATCH = 256
 """Samples folded in at once, at least: of a robot with two arms more are no faster,

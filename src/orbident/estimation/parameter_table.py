@@ -1,10 +1,11 @@
 """Estimated parameters beside CAD, as lines of text: all, or those that differ most."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 from jaxtyping import Int
 
+from orbident.data_table import Interval, Numeric, TableRow
 from orbident.estimation.quantities import EstimatedSet
 from orbident.files.names import counted
 
@@ -33,10 +34,30 @@ def most_different(found: EstimatedSet, most: int) -> Int[np.ndarray, " rows"]:
     return np.concatenate([[0], order[: most - 1]])
 
 
+def parameter_rows(found: EstimatedSet, which: Iterable[int]) -> Iterator[TableRow]:
+    """Rows of the parameters with these numbers; the note is the formula.
+
+    Cells are the name, estimate, deviation, unit, 95 %, CAD, sigmas and percent.
+    """
+    units, sigmas, percent = found.units, found.sigmas, found.percent
+    for k in which:
+        cells = (
+            found.names[k],
+            Numeric(found.values[k], ".6g", found.std[k]),
+            Numeric(found.std[k], ".2g"),
+            units[k],
+            Interval(found.values[k], found.std[k]),
+            Numeric(found.nominal[k], ".6g", found.std[k]),
+            Numeric(sigmas[k], "+.1f" if abs(sigmas[k]) < 1000 else "+.1e"),
+            Numeric(percent[k], "+.2g"),
+        )
+        yield TableRow(cells, found.formulas[k])
+
+
 def short_table(found: EstimatedSet) -> list[str]:
     """Lines of at most `MOST` parameters, and how far the others are from CAD."""
     shown = most_different(found, MOST)
-    lines = [HEAD, *_rows(found, shown.tolist())]
+    lines = [HEAD, *map(parameter_line, parameter_rows(found, shown.tolist()))]
     left = np.setdiff1d(np.arange(len(found.names)), shown)
     off = np.abs(found.sigmas[left])
     near, lost = np.isfinite(off), np.isnan(found.values[left])
@@ -50,27 +71,8 @@ def short_table(found: EstimatedSet) -> list[str]:
     return [*lines, f"  {', '.join(words)}"] if words else lines
 
 
-def whole_table(found: EstimatedSet) -> list[str]:
-    """All parameters, with their formulas."""
-    rows = _rows(found, range(len(found.names)))
-    both = zip(rows, found.formulas, strict=True)
-    return [HEAD, *(f"{row:75} {formula}" for row, formula in both)]
-
-
-def _rows(found: EstimatedSet, which: Sequence[int]) -> list[str]:
-    units, sigmas, percent = found.units, found.sigmas, found.percent
-    return [
-        f"  {found.names[k]:10} {number(found.values[k], '.6g'):>12} "
-        f"{number(found.std[k], '.2g'):>9} {number(found.nominal[k], '.6g'):>12} "
-        f"{_sigmas(sigmas[k]):>8} {number(percent[k], '+.2g'):>8}  {units[k]}"
-        for k in which
-    ]
-
-
-def number(value: float, form: str) -> str:
-    """A number in this format; a dash for NaN."""
-    return f"{value:{form}}" if value == value else "-"
-
-
-def _sigmas(value: float) -> str:
-    return number(value, "+.1f" if abs(value) < 1000 else "+.1e")
+def parameter_line(row: TableRow) -> str:
+    """A row as text, without its note."""
+    name, value, std, unit, _, nominal, sigmas, percent = map(str, row.cells)
+    numbers = f"{value:>12} {std:>9} {nominal:>12} {sigmas:>8} {percent:>8}"
+    return f"  {name:10} {numbers}  {unit}"

@@ -11,18 +11,18 @@ they do; generalised means of power `p` stand for them: never below, and the sam
 `p = inf`.
 """
 
-from typing import Literal, NamedTuple, get_args
+from typing import NamedTuple, get_args
 
 import numpy as np
 from jaxtyping import Float
 
+from orbident.choices import Objective
 from orbident.excitation.floating import Gradient, NodalMotion, block
 from orbident.model.independent import independent_columns
 from orbident.model.minimal_sets import MinimalSets
 from orbident.robot.couplings import coupled_joints
 from orbident.robot.description import Robot
 
-Objective = Literal["cond", "d", "a", "e"]
 OBJECTIVES: tuple[Objective, ...] = get_args(Objective)
 
 SMALLEST = 1e-30

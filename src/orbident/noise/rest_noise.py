@@ -1,6 +1,6 @@
 """What a recording at rest tells of the noise of its sensors."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Float
 from scipy.spatial.transform import Rotation
 
+from orbident.data_table import DataTable, Numeric, table_of
 from orbident.errors import InputError
 from orbident.estimation.checks import Check
 from orbident.estimation.output_error.sensors import COMPONENTS
@@ -201,3 +202,15 @@ def _rms(models: list[NoiseModel], name: str) -> float:
 def digits(value: float) -> float:
     """Three digits: no noise is known better."""
     return float(f"{value:.3g}")
+
+
+def noise_table(found: Sequence[AxisNoise]) -> DataTable:
+    """Every parameter of every axis, with its 95 % interval."""
+    rows = (
+        (each.name, name, *map(Numeric, numbers), each.unit(name))
+        for each in found
+        for name, level in each.model.levels.items()
+        for numbers in ((level.value, level.std, *level.interval),)
+    )
+    head = ("axis", "parameter", "value", "std", "95 % from", "to", "unit")
+    return table_of("", head, rows)

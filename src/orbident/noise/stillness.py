@@ -13,7 +13,7 @@ from orbident import _core
 from orbident.errors import InputError
 from orbident.estimation.whiteness import LOW
 from orbident.noise.noise_model import MARKOV, WALK, NoiseModel
-from orbident.recordings.columns import joint_of
+from orbident.recordings.columns import part_of
 from orbident.recordings.recording import Recording
 
 DEGREE = 5
@@ -38,7 +38,7 @@ def check_joints(recording: Recording) -> None:
         InputError: so.
     """
     for name, values in recording.columns.items():
-        if joint_of(name) is None or not name.endswith(".position"):
+        if part_of("joint", name) is None or not name.endswith(".position"):
             continue
         seen = values[np.isfinite(values)]
         if seen.size and np.ptp(seen) > MOVED:

@@ -27,28 +27,29 @@ VECTORS = {
     "sun": ("xyz", "direction to the sun, base axes; shorter in shadow"),
     "field": ("xyz", "magnetic field, base axes, T"),
 }
-PER_JOINT = {
-    "position": "joint position, rad, or m for prismatic",
-    "velocity": "joint rate, rad/s, or m/s for prismatic",
+OF_PARTS = {
+    "joint": {
+        "position": "joint position, rad, or m for prismatic",
+        "velocity": "joint rate, rad/s, or m/s for prismatic",
+    },
+    "wheel": {
+        "speed": "wheel speed relative to the base, rad/s",
+        "position": "unwrapped wheel angle relative to the base, rad",
+    },
+    "thruster": {
+        "force": "thruster force until the next row, N",
+        "duty": "part of its full thrust until the next row, 0 to 1",
+    },
+    "torquer": {"dipole": "dipole of a torquer until the next row, A m^2"},
 }
-PER_WHEEL = {
-    "speed": "wheel speed relative to the base, rad/s",
-    "position": "unwrapped wheel angle relative to the base, rad",
-}
-
-PER_THRUSTER = {
-    "force": "thruster force until the next row, N",
-    "duty": "part of its full thrust until the next row, 0 to 1",
-}
-
-PER_TORQUER = {"dipole": "dipole of a torquer until the next row, A m^2"}
+"""Columns of a part of a robot, `wheel.<name>.speed`: by its kind and the last word."""
 
 _ALTERNATIVES = [
     *(f"{name}\\.[{axes}]" for name, (axes, _) in VECTORS.items()),
-    rf"joint\.(?P<joint>.+)\.(?:{'|'.join(PER_JOINT)})",
-    rf"wheel\.(?P<wheel>.+)\.(?:{'|'.join(PER_WHEEL)})",
-    rf"thruster\.(?P<thruster>.+)\.(?:{'|'.join(PER_THRUSTER)})",
-    rf"torquer\.(?P<torquer>.+)\.(?:{'|'.join(PER_TORQUER)})",
+    *(
+        rf"{kind}\.(?P<{kind}>.+)\.(?:{'|'.join(words)})"
+        for kind, words in OF_PARTS.items()
+    ),
 ]
 _PATTERN = re.compile("|".join(_ALTERNATIVES))
 
@@ -58,28 +59,15 @@ def is_known(column: str) -> bool:
     return column == "t" or _PATTERN.fullmatch(column) is not None
 
 
-def joint_of(column: str) -> str | None:
-    """The joint that the column belongs to, or None."""
+def part_of(kind: str, column: str) -> str | None:
+    """The name of the joint, wheel, thruster or torquer that the column belongs to.
+
+    Args:
+        kind: which of these it is to be of; it is none's of any other.
+        column: of a recording.
+    """
     match = _PATTERN.fullmatch(column)
-    return match["joint"] if match else None
-
-
-def wheel_of(column: str) -> str | None:
-    """The wheel that the column belongs to, or None."""
-    match = _PATTERN.fullmatch(column)
-    return match["wheel"] if match else None
-
-
-def thruster_of(column: str) -> str | None:
-    """The thruster that the column belongs to, or None."""
-    match = _PATTERN.fullmatch(column)
-    return match["thruster"] if match else None
-
-
-def torquer_of(column: str) -> str | None:
-    """The torquer that the column belongs to, or None."""
-    match = _PATTERN.fullmatch(column)
-    return match["torquer"] if match else None
+    return match[kind] if match else None
 
 
 def meaning(column: str) -> str:
@@ -89,15 +77,7 @@ def meaning(column: str) -> str:
     if not is_known(column):
         return ""
     head, last = column.split(".", 1)[0], column.rsplit(".", 1)[1]
-    if head == "joint":
-        return PER_JOINT[last]
-    if head == "wheel":
-        return PER_WHEEL[last]
-    if head == "thruster":
-        return PER_THRUSTER[last]
-    if head == "torquer":
-        return PER_TORQUER[last]
-    return VECTORS[head][1]
+    return OF_PARTS[head][last] if head in OF_PARTS else VECTORS[head][1]
 
 
 def check_names(source: str, names: Sequence[str]) -> None:

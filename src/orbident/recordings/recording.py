@@ -15,11 +15,8 @@ from orbident.files.names import closest, listed
 from orbident.recordings.columns import (
     columns_in_words,
     is_known,
-    joint_of,
     meaning,
-    thruster_of,
-    torquer_of,
-    wheel_of,
+    part_of,
 )
 from orbident.recordings.rounded_times import float32_step
 from orbident.robot.description import Robot
@@ -160,13 +157,12 @@ class Recording:
             InputError: A column belongs to no joint of the robot, or a joint of the
                 robot has no position column.
         """
-        recorded = {name: joint_of(name) for name in self.columns}
-        self._refuse_strangers("joint", recorded, robot.name, robot.joint_names)
+        recorded = self._parts_of("joint", robot, robot.joint_names)
         added = {
             f"joint.{follower}.{what}": factor * self.columns[measured]
             + offset * at_rest
             for follower, leader, factor, offset in robot.couplings
-            if follower not in recorded.values()
+            if follower not in recorded
             for what, at_rest in (("position", 1), ("velocity", 0))
             if (measured := f"joint.{leader}.{what}") in self.columns
         }
@@ -182,8 +178,7 @@ class Recording:
             InputError: A column belongs to no wheel of the robot, or a wheel of the
                 robot has neither a speed nor a position column.
         """
-        recorded = {name: wheel_of(name) for name in self.columns}
-        self._refuse_strangers("wheel", recorded, robot.name, robot.wheel_names)
+        self._parts_of("wheel", robot, robot.wheel_names)
         for name in robot.wheel_names:
             if not self.has(f"wheel.{name}.position"):
                 self.column(f"wheel.{name}.speed")
@@ -194,9 +189,7 @@ class Recording:
         Raises:
             InputError: A column belongs to no thruster of the robot.
         """
-        recorded = {name: thruster_of(name) for name in self.columns}
-        names = [thruster.name for thruster in robot.thrusters]
-        self._refuse_strangers("thruster", recorded, robot.name, names)
+        self._parts_of("thruster", robot, [each.name for each in robot.thrusters])
 
     def check_torquers(self, robot: Robot) -> None:
         """Refuses torquers that the robot lacks.
@@ -204,23 +197,19 @@ class Recording:
         Raises:
             InputError: A column belongs to no torquer of the robot.
         """
-        recorded = {name: torquer_of(name) for name in self.columns}
-        names = [torquer.name for torquer in robot.torquers]
-        self._refuse_strangers("torquer", recorded, robot.name, names)
+        self._parts_of("torquer", robot, [each.name for each in robot.torquers])
 
-    def _refuse_strangers(
-        self,
-        what: str,
-        recorded: Mapping[str, str | None],
-        robot: str,
-        names: Sequence[str],
-    ) -> None:
+    def _parts_of(self, kind: str, robot: Robot, names: Sequence[str]) -> set[str]:
+        """The robot's parts of this kind that have columns; refuses all others."""
+        recorded = {column: part_of(kind, column) for column in self.columns}
         for column, name in recorded.items():
             if name is not None and name not in names:
                 raise InputError(
-                    f"{self.source}: column '{column}': robot '{robot}' has no {what} "
-                    f"'{name}', only {listed(names)}; rename or remove the column"
+                    f"{self.source}: column '{column}': robot '{robot.name}' has no "
+                    f"{kind} '{name}', only {listed(names)}; rename or remove the "
+                    "column"
                 )
+        return {name for name in recorded.values() if name is not None}
 
 
 def within(

@@ -15,7 +15,7 @@ from jaxtyping import Float
 from orbident.estimation.checks import worst
 from orbident.files.text import write_text
 from orbident.noise.noise_model import NoiseModel
-from orbident.noise.rest_noise import AxisNoise
+from orbident.noise.rest_noise import AxisNoise, noise_table
 from orbident.report.charts import (
     MEASURED,
     PREDICTED,
@@ -25,8 +25,7 @@ from orbident.report.charts import (
     line,
     stacked,
 )
-from orbident.report.numbers import short
-from orbident.report.page import Chart, ReportTable, Section, TableRow, Verdict, page
+from orbident.report.page import Chart, Section, Verdict, page
 
 PER_DECADE = 10
 
@@ -54,7 +53,7 @@ def write_allan(found: Sequence[AxisNoise], title: str, path: Path) -> None:
         name="noise",
         title="Noise at rest",
         words=WORDS,
-        tables=(_table(found),),
+        tables=(noise_table(found),),
         charts=tuple(
             Chart(each.name, f"{each.name}: Allan deviation", figure_of(each))
             for each in found
@@ -62,18 +61,6 @@ def write_allan(found: Sequence[AxisNoise], title: str, path: Path) -> None:
     )
     verdict = Verdict(worst(checks), "", checks, ())
     write_text(path, page(title, "Noise of sensors at rest", verdict, [section]))
-
-
-def _table(found: Sequence[AxisNoise]) -> ReportTable:
-    rows = [
-        TableRow(
-            (each.name, name, short(level.value), short(level.std, 2), each.unit(name))
-        )
-        for each in found
-        for name, level in each.model.levels.items()
-    ]
-    head = ("axis", "parameter", "value", "deviation", "unit")
-    return ReportTable("Parameters", head, tuple(rows))
 
 
 def figure_of(each: AxisNoise) -> Figure:

@@ -22,6 +22,7 @@ from orbident.campaigns.statistics import (
     Parameter,
     method_statistics,
 )
+from orbident.data_table import Cell, DataTable, Numeric, table_of
 from orbident.errors import InputError
 from orbident.estimation.checks import Check, Level, worst
 from orbident.excitation.bound import cramer_rao
@@ -34,13 +35,12 @@ from orbident.report.charts import (
     PREDICTED,
     Figure,
     Panel,
-    Trace,
     line,
-    numbers,
+    points,
     stacked,
 )
-from orbident.report.numbers import NONE, short, signed
-from orbident.report.page import Chart, ReportTable, Section, TableRow, Verdict, page
+from orbident.report.numbers import short, signed
+from orbident.report.page import Chart, Section, Verdict, page
 
 REACH = 4.0
 """Deviations that a histogram shows; what is beyond counts in its ends."""
@@ -58,8 +58,8 @@ def histogram(z: Float[np.ndarray, " n"]) -> Figure:
     middle = (edges[1:] + edges[:-1]) / 2
     bars = {
         "type": "bar",
-        "x": numbers(middle),
-        "y": numbers(count / (z.size * width), "<f4"),
+        "x": middle,
+        "y": count / (z.size * width),
         "marker": {"color": MEASURED},
         "showlegend": False,
     }
@@ -74,8 +74,8 @@ def normal_plot(z: Float[np.ndarray, " n"]) -> Figure:
     shown = _some(z.size)
     x = stats.norm.ppf(p)[shown]
     ends = np.array([x[0], x[-1]])
-    points = _points(x, np.sort(z)[shown])
-    panel = Panel("error / deviation", [line(ends, ends, LIMIT), points])
+    dots = points(x, np.sort(z)[shown], MEASURED)
+    panel = Panel("error / deviation", [line(ends, ends, LIMIT), dots])
     return stacked([panel], "normal quantile")
 
 
@@ -83,24 +83,13 @@ def dependence(each: Dependence) -> Figure:
     """A scatter of an error over what was drawn."""
     shown = _some(each.x.size)
     words = "size of error / deviation" if each.of_size else "error / deviation"
-    panel = Panel(words, [_points(each.x[shown], each.y[shown])])
+    panel = Panel(words, [points(each.x[shown], each.y[shown], MEASURED)])
     return stacked([panel], each.draw)
 
 
 def _some(n: int) -> np.ndarray:
     """Evenly chosen, the first and the last among them."""
     return np.unique(np.linspace(0, n - 1, min(n, POINTS)).round().astype(int))
-
-
-def _points(x: np.ndarray, y: np.ndarray) -> Trace:
-    return {
-        "type": "scatter",
-        "mode": "markers",
-        "x": numbers(x),
-        "y": numbers(y, "<f4"),
-        "marker": {"color": MEASURED, "size": 4},
-        "showlegend": False,
-    }
 
 
 WORST = 10
@@ -193,7 +182,6 @@ def _title(group: MethodStatistics) -> str:
 
 def _errors(group: MethodStatistics, bounds: Bounds, folder: Path, k: int) -> Section:
     refused = group.rows.num_rows - group.accepted.num_rows
-    rows = tuple(_rows(group.parameters, bounds))
     return Section(
         name=f"errors{k}",
         title=_title(group),
@@ -204,7 +192,9 @@ def _errors(group: MethodStatistics, bounds: Bounds, folder: Path, k: int) -> Se
             "that the result states.",
         ),
         tables=(
-            ReportTable("Errors and 95 % intervals", HEAD, rows),
+            table_of(
+                "Errors and 95 % intervals", HEAD, _rows(group.parameters, bounds)
+            ),
             *_worst(group, folder),
         ),
     )
@@ -224,10 +214,10 @@ def _dependences(group: MethodStatistics, k: int) -> Iterator[Section]:
             "pair is so strongly correlated although nothing depends on it.",
         ),
         tables=(
-            ReportTable(
+            table_of(
                 "The strongest",
                 ("drawn", "parameter", "rank correlation", "chance"),
-                tuple(map(_correlation, strongest)),
+                map(_correlation, strongest),
             ),
         ),
         charts=tuple(
@@ -241,9 +231,9 @@ def _dependences(group: MethodStatistics, k: int) -> Iterator[Section]:
     )
 
 
-def _correlation(each: Dependence) -> TableRow:
+def _correlation(each: Dependence) -> tuple[Cell, ...]:
     name = f"size of {each.parameter}" if each.of_size else each.parameter
-    return TableRow((each.draw, name, signed(each.rho), short(each.chance, 2)))
+    return each.draw, name, Numeric(each.rho, "+.2g"), Numeric(each.chance, ".2g")
 
 
 def _distributions(group: MethodStatistics, k: int) -> Section:
@@ -272,43 +262,32 @@ HEAD = (
 )
 
 
-def _rows(known: Sequence[Parameter], bounds: Bounds) -> Iterator[TableRow]:
+def _rows(known: Sequence[Parameter], bounds: Bounds) -> Iterator[tuple[Cell, ...]]:
     for each in known:
         mean, std = each.bias
         bound = bounds.get(each.name, float("nan"))
         low, high = each.coverage()
-        yield TableRow(
-            (
-                each.name,
-                signed(mean),
-                short(std, 2),
-                short(each.rms, 3),
-                short(bound, 3),
-                short(each.rms / bound, 3) if bound > 0 else NONE,
-                short(float(np.sqrt(np.mean(each.z**2))), 3),
-                f"{short(100 * each.covered / each.z.size, 3)} %",
-                f"{short(100 * low, 3)} to {short(100 * high, 3)} %",
-            )
+        yield (
+            each.name,
+            Numeric(mean, "+.2g"),
+            Numeric(std, ".2g"),
+            Numeric(each.rms),
+            Numeric(bound),
+            Numeric(each.rms / bound if bound > 0 else None),
+            Numeric(float(np.sqrt(np.mean(each.z**2)))),
+            f"{short(100 * each.covered / each.z.size, 3)} %",
+            f"{short(100 * low, 3)} to {short(100 * high, 3)} %",
         )
 
 
-def _worst(group: MethodStatistics, folder: Path) -> Iterator[ReportTable]:
+def _worst(group: MethodStatistics, folder: Path) -> Iterator[DataTable]:
     found = group.worst(WORST)
     if found:
-        yield ReportTable(
+        again = f"orbident campaign rerun {quote(str(folder))}"
+        yield table_of(
             "Farthest off, in their deviations",
             ("run", "parameter", "error", "to make it again"),
-            tuple(
-                TableRow(
-                    (
-                        str(k),
-                        name,
-                        signed(z),
-                        f"orbident campaign rerun {quote(str(folder))} {k}",
-                    )
-                )
-                for k, name, z in found
-            ),
+            ((str(k), name, signed(z), f"{again} {k}") for k, name, z in found),
             in_words=True,
         )
 
@@ -327,10 +306,10 @@ def _refusals(found: Sequence[MethodStatistics]) -> Iterator[Section]:
         count = Counter(group.rows["refused_by"].drop_null().to_pylist())
         for check, times in count.most_common():
             share = f"{short(100 * times / group.rows.num_rows, 3)} %"
-            rows.append(TableRow((group.robot, group.method, check, str(times), share)))
+            rows.append((group.robot, group.method, check, str(times), share))
     if rows:
         head = ("robot", "method", "check", "refused", "of its results")
-        table = ReportTable("By the first check that refuses", head, tuple(rows))
+        table = table_of("By the first check that refuses", head, rows)
         words = "'orbident campaign rerun' looks for the likely cause of one refusal."
         yield Section("refusals", "Refusals", (words,), (table,))
 
@@ -342,10 +321,8 @@ def _failed(failures: Sequence[Path]) -> Iterator[Section]:
     for path in failures:
         reasons.setdefault(reason_in(path), []).append(int(path.stem))
     rows = (
-        TableRow((reason, str(len(runs)), f"failed/{runs[0]}.json"))
+        (reason, str(len(runs)), f"failed/{runs[0]}.json")
         for reason, runs in reasons.items()
     )
-    table = ReportTable(
-        "Why", ("reason", "runs", "the first"), tuple(rows), in_words=True
-    )
+    table = table_of("Why", ("reason", "runs", "the first"), rows, in_words=True)
     yield Section("failed", "Runs that failed", tables=(table,))

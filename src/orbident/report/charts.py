@@ -1,4 +1,4 @@
-"""Pieces of charts: plain data as plotly takes it, colours by their role.
+"""Pieces of charts: data as plotly takes it, arrays in it, colours by their role.
 
 The samples that a picture shows: extremes of every column of pixels.
 """
@@ -17,6 +17,11 @@ LIMIT = "--limit"
 
 MANY = 40
 """Rows of a chart: they come closer."""
+
+TICKS = 26
+"""Names along an axis of cells."""
+
+COLORS = [[0, "--negative"], [0.5, "--card"], [1, "--positive"]]
 
 LONGEST = 40
 """Characters of a name in a chart."""
@@ -47,9 +52,10 @@ def shortened(text: str) -> str:
 
 
 def numbers(x: np.ndarray, kind: str = "<f8") -> dict[str, str]:
-    """An array in a third of the space that its digits would take."""
+    """An array as plotly reads it, in a third of the space that its digits take."""
     raw = np.ascontiguousarray(x, dtype=kind).tobytes()
-    return {"dtype": kind[1:], "bdata": base64.b64encode(raw).decode()}
+    shape = {} if x.ndim == 1 else {"shape": ", ".join(map(str, x.shape))}
+    return {"dtype": kind[1:], "bdata": base64.b64encode(raw).decode(), **shape}
 
 
 def line(x: np.ndarray, y: np.ndarray, color: str, **more: Any) -> Trace:
@@ -57,8 +63,8 @@ def line(x: np.ndarray, y: np.ndarray, color: str, **more: Any) -> Trace:
     return {
         "type": "scatter",
         "mode": "lines",
-        "x": numbers(x),
-        "y": numbers(y, "<f4"),
+        "x": x,
+        "y": y,
         "line": {"color": color, "width": 1.2},
         "showlegend": "name" in more,
         **more,
@@ -71,13 +77,26 @@ def history(t: np.ndarray, x: np.ndarray, color: str, **more: Any) -> Trace:
     return line(*with_gaps(t[shown], x[shown]), color, **more)
 
 
+def points(x: np.ndarray, y: np.ndarray, color: str, **more: Any) -> Trace:
+    """A dot a point."""
+    return {
+        "type": "scatter",
+        "mode": "markers",
+        "x": x,
+        "y": y,
+        "marker": {"color": color, "size": 4},
+        "showlegend": "name" in more,
+        **more,
+    }
+
+
 def _intervals(x: np.ndarray, half: np.ndarray) -> Trace:
     return {
         "type": "scatter",
         "mode": "markers",
-        "x": numbers(x),
+        "x": x,
         "y": list(range(len(x))),
-        "error_x": {"array": numbers(half), "color": PREDICTED, "thickness": 1.5},
+        "error_x": {"array": half, "color": PREDICTED, "thickness": 1.5},
         "marker": {"color": PREDICTED, "size": 7},
         "showlegend": False,
     }
@@ -197,6 +216,53 @@ def interval_list(
                 "automargin": True,
             },
         },
+    }
+
+
+def heat_map(
+    down: Sequence[str],
+    across: Sequence[str],
+    z: Float[np.ndarray, "down across"],
+    full: float,
+    height: int,
+    **more: Any,
+) -> Figure:
+    """A coloured cell a number, those above zero red, those below blue.
+
+    Args:
+        down: names of the rows,
+        across: and of the columns.
+        z: the numbers.
+        full: the size at which a colour is full.
+        height: of the chart, pixels.
+        more: of the trace.
+    """
+    trace = {
+        "type": "heatmap",
+        "z": z,
+        "zmin": -full,
+        "zmax": full,
+        "colorscale": COLORS,
+        "showlegend": False,
+        **more,
+    }
+    layout = {
+        "height": height,
+        "margin": {"t": 12, "b": 64},
+        "xaxis": {**_names(across), "tickangle": -90},
+        "yaxis": {**_names(down), "autorange": "reversed"},
+    }
+    return {"data": [trace], "layout": layout}
+
+
+def _names(names: Sequence[str]) -> Figure:
+    step = -(-len(names) // TICKS)
+    return {
+        # Numbered: shortened names may be alike.
+        "tickvals": list(range(0, len(names), step)),
+        "ticktext": [label(name) for name in names[::step]],
+        "showgrid": False,
+        "automargin": True,
     }
 
 

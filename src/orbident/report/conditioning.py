@@ -1,22 +1,24 @@
-"""How well the recording tells the parameters apart."""
+"""How well a recording tells parameters apart, how far it went, what none tells."""
+
+from collections.abc import Iterator, Mapping
+from typing import Any
 
 import numpy as np
 
+from orbident.data_table import DataTable, Numeric, table_of
 from orbident.estimation.result import Result
-from orbident.report.charts import Figure, label, numbers
-from orbident.report.numbers import short
-from orbident.report.page import Chart, ReportTable, Section, TableRow
+from orbident.model.identifiability import not_identifiable
+from orbident.model.minimal_sets import minimal_sets
+from orbident.report.charts import heat_map
+from orbident.report.numbers import NONE, short
+from orbident.report.page import Chart, Section
+from orbident.robot.description import Joint
 
 CLOSE = 0.95
 """A correlation worth a word."""
 
 LISTED = 8
 """Pairs in a sentence."""
-
-TICKS = 26
-"""Names along an axis."""
-
-COLORS = [[0, "--negative"], [0.5, "--card"], [1, "--positive"]]
 
 
 def conditioning(result: Result) -> Section:
@@ -33,19 +35,21 @@ def conditioning(result: Result) -> Section:
             Chart(
                 "correlations",
                 "Correlations of the base parameters",
-                _heat_map(names, R),
+                heat_map(
+                    *(names, names, R, 1.0, 480),
+                    colorbar={"thickness": 10, "tickvals": [-1, 0, 1]},
+                    hovertemplate="%{y}, %{x}: %{z:.3f}<extra></extra>",
+                ),
             ),
         )
     else:
         words.append("No correlations: no parameter is determined.")
     condition = result.condition_number
-    rows = tuple(
-        TableRow(
-            (
-                f"{name} ({equation})",
-                short(condition.get(name)),
-                short(condition.get(f"{name}_normalised")),
-            )
+    rows = (
+        (
+            f"{name} ({equation})",
+            Numeric(condition.get(name)),
+            Numeric(condition.get(f"{name}_normalised")),
         )
         for name, equation in (("Y", "momentum"), ("W", "velocity"))
     )
@@ -54,7 +58,7 @@ def conditioning(result: Result) -> Section:
         title="Condition and correlation",
         words=tuple(words),
         tables=(
-            ReportTable("Condition numbers", ("regressor", "as it is", "scaled"), rows),
+            table_of("Condition numbers", ("regressor", "as it is", "scaled"), rows),
         ),
         charts=charts,
     )
@@ -81,30 +85,75 @@ def _close(names: list[str], R: np.ndarray) -> str:
     return f"Hardly distinguished (correlation): {listed}{more}."
 
 
-def _heat_map(names: list[str], R: np.ndarray) -> Figure:
-    step = -(-len(names) // TICKS)
-    ticks = {
-        "tickvals": list(range(0, len(names), step)),
-        "ticktext": [label(name) for name in names[::step]],
-        "showgrid": False,
-    }
-    return {
-        "data": [
-            {
-                "type": "heatmap",
-                "z": {**numbers(R, "<f4"), "shape": f"{len(names)}, {len(names)}"},
-                "zmin": -1,
-                "zmax": 1,
-                "colorscale": COLORS,
-                "showlegend": False,
-                "colorbar": {"thickness": 10, "tickvals": [-1, 0, 1]},
-                "hovertemplate": "%{y}, %{x}: %{z:.3f}<extra></extra>",
-            }
-        ],
-        "layout": {
-            "height": 480,
-            "margin": {"t": 12, "b": 64},
-            "xaxis": {**ticks, "tickangle": -90, "automargin": True},
-            "yaxis": {**ticks, "autorange": "reversed", "automargin": True},
-        },
-    }
+def identifiability(result: Result) -> Section:
+    """What free floating never shows of this robot."""
+    sentences = not_identifiable(result.robot, minimal_sets(result.robot))
+    words = tuple(f"{sentence}." for sentence in sentences)
+    return Section(
+        name="identifiability",
+        title="What free floating cannot identify",
+        words=(
+            "The base parameters are all that the motion depends on. No free-floating "
+            "recording, however rich, shows more of single bodies. It leaves open:",
+            *words,
+        )
+        if words
+        else ("Every parameter of every body can be identified.",),
+    )
+
+
+def excitation(result: Result) -> Section | None:
+    """How far and how fast all moved; None for results that do not say."""
+    motion = result.motion
+    if not motion:
+        return None
+    locked = motion["locked"]
+    words = [
+        f"{short(motion['duration'])} s at {short(motion['rate'])} Hz. Joints "
+        "that hardly move leave their parameters uncertain; use more of the range and "
+        "rate."
+    ]
+    if locked:
+        words.append(f"Never moved: {', '.join(locked)}.")
+    return Section(
+        name="excitation",
+        title="Excitation and limits",
+        words=tuple(words),
+        tables=tuple(_tables(result, motion)),
+    )
+
+
+def _tables(result: Result, motion: Mapping[str, Any]) -> Iterator[DataTable]:
+    if result.robot.joints:
+        rows = (
+            _joint(each, motion["joints"][each.name]) for each in result.robot.joints
+        )
+        head = "joint", "position", "limits", "fastest", "limit"
+        yield table_of("Joints", head, rows)
+    rows = (
+        (name, f"{_range(wheel['speed'])} rad/s")
+        for name, wheel in motion["wheels"].items()
+    )
+    yield table_of("Wheels", ("wheel", "speed"), rows)
+    rows = (
+        (axis, f"{short(base['rate'])} rad/s") for axis, base in motion["base"].items()
+    )
+    yield table_of("Base", ("axis", "fastest"), rows)
+
+
+def _joint(joint: Joint, moved: Mapping[str, Any]) -> tuple[str, ...]:
+    unit = "rad" if joint.kind == "revolute" else "m"
+    return (
+        joint.name,
+        f"{_range(moved['position'])} {unit}",
+        NONE if joint.position is None else f"{_range(joint.position)} {unit}",
+        f"{short(moved['rate'])} {unit}/s",
+        NONE if joint.velocity is None else f"{short(joint.velocity)} {unit}/s",
+    )
+
+
+def _range(ends: Any) -> str:
+    if ends is None:
+        return NONE
+    low, high = map(short, ends)
+    return low if low == high else f"{low} to {high}"

@@ -1,19 +1,37 @@
-"""Drawings by matplotlib, and how they are kept; the one import of matplotlib."""
+"""Charts as drawings of matplotlib, and how they are kept; its one import."""
 
+import html
+import re
+from collections.abc import Mapping, Sequence
+from importlib.resources import files
 from io import BytesIO, StringIO
 from pathlib import Path
+from typing import Any
+
+import numpy as np
 
 from orbident.extras import extra
 from orbident.files.replacing import replacing
 from orbident.files.text import write_text
-from orbident.report.page import Picture
+from orbident.report.charts import Trace
+from orbident.report.page import Chart, Picture
 
 with extra("report", "drawing a figure"):
     from matplotlib import rc_context
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
+    from matplotlib.figure import Figure, SubFigure
+    from matplotlib.ticker import MultipleLocator
 
-__all__ = ["Axes", "Drawing", "kept"]
+__all__ = ["Drawing", "drawn", "kept"]
+
+PIXELS = 90.0
+"""Pixels of a chart an inch of a drawing."""
+
+WIDTH = {1: 7.0, 2: 9.0, 3: 12.0}
+"""Inches, by the number of charts beside each other."""
+
+DARK = 0.65
+"""The part of a full colour from which on numbers in it are white."""
 
 
 class Drawing(Figure):
@@ -23,6 +41,116 @@ class Drawing(Figure):
         picture = BytesIO()
         self.savefig(picture, format="png")
         return picture.getvalue()
+
+
+def drawn(rows: Sequence[Sequence[Chart]]) -> Drawing:
+    """Charts of a report as one drawing, row by row."""
+    heights = [max(c.figure["layout"]["height"] for c in row) / PIXELS for row in rows]
+    size = WIDTH[len(rows[0])], sum(heights) + 0.35 * len(rows)
+    drawing = Drawing(figsize=size, layout="constrained")
+    shape = len(rows), len(rows[0])
+    parts = drawing.subfigures(*shape, squeeze=False, height_ratios=heights)
+    for charts, beside in zip(rows, parts, strict=True):
+        for chart, part in zip(charts, beside, strict=True):
+            part.suptitle(chart.title, fontsize=10)
+            _draw(chart.figure, part)
+    return drawing
+
+
+def _draw(figure: Mapping[str, Any], part: SubFigure) -> None:
+    layout, colors = figure["layout"], _colors()
+    names = [key for key in layout if key.startswith("yaxis")]
+    grid = part.subplots(len(names), sharex=True, squeeze=False)[:, 0]
+    panels: dict[str, Axes] = dict(zip(names, grid, strict=True))
+    for trace in figure["data"]:
+        _trace(panels[f"yaxis{trace.get('yaxis', 'y')[1:]}"], trace, colors)
+    for shape in layout.get("shapes", ()):
+        axes = panels[f"yaxis{shape['yref'][1:]}"]
+        color = colors[shape["fillcolor"]]
+        axes.axhspan(shape["y0"], shape["y1"], color=color, linewidth=0, zorder=0)
+    headings = [each["text"] for each in layout.get("annotations", ())]
+    for axes, text in zip(grid, headings or [""] * len(grid), strict=True):
+        axes.set_title(html.unescape(text), loc="left", fontsize=9)
+        if layout["xaxis"].get("showgrid", True):
+            axes.grid(color="0.9")
+        axes.set_axisbelow(True)
+        _scale(axes, "x", layout["xaxis"])
+    for name, axes in panels.items():
+        _scale(axes, "y", layout[name])
+    grid[-1].set_xlabel(layout["xaxis"].get("title", {}).get("text", ""))
+    curves = [curve for axes in grid for curve in axes.get_legend_handles_labels()[0]]
+    if curves:
+        below = {"loc": "outside lower center", "ncols": 2, "frameon": False}
+        part.legend(handles=curves, fontsize=8, **below)
+
+
+def _trace(axes: Axes, trace: Trace, colors: Mapping[str, Any]) -> None:
+    if trace["type"] == "heatmap":
+        _cells(axes, trace)
+        return
+    x, y, name = trace["x"], trace["y"], trace.get("name")
+    style = trace.get("line", trace.get("marker", {}))
+    color = colors[trace.get("fillcolor") or style["color"]]
+    if trace["type"] == "bar":
+        axes.bar(x, y, color=color)
+    elif "fill" in trace:
+        axes.fill(x, y, color=color, linewidth=0)
+    elif "error_x" in trace:
+        half = trace["error_x"]["array"]
+        axes.errorbar(x, y, xerr=half, fmt="o", markersize=4, color=color)
+    else:
+        dashed = "--" if "dash" in style else "-"
+        axes.plot(
+            *(x, y),
+            color=color,
+            label=name,
+            linestyle=dashed if "lines" in trace["mode"] else "",
+            linewidth=0.8 * style.get("width", 0.0),
+            marker="o" if "markers" in trace["mode"] else "",
+            markersize=4,
+        )
+
+
+def _cells(axes: Axes, trace: Trace) -> None:
+    z, full = trace["z"], trace["zmax"]
+    image = axes.imshow(z, cmap="RdBu_r", aspect="auto", vmin=-full, vmax=full)
+    if trace.get("showscale", True):
+        axes.figure.colorbar(image, ax=axes, shrink=0.8)
+    for (i, k), text in np.ndenumerate(np.array(trace.get("text", [[]]))):
+        color = "white" if abs(z[i, k]) > DARK * full else "black"
+        axes.text(k, i, text, color=color, ha="center", va="center", fontsize=7)
+
+
+def _scale(axes: Axes, way: str, given: Mapping[str, Any]) -> None:
+    """One axis, "x" or "y", as plotly would have it."""
+    logarithmic = given.get("type") == "log"
+    if logarithmic:
+        axes.set(**{f"{way}scale": "log"})
+    elif "dtick" in given:
+        axes.xaxis.set_major_locator(MultipleLocator(given["dtick"]))
+    if "tickvals" in given:
+        names = [html.unescape(name) for name in given["ticktext"]]
+        axis = axes.xaxis if way == "x" else axes.yaxis
+        turned = -given.get("tickangle", 0)
+        axis.set_ticks(given["tickvals"], names, rotation=turned, fontsize=8)
+    if "range" in given:
+        ends = np.array(given["range"], dtype=float)
+        axes.set(**{f"{way}lim": 10.0**ends if logarithmic else ends})
+
+
+def _colors() -> dict[str, Any]:
+    """The page's colours on white paper, by their roles."""
+    style = (files("orbident.report") / "template/page.css").read_text("utf-8")
+    found = dict(re.findall(r"(--\w+): ([^;]+);", style.partition("}")[0]))
+    return {
+        role: color
+        if color.startswith("#")
+        else tuple(
+            float(part) / (255 if k < 3 else 1)
+            for k, part in enumerate(re.findall(r"[\d.]+", color))
+        )
+        for role, color in found.items()
+    }
 
 
 def kept(drawing: Drawing, path: Path, title: str) -> Picture:

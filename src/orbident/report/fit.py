@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
+from orbident.data_table import DataTable, Numeric, table_of
 from orbident.estimation.result import Result
 from orbident.estimation.signals import Signal, Signals, sensor_of
 from orbident.gaussian import NINETY_FIVE
@@ -24,8 +25,7 @@ from orbident.report.charts import (
     line,
     stacked,
 )
-from orbident.report.numbers import NONE, short
-from orbident.report.page import Chart, ReportTable, Section, TableRow
+from orbident.report.page import Chart, Section
 
 SENSORS = "Every sensor, as momentum conservation predicts it with these parameters."
 EQUATIONS = (
@@ -60,46 +60,36 @@ def fits(result: Result, signals: Signals) -> Section | None:
             "as a screen can show.",
         ),
         tables=tuple(_tables(result)),
-        charts=tuple(chart for signal in signals for chart in _charts(signal)),
+        charts=tuple(chart for signal in signals for chart in charts_of(signal)),
     )
 
 
-def _tables(result: Result) -> Iterator[ReportTable]:
+def _tables(result: Result) -> Iterator[DataTable]:
     sensors = result.residual.get("sensors", {})
     if sensors:
-        rows = tuple(
-            TableRow(
-                (
-                    f"{name}, {_unit_of(name)}",
-                    short(fit["rms"], 2),
-                    short(fit["noise"], 2),
-                    short(fit["declared"], 2),
-                    NONE if fit["whiteness"] is None else f"{fit['whiteness']:.2f}",
-                    str(fit["samples"]),
-                )
+        rows = (
+            (
+                f"{name}, {_unit_of(name)}",
+                *(Numeric(fit[key], ".2g") for key in ("rms", "noise", "declared")),
+                Numeric(fit["whiteness"], ".2f"),
+                Numeric(fit["samples"], ".0f"),
             )
             for name, fit in sensors.items()
         )
         head = ("sensor", "RMS", "noise", "declared", "whiteness", "samples")
-        yield ReportTable("Residuals", head, rows)
+        yield table_of("Residuals", head, rows)
     else:
-        rows = tuple(
-            TableRow((f"{name}, {_unit_of(name)}", short(rms, 2)))
+        rows = (
+            (f"{name}, {_unit_of(name)}", Numeric(rms, ".2g"))
             for name, rms in result.residual.get("rms", {}).items()
         )
-        yield ReportTable("Residuals", ("equation", "RMS"), rows)
+        yield table_of("Residuals", ("equation", "RMS"), rows)
     if result.biases:
-        rows = tuple(
-            TableRow(
-                (
-                    f"{name}, {_unit_of(name)}",
-                    short(b["value"]),
-                    short(b["std"], 2),
-                )
-            )
+        rows = (
+            (f"{name}, {_unit_of(name)}", Numeric(b["value"]), Numeric(b["std"], ".2g"))
             for name, b in result.biases.items()
         )
-        yield ReportTable("Biases", ("sensor", "bias", "± std"), rows)
+        yield table_of("Biases", ("sensor", "bias", "± std"), rows)
 
 
 def _unit_of(name: str) -> str:
@@ -107,7 +97,8 @@ def _unit_of(name: str) -> str:
     return UNITS[sensor_of(name).split(".")[0]]
 
 
-def _charts(signal: Signal) -> Iterator[Chart]:
+def charts_of(signal: Signal) -> Iterator[Chart]:
+    """Measured and predicted (not of an attitude), residuals, spectrum, whiteness."""
     name = signal.name
     whole = signal.sensor != "attitude"
     if whole:

@@ -1,7 +1,9 @@
 """Numbers for people: as many digits as the deviation leaves, and no more."""
 
 import math
+from typing import TypeGuard
 
+from orbident.data_table import Cell, Interval
 from orbident.gaussian import NINETY_FIVE
 
 DIGITS = 6
@@ -19,7 +21,7 @@ NONE = "\N{EN DASH}"
 _RAISED = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 
 
-def known(value: float | None) -> bool:
+def known(value: float | int | None) -> TypeGuard[float]:
     """Whether it is a number at all."""
     return value is not None and math.isfinite(value)
 
@@ -49,6 +51,23 @@ def signed(difference: float) -> str:
     if not known(difference):
         return NONE
     return ("+" if difference > 0 else "") + short(difference, 2)
+
+
+def typeset(cell: Cell) -> str:
+    """A cell of a table as a report shows it."""
+    if isinstance(cell, str):
+        return cell.replace(" m^2", " m²")
+    if isinstance(cell, Interval):
+        return interval_text(cell.value, cell.std)
+    if not known(cell.value):
+        return NONE
+    if cell.std is not None:
+        return with_std(cell.value, cell.std)
+    if cell.form[0] == "+":
+        return signed(cell.value)
+    if cell.form[-1] in "fd":
+        return f"{cell.value:{cell.form}}".replace("-", "\N{MINUS SIGN}")
+    return short(cell.value, int(cell.form[1:-1]))
 
 
 def _last(value: float, std: float) -> int:

@@ -15,36 +15,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from orbident.data_table import DataTable
 from orbident.estimation.checks import Check, Level
 from orbident.estimation.result import Result
 from orbident.extras import extra
-from orbident.report.numbers import interval_text, short, with_std
-
-
-class TableRow(NamedTuple):
-    """One row of a table."""
-
-    cells: tuple[str, ...]
-    note: str = ""
-    """Note in small letters below the row: a formula."""
-    marked: bool = False
-    """Whether the eye is to find it."""
-
-
-class ReportTable(NamedTuple):
-    """A table of numbers, with units in its head."""
-
-    title: str
-    head: tuple[str, ...]
-    rows: tuple[TableRow, ...]
-    in_words: bool = False
-    """Whether its cells are words more than numbers."""
-    folded: bool = False
-    """Whether a click opens it."""
+from orbident.report.charts import numbers
+from orbident.report.numbers import interval_text, short, typeset, with_std
 
 
 class Chart(NamedTuple):
-    """A plotly figure as plain data; a colour may be the name of one of the page's."""
+    """A figure in plotly's words, which `drawing` draws too; colours are the page's."""
 
     name: str
     """Unique in a report."""
@@ -76,7 +56,7 @@ class Section(NamedTuple):
     """Unique in a report."""
     title: str
     words: tuple[str, ...] = ()
-    tables: tuple[ReportTable, ...] = ()
+    tables: tuple[DataTable, ...] = ()
     charts: tuple[Chart, ...] = ()
     pictures: tuple[Picture, ...] = ()
 
@@ -142,6 +122,7 @@ def page(
         trim_blocks=True,
         lstrip_blocks=True,
     )
+    environment.filters["typeset"] = typeset
     figures = {
         chart.name: chart.figure for section in sections for chart in section.charts
     }
@@ -161,10 +142,13 @@ def embedded(data: object) -> str:
     return text.replace("<", "\\u003c")
 
 
-def _drawable(data: object) -> object:
-    """The data with gaps, plotly's null, for what is not finite."""
+def _drawable(data: object, key: str = "") -> object:
+    """The data with gaps, plotly's null, for what is not finite, and packed arrays."""
+    if isinstance(data, np.ndarray):
+        # Of what is measured nobody sees more digits; times may be large.
+        return numbers(data, "<f4" if key in {"y", "z"} else "<f8")
     if isinstance(data, dict):
-        return {key: _drawable(value) for key, value in data.items()}
+        return {name: _drawable(value, name) for name, value in data.items()}
     if isinstance(data, list | tuple):
         return [_drawable(value) for value in data]
     return None if isinstance(data, float) and not isfinite(data) else data

@@ -1,22 +1,21 @@
 """The parameters with their intervals, beside what CAD says of them."""
 
+from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float, Int
 
-from orbident.estimation.parameter_table import most_different
+from orbident.data_table import DataTable, Interval, Numeric, TableRow
+from orbident.estimation.parameter_table import (
+    most_different,
+    parameter_rows,
+)
 from orbident.estimation.quantities import EstimatedSet, MassRoutes
 from orbident.estimation.result import Result
 from orbident.gaussian import NINETY_FIVE
-from orbident.report.charts import interval_list, shortened
-from orbident.report.numbers import (
-    interval_text,
-    short,
-    signed,
-    with_std,
-)
-from orbident.report.page import Chart, ReportTable, Section, TableRow
+from orbident.report.charts import interval_list
+from orbident.report.page import Chart, Section
 
 TITLES = {
     "base": "Base parameters: what free floating can identify",
@@ -91,34 +90,44 @@ def masses(result: Result, known_as: str) -> Section | None:
     names = [routes.names[k] for k in shown]
     half = NINETY_FIVE * routes.std[shown]
     figure = interval_list(names, routes.values[shown], half, M, ROUNDING * M, "M (kg)")
-    rows = tuple(
-        TableRow(
-            (
-                shortened(routes.names[k]),
-                with_std(routes.values[k], routes.std[k]),
-                short(routes.std[k], 2),
-                interval_text(routes.values[k], routes.std[k]),
-                signed(routes.sigmas[k]),
-            ),
-            routes.formulas[k],
-        )
-        for k in shown
-    )
+    rows = tuple(mass_rows(routes, shown))
     words = [ROUTES]
     if len(shown) < len(routes.names):
         words.append(f"The surest of {len(routes.names)}.")
-    if routes.left_out:
-        words.append(
-            f"{routes.left_out} forms of Eq. 32 give no mass: their deviations are "
-            "beyond a tenth of it."
-        )
+    words += [f"{sentence}." for sentence in routes_left_out(routes)]
     return Section(
         name="masses",
         title="The mass by every route",
         words=tuple(words),
-        tables=(ReportTable("Mass", ("route", "kg", "± std", "95 %", "sigmas"), rows),),
+        tables=(DataTable("Mass", ("route", "kg", "± std", "95 %", "sigmas"), rows),),
         charts=(Chart("masses", f"Mass by every route; line: {known_as}", figure),),
     )
+
+
+def mass_rows(routes: MassRoutes, which: Iterable[int]) -> Iterator[TableRow]:
+    """Route, mass, deviation, 95 % and sigmas; the note is the formula.
+
+    Args:
+        routes: to the mass.
+        which: of them, by their numbers.
+    """
+    for k in which:
+        value, std = float(routes.values[k]), float(routes.std[k])
+        cells = (
+            *(routes.names[k], Numeric(value, ".6g", std), Numeric(std, ".2g")),
+            *(Interval(value, std), Numeric(float(routes.sigmas[k]), "+.1f")),
+        )
+        yield TableRow(cells, routes.formulas[k])
+
+
+def routes_left_out(routes: MassRoutes) -> list[str]:
+    """How many forms of Eq. 32 are not shown, if any, and why."""
+    if not routes.left_out:
+        return []
+    return [
+        f"{routes.left_out} forms of Eq. 32 give no mass: their deviations are beyond "
+        "a tenth of it"
+    ]
 
 
 def _table(
@@ -127,27 +136,16 @@ def _table(
     known_as: str,
     shown: Int[np.ndarray, " rows"] | None = None,
     folded: bool = True,
-) -> ReportTable:
-    sigmas, percent = found.sigmas, found.percent
-    rows = tuple(
-        TableRow(
-            (
-                found.names[k],
-                with_std(found.values[k], found.std[k]),
-                short(found.std[k], 2),
-                found.units[k].replace("^2", "²"),
-                interval_text(found.values[k], found.std[k]),
-                with_std(found.nominal[k], found.std[k]),
-                signed(sigmas[k]),
-                signed(percent[k]),
-            ),
-            found.formulas[k],
-            bool(abs(sigmas[k]) > FAR),
-        )
-        for k in (range(len(found.names)) if shown is None else shown)
+) -> DataTable:
+    which = range(len(found.names)) if shown is None else shown.tolist()
+    far = np.abs(found.sigmas) > FAR
+    rows = (
+        row._replace(marked=bool(far[k]))
+        for k, row in zip(which, parameter_rows(found, which), strict=True)
     )
     before, after = ("parameter", "estimate", "± std", "unit", "95 %"), ("sigmas", "%")
-    return ReportTable(title, (*before, known_as, *after), rows, folded=folded)
+    head = (*before, known_as, *after)
+    return DataTable(title, head, tuple(rows), folded=folded)
 
 
 def _chart(base: EstimatedSet, known_as: str) -> tuple[Chart, ...]:

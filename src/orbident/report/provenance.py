@@ -5,31 +5,22 @@ Where the methods come from. Data only.
 
 from collections.abc import Iterator
 
+from orbident.data_table import table_of
 from orbident.estimation.result import Result
 from orbident.preprocessing.origins import SMOOTHED, WORDS
 from orbident.report.numbers import NONE, short
-from orbident.report.page import ReportTable, Section, TableRow
+from orbident.report.page import Section
 
 
 def provenance(result: Result) -> Section:
     """Settings, input, signals, versions."""
+    origins = ((name.replace("_", " "), how) for name, how in result.origins.items())
+    head, clocks = ("sensor", "behind", "± std", "corrected"), _clocks(result)
     tables = [
-        ReportTable("Settings", ("", "value"), tuple(_settings(result)), in_words=True),
-        ReportTable(
-            "How signals were obtained",
-            ("signal", "origin"),
-            tuple(
-                TableRow((name.replace("_", " "), origin))
-                for name, origin in result.origins.items()
-            ),
-            in_words=True,
-        ),
-        ReportTable(
-            "Clocks", ("sensor", "behind", "± std", "corrected"), tuple(_clocks(result))
-        ),
-        ReportTable(
-            "Left out", ("column", "samples"), tuple(_left_out(result)), in_words=True
-        ),
+        table_of("Settings", ("", "value"), _settings(result), in_words=True),
+        table_of("How signals were obtained", ("signal", "origin"), origins, True),
+        table_of("Clocks", head, clocks),
+        table_of("Left out", ("column", "samples"), _left_out(result), in_words=True),
     ]
     return Section(
         name="provenance",
@@ -54,33 +45,33 @@ def references(result: Result) -> Section:
     )
 
 
-def _settings(result: Result) -> Iterator[TableRow]:
-    yield TableRow(("method", result.method))
-    yield TableRow(("initial momentum", result.initial_momentum))
+def _settings(result: Result) -> Iterator[tuple[str, ...]]:
+    yield "method", result.method
+    yield "initial momentum", result.initial_momentum
     for file in result.input.get("recordings", [result.input]):
-        yield TableRow(("recording", str(file.get("file", NONE))))
-        yield TableRow(("its SHA-256", str(file.get("sha256", NONE))))
+        yield "recording", str(file.get("file", NONE))
+        yield "its SHA-256", str(file.get("sha256", NONE))
         for end in ("from", "to"):
             if end in file:
-                yield TableRow((f"used {end}", f"{file[end]:g} s"))
+                yield f"used {end}", f"{file[end]:g} s"
     if result.input.get("seed") is not None:
-        yield TableRow(("seed of its noise", str(result.input["seed"])))
-    yield TableRow(("samples", str(result.samples)))
-    yield TableRow(("computing time", f"{short(result.elapsed_s)} s"))
+        yield "seed of its noise", str(result.input["seed"])
+    yield "samples", str(result.samples)
+    yield "computing time", f"{short(result.elapsed_s)} s"
     for name, version in result.versions.items():
-        yield TableRow((f"{name}, version", version))
+        yield f"{name}, version", version
 
 
-def _clocks(result: Result) -> Iterator[TableRow]:
+def _clocks(result: Result) -> Iterator[tuple[str, ...]]:
     for sensor, delay in result.clocks.items():
         late, std = (f"{short(1e3 * x, 2)} ms" for x in (delay.late, delay.std))
-        yield TableRow((sensor, late, std, "yes" if delay.believed else "no"))
+        yield sensor, late, std, "yes" if delay.believed else "no"
 
 
-def _left_out(result: Result) -> Iterator[TableRow]:
+def _left_out(result: Result) -> Iterator[tuple[str, ...]]:
     for column, reasons in result.rejected.items():
         words = ", ".join(f"{count} {reason}" for reason, count in reasons.items())
-        yield TableRow((column, words))
+        yield column, words
 
 
 THE_PAPER = (

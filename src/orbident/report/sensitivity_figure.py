@@ -8,8 +8,7 @@ from jaxtyping import Float, Int
 from orbident.estimation.result import Result
 from orbident.estimation.sensitivity_table import SensitivityTable
 from orbident.estimation.unknowns import UNSEEN
-from orbident.report.charts import Figure, label, numbers
-from orbident.report.conditioning import COLORS
+from orbident.report.charts import heat_map
 from orbident.report.page import Chart, Section
 
 MOST = 20
@@ -49,7 +48,17 @@ def sensitivities(result: Result) -> Section | None:
     chart = Chart(
         "sensitivity",
         "Shift of each parameter, in its own standard deviations",
-        _heat_map(shown),
+        heat_map(
+            *(shown.errors, shown.parameters, shown.colour, shown.full),
+            height=26 * len(shown.errors) + 90,
+            text=shown.cells,
+            texttemplate="%{text}",
+            textfont={"size": 10},
+            showscale=False,
+            xgap=1,
+            ygap=1,
+            hovertemplate="%{y} would shift %{x} by %{text}<extra></extra>",
+        ),
         wide=True,
     )
     return Section("sensitivity", "Errors of instruments", words, charts=(chart,))
@@ -104,46 +113,6 @@ def largest_shifts(table: SensitivityTable) -> Shifts:
 def _largest(size: Float[np.ndarray, " n"]) -> Int[np.ndarray, " most"]:
     """The `MOST` largest, in their order."""
     return np.sort(np.argsort(-size, kind="stable")[:MOST])
-
-
-def _heat_map(shown: Shifts) -> Figure:
-    errors, names = shown.errors, shown.parameters
-    size = f"{len(errors)}, {len(names)}"
-    return {
-        "data": [
-            {
-                "type": "heatmap",
-                "z": {**numbers(shown.colour, "<f4"), "shape": size},
-                "text": shown.cells,
-                "texttemplate": "%{text}",
-                "textfont": {"size": 10},
-                "zmin": -shown.full,
-                "zmax": shown.full,
-                "colorscale": COLORS,
-                "showscale": False,
-                "showlegend": False,
-                "xgap": 1,
-                "ygap": 1,
-                "hovertemplate": "%{y} would shift %{x} by %{text}<extra></extra>",
-            }
-        ],
-        "layout": {
-            "height": 26 * len(errors) + 90,
-            "margin": {"t": 12, "b": 64},
-            "xaxis": {**_ticks(names), "tickangle": -90},
-            "yaxis": {**_ticks(errors), "autorange": "reversed"},
-        },
-    }
-
-
-def _ticks(names: list[str]) -> Figure:
-    return {
-        # Numbered: shortened names may be alike.
-        "tickvals": list(range(len(names))),
-        "ticktext": [label(name) for name in names],
-        "showgrid": False,
-        "automargin": True,
-    }
 
 
 def _cell(shift: float) -> str:

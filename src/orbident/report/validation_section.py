@@ -3,9 +3,10 @@
 import json
 from pathlib import Path
 
+from orbident.data_table import Numeric, table_of
 from orbident.errors import InputError
-from orbident.report.numbers import NONE, short
-from orbident.report.page import ReportTable, Section, TableRow
+from orbident.report.numbers import short
+from orbident.report.page import Section
 
 UNITS = {"gyro": "rad/s", "velocity": "m/s"}
 
@@ -29,15 +30,13 @@ def read_validation(path: Path) -> Section | None:
 
 def validation(scores: dict) -> Section:
     """The verdict, and the errors beside what was expected of them."""
-    rows = tuple(
-        TableRow(
-            (
-                f"{name}, {unit}",
-                _number(scores["rms"].get(name)),
-                _percent(scores["nrmse"].get(name)),
-                _number(scores["predicted_std"].get(name)),
-                _number(scores["noise"].get(name)),
-            )
+    rows = (
+        (
+            f"{name}, {unit}",
+            Numeric(scores["rms"].get(name)),
+            Numeric(_percent(scores["nrmse"].get(name))),
+            Numeric(scores["predicted_std"].get(name)),
+            Numeric(scores["noise"].get(name)),
         )
         for name, unit in UNITS.items()
     )
@@ -59,13 +58,9 @@ def validation(scores: dict) -> Section:
         name="validation",
         title="Validation",
         words=tuple(words),
-        tables=(ReportTable("Errors, and what is expected of them", head, rows),),
+        tables=(table_of("Errors, and what is expected of them", head, rows),),
     )
 
 
-def _number(value: float | None) -> str:
-    return NONE if value is None else short(value)
-
-
-def _percent(value: float | None) -> str:
-    return NONE if value is None else short(100 * value)
+def _percent(value: float | None) -> float | None:
+    return None if value is None else 100 * value

@@ -7,14 +7,17 @@ from orbident.estimation.result import Result
 from orbident.estimation.signals import Signals
 from orbident.files.text import write_text
 from orbident.identified.run_folder import HISTORY, REPORT, VALIDATION
-from orbident.report.conditioning import conditioning
-from orbident.report.convergence_section import convergence
+from orbident.report.conditioning import conditioning, excitation, identifiability
+from orbident.report.convergence_section import (
+    Trail,
+    convergence,
+    read_trail,
+    recursion,
+)
 from orbident.report.fit import fits
-from orbident.report.limits import excitation, identifiability
 from orbident.report.page import Section, page, verdict_of
 from orbident.report.parameter_section import masses, parameters
 from orbident.report.provenance import provenance, references
-from orbident.report.recursion_section import Trail, read_trail, recursion
 from orbident.report.replay_figure import replay_sections
 from orbident.report.sensitivity_figure import sensitivities
 from orbident.report.validation_section import read_validation

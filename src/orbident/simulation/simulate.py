@@ -1,12 +1,13 @@
 """A recording of a free-floating manoeuvre, by ideal or by real sensors."""
 
 from dataclasses import replace
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 from scipy.spatial.transform import Rotation
 
+from orbident.choices import SensorNoise
 from orbident.environment.agent import World
 from orbident.environment.orbital import seen_from_base
 from orbident.errors import InputError
@@ -33,7 +34,7 @@ def simulate(
     trajectory: Trajectory,
     rate: float | None = None,
     tolerance: float = 1e-9,
-    noise: Literal["none", "sensors"] = "none",
+    noise: SensorNoise = "none",
     seed: int = 0,
     truth: bool = False,
 ) -> Recording:

@@ -11,13 +11,14 @@ What the base is commanded to do while it is tracked: a slew.
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import Any, Literal, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 
 from orbident.campaigns.executors import Executors, InThisProcess
 from orbident.campaigns.seeds import Series, check_seeds, over_seeds
+from orbident.choices import StudyNoise
 from orbident.estimation.identify import identify
 from orbident.estimation.result import Result
 from orbident.files.json_parts import nulled
@@ -131,7 +132,7 @@ class ControlStudy:
 
 
 def run_control(
-    noise: Literal["none", "paper"] = "none",
+    noise: StudyNoise = "none",
     seeds: int = 1,
     first_seed: int = 0,
     progress: Callable[[float], object] = lambda _: None,
@@ -184,7 +185,7 @@ class _Task(NamedTuple):
     robot: Robot
     trajectory: Trajectory
     motion: FreeFloating
-    noise: Literal["none", "paper"]
+    noise: StudyNoise
 
     def cad(self, seed: int) -> Robot:
         return off_by(self.robot, CAD_ERROR, seed)

@@ -24,6 +24,8 @@ from orbident.estimation.momentum_problem import momentum_problem
 from orbident.estimation.obstacles import obstacles
 from orbident.estimation.result import Result
 from orbident.estimation.results import result_of
+from orbident.estimation.triangular import condition_numbers
+from orbident.model.paper_bases import PaperBasis
 from orbident.preprocessing.attitude_fusion import integrate_gyro
 from orbident.preprocessing.low_pass import CutOff, choose_cut_off, low_pass
 from orbident.preprocessing.point_velocity import velocity_from_accelerometer
@@ -210,3 +212,18 @@ def mass_by_slopes(burn: Recording) -> float:
     after = (t >= off) & (t <= off + STRETCH)
     v_1, v_2 = (float(np.polyfit(t[part], y[part], 1)[0]) for part in (before, after))
     return paper_tables.BURN_FORCE[1] * paper_tables.BURN_LASTS / (v_2 - v_1)
+
+
+def condition_in_basis(basis: PaperBasis, result: Result) -> dict[str, float]:
+    """Condition numbers of a result's regressors, in the paper's parameters.
+
+    Args:
+        basis: the paper's.
+        result: that has its linear fits.
+    """
+    assert result.fits is not None
+    pi, phi = result.fits.pi.factor, result.fits.phi.factor
+    Y = condition_numbers(pi @ np.linalg.inv(basis.pi_of_pi))
+    W = condition_numbers(phi @ np.linalg.inv(basis.phi_of_phi))
+    names = ("Y", "Y_normalised", "W", "W_normalised")
+    return dict(zip(names, (*Y, *W), strict=True))

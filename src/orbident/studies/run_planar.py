@@ -3,23 +3,23 @@
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, Literal, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 
 from orbident.campaigns.executors import Executors, InThisProcess
 from orbident.campaigns.seeds import Errors, Series, check_seeds, over_seeds
+from orbident.choices import StudyNoise
 from orbident.estimation.identify import Method as Estimator
 from orbident.estimation.result import Result
-from orbident.estimation.triangular import condition_numbers
 from orbident.estimation.weigh import Weighing
 from orbident.files.json_parts import nulled
 from orbident.identified.validate import Validation
 from orbident.preprocessing.low_pass import CutOff
 from orbident.robot.description import Robot
 from orbident.studies import paper_tables
-from orbident.studies.paper_method import Filters
+from orbident.studies.paper_method import Filters, condition_in_basis
 from orbident.studies.paper_tables import PaperRow
 from orbident.studies.planar import Flights, fly_planar, planar_robot, planar_trajectory
 from orbident.studies.planar_run import (
@@ -157,7 +157,7 @@ class PlanarStudy:
 
 
 def run_planar(
-    noise: Literal["none", "paper"] = "none",
+    noise: StudyNoise = "none",
     seeds: int = 1,
     first_seed: int = 0,
     method: Estimator = "maximum-likelihood",
@@ -200,10 +200,14 @@ def run_planar(
         name: _method(reading, table, columns, k)
         for k, (name, reading) in enumerate(first.readings.items())
     }
+    main = next(iter(methods.values()))
     return PlanarStudy(
         methods=methods,
         mass=_weighed(first, table, columns),
-        condition_number=_condition_numbers(first, table),
+        condition_number={
+            **condition_in_basis(table.basis, main.result),
+            "Y_paper": paper_tables.PLANAR_CONDITION,
+        },
         trajectory=trajectory,
         recordings=first.records,
         figures=_figures(robot, first),
@@ -296,17 +300,6 @@ def _weighed(first: PlanarRun, table: Table6, columns: _Columns) -> Weighed:
         for k, estimate in enumerate((first.weighing.mass.value, first.by_slopes))
     ]
     return Weighed(*rows, weighing=first.weighing)
-
-
-def _condition_numbers(first: PlanarRun, table: Table6) -> dict[str, float]:
-    reading = next(iter(first.readings.values()))
-    assert reading.result.fits is not None
-    pi, phi = reading.result.fits.pi.factor, reading.result.fits.phi.factor
-    Y = condition_numbers(pi @ np.linalg.inv(table.basis.pi_of_pi))
-    W = condition_numbers(phi @ np.linalg.inv(table.basis.phi_of_phi))
-    names = ("Y", "Y_normalised", "W", "W_normalised")
-    numbers = dict(zip(names, (*Y, *W), strict=True))
-    return {**numbers, "Y_paper": paper_tables.PLANAR_CONDITION}
 
 
 def _figures(robot: Robot, first: PlanarRun) -> dict[str, Figure]:

@@ -13,10 +13,10 @@ from jaxtyping import Float
 
 from orbident.campaigns.executors import Executors, InThisProcess
 from orbident.campaigns.seeds import Errors, Series, check_seeds, over_seeds
+from orbident.choices import StudyNoise
 from orbident.estimation.found import EstimatedParameters
 from orbident.estimation.identify import Method, identify
 from orbident.estimation.result import Result
-from orbident.estimation.triangular import condition_numbers
 from orbident.excitation.bound import cramer_rao
 from orbident.files.json_parts import nulled
 from orbident.model.minimal_sets import minimal_sets
@@ -29,7 +29,12 @@ from orbident.simulation.free_floating import FreeFloating
 from orbident.simulation.measure import measure
 from orbident.simulation.simulate import float_along, motion_recording
 from orbident.studies import paper_tables
-from orbident.studies.paper_method import Filters, from_imu, paper_method
+from orbident.studies.paper_method import (
+    Filters,
+    condition_in_basis,
+    from_imu,
+    paper_method,
+)
 from orbident.studies.paper_tables import PaperRow
 from orbident.studies.spatial import spatial_robot, spatial_trajectory
 from orbident.trajectories.trajectory import Trajectory
@@ -109,7 +114,7 @@ class SpatialStudy:
 
 
 def run_spatial(
-    noise: Literal["none", "paper"] = "none",
+    noise: StudyNoise = "none",
     seeds: int = 1,
     first_seed: int = 0,
     method: Literal["paper"] | Method = "paper",
@@ -164,7 +169,7 @@ def run_spatial(
         rows=table.rows(result, errors, bound),
         by_sensor=by_sensor,
         cut_offs=filters.cut_offs,
-        condition_number=table.condition_numbers(result),
+        condition_number=condition_in_basis(table.basis, result),
         method=method,
         noisy=noise == "paper",
         trajectory=trajectory,
@@ -234,14 +239,6 @@ class _Table(NamedTuple):
                 zip(printed.items(), self.true, self.found(result), strict=True)
             )
         )
-
-    def condition_numbers(self, result: Result) -> dict[str, float]:
-        assert result.fits is not None
-        pi, phi = result.fits.pi.factor, result.fits.phi.factor
-        Y = condition_numbers(pi @ np.linalg.inv(self.basis.pi_of_pi))
-        W = condition_numbers(phi @ np.linalg.inv(self.basis.phi_of_phi))
-        names = ("Y", "Y_normalised", "W", "W_normalised")
-        return dict(zip(names, (*Y, *W), strict=True))
 
 
 class _NoisyMotion(NamedTuple):

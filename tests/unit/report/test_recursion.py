@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from orbident.errors import InputError
+from orbident.report.convergence_section import read_trail, recursion
 from orbident.report.page import embedded
-from orbident.report.recursion_section import read_trail, recursion
 
 HEADER = (
     "t,M,sigma_1,M.std,sigma_1.std,"

@@ -52,38 +52,38 @@ def test_a_notebook_shows_it(result, name):
 
 
 def test_signals(result):
-    axes = drawn(result, "signals").axes
-    signals = result.signals()
-    assert len(axes) == len(signals)
-    for panel, signal in zip(axes, signals, strict=True):
-        assert panel.get_xlabel() == "t (s)"
-        assert panel.get_ylabel() == UNITS[signal.name]
-        # Measured and predicted, of every axis; so short a flight is drawn whole.
-        curves = [line.get_ydata() for line in panel.lines]
-        for k in range(len(signal.axes)):
-            np.testing.assert_array_equal(curves[2 * k], signal.measured[:, k])
-            np.testing.assert_array_equal(curves[2 * k + 1], signal.predicted[:, k])
+    """A panel an axis, as in the report; so short a flight is drawn whole."""
+    panels = iter(drawn(result, "signals").axes)
+    for signal in result.signals():
+        below = [next(panels) for _ in signal.axes]
+        for k, (panel, axis) in enumerate(zip(below, signal.axes, strict=True)):
+            assert panel.get_title(loc="left") == f"{axis} ({UNITS[signal.name]})"
+            measured, predicted = (line.get_ydata() for line in panel.lines)
+            np.testing.assert_array_equal(measured, signal.measured[:, k])
+            np.testing.assert_array_equal(predicted, signal.predicted[:, k])
+        assert below[-1].get_xlabel() == "t (s)"
+    assert next(panels, None) is None
 
 
 def test_residuals(result):
-    axes = drawn(result, "residuals").axes
-    panels = zip(axes[::3], axes[1::3], axes[2::3], strict=True)
-    for signal, (over_time, over_f, over_lags) in zip(
-        result.signals(), panels, strict=True
-    ):
-        unit = UNITS[signal.name]
-        assert over_time.get_ylabel() == f"residual ({unit})"
-        assert over_f.get_xlabel() == "f (Hz)"
-        assert over_f.get_ylabel() == f"{unit}/√Hz"
-        assert over_lags.get_xlabel() == "lag (samples)"
-        errors = signal.measured - signal.predicted
-        np.testing.assert_array_equal(over_time.lines[0].get_ydata(), errors[:, 0])
-        # Thinned and in decades as the report's (`test_residual_spectra`).
-        shown = over_f.lines[0].get_data()
-        np.testing.assert_array_equal(shown, spectrum(signal.t, errors[:, 0]))
-        np.testing.assert_array_equal(
-            over_lags.lines[0].get_ydata(), autocorrelation(errors[:, 0])
+    panels = iter(drawn(result, "residuals").axes)
+    for signal in result.signals():
+        errors, unit = signal.measured - signal.predicted, UNITS[signal.name]
+        over_time, over_f, over_lags = (
+            [next(panels) for _ in signal.axes] for _ in range(3)
         )
+        for k, axis in enumerate(signal.axes):
+            e = errors[:, k]
+            assert over_time[k].get_title(loc="left") == f"{axis} ({unit})"
+            np.testing.assert_array_equal(over_time[k].lines[0].get_ydata(), e)
+            assert over_f[k].get_title(loc="left") == f"{axis} ({unit}/√Hz)"
+            # Thinned and in decades as the report's (`test_residual_spectra`).
+            shown = over_f[k].lines[0].get_data()
+            np.testing.assert_array_equal(shown, spectrum(signal.t, e))
+            bars = [bar.get_height() for bar in over_lags[k].containers[0]]
+            np.testing.assert_allclose(bars, autocorrelation(e), atol=5e-4)
+        assert over_f[-1].get_xlabel() == "f (Hz)"
+        assert over_lags[-1].get_xlabel() == "lag (samples)"
 
 
 def test_parameters_and_mass(result):
@@ -122,7 +122,8 @@ def test_convergence(result):
     # A curve a round, of all costs, and of the sizes of steps.
     curves = [np.asarray(line.get_xydata()).tolist() for line in cost.lines]
     assert curves == [[[0, 1e6], [1, 90]], [[2, 80]]]
-    assert size.lines[1].get_ydata() == [1e-3]
+    _, first, second = (np.asarray(line.get_ydata()) for line in size.lines)
+    assert (first[1], *second) == (2.0, 1e-3)
     assert cost.get_yscale() == size.get_yscale() == "log"
 
 

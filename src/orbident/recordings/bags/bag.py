@@ -2,15 +2,127 @@
 
 from collections.abc import Collection, Iterator, Mapping
 from contextlib import AbstractContextManager, ExitStack, contextmanager
-from dataclasses import dataclass
+from dataclasses import replace
+from io import BytesIO
 from pathlib import Path
 
 from orbident.errors import InputError
-from orbident.files.names import closest, listed, one_line
+from orbident.files.names import one_line
+from orbident.recordings.bags.libraries import (
+    Ros1Header,
+    Ros1Reader,
+    Ros1Record,
+    Ros2Reader,
+    read_bytes,
+    read_uint32,
+)
 from orbident.recordings.bags.mcap_file import open_mcap
-from orbident.recordings.bags.ros1_file import open_ros1
-from orbident.recordings.bags.ros2_folder import open_ros2, open_ros2_folder
-from orbident.recordings.bags.topic import RawMessage, Storage, Topic
+from orbident.recordings.bags.topic import by_name, described
+from orbident.recordings.source import RawMessage, Source
+
+
+class _WithoutIndex(Ros1Reader):
+    """The library's index takes 150 bytes a message, which here nobody needs."""
+
+    def read_index_data(self, pos: int, indexes: object) -> None:
+        """Chunks are read whole."""
+
+
+@contextmanager
+def open_ros1(path: Path) -> Iterator[Source]:
+    """A `.bag` file; messages come in the order of the file."""
+    with _WithoutIndex(path) as reader:
+        topics = by_name(described(*each, "ros1") for each in reader.topics.items())
+        yield Source(path, topics, lambda names: _messages(reader, names))
+
+
+def _messages(reader: Ros1Reader, names: Collection[str]) -> Iterator[RawMessage]:
+    topics = {each.id: each.topic for each in reader.connections if each.topic in names}
+    for info in reader.chunk_infos:
+        if topics.keys().isdisjoint(info.connection_counts) or reader.bio is None:
+            continue
+        chunk = reader.chunks[info.pos]
+        reader.bio.seek(chunk.datapos)
+        data = chunk.decompressor(read_bytes(reader.bio, chunk.datasize))
+        yield from _in_chunk(data, topics)
+
+
+def _in_chunk(data: bytes, topics: Mapping[int, str]) -> Iterator[RawMessage]:
+    stream = BytesIO(data)
+    while stream.tell() < len(data):
+        header = Ros1Header.read(stream)
+        content = read_bytes(stream, read_uint32(stream))
+        if header.get_uint8("op") != Ros1Record.MSGDATA:
+            continue
+        topic = topics.get(header.get_uint32("conn"))
+        if topic is not None:
+            yield RawMessage(topic, header.get_time("time"), content)
+
+
+@contextmanager
+def open_ros2(path: Path) -> Iterator[Source]:
+    """A folder with metadata.yaml, or one `.db3` file."""
+    with Ros2Reader(path) as reader:
+
+        def messages(names: Collection[str]) -> Iterator[RawMessage]:
+            wanted = [each for each in reader.connections if each.topic in names]
+            for connection, received, data in reader.messages(wanted):
+                # A cell of SQLite holds any type, whatever its column is declared as.
+                if not (isinstance(received, int) and isinstance(data, bytes)):
+                    raise TypeError(f"a message of '{connection.topic}' is none")
+                yield RawMessage(connection.topic, received, data)
+
+        topics = by_name(described(*each, "cdr") for each in reader.topics.items())
+        yield Source(path, topics, messages)
+
+
+@contextmanager
+def open_ros2_folder(path: Path) -> Iterator[Source]:
+    """A folder with SQLite or MCAP files.
+
+    ROS writes metadata.yaml when a recording is ended. Where that did not happen, the
+    files are read one after the other.
+
+    Raises:
+        InputError: It has no such file.
+    """
+    if (path / "metadata.yaml").is_file():
+        with open_ros2(path) as source:
+            yield source
+        return
+    readers = {".mcap": open_mcap, ".db3": open_ros2}
+    files = [
+        each
+        for each in path.iterdir()
+        if each.suffix in readers and each.is_file() and each.stat().st_size
+    ]
+    if not files:
+        raise InputError(
+            f"{path}: is a folder without metadata.yaml and without .mcap or .db3 "
+            "files; give a file, or the folder of a ROS 2 bag"
+        )
+    with ExitStack() as stack:
+        # They are numbered: flight_9 comes before flight_10.
+        parts = [
+            stack.enter_context(readers[each.suffix](each))
+            for each in sorted(files, key=lambda each: (len(each.name), each.name))
+        ]
+
+        def messages(names: Collection[str]) -> Iterator[RawMessage]:
+            for part in parts:
+                yield from part.messages(names)
+
+        note = (
+            f"{path}: has no metadata.yaml, as when a recording is not ended; its "
+            "files are read all the same"
+        )
+        yield Source(
+            path,
+            by_name(topic for part in parts for topic in part.topics.values()),
+            messages,
+            (note, *(note for part in parts for note in part.notes)),
+        )
+
 
 _FILES = {".bag": open_ros1, ".mcap": open_mcap, ".db3": open_ros2}
 _REPAIRS = {
@@ -20,56 +132,8 @@ _REPAIRS = {
 }
 
 
-@dataclass(frozen=True)
-class Bag:
-    """What is in a bag."""
-
-    path: Path
-    topics: Mapping[str, Topic]
-    _storage: Storage
-    notes: tuple[str, ...] = ()
-    """Warnings."""
-
-    def topic(self, name: str) -> Topic:
-        """A topic that has messages.
-
-        Raises:
-            InputError: the bag does not have it, or has no message of it.
-        """
-        if name not in self.topics:
-            close = closest(name, self.topics)
-            hint = f"did you mean '{close}'? " if close else ""
-            raise InputError(
-                f"{self.path}: has no topic '{name}'; {hint}it has "
-                + listed(self.topics)
-            )
-        if not self.topics[name].count:
-            raise InputError(
-                f"{self.path}: topic '{name}' has no messages; take it out of the map, "
-                "or record again"
-            )
-        return self.topics[name]
-
-    def messages(self, names: Collection[str]) -> Iterator[RawMessage]:
-        """Every message of these topics, in the order of the file or of its index.
-
-        Raises:
-            InputError: the bag is damaged.
-        """
-        messages = iter(self._storage.messages(names))
-        while True:
-            # What the libraries raise over damaged bytes is of any kind.
-            try:
-                message = next(messages)
-            except StopIteration:
-                return
-            except Exception as error:
-                raise InputError(_damaged(self.path, error)) from error
-            yield message
-
-
 @contextmanager
-def open_bag(path: Path) -> Iterator[Bag]:
+def open_bag(path: Path) -> Iterator[Source]:
     """A ROS 1 bag, a ROS 2 bag (folder or .db3 file), or a bare MCAP file, that exists.
 
     Raises:
@@ -78,7 +142,7 @@ def open_bag(path: Path) -> Iterator[Bag]:
     opening = _opening(path)
     with ExitStack() as stack:
         try:
-            storage = stack.enter_context(opening)
+            source = stack.enter_context(opening)
         except InputError:
             raise
         except PermissionError as error:
@@ -87,13 +151,22 @@ def open_bag(path: Path) -> Iterator[Bag]:
             ) from error
         except Exception as error:
             raise InputError(_damaged(path, error)) from error
-        topics = {topic.name: topic for topic in storage.topics}
-        if not any(topic.count for topic in topics.values()):
+        if not any(topic.count for topic in source.topics.values()):
             raise InputError(f"{path}: holds no messages; record again")
-        yield Bag(path, topics, storage, storage.notes)
+
+        def messages(names: Collection[str]) -> Iterator[RawMessage]:
+            # What the libraries raise over damaged bytes is of any kind.
+            try:
+                stored = iter(source.messages(names))
+                while (message := next(stored, None)) is not None:
+                    yield message
+            except Exception as error:
+                raise InputError(_damaged(path, error)) from error
+
+        yield replace(source, messages=messages)
 
 
-def _opening(path: Path) -> AbstractContextManager[Storage]:
+def _opening(path: Path) -> AbstractContextManager[Source]:
     if path.is_dir():
         return open_ros2_folder(path)
     if path.stat().st_size == 0:

@@ -15,12 +15,11 @@ from orbident.recordings.bags.libraries import (
     McapStream,
 )
 from orbident.recordings.bags.topic import (
-    RawMessage,
-    Storage,
     Topic,
-    merged,
+    by_name,
     short_type,
 )
+from orbident.recordings.source import RawMessage, Source
 
 _MAGIC = b"\x89MCAP0\r\n"
 _FOOTER = 2
@@ -28,7 +27,7 @@ _FOOTER = 2
 
 
 @contextmanager
-def open_mcap(path: Path) -> Iterator[Storage]:
+def open_mcap(path: Path) -> Iterator[Source]:
     """A `.mcap` file; messages come in the order of the file.
 
     One that was cut off, as when power is lost, is read up to there.
@@ -41,7 +40,7 @@ def open_mcap(path: Path) -> Iterator[Storage]:
             end = _whole_until(file, size)
             if end == size:
                 raise
-            topics = []
+            topics = {}
         whole = _Beginning(file, end)
         topics = topics or _scanned(whole)
         if end < size and not topics:
@@ -51,7 +50,7 @@ def open_mcap(path: Path) -> Iterator[Storage]:
             for _, channel, message in _stream(whole, names):
                 yield RawMessage(channel.topic, message.log_time, message.data)
 
-        yield Storage(topics, messages, (_cut_off(path),) if end < size else ())
+        yield Source(path, topics, messages, (_cut_off(path),) if end < size else ())
 
 
 class _Beginning:
@@ -101,13 +100,13 @@ def _stream(whole: _Beginning, names: Collection[str] | None = None) -> Iterator
             raise
 
 
-def _indexed(file: BinaryIO) -> list[Topic]:
+def _indexed(file: BinaryIO) -> dict[str, Topic]:
     """The topics in the summary that ends the file; none where it has no summary."""
     summary = McapIndex(file).get_summary()
     if summary is None or summary.statistics is None:
-        return []
+        return {}
     counts = summary.statistics.channel_message_counts
-    return merged(
+    return by_name(
         _topic(
             channel,
             summary.schemas.get(channel.schema_id),
@@ -117,13 +116,13 @@ def _indexed(file: BinaryIO) -> list[Topic]:
     )
 
 
-def _scanned(whole: _Beginning) -> list[Topic]:
+def _scanned(whole: _Beginning) -> dict[str, Topic]:
     counts: Counter[int] = Counter()
     found: dict[int, tuple[McapChannel, McapSchema | None]] = {}
     for schema, channel, _ in _stream(whole):
         counts[channel.id] += 1
         found[channel.id] = channel, schema
-    return merged(_topic(*each, counts[number]) for number, each in found.items())
+    return by_name(_topic(*each, counts[number]) for number, each in found.items())
 
 
 def _topic(channel: McapChannel, schema: McapSchema | None, count: int) -> Topic:

@@ -1,12 +1,9 @@
-"""What a bag says of its topics, and how a message's bytes are read.
+"""What a bag says of its topics, and how a message's bytes are read."""
 
-What each kind of bag gives: its topics, and a stream of messages.
-"""
-
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from typing import Any, NamedTuple
+from typing import Any
 
 from orbident.errors import InputError
 from orbident.files.names import one_line
@@ -19,15 +16,6 @@ from orbident.recordings.bags.libraries import (
     get_types_from_msg,
     get_typestore,
 )
-
-
-class RawMessage(NamedTuple):
-    """A message as the bag has it."""
-
-    topic: str
-    received: int
-    """When it was recorded, ns since the epoch of the recorder's clock."""
-    data: bytes
 
 
 @dataclass(frozen=True)
@@ -105,7 +93,7 @@ def _missing(store: Typestore) -> Iterator[tuple[str, str]]:
                 yield short_type(name), one[0]
 
 
-def merged(topics: Iterable[Topic]) -> list[Topic]:
+def by_name(topics: Iterable[Topic]) -> dict[str, Topic]:
     """One topic for all of its name."""
     found: dict[str, Topic] = {}
     for each in topics:
@@ -113,7 +101,7 @@ def merged(topics: Iterable[Topic]) -> list[Topic]:
         kind = each.type if each.type == same.type else f"{same.type} and {each.type}"
         before = 0 if same is each else same.count
         found[each.name] = replace(each, type=kind, count=before + each.count)
-    return list(found.values())
+    return found
 
 
 def short_type(name: str) -> str:
@@ -130,14 +118,3 @@ def described(name: str, info: TopicInfo, encoding: str) -> Topic:
 def _text(definition: MessageDefinition) -> str:
     plain = definition.format == MessageDefinitionFormat.MSG
     return definition.data if plain else ""
-
-
-@dataclass(frozen=True)
-class Storage:
-    """An open bag."""
-
-    topics: Sequence[Topic]
-    messages: Callable[[Collection[str]], Iterator[RawMessage]]
-    """All messages of these topics, one chunk of the file in memory at a time."""
-    notes: tuple[str, ...] = ()
-    """Warnings: what of the bag is missing."""

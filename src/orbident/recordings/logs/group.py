@@ -123,6 +123,8 @@ class Group:
 
     name: str
     fields: Mapping[str, LogField]
+    place: str
+    """The file, for messages."""
 
     type = "table"
 
@@ -133,6 +135,17 @@ class Group:
         if time:
             return self.fields[time].count
         return max((f.count for f in self.fields.values() if not f.problem), default=0)
+
+    def along_its_time(self) -> "Group":
+        """Itself, with the samples of every field along the axis that its time has."""
+        samples = self.fields[self.time].count if self.time else 0
+        fields = {name: each.along(samples) for name, each in self.fields.items()}
+        return replace(self, fields=fields)
+
+    def decoder(self, place: str) -> Callable[[Any], Any]:
+        """A table is taken as it is."""
+        del place
+        return lambda table: table
 
     @property
     def time(self) -> str | None:
@@ -152,40 +165,39 @@ class Group:
     def _named(self, name: str) -> LogField | None:
         return self.fields.get(name, self.fields.get(name.rpartition(".")[0]))
 
-    def column(self, name: str, place: str) -> np.ndarray:
+    def column(self, name: str) -> np.ndarray:
         """One number a sample; `name.k` is column k, from 0, of a field with several.
 
         Args:
             name: of the field.
-            place: the file, for messages.
 
         Raises:
             InputError: it is missing, holds no numbers, is damaged, or has columns
                 although none is named.
         """
-        found, part = self._field(name, place)
+        found, part = self._field(name)
         try:
             values = found.values()
         # What the libraries raise over damaged bytes is of any kind.
         except Exception as error:
             raise InputError(
-                f"{place}: topic '{self.name}': field '{name}' cannot be read "
+                f"{self.place}: topic '{self.name}': field '{name}' cannot be read "
                 f"({one_line(error)}); copy or write the file again"
             ) from error
         return values if part is None else values[:, part]
 
-    def samples(self, name: str, place: str) -> int:
+    def samples(self, name: str) -> int:
         """How many `column` would read.
 
         Raises:
             InputError: as `column`, but for damage.
         """
-        found, _ = self._field(name, place)
+        found, _ = self._field(name)
         return found.count
 
-    def _field(self, name: str, place: str) -> tuple[LogField, int | None]:
+    def _field(self, name: str) -> tuple[LogField, int | None]:
         """A field, and the number of its column if one is named."""
-        where = f"{place}: topic '{self.name}'"
+        where = f"{self.place}: topic '{self.name}'"
         owner, _, last = name.rpartition(".")
         part = None
         if name not in self.fields and owner in self.fields and last.isdecimal():
@@ -213,11 +225,15 @@ def _is_time(name: str) -> bool:
     return split_name(name)[0].lower() in TIME_NAMES
 
 
-def groups(tree: Tree) -> dict[str, Group]:
+def groups(tree: Tree, place: str) -> dict[str, Group]:
     """Groups by name: `/` and every struct that holds a time of its own.
 
     The fields of a struct without a time belong to the group that it is in, under
     their path: `arm.q1`.
+
+    Args:
+        tree: of a file.
+        place: the file, for messages.
     """
     found: dict[str, dict[str, LogField]] = {"/": {}}
 
@@ -232,14 +248,8 @@ def groups(tree: Tree) -> dict[str, Group]:
                 visit(each, (*path, name), home, depth)
 
     visit(tree, (), "/", 0)
-    return {name: _group(name, fields) for name, fields in found.items() if fields}
-
-
-def _group(name: str, fields: Mapping[str, LogField]) -> Group:
-    """The group with the time of every field along the same axis as its name says."""
-    time = Group(name, fields).time
-    samples = fields[time].count if time else 0
-    return Group(name, {key: each.along(samples) for key, each in fields.items()})
+    every = (Group(name, fields, place) for name, fields in found.items() if fields)
+    return {group.name: group.along_its_time() for group in every}
 
 
 def listed_fields(group: Group) -> Iterator[str]:

@@ -1,17 +1,17 @@
 """A file of tables of any kind, open for reading."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
 from orbident.errors import InputError
-from orbident.files.names import one_line, quoted, suggestion
+from orbident.files.names import one_line, quoted
 from orbident.recordings.logs.arrow_file import read_parquet_log
-from orbident.recordings.logs.group import Group, Tree, groups
+from orbident.recordings.logs.group import Tree, groups
 from orbident.recordings.logs.hdf5_file import MAGIC as HDF5_MAGIC
 from orbident.recordings.logs.hdf5_file import read_hdf5
-from orbident.recordings.logs.mat_file import read_mat
+from orbident.recordings.logs.mat5 import read_mat
 from orbident.recordings.logs.npz_file import read_npz
 from orbident.recordings.logs.text_file import (
     SUFFIXES,
@@ -20,6 +20,7 @@ from orbident.recordings.logs.text_file import (
     text_tables_in,
 )
 from orbident.recordings.logs.ulog_file import MAGIC, cut_off, read_ulog
+from orbident.recordings.source import RawMessage, Source
 
 
 @dataclass(frozen=True)
@@ -47,29 +48,6 @@ _FOLDER = FileKind("text tables", (), read_text_folder)
 _BY_SUFFIX = {suffix: kind for kind in KINDS for suffix in kind.suffixes}
 
 
-@dataclass(frozen=True)
-class Log:
-    """What is in a file of tables."""
-
-    path: Path
-    topics: Mapping[str, Group]
-    notes: tuple[str, ...] = ()
-    """Warnings."""
-
-    def topic(self, name: str) -> Group:
-        """A group by name.
-
-        Raises:
-            InputError: The file does not have it.
-        """
-        if name not in self.topics:
-            raise InputError(
-                f"{self.path}: has no topic '{name}'; "
-                + suggestion(name, self.topics, "topics")
-            )
-        return self.topics[name]
-
-
 def is_log(path: Path) -> bool:
     """Whether it is a file of tables by its suffix, or a folder of such text files."""
     if path.is_dir():
@@ -78,7 +56,7 @@ def is_log(path: Path) -> bool:
 
 
 @contextmanager
-def open_log(path: Path) -> Iterator[Log]:
+def open_log(path: Path) -> Iterator[Source]:
     """A file of tables that exists; its suffix says of which kind.
 
     Raises:
@@ -90,7 +68,7 @@ def open_log(path: Path) -> Iterator[Log]:
         try:
             if kind is not _FOLDER:
                 _check_start(path, kind)
-            found = groups(kind.read(path, stack))
+            found = groups(kind.read(path, stack), str(path))
         except InputError:
             raise
         except RecursionError:
@@ -113,7 +91,12 @@ def open_log(path: Path) -> Iterator[Log]:
                 f"{path}: holds no arrays of numbers over time{first}; record again, "
                 "or save numbers"
             )
-        yield Log(path, found, kind.notes(path))
+        yield Source(
+            path,
+            found,
+            lambda names: (RawMessage(name, 0, found[name]) for name in names),
+            kind.notes(path),
+        )
 
 
 _UTF_16 = (b"\xff\xfe", b"\xfe\xff")

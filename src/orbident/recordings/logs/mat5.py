@@ -13,12 +13,15 @@ import math
 import os
 import zlib
 from collections.abc import Iterator
+from contextlib import ExitStack
+from pathlib import Path
 from typing import BinaryIO, Literal, NamedTuple
 
 import numpy as np
 
 from orbident.recordings.logs.group import OBJECT, LogField, Tree, field_of, unusable
-from orbident.recordings.logs.mat_objects import MOST
+from orbident.recordings.logs.hdf5_file import is_hdf5, read_hdf5
+from orbident.recordings.logs.mat_objects import MOST, with_objects
 
 _PIECE = 2**16
 """Bytes that are read, and given, at once."""
@@ -331,3 +334,12 @@ class _Parser:
 
 def _is_text(field: LogField | Tree) -> bool:
     return isinstance(field, LogField) and field.problem.startswith("holds text")
+
+
+def read_mat(path: Path, stack: ExitStack) -> Tree:
+    """Variables and structs; element k, from 0, of a struct array is `name.k`."""
+    if is_hdf5(path):
+        tree = read_hdf5(path, stack)
+    else:
+        tree = variables(stack.enter_context(path.open("rb")))
+    return with_objects(tree, path, stack)

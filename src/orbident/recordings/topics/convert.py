@@ -2,34 +2,73 @@
 
 import dataclasses
 import os
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
+from jaxtyping import Bool, Float
 
 from orbident.errors import InputError
 from orbident.files.names import listed
-from orbident.recordings.logs.log import Log
+from orbident.recordings.logs.group import Group
+from orbident.recordings.no_measurements import no_measurements, sensor_groups
+from orbident.recordings.source import Source
 from orbident.recordings.table_writer import write_blocks
 from orbident.recordings.tables import check_writable
-from orbident.recordings.topics.common_rows import common_rows
 from orbident.recordings.topics.conversion_report import (
     ConversionReport,
     apart,
     topic_report,
 )
-from orbident.recordings.topics.emptied import Emptied
-from orbident.recordings.topics.fields import Table, missing_of
+from orbident.recordings.topics.fields import missing_of
 from orbident.recordings.topics.presets import preset_path, presets
 from orbident.recordings.topics.survey import open_source
-from orbident.recordings.topics.timing import Timed, check_times, timed
+from orbident.recordings.topics.timing import Timed, check_times, common_rows, timed
 from orbident.recordings.topics.topic_map import load_topic_map
 from orbident.recordings.topics.track import Track
 
-if TYPE_CHECKING:
-    from orbident.recordings.bags.bag import Bag
+_LOOKED_AT = 65_536
+"""Samples that are looked at together: of what is held, some are kept where they meet.
+"""
+
+
+@dataclass(frozen=True, eq=False)
+class Emptied:
+    """The samples of one entry that are left empty."""
+
+    empty: Bool[np.ndarray, "used columns"]
+    reasons: dict[str, dict[str, int]]
+    """How many samples, by sensor and reason."""
+
+    @classmethod
+    def of(cls, used: Timed) -> "Emptied":
+        """What is found among all samples, in the order of their times."""
+        names = used.values.entry.columns
+        groups = [
+            (sensor, [names.index(name) for name in columns])
+            for sensor, columns in sensor_groups(names).items()
+        ]
+        empty = np.zeros((used.order.size, len(names)), dtype=bool)
+        reasons = defaultdict[str, Counter[str]](Counter)
+        if used.values.zeros:
+            reasons["attitude"]["quaternion of zeros"] = used.values.zeros
+        for start in range(0, used.order.size, _LOOKED_AT):
+            rows = slice(start, start + _LOOKED_AT)
+            block = used.values.rows.gather(used.order[rows])
+            for sensor, columns in groups:
+                for reason, mask in no_measurements(sensor, block[:, columns]).items():
+                    empty[start + np.flatnonzero(mask)[:, None], columns] = True
+                    reasons[sensor][reason] += int(mask.sum())
+        return cls(empty, {sensor: dict(why) for sensor, why in reasons.items()})
+
+    def without(
+        self, values: Float[np.ndarray, "n columns"], rows: slice
+    ) -> Float[np.ndarray, "n columns"]:
+        """These samples, those that are no measurement as NaN."""
+        return np.where(self.empty[rows], np.nan, values)
+
 
 _BLOCK_ROWS = 32_768
 _SAID_EVERY = 4096
@@ -104,12 +143,10 @@ def convert_file(
 
 
 def _collect(
-    source: "Bag | Log",
-    tracks: Sequence[Track],
-    place: str,
-    said: Callable[[float], None],
+    source: Source, tracks: Sequence[Track], place: str, said: Callable[[float], None]
 ) -> None:
     """All samples to the tracks of their topics; three quarters of the work."""
+    fed: dict[str, list[Track]] = defaultdict(list)
     for number, track in enumerate(tracks):
         entry = track.entry
         found = source.topic(entry.topic).type
@@ -118,33 +155,19 @@ def _collect(
                 f"{place}: topics[{number}] ({entry.topic}): type: found {entry.type}, "
                 f"but it is {found} in {source.path}; correct it"
             )
-    if not isinstance(source, Log):
-        _collect_messages(source, tracks, said)
-        return
-    for number, track in enumerate(tracks):
-        if isinstance(track.entry, Table):
-            group = source.topic(track.entry.topic)
-            track.extend(*track.entry.rows(group, str(source.path)))
-        said(0.75 * number / len(tracks))
-
-
-def _collect_messages(
-    bag: "Bag", tracks: Sequence[Track], said: Callable[[float], None]
-) -> None:
-    fed: dict[str, list[Track]] = defaultdict(list)
-    for track in tracks:
-        fed[track.entry.topic].append(track)
-    decoders = {name: bag.topics[name].decoder(str(bag.path)) for name in fed}
-    total = sum(bag.topics[name].count for name in fed)
-    for number, (topic, received, data) in enumerate(bag.messages(fed)):
+        fed[entry.topic].append(track)
+    topics = {name: source.topics[name] for name in fed}
+    decoders = {n: topic.decoder(str(source.path)) for n, topic in topics.items()}
+    total = sum(topic.count for topic in topics.values())
+    done, told = 0, 0
+    for topic, received, data in source.messages(fed):
         message = decoders[topic](data)
+        done += message.count if isinstance(message, Group) else 1
         for track in fed[topic]:
-            if message is None:
-                track.skip()
-            else:
-                track.add(received, message)
-        if number % _SAID_EVERY == 0:
-            said(min(0.75 * number / total, 0.75))
+            track.add(received, message)
+        if done >= told:
+            said(min(0.75 * done / total, 0.75))
+            told = done + _SAID_EVERY
 
 
 def _written(

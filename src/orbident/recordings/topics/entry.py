@@ -5,7 +5,7 @@ Rows of unit quaternions, scalar last, in plain NumPy.
 
 from abc import abstractmethod
 from collections.abc import Iterator, Sequence
-from typing import Annotated, Any, Generic, Literal, NamedTuple, TypeVar
+from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 from jaxtyping import Float
@@ -13,7 +13,6 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from orbident.errors import InputError
 from orbident.files.schema_parts import MappingSchema, finite_vector
-from orbident.recordings.columns import VECTORS
 
 Quaternions = Float[np.ndarray, "#n 4"]
 Vectors = Float[np.ndarray, "#n 3"]
@@ -178,24 +177,3 @@ class Placed(Entry):
     @property
     def _x_BS(self) -> Quaternions:
         return np.array([self.rotation], dtype=np.float64)
-
-
-Taken = TypeVar("Taken", bound=Take)
-
-
-class PlacedEntry(Placed, Generic[Taken]):
-    """Whole vectors of a message that has a stamp."""
-
-    take: Taken
-
-    @property
-    def sensors(self) -> tuple[str, ...]:
-        """The keys that are given."""
-        return self.take.taken
-
-    @property
-    def columns(self) -> tuple[str, ...]:
-        """Those of the vectors that are taken."""
-        return tuple(
-            f"{name}.{axis}" for name in self.take.taken for axis in VECTORS[name][0]
-        )

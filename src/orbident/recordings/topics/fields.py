@@ -1,7 +1,9 @@
 """Fields of numbers into columns: of tables in files, and of std_msgs/Float64."""
 
+from abc import abstractmethod
 from collections.abc import Iterator, Mapping
 from functools import cached_property
+from itertools import accumulate
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -9,29 +11,95 @@ from jaxtyping import Float, Int
 from pydantic import BeforeValidator, Field, model_validator
 
 from orbident.errors import InputError
+from orbident.files.schema_parts import WrongValueError
 from orbident.recordings.logs.group import Group
-from orbident.recordings.topics.declared_units import DIMENSIONS, nanoseconds_of
+from orbident.recordings.topics.declared_units import DIMENSIONS, TIMES, nanoseconds_of
 from orbident.recordings.topics.entry import Entry, Extraction, Name, Placed
-from orbident.recordings.topics.stamps import stamp_fields, stamps_of
 from orbident.recordings.topics.targets import Slot, Target, slots_of, target_of
 
+_MOST = 2**62
+"""ns, 146 years; so far the sum of the fields goes."""
 
-class Fields(Placed):
-    """`take` says which columns are filled, `fields` from what, axis by axis."""
 
-    take: Mapping[Name, Any] = Field(min_length=1)
-    fields: Mapping[Name, Annotated[Any, BeforeValidator(slots_of)]] = Field(
-        default_factory=dict
+def stamp_fields(value: object) -> dict[str, str]:
+    """The value of `stamp`: `{time: us}`, or `{sec: s, nanosec: ns}`.
+
+    Raises:
+        WrongValueError: it is another.
+    """
+    if isinstance(value, dict) and value:
+        units = {str(field): str(unit) for field, unit in value.items()}
+        if all(nanoseconds_of(unit) for unit in units.values()):
+            return units
+    raise WrongValueError(
+        "give the field that holds the time, and its unit: {time: s}, with one of "
+        f"{', '.join(TIMES)}, or '0.2 s' for counts; several fields are added"
     )
 
-    @cached_property
-    def targets(self) -> list[Target]:
-        """What is filled, in the order of the map.
 
-        Raises:
-            InputError: a column that numbers cannot fill, or a unit that is none of it.
-        """
-        return [target_of(name, unit) for name, unit in self.take.items()]
+def stamps_of(fields: Mapping[str, str], group: Group) -> Int[np.ndarray, " n"]:
+    """The sum of the fields, ns.
+
+    Args:
+        fields: their units by name.
+        group: where they are.
+
+    Raises:
+        InputError: a field is missing or holds no numbers, the file says that it is in
+            another unit, a time is not finite, or beyond 146 years.
+    """
+    stamps = np.zeros(0, dtype=np.int64)
+    for number, (field, unit) in enumerate(fields.items()):
+        values = group.column(field)
+        where = f"{group.place}: topic '{group.name}': time '{field}'"
+        known = group.unit(field)
+        if unit in TIMES and known in TIMES and known != unit:
+            raise InputError(
+                f"{where} is in {known} in the file, where dates are in ns, but in "
+                f"{unit} in the map; write stamp: {{{field}: {known}}}"
+            )
+        if number and values.size != stamps.size:
+            raise InputError(
+                f"{where} has {values.size} values, but the other part of the time has "
+                f"{stamps.size}; give fields of one length"
+            )
+        part = _nanoseconds(values, unit, where, _MOST // len(fields))
+        stamps = stamps + part if number else part
+    return stamps
+
+
+def _nanoseconds(
+    values: np.ndarray, unit: str, where: str, most: int
+) -> Int[np.ndarray, " n"]:
+    factor = nanoseconds_of(unit) or 1
+    finite = np.isfinite(values)
+    if not finite.all():
+        row = int(np.argmin(finite)) + 1
+        raise InputError(
+            f"{where}, row {row}: found {values[row - 1]}; every row needs a time"
+        )
+    if np.abs(values.astype(np.float64)).max(initial=0.0) * factor > most:
+        raise InputError(
+            f"{where} goes beyond 146 years in {unit}; correct the unit, one of "
+            + ", ".join(TIMES)
+        )
+    if values.dtype.kind in "iu":
+        return values.astype(np.int64) * factor
+    return np.round(values * factor).astype(np.int64)
+
+
+class Filling(Placed):
+    """What fills columns with numbers: of a message, or of fields."""
+
+    @property
+    @abstractmethod
+    def targets(self) -> list[Target]:
+        """What is filled."""
+
+    @property
+    def read(self) -> list[Target]:
+        """What a sample's values are of, in their order: the targets first."""
+        return self.targets
 
     @property
     def sensors(self) -> tuple[str, ...]:
@@ -44,6 +112,50 @@ class Fields(Placed):
         return tuple(name for target in self.targets for name in target.columns)
 
     @cached_property
+    def places(self) -> dict[str, slice]:
+        """Where in a sample's values each of `read` stands."""
+        ends = accumulate(target.width for target in self.read)
+        return {
+            t.name: slice(k - t.width, k) for t, k in zip(self.read, ends, strict=True)
+        }
+
+    @property
+    def quaternion(self) -> slice | None:
+        """Where the attitude stands, if it is a quaternion."""
+        found = (self.places[t.name] for t in self.read if t.unit == "quaternion")
+        return next(found, None)
+
+    def table(self, raw: Float[np.ndarray, "n K"]) -> Float[np.ndarray, "n columns"]:
+        """The columns in SI and base axes."""
+        parts = []
+        for target in self.targets:
+            values = target.in_si(raw[:, self.places[target.name]])
+            if target.name == "attitude":
+                values = self.of_base(values)
+            elif target.turned:
+                values = self.in_base(values)
+            parts.append(values)
+        return np.hstack(parts)
+
+
+class Fields(Filling):
+    """`take` says which columns are filled, `fields` from what, axis by axis."""
+
+    take: Mapping[Name, Any] = Field(min_length=1)
+    fields: Mapping[Name, Annotated[Any, BeforeValidator(slots_of)]] = Field(
+        default_factory=dict
+    )
+
+    @property
+    def targets(self) -> list[Target]:
+        """What is filled, in the order of the map.
+
+        Raises:
+            InputError: a column that numbers cannot fill, or a unit that is none of it.
+        """
+        return [target_of(name, unit) for name, unit in self.take.items()]
+
+    @cached_property
     def slots(self) -> list[Slot]:
         """The numbers of a sample, in the order of the targets.
 
@@ -51,29 +163,6 @@ class Fields(Placed):
             InputError: the fields of a target are missing, or too many or too few.
         """
         return [slot for target in self.targets for slot in self._slots_of(target)]
-
-    @property
-    def quaternion(self) -> slice | None:
-        """Where the attitude stands, if it is a quaternion."""
-        start = 0
-        for target in self.targets:
-            if target.unit == "quaternion":
-                return slice(start, start + 4)
-            start += target.width
-        return None
-
-    def table(self, raw: Float[np.ndarray, "n K"]) -> Float[np.ndarray, "n columns"]:
-        """The columns in SI and base axes."""
-        parts, start = [], 0
-        for target in self.targets:
-            values = target.in_si(raw[:, start : start + target.width])
-            start += target.width
-            if target.name == "attitude":
-                values = self.of_base(values)
-            elif target.turned:
-                values = self.in_base(values)
-            parts.append(values)
-        return np.hstack(parts)
 
     @model_validator(mode="after")
     def _consistent(self) -> "Fields":
@@ -175,39 +264,38 @@ class Table(Fields):
         return tuple(nanoseconds_of(unit) or 1 for unit in self.stamp.values())
 
     def rows(
-        self, group: Group, place: str
+        self, group: Group
     ) -> tuple[Int[np.ndarray, " n"], Float[np.ndarray, "n K"]]:
         """Times, ns, and every slot's values.
 
         Args:
             group: what is in the file.
-            place: the file, for messages.
 
         Raises:
             InputError: a field is missing, holds no numbers, or has another length
                 than the time; a time is not finite; the file has it in another unit.
         """
-        times = stamps_of(self.stamp, group, place)
-        self._check_units(group, place)
+        times = stamps_of(self.stamp, group)
+        self._check_units(group)
         raw = np.empty((times.size, len(self.slots)))
         for k, slot in enumerate(self.slots):
             if not slot.field:
                 raw[:, k] = slot.offset
                 continue
             # Before it is read: a damaged file may say that it is any size.
-            samples = group.samples(slot.field, place)
+            samples = group.samples(slot.field)
             if samples != times.size:
                 raise InputError(
-                    f"{place}: topic '{group.name}': field '{slot.field}' has "
+                    f"{group.place}: topic '{group.name}': field '{slot.field}' has "
                     f"{samples} values, but '{next(iter(self.stamp))}' has "
                     f"{times.size}; name the time of this field in an entry of its own"
                 )
             # What is beyond all numbers is no sample, as in the file itself.
             with np.errstate(over="ignore"):
-                raw[:, k] = slot.factor * group.column(slot.field, place) + slot.offset
+                raw[:, k] = slot.factor * group.column(slot.field) + slot.offset
         return times, raw
 
-    def _check_units(self, group: Group, place: str) -> None:
+    def _check_units(self, group: Group) -> None:
         """Refuses a unit that the file itself says is another one."""
         for target in self.targets:
             units = DIMENSIONS.get(target.dimension, {})
@@ -216,8 +304,8 @@ class Table(Fields):
                 scaled = abs(slot.factor) != 1 or slot.offset
                 if not scaled and units.get(known, target.si) != target.si:
                     raise InputError(
-                        f"{place}: topic '{group.name}': field '{slot.field}' is in "
-                        f"{known} in the file, but in {target.unit} in the map; "
+                        f"{group.place}: topic '{group.name}': field '{slot.field}' is "
+                        f"in {known} in the file, but in {target.unit} in the map; "
                         "correct the map, or the file"
                     )
 

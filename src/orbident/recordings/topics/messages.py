@@ -1,76 +1,153 @@
-"""Messages of ROS that a topic map can take, an entry a kind.
+"""Messages of ROS that a topic map can take: where each has its vectors.
 
-sensor_msgs/Imu: gyro, accelerometer, attitude.
-
-sensor_msgs/JointState: joints and wheels by name.
-
-nav_msgs/Odometry: a pose, and a twist in the axes of either frame.
-
-Poses and transforms: position of S, attitude of the base.
-
-geometry_msgs/WrenchStamped: the thrusters' net force and moment.
+A message of vectors is a table of one row, and what is known of it is data. Two need
+more: a pose may be that of the inertial frame in the base, and a twist may be in the
+axes of either frame. Joints are found by their names.
 """
 
 from collections.abc import Iterator, Mapping
+from functools import cached_property
 from math import nan
+from operator import attrgetter
 from typing import Annotated, Any, Literal
 
 import numpy as np
 from jaxtyping import Float
-from pydantic import Field, model_validator
+from pydantic import Field, create_model, model_validator
 
 from orbident.errors import InputError
+from orbident.recordings.columns import VECTORS
 from orbident.recordings.topics.declared_units import Unit, unit
 from orbident.recordings.topics.entry import (
     Entry,
     Extraction,
     Name,
-    PlacedEntry,
     Take,
     conjugate,
     header_stamp,
     rotate_by_quaternion,
 )
+from orbident.recordings.topics.fields import Filling, Number
+from orbident.recordings.topics.targets import DIMENSION_OF, Target, target_of
 
 
-class ImuTake(Take):
-    """Some of the three."""
+class VectorMessage(Filling):
+    """Whole vectors of a message that has a stamp."""
 
-    gyro: Annotated[Unit, unit("angular rate")] | None = None
-    accelerometer: Annotated[Unit, unit("acceleration")] | None = None
-    attitude: Literal["quaternion"] | None = None
-
-
-class Imu(PlacedEntry[ImuTake]):
-    """`w_B = R_BS w_S`, `f_B = R_BS f_S`, `R_WB = R_WS R_BS^T`."""
+    take: Take
 
     @property
-    def quaternion(self) -> slice | None:
-        """The sensor's orientation, which many units leave zero."""
-        return slice(0, 4) if self.take.attitude else None
+    def targets(self) -> list[Target]:
+        """What is filled, in the order of `PATHS`."""
+        given = {name: getattr(self.take, name) for name in self.take.taken}
+        return [target_of(name, getattr(u, "name", u)) for name, u in given.items()]
+
+    @property
+    def turned_by_attitude(self) -> bool:
+        """Whether the orientation is needed although it may not be taken."""
+        return False
+
+    @property
+    def read(self) -> list[Target]:
+        """What is read of a message, the orientation last where it is only needed."""
+        needed = self.turned_by_attitude and "attitude" not in self.take.taken
+        return [*self.targets, *([target_of("attitude", "quaternion")] * needed)]
+
+    @cached_property
+    def _values(self) -> attrgetter:
+        paths = PATHS[self.type]
+        names = [f"{paths[t.name]}.{k}" for t in self.read for k in VECTORS[t.name][0]]
+        return attrgetter("header", *names)
 
     def samples(self, message: Any) -> Iterator[Extraction]:
-        """Orientation, angular velocity, specific force."""
-        x, w, f = (
-            message.orientation,
-            message.angular_velocity,
-            message.linear_acceleration,
-        )
-        yield Extraction(
-            header_stamp(message.header),
-            (x.x, x.y, x.z, x.w, w.x, w.y, w.z, f.x, f.y, f.z),
-        )
+        """One, whose numbers are in the order of `read`."""
+        header, *values = self._values(message)
+        yield Extraction(header_stamp(header), values)
+
+
+class Odometry(VectorMessage):
+    """The child frame's pose `(x_WS, p_WS)` in the parent, which is inertial."""
+
+    twist: Literal["child", "parent"] | None = None
+
+    @model_validator(mode="after")
+    def _twist_stated(self) -> "Odometry":
+        if self.twist is None and {"velocity", "gyro"} & {*self.take.taken}:
+            raise InputError(
+                "twist missing; give 'twist: child' if the twist is in the child "
+                "frame's axes, as the message's definition has it, or 'twist: parent'"
+            )
+        return self
+
+    @property
+    def _turned(self) -> str:
+        return "velocity" if self.twist == "child" else "gyro"
+
+    @property
+    def turned_by_attitude(self) -> bool:
+        """Whether a part of the twist is not in the axes of its column."""
+        return self._turned in self.take.taken
 
     def table(self, raw: Float[np.ndarray, "n K"]) -> Float[np.ndarray, "n columns"]:
-        """The columns in SI and base axes."""
-        parts = []
-        if self.take.gyro:
-            parts.append(self.in_base(raw[:, 4:7]) * self.take.gyro.si)
-        if self.take.accelerometer:
-            parts.append(self.in_base(raw[:, 7:10]) * self.take.accelerometer.si)
-        if self.take.attitude:
-            parts.append(self.of_base(raw[:, :4]))
-        return np.hstack(parts)
+        """Columns, SI; `v_W = R_WS v_S`, `w_B = R_BS w_S` of a twist in child axes."""
+        if self.turned_by_attitude:
+            x, part = raw[:, self.places["attitude"]], raw[:, self.places[self._turned]]
+            part[:] = rotate_by_quaternion(
+                x if self.twist == "child" else conjugate(x), part
+            )
+        return super().table(raw)
+
+
+class Pose(VectorMessage):
+    """A tracked body's pose, S its origin: `(x_WS, p_WS)`, or `(x_SW, p_SW)`."""
+
+    pose: Literal["base-in-inertial", "inertial-in-base"]
+
+    @property
+    def turned_by_attitude(self) -> bool:
+        """Whether the pose is inverted."""
+        return self.pose == "inertial-in-base"
+
+    def table(self, raw: Float[np.ndarray, "n K"]) -> Float[np.ndarray, "n columns"]:
+        """Columns in m, inertial axes; `p_WS = -R_SW^T p_SW` of an inverted pose."""
+        if self.turned_by_attitude:
+            x = raw[:, self.places["attitude"]]
+            x[:] = conjugate(x)
+            if "position" in self.places:
+                p = raw[:, self.places["position"]]
+                p[:] = -rotate_by_quaternion(x, p)
+        return super().table(raw)
+
+
+class Transform(Pose):
+    """One of the transforms that come on a topic, by its two frames."""
+
+    parent: Name
+    child: Name
+
+    @property
+    def wanted(self) -> frozenset[str]:
+        """The one transform."""
+        return frozenset([f"{self.parent} -> {self.child}"])
+
+    @staticmethod
+    def labels(message: Any) -> tuple[str, ...]:
+        """`parent -> child` of each."""
+        return tuple(
+            f"{each.header.frame_id} -> {each.child_frame_id}"
+            for each in _transforms(message)
+        )
+
+    def samples(self, message: Any) -> Iterator[Extraction]:
+        """One of each that is between the two frames."""
+        for each in _transforms(message):
+            if (each.header.frame_id, each.child_frame_id) == (self.parent, self.child):
+                yield from super().samples(each)
+
+
+def _transforms(message: Any) -> list[Any]:
+    """Those of a TFMessage, or the one TransformStamped."""
+    return getattr(message, "transforms", [message])
 
 
 _RATE_OF = {"angle": "angular rate", "length": "velocity"}
@@ -154,169 +231,60 @@ class JointStates(Entry):
         return raw * np.repeat([u.si for u in self._units], len(self._sources))
 
 
-class OdometryTake(Take):
-    """Some of the four."""
+_POSE = {"position": "pose.position", "attitude": "pose.orientation"}
+_TRANSFORM = {"position": "transform.translation", "attitude": "transform.rotation"}
+_OF_COVARIANCE = {name: f"pose.{path}" for name, path in _POSE.items()}
 
-    position: Annotated[Unit, unit("length")] | None = None
-    attitude: Literal["quaternion"] | None = None
-    velocity: Annotated[Unit, unit("velocity")] | None = None
-    gyro: Annotated[Unit, unit("angular rate")] | None = None
-
-
-class Odometry(PlacedEntry[OdometryTake]):
-    """The child frame's pose `(x_WS, p_WS)` in the parent, which is inertial."""
-
-    twist: Literal["child", "parent"] | None = None
-
-    @model_validator(mode="after")
-    def _twist_stated(self) -> "Odometry":
-        if self.twist is None and {"velocity", "gyro"} & {*self.take.taken}:
-            raise InputError(
-                "twist missing; give 'twist: child' if the twist is in the child "
-                "frame's axes, as the message's definition has it, or 'twist: parent'"
-            )
-        return self
-
-    @property
-    def quaternion(self) -> slice | None:
-        """The orientation, needed to turn the twist too."""
-        turned = (self.take.velocity and self.twist == "child") or (
-            self.take.gyro and self.twist == "parent"
-        )
-        return slice(0, 4) if self.take.attitude or turned else None
-
-    def samples(self, message: Any) -> Iterator[Extraction]:
-        """Orientation, position, velocity, angular velocity."""
-        pose, twist = message.pose.pose, message.twist.twist
-        v, w = twist.linear, twist.angular
-        yield Extraction(
-            header_stamp(message.header),
-            (
-                *pose_values(pose.orientation, pose.position),
-                *(v.x, v.y, v.z, w.x, w.y, w.z),
-            ),
-        )
-
-    def table(self, raw: Float[np.ndarray, "n K"]) -> Float[np.ndarray, "n columns"]:
-        """Columns, SI; `v_W = R_WS v_S`, `w_B = R_BS w_S` of a twist in child axes."""
-        x_WS, p, v, w = np.split(raw, [4, 7, 10], axis=1)
-        if self.twist == "child":
-            v = rotate_by_quaternion(x_WS, v) if self.take.velocity else v
-        else:
-            w = rotate_by_quaternion(conjugate(x_WS), w) if self.take.gyro else w
-        parts = []
-        if self.take.position:
-            parts.append(p * self.take.position.si)
-        if self.take.attitude:
-            parts.append(self.of_base(x_WS))
-        if self.take.velocity:
-            parts.append(v * self.take.velocity.si)
-        if self.take.gyro:
-            parts.append(self.in_base(w) * self.take.gyro.si)
-        return np.hstack(parts)
+PATHS: Mapping[str, Mapping[str, str]] = {
+    "sensor_msgs/Imu": {
+        "gyro": "angular_velocity",
+        "accelerometer": "linear_acceleration",
+        "attitude": "orientation",
+    },
+    "geometry_msgs/PoseStamped": _POSE,
+    "geometry_msgs/PoseWithCovarianceStamped": _OF_COVARIANCE,
+    "geometry_msgs/TransformStamped": _TRANSFORM,
+    "tf2_msgs/TFMessage": _TRANSFORM,
+    "nav_msgs/Odometry": {
+        **_OF_COVARIANCE,
+        "velocity": "twist.twist.linear",
+        "gyro": "twist.twist.angular",
+    },
+    "geometry_msgs/WrenchStamped": {"force": "wrench.force", "torque": "wrench.torque"},
+}
+"""Where a message has the vectors that can be taken of it."""
 
 
-class PoseTake(Take):
-    """Either or both."""
-
-    position: Annotated[Unit, unit("length")] | None = None
-    attitude: Literal["quaternion"] | None = None
-
-
-class Pose(PlacedEntry[PoseTake]):
-    """A tracked body's pose, S its origin: `(x_WS, p_WS)`, or `(x_SW, p_SW)`."""
-
-    pose: Literal["base-in-inertial", "inertial-in-base"]
-
-    @property
-    def quaternion(self) -> slice | None:
-        """The orientation, needed for the position too where the pose is inverted."""
-        inverted = self.pose == "inertial-in-base"
-        return slice(0, 4) if self.take.attitude or inverted else None
-
-    def samples(self, message: Any) -> Iterator[Extraction]:
-        """Orientation, position."""
-        pose = message.pose
-        # PoseWithCovarianceStamped has the pose in its pose.
-        pose = getattr(pose, "pose", pose)
-        yield Extraction(
-            header_stamp(message.header), pose_values(pose.orientation, pose.position)
-        )
-
-    def table(self, raw: Float[np.ndarray, "n K"]) -> Float[np.ndarray, "n columns"]:
-        """Columns in m, inertial axes; `p_WS = -R_SW^T p_SW` of an inverted pose."""
-        x_WS, p_WS = raw[:, :4], raw[:, 4:7]
-        if self.pose == "inertial-in-base":
-            x_WS = conjugate(x_WS)
-            p_WS = -rotate_by_quaternion(x_WS, p_WS)
-        parts = []
-        if self.take.position:
-            parts.append(p_WS * self.take.position.si)
-        if self.take.attitude:
-            parts.append(self.of_base(x_WS))
-        return np.hstack(parts)
+def _with_keys(
+    kind: type[VectorMessage], names: Mapping[str, str]
+) -> type[VectorMessage]:
+    """The entry of a message from which these can be taken."""
+    units: dict[str, Any] = {
+        name: Annotated[Unit, unit(DIMENSION_OF[name])]
+        for name in names
+        if name != "attitude"
+    }
+    if "attitude" in names:
+        units["attitude"] = Literal["quaternion"]
+    keys: dict[str, Any] = {name: (units[name] | None, None) for name in names}
+    take = create_model("VectorTake", __base__=Take, **keys)
+    return create_model(kind.__name__, __base__=kind, take=(take, ...))
 
 
-class Transform(Pose):
-    """One of the transforms that come on a topic, by its two frames."""
+_KINDS: Mapping[str, type[VectorMessage]] = {
+    "geometry_msgs/PoseStamped": Pose,
+    "geometry_msgs/PoseWithCovarianceStamped": Pose,
+    "geometry_msgs/TransformStamped": Transform,
+    "tf2_msgs/TFMessage": Transform,
+    "nav_msgs/Odometry": Odometry,
+}
 
-    parent: Name
-    child: Name
-
-    @property
-    def wanted(self) -> frozenset[str]:
-        """The one transform."""
-        return frozenset([f"{self.parent} -> {self.child}"])
-
-    @staticmethod
-    def labels(message: Any) -> tuple[str, ...]:
-        """`parent -> child` of each."""
-        return tuple(
-            f"{each.header.frame_id} -> {each.child_frame_id}"
-            for each in _transforms(message)
-        )
-
-    def samples(self, message: Any) -> Iterator[Extraction]:
-        """Rotation, translation of each that is between the two frames."""
-        for each in _transforms(message):
-            frames = each.header.frame_id, each.child_frame_id
-            if frames == (self.parent, self.child):
-                yield Extraction(
-                    header_stamp(each.header),
-                    pose_values(each.transform.rotation, each.transform.translation),
-                )
-
-
-def pose_values(x: Any, p: Any) -> tuple[float, ...]:
-    """A message's quaternion and vector in a row."""
-    return x.x, x.y, x.z, x.w, p.x, p.y, p.z
-
-
-def _transforms(message: Any) -> list[Any]:
-    """Those of a TFMessage, or the one TransformStamped."""
-    return getattr(message, "transforms", [message])
-
-
-class WrenchTake(Take):
-    """Either or both."""
-
-    force: Annotated[Unit, unit("force")] | None = None
-    torque: Annotated[Unit, unit("torque")] | None = None
-
-
-class WrenchStamped(PlacedEntry[WrenchTake]):
-    """`f_B = R_BS f_S`, `n_B = R_BS n_S`, the moment about S."""
-
-    def samples(self, message: Any) -> Iterator[Extraction]:
-        """Force, torque."""
-        f, n = message.wrench.force, message.wrench.torque
-        yield Extraction(header_stamp(message.header), (f.x, f.y, f.z, n.x, n.y, n.z))
-
-    def table(self, raw: Float[np.ndarray, "n K"]) -> Float[np.ndarray, "n columns"]:
-        """The columns in SI and base axes."""
-        parts = []
-        if self.take.force:
-            parts.append(self.in_base(raw[:, :3]) * self.take.force.si)
-        if self.take.torque:
-            parts.append(self.in_base(raw[:, 3:]) * self.take.torque.si)
-        return np.hstack(parts)
+MESSAGE_TYPES: Mapping[str, type[Entry]] = {
+    "sensor_msgs/JointState": JointStates,
+    **{
+        name: _with_keys(_KINDS.get(name, VectorMessage), paths)
+        for name, paths in PATHS.items()
+    },
+    "std_msgs/Float64": Number,
+}
+"""The messages that can be mapped."""

@@ -14,6 +14,7 @@ import yaml
 from orbident.recordings.columns import VECTORS, is_known
 from orbident.recordings.logs.group import Group, listed_fields
 from orbident.recordings.topics.fields import missing_of
+from orbident.recordings.topics.messages import MESSAGE_TYPES, PATHS
 from orbident.recordings.topics.presets import preset_path, preset_topics, presets
 from orbident.recordings.topics.survey import Surveyed
 from orbident.recordings.topics.topic_map import SCHEMA, load_topic_map
@@ -101,7 +102,6 @@ _POINT = (
     "# TODO 'point: S' if {what} the robot's feature_point;",
     "#      else move feature_point there, or take less",
 )
-_POSE = "# TODO pose: base-in-inertial, or inertial-in-base"
 
 
 def proposed_map(surveyed: Sequence[Surveyed]) -> str:
@@ -157,23 +157,22 @@ def _joint_states(found: Surveyed) -> Iterable[str]:
     yield "# wheels: {name in the messages: name in the robot}"
 
 
-def _imu(found: Surveyed) -> Iterable[str]:
-    x = found.example.orientation
-    has_attitude = any((x.x, x.y, x.z, x.w))
-    attitude = {"attitude": "quaternion"} if has_attitude else {}
-    yield _take({"gyro": "rad/s", "accelerometer": "m/s^2", **attitude})
-    if not has_attitude:
-        yield "# its orientation is all zero, so attitude is left out"
+def _vectors(found: Surveyed) -> Iterable[str]:
+    kind, taken, said = found.topic.type, {}, []
+    for name in PATHS[kind]:
+        x = getattr(found.example, "orientation", None)
+        if name == "attitude" and x is not None and not any((x.x, x.y, x.z, x.w)):
+            said = ["# its orientation is all zero, so attitude is left out"]
+        else:
+            taken[name] = _UNITS[name]
+    yield _take(taken)
+    yield from said
+    if kind == "nav_msgs/Odometry":
+        yield "# TODO twist: child (as the message is defined), or parent"
+    elif "pose" in MESSAGE_TYPES[kind].model_fields:
+        yield "# TODO pose: base-in-inertial, or inertial-in-base"
     yield from _FRAME
-    yield from _point("the accelerometer is at")
-
-
-def _pose(found: Surveyed) -> Iterable[str]:
-    del found
-    yield _take({"position": "m", "attitude": "quaternion"})
-    yield _POSE
-    yield from _FRAME
-    yield from _point("the body that is tracked has its origin at")
+    yield from (line.format(what=_AT_S[kind]) for line in _POINT)
 
 
 def _transform(found: Surveyed) -> Iterable[str]:
@@ -185,23 +184,7 @@ def _transform(found: Surveyed) -> Iterable[str]:
         yield "# TODO parent and child, one of"
         for parent, child in pairs:
             yield f"# parent: {as_yaml(parent)}, child: {as_yaml(child)}"
-    yield from _pose(found)
-
-
-def _odometry(found: Surveyed) -> Iterable[str]:
-    del found
-    taken = {"position": "m", "attitude": "quaternion", "velocity": "m/s"}
-    yield _take({**taken, "gyro": "rad/s"})
-    yield "# TODO twist: child (as the message is defined), or parent"
-    yield from _FRAME
-    yield from _point("the child frame has its origin at")
-
-
-def _wrench(found: Surveyed) -> Iterable[str]:
-    del found
-    yield _take({"force": "N", "torque": "N m"})
-    yield from _FRAME
-    yield from _point("the torque is about")
+    yield from _vectors(found)
 
 
 def _float64(found: Surveyed) -> Iterable[str]:
@@ -209,15 +192,20 @@ def _float64(found: Surveyed) -> Iterable[str]:
     yield "# TODO take: {wheel.<name>.speed: rad/s}, or another column, and its unit"
 
 
+_TRACKED = "the body that is tracked has its origin at"
+_AT_S = {
+    **dict.fromkeys(PATHS, _TRACKED),
+    "sensor_msgs/Imu": "the accelerometer is at",
+    "nav_msgs/Odometry": "the child frame has its origin at",
+    "geometry_msgs/WrenchStamped": "the torque is about",
+}
+"""What of a message may be the feature point."""
+
 _PROPOSALS: Mapping[str, Callable[[Surveyed], Iterable[str]]] = {
+    **dict.fromkeys(PATHS, _vectors),
     "sensor_msgs/JointState": _joint_states,
-    "sensor_msgs/Imu": _imu,
-    "geometry_msgs/PoseStamped": _pose,
-    "geometry_msgs/PoseWithCovarianceStamped": _pose,
     "geometry_msgs/TransformStamped": _transform,
     "tf2_msgs/TFMessage": _transform,
-    "nav_msgs/Odometry": _odometry,
-    "geometry_msgs/WrenchStamped": _wrench,
     "std_msgs/Float64": _float64,
 }
 
@@ -225,7 +213,3 @@ _PROPOSALS: Mapping[str, Callable[[Surveyed], Iterable[str]]] = {
 def _take(units: Mapping[str, str]) -> str:
     listed = ", ".join(f"{key}: {name}" for key, name in units.items())
     return f"take: {{{listed}}}  {_SI}"
-
-
-def _point(what: str) -> Iterable[str]:
-    return (line.format(what=what) for line in _POINT)

@@ -1,7 +1,4 @@
-"""What is in a file: topics, their rates, and an example of each.
-
-Files with topics, of any kind, open for reading.
-"""
+"""What is in a file of any kind: topics, their rates, and an example of each."""
 
 import os
 from collections import defaultdict
@@ -16,17 +13,18 @@ import numpy as np
 from orbident.errors import InputError
 from orbident.files.pipes import refuse_pipe
 from orbident.recordings.logs.group import Group, listed_fields
-from orbident.recordings.logs.log import KINDS, Log, is_log, open_log
+from orbident.recordings.logs.log import KINDS, is_log, open_log
+from orbident.recordings.source import Source
 from orbident.recordings.topics.declared_units import TIMES
-from orbident.recordings.topics.topic_map import MESSAGE_TYPES
+from orbident.recordings.topics.messages import MESSAGE_TYPES
 
 if TYPE_CHECKING:
-    from orbident.recordings.bags.bag import Bag
+    from orbident.recordings.bags.topic import Topic
 
 _BAGS = (".bag", ".mcap", ".db3")
 
 
-def open_source(path: Path) -> "AbstractContextManager[Bag | Log]":
+def open_source(path: Path) -> AbstractContextManager[Source]:
     """A bag or a file of tables; the suffix says which.
 
     Raises:
@@ -49,10 +47,6 @@ def open_source(path: Path) -> "AbstractContextManager[Bag | Log]":
 
     return open_bag(path)
 
-
-if TYPE_CHECKING:
-    from orbident.recordings.bags.bag import Bag
-    from orbident.recordings.bags.topic import Topic
 
 _EXAMPLES = 200
 _SAID_EVERY = 4096
@@ -88,19 +82,22 @@ def survey_file(
     """
     with open_source(Path(file)) as opened:
         names = sorted(opened.topics)
-        if isinstance(opened, Log):
-            tables = [opened.topics[name] for name in names]
-            return tuple(_surveyed_table(each, str(opened.path)) for each in tables)
         looked = _looked_through(opened, progress or (lambda fraction: None))
-        return tuple(_surveyed(opened.topics[name], looked[name]) for name in names)
+        topics = [opened.topics[name] for name in names]
+        return tuple(
+            _surveyed_table(topic)
+            if isinstance(topic, Group)
+            else _surveyed(topic, looked[topic.name])
+            for topic in topics
+        )
 
 
-def _surveyed_table(group: Group, place: str) -> Surveyed:
+def _surveyed_table(group: Group) -> Surveyed:
     time = group.time
     unit = TIMES.get(group.unit(time) or "s") if time else None
     rate = None
     if time and unit and group.count > 1:
-        times = group.column(time, place)
+        times = group.column(time)
         # Not as float64, in which dates in ns are not exact.
         exact = times.astype(np.int64) if times.dtype.kind == "u" else times
         interval = float(np.median(np.diff(exact)))
@@ -120,22 +117,23 @@ class _Look:
     example: Any = None
 
 
-def _looked_through(bag: "Bag", said: Callable[[float], None]) -> dict[str, _Look]:
+def _looked_through(source: Source, said: Callable[[float], None]) -> dict[str, _Look]:
+    streams = {n: t for n, t in source.topics.items() if not isinstance(t, Group)}
     decoders = {
-        name: topic.decoder(str(bag.path))
-        for name, topic in bag.topics.items()
+        name: topic.decoder(str(source.path))
+        for name, topic in streams.items()
         if topic.type in MESSAGE_TYPES and topic.encoding in {"ros1", "cdr"}
     }
-    total = sum(topic.count for topic in bag.topics.values())
+    total = sum(topic.count for topic in streams.values())
     looks = defaultdict(_Look)
-    for number, (name, received, data) in enumerate(bag.messages(bag.topics)):
+    for number, (name, received, data) in enumerate(source.messages(streams)):
         look = looks[name]
         look.first = min(look.first, received) if look.count else received
         look.last = max(look.last, received)
         if name in decoders and look.count < _EXAMPLES:
             message = decoders[name](data)
             if message is not None:
-                labels = MESSAGE_TYPES[bag.topics[name].type].labels(message)
+                labels = MESSAGE_TYPES[streams[name].type].labels(message)
                 look.labels.update(dict.fromkeys(labels))
                 look.example = look.example or message
         look.count += 1

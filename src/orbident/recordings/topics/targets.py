@@ -15,12 +15,10 @@ from orbident.errors import InputError
 from orbident.files.bounds import LARGEST
 from orbident.files.schema_parts import WrongValueError
 from orbident.recordings.columns import (
+    OF_PARTS,
     VECTORS,
     is_known,
-    joint_of,
-    thruster_of,
-    torquer_of,
-    wheel_of,
+    part_of,
 )
 from orbident.recordings.topics.declared_units import DIMENSIONS, unit_of
 from orbident.recordings.topics.entry import TURNED, product
@@ -70,13 +68,22 @@ def _bounded(slot: Slot) -> Slot:
     return slot._replace(offset=float(slot.offset))
 
 
-_DIMENSION_OF = {
+DIMENSION_OF = {
     "gyro": "angular rate",
     "accelerometer": "acceleration",
     "position": "length",
     "velocity": "velocity",
     "force": "force",
     "torque": "torque",
+}
+_OF_PARTS = {
+    ("joint", "position"): ("angle", "length"),
+    ("joint", "velocity"): ("angular rate", "velocity"),
+    ("wheel", "position"): ("angle",),
+    ("wheel", "speed"): ("angular rate",),
+    ("thruster", "force"): ("force",),
+    ("thruster", "duty"): ("share",),
+    ("torquer", "dipole"): ("magnetic moment",),
 }
 _ATTITUDES: Mapping[str, tuple[int, str]] = {
     "quaternion": (4, "[qx, qy, qz, qw]"),
@@ -165,19 +172,12 @@ def target_of(name: str, unit: object) -> Target:
 
 def _dimensions(name: str) -> tuple[str, ...]:
     head, last = name.split(".")[0], name.rsplit(".", 1)[-1]
-    if joint_of(name):
-        both = last == "position"
-        return ("angle", "length") if both else ("angular rate", "velocity")
-    if wheel_of(name):
-        return ("angle",) if last == "position" else ("angular rate",)
-    if thruster_of(name):
-        return ("force",) if last == "force" else ("share",)
-    if torquer_of(name):
-        return ("magnetic moment",)
+    if head in OF_PARTS and part_of(head, name):
+        return _OF_PARTS[head, last]
     whole = name in VECTORS or is_known(name)
-    if not whole or head not in _DIMENSION_OF:
+    if not whole or head not in DIMENSION_OF:
         raise InputError(
             "give a column that numbers can fill, such as wheel.<name>.speed, "
             "joint.<name>.position, gyro or attitude"
         )
-    return (_DIMENSION_OF[head],)
+    return (DIMENSION_OF[head],)

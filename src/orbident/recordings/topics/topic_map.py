@@ -13,32 +13,13 @@ from orbident.files.schema_parts import MappingSchema
 from orbident.files.text import read_text
 from orbident.files.yaml_mapping import read_yaml_mapping
 from orbident.recordings.topics.entry import Entry
-from orbident.recordings.topics.fields import Number, Table
-from orbident.recordings.topics.messages import (
-    Imu,
-    JointStates,
-    Odometry,
-    Pose,
-    Transform,
-    WrenchStamped,
-)
+from orbident.recordings.topics.fields import Table
+from orbident.recordings.topics.messages import MESSAGE_TYPES
 
 SCHEMA = "orbident/topic-map/1"
 
-MESSAGE_TYPES: Mapping[str, type[Entry]] = {
-    "sensor_msgs/JointState": JointStates,
-    "sensor_msgs/Imu": Imu,
-    "geometry_msgs/PoseStamped": Pose,
-    "geometry_msgs/PoseWithCovarianceStamped": Pose,
-    "geometry_msgs/TransformStamped": Transform,
-    "tf2_msgs/TFMessage": Transform,
-    "nav_msgs/Odometry": Odometry,
-    "geometry_msgs/WrenchStamped": WrenchStamped,
-    "std_msgs/Float64": Number,
-}
-"""The messages that can be mapped."""
 TYPES: Mapping[str, type[Entry]] = {**MESSAGE_TYPES, "table": Table}
-"""These, and the tables of files that hold no messages."""
+"""The messages that can be mapped, and the tables of files that hold no messages."""
 
 
 class _TopicMap(MappingSchema):

@@ -19,6 +19,7 @@ from orbident.files.names import suggestion
 from orbident.files.writing import writing
 from orbident.recordings.recording import QUATERNION_TOLERANCE
 from orbident.recordings.topics.entry import Entry
+from orbident.recordings.topics.fields import Table
 
 _BATCH_ROWS = 8192
 
@@ -125,7 +126,18 @@ class Track:
         self._ever = np.zeros(len(entry.columns), dtype=bool)
 
     def add(self, received: int, message: Any) -> None:
-        """Takes what the entry wants from a message."""
+        """Takes what the entry wants from a message, or all rows of a table.
+
+        Args:
+            received: when, ns; a table has its own times.
+            message: None where its bytes are not of their type.
+        """
+        if message is None:
+            self._undecodable += 1
+            return
+        if isinstance(self.entry, Table):
+            self._extend(*self.entry.rows(message))
+            return
         self._labels[self.entry.labels(message)] += 1
         for sample in self.entry.samples(message):
             self._stamps.append(sample.stamp or 0)
@@ -134,7 +146,7 @@ class Track:
             if len(self._waiting) == _BATCH_ROWS:
                 self._flush()
 
-    def extend(
+    def _extend(
         self, received: Int[np.ndarray, " n"], raw: Float[np.ndarray, "n K"]
     ) -> None:
         """Takes all rows of a table, with their times in ns."""
@@ -144,10 +156,6 @@ class Track:
             self._stamps.frombytes(bytes(received[rows].nbytes))
             self._received.frombytes(received[rows].tobytes())
             self._keep(raw[rows].copy())
-
-    def skip(self) -> None:
-        """Counts a message that cannot be decoded."""
-        self._undecodable += 1
 
     def finished(self, bag: str) -> Arrived:
         """Everything that came; to be called once.

@@ -16,7 +16,8 @@ from conversions import HEAD
 from orbident.extras import MissingLibraryError
 from orbident.files.confined import ConfinedError
 from orbident.recordings.logs import mat_objects
-from orbident.recordings.logs.log import Log, open_log
+from orbident.recordings.logs.log import open_log
+from orbident.recordings.source import Source
 from orbident.recordings.tables import read_recording
 from orbident.recordings.topics.convert import convert_file
 
@@ -62,8 +63,8 @@ def path(tmp_path: Path, request: pytest.FixtureRequest) -> Path:
     return tmp_path / "log.mat"
 
 
-def values(log: Log, topic: str, name: str) -> np.ndarray:
-    return log.topics[topic].column(name, "log.mat")
+def values(log: Source, topic: str, name: str) -> np.ndarray:
+    return log.topics[topic].column(name)
 
 
 def test_every_kind(path: Path):

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from orbident.recordings.topics.common_rows import common_rows
+from orbident.recordings.topics.timing import common_rows
 from orbident.recordings.topics.track import RowFile
 
 # A small range, so that sensors often meet within 100 ns.

@@ -6,7 +6,7 @@ import pytest
 
 from orbident.errors import InputError
 from orbident.preprocessing.low_pass import choose_cut_off
-from orbident.report.cut_off_figure import draw_cut_off
+from orbident.report.cut_offs import draw_cut_off
 
 T = np.arange(400) / 20.0
 NOISE = 1e-3 * np.random.default_rng(0).standard_normal(T.size)
@@ -24,7 +24,7 @@ def test_svg_names_what_it_shows(tmp_path):
     # Matplotlib writes each text as a comment beside its outlines.
     comments = re.findall(r"<!-- (.*?) -->", text)
     for words in (
-        "frequency (Hz)",
+        "f (Hz)",
         "cut-off frequency (Hz)",
         "amplitude (rad)",
         "RMS (rad)",

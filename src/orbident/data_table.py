@@ -1,0 +1,92 @@
+"""A table as data: described once, shown by the terminal and by reports."""
+
+from collections.abc import Iterable
+from math import isnan
+from typing import NamedTuple
+
+
+class Numeric(NamedTuple):
+    """A number in a cell."""
+
+    value: float | None
+    """None or NaN where it is not known."""
+    form: str = ".3g"
+    """How plain text has it. Where it begins with a plus, it is a difference."""
+    std: float | None = None
+    """Its standard deviation: a report shows as many digits as that leaves."""
+
+    @property
+    def is_known(self) -> bool:
+        """Whether there is a number to show."""
+        return self.value is not None and not isnan(self.value)
+
+    def __str__(self) -> str:
+        """Plain text; a dash where it is not known."""
+        return f"{self.value:{self.form}}" if self.is_known else "-"
+
+
+class Interval(NamedTuple):
+    """The 95 % interval of what is normally distributed."""
+
+    value: float
+    std: float
+
+    @property
+    def is_known(self) -> bool:
+        """Whether there are ends to show."""
+        return not (isnan(self.value) or isnan(self.std))
+
+    def __str__(self) -> str:
+        """Plain text; a dash where it is not known."""
+        # Late, because 'doctor' has tables where NumPy cannot be imported.
+        from orbident.gaussian import NINETY_FIVE
+
+        low, high = (self.value + k * NINETY_FIVE * self.std for k in (-1, 1))
+        return f"{low:.6g} to {high:.6g}" if self.is_known else "-"
+
+
+Cell = str | Numeric | Interval
+"""What stands in a row of a table."""
+
+
+class TableRow(NamedTuple):
+    """One row of a table."""
+
+    cells: tuple[Cell, ...]
+    note: str = ""
+    """Note in small letters below the row: a formula."""
+    marked: bool = False
+    """Whether the eye is to find it."""
+
+
+class DataTable(NamedTuple):
+    """Rows of words and numbers, with units in the head or in the rows."""
+
+    title: str
+    head: tuple[str, ...]
+    rows: tuple[TableRow, ...]
+    in_words: bool = False
+    """Whether its cells are words more than numbers."""
+    folded: bool = False
+    """Whether a click opens it."""
+
+    def without_empty_columns(self) -> "DataTable":
+        """Only the columns in which something is known."""
+        columns = [[row.cells[k] for row in self.rows] for k in range(len(self.head))]
+        used = [any(isinstance(c, str) or c.is_known for c in each) for each in columns]
+        rows = (row._replace(cells=_where(used, row.cells)) for row in self.rows)
+        return self._replace(head=_where(used, self.head), rows=tuple(rows))
+
+
+def _where(used: list[bool], cells: tuple) -> tuple:
+    return tuple(cell for cell, use in zip(cells, used, strict=True) if use)
+
+
+def table_of(
+    title: str,
+    head: tuple[str, ...],
+    rows: Iterable[tuple[Cell, ...]],
+    in_words: bool = False,
+) -> DataTable:
+    """A table whose rows have neither notes nor marks."""
+    return DataTable(title, head, tuple(map(TableRow, rows)), in_words)

@@ -1,0 +1,252 @@
+"""What a study found, in words and tables: for the terminal and for its report."""
+
+from collections.abc import Iterable
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from orbident.data_table import DataTable, Numeric, table_of
+from orbident.studies.control import ControlStudy
+from orbident.studies.paper_tables import PLANAR_IDENTIFIED, PaperRow
+from orbident.studies.run_planar import PlanarStudy, PredictionScores
+from orbident.studies.run_spatial import SpatialStudy
+from orbident.studies.run_table import TableStudy
+
+Study = SpatialStudy | PlanarStudy | TableStudy | ControlStudy
+"""Which part of the paper, or what its result is good for."""
+
+UNITS = "pi, kg m²; phi, m; M, kg"
+
+WAYS = {
+    "paper": "The paper's method",
+    "without": "Maximum likelihood, as if nothing acted",
+    "with": "Maximum likelihood, with what acts",
+}
+"""How each way of reading the recording of a real table is headed."""
+
+
+class StudyAccount(NamedTuple):
+    """What is said of a study, under one heading."""
+
+    name: str
+    """Unique in a report."""
+    title: str
+    words: tuple[str, ...]
+    tables: tuple[DataTable, ...]
+
+
+def account_of(done: Study) -> StudyAccount:
+    """The paper's numbers beside ours, and how well a study's aim is met."""
+    match done:
+        case SpatialStudy():
+            return _spatial(done)
+        case PlanarStudy():
+            return _planar(done)
+        case TableStudy():
+            return _real_table(done)
+        case ControlStudy():
+            return _control(done)
+
+
+def _spatial(done: SpatialStudy) -> StudyAccount:
+    """Table 4, without noise or with it."""
+    method, runs = _method(done.method), _runs(done)
+    words = f"Table 4 with Section 3.5's noise, by {method}: {runs}."
+    if not done.noisy:
+        worst = max(abs(row.error_percent) for row in done.rows)
+        words = (
+            "Table 4 without noise: 80 s, 1601 samples, Table 2's trajectory; worst "
+            f"error {worst:.1e} %: "
+            + ("every parameter recovered." if done.trusted else "NOT recovered.")
+        )
+    tables = [_beside_paper(f"Parameters: {UNITS}", done.rows)]
+    if done.by_sensor:
+        tables.append(_by_sensor(done))
+    condition = done.condition_number
+    conditions = f"Y {condition['Y']:.1f}, W {condition['W']:.2f}."
+    words = words, f"Condition numbers in the paper's basis: {conditions}"
+    return StudyAccount("table4", "Table 4", words, tuple(tables))
+
+
+def _planar(done: PlanarStudy) -> StudyAccount:
+    """Table 6, the burn, and how well Eq. 47's run was predicted."""
+    noise = "without noise"
+    if done.noisy:
+        noise = f"with the noise of encoders and motion capture: {_runs(done)}"
+    tables = [
+        _beside_paper(
+            f"By {_method(name)}: {UNITS}",
+            map(_with_table6, method.rows),
+            "identified",
+            ".4f",
+        )
+        for name, method in done.methods.items()
+    ]
+    burn, condition = done.mass, done.condition_number
+    weighed = [
+        replace(burn.row, name="all samples (weigh)"),
+        replace(burn.slopes, name="two slopes (paper)"),
+    ]
+    tables.append(_beside_paper("Mass by the burn (Eq. 40), kg", weighed, "weighed"))
+    return StudyAccount(
+        name="table6",
+        title="Table 6 and the burn",
+        words=(
+            f"Table 6 {noise}.",
+            "A stand-in for Cepheus on its table; the paper's robot is another one, so "
+            "only orders of magnitude can be compared.",
+            *(
+                _predicted(method.validation, name, done.noisy)
+                for name, method in done.methods.items()
+            ),
+            f"The burn's mass is from {burn.weighing.samples} samples of "
+            f"{burn.weighing.signal}; the paper's is 13.56 kg, weighed 13.55 kg.",
+            f"Condition numbers in the paper's basis: Y {condition['Y']:.1f} (the "
+            f"paper's, of Cepheus: {condition['Y_paper']:.0f}), "
+            f"W {condition['W']:.2f}.",
+        ),
+        tables=tuple(tables),
+    )
+
+
+def _real_table(done: TableStudy) -> StudyAccount:
+    """Table 6 by three ways of reading, and what acted."""
+    paper = "accepts its first result"
+    if done.refused:
+        paper = f"refuses its first result: {done.refused}"
+    head = "parameter", "true", "estimate", "error (%)", "RMS (%)", "sigmas"
+    tables = [
+        table_of(
+            f"{words}: {UNITS}",
+            head,
+            (
+                (
+                    row.name,
+                    *(Numeric(x, ".4g") for x in (row.true, row.estimate)),
+                    Numeric(row.error_percent, ".2g"),
+                    Numeric(row.rms_error_percent, ".2g"),
+                    Numeric(row.sigmas, ".1f"),
+                )
+                for row in done.methods[way]
+            ),
+        )
+        for way, words in WAYS.items()
+    ]
+    acted = (
+        (
+            f"{each.name}, {each.unit}",
+            *(Numeric(x) for x in (each.true, each.estimate, each.std)),
+            Numeric(each.sigmas, ".1f"),
+        )
+        for each in done.acted
+    )
+    head = "disturbance", "true", "estimate", "deviation", "sigmas"
+    return StudyAccount(
+        name="table",
+        title="A real table",
+        words=(
+            "Section 5 on a table that is tilted and uneven, with an air film below "
+            f"base and elbow, by encoders and motion capture: {_runs(done)}.",
+            f"Maximum likelihood refuses {done.rejected} of {done.seeds} results; the "
+            f"paper's method {paper}.",
+        ),
+        tables=(*tables, table_of("What acted", head, acted)),
+    )
+
+
+def _control(done: ControlStudy) -> StudyAccount:
+    """Tracking errors with either model, and by how much they differ."""
+    rows = (
+        (f"the {name} model", Numeric(tracked.joints), Numeric(tracked.base))
+        for name, tracked in done.errors.items()
+    )
+    head = "torques computed from", "joints, rad RMS", "base, rad RMS"
+    return StudyAccount(
+        name="tracking",
+        title="Tracking",
+        words=(
+            "Arm and base tracked in free flight, CAD off by 20 % in masses, first "
+            f"moments and inertias, {done.seeds} run{'' if done.seeds == 1 else 's'}: "
+            f"at least {done.factor:.3g} times better with the identified model.",
+        ),
+        tables=(table_of("Tracking errors", head, rows),),
+    )
+
+
+def _runs(done: SpatialStudy | PlanarStudy | TableStudy) -> str:
+    return (
+        f"{done.seeds} seed{'' if done.seeds == 1 else 's'}, the first one's estimate"
+    )
+
+
+def _method(name: str) -> str:
+    return "the paper's method" if name == "paper" else name
+
+
+def _beside_paper(
+    title: str, rows: Iterable[PaperRow], paper: str = "true", form: str = ".2f"
+) -> DataTable:
+    """The paper's numbers and ours, without columns in which nothing stands.
+
+    Args:
+        title: with the units.
+        rows: of a table of the paper.
+        paper: what its numbers are.
+        form: of these numbers, as it prints them.
+    """
+    head = (
+        *("parameter", f"paper: {paper}", "its error (%)", "true", "estimate"),
+        *("error (%)", "RMS (%)", "worst (%)", "Cramér-Rao (%)"),
+    )
+    cells = (
+        (
+            row.name,
+            Numeric(row.paper_true, form),
+            Numeric(row.paper_error_percent, ".2g"),
+            Numeric(row.true, ".6g", row.estimate - row.true),
+            Numeric(row.estimate, ".6g", row.estimate - row.true),
+            Numeric(row.error_percent, ".2g"),
+            Numeric(row.rms_error_percent, ".2g"),
+            Numeric(row.worst_error_percent, ".2g"),
+            Numeric(row.cramer_rao_percent, ".2g"),
+        )
+        for row in rows
+    )
+    return table_of(title, head, cells).without_empty_columns()
+
+
+def _by_sensor(done: SpatialStudy) -> DataTable:
+    sets = np.array([row.name.partition("_")[0] for row in done.rows])
+    rows = (
+        (sensor, *(Numeric(np.max(rms[sets == k]), ".2g") for k in ("pi", "phi", "M")))
+        for sensor, rms in done.by_sensor.items()
+    )
+    head = "sensor", "worst pi (%)", "worst phi (%)", "M (%)"
+    return table_of("RMS error by the noise of one sensor alone", head, rows)
+
+
+def _with_table6(row: PaperRow) -> PaperRow:
+    """The row with what the paper identified, but for M: the paper's is the burn's."""
+    paper = None if row.name == "M" else PLANAR_IDENTIFIED[row.name]
+    return replace(row, paper_true=paper)
+
+
+def _predicted(scores: PredictionScores, method: str, noisy: bool) -> str:
+    if scores.first is None:
+        return f"Eq. 47's run was not predicted by {_method(method)}."
+    words = []
+    for name, what in (("gyro", "angular velocity"), ("velocity", "linear velocity")):
+        first = 100 * scores.first.nrmse[name]
+        over = 100 * scores.rms_nrmse[name], 100 * scores.worst_nrmse[name]
+        rest = f" (RMS {over[0]:.2g} %, worst {over[1]:.2g} %)" if noisy else ""
+        words.append(f"{what} {first:.2g} %{rest}")
+    record = ""
+    if noisy and method == "paper":
+        record = ", beside the filtered record, as in the paper"
+    elif noisy:
+        record = ", beside the record as measured, whose noise is part of these errors"
+    return (
+        f"Eq. 47's run predicted by {_method(method)}: NRMSE of "
+        f"{', of '.join(words)}{record}."
+    )
