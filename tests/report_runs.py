@@ -58,8 +58,9 @@ def hostile() -> Result:
     renamed = replace(
         robot, name=HOSTILE["name"], joints=joints, bodies=bodies, structure=structure
     )
-    motion = dict(found.motion)
-    motion["joints"] = {HOSTILE[k]: moved for k, moved in motion["joints"].items()}
+    assert found.motion is not None
+    moved = {HOSTILE[k]: x for k, x in found.motion["joints"].items()}
+    motion = {**found.motion, "joints": moved}
     signals = tuple(
         signal._replace(axes=tuple(HOSTILE[f"joint{k + 1}"] for k in range(3)))
         for signal in found.signals()

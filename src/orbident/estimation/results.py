@@ -53,6 +53,10 @@ def result_of(
     elapsed_s: float,
 ) -> Result:
     """Put together what was estimated and how it was judged."""
+    if not problem.robot.tolerances.joint_clock:
+        # That of a clock that was corrected is said with the clocks.
+        own = {name: x for name, x in estimate.calibration.items() if name != CLOCK}
+        estimate = replace(estimate, calibration=own)
     identified = _identified(problem, estimate, judgement, masses)
     result = Result(
         robot=problem.robot,
@@ -70,15 +74,7 @@ def result_of(
         **vars(identified),
         condition_number=_condition(problem.fits),
         residual=_residual(estimate),
-        **part_of(estimate, BesideParameters)
-        | {
-            # That of a clock that was corrected is said with the clocks.
-            "calibration": {
-                name: each
-                for name, each in estimate.calibration.items()
-                if name != CLOCK or problem.robot.tolerances.joint_clock
-            }
-        },
+        **part_of(estimate, BesideParameters),
         sensitivity=partial(_sensitivity, estimate, identified),
         clocks=problem.clocks,
         rejected=problem.rejected,

@@ -177,6 +177,7 @@ def test_a_file_is_identified_as_its_recording(robot: Robot, tmp_path: Path):
     assert found.mass == wanted.mass
     np.testing.assert_array_equal(found.base.values, wanted.base.values)
     assert found.motion == wanted.motion
+    assert found.motion is not None
     assert found.motion["duration"] == pytest.approx(np.ptp(recording.t))
     assert found.status == "ok"
     assert found.mass.value == pytest.approx(robot.mass, rel=1e-9)

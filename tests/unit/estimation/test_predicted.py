@@ -63,5 +63,6 @@ def test_velocity_that_was_not_measured_has_no_signal(recording: Recording):
     without = replace(recording, columns=kept)
     found = identify(robot, without, "least-squares", "at-rest")
     assert [signal.name for signal in found.signals()] == ["momentum"]
+    assert found.motion is not None
     assert found.motion["duration"] == 5.0
     assert found.motion["locked"] == []

@@ -9,7 +9,7 @@ from orbident.estimation.checks import Check
 from orbident.estimation.estimate import Solved, estimate_of_beta
 from orbident.estimation.found import BetaEstimate
 from orbident.estimation.levels import LEVELS, ChiSquare, chi_square, limit
-from orbident.estimation.momentum_problem import MomentumProblem, momentum_problems
+from orbident.estimation.momentum_problem import MomentumProblem, momentum_problem
 from orbident.estimation.several import agreement
 from orbident.model.minimal_sets import minimal_sets
 
@@ -57,7 +57,7 @@ def solved(problem: MomentumProblem, beta: np.ndarray, C: np.ndarray) -> Solved:
 @pytest.fixture(scope="module")
 def problem() -> MomentumProblem:
     recording = small_recording(ROBOT)
-    return momentum_problems(ROBOT, recording, "unknown", lambda _: None)[0]
+    return momentum_problem(ROBOT, recording, "unknown", lambda _: None)
 
 
 def agreeing(problem: MomentumProblem, off: float) -> tuple[Check, float]:

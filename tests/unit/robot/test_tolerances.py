@@ -104,4 +104,4 @@ def test_the_kinds_are_those_of_the_unknowns_in_their_order():
     unknowns = calibrations_of(robot, {"gyro", "attitude", "position"})
     assert unknowns
     for each in unknowns:
-        assert names[each.place] == each.name
+        assert names[int(each.place)] == each.name

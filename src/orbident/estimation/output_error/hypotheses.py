@@ -1,6 +1,6 @@
 """One engine for whatever may act on a robot, or be off, beside its parameters.
 
-What a fit takes for zero has a score (`scores.py`); what is among its unknowns is
+What a fit takes for zero has a score (`taken_for_zero.py`); what is among its unknowns is
 tested by its size in its own deviations (Wald 1943). Both are chi-square where there is
 nothing, and `levels.py` says when chance explains them.
 
@@ -29,8 +29,8 @@ from orbident.estimation.levels import LEVELS, limit
 from orbident.estimation.output_error.disturbance_sizes import sizes_of
 from orbident.estimation.output_error.noise_scaling import Fitted, fitted
 from orbident.estimation.output_error.problem import Problem
-from orbident.estimation.output_error.scores import TakenForZero
 from orbident.estimation.output_error.solver import STEPS, solved
+from orbident.estimation.output_error.taken_for_zero import TakenForZero
 from orbident.estimation.solution import Linear, Prior, Solution, Unknowns
 
 FREE = 1e3
@@ -310,7 +310,7 @@ def averaged(
     far off though sensors show little. So where noise alone looks as much like it in
     fewer than one of a hundred recordings, deviations hold both that it acts and that
     it does not. With `c` the numbers of its score, `C_c` their covariance and `B` their
-    effect (`scores.py`), the mean square error of an estimate that takes them for zero
+    effect (`taken_for_zero.py`), the mean square error of an estimate that takes them for zero
     is, beside `C`,
 
         B (C_c + c c') B'                                   (as in Hausman 1978)

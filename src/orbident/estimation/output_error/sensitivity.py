@@ -1,6 +1,6 @@
 """What calibration errors that are taken for zero would do to an estimate.
 
-An error `c` shifts an estimate that takes it for zero by `-B c` (`scores.py`).
+An error `c` shifts an estimate that takes it for zero by `-B c` (`taken_for_zero.py`).
 
 An error of scale may seem likely only because it makes all momentum smaller, and with
 it the waves `w` of a walk, which are about zero (`walks.py`). That less of a walk is
@@ -15,7 +15,7 @@ from jaxtyping import Float
 from scipy.linalg import solve_triangular
 
 from orbident.environment.agents import WALKS
-from orbident.estimation.output_error.scores import TakenForZero
+from orbident.estimation.output_error.taken_for_zero import TakenForZero
 from orbident.estimation.unknowns import UNSEEN, Sensitivity, score
 
 SMALL_ERROR = {
