@@ -1,8 +1,8 @@
 """One engine for whatever may act on a robot, or be off, beside its parameters.
 
-What a fit takes for zero has a score (`taken_for_zero.py`); what is among its unknowns is
-tested by its size in its own deviations (Wald 1943). Both are chi-square where there is
-nothing, and `levels.py` says when chance explains them.
+What a fit takes for zero has a score (`taken_for_zero.py`); what is among its unknowns
+is tested by its size in its own deviations (Wald 1943). Both are chi-square where there
+is nothing, and `levels.py` says when chance explains them.
 
     `Search.freed`   a fit with more families among its unknowns
     `selected`       families are freed as long as chi-square says that they act
@@ -310,8 +310,8 @@ def averaged(
     far off though sensors show little. So where noise alone looks as much like it in
     fewer than one of a hundred recordings, deviations hold both that it acts and that
     it does not. With `c` the numbers of its score, `C_c` their covariance and `B` their
-    effect (`taken_for_zero.py`), the mean square error of an estimate that takes them for zero
-    is, beside `C`,
+    effect (`taken_for_zero.py`), the mean square error of an estimate that takes them
+    for zero is, beside `C`,
 
         B (C_c + c c') B'                                   (as in Hausman 1978)
 
