@@ -11,13 +11,13 @@ PACKAGE = ROOT / "src/orbident"
 
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
-    "files": 392,
-    "lines": 55_945,
+    "files": 384,
+    "lines": 55_476,
     "files of estimation": 67,
-    "lines of estimation": 10_580,
-    "files with one user": 107,
-    "imports below each other": 36,
-    "numbers without a reason": 76,
+    "lines of estimation": 10_579,
+    "files with one user": 98,
+    "imports below each other": 35,
+    "numbers without a reason": 75,
 }
 
 
