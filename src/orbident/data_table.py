@@ -73,7 +73,10 @@ class DataTable(NamedTuple):
     def without_empty_columns(self) -> "DataTable":
         """Only the columns in which something is known."""
         columns = [[row.cells[k] for row in self.rows] for k in range(len(self.head))]
-        used = [any(isinstance(c, str) or c.is_known for c in each) for each in columns]
+        used = [
+            any(c if isinstance(c, str) else c.is_known for c in each)
+            for each in columns
+        ]
         rows = (row._replace(cells=_where(used, row.cells)) for row in self.rows)
         return self._replace(head=_where(used, self.head), rows=tuple(rows))
 

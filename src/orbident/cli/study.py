@@ -137,7 +137,8 @@ def _lines(done: Any) -> list[Any]:
 
     account = account_of(done)
     tables = (part for table in account.tables for part in ("", table))
-    return [*account.words, *tables, "", f"{done.elapsed_s:.1f} s"]
+    below = [account.below] if account.below else []
+    return [*account.words, *tables, "", *below, f"{done.elapsed_s:.1f} s"]
 
 
 def _files(name: Study, cut_offs: Iterable[str] = ()) -> tuple[str, ...]:

@@ -178,4 +178,8 @@ def own_sections(done: Study, folder: Path) -> Sequence[Section]:
         more = [Section("figures", "Figs. 6 to 13", (words,), pictures=drawn)]
     filtered = None if isinstance(done, ControlStudy) else cut_offs(done.cut_offs)
     more += [] if filtered is None else [filtered]
-    return [Section(*account, pictures=pictures), *more]
+    words = account.words
+    if account.below:
+        words += (f"{account.below[0].upper()}{account.below[1:]}.",)
+    first = Section(account.name, account.title, words, account.tables, (), pictures)
+    return [first, *more]

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from orbident.data_table import DataTable, Numeric, table_of
+from orbident.data_table import Cell, DataTable, Numeric, table_of
 from orbident.studies.control import ControlStudy
 from orbident.studies.paper_tables import PLANAR_IDENTIFIED, PaperRow
 from orbident.studies.run_planar import PlanarStudy, PredictionScores
@@ -34,6 +34,8 @@ class StudyAccount(NamedTuple):
     title: str
     words: tuple[str, ...]
     tables: tuple[DataTable, ...]
+    below: str = ""
+    """What the terminal says below the tables."""
 
 
 def account_of(done: Study) -> StudyAccount:
@@ -64,9 +66,9 @@ def _spatial(done: SpatialStudy) -> StudyAccount:
     if done.by_sensor:
         tables.append(_by_sensor(done))
     condition = done.condition_number
-    conditions = f"Y {condition['Y']:.1f}, W {condition['W']:.2f}."
-    words = words, f"Condition numbers in the paper's basis: {conditions}"
-    return StudyAccount("table4", "Table 4", words, tuple(tables))
+    conditions = f"Y {condition['Y']:.1f}, W {condition['W']:.2f}"
+    below = f"condition numbers in the paper's basis: {conditions}"
+    return StudyAccount("table4", "Table 4", (words,), tuple(tables), below)
 
 
 def _planar(done: PlanarStudy) -> StudyAccount:
@@ -102,11 +104,12 @@ def _planar(done: PlanarStudy) -> StudyAccount:
             ),
             f"The burn's mass is from {burn.weighing.samples} samples of "
             f"{burn.weighing.signal}; the paper's is 13.56 kg, weighed 13.55 kg.",
-            f"Condition numbers in the paper's basis: Y {condition['Y']:.1f} (the "
-            f"paper's, of Cepheus: {condition['Y_paper']:.0f}), "
-            f"W {condition['W']:.2f}.",
         ),
         tables=tuple(tables),
+        below=(
+            f"condition numbers in the paper's basis: Y {condition['Y']:.1f} (the "
+            f"paper's, of Cepheus: {condition['Y_paper']:.0f}), W {condition['W']:.2f}"
+        ),
     )
 
 
@@ -196,14 +199,14 @@ def _beside_paper(
         form: of these numbers, as it prints them.
     """
     head = (
-        *("parameter", f"paper: {paper}", "its error (%)", "true", "estimate"),
+        *("parameter", f"paper: {paper}", "paper: error (%)", "true", "estimate"),
         *("error (%)", "RMS (%)", "worst (%)", "Cramér-Rao (%)"),
     )
     cells = (
         (
             row.name,
-            Numeric(row.paper_true, form),
-            Numeric(row.paper_error_percent, ".2g"),
+            *_printed(row.paper_true, form),
+            *_printed(row.paper_error_percent, ".2g"),
             Numeric(row.true, ".6g", row.estimate - row.true),
             Numeric(row.estimate, ".6g", row.estimate - row.true),
             Numeric(row.error_percent, ".2g"),
@@ -214,6 +217,11 @@ def _beside_paper(
         for row in rows
     )
     return table_of(title, head, cells).without_empty_columns()
+
+
+def _printed(number: float | None, form: str) -> tuple[Cell]:
+    """A number of the paper; nothing where it prints none."""
+    return ("",) if number is None else (Numeric(number, form),)
 
 
 def _by_sensor(done: SpatialStudy) -> DataTable:
