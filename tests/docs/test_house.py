@@ -11,13 +11,13 @@ PACKAGE = ROOT / "src/orbident"
 
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
-    "files": 392,
-    "lines": 55_944,
+    "files": 384,
+    "lines": 54_826,
     "files of estimation": 65,
-    "lines of estimation": 10_058,
-    "files with one user": 106,
-    "imports below each other": 34,
-    "numbers without a reason": 76,
+    "lines of estimation": 9_907,
+    "files with one user": 97,
+    "imports below each other": 32,
+    "numbers without a reason": 73,
 }
 
 
