@@ -74,8 +74,6 @@ def same_sign(x: Float[np.ndarray, "n 4"]) -> Float[np.ndarray, "n 4"]:
     return turned
 
 
-SMOOTHED = Origin.SMOOTHED_ATTITUDE
-
 AXES = ("gyro.x", "gyro.y", "gyro.z")
 QUATERNION = ("attitude.x", "attitude.y", "attitude.z", "attitude.w")
 
@@ -124,7 +122,7 @@ def base_motion(
     if attitude and not gyro:
         fixes = recording.vector("attitude", "xyzw")
         x, w = attitude_rates(recording.t, fixes, recording.source, settings)
-        return BaseMotion(tuple(w.T), tuple(x.T), _both(SMOOTHED))
+        return BaseMotion(tuple(w.T), tuple(x.T), _both(Origin.SMOOTHED_ATTITUDE))
     w, fixes = (
         tuple(recording.column(name) for name in names) for names in (AXES, QUATERNION)
     )
