@@ -149,9 +149,10 @@ std::vector<NodeStages> reverse_attitude(const Floating& floating, const Laws& l
 }
 
 auto float_gradient(const OwnedFloating& owned, const Laws& laws,
-                    const OwnedMinimalSets& owned_sets, const Array& q_, const Array& qd_, double dt, const Array& w_,
-                    const Array& x_WB_, const Array& f_Y_, const Array& f_W_, const Array& f_D_,
-                    const Array& f_r_, const Array& f_w_, const Array& f_turn_, int threads) {
+                    const OwnedMinimalSets& owned_sets, const Array& q_, const Array& qd_,
+                    double dt, const Array& w_, const Array& x_WB_, const Array& f_Y_,
+                    const Array& f_W_, const Array& f_D_, const Array& f_r_, const Array& f_w_,
+                    const Array& f_turn_, int threads) {
   const Floating floating = owned.view();
   const Robot& robot = floating.robot;
   const MinimalSets sets = owned_sets.view();
@@ -203,8 +204,8 @@ auto float_gradient(const OwnedFloating& owned, const Laws& laws,
                                         memory.unused.data());
       }
     });
-    const std::vector<NodeStages> stages = reverse_attitude(
-        floating, laws, x_WB.data(), w.data(), dt, n, to_w.data(), f_turn.data());
+    const std::vector<NodeStages> stages =
+        reverse_attitude(floating, laws, x_WB.data(), w.data(), dt, n, to_w.data(), f_turn.data());
     parallel_for(nodes, threads, [&](std::ptrdiff_t first, std::ptrdiff_t last) {
       NodeMemory memory(robot.tree, phis);
       for (std::ptrdiff_t k = first; k < last; ++k) {
@@ -224,18 +225,19 @@ auto float_gradient(const OwnedFloating& owned, const Laws& laws,
 
 void bind_excitation(nb::module_& m) {
   nb::class_<OwnedFloating>(m, "Floating", "A robot that floats, and its constant momentum.")
-      .def("__init__", [](OwnedFloating* self, const OwnedRobot& robot, bool planar,
-                          const Array& D_free, const Array& h_rw, const Array& h_cm,
-                          const Array& x_WB) {
-        new (self) OwnedFloating(make_floating(robot, planar, D_free, h_rw, h_cm, x_WB));
-      }, nb::arg("robot"), nb::arg("planar"), nb::arg("D_free"), nb::arg("h_rw"),
-           nb::arg("h_cm"), nb::arg("x_WB"));
+      .def("__init__",
+           [](OwnedFloating* self, const OwnedRobot& robot, bool planar, const Array& D_free,
+              const Array& h_rw, const Array& h_cm, const Array& x_WB) {
+    new (self) OwnedFloating(make_floating(robot, planar, D_free, h_rw, h_cm, x_WB));
+  },
+           nb::arg("robot"), nb::arg("planar"), nb::arg("D_free"), nb::arg("h_rw"), nb::arg("h_cm"),
+           nb::arg("x_WB"));
   nb::class_<Laws>(m, "RateLaws", "How the base rate follows from the attitude, node by node.");
   m.def("float_along", &float_along, nb::arg("floating"), nb::arg("q"), nb::arg("qd"),
         nb::arg("dt"), nb::arg("threads") = 1,
         "Base rate and attitude at every second of the nodes, by RK4; the laws at all of them.");
-  m.def("float_gradient", &float_gradient, nb::arg("floating"), nb::arg("laws"), nb::arg("sets"), nb::arg("q"),
-        nb::arg("qd"), nb::arg("dt"), nb::arg("w"), nb::arg("x_WB"), nb::arg("f_Y"),
+  m.def("float_gradient", &float_gradient, nb::arg("floating"), nb::arg("laws"), nb::arg("sets"),
+        nb::arg("q"), nb::arg("qd"), nb::arg("dt"), nb::arg("w"), nb::arg("x_WB"), nb::arg("f_Y"),
         nb::arg("f_W"), nb::arg("f_D"), nb::arg("f_r"), nb::arg("f_w"), nb::arg("f_turn"),
         nb::arg("threads") = 1,
         "df/dq and df/dqd at all nodes, from the gradients of f by Y, W, D, r_cm, w and a small "

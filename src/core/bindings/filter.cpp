@@ -43,8 +43,16 @@ OwnedFilter make_filter(const OwnedRobot& robot, const OwnedMinimalSets& sets,
     for (int c = 0; c < iotas; ++c)
       if (pi_of_beta.data()[r * betas + 1 + sigmas + c] != (r == c ? 1.0 : 0.0))
         throw nb::value_error("pi_of_beta: every iota must have one of the first pi for itself");
-  OwnedFilter filter{robot, sets, sparse(theta_of), sparse(pi_of_beta), sparse(pi_of_products),
-                     whole_numbers("pairs", pairs, sigmas), {}, make_noise(noise), pis, sigmas,
+  OwnedFilter filter{robot,
+                     sets,
+                     sparse(theta_of),
+                     sparse(pi_of_beta),
+                     sparse(pi_of_products),
+                     whole_numbers("pairs", pairs, sigmas),
+                     {},
+                     make_noise(noise),
+                     pis,
+                     sigmas,
                      iotas};
   // The columns of M and sigma alone.
   filter.pi_of_shown.first.resize(static_cast<std::size_t>(sigmas) + 2);

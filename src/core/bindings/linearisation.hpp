@@ -8,7 +8,7 @@
 namespace orbident::python {
 
 inline void use(const Bodies<double>& bodies, std::vector<Momentum<double>>& carried,
-         std::vector<MomentumTerms<double>>& by, TermsMemory<double>& memory) {
+                std::vector<MomentumTerms<double>>& by, TermsMemory<double>& memory) {
   memory.at = bodies;
   memory.carried_momentum = carried.data();
   memory.by_q = by.data();
@@ -79,9 +79,8 @@ struct Call {
   std::vector<int> gains;
 
   Call(const OwnedRecorded& owned, const std::vector<Array>& given, const Array& coloured_,
-       const Array& acting_,
-       const Array& x_WB_, const Array& local_, const Array& common_, const Array& selected_,
-       bool with_residuals)
+       const Array& acting_, const Array& x_WB_, const Array& local_, const Array& common_,
+       const Array& selected_, bool with_residuals)
       : selected(whole_numbers("selected", input<1>("selected", selected_, {ANY}),
                                std::numeric_limits<int>::max())),
         tree(owned.tree),
@@ -156,7 +155,10 @@ struct Call {
       throw nb::value_error("coloured: has another number of parts than `first`");
   }
   LinearisedAt<double> at() const {
-    return {x_WB.data(), local.data(), common.data(), theta.data(),
+    return {x_WB.data(),
+            local.data(),
+            common.data(),
+            theta.data(),
             {recorded.places(), selected.data(), calibration.data()}};
   }
 };

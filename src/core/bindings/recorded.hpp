@@ -19,9 +19,11 @@ struct Columns {
   std::vector<In<1>> each;
   std::vector<const double*> data;
 
-  Columns(const char* name, const std::vector<Array>& given, std::int64_t columns, std::int64_t rows) {
+  Columns(const char* name, const std::vector<Array>& given, std::int64_t columns,
+          std::int64_t rows) {
     if (static_cast<std::int64_t>(given.size()) != columns)
-      throw nb::value_error((std::string(name) + ": give an array for each joint or wheel").c_str());
+      throw nb::value_error(
+          (std::string(name) + ": give an array for each joint or wheel").c_str());
     for (const Array& column : given) {
       each.push_back(input<1>(name, column, {rows}));
       data.push_back(each.back().data());
@@ -60,9 +62,14 @@ struct OwnedRecorded {
     all.t = t.data();
     all.edge = edge.data();
     all.intervals = static_cast<int>(edge.size()) - 1;
-    all.history = {static_cast<int>(knots.size(0)), knots.data(),      q.data.data(),
-                   q_slope.data.data(),             qd.data.data(),    qdd.data.data(),
-                   qd_rw.data.data(),               qdd_rw.data.data()};
+    all.history = {static_cast<int>(knots.size(0)),
+                   knots.data(),
+                   q.data.data(),
+                   q_slope.data.data(),
+                   qd.data.data(),
+                   qdd.data.data(),
+                   qd_rw.data.data(),
+                   qdd_rw.data.data()};
     all.wheels = static_cast<int>(A_rw.size(0));
     all.A_rw = A_rw.data();
     all.lasting = lasting;
@@ -79,14 +86,13 @@ inline Sensed<double>* sensors_of(Recorded<double>& all, std::size_t sensor) {
   return each[sensor];
 }
 
-inline OwnedRecorded make_recorded(const OwnedTree& tree, const Array& nominal, const Array& theta_of, bool planar, int substeps,
-                            const Array& corrected, const Array& t_, const Array& edge_,
-                            const Array& knots_, const std::vector<Array>& q,
-                            const std::vector<Array>& q_slope, const std::vector<Array>& qd,
-                            const std::vector<Array>& qdd, const Array& A_rw_,
-                            const std::vector<Array>& qd_rw, const std::vector<Array>& qdd_rw,
-                            const std::vector<Array>& samples, const Array& first,
-                            const Array& prior, const Array& walk) {
+inline OwnedRecorded make_recorded(
+    const OwnedTree& tree, const Array& nominal, const Array& theta_of, bool planar, int substeps,
+    const Array& corrected, const Array& t_, const Array& edge_, const Array& knots_,
+    const std::vector<Array>& q, const std::vector<Array>& q_slope, const std::vector<Array>& qd,
+    const std::vector<Array>& qdd, const Array& A_rw_, const std::vector<Array>& qd_rw,
+    const std::vector<Array>& qdd_rw, const std::vector<Array>& samples, const Array& first,
+    const Array& prior, const Array& walk) {
   const std::int64_t K = tree.view().joints;
   const auto A_rw = input<2>("A_rw", A_rw_, {ANY, 3});
   const std::int64_t W = A_rw.size(0);
@@ -95,7 +101,8 @@ inline OwnedRecorded make_recorded(const OwnedTree& tree, const Array& nominal, 
   const std::int64_t rows = t.size(0), at = knots.size(0);
   if (at < 2) throw nb::value_error("knots: give two at least");
   if (rows < 2) throw nb::value_error("t: give two rows at least");
-  const auto edge = whole_numbers("edge", input<1>("edge", edge_, {ANY}), static_cast<double>(rows) + 1.0);
+  const auto edge =
+      whole_numbers("edge", input<1>("edge", edge_, {ANY}), static_cast<double>(rows) + 1.0);
   if (edge.size() < 2 || edge.front() != 0 || edge.back() != rows)
     throw nb::value_error("edge: the first must be 0 and the last the number of rows");
   for (std::size_t k = 1; k < edge.size(); ++k)

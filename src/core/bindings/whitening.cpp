@@ -10,7 +10,8 @@
 namespace orbident::python {
 namespace {
 
-auto innovations(const Array& t_, const Array& rows_, const Array& variance_, const Array& coloured) {
+auto innovations(const Array& t_, const Array& rows_, const Array& variance_,
+                 const Array& coloured) {
   const auto t = input<1>("t", t_, {ANY});
   const std::ptrdiff_t n = t.size(0);
   const auto rows = input<2>("rows", rows_, {n, ANY});

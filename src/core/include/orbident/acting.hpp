@@ -1,7 +1,7 @@
 // What acts on the robot as it moves, such as drag or a thruster: nothing here knows what it is.
 //
-// At each node a table of what it adds to the motion of the system CM, inertial axes, and to what an
-// accelerometer feels of it,
+// At each node a table of what it adds to the motion of the system CM, inertial axes, and to what
+// an accelerometer feels of it,
 //
 //   rows      h_cm 3 | its rate 3 | r_cm 3 | v_cm 3 | felt acceleration 3
 //   columns   value | by each gain among the unknowns | by beta, or none where it does not matter

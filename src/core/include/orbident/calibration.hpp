@@ -1,17 +1,18 @@
 // Calibration errors of the instruments, common to a whole recording; zero where they are perfect:
 //
-//   joints          q = (1 + s_k) q_shown + z_k,   rates and accelerations (1 + s_k) times those shown
+//   joints          q = (1 + s_k) q_shown + z_k,   rates and accelerations (1 + s_k) times theirs
 //   geometry        joint k is at p_PJ + d_k, parent's axes, its axes turned there by R(r_k)
 //   wheels          h_rw = sum_i (1 + g_i) a_i I_i qd_i
 //   feature point   the tracked point is S + d, base axes
 //   attitude        shown R_WB R(m)
 //   gyro            shown (1 + diag(s)) R(m)^T w + bias
 //   position        shown (1 + p) times the position
-//   clocks          what joints and wheels, the attitude sensor or the tracker show is l old: to first
-//                   order in l, q = q_shown + l qd_shown, and what is shown is x - l x'
+//   clocks          what joints and wheels, the attitude sensor or the tracker show is l old: to
+//                   first order in l, q = q_shown + l qd_shown, and what is shown is x - l x'
 //
-// m turns the base's axes into the instrument's: a vector along the axis, of length 2 sin(angle / 2),
-// as r is.
+// m turns the base's axes into the instrument's: a vector along the axis, of length
+// 2 sin(angle / 2), as r is.
+//
 // A motion has columns of the calibrations that are selected, by their places among all:
 //
 //   [z, each joint | s, each joint | g, each wheel | d 3 | attitude m 3 | gyro m 3 | gyro s 3 | p |
@@ -100,7 +101,8 @@ void transform(const Matrix3<T>& by, int count, T* slopes) {
   for (int k = 0; k < count; ++k) table.col(k) = (by * table.col(k)).eval();
 }
 
-// Adds the columns of the selected ones among the places from `first` on, given those of all of them.
+// Adds the columns of the selected ones among the places from `first` on, given those of all of
+// them.
 template <class T, class By>
 void add_selected(const IntervalColumns& columns, const Calibration<T>& calibration, int first,
                   const By& by, T* slopes) {
@@ -118,9 +120,9 @@ void add_joint(const TermsMemory<T>& memory, int k, const T& x, const T& v, T* c
                std::ptrdiff_t stride) {
   const MomentumTerms<T>&by_q = memory.by_q[k], &by_qd = memory.by_qd[k];
   T change[BY_ROWS];
-  write_change<T>({x * by_q.D, x * by_q.h_q + v * by_qd.h_q, x * by_q.r_cm,
-                   x * by_q.v_q + v * by_qd.v_q},
-                  change, 1);
+  write_change<T>(
+      {x * by_q.D, x * by_q.h_q + v * by_qd.h_q, x * by_q.r_cm, x * by_q.v_q + v * by_qd.v_q},
+      change, 1);
   for (int r = 0; r < BY_ROWS; ++r) column[r * stride] += change[r];
 }
 
@@ -134,8 +136,9 @@ struct Shown {
 // Changes of the terms at a node with zeros, scales, clock and geometry of joints, and with the
 // wheels' inertia; A_rw: a_i I_i, three numbers each.
 template <class T>
-void write_calibrations(const Tree& tree, const IntervalColumns& columns, const Calibration<T>& calibration,
-                        const Shown<T>& shown, const T* A_rw, const TermsMemory<T>& memory, T* by) {
+void write_calibrations(const Tree& tree, const IntervalColumns& columns,
+                        const Calibration<T>& calibration, const Shown<T>& shown, const T* A_rw,
+                        const TermsMemory<T>& memory, T* by) {
   const CalibrationPlaces& places = calibration.places;
   const int n = columns.count();
   const auto add_wheel = [&](int i, const T& rate, T* column) {
@@ -148,10 +151,12 @@ void write_calibrations(const Tree& tree, const IntervalColumns& columns, const 
     if (place >= places.count()) continue;
     if (place >= places.place()) {
       const int k = (place - places.place()) / 3 % places.joints;
-      write_change(displaced(tree, memory, k, displacement(tree, calibration, memory.at.pose, place)),
-                   column, n);
+      write_change(
+          displaced(tree, memory, k, displacement(tree, calibration, memory.at.pose, place)),
+          column, n);
     } else if (place == places.joint_clock()) {
-      for (int k = 0; k < places.joints; ++k) add_joint(memory, k, shown.qd[k], shown.qdd[k], column, n);
+      for (int k = 0; k < places.joints; ++k)
+        add_joint(memory, k, shown.qd[k], shown.qdd[k], column, n);
       for (int i = 0; i < places.wheels; ++i) add_wheel(i, shown.qdd_rw[i], column);
     } else if (place < places.wheel()) {
       const bool zero = place < places.scale();
@@ -164,8 +169,8 @@ void write_calibrations(const Tree& tree, const IntervalColumns& columns, const 
   }
 }
 
-// The predictions of the base's sensors as badly calibrated instruments show them, and their slopes,
-// in place from those of perfect instruments.
+// The predictions of the base's sensors as badly calibrated instruments show them, and their
+// slopes, in place from those of perfect instruments.
 
 template <class T>
 void calibrate_gyro(const IntervalColumns& columns, const Calibration<T>& calibration,
@@ -178,7 +183,8 @@ void calibrate_gyro(const IntervalColumns& columns, const Calibration<T>& calibr
   transform<T>(gain.asDiagonal() * m.R.transpose(), columns.count(), slopes);
   add_selected<T>(columns, calibration, places.gyro(),
                   Matrix3<T>(gain.asDiagonal() * cross_matrix(sensed) * m.by_m), slopes);
-  add_selected<T>(columns, calibration, places.gyro_scale(), Matrix3<T>(sensed.asDiagonal()), slopes);
+  add_selected<T>(columns, calibration, places.gyro_scale(), Matrix3<T>(sensed.asDiagonal()),
+                  slopes);
 }
 
 template <class T>
@@ -193,7 +199,8 @@ void calibrate_attitude(const IntervalColumns& columns, const Calibration<T>& ca
   const Matrix3<T> by_w = m.R.transpose() * old.by_m;
   const int n = columns.count();
   transform<T>((old.R * m.R).transpose(), n, slopes);
-  if (l != T(0)) TableRows<T, 3>(slopes, 3, n) -= (l * by_w).lazyProduct(TableRows<T, 3>(base.dw, 3, n));
+  if (l != T(0))
+    TableRows<T, 3>(slopes, 3, n) -= (l * by_w).lazyProduct(TableRows<T, 3>(base.dw, 3, n));
   add_selected(columns, calibration, place, m.by_m, slopes);
   add_selected<T>(columns, calibration, clock, Vector3<T>(-(by_w * base.w)), slopes);
 }
@@ -221,7 +228,8 @@ void calibrate_position(const IntervalColumns& columns, const Calibration<T>& ca
     table -= l * ConstTableRows<T, 3>(by_v, 3, n);
   }
   table = gain * (table - Matrix3<T>(base.R_WB * cross_matrix(d)).lazyProduct(phi));
-  add_selected<T>(columns, calibration, places.feature_point(), Matrix3<T>(gain * base.R_WB), slopes);
+  add_selected<T>(columns, calibration, places.feature_point(), Matrix3<T>(gain * base.R_WB),
+                  slopes);
   add_selected(columns, calibration, places.position(), tracked, slopes);
   add_selected<T>(columns, calibration, clock, Vector3<T>(-gain * v), slopes);
 }

@@ -1,13 +1,13 @@
-// Least squares over a chain of shooting intervals, in square-root information form (Bierman, 1977).
+// Least squares over a chain of shooting intervals, as square-root information (Bierman, 1977).
 //
-// Each interval's equations hold the unknowns of its two boundaries and those that all have in common,
-// g. Folding them into what is known so far, with the boundary that was reached on the left,
+// Each interval's equations hold the unknowns of its two boundaries and g, those that all have in
+// common. Folding them into what is known so far, with the boundary that was reached on the left,
 //
 //   [z near | z far | g | right-hand side]
 //
-// leaves rows that give z near once the others are known, the links, and below them all that is known
-// of z far and g. The chain is eliminated from both ends at once; both meet at a boundary in its
-// middle. So two threads have half of it each, and the sums are the same on one thread.
+// leaves rows that give z near once the others are known, the links, and below them all that is
+// known of z far and g. The chain is eliminated from both ends at once; both meet at a boundary in
+// its middle. So two threads have half of it each, and the sums are the same on one thread.
 //
 // Continuity and priors weigh up to 1e13 times as much as sensors: they come into the factor first.
 #pragma once
@@ -31,8 +31,8 @@ struct SweepMemory {
 // Eliminates the boundaries from one end up to the meeting one, and returns the cost. `links`:
 // intervals x local x width; null where nobody asks.
 template <class T>
-T sweep(const Recorded<T>& recorded, const LinearisedAt<T>& at, bool forward, SweepMemory<T>& memory,
-        T* links) {
+T sweep(const Recorded<T>& recorded, const LinearisedAt<T>& at, bool forward,
+        SweepMemory<T>& memory, T* links) {
   const int L = recorded.local(), width = recorded.width(), n = recorded.stride();
   const int meeting = meeting_boundary(recorded.intervals);
   const int begin = forward ? 0 : recorded.intervals - 1, stop = forward ? meeting : meeting - 1,
@@ -49,12 +49,12 @@ T sweep(const Recorded<T>& recorded, const LinearisedAt<T>& at, bool forward, Sw
   for (int interval = begin; interval != stop; interval += on) {
     const int start = forward ? 0 : L, end = L - start;
     EquationTable<T> sensed{memory.rows, n, width, start, end, L, recorded.corrections(), 0, T(0)};
-    EquationTable<T> continuity{memory.continuity, n, width, start, end, L, recorded.corrections(), 0, T(0)};
+    EquationTable<T> continuity{memory.continuity,      n, width, start, end, L,
+                                recorded.corrections(), 0, T(0)};
     linearise(recorded, at, interval, memory.interval, sensed, continuity);
     std::fill_n(memory.R, std::ptrdiff_t(2 * L) * n, T(0));
     fold(memory.R, n, continuity.table, n, BIASES, n, BIASES);
-    cost += sensed.cost + continuity.cost +
-            add_encoders(recorded, at, interval, forward, memory.R);
+    cost += sensed.cost + continuity.cost + add_encoders(recorded, at, interval, forward, memory.R);
     fold(memory.R, n, memory.known, n, L, n, width);
     fold(memory.R, n, sensed.table, n, sensed.rows, n, width);
     for (int k = 0; k < L; ++k) {
@@ -77,7 +77,8 @@ T sweep(const Recorded<T>& recorded, const LinearisedAt<T>& at, bool forward, Sw
 
 // The factor over [z | g | rhs] of the meeting boundary, from both ends' R; `backward` is used up.
 template <class T>
-void join(const Recorded<T>& recorded, SweepMemory<T>& forward, SweepMemory<T>& backward, T* factor) {
+void join(const Recorded<T>& recorded, SweepMemory<T>& forward, SweepMemory<T>& backward,
+          T* factor) {
   const int L = recorded.local(), width = recorded.width(), n = recorded.stride();
   fold(forward.R, n, backward.R, n, width, n, width);
   const int left = width - L;

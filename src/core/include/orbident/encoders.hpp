@@ -1,5 +1,5 @@
-// What the encoders and the prior say of the corrections of each joint: rows over the four functions
-// of a cubic, joint by joint, so that a small triangle holds all rows of an interval.
+// What the encoders and the prior say of the corrections of each joint: rows over the four
+// functions of a cubic, joint by joint, so that a small triangle holds all rows of an interval.
 #pragma once
 
 #include "orbident/interval.hpp"
@@ -11,17 +11,19 @@ constexpr int FUNCTIONS = 4;
 constexpr int JOINT_WIDTH = padded(FUNCTIONS + 1);
 
 // Writes each joint's triangle into R, over [z near | z far | g | right-hand side], whose rows and
-// columns of the corrections are empty; what no correction explains adds to R's last entry. Returns the
-// sum of squared residuals.
+// columns of the corrections are empty; what no correction explains adds to R's last entry. Returns
+// the sum of squared residuals.
 template <class T>
-T add_encoders(const Recorded<T>& recorded, const LinearisedAt<T>& at, int interval, bool start_near,
-               T* R) {
+T add_encoders(const Recorded<T>& recorded, const LinearisedAt<T>& at, int interval,
+               bool start_near, T* R) {
   const int K = recorded.tree.joints, C = recorded.columns.corrected, L = recorded.local();
   const int first = recorded.edge[interval], last = recorded.edge[interval + 1];
   const int end = std::min(last, recorded.rows - 1);
   const T duration = recorded.t[end] - recorded.t[first];
   const int stride = recorded.stride(), right_hand_side = recorded.width() - 1;
-  const auto corrections = [&](int boundary) { return at.local + boundary * L + recorded.corrections(); };
+  const auto corrections = [&](int boundary) {
+    return at.local + boundary * L + recorded.corrections();
+  };
   T cost = T(0), left = T(0), rows[BLOCK * JOINT_WIDTH];
   for (int k = 0, c = 0; k < K; ++k) {
     const bool corrected = c < C && recorded.corrected[c] == k;
@@ -46,7 +48,8 @@ T add_encoders(const Recorded<T>& recorded, const LinearisedAt<T>& at, int inter
       knot = history.knot(recorded.t[r], knot);
       const Cubics<T> functions = cubics<T>(recorded.t[r] - recorded.t[first], duration);
       T error = recorded.joints.values[r * K + k] -
-                history.between(history.functions(recorded.t[r], knot).value, history.q[k], history.q_slope[k], knot);
+                history.between(history.functions(recorded.t[r], knot).value, history.q[k],
+                                history.q_slope[k], knot);
       for (int f = 0; corrected && f < FUNCTIONS; ++f)
         error -= functions.value[f] * corrections(interval + f / 2)[f % 2 * C + c];
       recorded.joints.keep(r * K + k, weight * error);
@@ -65,7 +68,8 @@ T add_encoders(const Recorded<T>& recorded, const LinearisedAt<T>& at, int inter
       row[start_near ? 2 + f : f] = weight;
     }
     folded();
-    left += triangle[FUNCTIONS * JOINT_WIDTH + FUNCTIONS] * triangle[FUNCTIONS * JOINT_WIDTH + FUNCTIONS];
+    left += triangle[FUNCTIONS * JOINT_WIDTH + FUNCTIONS] *
+            triangle[FUNCTIONS * JOINT_WIDTH + FUNCTIONS];
     const auto place = [&](int f) { return f / 2 * L + recorded.corrections() + f % 2 * C + c; };
     for (int f = 0; f < FUNCTIONS; ++f) {
       T* row = R + std::ptrdiff_t(place(f)) * stride;

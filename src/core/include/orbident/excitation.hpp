@@ -22,10 +22,10 @@ namespace orbident {
 struct Floating {
   Robot robot;
   bool planar;
-  Matrix3<double> D_free;      // what free wheels add to D, base axes
-  Vector3<double> h_rw;        // momentum of the wheels where w = 0, base axes
-  Vector3<double> h_cm;        // inertial axes
-  Quaternion<double> x_WB;     // at the start
+  Matrix3<double> D_free;   // what free wheels add to D, base axes
+  Vector3<double> h_rw;     // momentum of the wheels where w = 0, base axes
+  Vector3<double> h_cm;     // inertial axes
+  Quaternion<double> x_WB;  // at the start
 };
 
 // The law of the base rate at one node: w = E (R_0^T h_cm - h).

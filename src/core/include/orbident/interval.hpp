@@ -5,10 +5,14 @@
 //   lasting noise at the end = that at the next interval's start            (lasting_noise.hpp)
 //   corrections of the joints at the end = 0                                (prior)
 //
-// Unknowns z of a boundary: [turn 3 | gyro bias 3 | accelerometer bias 3 | lasting noise of attitude
-// and position, axis by axis | corrections: values, rates];
-// g, common to all: [outside | beta | calibration]. A table has the columns
-// [z near | z far | g | right-hand side]: near is the boundary that is eliminated, the start or the end.
+// Unknowns, z of a boundary and g common to all, and the columns of a table:
+//
+//   z       turn 3 | gyro bias 3 | accelerometer bias 3 | lasting noise of attitude and position,
+//           axis by axis | corrections: values, rates
+//   g       outside | beta | calibration
+//   table   z near | z far | g | right-hand side
+//
+// near is the boundary that is eliminated, the start or the end.
 #pragma once
 
 #include "orbident/lasting_noise.hpp"
@@ -71,7 +75,7 @@ void place_joints(const Recorded<T>& recorded, const LinearisedAt<T>& at, int in
   const T dt = turned_on ? recorded.t[row + 1] - recorded.t[row] : T(1);
   for (int k = 1; turned_on && k < 3; ++k)
     recorded.history.state(time(node + k), memory.knot, K, W, memory.shown[k]);
-  const auto rate_of = [&](T* JointState<T>::*x, int k) {
+  const auto rate_of = [&](T* JointState<T>::* x, int k) {
     const auto at = [&](int n) { return (memory.shown[n].*x)[k]; };
     return turned_on ? (4 * at(1) - 3 * at(0) - at(2)) / dt : T(0);
   };
@@ -83,7 +87,8 @@ void place_joints(const Recorded<T>& recorded, const LinearisedAt<T>& at, int in
   for (int c = 0; c < C; ++c) {
     const int k = recorded.corrected[c];
     for (int f = 0; f < 4; ++f) {
-      const T correction = at.local[(interval + f / 2) * L + recorded.corrections() + f % 2 * C + c];
+      const T correction =
+          at.local[(interval + f / 2) * L + recorded.corrections() + f % 2 * C + c];
       memory.q[k] += functions.value[f] * correction;
       memory.qd[k] += functions.rate[f] * correction;
       memory.qdd[k] += functions.acceleration[f] * correction;
@@ -98,12 +103,13 @@ void place_joints(const Recorded<T>& recorded, const LinearisedAt<T>& at, int in
   for (int i = 0; i < W; ++i) {
     const Eigen::Map<const Vector3<T>> a_I(recorded.A_rw + 3 * i);
     joints.h_rw += ((1 + gain[i]) * qd_rw[i] + late * qdd_rw[i]) * a_I;
-    joints.h_rw_rate += ((1 + gain[i]) * qdd_rw[i] + late * rate_of(&JointState<T>::qdd_rw, i)) * a_I;
+    joints.h_rw_rate +=
+        ((1 + gain[i]) * qdd_rw[i] + late * rate_of(&JointState<T>::qdd_rw, i)) * a_I;
   }
-  expand(recorded.tree, recorded.theta_of, at.theta, recorded.corrected, recorded.columns, functions,
-         memory.q, memory.qd, memory.qdd, memory.terms, joints);
-  write_calibrations<T>(recorded.tree, recorded.columns, at.calibration, {q, qd, qdd, qd_rw, qdd_rw}, recorded.A_rw,
-                        memory.terms, joints.by);
+  expand(recorded.tree, recorded.theta_of, at.theta, recorded.corrected, recorded.columns,
+         functions, memory.q, memory.qd, memory.qdd, memory.terms, joints);
+  write_calibrations<T>(recorded.tree, recorded.columns, at.calibration,
+                        {q, qd, qdd, qd_rw, qdd_rw}, recorded.A_rw, memory.terms, joints.by);
 }
 
 // The law of the base rate at the fraction s of a row's step, by the parabola through its nodes: a
@@ -208,13 +214,14 @@ void add_continuity(const Recorded<T>& recorded, const LinearisedAt<T>& at, int 
   const T root = std::sqrt(std::max(duration, T(MOMENT)));
   const int L = recorded.local();
   const T *here = at.local + interval * L, *there = here + L;
-  const Vector3<T> off = small_rotation<T>(
-      Eigen::Map<const Quaternion<T>>(at.x_WB + 4 * (interval + 1)), end.x_WB);
+  const Vector3<T> off =
+      small_rotation<T>(Eigen::Map<const Quaternion<T>>(at.x_WB + 4 * (interval + 1)), end.x_WB);
   for (int k = 0; k < BIASES; ++k) {
     const T weight = 1 / (recorded.walk[k] * root);
     T* row;
     if (k < 3) {
-      row = equations.add(recorded.columns, end.phi + k * recorded.columns.count(), weight, -off[k]);
+      row =
+          equations.add(recorded.columns, end.phi + k * recorded.columns.count(), weight, -off[k]);
     } else {
       row = equations.add(weight * (there[k] - here[k]));
       row[equations.start + k] = weight;
@@ -223,7 +230,8 @@ void add_continuity(const Recorded<T>& recorded, const LinearisedAt<T>& at, int 
   }
 }
 
-// All rows that the base's sensors give, and those of continuity; the base walks through the interval.
+// All rows that the base's sensors give, and those of continuity; the base walks through the
+// interval.
 template <class T>
 void linearise(const Recorded<T>& recorded, const LinearisedAt<T>& at, int interval,
                IntervalMemory<T>& memory, EquationTable<T>& sensed, EquationTable<T>& continuity) {

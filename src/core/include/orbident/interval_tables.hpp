@@ -2,8 +2,8 @@
 // linearised, and the table they grow in.
 #pragma once
 
-#include "orbident/householder.hpp"
 #include "orbident/calibration.hpp"
+#include "orbident/householder.hpp"
 #include "orbident/joint_history.hpp"
 #include "orbident/whitening.hpp"
 
@@ -15,10 +15,10 @@ constexpr int BIASES = 9;  // turn and biases: what goes on from interval to int
 template <class T>
 struct Sensed {
   const T* values;
-  const T* weights;  // 1 over the noise's std; zero where there was no sample
-  T* residuals;      // over the white noise; null where nobody asks
+  const T* weights;             // 1 over the noise's std; zero where there was no sample
+  T* residuals;                 // over the white noise; null where nobody asks
   const Coloured<T>* coloured;  // of each axis; null where the noise is white
-  int lasting;       // where the first of its lasting parts is in z
+  int lasting;                  // where the first of its lasting parts is in z
 
   void keep(std::ptrdiff_t at, const T& residual) const {
     if (residuals) residuals[at] = residual;
@@ -32,8 +32,8 @@ struct Recorded {
   Tree tree;
   Sparse theta_of;  // theta = nominal + theta_of beta, where `nominal` has no beta
   bool planar;
-  int substeps;            // of the attitude, from row to row
-  const int* corrected;    // joints that have corrections
+  int substeps;          // of the attitude, from row to row
+  const int* corrected;  // joints that have corrections
   int wheels;
   IntervalColumns columns;
   int rows;
@@ -41,7 +41,7 @@ struct Recorded {
   const int* edge;  // intervals + 1: the first row of each, and `rows`
   int intervals;
   JointHistory<T> history;
-  const T* A_rw;    // wheels x 3: a_i I_i, base axes
+  const T* A_rw;  // wheels x 3: a_i I_i, base axes
   // At 2 rows - 1 nodes: every row, and half-way between.
   Acting<T> acting;
   Sensed<T> gyro, accelerometer, attitude, joints, position, velocity;
@@ -72,14 +72,14 @@ struct LinearisedAt {
 template <class T>
 struct IntervalMemory {
   TermsMemory<T> terms;
-  T *q, *qd, *qdd;      // joints each
+  T *q, *qd, *qdd;         // joints each
   JointState<T> shown[3];  // at a node and the two after it
-  int knot = 0;         // the last one before a node
+  int knot = 0;            // the last one before a node
   JointNode<T> node[3];
   BaseNode<T> base[3];
-  T* velocity[3];       // 3 x unknowns each
-  T* slopes;            // 3 x unknowns
-  T* felt;              // 3 x unknowns
+  T* velocity[3];  // 3 x unknowns each
+  T* slopes;       // 3 x unknowns
+  T* felt;         // 3 x unknowns
   Whitening<T> whitening[TRACKERS][3];
 };
 

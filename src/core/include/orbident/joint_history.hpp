@@ -12,8 +12,8 @@ namespace orbident {
 // A joint and a wheel at one time; what is not filled in is absent.
 template <class T>
 struct JointState {
-  T *q, *qd, *qdd;      // joints each
-  T *qd_rw, *qdd_rw;    // wheels each
+  T *q, *qd, *qdd;    // joints each
+  T *qd_rw, *qdd_rw;  // wheels each
 };
 
 template <class T>
@@ -38,7 +38,8 @@ struct JointHistory {
   }
 
   static T between(const T* f, const T* value, const T* slope, int knot) {
-    return f[0] * value[knot] + f[1] * slope[knot] + f[2] * value[knot + 1] + f[3] * slope[knot + 1];
+    return f[0] * value[knot] + f[1] * slope[knot] + f[2] * value[knot + 1] +
+           f[3] * slope[knot + 1];
   }
 
   // Everything at a time; returns the knot.

@@ -1,8 +1,8 @@
 // What lasts of the noise of attitude and position, over one shooting interval.
 //
 // Its value x where the interval begins is an unknown, as biases are. From there on the filter of
-// whitening.hpp runs with rows for means, linear in all unknowns of the interval: samples become their
-// innovations, and at the end
+// whitening.hpp runs with rows for means, linear in all unknowns of the interval: samples become
+// their innovations, and at the end
 //
 //   x at the next interval's start - x as the filter has it ~ N(0, P)
 //

@@ -5,8 +5,8 @@
 //
 //   turn_i = (sum_j r_j x df/dr_j + d x df/dd,  df/dd),   rate_i = (df/dw, df/du),
 //
-// where r_j are the columns of R_i. Joint k displaces all that it carries by its field (w_k, u_k), and
-// turns their fields with it; with sums over all that k carries,
+// where r_j are the columns of R_i. Joint k displaces all that it carries by its field (w_k, u_k),
+// and turns their fields with it; with sums over all that k carries,
 //
 //   df/dqd_k = (w_k, u_k) . rate
 //   df/dq_k  = (w_k, u_k) . (turn + sum_j qd_j (w_j x rate_j.w + u_j x rate_j.u,  w_j x rate_j.u)).
@@ -90,7 +90,9 @@ Vector3<T> momentum_adjoint(const Tree& tree, const Motion<T>* field, const T* q
 // The wrenches of a . h_rs + r . r_cm, with h_rs = h - s x p / M and r_cm = s / M, in terms of each
 // body's first moment s, momentum p = m u + w x s and h = J w + s x u about S:
 //
-//   a . h_rs + r . r_cm = S . s + P . p + a . h,   S = (a x p + r) / M,  P = s x a / M  of the system.
+//   a . h_rs + r . r_cm = S . s + P . p + a . h,   S = (a x p + r) / M,   P = s x a / M
+//
+// of the system.
 template <class T>
 struct MomentumGradients {
   Vector3<T> S, P, a;
@@ -109,8 +111,7 @@ struct MomentumGradients {
     const Vector3<T>&s = mass[i].s, &w = motion[i].w, &u = motion[i].u;
     const Vector3<T> Jw = mass[i].J * w, Ja = mass[i].J * a, as = a.cross(s);
     const Vector3<T> f_s = S + P.cross(w) + u.cross(a);
-    turn = {s.cross(f_s) + Jw.cross(a) + Ja.cross(w),
-            m * f_s + w.cross(s).cross(a) + as.cross(w)};
+    turn = {s.cross(f_s) + Jw.cross(a) + Ja.cross(w), m * f_s + w.cross(s).cross(a) + as.cross(w)};
     rate = {Ja + s.cross(P), m * P + as};
   }
 };

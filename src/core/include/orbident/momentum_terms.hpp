@@ -10,8 +10,9 @@
 //
 //   D = J + [s]x [s]x / m,   D_q qd = h - s x p / m,   r_cm = s / m,   J_cm qd = p / m.
 //
-// By q_k: all that joint k carries (composite m_c, s_c, J_c, momentum p_c, h_c) is displaced rigidly
-// by the joint's field (w, u), but the motion V_k of the body that carries it does not turn with it:
+// By q_k: all that joint k carries (composite m_c, s_c, J_c, momentum p_c, h_c) is displaced
+// rigidly by the joint's field (w, u), but the motion V_k of the body that carries it does not turn
+// with it:
 //
 //   dm = 0,  ds = m_c u + w x s_c,  dJ = [w]x J_c - J_c [w]x - [u]x [s_c]x - [s_c]x [u]x
 //   dp = w x p_c - p(V'),  dh = w x h_c + u x p_c - h(V'),  V' = (w x w_k, w x u_k + u x w_k)
@@ -125,8 +126,9 @@ MomentumTerms<T> displaced(const Tree& tree, const TermsMemory<T>& memory, int k
   const Momentum<T> held = momentum_of(load, Motion<T>{w.cross(V.w), w.cross(V.u) + u.cross(V.w)});
   const Matrix3<T> turned = cross_matrix(w) * load.J;
   return change_about_cm<T>(
-      memory.all, {T(0), momentum_of(load, field).p, turned + turned.transpose() - crossed(u, load.s),
-                   w.cross(moving.p) - held.p, w.cross(moving.h) + u.cross(moving.p) - held.h});
+      memory.all,
+      {T(0), momentum_of(load, field).p, turned + turned.transpose() - crossed(u, load.s),
+       w.cross(moving.p) - held.p, w.cross(moving.h) + u.cross(moving.p) - held.h});
 }
 
 // The derivatives by every q and qd, from what `joint_moments` left.
@@ -136,8 +138,8 @@ void differentiate_by_joints(const Tree& tree, TermsMemory<T>& memory) {
   for (int k = 0; k < tree.joints; ++k) {
     const Momentum<T> unit = momentum_of(memory.at.carried[k + 1], memory.at.field[k]);
     memory.by_q[k] = displaced(tree, memory, k, memory.at.field[k]);
-    memory.by_qd[k] = {Matrix3<T>::Zero(), unit.h - all.s.cross(unit.p) / all.m,
-                       Vector3<T>::Zero(), unit.p / all.m};
+    memory.by_qd[k] = {Matrix3<T>::Zero(), unit.h - all.s.cross(unit.p) / all.m, Vector3<T>::Zero(),
+                       unit.p / all.m};
   }
 }
 
@@ -166,8 +168,8 @@ MomentumTerms<T> derivative_by_beta(const Sparse& theta_of, int column, const Mo
   for (int e = theta_of.first[column]; e < theta_of.first[column + 1]; ++e) {
     const int body = theta_of.row[e] / PER_BODY;
     const T value = T(theta_of.value[e]);
-    const MomentsAboutS<T> unit = unit_moments(memory.at.pose[body], memory.at.motion[body],
-                                               theta_of.row[e] % PER_BODY);
+    const MomentsAboutS<T> unit =
+        unit_moments(memory.at.pose[body], memory.at.motion[body], theta_of.row[e] % PER_BODY);
     sum.m += value * unit.m;
     sum.s += value * unit.s;
     sum.J += value * unit.J;

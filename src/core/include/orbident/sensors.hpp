@@ -59,8 +59,9 @@ void position_slopes(const IntervalColumns& columns, const JointNode<T>& joints,
   const int n = columns.count();
   TableRows<T, 3> slopes(out, 3, n);
   const Matrix3<T>& R = base.R_WB;
-  slopes = (R * cross_matrix(joints.terms.r_cm)).eval().lazyProduct(TableRows<T, 3>(base.phi, 3, n)) -
-           R.lazyProduct(TableRows<T, 3>(joints.by + BY_R * n, 3, n));
+  slopes =
+      (R * cross_matrix(joints.terms.r_cm)).eval().lazyProduct(TableRows<T, 3>(base.phi, 3, n)) -
+      R.lazyProduct(TableRows<T, 3>(joints.by + BY_R * n, 3, n));
   add_outside(columns, contributions(joints.t).r_cm, slopes);
   joints.acting.add(ON_R, Matrix3<T>::Identity(), slopes);
 }

@@ -4,8 +4,8 @@
 //
 //   w = E (h_B - h_q - h_rw),   E = D^-1,   h_B = R_0^T h_cm
 //
-// so that the quaternion alone is integrated (RK4). With phi the small rotation of the base, its own
-// axes, a change of an unknown gives
+// so that the quaternion alone is integrated (RK4). With phi the small rotation of the base, its
+// own axes, a change of an unknown gives
 //
 //   phi' = A phi + G,   A = E [h_B]x - [w]x,   G = E (R_0^T dh_cm - dD w - dh_q)
 //   dw = E [h_B]x phi + G
@@ -17,8 +17,8 @@
 //   [turn 3 | corrections 4 x corrected | outside | beta | calibration]
 //
 // turn: of the attitude at the start. Corrections of joint c: a cubic with the value and rate
-// (x_0, v_0) at the start and (x_1, v_1) at the end; all x_0, all v_0, all x_1, all v_1. Calibration:
-// those of calibration.hpp that are selected.
+// (x_0, v_0) at the start and (x_1, v_1) at the end; all x_0, all v_0, all x_1, all v_1.
+// Calibration: those of calibration.hpp that are selected.
 #pragma once
 
 #include "orbident/acting.hpp"
@@ -63,9 +63,9 @@ struct JointNode {
 
 template <class T>
 void write_change(const MomentumTerms<T>& d, T* column, std::ptrdiff_t stride) {
-  const T rows[BY_ROWS] = {d.D(0, 0), d.D(0, 1), d.D(0, 2),  d.D(1, 1),  d.D(1, 2),
-                           d.D(2, 2), d.h_q[0],  d.h_q[1],   d.h_q[2],   d.r_cm[0],
-                           d.r_cm[1], d.r_cm[2], d.v_q[0],   d.v_q[1],   d.v_q[2]};
+  const T rows[BY_ROWS] = {d.D(0, 0), d.D(0, 1), d.D(0, 2), d.D(1, 1), d.D(1, 2),
+                           d.D(2, 2), d.h_q[0],  d.h_q[1],  d.h_q[2],  d.r_cm[0],
+                           d.r_cm[1], d.r_cm[2], d.v_q[0],  d.v_q[1],  d.v_q[2]};
   for (int r = 0; r < BY_ROWS; ++r) column[r * stride] = rows[r];
 }
 
@@ -104,10 +104,10 @@ struct BaseNode {
   Matrix3<T> R_WB;
   Vector3<T> h_B;
   Vector3<T> w;
-  T* G;         // 3 x unknowns
-  T* phi;       // 3 x unknowns
-  T* dw;        // 3 x unknowns
-  T* own_by;    // memory for BY_R rows
+  T* G;                 // 3 x unknowns
+  T* phi;               // 3 x unknowns
+  T* dw;                // 3 x unknowns
+  T* own_by;            // memory for BY_R rows
   Acting<T> acting[3];  // at the nodes of its row, and the share of each
   T share[3];
 };

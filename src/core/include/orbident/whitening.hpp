@@ -5,8 +5,8 @@
 //   x_2(t + dt) = x_2(t) + n,         n ~ N(0, q^2 dt)                             (random walk)
 //
 // The innovation of a sample is what its predecessors do not predict of it. Innovations are
-// independent, so over their deviations they are white; and they are linear in the samples: a row of
-// equations is whitened by the same filter as the sample that it is about (Kalman, 1960).
+// independent, so over their deviations they are white; and they are linear in the samples: a row
+// of equations is whitened by the same filter as the sample that it is about (Kalman, 1960).
 #pragma once
 
 #include <algorithm>
@@ -24,13 +24,13 @@ struct Coloured {
   int parts() const { return int(has(0)) + int(has(1)); }
 };
 
-// The filter of one axis. Its means are rows, as wide as those that it whitens: the caller's memory.
+// The filter of one axis. Its means are rows, as wide as those it whitens: the caller's memory.
 template <class T>
 struct Whitening {
   static constexpr int PARTS = Coloured<T>::PARTS;
   Coloured<T> coloured;
-  T t;                    // of the means, s
-  T P[PARTS][PARTS];      // their covariance
+  T t;                // of the means, s
+  T P[PARTS][PARTS];  // their covariance
   T* mean[PARTS];
   int width;
 
