@@ -225,13 +225,8 @@ auto float_gradient(const OwnedFloating& owned, const Laws& laws,
 
 void bind_excitation(nb::module_& m) {
   nb::class_<OwnedFloating>(m, "Floating", "A robot that floats, and its constant momentum.")
-      .def("__init__",
-           [](OwnedFloating* self, const OwnedRobot& robot, bool planar, const Array& D_free,
-              const Array& h_rw, const Array& h_cm, const Array& x_WB) {
-    new (self) OwnedFloating(make_floating(robot, planar, D_free, h_rw, h_cm, x_WB));
-  },
-           nb::arg("robot"), nb::arg("planar"), nb::arg("D_free"), nb::arg("h_rw"), nb::arg("h_cm"),
-           nb::arg("x_WB"));
+      .def(nb::new_(&make_floating), nb::arg("robot"), nb::arg("planar"), nb::arg("D_free"),
+           nb::arg("h_rw"), nb::arg("h_cm"), nb::arg("x_WB"));
   nb::class_<Laws>(m, "RateLaws", "How the base rate follows from the attitude, node by node.");
   m.def("float_along", &float_along, nb::arg("floating"), nb::arg("q"), nb::arg("qd"),
         nb::arg("dt"), nb::arg("threads") = 1,

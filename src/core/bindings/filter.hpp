@@ -109,7 +109,7 @@ inline void check_watch(int rows, int window) {
 OwnedFilter make_filter(const OwnedRobot& robot, const OwnedMinimalSets& sets,
                         const Array& theta_of, const Array& pi_of_beta, const Array& pi_of_products,
                         const Array& pairs, int sigmas, const Array& momentum_axes,
-                        const Array& velocity_axes, const Array& noise);
+                        const Array& velocity_axes, const SensorNoise& noise);
 
 // The parts of a state, as properties of a Python class.
 void bind_filter_state(nb::module_& m);

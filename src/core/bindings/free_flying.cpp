@@ -210,26 +210,13 @@ void bind_free_flying(nb::module_& m) {
       nb::arg("vd"), nb::arg("free"), nb::arg("threads") = 1,
       "v' from H+ v' + c+ = Q where free is 1, as given where it is 0; and the acceleration of S.");
   nb::class_<OwnedComputedTorque>(m, "ComputedTorque", "Torques by a model.")
-      .def("__init__",
-           [](OwnedComputedTorque* self, const OwnedRobot& model, const Array& of_momentum,
-              double kp, double kd) {
-    new (self) OwnedComputedTorque(make_computed(model, of_momentum, kp, kd));
-  },
-           nb::arg("model"), nb::arg("of_momentum"), nb::arg("kp"), nb::arg("kd"));
+      .def(nb::new_(&make_computed), nb::arg("model"), nb::arg("of_momentum"), nb::arg("kp"),
+           nb::arg("kd"));
   nb::class_<OwnedVehicle>(m, "Vehicle", "A robot, its control laws, and where wrenches act.")
-      .def("__init__",
-           [](OwnedVehicle* self, const OwnedRobot& robot, const Array& free, const Array& Kp,
-              const Array& Kd, const Array& k, const Array& speed, const Array& share, double kp,
-              double kd, const Array& x_WD, const Array& torque_limit, const Array& speed_limit,
-              const Array& body, const Array& point, std::optional<OwnedComputedTorque> computed) {
-    new (self)
-        OwnedVehicle(make_vehicle(robot, free, Kp, Kd, k, speed, share, kp, kd, x_WD, torque_limit,
-                                  speed_limit, body, point, std::move(computed)));
-  },
-           nb::arg("robot"), nb::arg("free"), nb::arg("Kp"), nb::arg("Kd"), nb::arg("k"),
-           nb::arg("speed"), nb::arg("share"), nb::arg("kp"), nb::arg("kd"), nb::arg("x_WD"),
-           nb::arg("torque_limit"), nb::arg("speed_limit"), nb::arg("body"), nb::arg("point"),
-           nb::arg("computed").none());
+      .def(nb::new_(&make_vehicle), nb::arg("robot"), nb::arg("free"), nb::arg("Kp"), nb::arg("Kd"),
+           nb::arg("k"), nb::arg("speed"), nb::arg("share"), nb::arg("kp"), nb::arg("kd"),
+           nb::arg("x_WD"), nb::arg("torque_limit"), nb::arg("speed_limit"), nb::arg("body"),
+           nb::arg("point"), nb::arg("computed").none());
   m.def("fly", &fly, nb::arg("vehicle"), nb::arg("state"), nb::arg("dt"), nb::arg("command"),
         nb::arg("shown"), "RK4 steps from a state; what is seen at the start of the shown ones.");
 }

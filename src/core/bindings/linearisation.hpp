@@ -88,7 +88,7 @@ struct Call {
         x_WB(input<2>("x_WB", x_WB_, {recorded.intervals + 1, 4})),
         local(input<2>("local", local_, {recorded.intervals + 1, recorded.local()})),
         common(input<1>("common", common_, {recorded.common()})),
-        theta(owned.nominal.data(), owned.nominal.data() + owned.nominal.size(0)),
+        theta(owned.theta_0.data(), owned.theta_0.data() + owned.theta_0.size(0)),
         calibration(static_cast<std::size_t>(recorded.places().count()), 0.0),
         acting(input<3>("acting", acting_, {ANY, ACTING_ROWS, ANY})) {
     if (given.size() != SENSORS) throw nb::value_error("weights: give one array a sensor");

@@ -110,38 +110,30 @@ auto boundaries_of(const Array& links_, const Array& z_, const Array& g_) {
 
 void bind_output_error(nb::module_& m) {
   nb::class_<OwnedRecorded>(m, "Recorded", "A recording cut into shooting intervals.")
-      .def("__init__",
-           [](OwnedRecorded* self, const OwnedTree& tree, const Array& nominal,
-              const Array& theta_of, bool planar, int substeps, const Array& corrected,
-              const Array& t, const Array& edge, const Array& knots, const std::vector<Array>& q,
-              const std::vector<Array>& q_slope, const std::vector<Array>& qd,
-              const std::vector<Array>& qdd, const Array& A_rw, const std::vector<Array>& qd_rw,
-              const std::vector<Array>& qdd_rw, const std::vector<Array>& samples,
-              const Array& first, const Array& prior, const Array& walk) {
-    new (self) OwnedRecorded(make_recorded(tree, nominal, theta_of, planar, substeps, corrected, t,
-                                           edge, knots, q, q_slope, qd, qdd, A_rw, qd_rw, qdd_rw,
-                                           samples, first, prior, walk));
-  },
-           nb::arg("tree"), nb::arg("nominal"), nb::arg("theta_of"), nb::arg("planar"),
-           nb::arg("substeps"), nb::arg("corrected"), nb::arg("t"), nb::arg("edge"),
-           nb::arg("knots"), nb::arg("q"), nb::arg("q_slope"), nb::arg("qd"), nb::arg("qdd"),
-           nb::arg("A_rw"), nb::arg("qd_rw"), nb::arg("qdd_rw"), nb::arg("samples"),
-           nb::arg("first"), nb::arg("prior"), nb::arg("walk"))
+      .def(nb::new_(&make_recorded), nb::kw_only(), nb::arg("tree"), nb::arg("theta_0"),
+           nb::arg("theta_of"), nb::arg("planar"), nb::arg("substeps"), nb::arg("corrected"),
+           nb::arg("t"), nb::arg("edge"), nb::arg("knots"), nb::arg("q"), nb::arg("q_slope"),
+           nb::arg("qd"), nb::arg("qdd"), nb::arg("A_rw"), nb::arg("qd_rw"), nb::arg("qdd_rw"),
+           nb::arg("samples"), nb::arg("first"), nb::arg("corrections"), nb::arg("walk"),
+           "theta = theta_0 + theta_of beta. Standard deviations: `first` of the unknowns of "
+           "the first boundary, `corrections` of those of joints anywhere, `walk` of what "
+           "attitude and biases walk in a second.")
       .def_prop_ro("local", [](const OwnedRecorded& all) { return all.view().local(); },
                    "How many unknowns a boundary has.")
       .def_prop_ro("places", [](const OwnedRecorded& all) { return all.view().places().count(); },
                    "How many calibrations there are; gains are at the places beyond.");
-  m.def("linearised", &linearised, nb::arg("recorded"), nb::arg("weights"), nb::arg("coloured"),
-        nb::arg("acting"), nb::arg("x_WB"), nb::arg("local"), nb::arg("common"),
-        nb::arg("selected"), nb::arg("threads") = 1, nb::arg("factor_only") = false,
+  m.def("linearised", &linearised, nb::arg("recorded"), nb::kw_only(), nb::arg("weights"),
+        nb::arg("coloured"), nb::arg("acting"), nb::arg("x_WB"), nb::arg("local"),
+        nb::arg("common"), nb::arg("selected"), nb::arg("threads") = 1,
+        nb::arg("factor_only") = false,
         "All equations at a state, eliminated: factor, links, cost and residuals over the white "
         "noise; links and residuals are empty where the factor alone is asked for. `coloured`: of "
         "attitude and position, by axis, what lasts: std, time and walk. "
         "`acting`: for each node, what acting.hpp says. `selected`: the places of the calibrations "
         "and, beyond them, of the gains that are common unknowns.");
-  m.def("interval_equations", &interval_equations, nb::arg("recorded"), nb::arg("weights"),
-        nb::arg("coloured"), nb::arg("acting"), nb::arg("x_WB"), nb::arg("local"),
-        nb::arg("common"), nb::arg("selected"), nb::arg("interval"),
+  m.def("interval_equations", &interval_equations, nb::arg("recorded"), nb::kw_only(),
+        nb::arg("weights"), nb::arg("coloured"), nb::arg("acting"), nb::arg("x_WB"),
+        nb::arg("local"), nb::arg("common"), nb::arg("selected"), nb::arg("interval"),
         "The equations of one interval over [z start | z end | g | right-hand side].");
   m.def("momentum_terms", &momentum_terms, nb::arg("tree"), nb::arg("theta_of"), nb::arg("beta"),
         nb::arg("q"), nb::arg("qd"), nb::arg("qdd"),

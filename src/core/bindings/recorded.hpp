@@ -33,7 +33,7 @@ struct Columns {
 
 struct OwnedRecorded {
   OwnedTree tree;
-  In<1> nominal;
+  In<1> theta_0;
   OwnedSparse theta_of;
   bool planar;
   int substeps;
@@ -43,7 +43,7 @@ struct OwnedRecorded {
   Columns q, q_slope, qd, qdd, qd_rw, qdd_rw;
   In<2> A_rw;
   std::vector<In<2>> samples;
-  In<1> first, prior, walk;
+  In<1> first, corrections, walk;
   int lasting;
 
   std::int64_t axes(std::size_t sensor) const {
@@ -74,7 +74,7 @@ struct OwnedRecorded {
     all.A_rw = A_rw.data();
     all.lasting = lasting;
     all.first = first.data();
-    all.prior = prior.data();
+    all.prior = corrections.data();
     all.walk = walk.data();
     return all;
   }
@@ -87,12 +87,12 @@ inline Sensed<double>* sensors_of(Recorded<double>& all, std::size_t sensor) {
 }
 
 inline OwnedRecorded make_recorded(
-    const OwnedTree& tree, const Array& nominal, const Array& theta_of, bool planar, int substeps,
+    const OwnedTree& tree, const Array& theta_0, const Array& theta_of, bool planar, int substeps,
     const Array& corrected, const Array& t_, const Array& edge_, const Array& knots_,
     const std::vector<Array>& q, const std::vector<Array>& q_slope, const std::vector<Array>& qd,
     const std::vector<Array>& qdd, const Array& A_rw_, const std::vector<Array>& qd_rw,
     const std::vector<Array>& qdd_rw, const std::vector<Array>& samples, const Array& first,
-    const Array& prior, const Array& walk) {
+    const Array& corrections, const Array& walk) {
   const std::int64_t K = tree.view().joints;
   const auto A_rw = input<2>("A_rw", A_rw_, {ANY, 3});
   const std::int64_t W = A_rw.size(0);
@@ -119,7 +119,7 @@ inline OwnedRecorded make_recorded(
   const std::int64_t lasting = of_first.size(0) - BIASES - 2 * C;
   if (lasting < 0) throw nb::value_error("first: give one number for each unknown of a boundary");
   OwnedRecorded all{tree,
-                    input<1>("nominal", nominal, {PER_BODY * (K + 1)}),
+                    input<1>("theta_0", theta_0, {PER_BODY * (K + 1)}),
                     sparse(input<2>("theta_of", theta_of, {PER_BODY * (K + 1), ANY})),
                     planar,
                     substeps,
@@ -136,7 +136,7 @@ inline OwnedRecorded make_recorded(
                     A_rw,
                     {},
                     of_first,
-                    input<1>("prior", prior, {2 * C}),
+                    input<1>("corrections", corrections, {2 * C}),
                     input<1>("walk", walk, {BIASES}),
                     static_cast<int>(lasting)};
   if (samples.size() != SENSORS) throw nb::value_error("samples: give one array a sensor");

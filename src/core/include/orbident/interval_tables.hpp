@@ -30,7 +30,7 @@ constexpr int TRACKERS = 2;  // attitude and position: their noise may last
 template <class T>
 struct Recorded {
   Tree tree;
-  Sparse theta_of;  // theta = nominal + theta_of beta, where `nominal` has no beta
+  Sparse theta_of;  // theta = theta_0 + theta_of beta, where theta_0 has no beta
   bool planar;
   int substeps;          // of the attitude, from row to row
   const int* corrected;  // joints that have corrections
