@@ -14,7 +14,7 @@ auto linearised(const OwnedRecorded& owned, const std::vector<Array>& weights,
                 const Array& coloured, const Array& acting, const Array& x_WB, const Array& local,
                 const Array& common, const Array& selected, int threads, bool factor_only) {
   Call call(owned, weights, coloured, acting, x_WB, local, common, selected, !factor_only);
-  const Recorded<double>& all = call.recorded;
+  const Recorded& all = call.recorded;
   const std::int64_t left = all.width() - all.local();
   Out<2> factor(left, left);
   Out<3> links(factor_only ? 0 : all.intervals, all.local(), all.width());
@@ -40,14 +40,13 @@ auto interval_equations(const OwnedRecorded& owned, const std::vector<Array>& we
                         const Array& local, const Array& common, const Array& selected,
                         int interval) {
   Call call(owned, weights, coloured, acting, x_WB, local, common, selected, false);
-  const Recorded<double>& all = call.recorded;
+  const Recorded& all = call.recorded;
   if (interval < 0 || interval >= all.intervals)
     throw nb::value_error("interval: there is none of this number");
   const int L = all.local(), n = all.stride(), width = all.width();
   OwnedSweep memory(all);
-  EquationTable<double> sensed{memory.at.rows, n, width, 0, L, L, all.corrections(), 0, 0.0};
-  EquationTable<double> continuity{memory.at.continuity, n, width, 0, L, L,
-                                   all.corrections(),    0, 0.0};
+  EquationTable sensed{memory.at.rows, n, width, 0, L, L, all.corrections(), 0, 0.0};
+  EquationTable continuity{memory.at.continuity, n, width, 0, L, L, all.corrections(), 0, 0.0};
   linearise(all, call.at(), interval, memory.at.interval, sensed, continuity);
   add_encoders(all, call.at(), interval, true, memory.at.R);
   Out<2> table(sensed.rows + BIASES + 2 * L, width);
@@ -74,15 +73,15 @@ auto momentum_terms(const OwnedTree& owned, const Array& theta_of_, const Array&
   const Eigen::VectorXd theta = of * Eigen::Map<const Eigen::VectorXd>(beta.data(), beta.size(0));
   BodiesMemory<double> bodies(tree);
   std::vector<Momentum<double>> carried(static_cast<std::size_t>(B));
-  std::vector<MomentumTerms<double>> by(2 * static_cast<std::size_t>(K));
-  TermsMemory<double> memory;
+  std::vector<MomentumTerms> by(2 * static_cast<std::size_t>(K));
+  TermsMemory memory;
   use(bodies.at, carried, by, memory);
   const auto all = joint_moments(tree, theta.data(), q.data(), qd.data(), memory);
   differentiate_by_joints(tree, memory);
   // Columns: terms, rates, by q, by qd, by beta.
   const std::int64_t columns = 2 + 2 * K + beta.size(0);
   Out<2> table(BY_ROWS, columns);
-  const auto write = [&](const MomentumTerms<double>& terms, std::int64_t column) {
+  const auto write = [&](const MomentumTerms& terms, std::int64_t column) {
     write_change(terms, table.data() + column, columns);
   };
   write(about_cm(all), 0);

@@ -50,8 +50,8 @@ struct OwnedRecorded {
     return sensor == 3 ? static_cast<std::int64_t>(tree.joints.size()) : 3;
   }
 
-  Recorded<double> view(int calibrations = 0) const {
-    Recorded<double> all{};
+  Recorded view(int calibrations = 0) const {
+    Recorded all{};
     all.tree = tree.view();
     all.theta_of = theta_of.view();
     all.planar = planar;
@@ -80,9 +80,9 @@ struct OwnedRecorded {
   }
 };
 
-inline Sensed<double>* sensors_of(Recorded<double>& all, std::size_t sensor) {
-  Sensed<double>* const each[SENSORS] = {&all.gyro,   &all.accelerometer, &all.attitude,
-                                         &all.joints, &all.position,      &all.velocity};
+inline Sensed* sensors_of(Recorded& all, std::size_t sensor) {
+  Sensed* const each[SENSORS] = {&all.gyro,   &all.accelerometer, &all.attitude,
+                                 &all.joints, &all.position,      &all.velocity};
   return each[sensor];
 }
 
