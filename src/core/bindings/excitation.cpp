@@ -21,7 +21,7 @@ struct OwnedFloating {
 
 // The laws of the base rate along one joint motion, at nodes and mid-nodes.
 struct Laws {
-  std::vector<RateLaw<double>> at;
+  std::vector<NodeLaw> at;
 };
 
 using In3 = Eigen::Map<const Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor>>;
@@ -46,12 +46,12 @@ std::ptrdiff_t steps_of(std::ptrdiff_t nodes) {
 Laws laws_at(const Floating& floating, const double* q, const double* qd, std::ptrdiff_t nodes,
              int threads) {
   const std::ptrdiff_t K = floating.robot.tree.joints;
-  Laws laws{std::vector<RateLaw<double>>(static_cast<std::size_t>(nodes))};
+  Laws laws{std::vector<NodeLaw>(static_cast<std::size_t>(nodes))};
   parallel_for(nodes, threads, [&](std::ptrdiff_t first, std::ptrdiff_t last) {
     BodiesMemory<double> memory(floating.robot.tree);
     for (std::ptrdiff_t k = first; k < last; ++k) {
       configure(floating.robot, q + k * K, memory.at);
-      laws.at[static_cast<std::size_t>(k)] = rate_law(floating, memory.at, qd + k * K);
+      laws.at[static_cast<std::size_t>(k)] = node_law(floating, memory.at, qd + k * K);
     }
   });
   return laws;
@@ -71,10 +71,10 @@ auto float_along(const OwnedFloating& owned, const Array& q_, const Array& qd_, 
     laws = laws_at(floating, q.data(), qd.data(), nodes, threads);
     Quaternion<double> x = floating.x_WB;
     for (std::ptrdiff_t k = 0; k <= n; ++k) {
-      const RateLaw<double>* law = laws.at.data() + 2 * k;
+      const NodeLaw* law = laws.at.data() + 2 * k;
       Eigen::Map<Quaternion<double>>(x_WB.data() + 4 * k) = x;
       Eigen::Map<Vector3<double>>(w.data() + 3 * k) = law->rate(x, floating.h_cm);
-      if (k < n) x = Step<double>(law, floating.h_cm, dt, x).end.normalized();
+      if (k < n) x = Step(law, floating.h_cm, dt, x).end.normalized();
     }
   }
   return std::make_tuple(w.give(), x_WB.give(), std::move(laws));
@@ -86,9 +86,9 @@ struct NodeMemory {
   std::vector<Motion<double>> wrench;
   std::vector<double> columns;
   std::vector<double> still, unused;  // joint rates of zero, and a gradient that is not needed
-  Wrenches<double> wrenches;
+  Wrenches wrenches;
   Rows3<double> S, P, A;
-  RegressorGradients<double> gradients;
+  RegressorGradients gradients;
 
   NodeMemory(const Tree& tree, std::ptrdiff_t phis)
       : bodies(tree),
@@ -128,12 +128,12 @@ std::vector<NodeStages> reverse_attitude(const Floating& floating, const Laws& l
   std::vector<NodeStages> stages(laws.at.size());
   Quaternion<double> f_x = Quaternion<double>::Zero();
   for (std::ptrdiff_t k = n; k >= 0; --k) {
-    const RateLaw<double>* law = laws.at.data() + 2 * k;
+    const NodeLaw* law = laws.at.data() + 2 * k;
     NodeStages* here = stages.data() + 2 * k;
     const Quaternion<double> x = Eigen::Map<const Quaternion<double>>(x_WB + 4 * k);
     here[0].w[0] = vector(w + 3 * k);
     if (k < n) {
-      Step<double> step(law, floating.h_cm, dt, x);
+      Step step(law, floating.h_cm, dt, x);
       f_x = step.reverse(f_x);
       here[0].a[0] = step.stage[0].a;
       here[1] = {{step.stage[1].a, step.stage[2].a}, {step.stage[1].w, step.stage[2].w}};
@@ -142,7 +142,7 @@ std::vector<NodeStages> reverse_attitude(const Floating& floating, const Laws& l
     }
     const Vector3<double> a = law->E * vector(f_w + 3 * k);
     const Vector3<double> h_B = quaternion_matrix(x).transpose() * floating.h_cm;
-    f_x += rotation_gradient<double>(x, vector(f_turn + 3 * k) + a.cross(h_B));
+    f_x += rotation_gradient(x, vector(f_turn + 3 * k) + a.cross(h_B));
     here[0].a[0] += a;
   }
   return stages;
@@ -190,8 +190,8 @@ auto float_gradient(const OwnedFloating& owned, const Laws& laws,
         move(robot.tree, at.field, w_k, qd_k, at.motion);
         first_moment_columns(robot.tree, at.pose, memory.S);
         momentum_columns(robot.tree, at.pose, at.motion, memory.P, memory.A);
-        regressor_gradients<double>(sets, memory.S, memory.P, In3(f_Y.data() + 3 * pis * k, 3, pis),
-                                    In3(f_W.data() + 3 * phis * k, 3, phis), memory.gradients);
+        regressor_gradients(sets, memory.S, memory.P, In3(f_Y.data() + 3 * pis * k, 3, pis),
+                            In3(f_W.data() + 3 * phis * k, 3, phis), memory.gradients);
         Eigen::Map<Vector3<double>>(to_w.data() + 3 * k) +=
             momentum_adjoint(robot.tree, at.field, qd_k, wrenches, memory.wrenches, f_q_k, f_qd_k);
         // D e_i is h_rs at the unit rate e_i.
@@ -199,9 +199,9 @@ auto float_gradient(const OwnedFloating& owned, const Laws& laws,
                                                                                   9 * k);
         Vector3<double> r = vector(f_r.data() + 3 * k);
         for (int i = 0; i < 3 && (!by_D.isZero(0) || !r.isZero(0)); ++i, r = none)
-          add_momentum_gradient<double>(robot, at, memory.wrenches, by_D.col(i), r,
-                                        Vector3<double>::Unit(i), memory.still.data(), f_q_k,
-                                        memory.unused.data());
+          add_momentum_gradient(robot, at, memory.wrenches, by_D.col(i), r,
+                                Vector3<double>::Unit(i), memory.still.data(), f_q_k,
+                                memory.unused.data());
       }
     });
     const std::vector<NodeStages> stages =
@@ -212,9 +212,9 @@ auto float_gradient(const OwnedFloating& owned, const Laws& laws,
         configure(robot, q.data() + k * K, memory.bodies.at);
         const NodeStages& here = stages[static_cast<std::size_t>(k)];
         for (int s = 0; s < 2; ++s)
-          add_momentum_gradient<double>(robot, memory.bodies.at, memory.wrenches, -here.a[s], none,
-                                        here.w[s], qd.data() + k * K, f_q.data() + k * K,
-                                        f_qd.data() + k * K);
+          add_momentum_gradient(robot, memory.bodies.at, memory.wrenches, -here.a[s], none,
+                                here.w[s], qd.data() + k * K, f_q.data() + k * K,
+                                f_qd.data() + k * K);
       }
     });
   }
