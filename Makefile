@@ -24,6 +24,8 @@ test: style types suite
 style: .venv/tested
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
+	$(BIN)/clang-format --dry-run --Werror \
+		$$(find src/core tests/fuzz -name '*.[ch]' -o -name '*.[ch]pp')
 	$(BIN)/lint-imports
 types: .venv/tested
 	$(BIN)/pyright --pythonpath $(BIN)/python

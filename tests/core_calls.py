@@ -29,6 +29,14 @@ class Call(NamedTuple):
     name: str
     function: Callable[..., Any]
     arguments: tuple[Any, ...]
+    named: tuple[str, ...]
+    """The last of them."""
+
+    def again(self, arguments: tuple[Any, ...]) -> Any:
+        """The same call with other arguments."""
+        first = len(arguments) - len(self.named)
+        named = dict(zip(self.named, arguments[first:], strict=True))
+        return self.function(*arguments[:first], **named)
 
 
 class Calls:
@@ -49,8 +57,8 @@ class Calls:
 
         def called(*arguments: Any, **named: Any) -> Any:
             every = (*arguments, *named.values())
-            self.made.append(Call(name, function, every))
-            return function(*every)
+            self.made.append(Call(name, function, every, tuple(named)))
+            return function(*arguments, **named)
 
         return called
 
@@ -69,7 +77,7 @@ def core_calls(robot: Robot) -> list[Call]:
     tree, made = _robot(calls, robot, random)
     _rigid_bodies(calls, robot, tree, made, random)
     _tables(calls, len(robot.joints), random)
-    filter_names = ("MinimalSets", "Filter")
+    filter_names = ("MinimalSets", "SensorNoise", "Filter")
     gyro = declared_sensors({"gyro": {"angle_random_walk": 1e-4}})
     walk = replace(robot, sensors=gyro)
     noise = declared_noise(walk, 0.1, 1e-3)

@@ -1,6 +1,6 @@
 """Shooting intervals of a simulated motion, as output error sees them."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from instruments import Errors, TrueMotion, no_errors
@@ -33,7 +33,7 @@ class Segment(NamedTuple):
 
     def residuals(self, state: Unknowns | None = None) -> dict[str, np.ndarray]:
         """The residuals of every sensor."""
-        *_, tables = _core.linearised(self.recorded, *self._at(state, *SENSORS))
+        *_, tables = _core.linearised(self.recorded, **self._at(state, *SENSORS))
         return dict(zip(SENSORS, tables, strict=True))
 
     def equations(
@@ -41,33 +41,23 @@ class Segment(NamedTuple):
     ) -> np.ndarray:
         """The equations of these sensors, then of continuity and of encoders."""
         at = self._at(state, *sensors)
-        return _core.interval_equations(self.recorded, *at, interval)
+        return _core.interval_equations(self.recorded, **at, interval=interval)
 
     def eliminated(self, threads: int = 1) -> Linear:
         """The equations of all sensors, after elimination."""
         factor, links, cost, tables = _core.linearised(
-            self.recorded, *self._at(None, *SENSORS), threads
+            self.recorded, **self._at(None, *SENSORS), threads=threads
         )
         return Linear(factor, links, cost, dict(zip(SENSORS, tables, strict=True)))
 
-    def _at(
-        self, state: Unknowns | None, *sensors: str
-    ) -> tuple[
-        list[np.ndarray],
-        np.ndarray,
-        np.ndarray,
-        np.ndarray,
-        np.ndarray,
-        np.ndarray,
-        np.ndarray,
-    ]:
+    def _at(self, state: Unknowns | None, *sensors: str) -> dict[str, Any]:
         weights = [
             self.weights[name] * (name in sensors) if name in self.weights else NO_ROWS
             for name in SENSORS
         ]
         at = self.state if state is None else state
         white, nothing = np.zeros((2, 3, 3)), np.zeros((0, 15, 0))
-        return weights, white, nothing, at.x_WB, at.local, at.common, at.selected
+        return dict(weights=weights, coloured=white, acting=nothing, **at._asdict())
 
 
 def segment_of(
@@ -126,26 +116,26 @@ def segment_of(
     local = np.zeros((intervals + 1, 9 + 2 * joints))
     local[:, 3:9] = np.append(GYRO, ACCELEROMETER)
     recorded = _core.Recorded(
-        core_tree(believed),
-        robot.theta.ravel() - sets.base.theta_of @ sets.beta(robot.theta),
-        sets.base.theta_of,
-        robot.motion == "planar",
-        substeps,
-        np.arange(joints, dtype=float),
-        t[::2],
-        edges.astype(float),
-        t,
-        columns(q),
-        columns(qd),
-        columns(qd),
-        columns(qdd),
-        np.ascontiguousarray(wheels_of(robot).A_rw.T),
-        columns(qd_rw),
-        columns(qdd_rw),
-        [np.ascontiguousarray(samples[name]) for name in SENSORS],
-        np.ones(9 + 2 * joints),
-        np.ones(2 * joints),
-        np.ones(9),
+        tree=core_tree(believed),
+        theta_0=robot.theta.ravel() - sets.base.theta_of @ sets.beta(robot.theta),
+        theta_of=sets.base.theta_of,
+        planar=robot.motion == "planar",
+        substeps=substeps,
+        corrected=np.arange(joints, dtype=float),
+        t=t[::2],
+        edge=edges.astype(float),
+        knots=t,
+        q=columns(q),
+        q_slope=columns(qd),
+        qd=columns(qd),
+        qdd=columns(qdd),
+        A_rw=np.ascontiguousarray(wheels_of(robot).A_rw.T),
+        qd_rw=columns(qd_rw),
+        qdd_rw=columns(qdd_rw),
+        samples=[np.ascontiguousarray(samples[name]) for name in SENSORS],
+        first=np.ones(9 + 2 * joints),
+        corrections=np.ones(2 * joints),
+        walk=np.ones(9),
     )
     common = np.concatenate([*outside, sets.beta(robot.theta)])
     assert common.size == OUTSIDE + sets.base.theta_of.shape[1]

@@ -1,7 +1,7 @@
 // Calls of the flight filter, in any order and with any numbers, as libFuzzer draws them.
 //
-// Saved states have numbers changed in every field, and their checksum is made anew, so that what comes
-// after the checksum is reached. Whatever came before:
+// Saved states have numbers changed in every field, and their checksum is made anew, so that what
+// comes after the checksum is reached. Whatever came before:
 //
 //   no call gives a number that is NaN without a code below zero;
 //   what orbident_save gives is accepted by orbident_restore, and goes on with the same bits;
@@ -49,9 +49,25 @@ struct Bytes {
   }
   Real real() {
     using Limits = std::numeric_limits<Real>;
-    const Real odd[] = {Limits::quiet_NaN(), Limits::infinity(), -Limits::infinity(), Limits::max(),
-                        -Limits::max(), Limits::min(), Limits::denorm_min(), 0, -1, 1, Real(0.5), 31, 32, 33,
-                        Real(9.99e5), Real(1e6), Real(1e9), Real(2147483647.0), Real(-2147483648.0)};
+    const Real odd[] = {Limits::quiet_NaN(),
+                        Limits::infinity(),
+                        -Limits::infinity(),
+                        Limits::max(),
+                        -Limits::max(),
+                        Limits::min(),
+                        Limits::denorm_min(),
+                        0,
+                        -1,
+                        1,
+                        Real(0.5),
+                        31,
+                        32,
+                        33,
+                        Real(9.99e5),
+                        Real(1e6),
+                        Real(1e9),
+                        Real(2147483647.0),
+                        Real(-2147483648.0)};
     constexpr unsigned KINDS = sizeof odd / sizeof *odd;
     const unsigned kind = one() % (KINDS + 9);
     if (kind < KINDS) return odd[kind];
@@ -83,14 +99,17 @@ void look(Real* at) {
 void begin(Bytes& bytes) {
   const Real h_cm[3] = {bytes.real(), bytes.real(), bytes.real()};
   const bool known = bytes.one() % 4 == 0;
-  orbident_init(&ROBOT, memory, bytes.one() % 16 ? MEMORY : MEMORY - 1, sample, known ? h_cm : nullptr);
+  orbident_init(&ROBOT, memory, bytes.one() % 16 ? MEMORY : MEMORY - 1, sample,
+                known ? h_cm : nullptr);
 }
 
 // The recording goes on, with some numbers changed.
 int step(Bytes& bytes) {
   row = (row + 1) % GOLDEN_STEPS;
-  for (long i = 0; i < MEASURED; ++i) sample[i] = static_cast<Real>(GOLDEN_SAMPLE[row * MEASURED + i]);
-  for (unsigned changed = bytes.one() % 8; changed > 4; --changed) sample[bytes.below(MEASURED)] = bytes.real();
+  for (long i = 0; i < MEASURED; ++i)
+    sample[i] = static_cast<Real>(GOLDEN_SAMPLE[row * MEASURED + i]);
+  for (unsigned changed = bytes.one() % 8; changed > 4; --changed)
+    sample[bytes.below(MEASURED)] = bytes.real();
   t += bytes.one() % 16 ? Real(0.1) : bytes.real();
   ++steps;
   return orbident_step(&ROBOT, memory, t, sample);
@@ -108,7 +127,8 @@ void detect() {
 // A copy goes on as the filter does.
 void save() {
   if (orbident_save(&ROBOT, memory, saved) < 0) return;
-  demand(orbident_restore(&ROBOT, other, MEMORY, saved) == ORBIDENT_DONE, "a saved state was refused");
+  demand(orbident_restore(&ROBOT, other, MEMORY, saved) == ORBIDENT_DONE,
+         "a saved state was refused");
   const int code = orbident_step(&ROBOT, memory, t + 1, sample);
   demand(orbident_step(&ROBOT, other, t + 1, sample) == code, "a copy gave another code");
   demand(std::memcmp(memory, other, sizeof(Real) * (STATE - 2 * orbident::LANES)) == 0,
@@ -119,9 +139,10 @@ void spoil(Bytes& bytes) {
   if (orbident_save(&ROBOT, memory, saved) < 0) return;
   const orbident::flight::Layout at = orbident::flight::layout(ROBOT, saved);
   const orbident::FilterState& filter = at.filter;
-  Real* const field[] = {at.mark,    at.t,        at.white,   filter.t,     filter.w,   filter.R_WB,
-                         filter.linear, filter.top,  filter.R,   filter.beta,  filter.x,   filter.root,
-                         filter.prior,  at.watch.sums, at.watch.times, at.checksum, saved + STATE};
+  Real* const field[] = {at.mark,     at.t,          at.white,     filter.t,      filter.w,
+                         filter.R_WB, filter.linear, filter.top,   filter.R,      filter.beta,
+                         filter.x,    filter.root,   filter.prior, at.watch.sums, at.watch.times,
+                         at.checksum, saved + STATE};
   constexpr long FIELDS = sizeof field / sizeof *field - 1;
   for (unsigned changed = 1 + bytes.one() % 3; changed > 0; --changed) {
     Real* const* const of = field + bytes.below(FIELDS);
@@ -130,7 +151,8 @@ void spoil(Bytes& bytes) {
   if (bytes.one() % 8) orbident::checksum(saved, at.summed, at.checksum);
   std::memcpy(other, memory, sizeof memory);
   const int code = orbident_restore(&ROBOT, memory, MEMORY, saved);
-  demand(code >= 0 || std::memcmp(memory, other, sizeof memory) == 0, "a refused state changed the filter");
+  demand(code >= 0 || std::memcmp(memory, other, sizeof memory) == 0,
+         "a refused state changed the filter");
 }
 
 }  // namespace
@@ -148,12 +170,22 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (bytes.one() % 16) orbident_init(&ROBOT, memory, MEMORY, sample, nullptr);
   while (bytes.left) {
     switch (bytes.one() % 12) {
-      case 0: begin(bytes); break;
-      case 1: t += bytes.real(), orbident_open(&ROBOT, memory, t); break;
-      case 2: save(); break;
+      case 0:
+        begin(bytes);
+        break;
+      case 1:
+        t += bytes.real(), orbident_open(&ROBOT, memory, t);
+        break;
+      case 2:
+        save();
+        break;
       case 3:
-      case 4: spoil(bytes); break;
-      case 5: detect(); break;
+      case 4:
+        spoil(bytes);
+        break;
+      case 5:
+        detect();
+        break;
       default:
         for (unsigned more = 1 + bytes.one() % 8; more > 0; --more) step(bytes), detect();
     }

@@ -66,7 +66,7 @@ def tried(call: Call, place: int, value: Any) -> Any:
     """What a call returns with one argument in place of its own; None if it refuses."""
     given = (*call.arguments[:place], value, *call.arguments[place + 1 :])
     try:
-        return call.function(*given)
+        return call.again(given)
     except (TypeError, ValueError, MemoryError):
         return None
 

@@ -241,18 +241,15 @@ auto deviations(const OwnedRobot& owned, const Array& directions_, const Array& 
 
 void bind_dynamics(nb::module_& m) {
   nb::class_<OwnedTree>(m, "Tree", "A robot's kinematic tree; joint k moves body k + 1.")
-      .def("__init__", [](OwnedTree* self, const Array& parent, const Array& revolute,
-                          const Array& axis, const Array& R_PJ, const Array& p_PJ) {
-        new (self) OwnedTree(make_tree(parent, revolute, axis, R_PJ, p_PJ));
-      }, nb::arg("parent"), nb::arg("revolute"), nb::arg("axis"), nb::arg("R_PJ"), nb::arg("p_PJ"))
+      .def(nb::new_(&make_tree), nb::arg("parent"), nb::arg("revolute"), nb::arg("axis"),
+           nb::arg("R_PJ"), nb::arg("p_PJ"))
       .def_prop_ro("joints", [](const OwnedTree& tree) { return tree.joints.size(); });
   nb::class_<OwnedRobot>(m, "Robot", "A tree with its inertia theta and its reaction wheels.")
-      .def("__init__", [](OwnedRobot* self, const OwnedTree& tree, const Array& theta,
-                          const Array& wheel_axis, const Array& wheel_inertia) {
-        new (self) OwnedRobot(make_robot(tree, theta, wheel_axis, wheel_inertia));
-      }, nb::arg("tree"), nb::arg("theta"), nb::arg("wheel_axis"), nb::arg("wheel_inertia"));
+      .def(nb::new_(&make_robot), nb::arg("tree"), nb::arg("theta"), nb::arg("wheel_axis"),
+           nb::arg("wheel_inertia"));
   m.def("poses", &poses, nb::arg("tree"), nb::arg("q"), nb::arg("threads") = 1,
-        "R_Bi and p_SBi of all bodies, and the motion (w, u at S) of each joint at unit rate; base axes.");
+        "R_Bi and p_SBi of all bodies and the motion (w, u at S) of each joint at unit rate; base "
+        "axes.");
   m.def("momentum", &momentum, nb::arg("tree"), nb::arg("q"), nb::arg("qd"), nb::arg("w"),
         nb::arg("threads") = 1, "The momentum regressors S, P and A (Eqs. 3, 19).");
   m.def("masses", &masses, nb::arg("robot"), nb::arg("q"), nb::arg("carried"),

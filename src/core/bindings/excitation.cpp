@@ -21,7 +21,7 @@ struct OwnedFloating {
 
 // The laws of the base rate along one joint motion, at nodes and mid-nodes.
 struct Laws {
-  std::vector<RateLaw<double>> at;
+  std::vector<NodeLaw> at;
 };
 
 using In3 = Eigen::Map<const Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor>>;
@@ -46,12 +46,12 @@ std::ptrdiff_t steps_of(std::ptrdiff_t nodes) {
 Laws laws_at(const Floating& floating, const double* q, const double* qd, std::ptrdiff_t nodes,
              int threads) {
   const std::ptrdiff_t K = floating.robot.tree.joints;
-  Laws laws{std::vector<RateLaw<double>>(static_cast<std::size_t>(nodes))};
+  Laws laws{std::vector<NodeLaw>(static_cast<std::size_t>(nodes))};
   parallel_for(nodes, threads, [&](std::ptrdiff_t first, std::ptrdiff_t last) {
     BodiesMemory<double> memory(floating.robot.tree);
     for (std::ptrdiff_t k = first; k < last; ++k) {
       configure(floating.robot, q + k * K, memory.at);
-      laws.at[static_cast<std::size_t>(k)] = rate_law(floating, memory.at, qd + k * K);
+      laws.at[static_cast<std::size_t>(k)] = node_law(floating, memory.at, qd + k * K);
     }
   });
   return laws;
@@ -71,10 +71,10 @@ auto float_along(const OwnedFloating& owned, const Array& q_, const Array& qd_, 
     laws = laws_at(floating, q.data(), qd.data(), nodes, threads);
     Quaternion<double> x = floating.x_WB;
     for (std::ptrdiff_t k = 0; k <= n; ++k) {
-      const RateLaw<double>* law = laws.at.data() + 2 * k;
+      const NodeLaw* law = laws.at.data() + 2 * k;
       Eigen::Map<Quaternion<double>>(x_WB.data() + 4 * k) = x;
       Eigen::Map<Vector3<double>>(w.data() + 3 * k) = law->rate(x, floating.h_cm);
-      if (k < n) x = Step<double>(law, floating.h_cm, dt, x).end.normalized();
+      if (k < n) x = Step(law, floating.h_cm, dt, x).end.normalized();
     }
   }
   return std::make_tuple(w.give(), x_WB.give(), std::move(laws));
@@ -86,9 +86,9 @@ struct NodeMemory {
   std::vector<Motion<double>> wrench;
   std::vector<double> columns;
   std::vector<double> still, unused;  // joint rates of zero, and a gradient that is not needed
-  Wrenches<double> wrenches;
+  Wrenches wrenches;
   Rows3<double> S, P, A;
-  RegressorGradients<double> gradients;
+  RegressorGradients gradients;
 
   NodeMemory(const Tree& tree, std::ptrdiff_t phis)
       : bodies(tree),
@@ -128,12 +128,12 @@ std::vector<NodeStages> reverse_attitude(const Floating& floating, const Laws& l
   std::vector<NodeStages> stages(laws.at.size());
   Quaternion<double> f_x = Quaternion<double>::Zero();
   for (std::ptrdiff_t k = n; k >= 0; --k) {
-    const RateLaw<double>* law = laws.at.data() + 2 * k;
+    const NodeLaw* law = laws.at.data() + 2 * k;
     NodeStages* here = stages.data() + 2 * k;
     const Quaternion<double> x = Eigen::Map<const Quaternion<double>>(x_WB + 4 * k);
     here[0].w[0] = vector(w + 3 * k);
     if (k < n) {
-      Step<double> step(law, floating.h_cm, dt, x);
+      Step step(law, floating.h_cm, dt, x);
       f_x = step.reverse(f_x);
       here[0].a[0] = step.stage[0].a;
       here[1] = {{step.stage[1].a, step.stage[2].a}, {step.stage[1].w, step.stage[2].w}};
@@ -142,16 +142,17 @@ std::vector<NodeStages> reverse_attitude(const Floating& floating, const Laws& l
     }
     const Vector3<double> a = law->E * vector(f_w + 3 * k);
     const Vector3<double> h_B = quaternion_matrix(x).transpose() * floating.h_cm;
-    f_x += rotation_gradient<double>(x, vector(f_turn + 3 * k) + a.cross(h_B));
+    f_x += rotation_gradient(x, vector(f_turn + 3 * k) + a.cross(h_B));
     here[0].a[0] += a;
   }
   return stages;
 }
 
 auto float_gradient(const OwnedFloating& owned, const Laws& laws,
-                    const OwnedMinimalSets& owned_sets, const Array& q_, const Array& qd_, double dt, const Array& w_,
-                    const Array& x_WB_, const Array& f_Y_, const Array& f_W_, const Array& f_D_,
-                    const Array& f_r_, const Array& f_w_, const Array& f_turn_, int threads) {
+                    const OwnedMinimalSets& owned_sets, const Array& q_, const Array& qd_,
+                    double dt, const Array& w_, const Array& x_WB_, const Array& f_Y_,
+                    const Array& f_W_, const Array& f_D_, const Array& f_r_, const Array& f_w_,
+                    const Array& f_turn_, int threads) {
   const Floating floating = owned.view();
   const Robot& robot = floating.robot;
   const MinimalSets sets = owned_sets.view();
@@ -189,8 +190,8 @@ auto float_gradient(const OwnedFloating& owned, const Laws& laws,
         move(robot.tree, at.field, w_k, qd_k, at.motion);
         first_moment_columns(robot.tree, at.pose, memory.S);
         momentum_columns(robot.tree, at.pose, at.motion, memory.P, memory.A);
-        regressor_gradients<double>(sets, memory.S, memory.P, In3(f_Y.data() + 3 * pis * k, 3, pis),
-                                    In3(f_W.data() + 3 * phis * k, 3, phis), memory.gradients);
+        regressor_gradients(sets, memory.S, memory.P, In3(f_Y.data() + 3 * pis * k, 3, pis),
+                            In3(f_W.data() + 3 * phis * k, 3, phis), memory.gradients);
         Eigen::Map<Vector3<double>>(to_w.data() + 3 * k) +=
             momentum_adjoint(robot.tree, at.field, qd_k, wrenches, memory.wrenches, f_q_k, f_qd_k);
         // D e_i is h_rs at the unit rate e_i.
@@ -198,22 +199,22 @@ auto float_gradient(const OwnedFloating& owned, const Laws& laws,
                                                                                   9 * k);
         Vector3<double> r = vector(f_r.data() + 3 * k);
         for (int i = 0; i < 3 && (!by_D.isZero(0) || !r.isZero(0)); ++i, r = none)
-          add_momentum_gradient<double>(robot, at, memory.wrenches, by_D.col(i), r,
-                                        Vector3<double>::Unit(i), memory.still.data(), f_q_k,
-                                        memory.unused.data());
+          add_momentum_gradient(robot, at, memory.wrenches, by_D.col(i), r,
+                                Vector3<double>::Unit(i), memory.still.data(), f_q_k,
+                                memory.unused.data());
       }
     });
-    const std::vector<NodeStages> stages = reverse_attitude(
-        floating, laws, x_WB.data(), w.data(), dt, n, to_w.data(), f_turn.data());
+    const std::vector<NodeStages> stages =
+        reverse_attitude(floating, laws, x_WB.data(), w.data(), dt, n, to_w.data(), f_turn.data());
     parallel_for(nodes, threads, [&](std::ptrdiff_t first, std::ptrdiff_t last) {
       NodeMemory memory(robot.tree, phis);
       for (std::ptrdiff_t k = first; k < last; ++k) {
         configure(robot, q.data() + k * K, memory.bodies.at);
         const NodeStages& here = stages[static_cast<std::size_t>(k)];
         for (int s = 0; s < 2; ++s)
-          add_momentum_gradient<double>(robot, memory.bodies.at, memory.wrenches, -here.a[s], none,
-                                        here.w[s], qd.data() + k * K, f_q.data() + k * K,
-                                        f_qd.data() + k * K);
+          add_momentum_gradient(robot, memory.bodies.at, memory.wrenches, -here.a[s], none,
+                                here.w[s], qd.data() + k * K, f_q.data() + k * K,
+                                f_qd.data() + k * K);
       }
     });
   }
@@ -224,18 +225,14 @@ auto float_gradient(const OwnedFloating& owned, const Laws& laws,
 
 void bind_excitation(nb::module_& m) {
   nb::class_<OwnedFloating>(m, "Floating", "A robot that floats, and its constant momentum.")
-      .def("__init__", [](OwnedFloating* self, const OwnedRobot& robot, bool planar,
-                          const Array& D_free, const Array& h_rw, const Array& h_cm,
-                          const Array& x_WB) {
-        new (self) OwnedFloating(make_floating(robot, planar, D_free, h_rw, h_cm, x_WB));
-      }, nb::arg("robot"), nb::arg("planar"), nb::arg("D_free"), nb::arg("h_rw"),
-           nb::arg("h_cm"), nb::arg("x_WB"));
+      .def(nb::new_(&make_floating), nb::arg("robot"), nb::arg("planar"), nb::arg("D_free"),
+           nb::arg("h_rw"), nb::arg("h_cm"), nb::arg("x_WB"));
   nb::class_<Laws>(m, "RateLaws", "How the base rate follows from the attitude, node by node.");
   m.def("float_along", &float_along, nb::arg("floating"), nb::arg("q"), nb::arg("qd"),
         nb::arg("dt"), nb::arg("threads") = 1,
         "Base rate and attitude at every second of the nodes, by RK4; the laws at all of them.");
-  m.def("float_gradient", &float_gradient, nb::arg("floating"), nb::arg("laws"), nb::arg("sets"), nb::arg("q"),
-        nb::arg("qd"), nb::arg("dt"), nb::arg("w"), nb::arg("x_WB"), nb::arg("f_Y"),
+  m.def("float_gradient", &float_gradient, nb::arg("floating"), nb::arg("laws"), nb::arg("sets"),
+        nb::arg("q"), nb::arg("qd"), nb::arg("dt"), nb::arg("w"), nb::arg("x_WB"), nb::arg("f_Y"),
         nb::arg("f_W"), nb::arg("f_D"), nb::arg("f_r"), nb::arg("f_w"), nb::arg("f_turn"),
         nb::arg("threads") = 1,
         "df/dq and df/dqd at all nodes, from the gradients of f by Y, W, D, r_cm, w and a small "

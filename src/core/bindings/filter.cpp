@@ -6,12 +6,6 @@
 namespace orbident::python {
 namespace {
 
-SensorNoise make_noise(const Array& noise_) {
-  const auto noise = input<1>("noise", noise_, {12});
-  const double* const n = noise.data();
-  return {n[0], n[1], n[2], n[3], n[4], n[5], n[6], n[7], n[8], n[9], n[10], n[11] != 0.0};
-}
-
 int put_axes(const char* name, const Array& given_, int* axes) {
   const std::vector<int> given = whole_numbers(name, input<1>(name, given_, {ANY}), 3);
   if (given.empty() || given.size() > 3)
@@ -26,7 +20,7 @@ OwnedFilter make_filter(const OwnedRobot& robot, const OwnedMinimalSets& sets,
                         const Array& theta_of_, const Array& pi_of_beta_,
                         const Array& pi_of_products_, const Array& pairs_, int sigmas,
                         const Array& momentum_axes, const Array& velocity_axes,
-                        const Array& noise) {
+                        const SensorNoise& noise) {
   const int pis = sets.view().pis();
   const std::int64_t thetas = PER_BODY * robot.tree.view().bodies();
   const auto theta_of = input<2>("theta_of", theta_of_, {thetas, ANY});
@@ -43,8 +37,16 @@ OwnedFilter make_filter(const OwnedRobot& robot, const OwnedMinimalSets& sets,
     for (int c = 0; c < iotas; ++c)
       if (pi_of_beta.data()[r * betas + 1 + sigmas + c] != (r == c ? 1.0 : 0.0))
         throw nb::value_error("pi_of_beta: every iota must have one of the first pi for itself");
-  OwnedFilter filter{robot, sets, sparse(theta_of), sparse(pi_of_beta), sparse(pi_of_products),
-                     whole_numbers("pairs", pairs, sigmas), {}, make_noise(noise), pis, sigmas,
+  OwnedFilter filter{robot,
+                     sets,
+                     sparse(theta_of),
+                     sparse(pi_of_beta),
+                     sparse(pi_of_products),
+                     whole_numbers("pairs", pairs, sigmas),
+                     {},
+                     noise,
+                     pis,
+                     sigmas,
                      iotas};
   // The columns of M and sigma alone.
   filter.pi_of_shown.first.resize(static_cast<std::size_t>(sigmas) + 2);

@@ -94,21 +94,22 @@ using SharedState = std::shared_ptr<OwnedState>;
 // What a state is changed by must have its sizes.
 inline void check_state(const FilterSizes& size, const OwnedState& state) {
   const FilterSizes& of = state.size;
-  if (size.nuisances != of.nuisances || size.parameters != of.parameters || size.shown != of.shown ||
-      size.iotas != of.iotas || size.rows != of.rows)
+  if (size.nuisances != of.nuisances || size.parameters != of.parameters ||
+      size.shown != of.shown || size.iotas != of.iotas || size.rows != of.rows)
     throw nb::value_error("state: it is of another filter");
 }
 
 // An int counts the sums of a detector.
 inline void check_watch(int rows, int window) {
   if (rows < 1 || window < 1 || window >= std::numeric_limits<int>::max() / rows - LANES)
-    throw nb::value_error("rows, window: give at least one of each, and no more than there is room for");
+    throw nb::value_error(
+        "rows, window: give at least one of each, and no more than there is room for");
 }
 
 OwnedFilter make_filter(const OwnedRobot& robot, const OwnedMinimalSets& sets,
                         const Array& theta_of, const Array& pi_of_beta, const Array& pi_of_products,
                         const Array& pairs, int sigmas, const Array& momentum_axes,
-                        const Array& velocity_axes, const Array& noise);
+                        const Array& velocity_axes, const SensorNoise& noise);
 
 // The parts of a state, as properties of a Python class.
 void bind_filter_state(nb::module_& m);

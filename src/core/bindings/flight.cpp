@@ -45,8 +45,9 @@ auto memory_of(const OwnedFilter& filter, int window) {
 }  // namespace
 
 void bind_flight(nb::module_& m) {
-  m.def("flight_tables", &tables_of, nb::arg("filter"),
-        "Constant tables by name; a sparse one is where its columns begin, its rows and its values.");
+  m.def(
+      "flight_tables", &tables_of, nb::arg("filter"),
+      "Constant tables by name; a sparse one is where its columns begin, its rows and its values.");
   m.def("flight_memory", &memory_of, nb::arg("filter"), nb::arg("window"),
         "Numbers that a filter and its detector take, and those of them that are its state.");
 }

@@ -91,9 +91,9 @@ struct Nodes {
   In<3> E;
   In<2> b, h_cm;
   FloatingNode<double> at(std::ptrdiff_t k) const {
-    return {{Eigen::Map<const RowMajor3<double>>(E.data() + 9 * k),
-             Vector3<double>(b.data() + 3 * k)},
-            Vector3<double>(h_cm.data() + 3 * k)};
+    return {
+        {Eigen::Map<const RowMajor3<double>>(E.data() + 9 * k), Vector3<double>(b.data() + 3 * k)},
+        Vector3<double>(h_cm.data() + 3 * k)};
   }
   FloatingNode<Lanes> at(const Group& group) const {
     RowMajor3<Lanes> E_k;
@@ -176,10 +176,11 @@ void bind_free_floating(nb::module_& m) {
         "E and b of w = E R_0^T h_cm - b, by (D - D_free) w + D_q qd + h_spin = R_0^T h_cm.");
   m.def("rate_laws", &laws_of, nb::arg("D"), nb::arg("h_moving"), nb::arg("planar"),
         nb::arg("threads") = 1, "The same by D w + h_moving = R_0^T h_cm.");
-  m.def("attitudes", &attitudes, nb::arg("E"), nb::arg("b"), nb::arg("h_cm"), nb::arg("x_WB"),
-        nb::arg("t"), nb::arg("substeps"),
-        "The attitude at the samples by so many RK4 steps between two of them, and the largest angle "
-        "from what half as many give; nodes are the ends and middles of the steps.");
+  m.def(
+      "attitudes", &attitudes, nb::arg("E"), nb::arg("b"), nb::arg("h_cm"), nb::arg("x_WB"),
+      nb::arg("t"), nb::arg("substeps"),
+      "The attitude at the samples by so many RK4 steps between two of them, and the largest angle "
+      "from what half as many give; nodes are the ends and middles of the steps.");
   m.def("floating_motion", &motion, nb::arg("robot"), nb::arg("q"), nb::arg("qd"), nb::arg("E"),
         nb::arg("b"), nb::arg("h_cm"), nb::arg("x_WB"), nb::arg("threads") = 1,
         "Base rate (base axes); r_S and v_S relative to the CM (inertial axes).");

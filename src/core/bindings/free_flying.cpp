@@ -124,7 +124,9 @@ struct Shown {
     const auto put = [row](Out<2>& to, const double* from) {
       std::copy_n(from, to.shape()[1], to.data() + static_cast<std::size_t>(row) * to.shape()[1]);
     };
-    const auto put_vector = [put](Out<2>& to, const Vector3<double>& from) { put(to, from.data()); };
+    const auto put_vector = [put](Out<2>& to, const Vector3<double>& from) {
+      put(to, from.data());
+    };
     const Flying<const double> x(robot, state);
     const EquationsOfMotion<double>& eq = memory.plant;
     const Matrix3<double> R_WB = quaternion_matrix(Quaternion<double>(x.x_WB));
@@ -150,8 +152,8 @@ struct Shown {
 
   auto give() {
     return std::make_tuple(q.give(), x_WB.give(), q_rw.give(), v.give(), vd.give(), r_cm.give(),
-                           r_S.give(), v_cm.give(), v_S.give(), f_S.give(), h_cm.give(),
-                           tau.give(), tau_rw.give());
+                           r_S.give(), v_cm.give(), v_S.give(), f_S.give(), h_cm.give(), tau.give(),
+                           tau_rw.give());
   }
 };
 
@@ -203,27 +205,18 @@ auto fly(const OwnedVehicle& owned, const Array& state_, const Array& dt_, const
 }  // namespace
 
 void bind_free_flying(nb::module_& m) {
-  m.def("forward_dynamics", &forward, nb::arg("robot"), nb::arg("q"), nb::arg("v"), nb::arg("Q"),
-        nb::arg("vd"), nb::arg("free"), nb::arg("threads") = 1,
-        "v' from H+ v' + c+ = Q where free is 1, as given where it is 0; and the acceleration of S.");
+  m.def(
+      "forward_dynamics", &forward, nb::arg("robot"), nb::arg("q"), nb::arg("v"), nb::arg("Q"),
+      nb::arg("vd"), nb::arg("free"), nb::arg("threads") = 1,
+      "v' from H+ v' + c+ = Q where free is 1, as given where it is 0; and the acceleration of S.");
   nb::class_<OwnedComputedTorque>(m, "ComputedTorque", "Torques by a model.")
-      .def("__init__", [](OwnedComputedTorque* self, const OwnedRobot& model,
-                          const Array& of_momentum, double kp, double kd) {
-        new (self) OwnedComputedTorque(make_computed(model, of_momentum, kp, kd));
-      }, nb::arg("model"), nb::arg("of_momentum"), nb::arg("kp"), nb::arg("kd"));
+      .def(nb::new_(&make_computed), nb::arg("model"), nb::arg("of_momentum"), nb::arg("kp"),
+           nb::arg("kd"));
   nb::class_<OwnedVehicle>(m, "Vehicle", "A robot, its control laws, and where wrenches act.")
-      .def("__init__", [](OwnedVehicle* self, const OwnedRobot& robot, const Array& free,
-                          const Array& Kp, const Array& Kd, const Array& k, const Array& speed,
-                          const Array& share, double kp, double kd, const Array& x_WD,
-                          const Array& torque_limit, const Array& speed_limit, const Array& body,
-                          const Array& point, std::optional<OwnedComputedTorque> computed) {
-        new (self) OwnedVehicle(make_vehicle(robot, free, Kp, Kd, k, speed, share, kp, kd, x_WD,
-                                             torque_limit, speed_limit, body, point,
-                                             std::move(computed)));
-      }, nb::arg("robot"), nb::arg("free"), nb::arg("Kp"), nb::arg("Kd"), nb::arg("k"),
-           nb::arg("speed"), nb::arg("share"), nb::arg("kp"), nb::arg("kd"), nb::arg("x_WD"),
-           nb::arg("torque_limit"), nb::arg("speed_limit"), nb::arg("body"), nb::arg("point"),
-           nb::arg("computed").none());
+      .def(nb::new_(&make_vehicle), nb::arg("robot"), nb::arg("free"), nb::arg("Kp"), nb::arg("Kd"),
+           nb::arg("k"), nb::arg("speed"), nb::arg("share"), nb::arg("kp"), nb::arg("kd"),
+           nb::arg("x_WD"), nb::arg("torque_limit"), nb::arg("speed_limit"), nb::arg("body"),
+           nb::arg("point"), nb::arg("computed").none());
   m.def("fly", &fly, nb::arg("vehicle"), nb::arg("state"), nb::arg("dt"), nb::arg("command"),
         nb::arg("shown"), "RK4 steps from a state; what is seen at the start of the shown ones.");
 }

@@ -1,7 +1,7 @@
-// The rows of a block of samples are written by two threads; the nuisances, which lead from sample to sample,
-// are taken from them by one. What is left is about the parameters alone and may be folded in any order: each
-// half of a block into a triangle of its own, both of which become one at the end. So the sums are the same
-// whatever the number of threads.
+// The rows of a block of samples are written by two threads; the nuisances, which lead from sample
+// to sample, are taken from them by one. What is left is about the parameters alone and may be
+// folded in any order: each half of a block into a triangle of its own, both of which become one at
+// the end. So the sums are the same whatever the number of threads.
 #include "gathering.hpp"
 
 #include <algorithm>
@@ -44,23 +44,23 @@ class Gathering {
         equations_[static_cast<std::size_t>(k)] =
             equations_of(model_, state_, measurement(packed, k), rows(k), room(half));
       });
-      for (std::ptrdiff_t k = 0; k < n; ++k) take_nuisances(t[first + k], measurement(packed, k), k);
-      parallel_for(
-          HALVES, threads_,
-          [&](std::ptrdiff_t from, std::ptrdiff_t to) {
-            for (std::ptrdiff_t half = from; half < to; ++half) {
-              const std::ptrdiff_t begin = n * half / HALVES, end = n * (half + 1) / HALVES;
-              fold(triangle(half), R_stride_, rows(begin) + size_.nuisances, stride_,
-                   static_cast<int>(end - begin) * size_.rows, R_stride_, parameters_);
-            }
-          },
-          1);
-      for (std::ptrdiff_t row = 0; row < n * size_.rows; ++row) add(rows(0) + row * stride_ + size_.nuisances);
+      for (std::ptrdiff_t k = 0; k < n; ++k)
+        take_nuisances(t[first + k], measurement(packed, k), k);
+      parallel_for(HALVES, threads_, [&](std::ptrdiff_t from, std::ptrdiff_t to) {
+        for (std::ptrdiff_t half = from; half < to; ++half) {
+          const std::ptrdiff_t begin = n * half / HALVES, end = n * (half + 1) / HALVES;
+          fold(triangle(half), R_stride_, rows(begin) + size_.nuisances, stride_,
+               static_cast<int>(end - begin) * size_.rows, R_stride_, parameters_);
+        }
+      }, 1);
+      for (std::ptrdiff_t row = 0; row < n * size_.rows; ++row)
+        add(rows(0) + row * stride_ + size_.nuisances);
     }
     for (int first = 0; first < parameters_; first += BLOCK) {
       double* const from = other_.data() + first * R_stride_ + first;
       const int left = parameters_ - first, n = std::min(BLOCK, left);
-      fold(triangle(0) + first * R_stride_ + first, R_stride_, from, R_stride_, n, R_stride_ - first, left);
+      fold(triangle(0) + first * R_stride_ + first, R_stride_, from, R_stride_, n,
+           R_stride_ - first, left);
       for (int row = 0; row < n; ++row) add(from + row * R_stride_ - first);
     }
     return found_;
@@ -80,7 +80,9 @@ class Gathering {
   Gathered found_;
 
   FilterRoom& room(std::ptrdiff_t half) { return rooms_[static_cast<std::size_t>(half)].at; }
-  double* rows(std::ptrdiff_t k) { return table_.data() + size_.row_start() + k * size_.rows * stride_; }
+  double* rows(std::ptrdiff_t k) {
+    return table_.data() + size_.row_start() + k * size_.rows * stride_;
+  }
   double* triangle(std::ptrdiff_t half) {
     return half ? other_.data() : reduced_ ? state_.root : state_.R;
   }
@@ -91,13 +93,10 @@ class Gathering {
   // work(half, k) for the samples k of each half.
   template <class Work>
   void halves(std::ptrdiff_t n, const Work& work) {
-    parallel_for(
-        HALVES, threads_,
-        [&](std::ptrdiff_t from, std::ptrdiff_t to) {
-          for (std::ptrdiff_t half = from; half < to; ++half)
-            for (std::ptrdiff_t k = n * half / HALVES; k < n * (half + 1) / HALVES; ++k) work(half, k);
-        },
-        1);
+    parallel_for(HALVES, threads_, [&](std::ptrdiff_t from, std::ptrdiff_t to) {
+      for (std::ptrdiff_t half = from; half < to; ++half)
+        for (std::ptrdiff_t k = n * half / HALVES; k < n * (half + 1) / HALVES; ++k) work(half, k);
+    }, 1);
   }
 
   void take_nuisances(double t, const Measurement& at, std::ptrdiff_t k) {
@@ -116,8 +115,8 @@ class Gathering {
 
 }  // namespace
 
-Gathered gather(const OwnedFilter& filter, OwnedState& state, const double* t, const double* samples,
-                std::ptrdiff_t count, int threads) {
+Gathered gather(const OwnedFilter& filter, OwnedState& state, const double* t,
+                const double* samples, std::ptrdiff_t count, int threads) {
   return Gathering(filter, state, threads).all(t, samples, count);
 }
 

@@ -13,7 +13,7 @@ struct Gathered {
 };
 
 // The state is that after the last sample, with the estimate and the nuisances' values of before.
-Gathered gather(const OwnedFilter& filter, OwnedState& state, const double* t, const double* samples,
-                std::ptrdiff_t count, int threads);
+Gathered gather(const OwnedFilter& filter, OwnedState& state, const double* t,
+                const double* samples, std::ptrdiff_t count, int threads);
 
 }  // namespace orbident::python

@@ -8,7 +8,7 @@
 namespace orbident::python {
 
 inline void use(const Bodies<double>& bodies, std::vector<Momentum<double>>& carried,
-         std::vector<MomentumTerms<double>>& by, TermsMemory<double>& memory) {
+                std::vector<MomentumTerms>& by, TermsMemory& memory) {
   memory.at = bodies;
   memory.carried_momentum = carried.data();
   memory.by_q = by.data();
@@ -18,23 +18,23 @@ inline void use(const Bodies<double>& bodies, std::vector<Momentum<double>>& car
 // Memory for one end of the elimination.
 class OwnedSweep {
  public:
-  explicit OwnedSweep(const Recorded<double>& all) : bodies_(all.tree) {
+  explicit OwnedSweep(const Recorded& all) : bodies_(all.tree) {
     const int K = all.tree.joints, n = all.stride(), unknowns = all.columns.count();
     int longest = 0;
     for (int k = 0; k < all.intervals; ++k)
       longest = std::max(longest, all.edge[k + 1] - all.edge[k]);
     carried_.resize(static_cast<std::size_t>(K + 1));
     by_.resize(2 * static_cast<std::size_t>(K));
-    IntervalMemory<double>& interval = at.interval;
+    IntervalMemory& interval = at.interval;
     use(bodies_.at, carried_, by_, interval.terms);
     interval.q = take(K);
     interval.qd = take(K);
     interval.qdd = take(K);
-    for (JointState<double>& shown : interval.shown)
+    for (JointState& shown : interval.shown)
       shown = {take(K), take(K), take(K), take(all.wheels), take(all.wheels)};
     for (int k = 0; k < 3; ++k) {
       interval.node[k].by = take(BY_ROWS * unknowns);
-      BaseNode<double>& base = interval.base[k];
+      BaseNode& base = interval.base[k];
       base.G = take(3 * unknowns);
       base.phi = take(3 * unknowns);
       base.dw = take(3 * unknowns);
@@ -42,7 +42,7 @@ class OwnedSweep {
       interval.velocity[k] = take(3 * unknowns);
     }
     for (auto& sensor : interval.whitening)
-      for (Whitening<double>& axis : sensor)
+      for (Whitening& axis : sensor)
         for (double*& mean : axis.mean) mean = take(all.lasting ? n : 0);
     interval.slopes = take(3 * unknowns);
     interval.felt = take(3 * unknowns);
@@ -52,7 +52,7 @@ class OwnedSweep {
     at.continuity = take(BIASES * n);
   }
   OwnedSweep(const OwnedSweep&) = delete;
-  SweepMemory<double> at;
+  SweepMemory at;
 
  private:
   double* take(std::ptrdiff_t count) {
@@ -60,7 +60,7 @@ class OwnedSweep {
   }
   BodiesMemory<double> bodies_;
   std::vector<Momentum<double>> carried_;
-  std::vector<MomentumTerms<double>> by_;
+  std::vector<MomentumTerms> by_;
   std::vector<std::vector<double>> room_;
 };
 
@@ -68,20 +68,19 @@ class OwnedSweep {
 struct Call {
   std::vector<int> selected;
   OwnedTree tree;
-  Recorded<double> recorded;
+  Recorded recorded;
   In<2> x_WB, local;
   In<1> common;
   std::vector<In<2>> weights;
   std::vector<Out<2>> residuals;
   std::vector<double> theta, calibration;
-  Coloured<double> coloured[TRACKERS][3];
+  Coloured coloured[TRACKERS][3];
   In<3> acting;
   std::vector<int> gains;
 
   Call(const OwnedRecorded& owned, const std::vector<Array>& given, const Array& coloured_,
-       const Array& acting_,
-       const Array& x_WB_, const Array& local_, const Array& common_, const Array& selected_,
-       bool with_residuals)
+       const Array& acting_, const Array& x_WB_, const Array& local_, const Array& common_,
+       const Array& selected_, bool with_residuals)
       : selected(whole_numbers("selected", input<1>("selected", selected_, {ANY}),
                                std::numeric_limits<int>::max())),
         tree(owned.tree),
@@ -89,7 +88,7 @@ struct Call {
         x_WB(input<2>("x_WB", x_WB_, {recorded.intervals + 1, 4})),
         local(input<2>("local", local_, {recorded.intervals + 1, recorded.local()})),
         common(input<1>("common", common_, {recorded.common()})),
-        theta(owned.nominal.data(), owned.nominal.data() + owned.nominal.size(0)),
+        theta(owned.theta_0.data(), owned.theta_0.data() + owned.theta_0.size(0)),
         calibration(static_cast<std::size_t>(recorded.places().count()), 0.0),
         acting(input<3>("acting", acting_, {ANY, ACTING_ROWS, ANY})) {
     if (given.size() != SENSORS) throw nb::value_error("weights: give one array a sensor");
@@ -138,7 +137,7 @@ struct Call {
   // By tracker and axis: std, time and walk of what lasts.
   void colour(const Array& given) {
     const auto all = input<3>("coloured", given, {TRACKERS, 3, 3});
-    Sensed<double>* const trackers[TRACKERS] = {&recorded.attitude, &recorded.position};
+    Sensed* const trackers[TRACKERS] = {&recorded.attitude, &recorded.position};
     int place = BIASES;
     for (int k = 0; k < TRACKERS; ++k) {
       int parts = 0;
@@ -155,8 +154,11 @@ struct Call {
     if (place - BIASES != recorded.lasting)
       throw nb::value_error("coloured: has another number of parts than `first`");
   }
-  LinearisedAt<double> at() const {
-    return {x_WB.data(), local.data(), common.data(), theta.data(),
+  LinearisedAt at() const {
+    return {x_WB.data(),
+            local.data(),
+            common.data(),
+            theta.data(),
             {recorded.places(), selected.data(), calibration.data()}};
   }
 };

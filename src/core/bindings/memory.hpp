@@ -1,5 +1,6 @@
-// Memory for arrays that go to Python. A large block is new to the process page by page, which takes longer
-// than to fill it: what Python has freed is kept for the next arrays. Both happen under the GIL (arrays.cpp).
+// Memory for arrays that go to Python. A large block is new to the process page by page, which
+// takes longer than to fill it: what Python has freed is kept for the next arrays. Both happen
+// under the GIL (arrays.cpp).
 #pragma once
 
 #include <cstddef>
@@ -21,8 +22,9 @@ struct Block {
 Block take_memory(std::size_t numbers);
 void give_memory_back(const Block& freed) noexcept;
 
-// Numbers of an array that no cache of one processor holds (8 MB). What is written there goes to memory
-// at once, where the processor can do so: through the caches, every line would be read first.
+// Numbers of an array that no cache of one processor holds (8 MB). What is written there goes to
+// memory at once, where the processor can do so: through the caches, every line would be read
+// first.
 constexpr std::size_t PAST_CACHES = 1'000'000;
 
 // Frees what is kept, and gives all free memory back to the system where it can be.

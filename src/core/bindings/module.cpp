@@ -18,7 +18,7 @@ void bind_recursive(nanobind::module_& m);
 void bind_smoothing(nanobind::module_& m);
 void bind_trajectories(nanobind::module_& m);
 void bind_whitening(nanobind::module_& m);
-}
+}  // namespace orbident::python
 
 NB_MODULE(_core, m) {
   // Python keeps robots in caches of modules, which it does not clear when it ends.

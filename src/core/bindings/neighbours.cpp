@@ -18,13 +18,10 @@ auto expected_samples(const Array& t_, const Array& x_, int farthest, int thread
     if (count < 1)
       std::copy_n(x.data(), n, out.data());
     else
-      parallel_for(
-          n, threads,
-          [&](std::ptrdiff_t first, std::ptrdiff_t last) {
-            for (std::ptrdiff_t k = first; k < last; ++k)
-              out.data()[k] = expected(t.data(), x.data(), n, k, count);
-          },
-          2048);
+      parallel_for(n, threads, [&](std::ptrdiff_t first, std::ptrdiff_t last) {
+        for (std::ptrdiff_t k = first; k < last; ++k)
+          out.data()[k] = expected(t.data(), x.data(), n, k, count);
+      }, 2048);
   }
   return out.give();
 }

@@ -11,10 +11,10 @@ namespace orbident::python {
 namespace {
 
 auto linearised(const OwnedRecorded& owned, const std::vector<Array>& weights,
-                const Array& coloured, const Array& acting, const Array& x_WB, const Array& local, const Array& common, const Array& selected, int threads,
-                bool factor_only) {
+                const Array& coloured, const Array& acting, const Array& x_WB, const Array& local,
+                const Array& common, const Array& selected, int threads, bool factor_only) {
   Call call(owned, weights, coloured, acting, x_WB, local, common, selected, !factor_only);
-  const Recorded<double>& all = call.recorded;
+  const Recorded& all = call.recorded;
   const std::int64_t left = all.width() - all.local();
   Out<2> factor(left, left);
   Out<3> links(factor_only ? 0 : all.intervals, all.local(), all.width());
@@ -36,16 +36,17 @@ auto linearised(const OwnedRecorded& owned, const std::vector<Array>& weights,
 
 // The equations of one interval over [z start | z end | g | right-hand side].
 auto interval_equations(const OwnedRecorded& owned, const std::vector<Array>& weights,
-                        const Array& coloured, const Array& acting, const Array& x_WB, const Array& local, const Array& common,
-                        const Array& selected, int interval) {
+                        const Array& coloured, const Array& acting, const Array& x_WB,
+                        const Array& local, const Array& common, const Array& selected,
+                        int interval) {
   Call call(owned, weights, coloured, acting, x_WB, local, common, selected, false);
-  const Recorded<double>& all = call.recorded;
+  const Recorded& all = call.recorded;
   if (interval < 0 || interval >= all.intervals)
     throw nb::value_error("interval: there is none of this number");
   const int L = all.local(), n = all.stride(), width = all.width();
   OwnedSweep memory(all);
-  EquationTable<double> sensed{memory.at.rows, n, width, 0, L, L, all.corrections(), 0, 0.0};
-  EquationTable<double> continuity{memory.at.continuity, n, width, 0, L, L, all.corrections(), 0, 0.0};
+  EquationTable sensed{memory.at.rows, n, width, 0, L, L, all.corrections(), 0, 0.0};
+  EquationTable continuity{memory.at.continuity, n, width, 0, L, L, all.corrections(), 0, 0.0};
   linearise(all, call.at(), interval, memory.at.interval, sensed, continuity);
   add_encoders(all, call.at(), interval, true, memory.at.R);
   Out<2> table(sensed.rows + BIASES + 2 * L, width);
@@ -53,7 +54,8 @@ auto interval_equations(const OwnedRecorded& owned, const std::vector<Array>& we
   for (const auto& [from, rows] : {std::pair<const double*, int>{sensed.table, sensed.rows},
                                    {continuity.table, BIASES},
                                    {memory.at.R, 2 * L}})
-    for (int k = 0; k < rows; ++k, to += width) std::copy_n(from + std::ptrdiff_t(k) * n, width, to);
+    for (int k = 0; k < rows; ++k, to += width)
+      std::copy_n(from + std::ptrdiff_t(k) * n, width, to);
   return table.give();
 }
 
@@ -64,21 +66,22 @@ auto momentum_terms(const OwnedTree& owned, const Array& theta_of_, const Array&
   const auto dense = input<2>("theta_of", theta_of_, {PER_BODY * B, ANY});
   const OwnedSparse theta_of = sparse(dense);
   const auto beta = input<1>("beta", beta_, {dense.size(1)});
-  const auto q = input<1>("q", q_, {K}), qd = input<1>("qd", qd_, {K}), qdd = input<1>("qdd", qdd_, {K});
+  const auto q = input<1>("q", q_, {K}), qd = input<1>("qd", qd_, {K}),
+             qdd = input<1>("qdd", qdd_, {K});
   const Eigen::Map<const Eigen::Matrix<double, -1, -1, Eigen::RowMajor>> of(
       dense.data(), dense.size(0), dense.size(1));
   const Eigen::VectorXd theta = of * Eigen::Map<const Eigen::VectorXd>(beta.data(), beta.size(0));
   BodiesMemory<double> bodies(tree);
   std::vector<Momentum<double>> carried(static_cast<std::size_t>(B));
-  std::vector<MomentumTerms<double>> by(2 * static_cast<std::size_t>(K));
-  TermsMemory<double> memory;
+  std::vector<MomentumTerms> by(2 * static_cast<std::size_t>(K));
+  TermsMemory memory;
   use(bodies.at, carried, by, memory);
   const auto all = joint_moments(tree, theta.data(), q.data(), qd.data(), memory);
   differentiate_by_joints(tree, memory);
   // Columns: terms, rates, by q, by qd, by beta.
   const std::int64_t columns = 2 + 2 * K + beta.size(0);
   Out<2> table(BY_ROWS, columns);
-  const auto write = [&](const MomentumTerms<double>& terms, std::int64_t column) {
+  const auto write = [&](const MomentumTerms& terms, std::int64_t column) {
     write_change(terms, table.data() + column, columns);
   };
   write(about_cm(all), 0);
@@ -106,36 +109,30 @@ auto boundaries_of(const Array& links_, const Array& z_, const Array& g_) {
 
 void bind_output_error(nb::module_& m) {
   nb::class_<OwnedRecorded>(m, "Recorded", "A recording cut into shooting intervals.")
-      .def("__init__", [](OwnedRecorded* self, const OwnedTree& tree, const Array& nominal,
-                          const Array& theta_of, bool planar, int substeps, const Array& corrected, const Array& t,
-                          const Array& edge, const Array& knots, const std::vector<Array>& q,
-                          const std::vector<Array>& q_slope, const std::vector<Array>& qd,
-                          const std::vector<Array>& qdd, const Array& A_rw,
-                          const std::vector<Array>& qd_rw, const std::vector<Array>& qdd_rw,
-                          const std::vector<Array>& samples, const Array& first,
-                          const Array& prior, const Array& walk) {
-        new (self) OwnedRecorded(make_recorded(tree, nominal, theta_of, planar, substeps, corrected, t, edge,
-                                               knots, q, q_slope, qd, qdd, A_rw, qd_rw, qdd_rw, samples, first,
-                                               prior, walk));
-      }, nb::arg("tree"), nb::arg("nominal"), nb::arg("theta_of"), nb::arg("planar"), nb::arg("substeps"),
-           nb::arg("corrected"), nb::arg("t"), nb::arg("edge"), nb::arg("knots"), nb::arg("q"),
-           nb::arg("q_slope"), nb::arg("qd"),
-           nb::arg("qdd"), nb::arg("A_rw"), nb::arg("qd_rw"), nb::arg("qdd_rw"),
-           nb::arg("samples"), nb::arg("first"), nb::arg("prior"), nb::arg("walk"))
+      .def(nb::new_(&make_recorded), nb::kw_only(), nb::arg("tree"), nb::arg("theta_0"),
+           nb::arg("theta_of"), nb::arg("planar"), nb::arg("substeps"), nb::arg("corrected"),
+           nb::arg("t"), nb::arg("edge"), nb::arg("knots"), nb::arg("q"), nb::arg("q_slope"),
+           nb::arg("qd"), nb::arg("qdd"), nb::arg("A_rw"), nb::arg("qd_rw"), nb::arg("qdd_rw"),
+           nb::arg("samples"), nb::arg("first"), nb::arg("corrections"), nb::arg("walk"),
+           "theta = theta_0 + theta_of beta. Standard deviations: `first` of the unknowns of "
+           "the first boundary, `corrections` of those of joints anywhere, `walk` of what "
+           "attitude and biases walk in a second.")
       .def_prop_ro("local", [](const OwnedRecorded& all) { return all.view().local(); },
                    "How many unknowns a boundary has.")
       .def_prop_ro("places", [](const OwnedRecorded& all) { return all.view().places().count(); },
                    "How many calibrations there are; gains are at the places beyond.");
-  m.def("linearised", &linearised, nb::arg("recorded"), nb::arg("weights"), nb::arg("coloured"),
-        nb::arg("acting"), nb::arg("x_WB"), nb::arg("local"), nb::arg("common"), nb::arg("selected"),
-        nb::arg("threads") = 1, nb::arg("factor_only") = false,
+  m.def("linearised", &linearised, nb::arg("recorded"), nb::kw_only(), nb::arg("weights"),
+        nb::arg("coloured"), nb::arg("acting"), nb::arg("x_WB"), nb::arg("local"),
+        nb::arg("common"), nb::arg("selected"), nb::arg("threads") = 1,
+        nb::arg("factor_only") = false,
         "All equations at a state, eliminated: factor, links, cost and residuals over the white "
-        "noise; links and residuals are empty where the factor alone is asked for. `coloured`: of attitude and position, by axis, what lasts: std, time and walk. "
+        "noise; links and residuals are empty where the factor alone is asked for. `coloured`: of "
+        "attitude and position, by axis, what lasts: std, time and walk. "
         "`acting`: for each node, what acting.hpp says. `selected`: the places of the calibrations "
         "and, beyond them, of the gains that are common unknowns.");
-  m.def("interval_equations", &interval_equations, nb::arg("recorded"), nb::arg("weights"),
-        nb::arg("coloured"), nb::arg("acting"), nb::arg("x_WB"), nb::arg("local"),
-        nb::arg("common"), nb::arg("selected"), nb::arg("interval"),
+  m.def("interval_equations", &interval_equations, nb::arg("recorded"), nb::kw_only(),
+        nb::arg("weights"), nb::arg("coloured"), nb::arg("acting"), nb::arg("x_WB"),
+        nb::arg("local"), nb::arg("common"), nb::arg("selected"), nb::arg("interval"),
         "The equations of one interval over [z start | z end | g | right-hand side].");
   m.def("momentum_terms", &momentum_terms, nb::arg("tree"), nb::arg("theta_of"), nb::arg("beta"),
         nb::arg("q"), nb::arg("qd"), nb::arg("qdd"),

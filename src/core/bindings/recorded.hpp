@@ -19,9 +19,11 @@ struct Columns {
   std::vector<In<1>> each;
   std::vector<const double*> data;
 
-  Columns(const char* name, const std::vector<Array>& given, std::int64_t columns, std::int64_t rows) {
+  Columns(const char* name, const std::vector<Array>& given, std::int64_t columns,
+          std::int64_t rows) {
     if (static_cast<std::int64_t>(given.size()) != columns)
-      throw nb::value_error((std::string(name) + ": give an array for each joint or wheel").c_str());
+      throw nb::value_error(
+          (std::string(name) + ": give an array for each joint or wheel").c_str());
     for (const Array& column : given) {
       each.push_back(input<1>(name, column, {rows}));
       data.push_back(each.back().data());
@@ -31,7 +33,7 @@ struct Columns {
 
 struct OwnedRecorded {
   OwnedTree tree;
-  In<1> nominal;
+  In<1> theta_0;
   OwnedSparse theta_of;
   bool planar;
   int substeps;
@@ -41,15 +43,15 @@ struct OwnedRecorded {
   Columns q, q_slope, qd, qdd, qd_rw, qdd_rw;
   In<2> A_rw;
   std::vector<In<2>> samples;
-  In<1> first, prior, walk;
+  In<1> first, corrections, walk;
   int lasting;
 
   std::int64_t axes(std::size_t sensor) const {
     return sensor == 3 ? static_cast<std::int64_t>(tree.joints.size()) : 3;
   }
 
-  Recorded<double> view(int calibrations = 0) const {
-    Recorded<double> all{};
+  Recorded view(int calibrations = 0) const {
+    Recorded all{};
     all.tree = tree.view();
     all.theta_of = theta_of.view();
     all.planar = planar;
@@ -60,33 +62,37 @@ struct OwnedRecorded {
     all.t = t.data();
     all.edge = edge.data();
     all.intervals = static_cast<int>(edge.size()) - 1;
-    all.history = {static_cast<int>(knots.size(0)), knots.data(),      q.data.data(),
-                   q_slope.data.data(),             qd.data.data(),    qdd.data.data(),
-                   qd_rw.data.data(),               qdd_rw.data.data()};
+    all.history = {static_cast<int>(knots.size(0)),
+                   knots.data(),
+                   q.data.data(),
+                   q_slope.data.data(),
+                   qd.data.data(),
+                   qdd.data.data(),
+                   qd_rw.data.data(),
+                   qdd_rw.data.data()};
     all.wheels = static_cast<int>(A_rw.size(0));
     all.A_rw = A_rw.data();
     all.lasting = lasting;
     all.first = first.data();
-    all.prior = prior.data();
+    all.prior = corrections.data();
     all.walk = walk.data();
     return all;
   }
 };
 
-inline Sensed<double>* sensors_of(Recorded<double>& all, std::size_t sensor) {
-  Sensed<double>* const each[SENSORS] = {&all.gyro,   &all.accelerometer, &all.attitude,
-                                         &all.joints, &all.position,      &all.velocity};
+inline Sensed* sensors_of(Recorded& all, std::size_t sensor) {
+  Sensed* const each[SENSORS] = {&all.gyro,   &all.accelerometer, &all.attitude,
+                                 &all.joints, &all.position,      &all.velocity};
   return each[sensor];
 }
 
-inline OwnedRecorded make_recorded(const OwnedTree& tree, const Array& nominal, const Array& theta_of, bool planar, int substeps,
-                            const Array& corrected, const Array& t_, const Array& edge_,
-                            const Array& knots_, const std::vector<Array>& q,
-                            const std::vector<Array>& q_slope, const std::vector<Array>& qd,
-                            const std::vector<Array>& qdd, const Array& A_rw_,
-                            const std::vector<Array>& qd_rw, const std::vector<Array>& qdd_rw,
-                            const std::vector<Array>& samples, const Array& first,
-                            const Array& prior, const Array& walk) {
+inline OwnedRecorded make_recorded(
+    const OwnedTree& tree, const Array& theta_0, const Array& theta_of, bool planar, int substeps,
+    const Array& corrected, const Array& t_, const Array& edge_, const Array& knots_,
+    const std::vector<Array>& q, const std::vector<Array>& q_slope, const std::vector<Array>& qd,
+    const std::vector<Array>& qdd, const Array& A_rw_, const std::vector<Array>& qd_rw,
+    const std::vector<Array>& qdd_rw, const std::vector<Array>& samples, const Array& first,
+    const Array& corrections, const Array& walk) {
   const std::int64_t K = tree.view().joints;
   const auto A_rw = input<2>("A_rw", A_rw_, {ANY, 3});
   const std::int64_t W = A_rw.size(0);
@@ -95,7 +101,8 @@ inline OwnedRecorded make_recorded(const OwnedTree& tree, const Array& nominal, 
   const std::int64_t rows = t.size(0), at = knots.size(0);
   if (at < 2) throw nb::value_error("knots: give two at least");
   if (rows < 2) throw nb::value_error("t: give two rows at least");
-  const auto edge = whole_numbers("edge", input<1>("edge", edge_, {ANY}), static_cast<double>(rows) + 1.0);
+  const auto edge =
+      whole_numbers("edge", input<1>("edge", edge_, {ANY}), static_cast<double>(rows) + 1.0);
   if (edge.size() < 2 || edge.front() != 0 || edge.back() != rows)
     throw nb::value_error("edge: the first must be 0 and the last the number of rows");
   for (std::size_t k = 1; k < edge.size(); ++k)
@@ -112,7 +119,7 @@ inline OwnedRecorded make_recorded(const OwnedTree& tree, const Array& nominal, 
   const std::int64_t lasting = of_first.size(0) - BIASES - 2 * C;
   if (lasting < 0) throw nb::value_error("first: give one number for each unknown of a boundary");
   OwnedRecorded all{tree,
-                    input<1>("nominal", nominal, {PER_BODY * (K + 1)}),
+                    input<1>("theta_0", theta_0, {PER_BODY * (K + 1)}),
                     sparse(input<2>("theta_of", theta_of, {PER_BODY * (K + 1), ANY})),
                     planar,
                     substeps,
@@ -129,7 +136,7 @@ inline OwnedRecorded make_recorded(const OwnedTree& tree, const Array& nominal, 
                     A_rw,
                     {},
                     of_first,
-                    input<1>("prior", prior, {2 * C}),
+                    input<1>("corrections", corrections, {2 * C}),
                     input<1>("walk", walk, {BIASES}),
                     static_cast<int>(lasting)};
   if (samples.size() != SENSORS) throw nb::value_error("samples: give one array a sensor");

@@ -139,8 +139,8 @@ auto watched(const OwnedWatch& before, double t, const Array& white_) {
   return std::make_tuple(after, most.g, most.onset);
 }
 
-// Steps until the samples end or g exceeds the threshold: the onset of that change, or none. Of each sample
-// [nis, dof, g, whether it counts (0) or why not].
+// Steps until the samples end or g exceeds the threshold: the onset of that change, or none. Of
+// each sample [nis, dof, g, whether it counts (0) or why not].
 auto run(const OwnedFilter& filter, const OwnedState& before, const OwnedWatch& watch_before,
          double threshold, const Array& t_, const Array& samples_) {
   const FilterModel model = filter.view();
@@ -184,19 +184,16 @@ auto run(const OwnedFilter& filter, const OwnedState& before, const OwnedWatch& 
 
 void bind_recursive(nb::module_& m) {
   bind_filter_state(m);
+  nb::class_<SensorNoise>(m, "SensorNoise", "Standard deviations, as the filter takes them.")
+      .def(nb::init<Real, Real, Real, Real, Real, Real, Real, Real, Real, Real, Real, bool>(),
+           nb::kw_only(), nb::arg("gyro"), nb::arg("velocity"), nb::arg("gyro_bias"),
+           nb::arg("gyro_walk"), nb::arg("integrated"), nb::arg("attitude"),
+           nb::arg("velocity_walk"), nb::arg("accelerometer_bias"), nb::arg("accelerometer_walk"),
+           nb::arg("joint_rates"), nb::arg("momentum_walk"), nb::arg("accelerometer"));
   nb::class_<OwnedFilter>(m, "Filter", "The recursive filter of one robot and its sensors.")
-      .def("__init__",
-           [](OwnedFilter* self, const OwnedRobot& robot, const OwnedMinimalSets& sets,
-              const Array& theta_of, const Array& pi_of_beta, const Array& pi_of_products,
-              const Array& pairs, int sigmas, const Array& momentum_axes,
-              const Array& velocity_axes, const Array& noise) {
-             new (self) OwnedFilter(make_filter(robot, sets, theta_of, pi_of_beta, pi_of_products,
-                                                pairs, sigmas, momentum_axes, velocity_axes,
-                                                noise));
-           },
-           nb::arg("robot"), nb::arg("sets"), nb::arg("theta_of"), nb::arg("pi_of_beta"),
-           nb::arg("pi_of_products"), nb::arg("pairs"), nb::arg("sigmas"),
-           nb::arg("momentum_axes"), nb::arg("velocity_axes"), nb::arg("noise"))
+      .def(nb::new_(&make_filter), nb::kw_only(), nb::arg("robot"), nb::arg("sets"),
+           nb::arg("theta_of"), nb::arg("pi_of_beta"), nb::arg("pi_of_products"), nb::arg("pairs"),
+           nb::arg("sigmas"), nb::arg("momentum_axes"), nb::arg("velocity_axes"), nb::arg("noise"))
       .def("start", &start_of, nb::arg("beta"), nb::arg("root"), nb::arg("sample"),
            nb::arg("h_cm").none())
       .def("opened", &opened, nb::arg("state"), nb::arg("change"), nb::arg("t") = nb::none())

@@ -105,11 +105,8 @@ auto momentum_rate(const OwnedMinimalSets& owned, const Array& q_, const Array& 
 
 void bind_regressors(nb::module_& m) {
   nb::class_<OwnedMinimalSets>(m, "MinimalSets", "What Y and W need of a robot.")
-      .def("__init__", [](OwnedMinimalSets* self, const OwnedTree& tree, const Array& linear,
-                          const Array& sigma, const Array& pairs) {
-        new (self) OwnedMinimalSets(make_sets(tree, linear, sigma, pairs));
-      }, nb::arg("tree"), nb::arg("theta_of_linear"), nb::arg("theta_of_sigma"),
-           nb::arg("pairs"));
+      .def(nb::new_(&make_sets), nb::arg("tree"), nb::arg("theta_of_linear"),
+           nb::arg("theta_of_sigma"), nb::arg("pairs"));
   m.def("regressors", &regressors_of, nb::arg("sets"), nb::arg("q"), nb::arg("qd"), nb::arg("w"),
         nb::arg("threads") = 1, "Y (Eq. 19) and W (Eq. 29), all three axes, base axes.");
   m.def("momentum_rate", &momentum_rate, nb::arg("sets"), nb::arg("q"), nb::arg("qd"),

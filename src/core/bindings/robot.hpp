@@ -82,8 +82,8 @@ class BodiesMemory {
   explicit BodiesMemory(const Tree& tree)
       : pose_(n(tree)), motions_(4 * n(tree)), mass_(2 * n(tree)), momentum_(n(tree)) {
     const std::size_t b = n(tree);
-    at = {pose_.data(),     motions_.data(), motions_.data() + b, motions_.data() + 2 * b,
-          mass_.data(),     mass_.data() + b, momentum_.data()};
+    at = {pose_.data(), motions_.data(),  motions_.data() + b, motions_.data() + 2 * b,
+          mass_.data(), mass_.data() + b, momentum_.data()};
   }
   BodiesMemory(const BodiesMemory&) = delete;
   Bodies<T> at;

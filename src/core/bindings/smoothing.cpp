@@ -45,26 +45,25 @@ void smooth_all(const Columns& columns, int threads, const Smooth& smooth, const
     for (int l = 0; l < SIDE_BY_SIDE; ++l) {
       // Lanes that are left over have the last column again.
       const std::ptrdiff_t c = std::min(group * SIDE_BY_SIDE + l, count - 1);
-      from[l] = {columns.x.data() + c,          count,
-                 columns.h.data()[c],           columns.noise_std.data()[c],
-                 columns.offset.data()[c],      columns.density.data()[c]};
+      from[l] = {columns.x.data() + c,     count,
+                 columns.h.data()[c],      columns.noise_std.data()[c],
+                 columns.offset.data()[c], columns.density.data()[c]};
       to[l] = place(c);
     }
     smooth(columns.t.data(), columns.rows(), from, to);
   };
-  parallel_for(
-      (count + SIDE_BY_SIDE - 1) / SIDE_BY_SIDE, threads,
-      [&](std::ptrdiff_t from, std::ptrdiff_t to) {
-        for (std::ptrdiff_t k = from; k < to; ++k) smooth_group(k);
-      },
-      1);
+  const std::ptrdiff_t groups = (count + SIDE_BY_SIDE - 1) / SIDE_BY_SIDE;
+  parallel_for(groups, threads, [&](std::ptrdiff_t from, std::ptrdiff_t to) {
+    for (std::ptrdiff_t k = from; k < to; ++k) smooth_group(k);
+  }, 1);
 }
 
 auto smooth_columns(const Array& t, const Array& x, const Array& density, const Array& h,
                     const Array& noise_std, const Array& offset, int threads) {
   const Columns columns = columns_of(t, x, density, h, noise_std, offset);
   const std::ptrdiff_t n = columns.rows(), count = columns.count();
-  Out<2> value(count, n), rate(count, n), acceleration(count, n), std_x(count, n), std_rate(count, n);
+  Out<2> value(count, n), rate(count, n), acceleration(count, n), std_x(count, n),
+      std_rate(count, n);
   smooth_all(columns, threads, smooth_side_by_side, [&](std::ptrdiff_t c) -> SmoothedColumn {
     return {value.data() + c * n, rate.data() + c * n, acceleration.data() + c * n,
             std_x.data() + c * n, std_rate.data() + c * n};
@@ -96,7 +95,8 @@ auto smoothing_evidence(const Array& t_, const Array& x_, const Array& density_,
     nb::gil_scoped_release release;
     const std::ptrdiff_t groups = (tried + DENSITIES - 1) / DENSITIES;
     const auto weigh = [&](std::ptrdiff_t stretch, std::ptrdiff_t group) {
-      const std::ptrdiff_t first = group * DENSITIES, count = std::min<std::ptrdiff_t>(DENSITIES, tried - first);
+      const std::ptrdiff_t first = group * DENSITIES,
+                           count = std::min<std::ptrdiff_t>(DENSITIES, tried - first);
       // Lanes that are left over have the last one again.
       double densities[DENSITIES];
       for (std::ptrdiff_t l = 0; l < DENSITIES; ++l)
@@ -106,12 +106,9 @@ auto smoothing_evidence(const Array& t_, const Array& x_, const Array& density_,
       std::copy_n(found.misfit, count, misfit.data() + stretch * tried + first);
       std::copy_n(found.log_det, count, log_det.data() + stretch * tried + first);
     };
-    parallel_for(
-        stretches * groups, threads,
-        [&](std::ptrdiff_t from, std::ptrdiff_t to) {
-          for (std::ptrdiff_t k = from; k < to; ++k) weigh(k / groups, k % groups);
-        },
-        1);
+    parallel_for(stretches * groups, threads, [&](std::ptrdiff_t from, std::ptrdiff_t to) {
+      for (std::ptrdiff_t k = from; k < to; ++k) weigh(k / groups, k % groups);
+    }, 1);
   }
   return std::make_tuple(misfit.give(), log_det.give());
 }

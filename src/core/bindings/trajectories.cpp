@@ -32,8 +32,7 @@ auto fourier_quintic_at(const Array& coefficients_, const Array& s_, int threads
             sum = Lanes(0.0);
             for (const Lanes& each : function) sum += Lanes(*coefficient++) * each;
           }
-          group.store(sums.data(), K, values.data() + order * n * K,
-                      Write());
+          group.store(sums.data(), K, values.data() + order * n * K, Write());
         }
       });
     });
@@ -46,8 +45,8 @@ auto fourier_quintic_at(const Array& coefficients_, const Array& s_, int threads
 void bind_trajectories(nb::module_& m) {
   m.def("fourier_quintic", &fourier_quintic_at, nb::arg("coefficients"), nb::arg("s"),
         nb::arg("threads") = 1,
-        "Positions and derivatives (orders x times x joints) after Eq. 41 at the parts s of the duration, "
-        "from their coefficients (orders x joints x functions).");
+        "Positions and derivatives (orders x times x joints) after Eq. 41 at the parts s of the "
+        "duration, from their coefficients (orders x joints x functions).");
 }
 
 }  // namespace orbident::python

@@ -10,7 +10,8 @@
 namespace orbident::python {
 namespace {
 
-auto innovations(const Array& t_, const Array& rows_, const Array& variance_, const Array& coloured) {
+auto innovations(const Array& t_, const Array& rows_, const Array& variance_,
+                 const Array& coloured) {
   const auto t = input<1>("t", t_, {ANY});
   const std::ptrdiff_t n = t.size(0);
   const auto rows = input<2>("rows", rows_, {n, ANY});
@@ -22,11 +23,11 @@ auto innovations(const Array& t_, const Array& rows_, const Array& variance_, co
   {
     nb::gil_scoped_release release;
     std::vector<double> mean(static_cast<std::size_t>(2 * width));
-    Whitening<double> filter{};
+    Whitening filter{};
     filter.width = static_cast<int>(width);
     filter.mean[0] = mean.data();
     filter.mean[1] = mean.data() + width;
-    const Coloured<double> noise{given.data()[0], given.data()[1], given.data()[2]};
+    const Coloured noise{given.data()[0], given.data()[1], given.data()[2]};
     if (n > 0) filter.start_stationary(noise, t.data()[0]);
     std::copy_n(rows.data(), n * width, innovated.data());
     for (std::ptrdiff_t k = 0; k < n; ++k) {

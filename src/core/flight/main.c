@@ -1,6 +1,6 @@
-/* Replays a recording: takes its samples in one by one, as flight software would, and compares every
- * estimate with Python's. Ends with 0 only where all agree to the last bit; with float, which cannot,
- * where no step failed: then it prints by how much the estimates are off. */
+/* Replays a recording: takes its samples in one by one, as flight software would, and compares
+ * every estimate with Python's. Ends with 0 only where all agree to the last bit; with float, which
+ * cannot, where no step failed: then it prints by how much the estimates are off. */
 #include <math.h>
 #include <stdio.h>
 

@@ -1,7 +1,7 @@
 // What acts on the robot as it moves, such as drag or a thruster: nothing here knows what it is.
 //
-// At each node a table of what it adds to the motion of the system CM, inertial axes, and to what an
-// accelerometer feels of it,
+// At each node a table of what it adds to the motion of the system CM, inertial axes, and to what
+// an accelerometer feels of it,
 //
 //   rows      h_cm 3 | its rate 3 | r_cm 3 | v_cm 3 | felt acceleration 3
 //   columns   value | by each gain among the unknowns | by beta, or none where it does not matter
@@ -14,9 +14,8 @@ namespace orbident {
 constexpr int ON_H = 0, ON_H_RATE = 3, ON_R = 6, ON_V = 9, ON_FELT = 12, ACTING_ROWS = 15;
 
 // A recording's tables, or the one of a node; without rows nothing acts.
-template <class T>
 struct Acting {
-  const T* rows = nullptr;
+  const double* rows = nullptr;
   const int* columns = nullptr;  // of the gains among an interval's unknowns
   int gains = 0;
   int beta = 0;  // where the unknowns have it
@@ -30,15 +29,15 @@ struct Acting {
   }
   // The three rows from `first` on.
   auto table(int first) const {
-    return Eigen::Map<const Eigen::Matrix<T, 3, Eigen::Dynamic, Eigen::RowMajor>>(
+    return Eigen::Map<const Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor>>(
         rows + first * width(), 3, width());
   }
-  Vector3<T> value(int first) const {
-    return rows ? Vector3<T>(table(first).col(0)) : Vector3<T>(Vector3<T>::Zero());
+  Vector3<double> value(int first) const {
+    return rows ? Vector3<double>(table(first).col(0)) : Vector3<double>(Vector3<double>::Zero());
   }
   // Adds `by` times the slopes of these rows.
   template <class Slopes>
-  void add(int first, const Matrix3<T>& by, Slopes& slopes) const {
+  void add(int first, const Matrix3<double>& by, Slopes& slopes) const {
     if (!rows) return;
     const auto all = table(first);
     // Neighbours among the gains are neighbours among the unknowns, but for a few.

@@ -1,17 +1,18 @@
 // Calibration errors of the instruments, common to a whole recording; zero where they are perfect:
 //
-//   joints          q = (1 + s_k) q_shown + z_k,   rates and accelerations (1 + s_k) times those shown
+//   joints          q = (1 + s_k) q_shown + z_k,   rates and accelerations (1 + s_k) times theirs
 //   geometry        joint k is at p_PJ + d_k, parent's axes, its axes turned there by R(r_k)
 //   wheels          h_rw = sum_i (1 + g_i) a_i I_i qd_i
 //   feature point   the tracked point is S + d, base axes
 //   attitude        shown R_WB R(m)
 //   gyro            shown (1 + diag(s)) R(m)^T w + bias
 //   position        shown (1 + p) times the position
-//   clocks          what joints and wheels, the attitude sensor or the tracker show is l old: to first
-//                   order in l, q = q_shown + l qd_shown, and what is shown is x - l x'
+//   clocks          what joints and wheels, the attitude sensor or the tracker show is l old: to
+//                   first order in l, q = q_shown + l qd_shown, and what is shown is x - l x'
 //
-// m turns the base's axes into the instrument's: a vector along the axis, of length 2 sin(angle / 2),
-// as r is.
+// m turns the base's axes into the instrument's: a vector along the axis, of length
+// 2 sin(angle / 2), as r is.
+//
 // A motion has columns of the calibrations that are selected, by their places among all:
 //
 //   [z, each joint | s, each joint | g, each wheel | d 3 | attitude m 3 | gyro m 3 | gyro s 3 | p |
@@ -43,67 +44,66 @@ struct CalibrationPlaces {
 };
 
 // Which calibrations have columns, and the values of all.
-template <class T>
 struct Calibration {
   CalibrationPlaces places;
   const int* selected;
-  const T* values;
+  const double* values;
 
-  Vector3<T> vector(int place) const { return Eigen::Map<const Vector3<T>>(values + place); }
+  Vector3<double> vector(int place) const {
+    return Eigen::Map<const Vector3<double>>(values + place);
+  }
 };
 
 // The quaternion of a rotation m, and the rate of its rotation (axes after it) by m.
-template <class T>
 struct Misalignment {
-  Quaternion<T> x;
-  Matrix3<T> R;
-  Matrix3<T> by_m;
+  Quaternion<double> x;
+  Matrix3<double> R;
+  Matrix3<double> by_m;
 
-  explicit Misalignment(const Vector3<T>& m) {
-    const Vector3<T> v = m / 2;
-    const T s = std::sqrt(T(1) - v.squaredNorm());
+  explicit Misalignment(const Vector3<double>& m) {
+    const Vector3<double> v = m / 2;
+    const double s = std::sqrt(1.0 - v.squaredNorm());
     x << v, s;
     R = quaternion_matrix(x);
-    by_m = s * Matrix3<T>::Identity() + v * v.transpose() / s - cross_matrix(v);
+    by_m = s * Matrix3<double>::Identity() + v * v.transpose() / s - cross_matrix(v);
   }
 };
 
 // A joint elsewhere, by d and r, parent's axes.
 inline void shift(Joint& joint, const Vector3<double>& d, const Vector3<double>& r) {
-  const Matrix3<double> R = Misalignment<double>(r).R;
+  const Matrix3<double> R = Misalignment(r).R;
   joint.p_PJ += d;
   joint.axis = R * joint.axis;
   for (Matrix3<double>* part : {&joint.fixed, &joint.cosine, &joint.sine}) *part = R * *part;
 }
 
 // The field along which joint k and what it carries is displaced by one of its d and r.
-template <class T>
-Motion<T> displacement(const Tree& tree, const Calibration<T>& calibration, const Pose<T>* pose,
-                       int place) {
+inline Motion<double> displacement(const Tree& tree, const Calibration& calibration,
+                                   const Pose<double>* pose, int place) {
   const CalibrationPlaces& places = calibration.places;
   const bool turns = place >= places.direction();
   const int first = turns ? places.direction() : places.place();
   const int k = (place - first) / 3, axis = (place - first) % 3;
   const Joint& joint = tree.joint[k];
-  const Pose<T>& parent = pose[joint.parent];
-  if (!turns) return {Vector3<T>::Zero(), parent.R.col(axis)};
-  const Misalignment<T> r(calibration.vector(first + 3 * k));
-  const Vector3<T> w = parent.R * (r.R * r.by_m.col(axis));
-  const Vector3<T> at = parent.d + parent.R * joint.p_PJ.template cast<T>();
+  const Pose<double>& parent = pose[joint.parent];
+  if (!turns) return {Vector3<double>::Zero(), parent.R.col(axis)};
+  const Misalignment r(calibration.vector(first + 3 * k));
+  const Vector3<double> w = parent.R * (r.R * r.by_m.col(axis));
+  const Vector3<double> at = parent.d + parent.R * joint.p_PJ;
   return {w, at.cross(w)};
 }
 
 // Every column of a table times a matrix, in place.
-template <class T>
-void transform(const Matrix3<T>& by, int count, T* slopes) {
-  TableRows<T, 3> table(slopes, 3, count);
+inline void transform(const Matrix3<double>& by, int count, double* slopes) {
+  TableRows table(slopes, 3, count);
   for (int k = 0; k < count; ++k) table.col(k) = (by * table.col(k)).eval();
 }
 
-// Adds the columns of the selected ones among the places from `first` on, given those of all of them.
-template <class T, class By>
-void add_selected(const IntervalColumns& columns, const Calibration<T>& calibration, int first,
-                  const By& by, T* slopes) {
+// Adds the columns of the selected ones among the places from `first` on, given those of all of
+// them.
+template <class By>
+void add_selected(const IntervalColumns& columns, const Calibration& calibration, int first,
+                  const By& by, double* slopes) {
   const int n = columns.count();
   for (int c = 0; c < columns.calibrations; ++c) {
     const int k = calibration.selected[c] - first;
@@ -113,50 +113,50 @@ void add_selected(const IntervalColumns& columns, const Calibration<T>& calibrat
 }
 
 // Adds what a joint's change by x, and of its rate by v, does to the terms.
-template <class T>
-void add_joint(const TermsMemory<T>& memory, int k, const T& x, const T& v, T* column,
-               std::ptrdiff_t stride) {
-  const MomentumTerms<T>&by_q = memory.by_q[k], &by_qd = memory.by_qd[k];
-  T change[BY_ROWS];
-  write_change<T>({x * by_q.D, x * by_q.h_q + v * by_qd.h_q, x * by_q.r_cm,
-                   x * by_q.v_q + v * by_qd.v_q},
-                  change, 1);
+inline void add_joint(const TermsMemory& memory, int k, double x, double v, double* column,
+                      std::ptrdiff_t stride) {
+  const MomentumTerms &by_q = memory.by_q[k], &by_qd = memory.by_qd[k];
+  double change[BY_ROWS];
+  write_change(
+      {x * by_q.D, x * by_q.h_q + v * by_qd.h_q, x * by_q.r_cm, x * by_q.v_q + v * by_qd.v_q},
+      change, 1);
   for (int r = 0; r < BY_ROWS; ++r) column[r * stride] += change[r];
 }
 
 // What encoders and wheels show at a node.
-template <class T>
 struct Shown {
-  const T *q, *qd, *qdd;
-  const T *qd_rw, *qdd_rw;
+  const double *q, *qd, *qdd;
+  const double *qd_rw, *qdd_rw;
 };
 
 // Changes of the terms at a node with zeros, scales, clock and geometry of joints, and with the
 // wheels' inertia; A_rw: a_i I_i, three numbers each.
-template <class T>
-void write_calibrations(const Tree& tree, const IntervalColumns& columns, const Calibration<T>& calibration,
-                        const Shown<T>& shown, const T* A_rw, const TermsMemory<T>& memory, T* by) {
+inline void write_calibrations(const Tree& tree, const IntervalColumns& columns,
+                               const Calibration& calibration, const Shown& shown,
+                               const double* A_rw, const TermsMemory& memory, double* by) {
   const CalibrationPlaces& places = calibration.places;
   const int n = columns.count();
-  const auto add_wheel = [&](int i, const T& rate, T* column) {
+  const auto add_wheel = [&](int i, double rate, double* column) {
     for (int axis = 0; axis < 3; ++axis) column[(BY_H + axis) * n] += A_rw[3 * i + axis] * rate;
   };
   for (int c = 0; c < columns.calibrations; ++c) {
-    T* column = by + columns.calibration() + c;
+    double* column = by + columns.calibration() + c;
     const int place = calibration.selected[c];
-    for (int r = 0; r < BY_ROWS; ++r) column[r * n] = T(0);
+    for (int r = 0; r < BY_ROWS; ++r) column[r * n] = 0.0;
     if (place >= places.count()) continue;
     if (place >= places.place()) {
       const int k = (place - places.place()) / 3 % places.joints;
-      write_change(displaced(tree, memory, k, displacement(tree, calibration, memory.at.pose, place)),
-                   column, n);
+      write_change(
+          displaced(tree, memory, k, displacement(tree, calibration, memory.at.pose, place)),
+          column, n);
     } else if (place == places.joint_clock()) {
-      for (int k = 0; k < places.joints; ++k) add_joint(memory, k, shown.qd[k], shown.qdd[k], column, n);
+      for (int k = 0; k < places.joints; ++k)
+        add_joint(memory, k, shown.qd[k], shown.qdd[k], column, n);
       for (int i = 0; i < places.wheels; ++i) add_wheel(i, shown.qdd_rw[i], column);
     } else if (place < places.wheel()) {
       const bool zero = place < places.scale();
       const int k = place - (zero ? places.zero() : places.scale());
-      add_joint(memory, k, zero ? T(1) : shown.q[k], zero ? T(0) : shown.qd[k], column, n);
+      add_joint(memory, k, zero ? 1.0 : shown.q[k], zero ? 0.0 : shown.qd[k], column, n);
     } else if (place < places.feature_point()) {
       const int i = place - places.wheel();
       add_wheel(i, shown.qd_rw[i], column);
@@ -164,79 +164,77 @@ void write_calibrations(const Tree& tree, const IntervalColumns& columns, const 
   }
 }
 
-// The predictions of the base's sensors as badly calibrated instruments show them, and their slopes,
-// in place from those of perfect instruments.
+// The predictions of the base's sensors as badly calibrated instruments show them, and their
+// slopes, in place from those of perfect instruments.
 
-template <class T>
-void calibrate_gyro(const IntervalColumns& columns, const Calibration<T>& calibration,
-                    Vector3<T>& shown, T* slopes) {
+inline void calibrate_gyro(const IntervalColumns& columns, const Calibration& calibration,
+                           Vector3<double>& shown, double* slopes) {
   const CalibrationPlaces& places = calibration.places;
-  const Misalignment<T> m(calibration.vector(places.gyro()));
-  const Vector3<T> sensed = m.R.transpose() * shown;
-  const Vector3<T> gain = calibration.vector(places.gyro_scale()) + Vector3<T>::Ones();
+  const Misalignment m(calibration.vector(places.gyro()));
+  const Vector3<double> sensed = m.R.transpose() * shown;
+  const Vector3<double> gain = calibration.vector(places.gyro_scale()) + Vector3<double>::Ones();
   shown = gain.cwiseProduct(sensed);
-  transform<T>(gain.asDiagonal() * m.R.transpose(), columns.count(), slopes);
-  add_selected<T>(columns, calibration, places.gyro(),
-                  Matrix3<T>(gain.asDiagonal() * cross_matrix(sensed) * m.by_m), slopes);
-  add_selected<T>(columns, calibration, places.gyro_scale(), Matrix3<T>(sensed.asDiagonal()), slopes);
+  transform(gain.asDiagonal() * m.R.transpose(), columns.count(), slopes);
+  add_selected(columns, calibration, places.gyro(),
+               Matrix3<double>(gain.asDiagonal() * cross_matrix(sensed) * m.by_m), slopes);
+  add_selected(columns, calibration, places.gyro_scale(), Matrix3<double>(sensed.asDiagonal()),
+               slopes);
 }
 
-template <class T>
-void calibrate_attitude(const IntervalColumns& columns, const Calibration<T>& calibration,
-                        const BaseNode<T>& base, Quaternion<T>& shown, T* slopes) {
+inline void calibrate_attitude(const IntervalColumns& columns, const Calibration& calibration,
+                               const BaseNode& base, Quaternion<double>& shown, double* slopes) {
   const CalibrationPlaces& places = calibration.places;
   const int place = places.attitude(), clock = places.attitude_clock();
-  const T l = calibration.values[clock];
-  const Misalignment<T> old(Vector3<T>(-l * base.w));
-  const Misalignment<T> m(calibration.vector(place));
-  shown = composed(Quaternion<T>(composed(shown, old.x)), m.x);
-  const Matrix3<T> by_w = m.R.transpose() * old.by_m;
+  const double l = calibration.values[clock];
+  const Misalignment old(Vector3<double>(-l * base.w));
+  const Misalignment m(calibration.vector(place));
+  shown = composed(Quaternion<double>(composed(shown, old.x)), m.x);
+  const Matrix3<double> by_w = m.R.transpose() * old.by_m;
   const int n = columns.count();
-  transform<T>((old.R * m.R).transpose(), n, slopes);
-  if (l != T(0)) TableRows<T, 3>(slopes, 3, n) -= (l * by_w).lazyProduct(TableRows<T, 3>(base.dw, 3, n));
+  transform((old.R * m.R).transpose(), n, slopes);
+  if (l != 0.0) TableRows(slopes, 3, n) -= (l * by_w).lazyProduct(TableRows(base.dw, 3, n));
   add_selected(columns, calibration, place, m.by_m, slopes);
-  add_selected<T>(columns, calibration, clock, Vector3<T>(-(by_w * base.w)), slopes);
+  add_selected(columns, calibration, clock, Vector3<double>(-(by_w * base.w)), slopes);
 }
 
 // by_v: slopes of the velocity relative to the CM.
-template <class T>
-void calibrate_position(const IntervalColumns& columns, const Calibration<T>& calibration,
-                        const JointNode<T>& joints, const BaseNode<T>& base, const T* outside,
-                        const T* by_v, Vector3<T>& shown, T* slopes) {
+inline void calibrate_position(const IntervalColumns& columns, const Calibration& calibration,
+                               const JointNode& joints, const BaseNode& base, const double* outside,
+                               const double* by_v, Vector3<double>& shown, double* slopes) {
   const CalibrationPlaces& places = calibration.places;
-  const Vector3<T> d = calibration.vector(places.feature_point());
-  const T gain = T(1) + calibration.values[places.position()];
+  const Vector3<double> d = calibration.vector(places.feature_point());
+  const double gain = 1.0 + calibration.values[places.position()];
   const int clock = places.position_clock(), n = columns.count();
-  const T l = calibration.values[clock];
-  const Vector3<T> v = velocity(joints, base, outside);
-  const Vector3<T> tracked = shown + base.R_WB * d - l * v;
+  const double l = calibration.values[clock];
+  const Vector3<double> v = velocity(joints, base, outside);
+  const Vector3<double> tracked = shown + base.R_WB * d - l * v;
   shown = gain * tracked;
-  TableRows<T, 3> table(slopes, 3, n);
-  const TableRows<T, 3> phi(base.phi, 3, n);
-  if (l != T(0)) {
-    Contributions<T> parts = contributions(joints.t);
-    for (T& part : parts.v_cm) part *= -l;
+  TableRows table(slopes, 3, n);
+  const TableRows phi(base.phi, 3, n);
+  if (l != 0.0) {
+    Contributions parts = contributions(joints.t);
+    for (double& part : parts.v_cm) part *= -l;
     add_outside(columns, parts.v_cm, table);
-    joints.acting.add(ON_V, Matrix3<T>(-l * Matrix3<T>::Identity()), table);
-    table -= l * ConstTableRows<T, 3>(by_v, 3, n);
+    joints.acting.add(ON_V, Matrix3<double>(-l * Matrix3<double>::Identity()), table);
+    table -= l * ConstTableRows(by_v, 3, n);
   }
-  table = gain * (table - Matrix3<T>(base.R_WB * cross_matrix(d)).lazyProduct(phi));
-  add_selected<T>(columns, calibration, places.feature_point(), Matrix3<T>(gain * base.R_WB), slopes);
+  table = gain * (table - Matrix3<double>(base.R_WB * cross_matrix(d)).lazyProduct(phi));
+  add_selected(columns, calibration, places.feature_point(), Matrix3<double>(gain * base.R_WB),
+               slopes);
   add_selected(columns, calibration, places.position(), tracked, slopes);
-  add_selected<T>(columns, calibration, clock, Vector3<T>(-gain * v), slopes);
+  add_selected(columns, calibration, clock, Vector3<double>(-gain * v), slopes);
 }
 
-template <class T>
-void calibrate_velocity(const IntervalColumns& columns, const Calibration<T>& calibration,
-                        const BaseNode<T>& base, Vector3<T>& shown, T* slopes) {
+inline void calibrate_velocity(const IntervalColumns& columns, const Calibration& calibration,
+                               const BaseNode& base, Vector3<double>& shown, double* slopes) {
   const int place = calibration.places.feature_point(), n = columns.count();
-  const Vector3<T> d = calibration.vector(place), u = base.w.cross(d);
-  const Matrix3<T>& R = base.R_WB;
+  const Vector3<double> d = calibration.vector(place), u = base.w.cross(d);
+  const Matrix3<double>& R = base.R_WB;
   shown += R * u;
-  const TableRows<T, 3> phi(base.phi, 3, n), dw(base.dw, 3, n);
-  TableRows<T, 3>(slopes, 3, n) -= Matrix3<T>(R * cross_matrix(u)).lazyProduct(phi) +
-                                   Matrix3<T>(R * cross_matrix(d)).lazyProduct(dw);
-  add_selected<T>(columns, calibration, place, Matrix3<T>(R * cross_matrix(base.w)), slopes);
+  const TableRows phi(base.phi, 3, n), dw(base.dw, 3, n);
+  TableRows(slopes, 3, n) -= Matrix3<double>(R * cross_matrix(u)).lazyProduct(phi) +
+                             Matrix3<double>(R * cross_matrix(d)).lazyProduct(dw);
+  add_selected(columns, calibration, place, Matrix3<double>(R * cross_matrix(base.w)), slopes);
 }
 
 }  // namespace orbident

@@ -1,7 +1,7 @@
 // When did the robot change? The generalised likelihood ratio of the innovations.
 //
-// While nothing changes, whitened innovations are independent with zero mean. A capture, a release or
-// a loss gives them a mean, unknown and from an unknown sample on; twice the logarithm of the
+// While nothing changes, whitened innovations are independent with zero mean. A capture, a release
+// or a loss gives them a mean, unknown and from an unknown sample on; twice the logarithm of the
 // likelihood ratio is then (Willsky and Jones 1976; Basseville and Nikiforov 1993, section 4.4)
 //
 //   g = max over j of |white_j + ... + white_k|^2 / (k - j + 1)
@@ -15,10 +15,11 @@
 
 namespace orbident {
 
-// What a detector remembers: sums of innovations up to each of the last samples. The caller's memory.
+// What a detector remembers: sums of innovations up to each of the last samples. The caller's
+// memory.
 struct Watch {
-  int rows;       // of an innovation
-  int window;     // samples that the onset may lie back
+  int rows;     // of an innovation
+  int window;   // samples that the onset may lie back
   Real* sums;   // window + 1 x rows
   Real* times;  // window + 1: of the sample after each sum, s; NaN where there was none
 };

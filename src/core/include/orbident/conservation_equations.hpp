@@ -10,9 +10,9 @@
 // known so far. The gyro's noise n adds D n and -U n on the right; the noise of attitude and joint
 // rates adds to that.
 //
-// Y and W are evaluated at a smoothed rate, and D, U take them to the gyro's: noise in a regressor is
-// mistaken for excitation, and while the base hardly changes its rate, least squares would conclude
-// that it has no inertia.
+// Y and W are evaluated at a smoothed rate, and D, U take them to the gyro's: noise in a regressor
+// is mistaken for excitation, and while the base hardly changes its rate, least squares would
+// conclude that it has no inertia.
 #pragma once
 
 #include "orbident/equations_of_motion.hpp"
@@ -25,18 +25,18 @@ using Matrix = Matrix3<Real>;
 
 // Standard deviations, SI; white ones are those of a sample.
 struct SensorNoise {
-  Real gyro;                // white, rad/s
-  Real velocity;            // white, m/s
-  Real gyro_bias;           // beforehand, rad/s
-  Real gyro_walk;           // of the bias, rad/s/sqrt(s)
-  Real integrated;          // 1 where the attitude is the integrated gyro and drifts with it, else 0
-  Real attitude;            // white, rad
-  Real velocity_walk;       // of v_cm, or of a velocity integrated from an accelerometer, m/s/sqrt(s)
+  Real gyro;           // white, rad/s
+  Real velocity;       // white, m/s
+  Real gyro_bias;      // beforehand, rad/s
+  Real gyro_walk;      // of the bias, rad/s/sqrt(s)
+  Real integrated;     // 1 where the attitude is the integrated gyro and drifts with it, else 0
+  Real attitude;       // white, rad
+  Real velocity_walk;  // of v_cm, or of a velocity integrated from an accelerometer, m/s/sqrt(s)
   Real accelerometer_bias;  // beforehand, m/s^2
   Real accelerometer_walk;  // of the bias, m/s^2/sqrt(s)
   Real joint_rates;         // white, rad/s or m/s
   Real momentum_walk;       // of h_cm, N m s/sqrt(s)
-  bool accelerometer;         // whether the velocity is integrated, and the bias an unknown
+  bool accelerometer;       // whether the velocity is integrated, and the bias an unknown
 };
 
 // The base axes in which angular and linear momentum are conserved.
@@ -68,7 +68,7 @@ struct ConservationModel {
 struct Measurement {
   const Real* q;
   const Real* qd;
-  const Real* w;         // gyro, base axes, rad/s
+  const Real* w;  // gyro, base axes, rad/s
   const Real* x_WB;
   const Real* qd_rw;
   const Real* v_S;       // inertial axes, m/s
@@ -129,8 +129,8 @@ struct EquationNoise {
   LawNoise velocity;
 };
 
-// The gyro's noise times [D; -U]. The others: the joint rates' times D_q and J_cm, a turn of the attitude,
-// which turns R_0^T h, h = h_cm + h_given, and the velocity's own.
+// The gyro's noise times [D; -U]. The others: the joint rates' times D_q and J_cm, a turn of the
+// attitude, which turns R_0^T h, h = h_cm + h_given, and the velocity's own.
 inline EquationNoise equation_noise(const ConservationModel& model, const Bodies<Real>& at,
                                     const SystemInertia<Real>& all, const Matrix& U,
                                     const Matrix& R_WB, const Vector& h) {
@@ -152,9 +152,9 @@ inline EquationNoise equation_noise(const ConservationModel& model, const Bodies
   return of;
 }
 
-// The rows [h_cm, v_cm, b_g, b_a, pi, phi | right-hand side], momentum first; the velocity's are zero
-// where v_S was not measured. D, U and the noise's gains are evaluated at beta and h. Returns the
-// noise of these rows, which are not yet whitened.
+// The rows [h_cm, v_cm, b_g, b_a, pi, phi | right-hand side], momentum first; the velocity's are
+// zero where v_S was not measured. D, U and the noise's gains are evaluated at beta and h. Returns
+// the noise of these rows, which are not yet whitened.
 inline EquationNoise conservation_equations(const ConservationModel& model, const Real* beta,
                                             const Vector& h, const Measurement& at,
                                             const Matrix& R_WB, EquationMemory& memory, Real* rows,
@@ -203,9 +203,9 @@ inline EquationNoise conservation_equations(const ConservationModel& model, cons
     for (int i = 0; i < axes.velocities; ++i) {
       const int axis = axes.velocity[i];
       Real* const row = moving + i * stride;
-      for (int j = 0; j < axes.velocities; ++j) row[axes.momenta + j] = R_WB(axes.velocity[j], axis);
-      for (int j = 0; j < axes.momenta; ++j)
-        row[model.gyro_bias() + j] = U(axis, axes.momentum[j]);
+      for (int j = 0; j < axes.velocities; ++j)
+        row[axes.momenta + j] = R_WB(axes.velocity[j], axis);
+      for (int j = 0; j < axes.momenta; ++j) row[model.gyro_bias() + j] = U(axis, axes.momentum[j]);
       for (int k = 0; k < phis; ++k) row[n + pis + k] = W(axis, k);
       row[rhs] = told[axis];
     }

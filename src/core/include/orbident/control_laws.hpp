@@ -7,9 +7,9 @@
 // parts in a moment: a rotor driven by tau_rw turns the base by -a tau_rw. A law that is not used
 // has zero gains.
 //
-// Computed torque adds what a model needs for y'' = y_d'' + kd e' + kp e, where y are the joints and
-// the attitude of the base: the wheels' accelerations are those that this takes (Eq. 10), and the
-// system CM is left alone.
+// Computed torque adds what a model needs for y'' = y_d'' + kd e' + kp e, where y are the joints
+// and the attitude of the base: the wheels' accelerations are those that this takes (Eq. 10), and
+// the system CM is left alone.
 #pragma once
 
 #include "orbident/forward_dynamics.hpp"
@@ -24,11 +24,11 @@ struct ComputedTorque {
 };
 
 struct ControlLaws {
-  const double *Kp, *Kd;    // joints
-  const double *k, *speed;  // wheels
-  const double* share;      // wheels x 3
-  double kp, kd;            // N m/rad, N m s/rad
-  Quaternion<double> x_WD;  // attitude to hold
+  const double *Kp, *Kd;           // joints
+  const double *k, *speed;         // wheels
+  const double* share;             // wheels x 3
+  double kp, kd;                   // N m/rad, N m s/rad
+  Quaternion<double> x_WD;         // attitude to hold
   const ComputedTorque* computed;  // may be null
 };
 
@@ -70,7 +70,8 @@ inline double limited(double tau, double qd_rw, double most_torque, double top_s
 // Adds the torques of joints and wheels to tau; eq is memory for the model.
 inline void add_computed_torque(const ComputedTorque& law, const double* q,
                                 const Quaternion<double>& x_WB, const double* v,
-                                const Command& command, EquationsOfMotion<double>& eq, double* tau) {
+                                const Command& command, EquationsOfMotion<double>& eq,
+                                double* tau) {
   const Robot& model = law.model;
   const int joints = model.tree.joints, N = model.speeds();
   set_up(model, q, v, eq);
@@ -87,8 +88,8 @@ inline void add_computed_torque(const ComputedTorque& law, const double* q,
   const Vector3<double> wd_d = R_DB.transpose() * Vector3<double>(command.wd_D) - w.cross(w_d);
   vd.segment<3>(3) = wd_d + law.kd * (w_d - w) - law.kp * e;
   for (int k = 0; k < joints; ++k)
-    vd[6 + k] = command.qdd[k] + law.kd * (command.qd[k] - v[6 + k]) +
-                law.kp * (command.q[k] - q[k]);
+    vd[6 + k] =
+        command.qdd[k] + law.kd * (command.qd[k] - v[6 + k]) + law.kp * (command.q[k] - q[k]);
 
   const Square<double> H(eq.H, N, N);
   const Column<double> c(eq.c, N);
@@ -106,8 +107,8 @@ inline void control(const ControlLaws& laws, const Robot& robot, const double* q
   const int joints = robot.tree.joints;
   const double *qd = v + 6, *qd_rw = qd + joints;
   for (int k = 0; k < joints; ++k)
-    tau[k] = laws.Kp[k] * (command.q[k] - q[k]) + laws.Kd[k] * (command.qd[k] - qd[k]) +
-             command.tau[k];
+    tau[k] =
+        laws.Kp[k] * (command.q[k] - q[k]) + laws.Kd[k] * (command.qd[k] - qd[k]) + command.tau[k];
   const Vector3<double> turn =
       laws.kp * small_rotation(laws.x_WD, x_WB) + laws.kd * Vector3<double>(v + 3);
   for (int k = 0; k < robot.wheels; ++k)

@@ -1,13 +1,13 @@
-// Least squares over a chain of shooting intervals, in square-root information form (Bierman, 1977).
+// Least squares over a chain of shooting intervals, as square-root information (Bierman, 1977).
 //
-// Each interval's equations hold the unknowns of its two boundaries and those that all have in common,
-// g. Folding them into what is known so far, with the boundary that was reached on the left,
+// Each interval's equations hold the unknowns of its two boundaries and g, those that all have in
+// common. Folding them into what is known so far, with the boundary that was reached on the left,
 //
 //   [z near | z far | g | right-hand side]
 //
-// leaves rows that give z near once the others are known, the links, and below them all that is known
-// of z far and g. The chain is eliminated from both ends at once; both meet at a boundary in its
-// middle. So two threads have half of it each, and the sums are the same on one thread.
+// leaves rows that give z near once the others are known, the links, and below them all that is
+// known of z far and g. The chain is eliminated from both ends at once; both meet at a boundary in
+// its middle. So two threads have half of it each, and the sums are the same on one thread.
 //
 // Continuity and priors weigh up to 1e13 times as much as sensors: they come into the factor first.
 #pragma once
@@ -19,42 +19,40 @@ namespace orbident {
 inline int meeting_boundary(int intervals) { return intervals / 2; }
 
 // The caller's memory for one of the two ends; n = recorded.stride().
-template <class T>
 struct SweepMemory {
-  IntervalMemory<T> interval;
-  T* R;           // width x n; at last what is known of [z near | z far, empty | g | rhs]
-  T* known;       // local x n: rows over [z near | z far, empty | g | rhs]
-  T* rows;        // as many as an interval's samples have axes, and lasting noise x n
-  T* continuity;  // BIASES x n
+  IntervalMemory interval;
+  double* R;           // width x n; at last what is known of [z near | z far, empty | g | rhs]
+  double* known;       // local x n: rows over [z near | z far, empty | g | rhs]
+  double* rows;        // as many as an interval's samples have axes, and lasting noise x n
+  double* continuity;  // BIASES x n
 };
 
 // Eliminates the boundaries from one end up to the meeting one, and returns the cost. `links`:
 // intervals x local x width; null where nobody asks.
-template <class T>
-T sweep(const Recorded<T>& recorded, const LinearisedAt<T>& at, bool forward, SweepMemory<T>& memory,
-        T* links) {
+inline double sweep(const Recorded& recorded, const LinearisedAt& at, bool forward,
+                    SweepMemory& memory, double* links) {
   const int L = recorded.local(), width = recorded.width(), n = recorded.stride();
   const int meeting = meeting_boundary(recorded.intervals);
   const int begin = forward ? 0 : recorded.intervals - 1, stop = forward ? meeting : meeting - 1,
             on = forward ? 1 : -1;
-  T cost = T(0);
-  std::fill_n(memory.R, std::ptrdiff_t(width) * n, T(0));
-  std::fill_n(memory.known, std::ptrdiff_t(L) * n, T(0));
+  double cost = 0.0;
+  std::fill_n(memory.R, std::ptrdiff_t(width) * n, 0.0);
+  std::fill_n(memory.known, std::ptrdiff_t(L) * n, 0.0);
   for (int k = 0; forward && k < L; ++k) {
-    T* row = memory.known + std::ptrdiff_t(k) * n;
+    double* row = memory.known + std::ptrdiff_t(k) * n;
     row[k] = 1 / recorded.first[k];
     row[width - 1] = -at.local[k] / recorded.first[k];
     cost += row[width - 1] * row[width - 1];
   }
   for (int interval = begin; interval != stop; interval += on) {
     const int start = forward ? 0 : L, end = L - start;
-    EquationTable<T> sensed{memory.rows, n, width, start, end, L, recorded.corrections(), 0, T(0)};
-    EquationTable<T> continuity{memory.continuity, n, width, start, end, L, recorded.corrections(), 0, T(0)};
+    EquationTable sensed{memory.rows, n, width, start, end, L, recorded.corrections(), 0, 0.0};
+    EquationTable continuity{memory.continuity,      n, width, start, end, L,
+                             recorded.corrections(), 0, 0.0};
     linearise(recorded, at, interval, memory.interval, sensed, continuity);
-    std::fill_n(memory.R, std::ptrdiff_t(2 * L) * n, T(0));
+    std::fill_n(memory.R, std::ptrdiff_t(2 * L) * n, 0.0);
     fold(memory.R, n, continuity.table, n, BIASES, n, BIASES);
-    cost += sensed.cost + continuity.cost +
-            add_encoders(recorded, at, interval, forward, memory.R);
+    cost += sensed.cost + continuity.cost + add_encoders(recorded, at, interval, forward, memory.R);
     fold(memory.R, n, memory.known, n, L, n, width);
     fold(memory.R, n, sensed.table, n, sensed.rows, n, width);
     for (int k = 0; k < L; ++k) {
@@ -62,39 +60,39 @@ T sweep(const Recorded<T>& recorded, const LinearisedAt<T>& at, bool forward, Sw
         std::copy_n(memory.R + std::ptrdiff_t(k) * n, width,
                     links + (std::ptrdiff_t(interval) * L + k) * width);
       // What is known of z far, as the next interval's z near.
-      const T* row = memory.R + std::ptrdiff_t(L + k) * n;
-      T* known = memory.known + std::ptrdiff_t(k) * n;
+      const double* row = memory.R + std::ptrdiff_t(L + k) * n;
+      double* known = memory.known + std::ptrdiff_t(k) * n;
       std::copy_n(row + L, L, known);
-      std::fill_n(known + L, L, T(0));
+      std::fill_n(known + L, L, 0.0);
       std::copy_n(row + 2 * L, n - 2 * L, known + 2 * L);
     }
   }
   // At the meeting boundary: z near alone.
-  std::fill_n(memory.R, std::ptrdiff_t(2 * L) * n, T(0));
+  std::fill_n(memory.R, std::ptrdiff_t(2 * L) * n, 0.0);
   fold(memory.R, n, memory.known, n, L, n, width);
   return cost;
 }
 
 // The factor over [z | g | rhs] of the meeting boundary, from both ends' R; `backward` is used up.
-template <class T>
-void join(const Recorded<T>& recorded, SweepMemory<T>& forward, SweepMemory<T>& backward, T* factor) {
+inline void join(const Recorded& recorded, SweepMemory& forward, SweepMemory& backward,
+                 double* factor) {
   const int L = recorded.local(), width = recorded.width(), n = recorded.stride();
   fold(forward.R, n, backward.R, n, width, n, width);
   const int left = width - L;
   for (int k = 0; k < left; ++k) {
-    const T* row = forward.R + std::ptrdiff_t(k < L ? k : L + k) * n;
-    T* to = factor + std::ptrdiff_t(k) * left;
+    const double* row = forward.R + std::ptrdiff_t(k < L ? k : L + k) * n;
+    double* to = factor + std::ptrdiff_t(k) * left;
     std::copy_n(row, L, to);
     std::copy_n(row + 2 * L, left - L, to + L);
   }
 }
 
 // z of the boundary at the near side of a link, once z far and g are known.
-template <class T>
-void follow(const T* link, int local, int width, const T* far, const T* g, T* near) {
+inline void follow(const double* link, int local, int width, const double* far, const double* g,
+                   double* near) {
   for (int k = local - 1; k >= 0; --k) {
-    const T* row = link + std::ptrdiff_t(k) * width;
-    T left = row[width - 1];
+    const double* row = link + std::ptrdiff_t(k) * width;
+    double left = row[width - 1];
     for (int j = k + 1; j < local; ++j) left -= row[j] * near[j];
     for (int j = 0; j < local; ++j) left -= row[local + j] * far[j];
     for (int j = 2 * local; j < width - 1; ++j) left -= row[j] * g[j - 2 * local];
@@ -103,8 +101,8 @@ void follow(const T* link, int local, int width, const T* far, const T* g, T* ne
 }
 
 // z of every boundary, from that of the meeting one and g.
-template <class T>
-void boundaries(const T* links, int intervals, int local, int width, const T* g, T* z) {
+inline void boundaries(const double* links, int intervals, int local, int width, const double* g,
+                       double* z) {
   const int meeting = meeting_boundary(intervals);
   const std::ptrdiff_t size = std::ptrdiff_t(local) * width;
   for (int k = meeting - 1; k >= 0; --k)

@@ -1,5 +1,5 @@
-// What the encoders and the prior say of the corrections of each joint: rows over the four functions
-// of a cubic, joint by joint, so that a small triangle holds all rows of an interval.
+// What the encoders and the prior say of the corrections of each joint: rows over the four
+// functions of a cubic, joint by joint, so that a small triangle holds all rows of an interval.
 #pragma once
 
 #include "orbident/interval.hpp"
@@ -11,47 +11,49 @@ constexpr int FUNCTIONS = 4;
 constexpr int JOINT_WIDTH = padded(FUNCTIONS + 1);
 
 // Writes each joint's triangle into R, over [z near | z far | g | right-hand side], whose rows and
-// columns of the corrections are empty; what no correction explains adds to R's last entry. Returns the
-// sum of squared residuals.
-template <class T>
-T add_encoders(const Recorded<T>& recorded, const LinearisedAt<T>& at, int interval, bool start_near,
-               T* R) {
+// columns of the corrections are empty; what no correction explains adds to R's last entry. Returns
+// the sum of squared residuals.
+inline double add_encoders(const Recorded& recorded, const LinearisedAt& at, int interval,
+                           bool start_near, double* R) {
   const int K = recorded.tree.joints, C = recorded.columns.corrected, L = recorded.local();
   const int first = recorded.edge[interval], last = recorded.edge[interval + 1];
   const int end = std::min(last, recorded.rows - 1);
-  const T duration = recorded.t[end] - recorded.t[first];
+  const double duration = recorded.t[end] - recorded.t[first];
   const int stride = recorded.stride(), right_hand_side = recorded.width() - 1;
-  const auto corrections = [&](int boundary) { return at.local + boundary * L + recorded.corrections(); };
-  T cost = T(0), left = T(0), rows[BLOCK * JOINT_WIDTH];
+  const auto corrections = [&](int boundary) {
+    return at.local + boundary * L + recorded.corrections();
+  };
+  double cost = 0.0, left = 0.0, rows[BLOCK * JOINT_WIDTH];
   for (int k = 0, c = 0; k < K; ++k) {
     const bool corrected = c < C && recorded.corrected[c] == k;
-    const T before = cost;
-    T triangle[JOINT_WIDTH * JOINT_WIDTH] = {};
+    const double before = cost;
+    double triangle[JOINT_WIDTH * JOINT_WIDTH] = {};
     int count = 0;
     const auto folded = [&] {
       fold(triangle, JOINT_WIDTH, rows, JOINT_WIDTH, count, JOINT_WIDTH, FUNCTIONS + 1);
       count = 0;
     };
-    const auto add = [&](const T& error) {
+    const auto add = [&](double error) {
       if (count == BLOCK) folded();
-      T* row = rows + count++ * JOINT_WIDTH;
-      std::fill_n(row, JOINT_WIDTH, T(0));
+      double* row = rows + count++ * JOINT_WIDTH;
+      std::fill_n(row, JOINT_WIDTH, 0.0);
       row[FUNCTIONS] = error;
       cost += error * error;
       return row;
     };
-    const JointHistory<T>& history = recorded.history;
+    const JointHistory& history = recorded.history;
     for (int r = first, knot = 0; recorded.joints.values && r < last; ++r) {
-      const T weight = recorded.joints.weights[r * K + k];
+      const double weight = recorded.joints.weights[r * K + k];
       knot = history.knot(recorded.t[r], knot);
-      const Cubics<T> functions = cubics<T>(recorded.t[r] - recorded.t[first], duration);
-      T error = recorded.joints.values[r * K + k] -
-                history.between(history.functions(recorded.t[r], knot).value, history.q[k], history.q_slope[k], knot);
+      const Cubics functions = cubics(recorded.t[r] - recorded.t[first], duration);
+      double error = recorded.joints.values[r * K + k] -
+                     history.between(history.functions(recorded.t[r], knot).value, history.q[k],
+                                     history.q_slope[k], knot);
       for (int f = 0; corrected && f < FUNCTIONS; ++f)
         error -= functions.value[f] * corrections(interval + f / 2)[f % 2 * C + c];
       recorded.joints.keep(r * K + k, weight * error);
-      if (weight == T(0)) continue;
-      T* row = add(weight * error);
+      if (weight == 0.0) continue;
+      double* row = add(weight * error);
       for (int f = 0; f < FUNCTIONS; ++f)
         row[start_near ? f : (f + 2) % FUNCTIONS] = weight * functions.value[f];
     }
@@ -60,22 +62,23 @@ T add_encoders(const Recorded<T>& recorded, const LinearisedAt<T>& at, int inter
       continue;
     }
     for (int f = 0; f < 2; ++f) {
-      const T weight = 1 / recorded.prior[f * C + c];
-      T* row = add(-weight * corrections(interval + 1)[f * C + c]);
+      const double weight = 1 / recorded.prior[f * C + c];
+      double* row = add(-weight * corrections(interval + 1)[f * C + c]);
       row[start_near ? 2 + f : f] = weight;
     }
     folded();
-    left += triangle[FUNCTIONS * JOINT_WIDTH + FUNCTIONS] * triangle[FUNCTIONS * JOINT_WIDTH + FUNCTIONS];
+    left += triangle[FUNCTIONS * JOINT_WIDTH + FUNCTIONS] *
+            triangle[FUNCTIONS * JOINT_WIDTH + FUNCTIONS];
     const auto place = [&](int f) { return f / 2 * L + recorded.corrections() + f % 2 * C + c; };
     for (int f = 0; f < FUNCTIONS; ++f) {
-      T* row = R + std::ptrdiff_t(place(f)) * stride;
+      double* row = R + std::ptrdiff_t(place(f)) * stride;
       for (int other = f; other < FUNCTIONS; ++other)
         row[place(other)] = triangle[f * JOINT_WIDTH + other];
       row[right_hand_side] = triangle[f * JOINT_WIDTH + FUNCTIONS];
     }
     ++c;
   }
-  T& last_entry = R[std::ptrdiff_t(right_hand_side) * stride + right_hand_side];
+  double& last_entry = R[std::ptrdiff_t(right_hand_side) * stride + right_hand_side];
   last_entry = std::sqrt(last_entry * last_entry + left);
   return cost;
 }

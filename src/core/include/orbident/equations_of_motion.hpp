@@ -1,8 +1,8 @@
 // The free-flying equations of motion, H+ v' + c+ = Q (Eqs. 8 to 14).
 //
-// Generalised speeds v = [v_cm, w, qd, qd_rw]: velocity of the system CM, base rate, joint rates and
-// wheel speeds relative to the base; v_cm and w are inertial motions in base axes, and v' is the
-// derivative of these components.
+// Generalised speeds v = [v_cm, w, qd, qd_rw]: velocity of the system CM, base rate, joint rates
+// and wheel speeds relative to the base; v_cm and w are inertial motions in base axes, and v' is
+// the derivative of these components.
 //
 //   H+ = | M 1   0     0     0    |      c+ by Newton and Euler with v' = 0, forces and moments
 //        | 0     D     D_q   A_rw |      about S; the system CM is at rest, and its own motion adds
@@ -16,7 +16,7 @@ namespace orbident {
 
 struct Wheel {
   Vector3<Real> axis;  // unit vector, base axes
-  Real inertia;          // about its axis, kg m^2; counted in the base already
+  Real inertia;        // about its axis, kg m^2; counted in the base already
 };
 
 // What the equations of motion need of a robot; views of constant tables.
@@ -97,7 +97,7 @@ Vector3<T> bias(const Robot& robot, const T* v, Bodies<T>& at, Column<T> c) {
     P += at.mass[i].m * at.motion[i].u + at.motion[i].w.cross(at.mass[i].s);
   for (int i = 0; i < tree.bodies(); ++i) at.motion[i].u -= P / M;
 
-  // Accelerations where v' = 0: a field is fixed in the body that its joint moves, S_k' = V_k x S_k.
+  // Accelerations where v' = 0: a field is fixed in the body its joint moves, S_k' = V_k x S_k.
   at.rate[0] = {Vector3<T>::Zero(), Vector3<T>::Zero()};
   for (int k = 0; k < tree.joints; ++k) {
     const Motion<T>&V = at.motion[k + 1], &S = at.field[k], &parent = at.rate[tree.joint[k].parent];

@@ -22,108 +22,105 @@ namespace orbident {
 struct Floating {
   Robot robot;
   bool planar;
-  Matrix3<double> D_free;      // what free wheels add to D, base axes
-  Vector3<double> h_rw;        // momentum of the wheels where w = 0, base axes
-  Vector3<double> h_cm;        // inertial axes
-  Quaternion<double> x_WB;     // at the start
+  Matrix3<double> D_free;   // what free wheels add to D, base axes
+  Vector3<double> h_rw;     // momentum of the wheels where w = 0, base axes
+  Vector3<double> h_cm;     // inertial axes
+  Quaternion<double> x_WB;  // at the start
 };
 
 // The law of the base rate at one node: w = E (R_0^T h_cm - h).
-template <class T>
-struct RateLaw {
-  Matrix3<T> E;
-  Vector3<T> h;
+struct NodeLaw {
+  Matrix3<double> E;
+  Vector3<double> h;
 
-  Vector3<T> rate(const Quaternion<T>& x_WB, const Vector3<T>& h_cm) const {
+  Vector3<double> rate(const Quaternion<double>& x_WB, const Vector3<double>& h_cm) const {
     return E * (quaternion_matrix(x_WB).transpose() * h_cm - h);
   }
 };
 
 // From a configured state; in the plane E is 1 / D_zz alone.
-template <class T>
-RateLaw<T> rate_law(const Floating& floating, const Bodies<T>& at, const T* qd) {
-  const SystemInertia<T> all = system_inertia(at.carried[0]);
-  RateLaw<T> law{Matrix3<T>::Zero(), floating.h_rw.template cast<T>()};
+inline NodeLaw node_law(const Floating& floating, const Bodies<double>& at, const double* qd) {
+  const SystemInertia<double> all = system_inertia(at.carried[0]);
+  NodeLaw law{Matrix3<double>::Zero(), floating.h_rw};
   for (int k = 0; k < floating.robot.tree.joints; ++k)
     law.h += qd[k] * (at.momentum[k].h - all.r_cm.cross(at.momentum[k].p));
-  const Matrix3<T> D = all.D - floating.D_free.template cast<T>();
+  const Matrix3<double> D = all.D - floating.D_free;
   if (floating.planar)
-    law.E(2, 2) = T(1) / D(2, 2);
+    law.E(2, 2) = 1.0 / D(2, 2);
   else
     law.E = D.inverse();
   return law;
 }
 
 // The quaternion's gradient of a gradient with respect to a small rotation, base axes.
-template <class T>
-Quaternion<T> rotation_gradient(const Quaternion<T>& x_WB, const Vector3<T>& f_turn) {
-  return T(4) / x_WB.squaredNorm() * quaternion_rate(x_WB, f_turn);
+inline Quaternion<double> rotation_gradient(const Quaternion<double>& x_WB,
+                                            const Vector3<double>& f_turn) {
+  return 4.0 / x_WB.squaredNorm() * quaternion_rate(x_WB, f_turn);
 }
 
 // One evaluation of x' = 1/2 x (w, 0), and its reverse.
-template <class T>
 struct Stage {
-  Quaternion<T> x;
-  Vector3<T> w;
-  Vector3<T> a = Vector3<T>::Zero();  // E df/dw
+  Quaternion<double> x;
+  Vector3<double> w;
+  Vector3<double> a = Vector3<double>::Zero();  // E df/dw
 
-  Quaternion<T> rate() const { return quaternion_rate(x, w); }
+  Quaternion<double> rate() const { return quaternion_rate(x, w); }
 
   // df/dx from the gradient f_k with respect to x'.
-  Quaternion<T> reverse(const RateLaw<T>& law, const Vector3<T>& h_cm, const Quaternion<T>& f_k) {
-    const Vector3<T> v = x.template head<3>(), f = f_k.template head<3>();
-    a = law.E * (T(0.5) * (x[3] * f + f.cross(v) - f_k[3] * v));
-    const Vector3<T> h_B = quaternion_matrix(x).transpose() * h_cm;
-    Quaternion<T> f_x = rotation_gradient<T>(x, a.cross(h_B));
-    f_x.template head<3>() += T(0.5) * (w.cross(f) - f_k[3] * w);
-    f_x[3] += T(0.5) * f.dot(w);
+  Quaternion<double> reverse(const NodeLaw& law, const Vector3<double>& h_cm,
+                             const Quaternion<double>& f_k) {
+    const Vector3<double> v = x.head<3>(), f = f_k.head<3>();
+    a = law.E * (0.5 * (x[3] * f + f.cross(v) - f_k[3] * v));
+    const Vector3<double> h_B = quaternion_matrix(x).transpose() * h_cm;
+    Quaternion<double> f_x = rotation_gradient(x, a.cross(h_B));
+    f_x.head<3>() += 0.5 * (w.cross(f) - f_k[3] * w);
+    f_x[3] += 0.5 * f.dot(w);
     return f_x;
   }
 };
 
 // One step of RK4 from x: laws at its start, middle and end.
-template <class T>
 struct Step {
-  const RateLaw<T>* law;  // 3
-  Vector3<T> h_cm;
-  T dt;
-  Stage<T> stage[4];
-  Quaternion<T> end;  // before it is normalised
+  const NodeLaw* law;  // 3
+  Vector3<double> h_cm;
+  double dt;
+  Stage stage[4];
+  Quaternion<double> end;  // before it is normalised
 
-  Step(const RateLaw<T>* law_, const Vector3<T>& h_cm_, const T& dt_, const Quaternion<T>& x)
+  Step(const NodeLaw* law_, const Vector3<double>& h_cm_, double dt_, const Quaternion<double>& x)
       : law(law_), h_cm(h_cm_), dt(dt_) {
-    const auto at = [this](int s, const Quaternion<T>& x_s) {
+    const auto at = [this](int s, const Quaternion<double>& x_s) {
       stage[s].x = x_s;
       stage[s].w = law[(s + 1) / 2].rate(x_s, h_cm);
       return stage[s].rate();
     };
-    const Quaternion<T> k_1 = at(0, x), k_2 = at(1, x + dt / 2 * k_1);
-    const Quaternion<T> k_3 = at(2, x + dt / 2 * k_2), k_4 = at(3, x + dt * k_3);
-    end = x + dt / 6 * (k_1 + T(2) * k_2 + T(2) * k_3 + k_4);
+    const Quaternion<double> k_1 = at(0, x), k_2 = at(1, x + dt / 2 * k_1);
+    const Quaternion<double> k_3 = at(2, x + dt / 2 * k_2), k_4 = at(3, x + dt * k_3);
+    end = x + dt / 6 * (k_1 + 2.0 * k_2 + 2.0 * k_3 + k_4);
   }
 
   // df/dx at the start from f_x at the normalised end; leaves a in every stage.
-  Quaternion<T> reverse(const Quaternion<T>& f_x) {
-    const T norm = end.norm();
-    const Quaternion<T> unit = end / norm, f = (f_x - unit * unit.dot(f_x)) / norm;
-    const Quaternion<T> f_4 = stage[3].reverse(law[2], h_cm, dt / 6 * f);
-    const Quaternion<T> f_3 = stage[2].reverse(law[1], h_cm, dt / 3 * f + dt * f_4);
-    const Quaternion<T> f_2 = stage[1].reverse(law[1], h_cm, dt / 3 * f + dt / 2 * f_3);
-    const Quaternion<T> f_1 = stage[0].reverse(law[0], h_cm, dt / 6 * f + dt / 2 * f_2);
+  Quaternion<double> reverse(const Quaternion<double>& f_x) {
+    const double norm = end.norm();
+    const Quaternion<double> unit = end / norm, f = (f_x - unit * unit.dot(f_x)) / norm;
+    const Quaternion<double> f_4 = stage[3].reverse(law[2], h_cm, dt / 6 * f);
+    const Quaternion<double> f_3 = stage[2].reverse(law[1], h_cm, dt / 3 * f + dt * f_4);
+    const Quaternion<double> f_2 = stage[1].reverse(law[1], h_cm, dt / 3 * f + dt / 2 * f_3);
+    const Quaternion<double> f_1 = stage[0].reverse(law[0], h_cm, dt / 6 * f + dt / 2 * f_2);
     return f + f_1 + f_2 + f_3 + f_4;
   }
 };
 
 // Adds the gradient of a . h_rs(q, qd, w) + r . r_cm at a configured state; returns df/dw.
-template <class T>
-Vector3<T> add_momentum_gradient(const Robot& robot, Bodies<T>& at, Wrenches<T>& room,
-                                 const Vector3<T>& a, const Vector3<T>& r, const Vector3<T>& w,
-                                 const T* qd, T* f_q, T* f_qd) {
+inline Vector3<double> add_momentum_gradient(const Robot& robot, Bodies<double>& at, Wrenches& room,
+                                             const Vector3<double>& a, const Vector3<double>& r,
+                                             const Vector3<double>& w, const double* qd,
+                                             double* f_q, double* f_qd) {
   move(robot.tree, at.field, w, qd, at.motion);
-  Vector3<T> p = Vector3<T>::Zero();
+  Vector3<double> p = Vector3<double>::Zero();
   for (int i = 0; i < robot.tree.bodies(); ++i)
     p += at.mass[i].m * at.motion[i].u + at.motion[i].w.cross(at.mass[i].s);
-  const MomentumGradients<T> wrenches(a, r, at.carried[0], p, at.mass, at.motion);
+  const MomentumGradients wrenches(a, r, at.carried[0], p, at.mass, at.motion);
   return momentum_adjoint(robot.tree, at.field, qd, wrenches, room, f_q, f_qd);
 }
 

@@ -9,8 +9,8 @@
 
 namespace orbident {
 
-constexpr Real MOMENTUM_UNKNOWN = 10.0;  // so many times what beta and the first sample say
-constexpr Real FASTEST = 10.0;           // m/s: no point moves faster relative to the CM
+constexpr Real MOMENTUM_UNKNOWN = 10.0;      // so many times what beta and the first sample say
+constexpr Real FASTEST = 10.0;               // m/s: no point moves faster relative to the CM
 constexpr Real EXACT_MOMENTUM = Real(1e-6);  // N m s: error of a momentum that is known
 
 struct FilterSizes {
@@ -49,16 +49,16 @@ struct Memory {
 };
 
 struct FilterState {
-  Real* t;      // of the last sample, s; NaN before the first
-  Real* w;      // the gyro's last sample, rad/s
-  Real* R_WB;   // 3 x 3, row-major
+  Real* t;       // of the last sample, s; NaN before the first
+  Real* w;       // the gyro's last sample, rad/s
+  Real* R_WB;    // 3 x 3, row-major
   Real* linear;  // points in a row at which y(beta) was linear (hand_over.hpp)
-  Real* top;    // [N | Y | z], N x + Y y = z, N upper triangular
-  Real* R;      // [R | z], R y = z, upper triangular
-  Real* beta;   // the estimate [M, sigma, iota]
-  Real* x;      // the nuisances
-  Real* root;   // [iota, M, sigma | z], upper triangular: root^T root is beta's information
-  Real* prior;  // the same of what was known beforehand
+  Real* top;     // [N | Y | z], N x + Y y = z, N upper triangular
+  Real* R;       // [R | z], R y = z, upper triangular
+  Real* beta;    // the estimate [M, sigma, iota]
+  Real* x;       // the nuisances
+  Real* root;    // [iota, M, sigma | z], upper triangular: root^T root is beta's information
+  Real* prior;   // the same of what was known beforehand
 };
 
 constexpr FilterState state_in(const FilterSizes& size, Memory& memory) {
@@ -116,8 +116,8 @@ constexpr FilterRoom room_in(const FilterModel& model, const Bodies<Real>& bodie
   return room;
 }
 
-// Nothing is known but the prior of beta, `root (beta - beta_0)` of unit variance, `root` k x k in the
-// order of beta, and of the nuisances their values x, hardly at all.
+// Nothing is known but the prior of beta, `root (beta - beta_0)` of unit variance, `root` k x k in
+// the order of beta, and of the nuisances their values x, hardly at all.
 inline void begin(const FilterModel& model, Real t, const Matrix& R_WB, const Real* beta_0,
                   const Real* root, const Real* x, FilterState& state, FilterRoom& room) {
   const FilterSizes size = model.sizes();
@@ -152,9 +152,9 @@ inline void begin(const FilterModel& model, Real t, const Matrix& R_WB, const Re
   const int b_g = laws.gyro_bias(), b_a = laws.accelerometer_bias();
   for (int i = 0; i < n; ++i) {
     const Real std = i < laws.axes.momenta ? MOMENTUM_UNKNOWN * (h > 1 ? h : 1)
-                       : i < b_g             ? FASTEST
-                       : i < b_a             ? laws.noise.gyro_bias
-                                             : laws.noise.accelerometer_bias;
+                     : i < b_g             ? FASTEST
+                     : i < b_a             ? laws.noise.gyro_bias
+                                           : laws.noise.accelerometer_bias;
     Real* const row = state.top + i * size.top_stride();
     state.x[i] = x[i];
     row[i] = 1 / std;

@@ -1,7 +1,9 @@
-// The interface of flight.h, in the code that Python runs. To be included in one source file of a program.
+// The interface of flight.h, in the code that Python runs. One source file of a program includes
+// it.
 //
-// Beside the filter's own step it only looks at what comes in and what comes out: a sample that does not
-// count says why, and numbers that ran out of range stop the filter instead of being handed on.
+// Beside the filter's own step it only looks at what comes in and what comes out: a sample that
+// does not count says why, and numbers that ran out of range stop the filter instead of being
+// handed on.
 #pragma once
 
 #include "orbident/flight_memory.hpp"
@@ -29,11 +31,16 @@ inline int status(const orbident_robot& robot, Real mark) {
 
 inline int code_of(Counts counts) {
   switch (counts) {
-    case Counts::yes: return ORBIDENT_DONE;
-    case Counts::incomplete: return ORBIDENT_INCOMPLETE;
-    case Counts::absurd: return ORBIDENT_ABSURD;
-    case Counts::not_later: return ORBIDENT_NOT_LATER;
-    case Counts::repeated: break;
+    case Counts::yes:
+      return ORBIDENT_DONE;
+    case Counts::incomplete:
+      return ORBIDENT_INCOMPLETE;
+    case Counts::absurd:
+      return ORBIDENT_ABSURD;
+    case Counts::not_later:
+      return ORBIDENT_NOT_LATER;
+    case Counts::repeated:
+      break;
   }
   return ORBIDENT_REPEATED;
 }
@@ -153,11 +160,20 @@ int orbident_get(const orbident_robot* robot, orbident_real* memory, int quantit
   const Real* from = nullptr;
   int count = -1;
   switch (quantity) {
-    case ORBIDENT_BETA: from = at.filter.beta, count = size.betas(); break;
-    case ORBIDENT_DEVIATIONS: count = size.betas(); break;
-    case ORBIDENT_NUISANCES: from = at.filter.x, count = size.nuisances; break;
-    case ORBIDENT_INNOVATION: from = at.white, count = size.rows; break;
-    default: break;
+    case ORBIDENT_BETA:
+      from = at.filter.beta, count = size.betas();
+      break;
+    case ORBIDENT_DEVIATIONS:
+      count = size.betas();
+      break;
+    case ORBIDENT_NUISANCES:
+      from = at.filter.x, count = size.nuisances;
+      break;
+    case ORBIDENT_INNOVATION:
+      from = at.white, count = size.rows;
+      break;
+    default:
+      break;
   }
   if (size_of_out != count) return ORBIDENT_NO_SUCH;
   if (quantity == ORBIDENT_DEVIATIONS) deviations(model, at.filter, at.room, out);

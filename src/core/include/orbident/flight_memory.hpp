@@ -2,8 +2,8 @@
 //
 //   | mark, last sample, filter, detector, checksum | joints, wheels | room for one step |
 //
-// The first part is all that is carried from sample to sample, and the checksum of a copy of it. Nothing
-// in it is an address, so that it may be copied away, and back to another place.
+// The first part is all that is carried from sample to sample, and the checksum of a copy of it.
+// Nothing in it is an address, so that it may be copied away, and back to another place.
 #pragma once
 
 #include <new>
@@ -26,12 +26,16 @@ constexpr FilterModel model_of(const orbident_robot& robot, const Joint* joints,
                            robot.momenta,
                            {robot.velocity[0], robot.velocity[1], robot.velocity[2]},
                            robot.velocities};
-  const SensorNoise noise{n[0], n[1], n[2], n[3], n[4], n[5],
+  const SensorNoise noise{n[0], n[1], n[2], n[3], n[4],  n[5],
                           n[6], n[7], n[8], n[9], n[10], robot.accelerometer != 0};
   const MinimalSets sets{view(robot.theta_of_linear), view(robot.theta_of_sigma), robot.product,
                          robot.products};
-  const ParametersOfBeta of_beta{view(robot.pi_of_shown), view(robot.pi_of_products), robot.pair,
-                                 robot.pis, robot.sigmas, robot.iotas};
+  const ParametersOfBeta of_beta{view(robot.pi_of_shown),
+                                 view(robot.pi_of_products),
+                                 robot.pair,
+                                 robot.pis,
+                                 robot.sigmas,
+                                 robot.iotas};
   const Tree tree{joints, robot.joints};
   return {{{tree, nullptr, wheels, robot.wheels}, sets, view(robot.theta_of_beta), axes, noise},
           of_beta};
@@ -52,14 +56,14 @@ constexpr T* objects(Memory& memory, int count) {
 
 struct Layout {
   FilterSizes size;
-  Real* mark;     // of the table: negative once the filter has diverged
-  Real* t;        // of an innovation that the detector has not seen yet, s; else NaN
-  Real* white;    // the last innovation
+  Real* mark;   // of the table: negative once the filter has diverged
+  Real* t;      // of an innovation that the detector has not seen yet, s; else NaN
+  Real* white;  // the last innovation
   FilterState filter;
   Watch watch;
-  long summed;    // numbers so far, of which the checksum is
-  Real* checksum; // of a copy
-  long carried;   // numbers so far
+  long summed;     // numbers so far, of which the checksum is
+  Real* checksum;  // of a copy
+  long carried;    // numbers so far
   Joint* joint;
   Wheel* wheel;
   FilterRoom room;
@@ -111,8 +115,8 @@ inline void prepare(const orbident_robot& robot, Real* memory, const Layout& at)
   for (int k = 0; k < robot.joints; ++k) {
     const orbident_joint& j = robot.joint[k];
     const Matrix R_PJ = Eigen::Map<const Eigen::Matrix<Real, 3, 3, Eigen::RowMajor>>(j.R_PJ);
-    new (at.joint + k) Joint(j.parent, j.revolute != 0, Vector(j.axis[0], j.axis[1], j.axis[2]), R_PJ,
-                             Vector(j.p_PJ[0], j.p_PJ[1], j.p_PJ[2]));
+    new (at.joint + k) Joint(j.parent, j.revolute != 0, Vector(j.axis[0], j.axis[1], j.axis[2]),
+                             R_PJ, Vector(j.p_PJ[0], j.p_PJ[1], j.p_PJ[2]));
   }
   for (int k = 0; k < robot.wheels; ++k) {
     const orbident_wheel& w = robot.wheel[k];

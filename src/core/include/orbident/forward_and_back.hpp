@@ -18,8 +18,8 @@ constexpr std::ptrdiff_t STEPS_A_BLOCK = 1024;
 // forward(k, state) moves the state and returns what it leaves behind, for k = 0 .. steps - 1;
 // turn(state) sees the last state; back(k, left) follows for k = steps - 1 .. 0.
 template <class State, class Forward, class Turn, class Back>
-ORBIDENT_INLINE void forward_and_back(std::ptrdiff_t steps, State state, Forward&& forward, Turn&& turn,
-                      Back&& back) {
+ORBIDENT_INLINE void forward_and_back(std::ptrdiff_t steps, State state, Forward&& forward,
+                                      Turn&& turn, Back&& back) {
   std::vector<State> starts;
   for (std::ptrdiff_t k = 0; k < steps; ++k) {
     if (k % STEPS_A_BLOCK == 0) starts.push_back(state);

@@ -2,7 +2,7 @@
 //
 //   H+ v' + c+ = Q,   Q = [0, 0, tau, tau_rw] + sum_k J_k^T (F_k, n_k).
 //
-// A force F and a moment n on a body, at a point p of it (from S, base axes), are over [v_cm, w, qd]
+// A force F and a moment n on a body at its point p (from S, base axes) are over [v_cm, w, qd]
 //
 //   F,   n + (p - r_cm) x F,   w_j . (n + p x F) + (u_j - J_cm,j) . F,
 //
@@ -26,10 +26,10 @@ struct BodyPoint {
 template <class T>
 struct EquationsOfMotion {
   Bodies<T> at;
-  T* H;       // speeds x speeds
-  T* factor;  // the same size: of the Cholesky factor
-  T* c;       // speeds
-  T* Q;       // speeds
+  T* H;            // speeds x speeds
+  T* factor;       // the same size: of the Cholesky factor
+  T* c;            // speeds
+  T* Q;            // speeds
   Vector3<T> f_S;  // acceleration of S where v' = 0, base axes
 };
 
@@ -47,8 +47,7 @@ void add_wrench(const Robot& robot, const BodyPoint& point, const Vector3<T>& F,
                 const Vector3<T>& n, EquationsOfMotion<T>& eq) {
   const Bodies<T>& at = eq.at;
   const T M = at.carried[0].m;
-  const Vector3<T> p =
-      at.pose[point.body].d + at.pose[point.body].R * point.p.template cast<T>();
+  const Vector3<T> p = at.pose[point.body].d + at.pose[point.body].R * point.p.template cast<T>();
   const Vector3<T> moment = n + p.cross(F);
   Column<T> Q(eq.Q, robot.speeds());
   Q.template segment<3>(0) += F;

@@ -1,6 +1,8 @@
 // Joint motions after Eq. 41, and their derivatives: sums over the functions
 //
-//   cos(w_f l t), sin(w_f l t), l = 1 .. N_f,   and   s^j, j = 0 .. 5,   s = t / t_f, w_f = 2 pi / t_f.
+//   cos(w_f l t), sin(w_f l t), l = 1 .. N_f,   and   s^j, j = 0 .. 5,
+//
+// with s = t / t_f and w_f = 2 pi / t_f.
 #pragma once
 
 #include <cmath>

@@ -1,4 +1,5 @@
-// Free floating (Eqs. 2, 3, 17, 18): the momentum h_cm about the system CM determines the base rate,
+// Free floating (Eqs. 2, 3, 17, 18): the momentum h_cm about the system CM determines the base
+// rate,
 //
 //   D w + D_q qd + A_rw qd_rw = R_0^T h_cm   =>   w = E R_0^T h_cm - b,
 //

@@ -1,14 +1,15 @@
 // The hand-over of the information filter from the linear parameters y to the base parameters beta.
 //
-// Samples are linear in y and y(beta) is not; a factor over y forgets nothing, but for two arms of seven
-// joints it has 527 columns and beta 108. Once the estimate is so good that y(beta) is linear as far as it
-// is uncertain, the factor over beta, of the last Gauss-Newton step, says all that the samples said. From
-// then on each sample's rows are linearised about the estimate before it:
+// Samples are linear in y and y(beta) is not; a factor over y forgets nothing, but for two arms of
+// seven joints it has 527 columns and beta 108. Once the estimate is so good that y(beta) is linear
+// as far as it is uncertain, the factor over beta, of the last Gauss-Newton step, says all that the
+// samples said. From then on each sample's rows are linearised about the estimate before it:
 //
 //   X (y(beta_0) + J (beta - beta_0)) = z
 //
-// What this does to the estimate is, over its deviations, at most the length of R (y(beta) - y(beta_0)
-// - J (beta - beta_0)), with d = beta - beta_0, phi' = phi(beta), M' = M + dM and C as in y(beta)
+// What this does to the estimate is, over its deviations, at most the length of
+// R (y(beta) - y(beta_0) - J (beta - beta_0)), with d = beta - beta_0, phi' = phi(beta), M' = M +
+// dM and C as in y(beta)
 //
 //   R [C M' (phi'_a - phi_a) (phi'_b - phi_b) | -(phi' - phi) dM / M]
 //
@@ -20,15 +21,15 @@
 
 namespace orbident {
 
-// Of the linearisation's error, squared, over the deviations: a twentieth of one in the worst direction.
+// Of the linearisation's error, squared, over the deviations: 1/20 of one in the worst direction.
 constexpr Real LINEAR = Real(0.0025);
-// Points in a row that must be linear, one a sample: Walsh's functions of as many numbers are orthogonal.
+// Points in a row that must be linear, one a sample: so many of Walsh's functions are orthogonal.
 constexpr int LINEAR_POINTS = 32;
 // What the known term of the momentum equation is at least, squared, over its noise, a row of pi.
 constexpr Real KNOWN = 100.0;
 
-// Whether the filter has handed over: `root` goes on, `top` is [N | B | z] over [iota, M, sigma] with
-// N x + B beta = z, and `R` stays what it was.
+// Whether the filter has handed over: `root` goes on, `top` is [N | B | z] over [iota, M, sigma]
+// with N x + B beta = z, and `R` stays what it was.
 inline bool held_in_beta(const FilterState& state) { return *state.linear == LINEAR_POINTS; }
 
 // Rows [y | z] become rows [iota, M, sigma | z] in place, linearised about the estimate.
@@ -46,8 +47,8 @@ inline void rows_of_beta(const FilterModel& model, const FilterState& state, Rea
   }
 }
 
-// Whether y(beta) is linear up to beta + d, with d one deviation in every direction; Walsh's function
-// number `point` has the signs of the directions.
+// Whether y(beta) is linear up to beta + d, with d one deviation in every direction; Walsh's
+// function number `point` has the signs of the directions.
 ORBIDENT_WIDEST inline bool linear(const FilterModel& model, const FilterState& state, int point,
                                    FilterRoom& room) {
   const ParametersOfBeta& sets = model.sets;
@@ -80,9 +81,9 @@ ORBIDENT_WIDEST inline bool linear(const FilterModel& model, const FilterState& 
   return square < LINEAR;
 }
 
-// Whether the momentum equation has a known term that is more than noise: else the samples tell no scale.
-// Noise counts as that of a robot of the mass M_0: without a scale the estimate shrinks to nothing, and
-// beside so small a robot's noise anything would be known.
+// Whether the momentum equation has a known term that is more than noise: else the samples tell no
+// scale. Noise counts as that of a robot of the mass M_0: without a scale the estimate shrinks to
+// nothing, and beside so small a robot's noise anything would be known.
 inline bool scaled(const FilterModel& model, const FilterState& state, Real M_0) {
   const FilterSizes size = model.sizes();
   if (held_in_beta(state)) return true;
@@ -92,7 +93,8 @@ inline bool scaled(const FilterModel& model, const FilterState& state, Real M_0)
     known += z * z;
   }
   const Real part = state.beta[0] / M_0;
-  return model.laws.robot.wheels > 0 && known * part * part > KNOWN * static_cast<Real>(model.sets.pis);
+  return model.laws.robot.wheels > 0 &&
+         known * part * part > KNOWN * static_cast<Real>(model.sets.pis);
 }
 
 // Tests one more point, and hands over after enough of them.

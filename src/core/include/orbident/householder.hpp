@@ -3,13 +3,13 @@
 //   | R |         | R' |
 //   | X |  =  Q   | 0  |
 //
-// Column j goes to its first entry by 1 - b u u^T, u = [R_jj +- norm, X_j]. Both tables are row-major.
-// Columns of R before its diagonal are zero and stay so.
+// Column j goes to its first entry by 1 - b u u^T, u = [R_jj +- norm, X_j]. Both tables are
+// row-major. Columns of R before its diagonal are zero and stay so.
 //
 // Rows go in BLOCK by BLOCK, so that the loop over them is unrolled. Everything is a combination of
 // whole rows: entry c of the result depends on columns c and j alone, in a fixed order, and a wider
-// processor gives the same bits. Large rows belong into R before small ones: then rounding is relative
-// to each row's own size (Powell and Reid, 1969).
+// processor gives the same bits. Large rows belong into R before small ones: then rounding is
+// relative to each row's own size (Powell and Reid, 1969).
 #pragma once
 
 #include <algorithm>
@@ -27,7 +27,7 @@
 #else
 #define ORBIDENT_WIDEST
 #endif
-// Short loops are copied into every caller and unrolled, unless the compiler is asked for little code (-Os).
+// Short loops are copied into every caller and unrolled, unless little code is asked for (-Os).
 #if defined(__GNUC__) && !defined(__OPTIMIZE_SIZE__)
 #define ORBIDENT_INLINED __attribute__((always_inline))
 #define ORBIDENT_INLINE ORBIDENT_INLINED inline
@@ -40,8 +40,8 @@
 
 namespace orbident {
 
-// Numbers of the widest vector: 8 of double. Tables whose width is a multiple are folded fastest, and are best
-// aligned to one.
+// Numbers of the widest vector: 8 of double. Tables whose width is a multiple are folded fastest,
+// and are best aligned to one.
 constexpr int LANES = 8;
 
 constexpr int padded(int width) { return (width + LANES - 1) / LANES * LANES; }
@@ -54,10 +54,10 @@ template <class T>
 struct Range;
 template <>
 struct Range<double> {
-  // Squares between these neither lose digits nor overflow, and nor do their sums and products by b.
+  // Squares between these neither lose digits nor overflow; nor do their sums and products by b.
   static constexpr double SMALLEST_SQUARE = 1e-200, LARGEST_SQUARE = 1e200;
-  // A column below this is zero: rounding leaves 1e-16 of rows that are used up, and 1e-16 of that, and
-  // so on, down to numbers without all their digits.
+  // A column below this is zero: rounding leaves 1e-16 of rows that are used up, and 1e-16 of that,
+  // and so on, down to numbers without all their digits.
   static constexpr double NOTHING = 1e-292;
 };
 template <>
@@ -68,8 +68,8 @@ struct Range<float> {
 template <int N>
 using Rows = std::integral_constant<int, N>;
 
-// Reflects the columns of R_j and `count` rows from c on, as many blocks of L as fit before n; returns the
-// column behind them. The compiler knows `count`, or does not.
+// Reflects the columns of R_j and `count` rows from c on, as many blocks of L as fit before n;
+// returns the column behind them. The compiler knows `count`, or does not.
 template <int L, class Count>
 ORBIDENT_INLINE int reflect(Real* R_j, Real* X, std::ptrdiff_t stride, Count count, int c, int n,
                             Real v, const Real* u, Real b) {
@@ -122,7 +122,8 @@ ORBIDENT_INLINE void fold_block(Real* R, std::ptrdiff_t R_stride, Real* X, std::
     const Real b = 2 / (v * v + below);
     R_j[j] = 0.0;
     for (int i = 0; i < N; ++i) X[i * stride + j] = 0.0;
-    [[maybe_unused]] const int rest = reflect<LANES>(R_j, X, stride, count, j / LANES * LANES, n, v, u, b);
+    [[maybe_unused]] const int rest =
+        reflect<LANES>(R_j, X, stride, count, j / LANES * LANES, n, v, u, b);
 #ifndef ORBIDENT_SMALL
     reflect<1>(R_j, X, stride, count, rest, n, v, u, b);
 #endif
@@ -130,9 +131,9 @@ ORBIDENT_INLINE void fold_block(Real* R, std::ptrdiff_t R_stride, Real* X, std::
   }
 }
 
-// Folds the m rows X of n columns into R: their first `columns` are brought to zero, and X keeps what
-// is left of the others. All tables of the filter have a multiple of LANES columns, and a build for it
-// (ORBIDENT_SMALL) is for such alone.
+// Folds the m rows X of n columns into R: their first `columns` are brought to zero, and X keeps
+// what is left of the others. All tables of the filter have a multiple of LANES columns, and a
+// build for it (ORBIDENT_SMALL) is for such alone.
 ORBIDENT_WIDEST inline void fold(Real* R, std::ptrdiff_t R_stride, Real* X, std::ptrdiff_t stride,
                                  int m, int n, int columns) {
 #ifdef ORBIDENT_SMALL
@@ -143,14 +144,22 @@ ORBIDENT_WIDEST inline void fold(Real* R, std::ptrdiff_t R_stride, Real* X, std:
   for (; m >= BLOCK; m -= BLOCK, X += BLOCK * stride)
     fold_block(R, R_stride, X, stride, Rows<BLOCK>(), n, columns);
   switch (m) {
-    case 1: return fold_block(R, R_stride, X, stride, Rows<1>(), n, columns);
-    case 2: return fold_block(R, R_stride, X, stride, Rows<2>(), n, columns);
-    case 3: return fold_block(R, R_stride, X, stride, Rows<3>(), n, columns);
-    case 4: return fold_block(R, R_stride, X, stride, Rows<4>(), n, columns);
-    case 5: return fold_block(R, R_stride, X, stride, Rows<5>(), n, columns);
-    case 6: return fold_block(R, R_stride, X, stride, Rows<6>(), n, columns);
-    case 7: return fold_block(R, R_stride, X, stride, Rows<7>(), n, columns);
-    default: return;
+    case 1:
+      return fold_block(R, R_stride, X, stride, Rows<1>(), n, columns);
+    case 2:
+      return fold_block(R, R_stride, X, stride, Rows<2>(), n, columns);
+    case 3:
+      return fold_block(R, R_stride, X, stride, Rows<3>(), n, columns);
+    case 4:
+      return fold_block(R, R_stride, X, stride, Rows<4>(), n, columns);
+    case 5:
+      return fold_block(R, R_stride, X, stride, Rows<5>(), n, columns);
+    case 6:
+      return fold_block(R, R_stride, X, stride, Rows<6>(), n, columns);
+    case 7:
+      return fold_block(R, R_stride, X, stride, Rows<7>(), n, columns);
+    default:
+      return;
   }
 #endif
 }

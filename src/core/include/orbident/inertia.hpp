@@ -8,8 +8,8 @@
 //
 //   p_k = m u_k + w_k x s,   h_k = s x u_k + J w_k.
 //
-// Koenig: about the CM, subtract what the whole mass at the CM would have. All is linear in theta but
-// for one division by M, so a massless link is nothing special.
+// Koenig: about the CM, subtract what the whole mass at the CM would have. All is linear in theta
+// but for one division by M, so a massless link is nothing special.
 #pragma once
 
 #include "orbident/momentum.hpp"
@@ -90,7 +90,7 @@ SystemInertia<T> system_inertia(const Mass<T>& all) {
   return {all.m, all.s / all.m, all.J + s_x * s_x / all.m};
 }
 
-// D_q (3 x joints) and J_cm (3 x joints): the velocity of the CM relative to S is w x r_cm + J_cm qd.
+// D_q and J_cm (3 x joints): the velocity of the CM relative to S is w x r_cm + J_cm qd.
 template <class T>
 void joint_columns(const Tree& tree, const Motion<T>* field, const Mass<T>* carried,
                    Momentum<T>* momentum, Rows3<T> D_q, Rows3<T> J_cm) {
@@ -104,8 +104,8 @@ void joint_columns(const Tree& tree, const Motion<T>* field, const Mass<T>* carr
 
 // D_qq (joints x joints): the energy of each motion that carries k, in the momentum that k carries.
 template <class T, class Matrix>
-void joint_inertia(const Tree& tree, const Motion<T>* field, const Momentum<T>* momentum, const T& M,
-                   Matrix&& D_qq) {
+void joint_inertia(const Tree& tree, const Motion<T>* field, const Momentum<T>* momentum,
+                   const T& M, Matrix&& D_qq) {
   const T per_M = T(1) / M;
   for (int k = 0; k < tree.joints; ++k) {
     const Vector3<T> v_cm = momentum[k].p * per_M;

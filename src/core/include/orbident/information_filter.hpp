@@ -7,8 +7,8 @@
 //   beta = argmin |R y(beta) - z|^2 + |root (beta - beta_0)|^2
 //
 // A filter whose state is beta alone would linearise every sample about another beta and take the
-// differences for information: from CAD values it gets lost. No smaller vector than y will do, which
-// y(beta) spans. Once the estimate is good enough, [x | beta] takes over (hand_over.hpp).
+// differences for information: from CAD values it gets lost. No smaller vector than y will do,
+// which y(beta) spans. Once the estimate is good enough, [x | beta] takes over (hand_over.hpp).
 //
 // No function here allocates memory, throws, or keeps anything: state and room are the caller's.
 #pragma once
@@ -26,7 +26,7 @@ struct Innovation {
   const Real* white;  // `stride` entries apart: independent, unit variance while nothing changes
   int stride;
   Real nis;  // |white|^2: chi-square with dof degrees of freedom
-  int dof;     // 0 where the sample does not count
+  int dof;   // 0 where the sample does not count
   Counts counts;
 };
 
@@ -35,12 +35,13 @@ inline Vector momentum_in(const FilterModel& model, const Real* x) {
   return model.laws.axes.momenta == 1 ? Vector(0, 0, x[0]) : Vector(x[0], x[1], x[2]);
 }
 
-constexpr Real LARGEST = 1e6;       // SI: no angle, rate or speed of a spacecraft is beyond it
-constexpr Real LONGEST = 1e9;       // s: nor is the time between two samples, which is 30 years
+constexpr Real LARGEST = 1e6;          // SI: no angle, rate or speed of a spacecraft is beyond it
+constexpr Real LONGEST = 1e9;          // s: nor is the time between two samples, which is 30 years
 constexpr Real SHORTEST = Real(1e-6);  // of a quaternion's squared norm; any norm will do but none
 
-// A sample counts if it is complete but for the velocity, possible, later than the last one, and of a live
-// gyro: one whose rate is the last one's to the last digit is dead, or its row was written twice.
+// A sample counts if it is complete but for the velocity, possible, later than the last one, and of
+// a live gyro: one whose rate is the last one's to the last digit is dead, or its row was written
+// twice.
 inline Counts counts(const FilterModel& model, const FilterState& state, Real t,
                      const Measurement& at) {
   const Robot& robot = model.laws.robot;
@@ -83,15 +84,15 @@ inline SampleEquations equations_of(const FilterModel& model, const FilterState&
   found.h = momentum_in(model, state.x) + given_momentum(at);
   found.R_WB = quaternion_matrix<Real>(Quaternion<Real>(at.x_WB));
   found.moving = Vector(at.v_S[0], at.v_S[1], at.v_S[2]).allFinite();
-  found.noise = conservation_equations(model.laws, state.beta, found.h, at, found.R_WB, room.equations,
-                                       rows, stride);
+  found.noise = conservation_equations(model.laws, state.beta, found.h, at, found.R_WB,
+                                       room.equations, rows, stride);
   if (held_in_beta(state))
     rows_of_beta(model, state, rows + size.nuisances, stride, size.rows, size.beta_stride(), room);
   return found;
 }
 
-// Moves the nuisances on to the time t of a sample that counts, and takes what its rows say of them; what is
-// left of these, whitened, is about the parameters alone.
+// Moves the nuisances on to the time t of a sample that counts, and takes what its rows say of
+// them; what is left of these, whitened, is about the parameters alone.
 inline void take_nuisances_in(const FilterModel& model, FilterState& state, Real t, const Real* w,
                               const SampleEquations& sample, Real* rows, FilterRoom& room) {
   const FilterSizes size = model.sizes();
@@ -101,13 +102,13 @@ inline void take_nuisances_in(const FilterModel& model, FilterState& state, Real
   const Real dt = std::isnan(*state.t) ? Real(0) : t - *state.t;
   const Eigen::Map<Eigen::Matrix<Real, 3, 3, Eigen::RowMajor>> R_before(state.R_WB);
   const Matrix integral = dt / 2 * (R_before + sample.R_WB);
-  const Matrix of_gyro = predict_nuisances(model.laws, state.top, top_stride, n + y + 1, integral, sample.h,
-                                           dt, room.kick, room.covariance);
+  const Matrix of_gyro = predict_nuisances(model.laws, state.top, top_stride, n + y + 1, integral,
+                                           sample.h, dt, room.kick, room.covariance);
   whiten_law(sample.noise.momentum, axes.momentum, axes.momenta, of_gyro, axes.momenta, state.top,
              top_stride, rows, stride, n + y + 1);
   if (sample.moving)
-    whiten_law(sample.noise.velocity, axes.velocity, axes.velocities, of_gyro, axes.momenta, state.top,
-               top_stride, rows + axes.momenta * stride, stride, n + y + 1);
+    whiten_law(sample.noise.velocity, axes.velocity, axes.velocities, of_gyro, axes.momenta,
+               state.top, top_stride, rows + axes.momenta * stride, stride, n + y + 1);
   fold(state.top, top_stride, rows, stride, size.rows, padded(n + y + 1), n);
   *state.t = t;
   for (int i = 0; i < 3; ++i) state.w[i] = w[i];
@@ -115,8 +116,8 @@ inline void take_nuisances_in(const FilterModel& model, FilterState& state, Real
 }
 
 // Takes the equations of one sample in, linearised about the estimate, which stays.
-inline Innovation take_in(const FilterModel& model, FilterState& state, Real t,
-                          const Real* packed, FilterRoom& room) {
+inline Innovation take_in(const FilterModel& model, FilterState& state, Real t, const Real* packed,
+                          FilterRoom& room) {
   const Measurement at = measurement_at(model.laws.robot, packed);
   const FilterSizes size = model.sizes();
   const bool reduced = held_in_beta(state);
@@ -145,8 +146,9 @@ constexpr Real HELD = Real(1e-3);
 
 // One Gauss-Newton step from the last beta: [R J | z + R (J beta - y)] and the prior, triangular.
 //
-// Without a wheel M is held at M_0. The lighter a robot, the better it fits equations without a known term, and
-// the less their noise is, which is D's and U's: the estimate would shrink to nothing, ever faster.
+// Without a wheel M is held at M_0. The lighter a robot, the better it fits equations without a
+// known term, and the less their noise is, which is D's and U's: the estimate would shrink to
+// nothing, ever faster.
 inline void relinearise(const FilterModel& model, FilterState& state, FilterRoom& room) {
   const ParametersOfBeta& sets = model.sets;
   const FilterSizes size = model.sizes();
@@ -158,8 +160,8 @@ inline void relinearise(const FilterModel& model, FilterState& state, FilterRoom
   // Rows below those of iota wait in a block until it is full.
   int waiting = 0;
   const auto fold_waiting = [&] {
-    fold(state.root + iotas * stride + iotas, stride, room.block, block_stride, waiting, block_stride,
-         shown);
+    fold(state.root + iotas * stride + iotas, stride, room.block, block_stride, waiting,
+         block_stride, shown);
     waiting = 0;
   };
   for (int first = 0; first < y; first += TILE) {

@@ -4,17 +4,15 @@
 namespace orbident {
 
 // Value, rate, acceleration.
-template <class T>
 struct Cubics {
-  T value[4], rate[4], acceleration[4];
+  double value[4], rate[4], acceleration[4];
 };
 
-template <class T>
-Cubics<T> cubics(const T& time, const T& duration) {
-  const T d = duration > T(0) ? duration : T(1);
-  const T s = time / d, s2 = s * s, s3 = s2 * s;
-  return {{T(1) - 3 * s2 + 2 * s3, d * (s - 2 * s2 + s3), 3 * s2 - 2 * s3, d * (s3 - s2)},
-          {6 * (s2 - s) / d, T(1) - 4 * s + 3 * s2, 6 * (s - s2) / d, 3 * s2 - 2 * s},
+inline Cubics cubics(double time, double duration) {
+  const double d = duration > 0.0 ? duration : 1.0;
+  const double s = time / d, s2 = s * s, s3 = s2 * s;
+  return {{1.0 - 3 * s2 + 2 * s3, d * (s - 2 * s2 + s3), 3 * s2 - 2 * s3, d * (s3 - s2)},
+          {6 * (s2 - s) / d, 1.0 - 4 * s + 3 * s2, 6 * (s - s2) / d, 3 * s2 - 2 * s},
           {(12 * s - 6) / (d * d), (6 * s - 4) / d, (6 - 12 * s) / (d * d), (6 * s - 2) / d}};
 }
 

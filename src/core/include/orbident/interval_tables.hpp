@@ -2,8 +2,8 @@
 // linearised, and the table they grow in.
 #pragma once
 
-#include "orbident/householder.hpp"
 #include "orbident/calibration.hpp"
+#include "orbident/householder.hpp"
 #include "orbident/joint_history.hpp"
 #include "orbident/whitening.hpp"
 
@@ -12,44 +12,42 @@ namespace orbident {
 constexpr int BIASES = 9;  // turn and biases: what goes on from interval to interval
 
 // A sensor's samples, rows x axes; no values where there is no such sensor.
-template <class T>
 struct Sensed {
-  const T* values;
-  const T* weights;  // 1 over the noise's std; zero where there was no sample
-  T* residuals;      // over the white noise; null where nobody asks
-  const Coloured<T>* coloured;  // of each axis; null where the noise is white
-  int lasting;       // where the first of its lasting parts is in z
+  const double* values;
+  const double* weights;     // 1 over the noise's std; zero where there was no sample
+  double* residuals;         // over the white noise; null where nobody asks
+  const Coloured* coloured;  // of each axis; null where the noise is white
+  int lasting;               // where the first of its lasting parts is in z
 
-  void keep(std::ptrdiff_t at, const T& residual) const {
+  void keep(std::ptrdiff_t at, double residual) const {
     if (residuals) residuals[at] = residual;
   }
 };
 
 constexpr int TRACKERS = 2;  // attitude and position: their noise may last
 
-template <class T>
 struct Recorded {
   Tree tree;
-  Sparse theta_of;  // theta = nominal + theta_of beta, where `nominal` has no beta
+  Sparse theta_of;  // theta = theta_0 + theta_of beta, where theta_0 has no beta
   bool planar;
-  int substeps;            // of the attitude, from row to row
-  const int* corrected;    // joints that have corrections
+  int substeps;          // of the attitude, from row to row
+  const int* corrected;  // joints that have corrections
   int wheels;
   IntervalColumns columns;
   int rows;
-  const T* t;       // rows, s
+  const double* t;  // rows, s
   const int* edge;  // intervals + 1: the first row of each, and `rows`
   int intervals;
-  JointHistory<T> history;
-  const T* A_rw;    // wheels x 3: a_i I_i, base axes
+  JointHistory history;
+  const double* A_rw;  // wheels x 3: a_i I_i, base axes
   // At 2 rows - 1 nodes: every row, and half-way between.
-  Acting<T> acting;
-  Sensed<T> gyro, accelerometer, attitude, joints, position, velocity;
+  Acting acting;
+  Sensed gyro, accelerometer, attitude, joints, position, velocity;
   int lasting;  // parts of the trackers' noise that last
   // How freely the unknowns of boundaries vary: standard deviations.
-  const T* first;  // of z at the first row
-  const T* prior;  // of corrections anywhere
-  const T* walk;   // of turn and biases, per square root of a second
+  const double* first;  // of z at the first row
+  const double* prior;  // of corrections anywhere
+  const double* walk;   // of turn and biases, per square root of a second
 
   int corrections() const { return BIASES + lasting; }  // where they begin in z
   int local() const { return corrections() + 2 * columns.corrected; }
@@ -60,62 +58,59 @@ struct Recorded {
 };
 
 // Where the equations are linearised.
-template <class T>
 struct LinearisedAt {
-  const T* x_WB;   // boundaries x 4
-  const T* local;  // boundaries x local; turns are zero
-  const T* common;
-  const T* theta;  // of its beta
-  Calibration<T> calibration;
+  const double* x_WB;   // boundaries x 4
+  const double* local;  // boundaries x local; turns are zero
+  const double* common;
+  const double* theta;  // of its beta
+  Calibration calibration;
 };
 
-template <class T>
 struct IntervalMemory {
-  TermsMemory<T> terms;
-  T *q, *qd, *qdd;      // joints each
-  JointState<T> shown[3];  // at a node and the two after it
-  int knot = 0;         // the last one before a node
-  JointNode<T> node[3];
-  BaseNode<T> base[3];
-  T* velocity[3];       // 3 x unknowns each
-  T* slopes;            // 3 x unknowns
-  T* felt;              // 3 x unknowns
-  Whitening<T> whitening[TRACKERS][3];
+  TermsMemory terms;
+  double *q, *qd, *qdd;  // joints each
+  JointState shown[3];   // at a node and the two after it
+  int knot = 0;          // the last one before a node
+  JointNode node[3];
+  BaseNode base[3];
+  double* velocity[3];  // 3 x unknowns each
+  double* slopes;       // 3 x unknowns
+  double* felt;         // 3 x unknowns
+  Whitening whitening[TRACKERS][3];
 };
 
 // A table of equations that grows row by row.
-template <class T>
 struct EquationTable {
-  T* table;
+  double* table;
   int stride, width;
   int start, end;  // columns of z at the interval's start and end
   int local;
   int corrections;  // where they begin in z
   int rows;
-  T cost;
+  double cost;
 
-  T* empty() {
-    T* row = table + std::ptrdiff_t(rows++) * stride;
-    std::fill_n(row, stride, T(0));
+  double* empty() {
+    double* row = table + std::ptrdiff_t(rows++) * stride;
+    std::fill_n(row, stride, 0.0);
     return row;
   }
 
-  T* add(const T& right_hand_side) {
-    T* row = empty();
+  double* add(double right_hand_side) {
+    double* row = empty();
     row[width - 1] = right_hand_side;
     cost += right_hand_side * right_hand_side;
     return row;
   }
 
   // From slopes by the interval's unknowns.
-  T* add(const IntervalColumns& c, const T* slopes, const T& weight, const T& error) {
-    T* row = add(weight * error);
+  double* add(const IntervalColumns& c, const double* slopes, double weight, double error) {
+    double* row = add(weight * error);
     write(c, slopes, weight, row);
     return row;
   }
 
-  void write(const IntervalColumns& c, const T* slopes, const T& weight, T* row) const {
-    const auto scaled = [&](int from, int count, T* to) {
+  void write(const IntervalColumns& c, const double* slopes, double weight, double* row) const {
+    const auto scaled = [&](int from, int count, double* to) {
       for (int k = 0; k < count; ++k) to[k] = weight * slopes[from + k];
     };
     scaled(c.turn(), 3, row + start);
@@ -125,7 +120,7 @@ struct EquationTable {
   }
 
   // The row over the deviation of what it says.
-  void scale(const T& deviation, T* row) {
+  void scale(double deviation, double* row) {
     for (int k = 0; k < width; ++k) row[k] /= deviation;
     cost += row[width - 1] * row[width - 1];
   }

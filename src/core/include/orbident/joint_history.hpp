@@ -10,41 +10,40 @@
 namespace orbident {
 
 // A joint and a wheel at one time; what is not filled in is absent.
-template <class T>
 struct JointState {
-  T *q, *qd, *qdd;      // joints each
-  T *qd_rw, *qdd_rw;    // wheels each
+  double *q, *qd, *qdd;    // joints each
+  double *qd_rw, *qdd_rw;  // wheels each
 };
 
-template <class T>
 struct JointHistory {
   int knots;
-  const T* t;  // of the knots, s
+  const double* t;  // of the knots, s
   // By column, a number each knot: values, and slopes of the spline through them.
-  const T *const *q, *const *q_slope, *const *qd, *const *qdd;  // joints
-  const T *const *qd_rw, *const *qdd_rw;                        // wheels
+  const double *const *q, *const *q_slope, *const *qd, *const *qdd;  // joints
+  const double *const *qd_rw, *const *qdd_rw;                        // wheels
 
   // The knot at or before a time, looked for first where the last one was.
-  int knot(const T& at, int last) const {
+  int knot(double at, int last) const {
     constexpr int NEAR = 8;
     const bool near = last + NEAR < knots && t[last] <= at && at < t[last + NEAR];
-    const T* const from = near ? t + last : t;
-    const T* const after = std::upper_bound(from, near ? from + NEAR : t + knots, at);
+    const double* const from = near ? t + last : t;
+    const double* const after = std::upper_bound(from, near ? from + NEAR : t + knots, at);
     return std::clamp(static_cast<int>(after - t) - 1, 0, knots - 2);
   }
 
-  Cubics<T> functions(const T& at, int knot) const {
-    return cubics<T>(at - t[knot], t[knot + 1] - t[knot]);
+  Cubics functions(double at, int knot) const {
+    return cubics(at - t[knot], t[knot + 1] - t[knot]);
   }
 
-  static T between(const T* f, const T* value, const T* slope, int knot) {
-    return f[0] * value[knot] + f[1] * slope[knot] + f[2] * value[knot + 1] + f[3] * slope[knot + 1];
+  static double between(const double* f, const double* value, const double* slope, int knot) {
+    return f[0] * value[knot] + f[1] * slope[knot] + f[2] * value[knot + 1] +
+           f[3] * slope[knot + 1];
   }
 
   // Everything at a time; returns the knot.
-  int state(const T& at, int last, int joints, int wheels, const JointState<T>& to) const {
+  int state(double at, int last, int joints, int wheels, const JointState& to) const {
     const int k = knot(at, last);
-    const Cubics<T> f = functions(at, k);
+    const Cubics f = functions(at, k);
     for (int j = 0; j < joints; ++j) {
       to.q[j] = between(f.value, q[j], q_slope[j], k);
       to.qd[j] = between(f.value, qd[j], qdd[j], k);

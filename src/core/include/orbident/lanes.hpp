@@ -1,7 +1,7 @@
 // Several samples at once: a number of each in one vector register.
 //
-// Every lane has the operations of a double in the same order: its results are those of a double, to
-// the last bit, whatever is in the other lanes.
+// Every lane has the operations of a double in the same order: its results are those of a double,
+// to the last bit, whatever is in the other lanes.
 #pragma once
 
 #include <Eigen/Core>
@@ -57,7 +57,8 @@ struct Group {
       for (std::ptrdiff_t j = 0; j < numbers; ++j) x[j].v[lane] = row[j];
     }
   }
-  // Into such a table, by write(place, value): as many numbers of a sample at once as there are lanes.
+  // Into such a table, by write(place, value): as many numbers of a sample at once as there are
+  // lanes.
   template <class Write>
   void store(const Lanes* x, std::ptrdiff_t numbers, double* table, Write&& write) const {
     const std::ptrdiff_t vectors = numbers % Lanes::COUNT ? 0 : numbers;

@@ -38,8 +38,10 @@ T expected(const T* t, const T* x, std::ptrdiff_t n, std::ptrdiff_t k, int count
   std::array<T, FARTHEST> found;
   for (int r = 1; r <= count; ++r) {
     std::array<std::ptrdiff_t, 4> i{k - 2 * r, k - r, k + r, k + 2 * r};
-    if (i[3] >= n) i = {k - r, k - 2 * r, k - 3 * r, k - 4 * r};
-    else if (i[0] < 0) i = {k + r, k + 2 * r, k + 3 * r, k + 4 * r};
+    if (i[3] >= n)
+      i = {k - r, k - 2 * r, k - 3 * r, k - 4 * r};
+    else if (i[0] < 0)
+      i = {k + r, k + 2 * r, k + 3 * r, k + 4 * r};
     found[static_cast<std::size_t>(r - 1)] = cubic(t, x, i, t[k]);
   }
   const auto end = found.begin() + count;

@@ -15,8 +15,8 @@
 
 namespace orbident {
 
-// C = U U^T, U upper triangular, in place: row i of C, its lower triangle, becomes column i of U above
-// the diagonal, and the inverse of U_ii.
+// C = U U^T, U upper triangular, in place: row i of C, its lower triangle, becomes column i of U
+// above the diagonal, and the inverse of U_ii.
 ORBIDENT_WIDEST inline void factor_upper(Real* C, int n) {
   for (int i = n - 1; i >= 0; --i) {
     Real* __restrict const column = C + i * n;
@@ -61,16 +61,17 @@ ORBIDENT_WIDEST inline void covariance_of(const Real* kicks, int count, int n, R
   }
 }
 
-// The rows [N | Y | z] of N x + Y y = z for the nuisances x = [h_cm, v_cm, b_g, b_a] a time dt later,
-// N upper triangular before and after. With x_before = back x - kick w and w of unit variance they are
+// The rows [N | Y | z] of N x + Y y = z for the nuisances x = [h_cm, v_cm, b_g, b_a] a time dt
+// later, N upper triangular before and after. With x_before = back x - kick w and w of unit
+// variance they are
 //
 //   N back x + Y y = z + N kick w
 //
-// whitened: the noise of the right-hand side has the covariance 1 + K K^T = U U^T, K = N kick. N back
-// and U are upper triangular, and so is U^-1 N back.
+// whitened: the noise of the right-hand side has the covariance 1 + K K^T = U U^T, K = N kick. N
+// back and U are upper triangular, and so is U^-1 N back.
 //
-// Returns what unit noise of each axis of the gyro adds to the whitened rows: the columns of U^-1 K that
-// are its own. They are zero but in the rows of h_cm, which come first in N.
+// Returns what unit noise of each axis of the gyro adds to the whitened rows: the columns of U^-1 K
+// that are its own. They are zero but in the rows of h_cm, which come first in N.
 //
 //   integral  of R_0 over dt
 //   h_cm      the momentum known so far, N m s
@@ -97,7 +98,8 @@ inline Matrix predict_nuisances(const ConservationModel& model, Real* top, int s
     const Vector turn = noise.integrated * Vector(integral.col(axes.momentum[j])).cross(h_cm);
     for (int i = 0; i < n; ++i) {
       Real by_turn = 0.0;
-      for (int k = 0; k < axes.momenta; ++k) by_turn += top[i * stride + k] * turn[axes.momentum[k]];
+      for (int k = 0; k < axes.momenta; ++k)
+        by_turn += top[i * stride + k] * turn[axes.momentum[k]];
       top[i * stride + b_g + j] -= by_turn;
       K[j * n + i] = noise.gyro * by_turn;
     }

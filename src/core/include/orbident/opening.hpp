@@ -1,7 +1,7 @@
 // The robot has changed: the estimate becomes the prior of what it is now.
 //
-// With beta' = beta + L w, w of unit variance, the covariance of beta' is R^-1 R^-T + L L^T. In square
-// roots, with rows folded into a triangle G,
+// With beta' = beta + L w, w of unit variance, the covariance of beta' is R^-1 R^-T + L L^T. In
+// square roots, with rows folded into a triangle G,
 //
 //   | R^-T |         | G |
 //   | L^T  |  =  Q   | 0 |         root = G^-T,   root^T root = (R^-1 R^-T + L L^T)^-1
@@ -19,8 +19,8 @@ constexpr long opening_numbers(const FilterSizes& size) {
 // From time t on; the nuisances keep their values, and are hardly known.
 //   L       betas x betas, in the order of beta
 //   tables  opening_numbers of them
-inline void open_up(const FilterModel& model, FilterState& state, Real t, const Real* L, Real* tables,
-                    FilterRoom& room) {
+inline void open_up(const FilterModel& model, FilterState& state, Real t, const Real* L,
+                    Real* tables, FilterRoom& room) {
   const FilterSizes size = model.sizes();
   const int k = size.betas(), width = padded(k), stride = size.beta_stride();
   const long numbers = static_cast<long>(k) * width;

@@ -13,24 +13,21 @@ enum Conserved { MOMENTUM, VELOCITY, POSITION, CONSERVED };
 constexpr int OUTSIDE = 3 * CONSERVED;
 
 // What each unknown contributes by being one, at the time t (s) since the first row.
-template <class T>
 struct Contributions {
-  T h_cm[CONSERVED];
-  T r_cm[CONSERVED];
-  T v_cm[CONSERVED];
+  double h_cm[CONSERVED];
+  double r_cm[CONSERVED];
+  double v_cm[CONSERVED];
 };
 
-template <class T>
-Contributions<T> contributions(const T& t) {
-  return {{T(1), T(0), T(0)}, {T(0), t, T(1)}, {T(0), T(1), T(0)}};
+inline Contributions contributions(double t) {
+  return {{1.0, 0.0, 0.0}, {0.0, t, 1.0}, {0.0, 1.0, 0.0}};
 }
 
 // The sum of all contributions to one of these vectors.
-template <class T>
-Vector3<T> contributed(const T* parts, const T* outside) {
-  Vector3<T> sum = Vector3<T>::Zero();
+inline Vector3<double> contributed(const double* parts, const double* outside) {
+  Vector3<double> sum = Vector3<double>::Zero();
   for (int k = 0; k < CONSERVED; ++k)
-    sum += parts[k] * Eigen::Map<const Vector3<T>>(outside + 3 * k);
+    sum += parts[k] * Eigen::Map<const Vector3<double>>(outside + 3 * k);
   return sum;
 }
 

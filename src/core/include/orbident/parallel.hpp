@@ -1,5 +1,5 @@
-// Loops over samples on several threads. A sample's result never depends on which thread made it, so
-// results are the same to the last bit whatever the number of threads.
+// Loops over samples on several threads. A sample's result never depends on which thread made it,
+// so results are the same to the last bit whatever the number of threads.
 #pragma once
 
 #include <algorithm>

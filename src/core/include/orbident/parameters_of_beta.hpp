@@ -1,11 +1,12 @@
-// The linear parameters y = [pi, phi] of the base parameters beta = [M, sigma, iota], and R dy/dbeta.
+// The linear parameters y = [pi, phi] of the base parameters beta = [M, sigma, iota]; R dy/dbeta.
 //
 //   pi = [iota, 0] + G [M, sigma] + C (sigma_a sigma_b / M),   phi = sigma / M
 //
 // with G and C sparse. pi is homogeneous of degree one in beta and phi of degree zero, so that with
 // J = dy/dbeta
 //
-//   J beta = y - [0, phi],   d(sigma_a sigma_b / M) = phi_b dsigma_a + phi_a dsigma_b - phi_a phi_b dM
+//   J beta = y - [0, phi]
+//   d(sigma_a sigma_b / M) = phi_b dsigma_a + phi_a dsigma_b - phi_a phi_b dM
 //
 // J is the identity over iota and the first rows, and zero below: in the order [iota, M, sigma] the
 // product of a triangular R with J begins with R's own triangle.
@@ -52,7 +53,8 @@ inline void linearised(const ParametersOfBeta& sets, const Real* beta_0, const R
 // So many rows of R go with one pass over the tables.
 constexpr int TILE = 16;
 
-// y + a x of one column. Not unrolled, the loop becomes vectors; unrolled, GCC 12 makes single numbers of it.
+// y + a x of one column. Not unrolled, the loop becomes vectors; unrolled, GCC 12 makes single
+// numbers of it.
 ORBIDENT_INLINE void add(Real a, const Real* __restrict x, Real* __restrict y) {
 #pragma GCC unroll 1
   for (int r = 0; r < TILE; ++r) y[r] += a * x[r];
@@ -65,10 +67,10 @@ ORBIDENT_INLINE void add(Real a, const Real* __restrict x, Real* __restrict y) {
 //   count      at most TILE
 //   phi        at beta_0, with M_0
 //   transposed room for TILE x size entries
-//   out        (1 + shown) x TILE: a column of the result after the other, the last is the right side
+//   out        (1 + shown) x TILE: the result column by column, the last is the right side
 ORBIDENT_WIDEST inline void shown_columns(const ParametersOfBeta& sets, const Real* X, int stride,
-                                        int count, int first, const Real* phi, Real M_0,
-                                        Real* transposed, Real* out) {
+                                          int count, int first, const Real* phi, Real M_0,
+                                          Real* transposed, Real* out) {
   const int size = sets.size();
   // Rows behind the last one repeat it, and are not used.
   const Real* row_of[TILE];
@@ -94,8 +96,7 @@ ORBIDENT_WIDEST inline void shown_columns(const ParametersOfBeta& sets, const Re
   for (int c = 0; c < sets.shown(); ++c)
     for (int k = sets.pi_of_shown.first[c]; k < sets.pi_of_shown.first[c + 1]; ++k)
       if (sets.pi_of_shown.row[k] >= first)
-        add(sets.pi_of_shown.value[k], transposed + sets.pi_of_shown.row[k] * TILE,
-             out + c * TILE);
+        add(sets.pi_of_shown.value[k], transposed + sets.pi_of_shown.row[k] * TILE, out + c * TILE);
   Real* const rhs = out + sets.shown() * TILE;
   for (int r = 0; r < TILE; ++r) rhs[r] = row_of[r][size];
   for (int k = 0; k < sets.sigmas; ++k) {

@@ -1,17 +1,17 @@
 // The rows of a sample become rows with noise of unit variance.
 //
-// Where the attitude is the integrated gyro, the noise n of a rate also turns the axes in which momentum
-// is known. Then rows of the sample and of the nuisances have noise in common:
+// Where the attitude is the integrated gyro, the noise n of a rate also turns the axes in which
+// momentum is known. Then rows of the sample and of the nuisances have noise in common:
 //
 //   rows of the sample:     G n + e,   G = [D; -U] times the deviation of n
 //   rows of the nuisances:  K n + v,   whose sum has unit variance
 //
-// What the second say of the first, S = G K^T, is taken away: S times the second from the first, S S^T
-// from the covariance of their noise. In one turn of the base the axes drift by as much as the rate is
-// wrong, and without this errors are a tenth larger.
+// What the second say of the first, S = G K^T, is taken away: S times the second from the first,
+// S S^T from the covariance of their noise. In one turn of the base the axes drift by as much as
+// the rate is wrong, and without this errors are a tenth larger.
 //
-// The noise of momentum and velocity equation counts as independent beside that: what they share depends
-// on D and U, which are wrong by some ten percent at first.
+// The noise of momentum and velocity equation counts as independent beside that: what they share
+// depends on D and U, which are wrong by some ten percent at first.
 #pragma once
 
 #include "orbident/conservation_equations.hpp"

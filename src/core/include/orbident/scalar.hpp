@@ -1,7 +1,7 @@
-// The scalar of constant tables and of the recursive filter: double, unless a flight build says float.
+// The scalar of constant tables and of the recursive filter: double, or float in a flight build.
 //
-// It is one for the whole program, and not a template's parameter: a flight computer has one filter, and
-// Python's is always of double.
+// It is one for the whole program, and not a template's parameter: a flight computer has one
+// filter, and Python's is always of double.
 #pragma once
 
 #include <limits>

@@ -4,8 +4,8 @@
 //
 //   w = E (h_B - h_q - h_rw),   E = D^-1,   h_B = R_0^T h_cm
 //
-// so that the quaternion alone is integrated (RK4). With phi the small rotation of the base, its own
-// axes, a change of an unknown gives
+// so that the quaternion alone is integrated (RK4). With phi the small rotation of the base, its
+// own axes, a change of an unknown gives
 //
 //   phi' = A phi + G,   A = E [h_B]x - [w]x,   G = E (R_0^T dh_cm - dD w - dh_q)
 //   dw = E [h_B]x phi + G
@@ -17,8 +17,8 @@
 //   [turn 3 | corrections 4 x corrected | outside | beta | calibration]
 //
 // turn: of the attitude at the start. Corrections of joint c: a cubic with the value and rate
-// (x_0, v_0) at the start and (x_1, v_1) at the end; all x_0, all v_0, all x_1, all v_1. Calibration:
-// those of calibration.hpp that are selected.
+// (x_0, v_0) at the start and (x_1, v_1) at the end; all x_0, all v_0, all x_1, all v_1.
+// Calibration: those of calibration.hpp that are selected.
 #pragma once
 
 #include "orbident/acting.hpp"
@@ -44,47 +44,43 @@ struct IntervalColumns {
 // Rows of `by`: D (xx, xy, xz, yy, yz, zz), h_q, r_cm, v_q.
 constexpr int BY_D = 0, BY_H = 6, BY_R = 9, BY_V = 12, BY_ROWS = 15;
 
-template <class T, int N>
-using TableRows = Eigen::Map<Eigen::Matrix<T, N, Eigen::Dynamic, Eigen::RowMajor>>;
-template <class T, int N>
-using ConstTableRows = Eigen::Map<const Eigen::Matrix<T, N, Eigen::Dynamic, Eigen::RowMajor>>;
+using TableRows = Eigen::Map<Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor>>;
+using ConstTableRows = Eigen::Map<const Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor>>;
 
 // Joints, wheels and what they mean for momentum, at a row or half-way to the next.
-template <class T>
 struct JointNode {
-  T t;  // since the first row, s
-  MomentumTerms<T> terms;
-  MomentumTerms<T> rates;
-  Vector3<T> h_rw;       // N m s, base axes
-  Vector3<T> h_rw_rate;  // N m
-  T* by;                 // BY_ROWS x unknowns: changes of the terms
-  Acting<T> acting;
+  double t;  // since the first row, s
+  MomentumTerms terms;
+  MomentumTerms rates;
+  Vector3<double> h_rw;       // N m s, base axes
+  Vector3<double> h_rw_rate;  // N m
+  double* by;                 // BY_ROWS x unknowns: changes of the terms
+  Acting acting;
 };
 
-template <class T>
-void write_change(const MomentumTerms<T>& d, T* column, std::ptrdiff_t stride) {
-  const T rows[BY_ROWS] = {d.D(0, 0), d.D(0, 1), d.D(0, 2),  d.D(1, 1),  d.D(1, 2),
-                           d.D(2, 2), d.h_q[0],  d.h_q[1],   d.h_q[2],   d.r_cm[0],
-                           d.r_cm[1], d.r_cm[2], d.v_q[0],   d.v_q[1],   d.v_q[2]};
+inline void write_change(const MomentumTerms& d, double* column, std::ptrdiff_t stride) {
+  const double rows[BY_ROWS] = {d.D(0, 0), d.D(0, 1), d.D(0, 2), d.D(1, 1), d.D(1, 2),
+                                d.D(2, 2), d.h_q[0],  d.h_q[1],  d.h_q[2],  d.r_cm[0],
+                                d.r_cm[1], d.r_cm[2], d.v_q[0],  d.v_q[1],  d.v_q[2]};
   for (int r = 0; r < BY_ROWS; ++r) column[r * stride] = rows[r];
 }
 
 // Terms, rates and changes at the joint state (q, qd, qdd), corrections already in it.
-template <class T>
-void expand(const Tree& tree, const Sparse& theta_of, const T* theta, const int* corrected,
-            const IntervalColumns& columns, const Cubics<T>& functions, const T* q, const T* qd,
-            const T* qdd, TermsMemory<T>& memory, JointNode<T>& node) {
-  const MomentsAboutS<T> all = joint_moments(tree, theta, q, qd, memory);
+inline void expand(const Tree& tree, const Sparse& theta_of, const double* theta,
+                   const int* corrected, const IntervalColumns& columns, const Cubics& functions,
+                   const double* q, const double* qd, const double* qdd, TermsMemory& memory,
+                   JointNode& node) {
+  const MomentsAboutS all = joint_moments(tree, theta, q, qd, memory);
   differentiate_by_joints(tree, memory);
   node.terms = about_cm(all);
   node.rates = rates_of(tree, qd, qdd, memory);
   const int n = columns.count();
   for (int c = 0; c < columns.corrected; ++c) {
-    const MomentumTerms<T>&by_q = memory.by_q[corrected[c]], &by_qd = memory.by_qd[corrected[c]];
+    const MomentumTerms &by_q = memory.by_q[corrected[c]], &by_qd = memory.by_qd[corrected[c]];
     for (int f = 0; f < 4; ++f) {
-      const T x = functions.value[f], v = functions.rate[f];
-      const MomentumTerms<T> change = {x * by_q.D, x * by_q.h_q + v * by_qd.h_q, x * by_q.r_cm,
-                                       x * by_q.v_q + v * by_qd.v_q};
+      const double x = functions.value[f], v = functions.rate[f];
+      const MomentumTerms change = {x * by_q.D, x * by_q.h_q + v * by_qd.h_q, x * by_q.r_cm,
+                                    x * by_q.v_q + v * by_qd.v_q};
       write_change(change, node.by + columns.corrections() + f * columns.corrected + c, n);
     }
   }
@@ -93,45 +89,42 @@ void expand(const Tree& tree, const Sparse& theta_of, const T* theta, const int*
 }
 
 // The base at one node of the integration.
-template <class T>
 struct BaseNode {
-  T t;
-  const T* by;  // at least BY_R rows of changes of D and h_q
-  Matrix3<T> E;
-  Vector3<T> b;     // E (h_q + h_rw)
-  Vector3<T> h_cm;  // inertial axes
-  Quaternion<T> x_WB;
-  Matrix3<T> R_WB;
-  Vector3<T> h_B;
-  Vector3<T> w;
-  T* G;         // 3 x unknowns
-  T* phi;       // 3 x unknowns
-  T* dw;        // 3 x unknowns
-  T* own_by;    // memory for BY_R rows
-  Acting<T> acting[3];  // at the nodes of its row, and the share of each
-  T share[3];
+  double t;
+  const double* by;  // at least BY_R rows of changes of D and h_q
+  Matrix3<double> E;
+  Vector3<double> b;     // E (h_q + h_rw)
+  Vector3<double> h_cm;  // inertial axes
+  Quaternion<double> x_WB;
+  Matrix3<double> R_WB;
+  Vector3<double> h_B;
+  Vector3<double> w;
+  double* G;         // 3 x unknowns
+  double* phi;       // 3 x unknowns
+  double* dw;        // 3 x unknowns
+  double* own_by;    // memory for BY_R rows
+  Acting acting[3];  // at the nodes of its row, and the share of each
+  double share[3];
 };
 
-template <class T>
-void set_law(bool planar, const Matrix3<T>& D, const Vector3<T>& h_moving, BaseNode<T>& at) {
+inline void set_law(bool planar, const Matrix3<double>& D, const Vector3<double>& h_moving,
+                    BaseNode& at) {
   if (planar) {
     at.E.setZero();
-    at.E(2, 2) = T(1) / D(2, 2);
+    at.E(2, 2) = 1.0 / D(2, 2);
   } else {
     at.E = D.inverse();
   }
   at.b = at.E * h_moving;
 }
 
-template <class T>
-Quaternion<T> rate_of(const BaseNode<T>& at, const Quaternion<T>& x) {
-  const Vector3<T> w = at.E * (quaternion_matrix(x).transpose() * at.h_cm) - at.b;
+inline Quaternion<double> rate_of(const BaseNode& at, const Quaternion<double>& x) {
+  const Vector3<double> w = at.E * (quaternion_matrix(x).transpose() * at.h_cm) - at.b;
   return quaternion_rate(x, w);
 }
 
 // What follows from the attitude at a node.
-template <class T>
-void set_attitude(const Quaternion<T>& x_WB, BaseNode<T>& at) {
+inline void set_attitude(const Quaternion<double>& x_WB, BaseNode& at) {
   at.x_WB = x_WB / x_WB.norm();
   at.R_WB = quaternion_matrix(at.x_WB);
   at.h_B = at.R_WB.transpose() * at.h_cm;
@@ -139,64 +132,62 @@ void set_attitude(const Quaternion<T>& x_WB, BaseNode<T>& at) {
 }
 
 // G, from the changes of D, h_q and h_cm.
-template <class T>
-void set_forcing(const IntervalColumns& columns, BaseNode<T>& at) {
+inline void set_forcing(const IntervalColumns& columns, BaseNode& at) {
   const int n = columns.count();
-  const Vector3<T>& w = at.w;
+  const Vector3<double>& w = at.w;
   // dD w + dh_q as one matrix on the rows of `by`.
-  Eigen::Matrix<T, 3, BY_R> of_rows = Eigen::Matrix<T, 3, BY_R>::Zero();
-  of_rows.row(0).template head<3>() = w.transpose();
+  Eigen::Matrix<double, 3, BY_R> of_rows = Eigen::Matrix<double, 3, BY_R>::Zero();
+  of_rows.row(0).head<3>() = w.transpose();
   of_rows(1, 1) = of_rows(2, 2) = w[0];
   of_rows(1, 3) = of_rows(2, 4) = w[1];
   of_rows(1, 4) = of_rows(2, 5) = w[2];
-  of_rows.template rightCols<3>().setIdentity();
+  of_rows.rightCols<3>().setIdentity();
   of_rows = (-at.E * of_rows).eval();
-  TableRows<T, 3> G(at.G, 3, n);
-  G = of_rows.lazyProduct(ConstTableRows<T, BY_R>(at.by, BY_R, n));
-  const Matrix3<T> by_h = at.E * at.R_WB.transpose();
-  const Contributions<T> parts = contributions(at.t);
+  TableRows G(at.G, 3, n);
+  G = of_rows.lazyProduct(
+      Eigen::Map<const Eigen::Matrix<double, BY_R, Eigen::Dynamic, Eigen::RowMajor>>(at.by, BY_R,
+                                                                                     n));
+  const Matrix3<double> by_h = at.E * at.R_WB.transpose();
+  const Contributions parts = contributions(at.t);
   for (int k = 0; k < CONSERVED; ++k)
-    G.template middleCols<3>(columns.outside() + 3 * k) += parts.h_cm[k] * by_h;
+    G.middleCols<3>(columns.outside() + 3 * k) += parts.h_cm[k] * by_h;
   for (int k = 0; k < 3; ++k)
-    if (at.share[k] != T(0)) at.acting[k].add(ON_H, at.share[k] * by_h, G);
+    if (at.share[k] != 0.0) at.acting[k].add(ON_H, at.share[k] * by_h, G);
 }
 
-template <class T>
-void set_rate_changes(const IntervalColumns& columns, BaseNode<T>& at) {
+inline void set_rate_changes(const IntervalColumns& columns, BaseNode& at) {
   const int n = columns.count();
-  const Matrix3<T> by_phi = at.E * cross_matrix(at.h_B);
-  TableRows<T, 3>(at.dw, 3, n) =
-      by_phi.lazyProduct(TableRows<T, 3>(at.phi, 3, n)) + TableRows<T, 3>(at.G, 3, n);
+  const Matrix3<double> by_phi = at.E * cross_matrix(at.h_B);
+  TableRows(at.dw, 3, n) = by_phi.lazyProduct(TableRows(at.phi, 3, n)) + TableRows(at.G, 3, n);
 }
 
 // One RK4 step of length h: everything at `middle` and `end` whose laws are set, from `start`.
-template <class T>
-void step(const IntervalColumns& columns, const T& h, const BaseNode<T>& start, BaseNode<T>& middle,
-          BaseNode<T>& end) {
+inline void step(const IntervalColumns& columns, double h, const BaseNode& start, BaseNode& middle,
+                 BaseNode& end) {
   const int n = columns.count();
-  const Quaternion<T>& x = start.x_WB;
-  const Quaternion<T> k_1 = rate_of(start, x), k_2 = rate_of<T>(middle, x + h / 2 * k_1),
-                      k_3 = rate_of<T>(middle, x + h / 2 * k_2), k_4 = rate_of<T>(end, x + h * k_3);
-  set_attitude<T>(x + h / 6 * (k_1 + 2 * k_2 + 2 * k_3 + k_4), end);
+  const Quaternion<double>& x = start.x_WB;
+  const Quaternion<double> k_1 = rate_of(start, x), k_2 = rate_of(middle, x + h / 2 * k_1),
+                           k_3 = rate_of(middle, x + h / 2 * k_2), k_4 = rate_of(end, x + h * k_3);
+  set_attitude(x + h / 6 * (k_1 + 2 * k_2 + 2 * k_3 + k_4), end);
   // Half-way by the cubic through values and rates at both ends.
-  set_attitude<T>((x + end.x_WB) / 2 + h / 8 * (k_1 - rate_of(end, end.x_WB)), middle);
+  set_attitude((x + end.x_WB) / 2 + h / 8 * (k_1 - rate_of(end, end.x_WB)), middle);
   set_forcing(columns, middle);
   set_forcing(columns, end);
 
-  const auto A = [](const BaseNode<T>& at) -> Matrix3<T> {
+  const auto A = [](const BaseNode& at) -> Matrix3<double> {
     return at.E * cross_matrix(at.h_B) - cross_matrix(at.w);
   };
-  const Matrix3<T> A_0 = A(start), A_1 = A(middle), A_2 = A(end), one = Matrix3<T>::Identity();
+  const Matrix3<double> A_0 = A(start), A_1 = A(middle), A_2 = A(end),
+                        one = Matrix3<double>::Identity();
   // RK4 of a linear equation, written out: phi_end = F phi + B_0 G_0 + B_1 G_1 + h/6 G_2.
-  const Matrix3<T> K_1 = A_0, K_2 = A_1 * (one + h / 2 * K_1), K_3 = A_1 * (one + h / 2 * K_2),
-                   K_4 = A_2 * (one + h * K_3);
-  const Matrix3<T> F = one + h / 6 * (K_1 + 2 * K_2 + 2 * K_3 + K_4);
-  const Matrix3<T> L = h / 2 * A_1, M = one + L;
-  const Matrix3<T> B_0 = h / 6 * (one + 2 * L + 2 * L * L + h * A_2 * L * L);
-  const Matrix3<T> B_1 = h / 6 * (2 * one + 2 * M + h * A_2 * M);
-  const TableRows<T, 3> phi_0(start.phi, 3, n), G_0(start.G, 3, n), G_1(middle.G, 3, n),
-      G_2(end.G, 3, n);
-  TableRows<T, 3> phi_1(middle.phi, 3, n), phi_2(end.phi, 3, n);
+  const Matrix3<double> K_1 = A_0, K_2 = A_1 * (one + h / 2 * K_1), K_3 = A_1 * (one + h / 2 * K_2),
+                        K_4 = A_2 * (one + h * K_3);
+  const Matrix3<double> F = one + h / 6 * (K_1 + 2 * K_2 + 2 * K_3 + K_4);
+  const Matrix3<double> L = h / 2 * A_1, M = one + L;
+  const Matrix3<double> B_0 = h / 6 * (one + 2 * L + 2 * L * L + h * A_2 * L * L);
+  const Matrix3<double> B_1 = h / 6 * (2 * one + 2 * M + h * A_2 * M);
+  const TableRows phi_0(start.phi, 3, n), G_0(start.G, 3, n), G_1(middle.G, 3, n), G_2(end.G, 3, n);
+  TableRows phi_1(middle.phi, 3, n), phi_2(end.phi, 3, n);
   phi_2 = F.lazyProduct(phi_0) + B_0.lazyProduct(G_0) + B_1.lazyProduct(G_1) + h / 6 * G_2;
   phi_1 = ((one + h / 4 * A_0) / 2).lazyProduct(phi_0) +
           ((one - h / 4 * A_2) / 2).lazyProduct(phi_2) + h / 8 * (G_0 - G_2);

@@ -34,9 +34,9 @@ struct SmoothedColumn {
   double* std_rate;
 };
 
-// The smoothing splines of columns at n common times t, each from its first to its last sample; NaN beyond.
-// A column has the same operations in the same order whatever is beside it: its results are the same to
-// the last bit.
+// The smoothing splines of columns at n common times t, each from its first to its last sample; NaN
+// beyond. A column has the same operations in the same order whatever is beside it: its results are
+// the same to the last bit.
 template <bool WITH_COVARIANCE>
 ORBIDENT_INLINE void smooth_lanes(const double* t, std::ptrdiff_t n, const SampledColumn* columns,
                                   const SmoothedColumn* out) {

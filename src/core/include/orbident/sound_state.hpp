@@ -1,7 +1,8 @@
-// Whether numbers that were kept can be the state of a filter and of its detector, and their checksum.
+// Whether numbers that were kept can be the state of a filter and its detector; their checksum.
 //
-// A state that was kept outside may be damaged, or no state at all. The filter trusts its own: a factor
-// with a zero on its diagonal gives infinite numbers, and a count beyond its range an index beyond a table.
+// A state that was kept outside may be damaged, or no state at all. The filter trusts its own: a
+// factor with a zero on its diagonal gives infinite numbers, and a count beyond its range an index
+// beyond a table.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +18,7 @@ inline bool is_finite(const Real* numbers, long count) {
   return true;
 }
 
-// Whether a factor's information is positive definite: its diagonal has no zero, and nothing overflowed.
+// Whether a factor's information is positive definite: no zero on its diagonal, and no overflow.
 inline bool is_definite(const Real* factor, int stride, int rows) {
   for (int i = 0; i < rows; ++i) {
     const Real pivot = std::abs(factor[static_cast<long>(i) * stride + i]);
@@ -33,16 +34,16 @@ inline bool is_estimate(const FilterState& state, const FilterSizes& size) {
          is_definite(state.top, size.top_stride(), size.nuisances);
 }
 
-// Whether `points` is a count of hand_over.hpp. A robot without joints is never held in beta, which is
-// longer than y there: its tables have no room for that.
+// Whether `points` is a count of hand_over.hpp. A robot without joints is never held in beta, which
+// is longer than y there: its tables have no room for that.
 inline bool is_count(Real points, const FilterSizes& size) {
   const int most = size.betas() > size.parameters ? 0 : LINEAR_POINTS;
   return points >= 0 && points <= static_cast<Real>(most) &&
          static_cast<Real>(static_cast<int>(points)) == points;
 }
 
-// All numbers from R_WB on lie one after the other, with zeros between them. Times and rates that were not
-// yet are NaN.
+// All numbers from R_WB on lie one after the other, with zeros between them. Times and rates that
+// were not yet are NaN.
 inline bool is_sound(const FilterState& state, const FilterSizes& size) {
   const Real* const end = state.prior + static_cast<long>(size.betas()) * size.beta_stride();
   bool known = !std::isinf(*state.t);

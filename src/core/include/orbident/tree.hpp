@@ -15,7 +15,7 @@ namespace orbident {
 //   R_Pi = R_PJ (a a^T + cos q (1 - a a^T) + sin q [a]x)   or   R_Pi = R_PJ.
 struct Joint {
   int parent;
-  bool revolute;           // else prismatic
+  bool revolute;         // else prismatic
   Vector3<Real> axis;    // unit vector, parent's axes
   Vector3<Real> p_PJ;    // from the parent's origin, m
   Matrix3<Real> fixed;   // what R_Pi is at any q
@@ -67,7 +67,8 @@ void place(const Tree& tree, const T* q, Pose<T>* pose, Motion<T>* field) {
     body.d = parent.d + parent.R * joint.p_PJ.template cast<T>();
     Matrix3<T> R_Pi = joint.fixed.template cast<T>();
     if (joint.revolute) {
-      R_Pi += cos(q[k]) * joint.cosine.template cast<T>() + sin(q[k]) * joint.sine.template cast<T>();
+      R_Pi +=
+          cos(q[k]) * joint.cosine.template cast<T>() + sin(q[k]) * joint.sine.template cast<T>();
       field[k] = {a, body.d.cross(a)};
     } else {
       body.d += q[k] * a;

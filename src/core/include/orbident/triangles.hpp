@@ -23,7 +23,8 @@ ORBIDENT_WIDEST inline void solve_triangle(const Real* R_z, int stride, int n, R
   }
 }
 
-// Standard deviations of beta, from the rows of root^-1, TILE at a time: w root = e_i from the left.
+// Standard deviations of beta, from the rows of root^-1, TILE at a time: w root = e_i from the
+// left.
 ORBIDENT_WIDEST inline void deviations(const FilterModel& model, const FilterState& state,
                                        FilterRoom& room, Real* std) {
   const FilterSizes size = model.sizes();

@@ -28,9 +28,9 @@ namespace orbident::white_snap {
 // of noise-free data three digits, and rates of smooth motion are three times noisier.
 constexpr int ORDER = 4;
 
-// Equations, one a row, as [coefficients | right side]: columns of w, of s, and the right side. Each
-// number stands for N columns or densities, side by side: rotations follow one another, and a processor
-// has nothing else to do while it waits for their roots.
+// Equations, one a row, as [coefficients | right side]: columns of w, of s, and the right side.
+// Each number stands for N columns or densities, side by side: rotations follow one another, and a
+// processor has nothing else to do while it waits for their roots.
 constexpr int RIGHT = 2 * ORDER, WIDTH = RIGHT + 1;
 template <int N>
 using Row = double[WIDTH][N];
@@ -109,13 +109,12 @@ ORBIDENT_INLINE void turn(Row<N>& __restrict a, Row<N>& __restrict b, int k) {
     c[l] = (a[k][l] + none) / whole;
     s[l] = b[k][l] / whole;
   }
-  for (int j = k; j < WIDTH; ++j)
-    ORBIDENT_LANES
-    for (int l = 0; l < N; ++l) {
-      const double before = a[j][l];
-      a[j][l] = c[l] * before + s[l] * b[j][l];
-      b[j][l] = c[l] * b[j][l] - s[l] * before;
-    }
+  for (int j = k; j < WIDTH; ++j) ORBIDENT_LANES
+  for (int l = 0; l < N; ++l) {
+    const double before = a[j][l];
+    a[j][l] = c[l] * before + s[l] * b[j][l];
+    b[j][l] = c[l] * b[j][l] - s[l] * before;
+  }
 }
 
 // Moves by one step: w = 0 + N(0, 1) and R (F^-1 s+ - G w) = z + N(0, 1), in which w is eliminated.
@@ -126,23 +125,20 @@ ORBIDENT_INLINE void advance(const Motion<N>& step, Information<N>& known, Trian
 #pragma GCC unroll 4
   for (int i = 0; i < ORDER; ++i) {
     Row<N> R = {};
-    for (int j = i; j < ORDER; ++j)
-      ORBIDENT_LANES
-      for (int l = 0; l < N; ++l) R[j][l] = rows[i][ORDER + j][l];
-    for (int k = 0; k < ORDER; ++k)
-      ORBIDENT_LANES
-      for (int l = 0; l < N; ++l) {
-        double by_w = 0.0, by_s = 0.0;
-        for (int j = i; j <= k; ++j) {
-          by_w += R[j][l] * step.G[j][k][l];
-          by_s += R[j][l] * step.F_inv[k - j][l];
-        }
-        rows[i][k][l] = -by_w;
-        rows[i][ORDER + k][l] = by_s;
+    for (int j = i; j < ORDER; ++j) ORBIDENT_LANES
+    for (int l = 0; l < N; ++l) R[j][l] = rows[i][ORDER + j][l];
+    for (int k = 0; k < ORDER; ++k) ORBIDENT_LANES
+    for (int l = 0; l < N; ++l) {
+      double by_w = 0.0, by_s = 0.0;
+      for (int j = i; j <= k; ++j) {
+        by_w += R[j][l] * step.G[j][k][l];
+        by_s += R[j][l] * step.F_inv[k - j][l];
       }
-    for (int k = 0; k < WIDTH; ++k)
-      ORBIDENT_LANES
-      for (int l = 0; l < N; ++l) noise[i][k][l] = k == i ? 1.0 : 0.0;
+      rows[i][k][l] = -by_w;
+      rows[i][ORDER + k][l] = by_s;
+    }
+    for (int k = 0; k < WIDTH; ++k) ORBIDENT_LANES
+    for (int l = 0; l < N; ++l) noise[i][k][l] = k == i ? 1.0 : 0.0;
   }
   // In each column from the bottom row up, so that R F^-1 stays a triangle; in this order, diagonal
   // by diagonal, rotations that follow one another are independent, and a processor overlaps them.
@@ -152,8 +148,8 @@ ORBIDENT_INLINE void advance(const Motion<N>& step, Information<N>& known, Trian
     for (int i = 0; i + d < ORDER; ++i) turn<N>(noise[i + d], rows[i], i + d);
 }
 
-// Takes in a sample, x = y + N(0, 1), where `seen` is 1; where it is 0, there is none. What it leaves
-// unexplained is in `left`.
+// Takes in a sample, x = y + N(0, 1), where `seen` is 1; where it is 0, there is none. What it
+// leaves unexplained is in `left`.
 template <int N>
 ORBIDENT_INLINE void measure(const double (&y)[N], const double (&seen)[N], Information<N>& known,
                              double (&left)[N]) {
@@ -177,56 +173,52 @@ ORBIDENT_INLINE void retreat(const Motion<N>& step, const Triangle<N>& noise, Es
   Triangle<N> X;
 #pragma GCC unroll 4
   for (int i = ORDER - 1; i >= 0; --i) {
-    for (int c = WITH_COVARIANCE ? i : ORDER; c < WIDTH; ++c)
-      ORBIDENT_LANES
-      for (int l = 0; l < N; ++l) {
-        double x = c == i ? 1.0 : c < ORDER ? 0.0 : noise[i][c][l];
-        for (int k = i + 1; k < ORDER && (c >= ORDER || k <= c); ++k) x -= noise[i][k][l] * X[k][c][l];
-        X[i][c][l] = x / noise[i][i][l];
-      }
+    for (int c = WITH_COVARIANCE ? i : ORDER; c < WIDTH; ++c) ORBIDENT_LANES
+    for (int l = 0; l < N; ++l) {
+      double x = c == i ? 1.0 : c < ORDER ? 0.0 : noise[i][c][l];
+      for (int k = i + 1; k < ORDER && (c >= ORDER || k <= c); ++k)
+        x -= noise[i][k][l] * X[k][c][l];
+      X[i][c][l] = x / noise[i][i][l];
+    }
   }
   // s = L s+ - g + V N(0, 1).
   Square<N> L;
   double mean[ORDER][N];
 #pragma GCC unroll 4
-  for (int i = 0; i < ORDER; ++i)
-    ORBIDENT_LANES
-    for (int l = 0; l < N; ++l) {
-      for (int c = 0; c < ORDER; ++c) {
-        double by_s = 0.0;
-        for (int k = i; k < ORDER; ++k) by_s += step.G[i][k][l] * X[k][ORDER + c][l];
-        L[i][c][l] = c < i ? by_s : step.F_inv[c - i][l] + by_s;
-      }
-      mean[i][l] = 0.0;
-      for (int k = 0; k < ORDER; ++k) mean[i][l] += L[i][k][l] * at.mean[k][l];
-      for (int k = i; k < ORDER; ++k) mean[i][l] -= step.G[i][k][l] * X[k][RIGHT][l];
+  for (int i = 0; i < ORDER; ++i) ORBIDENT_LANES
+  for (int l = 0; l < N; ++l) {
+    for (int c = 0; c < ORDER; ++c) {
+      double by_s = 0.0;
+      for (int k = i; k < ORDER; ++k) by_s += step.G[i][k][l] * X[k][ORDER + c][l];
+      L[i][c][l] = c < i ? by_s : step.F_inv[c - i][l] + by_s;
     }
-  for (int i = 0; i < ORDER; ++i)
-    ORBIDENT_LANES
-    for (int l = 0; l < N; ++l) at.mean[i][l] = mean[i][l];
+    mean[i][l] = 0.0;
+    for (int k = 0; k < ORDER; ++k) mean[i][l] += L[i][k][l] * at.mean[k][l];
+    for (int k = i; k < ORDER; ++k) mean[i][l] -= step.G[i][k][l] * X[k][RIGHT][l];
+  }
+  for (int i = 0; i < ORDER; ++i) ORBIDENT_LANES
+  for (int l = 0; l < N; ++l) at.mean[i][l] = mean[i][l];
   if constexpr (WITH_COVARIANCE) {
     Square<N> V, PLT;
-    for (int i = 0; i < ORDER; ++i)
-      ORBIDENT_LANES
-      for (int l = 0; l < N; ++l) {
-        for (int c = i; c < ORDER; ++c) {
-          V[i][c][l] = 0.0;
-          for (int k = i; k <= c; ++k) V[i][c][l] += step.G[i][k][l] * X[k][c][l];
-        }
-        for (int c = 0; c < ORDER; ++c) {
-          PLT[i][c][l] = 0.0;
-          for (int k = 0; k < ORDER; ++k) PLT[i][c][l] += at.covariance[i][k][l] * L[c][k][l];
-        }
+    for (int i = 0; i < ORDER; ++i) ORBIDENT_LANES
+    for (int l = 0; l < N; ++l) {
+      for (int c = i; c < ORDER; ++c) {
+        V[i][c][l] = 0.0;
+        for (int k = i; k <= c; ++k) V[i][c][l] += step.G[i][k][l] * X[k][c][l];
       }
-    for (int i = 0; i < ORDER; ++i)
-      ORBIDENT_LANES
-      for (int l = 0; l < N; ++l)
-        for (int c = i; c < ORDER; ++c) {
-          double sum = 0.0;
-          for (int k = 0; k < ORDER; ++k) sum += L[i][k][l] * PLT[k][c][l];
-          for (int k = c; k < ORDER; ++k) sum += V[i][k][l] * V[c][k][l];
-          at.covariance[i][c][l] = at.covariance[c][i][l] = sum;
-        }
+      for (int c = 0; c < ORDER; ++c) {
+        PLT[i][c][l] = 0.0;
+        for (int k = 0; k < ORDER; ++k) PLT[i][c][l] += at.covariance[i][k][l] * L[c][k][l];
+      }
+    }
+    for (int i = 0; i < ORDER; ++i) ORBIDENT_LANES
+    for (int l = 0; l < N; ++l)
+      for (int c = i; c < ORDER; ++c) {
+        double sum = 0.0;
+        for (int k = 0; k < ORDER; ++k) sum += L[i][k][l] * PLT[k][c][l];
+        for (int k = c; k < ORDER; ++k) sum += V[i][k][l] * V[c][k][l];
+        at.covariance[i][c][l] = at.covariance[c][i][l] = sum;
+      }
   }
 }
 

@@ -5,8 +5,8 @@
 //   x_2(t + dt) = x_2(t) + n,         n ~ N(0, q^2 dt)                             (random walk)
 //
 // The innovation of a sample is what its predecessors do not predict of it. Innovations are
-// independent, so over their deviations they are white; and they are linear in the samples: a row of
-// equations is whitened by the same filter as the sample that it is about (Kalman, 1960).
+// independent, so over their deviations they are white; and they are linear in the samples: a row
+// of equations is whitened by the same filter as the sample that it is about (Kalman, 1960).
 #pragma once
 
 #include <algorithm>
@@ -16,46 +16,44 @@
 namespace orbident {
 
 // The parts of an axis's noise that last; zero where there are none.
-template <class T>
 struct Coloured {
-  T std, time, walk;  // s, T, q
+  double std, time, walk;  // s, T, q
   static constexpr int PARTS = 2;
-  bool has(int part) const { return part == 0 ? std > T(0) : walk > T(0); }
+  bool has(int part) const { return part == 0 ? std > 0.0 : walk > 0.0; }
   int parts() const { return int(has(0)) + int(has(1)); }
 };
 
-// The filter of one axis. Its means are rows, as wide as those that it whitens: the caller's memory.
-template <class T>
+// The filter of one axis. Its means are rows, as wide as those it whitens: the caller's memory.
 struct Whitening {
-  static constexpr int PARTS = Coloured<T>::PARTS;
-  Coloured<T> coloured;
-  T t;                    // of the means, s
-  T P[PARTS][PARTS];      // their covariance
-  T* mean[PARTS];
+  static constexpr int PARTS = Coloured::PARTS;
+  Coloured coloured;
+  double t;                // of the means, s
+  double P[PARTS][PARTS];  // their covariance
+  double* mean[PARTS];
   int width;
 
   // Both parts are known: the means are what the caller writes, or zero.
-  void start(const Coloured<T>& noise, const T& at) {
+  void start(const Coloured& noise, double at) {
     coloured = noise;
     t = at;
     for (int i = 0; i < PARTS; ++i) {
-      std::fill_n(mean[i], width, T(0));
-      std::fill_n(P[i], PARTS, T(0));
+      std::fill_n(mean[i], width, 0.0);
+      std::fill_n(P[i], PARTS, 0.0);
     }
   }
 
   // As it is before the first sample of a recording: the walk begins there.
-  void start_stationary(const Coloured<T>& noise, const T& at) {
+  void start_stationary(const Coloured& noise, double at) {
     start(noise, at);
     P[0][0] = noise.std * noise.std;
   }
 
-  void predict(const T& at) {
-    const T dt = at - t;
+  void predict(double at) {
+    const double dt = at - t;
     t = at;
-    if (dt == T(0)) return;
+    if (dt == 0.0) return;
     if (coloured.has(0)) {
-      const T a = std::exp(-dt / coloured.time);
+      const double a = std::exp(-dt / coloured.time);
       for (int k = 0; k < width; ++k) mean[0][k] *= a;
       P[0][0] = a * a * P[0][0] - coloured.std * coloured.std * std::expm1(-2 * dt / coloured.time);
       P[0][1] *= a;
@@ -65,10 +63,10 @@ struct Whitening {
   }
 
   // The row becomes its innovation. Returns the variance of this.
-  T innovate(T* row, const T& variance) {
-    T by[PARTS];
+  double innovate(double* row, double variance) {
+    double by[PARTS];
     for (int i = 0; i < PARTS; ++i) by[i] = P[i][0] + P[i][1];
-    const T S = by[0] + by[1] + variance;
+    const double S = by[0] + by[1] + variance;
     for (int k = 0; k < width; ++k) {
       row[k] -= mean[0][k] + mean[1][k];
       for (int i = 0; i < PARTS; ++i) mean[i][k] += by[i] / S * row[k];

@@ -129,15 +129,12 @@ def _linearised(
 ]:
     return _core.linearised(
         problem.recorded,
-        [np.ascontiguousarray(weights.get(name, NO_ROWS)) for name in SENSORS],
-        at_level(problem.lasting, problem.weights, weights),
-        problem.acting.table(state.beta, state.calibration, state.selected),
-        state.x_WB,
-        state.local,
-        state.common,
-        state.selected,
-        processors(),
-        factor_only,
+        weights=[np.ascontiguousarray(weights.get(name, NO_ROWS)) for name in SENSORS],
+        coloured=at_level(problem.lasting, problem.weights, weights),
+        acting=problem.acting.table(state.beta, state.calibration, state.selected),
+        **state._asdict(),
+        threads=processors(),
+        factor_only=factor_only,
     )
 
 
@@ -181,26 +178,23 @@ def problem_of(
             else np.outer(valid, axes)
         )
     recorded = _core.Recorded(
-        core_tree(robot),
-        unseen_part(robot, sets),
-        np.ascontiguousarray(sets.base.theta_of),
-        robot.motion == "planar",
-        substeps_of(robot, samples),
-        loose.corrected,
-        intervals.t,
-        intervals.edges.astype(float),
-        history.t,
-        history.q,
-        history.q_slope,
-        history.qd,
-        history.qdd,
-        np.ascontiguousarray(wheels_of(robot).A_rw.T),
-        history.qd_rw,
-        history.qdd_rw,
-        [_without_nan(seen.get(name, _none(name))) for name in SENSORS],
-        loose.first,
-        loose.corrections,
-        loose.walk,
+        tree=core_tree(robot),
+        theta_0=unseen_part(robot, sets),
+        theta_of=np.ascontiguousarray(sets.base.theta_of),
+        planar=robot.motion == "planar",
+        substeps=substeps_of(robot, samples),
+        t=intervals.t,
+        edge=intervals.edges.astype(float),
+        knots=history.t,
+        q=history.q,
+        q_slope=history.q_slope,
+        qd=history.qd,
+        qdd=history.qdd,
+        A_rw=np.ascontiguousarray(wheels_of(robot).A_rw.T),
+        qd_rw=history.qd_rw,
+        qdd_rw=history.qdd_rw,
+        samples=[_without_nan(seen.get(name, _none(name))) for name in SENSORS],
+        **loose._asdict(),
     )
     acting = Acting(Followed(robot, sets, samples, intervals), recorded.places)
     gains = (

@@ -152,6 +152,7 @@ class Extended:
         sets = minimal_sets(robot)
         of_products = sparse(sets.pi_of_products.toarray())
         order = by_last_row(of_products)
+        known = {name: x for name, x in noise._asdict().items() if name != "declared"}
         core = _core.Filter(
             robot=core_robot(robot),
             sets=sets.regressors.core,
@@ -162,7 +163,7 @@ class Extended:
             sigmas=sets.base.sigmas,
             momentum_axes=np.array(sets.regressors.momentum_axes, dtype=float),
             velocity_axes=np.array(sets.regressors.velocity_axes, dtype=float),
-            noise=np.array(noise[:-1], dtype=float),
+            noise=_core.SensorNoise(**known),
         )
         return cls(sets, noise, core)
 

@@ -174,18 +174,15 @@ def test_slopes_are_those_of_the_predictions(motion):
 def equations(problem: Problem, state: Unknowns, interval: int) -> np.ndarray:
     return _core.interval_equations(
         problem.recorded,
-        [
+        weights=[
             # An attitude's error is a small rotation, linear for small ones only.
             problem.weights.get(name, NO_ROWS) * (name != "attitude")
             for name in SENSORS
         ],
-        at_level(problem.lasting, problem.weights, problem.weights),
-        problem.acting.table(state.beta, state.calibration, state.selected),
-        state.x_WB,
-        state.local,
-        state.common,
-        state.selected,
-        interval,
+        coloured=at_level(problem.lasting, problem.weights, problem.weights),
+        acting=problem.acting.table(state.beta, state.calibration, state.selected),
+        **state._asdict(),
+        interval=interval,
     )
 
 

@@ -59,7 +59,12 @@ def tracker_rows(small: Small, name: str) -> np.ndarray:
     tables = []
     for s in range(len(state.local) - 1):
         rows = _core.interval_equations(
-            problem.recorded, weights, problem.lasting, NOTHING_ACTS, *state, s
+            problem.recorded,
+            weights=weights,
+            coloured=problem.lasting,
+            acting=NOTHING_ACTS,
+            **state._asdict(),
+            interval=s,
         )
         # Below them are those of continuity and of encoders.
         rows = rows[: len(rows) - 9 - 2 * local]

@@ -73,7 +73,12 @@ def dense(problem: Problem, state: Unknowns) -> Dense:
     put(beforehand / first[:, None], np.r_[:local, g])
     for s in range(boundaries - 1):
         rows = _core.interval_equations(
-            problem.recorded, weights, problem.lasting, NOTHING_ACTS, *state, s
+            problem.recorded,
+            weights=weights,
+            coloured=problem.lasting,
+            acting=NOTHING_ACTS,
+            **state._asdict(),
+            interval=s,
         )
         put(rows, np.r_[s * local : (s + 2) * local, g])
     whole = np.vstack(tables)
