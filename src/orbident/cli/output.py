@@ -16,7 +16,7 @@ from orbident.data_table import DataTable
 from orbident.files.replacing import check_place
 from orbident.files.text import write_text
 
-WIDTH = 112
+WIDTH = 110
 """Columns of a table, in a narrower terminal too: a number is never cut short."""
 
 PERIOD = 600.0

@@ -21,6 +21,7 @@ from orbident.estimation.estimate import Estimate, Estimator, Progress
 from orbident.estimation.momentum_problem import MomentumProblem, on_clocks
 from orbident.estimation.output_error.estimator import OutputError
 from orbident.estimation.output_error.hypotheses import FEW_STEPS
+from orbident.estimation.residual_checks import residual_checks
 from orbident.preprocessing.delays import LEAST, LONGEST, SURE, Delay
 
 MOST = 2**13
@@ -122,11 +123,15 @@ def _clock_of(
     found = _settled(part, start, replace(fit, steps=FEW_STEPS), progress)
     if found is None or misfit(found.shown) > misfit(shown) - WORTH:
         return punctual
-    return found.clock
+    # A clock that does not explain the recording may stand for what is wrong.
+    checks = residual_checks(found.problem, found.shown)
+    fits = all(check.level != "do not trust" for check in checks)
+    return found.clock if fits else punctual
 
 
 class _Settled(NamedTuple):
     clock: Delay
+    problem: MomentumProblem
     shown: Estimate
 
 
@@ -153,7 +158,7 @@ def _settled(
             return None
         if abs(error.value) < max(SETTLED, error.std):
             matters = abs(clock.late) > max(LEAST, SURE * clock.std)
-            return _Settled(clock, shown) if matters else None
+            return _Settled(clock, there, shown) if matters else None
     return None
 
 

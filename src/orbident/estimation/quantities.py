@@ -167,7 +167,7 @@ def without_values(found: P) -> P:
     return replace(found, values=nothing, std=nothing)
 
 
-def part_of(whole: Any, kind: type) -> dict[str, Any]:
+def fields_as(whole: Any, kind: type) -> dict[str, Any]:
     """The fields that an object has from one of its base classes."""
     return {each.name: getattr(whole, each.name) for each in fields(kind)}
 

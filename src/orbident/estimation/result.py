@@ -22,7 +22,7 @@ from orbident.estimation.extent import RecordedMotion
 from orbident.estimation.linear_fits import Fits, InitialMomentum
 from orbident.estimation.parameter_table import short_table
 from orbident.estimation.provided import provided
-from orbident.estimation.quantities import Identified, part_of
+from orbident.estimation.quantities import Identified, fields_as
 from orbident.estimation.sensitivity_table import SensitivityTable
 from orbident.estimation.signals import Signals, sensor_of
 from orbident.files.json_parts import (
@@ -109,7 +109,7 @@ RecordingFile = TypedDict(
 """What a recording was read from, and its part that was used, s."""
 
 
-class Source(RecordingFile, total=False):
+class RecordingSource(RecordingFile, total=False):
     """What a result was identified from."""
 
     recordings: list[RecordingFile]
@@ -151,7 +151,7 @@ class Result(BesideParameters, Identified):
     samples: Count
     motion: RecordedMotion | None = field(default=None, repr=False)
     """How far and how fast all moved that was recorded."""
-    input: Annotated[Mapping[str, Any], held_as(Source, dict, dict)] = field(
+    input: Annotated[Mapping[str, Any], held_as(RecordingSource, dict, dict)] = field(
         default_factory=dict
     )
     """The recording's `file` and its `sha256`, and the `seed` of a simulated one; of
@@ -258,7 +258,7 @@ class Result(BesideParameters, Identified):
 
     def withheld(self) -> "Result":
         """The result without numbers: from then on they are its diagnostics."""
-        whole = Identified(**part_of(self, Identified))
+        whole = Identified(**fields_as(self, Identified))
         return replace(self, **vars(whole.nothing()), diagnostics=whole)
 
     def check_accepted(self) -> None:

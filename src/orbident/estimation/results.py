@@ -27,7 +27,7 @@ from orbident.estimation.quantities import (
     MassRoutes,
     Quantity,
     TotalMass,
-    part_of,
+    fields_as,
 )
 from orbident.estimation.result import Residual, Result, SensorResidual
 from orbident.estimation.sensitivity_table import SensitivityTable
@@ -74,7 +74,7 @@ def result_of(
         **vars(identified),
         condition_number=_condition(problem.fits),
         residual=_residual(estimate),
-        **part_of(estimate, BesideParameters),
+        **fields_as(estimate, BesideParameters),
         sensitivity=partial(_sensitivity, estimate, identified),
         clocks=problem.clocks,
         rejected=problem.rejected,

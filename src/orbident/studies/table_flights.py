@@ -197,9 +197,11 @@ def read_table(
     paper, paper_result = _by_paper(robot, from_mocap(robot, flight, filters))
     solved = solve(robot, flight, "at-rest", OutputError(), lambda _: None)
     estimate, sets = solved.estimate, solved.problem.sets
-    # The same search, before anything from outside is among the unknowns.
-    assert estimate.solution is not None
-    plain = estimate_of(estimate.solution, prior_std(robot, sets))
+    # The same search, where nothing is known to act and nothing is tested yet.
+    bare = replace(robot, disturbances=(), pads={})
+    without = solve(bare, flight, "at-rest", OutputError(), lambda _: None).estimate
+    assert without.solution is not None
+    plain = estimate_of(without.solution, prior_std(robot, sets))
     readings = {
         PAPER: _reading(paper, table),
         WITHOUT: TableReading.of(found_beta(robot, sets, plain), plain.mass, table),

@@ -25,6 +25,7 @@ from orbident.model.minimal_sets import minimal_sets
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.robot.disturbance_groups import DisturbanceGroup
+from orbident.robot.sensor_schema import declared_sensors
 from orbident.simulation.simulate import simulate
 from orbident.trajectories.environment import Environment
 
@@ -62,9 +63,8 @@ def equipped(robot: Robot) -> Robot:
         "gyro": {"angle_random_walk": NOISE["gyro"] / np.sqrt(20)},
         "attitude": {"angle": NOISE["attitude"]},
         "position": {"std": NOISE["position"]},
-        "velocity": {"std": NOISE["velocity"]},
     }
-    return replace(robot, sensors=sensors)
+    return replace(robot, sensors=declared_sensors(sensors))
 
 
 TABLE, SPACE = equipped(small_robot()), equipped(small_robot_in_space())
