@@ -14,13 +14,12 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import minimize_scalar
+from scipy.optimize import fminbound
 
 from orbident.errors import InputError
 from orbident.estimation.estimate import Estimate, Estimator, Progress
 from orbident.estimation.momentum_problem import MomentumProblem, on_clocks
 from orbident.estimation.output_error.estimator import OutputError
-from orbident.estimation.output_error.hypotheses import FEW_STEPS
 from orbident.estimation.residual_checks import residual_checks
 from orbident.preprocessing.delays import LEAST, LONGEST, SURE, Delay
 
@@ -41,7 +40,7 @@ ROUNDS = 6  # of a search that converges as Newton's does; more find nothing
 ROWS = 1000
 """So many samples from the beginning of a recording show a clock that is far off."""
 
-FAR = np.array([0.05, 0.1, 0.2, 0.4, 0.7, 1.0, 1.5, 2.0, 3.0])
+FAR = np.array([0.03, 0.06, 0.1, 0.2, 0.4, 0.7, 1.0, 1.5, 2.0, 3.0])
 """s: where it is looked for; the delay between is found from the nearest of these."""
 
 LONGEST_PART = 0.25
@@ -62,6 +61,11 @@ class Evidence(NamedTuple):
     """The estimate by output error; None for exact recordings, which need none."""
 
 
+class _Fit(NamedTuple):
+    problem: MomentumProblem
+    shown: Estimate
+
+
 def evidence(
     problem: MomentumProblem, estimator: Estimator, progress: Progress
 ) -> Evidence:
@@ -77,67 +81,73 @@ def evidence(
         return Evidence(problem, None)
     fit = estimator if isinstance(estimator, OutputError) else OutputError()
     part = problem if whole else problem.beginning(MOST)
-    shown = fit.estimate(part, progress)
-    clock = _clock_of(problem, part, shown, fit, progress)
-    if clock is None:
-        return Evidence(problem, shown)
-    if not clock.believed:
-        clocks = {**problem.clocks, "joints": clock}
-        return Evidence(replace(problem, clocks=clocks), shown)
-    problem = _behind(problem, clock)
+    first = _Fit(part, fit.estimate(part, progress))
+    # Of a recording that was read whole the clock was settled by its digest.
+    if problem.extent:
+        return Evidence(problem, first.shown)
+    clock, found = _clock_of(first, fit, progress)
+    if clock is not None:
+        problem = _with(problem, clock)
     if problem.exact and not whole:
         return Evidence(problem, None)
-    part = problem if whole else problem.beginning(MOST)
-    return Evidence(problem, fit.estimate(part, progress))
+    return Evidence(problem, found.shown)
+
+
+def _with(problem: MomentumProblem, clock: Delay) -> MomentumProblem:
+    """The problem on this clock of joints and wheels, where it is believed."""
+    clocks = {**problem.clocks, "joints": clock}
+    if not clock.believed:
+        return replace(problem, clocks=clocks)
+    return on_clocks(problem, clocks)
 
 
 def _clock_of(
-    problem: MomentumProblem,
-    part: MomentumProblem,
-    shown: Estimate,
-    fit: OutputError,
-    progress: Progress,
-) -> Delay | None:
-    """How late joints and wheels are; None where nothing shows their clock.
+    first: _Fit, fit: OutputError, progress: Progress
+) -> tuple[Delay | None, _Fit]:
+    """How late joints and wheels are, and the fit on that clock.
 
     Args:
-        problem: as it is fitted.
-        part: of it, which is fitted.
-        shown: by it.
+        first: the fit on the clock as it was recorded.
         fit: finds the least cost.
         progress: as `evidence` has it.
     """
-    if shown.sensitivity is None or CLOCK in shown.calibration:
-        return None
-    alone = shown.sensitivity().alone
-    if CLOCK not in alone or not np.isfinite(alone[CLOCK].std[0]):
-        return None
-    (late,), (std,), fall = alone[CLOCK]
-    punctual = Delay(float(late), float(std), believed=False)
-    likeliest = fall > WORTH and fall == max(each.fall for each in alone.values())
-    if problem.extent or (shown.converged and not likeliest):
-        return punctual
-    start = punctual if shown.converged else _far(part)
-    if abs(start.late) > LONGEST:
-        return start._replace(apart=not shown.converged)
-    found = _settled(part, start, replace(fit, steps=FEW_STEPS), progress)
-    if found is None or misfit(found.shown) > misfit(shown) - WORTH:
-        return punctual
+    shown = first.shown
+    punctual, likeliest = _seen(shown)
+    if punctual is None or (shown.converged and not likeliest):
+        return punctual, first
+    near = shown.converged and abs(punctual.late) < FAR[0]
+    start = None if near else _far(first.problem)
+    if start is not None and abs(start.late) > LONGEST:
+        return start._replace(apart=True), first
+    found = _settled(first.problem, start or punctual, fit, progress)
+    if found is None or misfit(found[1].shown) > misfit(shown) - WORTH:
+        return punctual, first
+    clock, there = found
+    if abs(clock.late) > LONGEST:
+        return clock._replace(believed=False, apart=True), first
     # A clock that does not explain the recording may stand for what is wrong.
-    checks = residual_checks(found.problem, found.shown)
+    checks = residual_checks(there.problem, there.shown)
     fits = all(check.level != "do not trust" for check in checks)
-    return found.clock if fits else punctual
+    return found if fits else (punctual, first)
 
 
-class _Settled(NamedTuple):
-    clock: Delay
-    problem: MomentumProblem
-    shown: Estimate
+def _seen(shown: Estimate) -> tuple[Delay | None, bool]:
+    """The clock to first order, and whether it is likelier than any other error."""
+    if CLOCK in shown.calibration:
+        found = shown.calibration[CLOCK]
+        sure = abs(found.value) > max(LEAST, SURE * found.std)
+        return Delay(found.value, found.std, believed=False), sure
+    alone = shown.sensitivity().alone if shown.sensitivity else {}
+    if CLOCK not in alone or not np.isfinite(alone[CLOCK].std[0]):
+        return None, False
+    (late,), (std,), fall = alone[CLOCK]
+    most = max(each.fall for each in alone.values())
+    return Delay(float(late), float(std), believed=False), WORTH < fall == most
 
 
 def _settled(
     problem: MomentumProblem, clock: Delay, fit: OutputError, progress: Progress
-) -> _Settled | None:
+) -> tuple[Delay, _Fit] | None:
     """The clock that is freed again and again, where that comes to an end.
 
     Args:
@@ -148,31 +158,28 @@ def _settled(
     """
     for _ in range(ROUNDS if clock.late else 0):
         try:
-            there = _behind(problem, clock._replace(believed=True))
+            there = _with(problem, clock._replace(believed=True))
             shown = fit.estimate(there, progress)
         except InputError:  # Too little is left where all clocks show something.
             return None
         error = shown.calibration[CLOCK]
-        clock = Delay(clock.late + error.value, error.std, True)
-        if not shown.converged or abs(clock.late) > LONGEST:
+        if not shown.converged:
             return None
         if abs(error.value) < max(SETTLED, error.std):
-            matters = abs(clock.late) > max(LEAST, SURE * clock.std)
-            return _Settled(clock, there, shown) if matters else None
+            matters = abs(clock.late) > max(LEAST, SURE * error.std)
+            clock = Delay(clock.late, error.std, believed=True)
+            return (clock, _Fit(there, shown)) if matters else None
+        clock = Delay(clock.late + error.value, error.std, believed=True)
     return None
 
 
-def _behind(problem: MomentumProblem, clock: Delay) -> MomentumProblem:
-    return on_clocks(problem, {**problem.clocks, "joints": clock})
-
-
-def _far(problem: MomentumProblem) -> Delay:
-    """Where Eq. 24 fits far better; no delay where it does nowhere."""
-    part, nothing = problem.beginning(ROWS), Delay(0.0, np.inf, believed=False)
+def _far(problem: MomentumProblem) -> Delay | None:
+    """Where Eq. 24 fits far better; None where it does nowhere."""
+    part = problem.beginning(ROWS)
 
     def left(late: float) -> float:
         try:
-            pi = _behind(part, Delay(late, np.inf, True)).fits.pi
+            pi = _with(part, Delay(late, np.inf, True)).fits.pi
         except InputError:
             return np.inf
         return pi.unexplained / max(np.hypot(pi.explained, pi.unexplained), TINY)
@@ -180,13 +187,12 @@ def _far(problem: MomentumProblem) -> Delay:
     most = LONGEST_PART * np.ptp(part.samples.t)
     grid = np.array([-most, *-FAR[::-1], 0.0, *FAR, most])
     grid = np.unique(grid[np.abs(grid) <= most])
-    values = [left(late) for late in grid]
-    k = int(np.argmin(values))
-    if k in {0, grid.size - 1} or values[k] ** 2 > HELPS * left(0.0) ** 2:
-        return nothing
-    ends, precise = (grid[k - 1], grid[k + 1]), {"xatol": LEAST}
-    found = minimize_scalar(left, bounds=ends, method="bounded", options=precise)
-    return nothing._replace(late=float(found.x))
+    k = int(np.argmin([left(late) for late in grid]))
+    if k in {0, grid.size - 1}:
+        return None
+    late = float(np.array(fminbound(left, *grid[[k - 1, k + 1]], xtol=LEAST / 10)))
+    helps = left(late) ** 2 < HELPS * left(0.0) ** 2
+    return Delay(late, np.inf, believed=False) if helps else None
 
 
 def misfit(shown: Estimate) -> float:

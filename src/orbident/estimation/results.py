@@ -33,6 +33,7 @@ from orbident.estimation.result import Residual, Result, SensorResidual
 from orbident.estimation.sensitivity_table import SensitivityTable
 from orbident.estimation.signals import Signals
 from orbident.estimation.triangular import condition_numbers
+from orbident.estimation.unknowns import CalibrationFit
 from orbident.estimation.weigh import Weighing
 from orbident.files.json_parts import as_computed, nulled
 from orbident.model.formulas import Formulas, SetFormulas, formulas_of, mass_forms
@@ -53,10 +54,7 @@ def result_of(
     elapsed_s: float,
 ) -> Result:
     """Put together what was estimated and how it was judged."""
-    if not problem.robot.tolerances.joint_clock:
-        # That of a clock that was corrected is said with the clocks.
-        own = {name: x for name, x in estimate.calibration.items() if name != CLOCK}
-        estimate = replace(estimate, calibration=own)
+    estimate = replace(estimate, calibration=_calibration(problem, estimate))
     identified = _identified(problem, estimate, judgement, masses)
     result = Result(
         robot=problem.robot,
@@ -179,6 +177,22 @@ def _mass_forms(
         sigmas=np.array([*mass.sigmas[kept], *apart]),
         left_out=len(kept) - sum(kept),
     )
+
+
+def _calibration(
+    problem: MomentumProblem, estimate: Estimate
+) -> dict[str, CalibrationFit]:
+    """That of a clock that was corrected is said with the clocks.
+
+    Where it has a tolerance, it is how late the clock is in all.
+    """
+    found, known = {**estimate.calibration}, problem.robot.tolerances.joint_clock
+    late = problem.late.get("joints", 0.0)
+    if late and CLOCK in found:
+        rest = found.pop(CLOCK)
+        if known:
+            found[CLOCK] = CalibrationFit(late + rest.value, rest.std, known)
+    return found
 
 
 def _residual(estimate: Estimate) -> Residual:

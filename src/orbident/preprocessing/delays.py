@@ -93,8 +93,13 @@ def corrections(clocks: Mapping[str, Delay]) -> dict[str, float]:
     """The delays that are believed, s, by sensor; what shares a clock shares them.
 
     Args:
-        clocks: of `"joints"` (and wheels) and of `"attitude"` (and position).
+        clocks: of `"joints"` (and wheels) and of `"attitude"` (and position); those of
+            one of several recordings say nothing of another.
     """
-    believed = {name: clock.late for name, clock in clocks.items() if clock.believed}
     shared = {"joints": ("joints", "wheels"), "attitude": ("attitude", "position")}
-    return {sensor: late for name, late in believed.items() for sensor in shared[name]}
+    return {
+        sensor: clocks[name].late
+        for name, sensors in shared.items()
+        if name in clocks and clocks[name].believed
+        for sensor in sensors
+    }
