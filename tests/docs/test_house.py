@@ -12,9 +12,9 @@ PACKAGE = ROOT / "src/orbident"
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
     "files": 384,
-    "lines": 54_826,
+    "lines": 54_853,
     "files of estimation": 65,
-    "lines of estimation": 9_907,
+    "lines of estimation": 9_929,
     "files with one user": 97,
     "imports below each other": 32,
     "numbers without a reason": 73,

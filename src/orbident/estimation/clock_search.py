@@ -21,7 +21,7 @@ from orbident.estimation.estimate import Estimate, Estimator, Progress
 from orbident.estimation.momentum_problem import MomentumProblem, on_clocks
 from orbident.estimation.output_error.estimator import OutputError
 from orbident.estimation.residual_checks import residual_checks
-from orbident.preprocessing.delays import LEAST, LONGEST, SURE, Delay
+from orbident.preprocessing.delays import EXPLAINED, LEAST, LONGEST, SURE, Delay
 
 MOST = 2**13
 """Samples of a recording that other methods are judged by: its beginning. A longer one
@@ -115,11 +115,11 @@ def _clock_of(
     punctual, likeliest = _seen(shown)
     if punctual is None or (shown.converged and not likeliest):
         return punctual, first
-    near = shown.converged and abs(punctual.late) < FAR[0]
-    start = None if near else _far(first.problem)
-    if start is not None and abs(start.late) > LONGEST:
-        return start._replace(apart=True), first
-    found = _settled(first.problem, start or punctual, fit, progress)
+    near = shown.converged and abs(punctual.late) < LONGEST
+    start = punctual if near else _far(first.problem)
+    if abs(start.late) > LONGEST:
+        return start, first
+    found = _settled(first.problem, start, fit, progress)
     if found is None or misfit(found[1].shown) > misfit(shown) - WORTH:
         return punctual, first
     clock, there = found
@@ -173,9 +173,9 @@ def _settled(
     return None
 
 
-def _far(problem: MomentumProblem) -> Delay | None:
-    """Where Eq. 24 fits far better; None where it does nowhere."""
-    part = problem.beginning(ROWS)
+def _far(problem: MomentumProblem) -> Delay:
+    """Where Eq. 24 fits far better; no delay where it does nowhere."""
+    part, nowhere = problem.beginning(ROWS), Delay(0.0, np.inf, believed=False)
 
     def left(late: float) -> float:
         try:
@@ -189,10 +189,12 @@ def _far(problem: MomentumProblem) -> Delay | None:
     grid = np.unique(grid[np.abs(grid) <= most])
     k = int(np.argmin([left(late) for late in grid]))
     if k in {0, grid.size - 1}:
-        return None
+        return nowhere
     late = float(np.array(fminbound(left, *grid[[k - 1, k + 1]], xtol=LEAST / 10)))
-    helps = left(late) ** 2 < HELPS * left(0.0) ** 2
-    return Delay(late, np.inf, believed=False) if helps else None
+    apart = abs(late) > LONGEST
+    most = EXPLAINED if apart else HELPS
+    helps = left(late) ** 2 < most * left(0.0) ** 2
+    return nowhere._replace(late=late, apart=apart) if helps else nowhere
 
 
 def misfit(shown: Estimate) -> float:
