@@ -13,7 +13,8 @@ class Numeric(NamedTuple):
     form: str = ".3g"
     """How plain text has it. Where it begins with a plus, it is a difference."""
     std: float | None = None
-    """Its standard deviation: a report shows as many digits as that leaves."""
+    """The standard deviation of the number, in its unit; a report leaves out the digits
+    of the number that are smaller."""
 
     @property
     def is_known(self) -> bool:

@@ -12,11 +12,11 @@ PACKAGE = ROOT / "src/orbident"
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
     "files": 384,
-    "lines": 54_853,
+    "lines": 54_868,
     "files of estimation": 65,
-    "lines of estimation": 9_929,
+    "lines of estimation": 9_934,
     "files with one user": 97,
-    "imports below each other": 32,
+    "imports below each other": 33,
     "numbers without a reason": 73,
 }
 

@@ -118,7 +118,8 @@ def read_chunk(
             file = parquet.ParquetFile(source)
             found = file.schema_arrow
             table = file.read(columns, use_threads=False)
-    except (pa.ArrowException, OSError) as error:
+    except (pa.ArrowException, ValueError, OSError) as error:
+        # A name that is no UTF-8 is a ValueError.
         reason = " ".join(str(error).split())[:80]
         raise InputError(f"{path}: cannot be read ({reason}); {_ANEW}") from error
     if found != schema:

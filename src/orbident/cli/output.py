@@ -76,7 +76,7 @@ class Output:
 
 
 def _in_columns(table: DataTable) -> Group:
-    """Its title, if any, above the columns; those with numbers end at the right."""
+    """A table for the terminal: the title above, columns of numbers aligned right."""
     drawn = Table(box=None)
     for k, name in enumerate(table.head):
         right = any(not isinstance(row.cells[k], str) for row in table.rows)

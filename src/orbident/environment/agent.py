@@ -30,7 +30,7 @@ class World:
     environment: Environment
     """As it was given."""
     arc: Arc | None = None
-    """Of the orbit, if there is one."""
+    """The robot's course in orbit; None where it is not said to be in one."""
     drawn: Mapping[str, Callable[..., Vectors]] = field(default_factory=dict)
     """What is random, by the environment's name of it, at any times, s."""
 
@@ -63,16 +63,19 @@ class Disturbance(NamedTuple):
     positive: bool = False
     """Whether less than zero is impossible."""
     acts: float = 0.0
-    """Its size where the number is zero: 1 for what was recorded."""
+    """How many times the effect acts where the number is zero: once for recorded
+    thrust, whose number is the relative error of its gain; else not at all."""
     std: float = 0.0
-    """Its deviation beforehand: zero for recorded thrust is exact, else unknown."""
+    """The number's standard deviation beforehand, in its unit. Zero means that recorded
+    thrust is exact, and that nothing is known of any other number."""
 
 
 class Agent:
     """Something that acts from outside."""
 
     group: ClassVar[str]
-    """Its name; its numbers are there or not there together."""
+    """The name that robot files and results have for it; a recording has all of the
+    numbers of a group among its unknowns, or none."""
     words: ClassVar[str] = ""
     """What acts; empty for what is not tested for."""
     needs: ClassVar[str] = ""
@@ -84,7 +87,8 @@ class Agent:
     slow: ClassVar[bool] = False
     """Whether it follows whatever changes slowly."""
     density: ClassVar[str] = ""
-    """Of momentum that walks at random, the field of `MomentumWalk`."""
+    """The field of `MomentumWalk` that says how strong it is; empty for an agent that
+    is no random walk of the momentum."""
 
     def loads(self, world: World, motion: RobotMotion) -> Iterator[Load]:
         """What it does to a flight: always at the same points of the same bodies.

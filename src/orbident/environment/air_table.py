@@ -8,6 +8,7 @@ To the fit a level pull is `a = e_k`, in space too, and an uneven one
 `a = E_k (r_cm - r_cm(0))`.
 """
 
+from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from itertools import combinations_with_replacement
 from typing import ClassVar
@@ -30,16 +31,16 @@ from orbident.trajectories.environment import Environment, Uneven
 IN_PLANE = np.array([1.0, 1.0, 0.0])
 
 
-class Pull(Agent):
+class Pull(Agent, ABC):
     """What accelerates all parts by where they are, and no accelerometer feels."""
 
     key: ClassVar[str]
     """The environment's name of it."""
     unit = "m/s^2"
 
+    @abstractmethod
     def at(self, environment: Environment, r: Vectors) -> Vectors:
-        """The acceleration of what is at `r` (m), inertial axes."""
-        raise NotImplementedError
+        """The acceleration of what is at `r` (m), inertial axes, m/s^2."""
 
     def loads(self, world: World, motion: RobotMotion) -> Iterator[Load]:
         """A force on each body, at its CM."""
@@ -62,7 +63,7 @@ class LevelPull(Pull):
     needs = "position or velocity of S"
 
     def at(self, environment: Environment, r: Vectors) -> Vectors:
-        """The same everywhere."""
+        """The acceleration down the slope, which is the same everywhere, m/s^2."""
         fall = np.array([*(environment.tilt or (0.0, 0.0)), 0.0])
         return np.tile(STANDARD_GRAVITY * fall, (len(r), 1))
 

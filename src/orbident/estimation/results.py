@@ -17,7 +17,7 @@ from orbident.estimation.found import Known
 from orbident.estimation.linear_fits import Fits
 from orbident.estimation.mass_routes import is_a_mass, sigmas_apart
 from orbident.estimation.momentum_problem import MomentumProblem
-from orbident.estimation.output_error.hypotheses import undecided_in_words
+from orbident.estimation.output_error.sensitivity import undecided_in_words
 from orbident.estimation.predicted import equation_signals
 from orbident.estimation.quantities import (
     NO_ROUTES,

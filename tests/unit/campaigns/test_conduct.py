@@ -171,6 +171,16 @@ def test_a_damaged_chunk_is_refused(tmp_path: Path):
         rows(campaign, out)
 
 
+def test_a_chunk_whose_column_names_are_no_text_is_refused(tmp_path: Path):
+    campaign, out = begun(tmp_path, runs=1)
+    conduct(campaign, out, InThisProcess)
+    chunk = path_of(out, range(1))
+    # Not UTF-8: the fuzzer found such a file.
+    chunk.write_bytes(chunk.read_bytes().replace(b"robot", b"\xdaobot"))
+    with pytest.raises(InputError, match="remove it and run the campaign again"):
+        rows(campaign, out)
+
+
 def test_a_folder_of_another_kind_is_left_alone(tmp_path: Path):
     (tmp_path / "out").mkdir()
     (tmp_path / "out" / "notes.txt").write_text("mine")

@@ -39,7 +39,6 @@ from orbident.estimation.output_error.disturbance_sizes import (
 from orbident.estimation.output_error.hypotheses import (
     LONGEST,
     Search,
-    averaged,
     selected,
 )
 from orbident.estimation.output_error.noise_scaling import Fitted
@@ -49,7 +48,11 @@ from orbident.estimation.output_error.problem import (
     problem_of,
     start_of,
 )
-from orbident.estimation.output_error.sensitivity import sensitivity, with_unseen
+from orbident.estimation.output_error.sensitivity import (
+    averaged,
+    sensitivity,
+    with_unseen,
+)
 from orbident.estimation.output_error.sensors import Sensors, sensors_of
 from orbident.estimation.output_error.sharing import shared_of
 from orbident.estimation.output_error.solver import STEPS

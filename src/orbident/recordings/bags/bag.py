@@ -72,6 +72,9 @@ def open_ros2(path: Path) -> Iterator[Source]:
                     raise TypeError(f"a message of '{connection.topic}' is none")
                 yield RawMessage(connection.topic, received, data)
 
+        for each in reader.connections:
+            if not (isinstance(each.topic, str) and isinstance(each.msgtype, str)):
+                raise TypeError(f"the name or the type of topic {each.id} is no text")
         topics = by_name(described(*each, "cdr") for each in reader.topics.items())
         yield Source(path, topics, messages)
 

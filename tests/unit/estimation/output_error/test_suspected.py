@@ -11,7 +11,7 @@ from orbident.estimation.estimate import Estimate
 from orbident.estimation.levels import limit
 from orbident.estimation.momentum_problem import momentum_problem
 from orbident.estimation.output_error.estimator import OutputError
-from orbident.estimation.output_error.hypotheses import undecided_in_words
+from orbident.estimation.output_error.sensitivity import undecided_in_words
 from orbident.estimation.unknowns import UNSEEN
 from orbident.recordings.recording import Recording
 
