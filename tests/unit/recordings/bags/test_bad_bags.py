@@ -156,16 +156,11 @@ def test_a_database_with_cells_of_another_type(tmp_path, cell):
     assert "is damaged or no bag of this kind" in refusal(tmp_path, bag)
 
 
-@pytest.mark.parametrize("column", ["name", "type"])
-def test_a_topic_whose_name_or_type_is_no_text(tmp_path, column):
+def test_topics_whose_names_are_no_text(tmp_path):
     """SQLite keeps bytes in a column of text; the fuzzer found such a bag."""
     bag = largest_file(write_bag("ros2-sqlite3", tmp_path, SENT))
     with closing(sqlite3.connect(bag)) as database:
-        # In that of the last topic alone; this file is read without metadata.yaml.
-        database.execute(
-            f"update topics set {column} = cast({column} as blob) "
-            "where id = (select max(id) from topics)"
-        )
+        database.execute("update topics set name = X'FF'")
         database.commit()
     with pytest.raises(InputError, match="is damaged or no bag of this kind"):
         survey_file(bag)
