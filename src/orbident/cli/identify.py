@@ -92,6 +92,7 @@ def identify(
     from orbident.files.text import name_of
     from orbident.recordings.recording import Recording
     from orbident.recordings.tables import open_recording, read_recording
+    from orbident.robot.may_act import may_act
     from orbident.robot.robot_file import load_robot
 
     output = Output(json, quiet)
@@ -101,7 +102,7 @@ def identify(
         check_absent(out, force)
     described = load_robot(robot)
     if disturbance:
-        asked = (*(described.disturbances or ()), *map(str, disturbance))
+        asked = {**(described.disturbances or {}), **(may_act(disturbance) or {})}
         described = replace(described, disturbances=asked)
     with progress("reading"):
         tables = [cut_to_times(open_recording(each), start, end) for each in recordings]

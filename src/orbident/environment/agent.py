@@ -65,9 +65,10 @@ class Disturbance(NamedTuple):
     acts: float = 0.0
     """How many times the effect acts where the number is zero: once for recorded
     thrust, whose number is the relative error of its gain; else not at all."""
-    std: float = 0.0
-    """The number's standard deviation beforehand, in its unit. Zero means that recorded
-    thrust is exact, and that nothing is known of any other number."""
+    std: float = 1.0
+    """The number's standard deviation beforehand, in its unit; of an agent's columns,
+    where the agent is of size one. Zero means that it does not act, and that recorded
+    thrust is exact."""
 
 
 class Agent:
@@ -86,6 +87,8 @@ class Agent:
     """The group that is its mean, and stands beside it."""
     slow: ClassVar[bool] = False
     """Whether it follows whatever changes slowly."""
+    alike: ClassVar[str] = ""
+    """What it can be taken for: agents of the same word turn the robot alike."""
     density: ClassVar[str] = ""
     """The field of `MomentumWalk` that says how strong it is; empty for an agent that
     is no random walk of the momentum."""
@@ -107,7 +110,11 @@ class Agent:
         """
         for name, torque in self.torques(motion):
             effect = motion.nothing._replace(torque=by_step(torque))
-            yield self.column(name, effect)
+            yield self.column(name, effect)._replace(std=self.share(motion))
+
+    def share(self, motion: RobotMotion) -> float:
+        """The deviation of each of its torques, of an agent of size one."""
+        return 1.0
 
     def torques(self, motion: RobotMotion) -> Named:
         """Those of its columns that only turn: torques about S, inertial axes."""

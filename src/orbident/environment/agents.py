@@ -46,6 +46,9 @@ SLOW = tuple(group for group, each in AGENTS.items() if each.slow)
 WALKS = tuple(group for group, each in AGENTS.items() if each.density)
 """Groups of waves, in the order of `MomentumWalk`."""
 
+FREE = 1e3
+"""SI: standard deviation beforehand of what may be anything."""
+
 PUSH, FILM = steady.Push.group, air_table.FilmDrag.group
 """What is not tested for but looked for; and what acts where a robot has pads."""
 
@@ -60,10 +63,32 @@ def loads_of(world: World, motion: RobotMotion) -> list[Load]:
     return [x for agent in AGENTS.values() for x in agent.loads(world, motion)]
 
 
+ALIKE = {
+    group: {other.group for other in AGENTS.values() if other.alike == each.alike}
+    for group, each in AGENTS.items()
+    if each.alike
+}
+"""What may be taken for what, by groups, themselves included."""
+
+
 def disturbances(motion: RobotMotion) -> Iterator[Disturbance]:
     """All that may act on this robot, and shows in what was recorded.
 
     Args:
-        motion: the motion that was measured.
+        motion: the motion that was measured, with what is allowed to act.
     """
-    return (each for agent in AGENTS.values() for each in agent.columns(motion))
+    for agent in AGENTS.values():
+        size = _size(motion, agent)
+        for each in agent.columns(motion):
+            # The deviation of a walk is its density.
+            yield each if agent.density else each._replace(std=size * each.std)
+
+
+def _size(motion: RobotMotion, agent: Agent) -> float:
+    """The agent's own, or that of what it is the mean of."""
+    groups = [
+        agent.group,
+        *(slow for slow, mean in STEADY.items() if mean == agent.group),
+    ]
+    sizes = [motion.allowed[group].size for group in groups if group in motion.allowed]
+    return min(max(sizes, default=0.0), FREE)

@@ -24,6 +24,7 @@ from orbident.environment.motion import (
     by_step,
     heavy_bodies,
 )
+from orbident.environment.worlds import radius_of_gyration
 from orbident.model.minimal_sets import conserved_axes
 from orbident.robot.units import STANDARD_GRAVITY
 from orbident.trajectories.environment import Environment, Uneven
@@ -120,7 +121,8 @@ class FilmDrag(Agent):
             pushed = motion.effect(self.film(motion, body, pad, 1.0, 0.0))
             turned = motion.effect(self.film(motion, body, pad, 0.0, 1.0))
             yield self.column(body, pushed, "N s/m", positive=True)
-            yield self.column(f"{body}.turning", turned, "N m s", positive=True)
+            spun = self.column(f"{body}.turning", turned, "N m s", positive=True)
+            yield spun._replace(std=radius_of_gyration(robot) ** 2)
 
     def film(
         self,

@@ -15,6 +15,7 @@ from jaxtyping import Float
 from orbident.model.kinematics import Poses, carrying_joints, poses
 from orbident.model.rotations import rotate
 from orbident.robot.description import Robot
+from orbident.robot.may_act import MayAct
 from orbident.robot.parameters import FIRST_MOMENT, MASS
 
 Vectors = Float[np.ndarray, "nodes 3"]
@@ -97,6 +98,8 @@ class RobotMotion:
     """What a recording tells of `nadir`, `flow`, `sun` and `field`; inertial axes."""
     pushed: tuple[float, float] | None = None
     """From when to when something pushed a recorded robot, s, where that is known."""
+    allowed: Mapping[str, MayAct] = field(default_factory=dict)
+    """What may act on it, by group; what is absent does not."""
 
     @cached_property
     def poses(self) -> Poses:

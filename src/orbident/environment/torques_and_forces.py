@@ -2,7 +2,7 @@
 
     constant torque            tau = e_k                    inertial axes
     torque fixed to the base   tau = R_WB e_k
-    slow torque                tau = e_k cos(m pi t / T)    m = 1 .. 6
+    slow torque                tau = e_k cos(m pi t / T)    m = 1 .. 2 T / shortest
     the same on the base       tau = R_WB e_k cos(m pi t / T)
     wheel losing speed unseen  tau = d/dt (R_WB a_k l),  dl/dt = cos(m pi t / T)
     push for a short time d    tau = e_k p,  b = e_k p      p = cos(m pi s / d) / d
@@ -20,24 +20,29 @@ orthonormal; Karhunen 1947). The first `WAVES` of them leave out a part of
 `1 / (pi^2 WAVES)` of its variance. Such a force acts through the system CM.
 """
 
+import math
 from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from orbident.environment.agent import AXES, Agent, Disturbance, Named, World
 from orbident.environment.motion import Load, RobotMotion, Vectors, by_step
+from orbident.environment.worlds import SHORTEST, world_of
 from orbident.model.inertia import inertia
 from orbident.model.minimal_sets import conserved_axes
 from orbident.model.rotations import rotate
 
-HALF_WAVES = 6
-"""In a recording of what changes slowly: it takes a sixth of it, or longer."""
-
 WAVES = 24
-"""So the walk's deviation is wrong by a fifth of a percent."""
+"""So a walk's deviation is wrong by a fifth of a percent. What changes slowly has as
+many at most: a motion of an hour would have hundreds."""
 
 LEAST = 1e-9
 """SI: the first guess of a density where nothing moves."""
+
+
+def _of_each_wave(agent: Agent, motion: RobotMotion) -> float:
+    """A cosine has half the mean square of a constant."""
+    return math.sqrt(2 / half_waves(motion, agent.group))
 
 
 class ConstantTorque(Agent):
@@ -45,6 +50,7 @@ class ConstantTorque(Agent):
 
     group = "torque"
     words = "a constant torque acts, inertial axes"
+    alike = "torque"
 
     def loads(self, world: World, motion: RobotMotion) -> Iterator[Load]:
         """A moment on the base."""
@@ -64,6 +70,7 @@ class VaryingTorque(ConstantTorque):
     words = "a torque acts that changes slowly, inertial axes"
     mean = ConstantTorque.group
     slow = True
+    share = _of_each_wave
 
     def loads(self, world: World, motion: RobotMotion) -> Iterator[Load]:
         """A moment on the base."""
@@ -72,7 +79,7 @@ class VaryingTorque(ConstantTorque):
 
     def torques(self, motion: RobotMotion) -> Named:
         """Half waves of all."""
-        return _slowly(motion, [*super().torques(motion)])
+        return _slowly(motion, self.group, [*super().torques(motion)])
 
 
 class BaseTorque(Agent):
@@ -80,6 +87,7 @@ class BaseTorque(Agent):
 
     group = "base_torque"
     words = "a torque acts that turns with the base, base axes"
+    alike = "torque"
     needs = "a robot whose motion is spatial"
 
     def torques(self, motion: RobotMotion) -> Named:
@@ -95,11 +103,12 @@ class VaryingBaseTorque(BaseTorque):
     words = "a torque acts that turns with the base and changes slowly, base axes"
     mean = BaseTorque.group
     slow = True
+    share = _of_each_wave
 
     def torques(self, motion: RobotMotion) -> Named:
         """Half waves of each."""
         for each in super().torques(motion):
-            yield from _slowly(motion, [each])
+            yield from _slowly(motion, self.group, [each])
 
 
 class WheelLoss(Agent):
@@ -110,14 +119,16 @@ class WheelLoss(Agent):
 
     group = "wheel_loss"
     words = "wheels lose momentum that their recorded speeds do not show"
+    alike = "torque"
     needs = "a wheel, and a robot whose motion is spatial"
     slow = True
+    share = _of_each_wave
 
     def torques(self, motion: RobotMotion) -> Named:
         """A constant loss and half waves of it, of each wheel."""
         t = motion.t[:, None] - motion.t[0]
         for wheel in motion.robot.wheels if motion.robot.motion == "spatial" else ():
-            for m in range(HALF_WAVES + 1):
+            for m in range(min(half_waves(motion, self.group), WAVES) + 1):
                 k, rate = m * np.pi / t[-1], np.cos(m * np.pi * t / t[-1])
                 lost = np.sin(k * t) / k if m else t
                 torque = np.cross(motion.w, wheel.axis * lost) + wheel.axis * rate
@@ -208,9 +219,19 @@ class ForceWalk(Agent):
                 yield self.column(name, effect)._replace(std=std)
 
 
-def _slowly(motion: RobotMotion, vectors: Sequence[tuple[str, Vectors]]) -> Named:
+def half_waves(motion: RobotMotion, group: str) -> int:
+    """How many half waves in a recording are slow enough, and one at least."""
+    allowed = motion.allowed.get(group)
+    shortest = allowed.shortest if allowed else None
+    shortest = shortest or SHORTEST[world_of(motion.robot)]
+    return max(1, math.ceil(2 * (motion.t[-1] - motion.t[0]) / shortest))
+
+
+def _slowly(
+    motion: RobotMotion, group: str, vectors: Sequence[tuple[str, Vectors]]
+) -> Named:
     t = motion.t[:, None] - motion.t[0]
-    for m in range(1, HALF_WAVES + 1):
+    for m in range(1, min(half_waves(motion, group), WAVES) + 1):
         for name, x in vectors:
             yield f"{name}.{m}", x * np.cos(m * np.pi * t / t[-1])
 

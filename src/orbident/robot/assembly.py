@@ -70,9 +70,7 @@ def assembled(
         thrusters=file.thrusters,
         torquers=file.torquers,
         pads=_pads(file, bodies),
-        disturbances=None
-        if file.disturbances is None
-        else tuple(map(str, file.disturbances)),
+        disturbances=file.disturbances,
         momentum_walk=file.momentum_walk,
         orbit=orbit,
         structure=file.structure,

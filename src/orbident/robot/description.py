@@ -12,6 +12,7 @@ from pydantic import PlainValidator
 from orbident.files.names import counted
 from orbident.files.schema_parts import Name, Positive, finite_vector, nonzero_vector
 from orbident.orbits.orbit import Orbit
+from orbident.robot.may_act import MayAct
 from orbident.robot.parameters import PER_BODY, SYMBOLS
 from orbident.robot.sensor_schema import SensorsSpec
 from orbident.robot.tolerances import Tolerances
@@ -180,9 +181,9 @@ class Robot:
     """Structure of bodies by name; a body that is absent is arbitrary."""
     pads: Mapping[str, Float[np.ndarray, "3"]] = field(default_factory=dict)
     """The middle of each body's air bearings, in the body's frame, m, by its name."""
-    disturbances: tuple[str, ...] | None = None
-    """What acts from outside, by `disturbance_groups`, and nothing else does; None if
-    nobody has said."""
+    disturbances: Mapping[str, MayAct] | None = None
+    """What may act from outside, by `disturbance_groups`, and nothing else does; None
+    if nobody has said: then what its world is known for may act."""
     momentum_walk: MomentumWalk = field(default_factory=MomentumWalk)
     """How strong unknown torques and forces are that change quickly."""
     orbit: Orbit | None = None
@@ -222,7 +223,7 @@ class Robot:
 
     @property
     def said_to_act(self) -> tuple[str, ...]:
-        """The groups of disturbances that act for certain: pads float on a film."""
+        """The groups of disturbances that a file names: pads float on a film."""
         film = ("drag",) if self.pads and self.motion == "planar" else ()
         walks = (
             f"{name}_walk" for name, q in self.momentum_walk._asdict().items() if q

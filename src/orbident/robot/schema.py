@@ -2,7 +2,13 @@
 
 from typing import Annotated, Literal
 
-from pydantic import AfterValidator, BeforeValidator, Field, model_validator
+from pydantic import (
+    AfterValidator,
+    BeforeValidator,
+    Field,
+    PlainValidator,
+    model_validator,
+)
 
 from orbident.errors import InputError
 from orbident.files.names import first_duplicate
@@ -18,7 +24,7 @@ from orbident.files.schema_parts import (
 )
 from orbident.robot.body_schema import BodyEntry, DhTable
 from orbident.robot.description import MomentumWalk, Structure, Thruster, Torquer
-from orbident.robot.disturbance_groups import DisturbanceGroup
+from orbident.robot.may_act import MayAct, may_act
 from orbident.robot.orbit_schema import OrbitEntry
 from orbident.robot.sensor_schema import SensorsSpec
 from orbident.robot.tolerance_schema import TolerancesEntry
@@ -113,7 +119,7 @@ class RobotFile(MappingSchema):
     thrusters: tuple[Annotated[Thruster, keys_of(Thruster)], ...] = ()
     torquers: tuple[Annotated[Torquer, keys_of(Torquer)], ...] = ()
     pads: dict[str, Vector3] = Field(default_factory=dict)
-    disturbances: tuple[DisturbanceGroup, ...] | None = None
+    disturbances: Annotated[dict[str, MayAct] | None, PlainValidator(may_act)] = None
     momentum_walk: Annotated[MomentumWalk, keys_of(MomentumWalk)] = MomentumWalk()
     orbit: OrbitEntry | None = None
     limits: dict[str, LimitEntry] = Field(default_factory=dict)

@@ -83,6 +83,9 @@ UNITS: dict[str, dict[str, float]] = {
     },
 }
 """Each accepted unit's value in SI, by dimension; the first one is SI's own."""
+UNITS["acceleration or slope"] = UNITS["acceleration"] | {
+    unit: STANDARD_GRAVITY * angle for unit, angle in UNITS["angle"].items()
+}
 UNITS["angle or length"] = UNITS["angle"] | UNITS["length"]
 
 

@@ -9,6 +9,7 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation, Slerp
 
 from orbident.environment.motion import PointMotion, RobotMotion, by_step, straight
+from orbident.environment.worlds import Scale, scale_of, what_may_act
 from orbident.errors import InputError
 from orbident.estimation.output_error.shooting import Intervals, with_middles
 from orbident.files.bounds import TOGETHER
@@ -84,6 +85,21 @@ class Followed:
                 for name, seen in samples.surroundings.items()
             },
             samples.pushed,
+            what_may_act(self.robot, self.scale),
+        )
+
+    @cached_property
+    def scale(self) -> Scale:
+        """How large the motion is, of rows at which all was measured."""
+        samples, history = self.samples, self.intervals.history
+        w = np.column_stack(samples.w)
+        v_S = np.column_stack(samples.v_S) if self.tracked else None
+        return scale_of(
+            self.robot,
+            self.intervals.t,
+            history.qd_rw,
+            w[np.isfinite(w).all(axis=1)],
+            v_S if v_S is None else v_S[np.isfinite(v_S).all(axis=1)],
         )
 
     def _between(self, columns: Columns) -> Float[np.ndarray, "nodes axes"]:
