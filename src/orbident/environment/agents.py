@@ -86,9 +86,6 @@ def disturbances(motion: RobotMotion) -> Iterator[Disturbance]:
 
 def _size(motion: RobotMotion, agent: Agent) -> float:
     """The agent's own, or that of what it is the mean of."""
-    groups = [
-        agent.group,
-        *(slow for slow, mean in STEADY.items() if mean == agent.group),
-    ]
-    sizes = [motion.allowed[group].size for group in groups if group in motion.allowed]
+    groups = {agent.group} | {slow for slow in STEADY if STEADY[slow] == agent.group}
+    sizes = [motion.allowed[group].size for group in groups & motion.allowed.keys()]
     return min(max(sizes, default=0.0), FREE)

@@ -97,7 +97,7 @@ class Followed:
         return scale_of(
             self.robot,
             self.intervals.t,
-            history.qd_rw,
+            np.reshape(history.qd_rw, (len(self.robot.wheels), -1)).T,
             w[np.isfinite(w).all(axis=1)],
             v_S if v_S is None else v_S[np.isfinite(v_S).all(axis=1)],
         )
