@@ -87,8 +87,8 @@ class Agent:
     """The group that is its mean, and stands beside it."""
     slow: ClassVar[bool] = False
     """Whether it follows whatever changes slowly."""
-    alike: ClassVar[str] = ""
-    """What it can be taken for: agents of the same word turn the robot alike."""
+    alike: ClassVar[tuple[str, ...]] = ()
+    """Groups that it can be taken for, of the same unit."""
     density: ClassVar[str] = ""
     """The field of `MomentumWalk` that says how strong it is; empty for an agent that
     is no random walk of the momentum."""

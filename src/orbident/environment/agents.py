@@ -1,11 +1,12 @@
 """All agents, in order, and what of them the estimators ask for by their groups."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from orbident.environment import air_table, orbital
 from orbident.environment import torques_and_forces as steady
 from orbident.environment.agent import Agent, Disturbance, World
 from orbident.environment.motion import Load, RobotMotion
+from orbident.robot.may_act import MayAct
 
 AGENTS: dict[str, Agent] = {
     agent.group: agent
@@ -63,12 +64,8 @@ def loads_of(world: World, motion: RobotMotion) -> list[Load]:
     return [x for agent in AGENTS.values() for x in agent.loads(world, motion)]
 
 
-ALIKE = {
-    group: {other.group for other in AGENTS.values() if other.alike == each.alike}
-    for group, each in AGENTS.items()
-    if each.alike
-}
-"""What may be taken for what, by groups, themselves included."""
+ALIKE = {group: each.alike for group, each in AGENTS.items()}
+"""What may be taken for what, by groups."""
 
 
 def disturbances(motion: RobotMotion) -> Iterator[Disturbance]:
@@ -77,15 +74,19 @@ def disturbances(motion: RobotMotion) -> Iterator[Disturbance]:
     Args:
         motion: the motion that was measured, with what is allowed to act.
     """
-    for agent in AGENTS.values():
-        size = _size(motion, agent)
-        for each in agent.columns(motion):
-            # The deviation of a walk is its density.
-            yield each if agent.density else each._replace(std=size * each.std)
+    return (each for agent in AGENTS.values() for each in agent.columns(motion))
 
 
-def _size(motion: RobotMotion, agent: Agent) -> float:
-    """The agent's own, or that of what it is the mean of."""
-    groups = {agent.group} | {slow for slow in STEADY if STEADY[slow] == agent.group}
-    sizes = [motion.allowed[group].size for group in groups & motion.allowed.keys()]
-    return min(max(sizes, default=0.0), FREE)
+def std_of(disturbance: Disturbance, allowed: Mapping[str, MayAct]) -> float:
+    """The standard deviation beforehand of one number of what acts, in its unit.
+
+    Args:
+        disturbance: of an agent.
+        allowed: what may act, by group; the mean of what changes slowly is as large.
+    """
+    group, share = disturbance.group, disturbance.std
+    if group in WALKS:
+        return share
+    groups = {group} | {slow for slow, mean in STEADY.items() if mean == group}
+    size = max((allowed[each].size for each in groups & allowed.keys()), default=0.0)
+    return min(size * share, FREE)

@@ -50,7 +50,7 @@ class ConstantTorque(Agent):
 
     group = "torque"
     words = "a constant torque acts, inertial axes"
-    alike = "torque"
+    alike = ("base_torque", "wheel_loss")
 
     def loads(self, world: World, motion: RobotMotion) -> Iterator[Load]:
         """A moment on the base."""
@@ -68,6 +68,7 @@ class VaryingTorque(ConstantTorque):
 
     group = "slow_torque"
     words = "a torque acts that changes slowly, inertial axes"
+    alike = ("slow_base_torque", "wheel_loss")
     mean = ConstantTorque.group
     slow = True
     share = _of_each_wave
@@ -87,7 +88,7 @@ class BaseTorque(Agent):
 
     group = "base_torque"
     words = "a torque acts that turns with the base, base axes"
-    alike = "torque"
+    alike = ("torque", "wheel_loss")
     needs = "a robot whose motion is spatial"
 
     def torques(self, motion: RobotMotion) -> Named:
@@ -101,6 +102,7 @@ class VaryingBaseTorque(BaseTorque):
 
     group = "slow_base_torque"
     words = "a torque acts that turns with the base and changes slowly, base axes"
+    alike = ("slow_torque", "wheel_loss")
     mean = BaseTorque.group
     slow = True
     share = _of_each_wave
@@ -119,7 +121,7 @@ class WheelLoss(Agent):
 
     group = "wheel_loss"
     words = "wheels lose momentum that their recorded speeds do not show"
-    alike = "torque"
+    alike = ("slow_torque", "slow_base_torque")
     needs = "a wheel, and a robot whose motion is spatial"
     slow = True
     share = _of_each_wave

@@ -109,8 +109,13 @@ def what_may_act(robot: Robot, scale: Scale) -> dict[str, MayAct]:
     if sizes is None:
         found = {"table": _on_a_table, "orbit": _in_orbit, "space": _in_space}[world]
         sizes = {name: MayAct(size) for name, size in found(robot, scale).items()}
+        if robot.momentum_walk.torque:
+            # A walk changes slowly, too.
+            sizes.pop("slow_torque")
     if world == "table" and robot.pads:
         sizes = {"drag": MayAct(np.inf), **sizes}
+    walks = robot.momentum_walk._asdict().items()
+    sizes = sizes | {f"{name}_walk": MayAct(q) for name, q in walks if q}
     shortest = SHORTEST[world]
     return {
         name: each._replace(shortest=each.shortest or shortest)
