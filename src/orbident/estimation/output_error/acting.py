@@ -83,6 +83,10 @@ class Acting:
             for k, each in enumerate(self.followed.disturbances)
         )
 
+    def is_free(self, group: str) -> bool:
+        """Whether it may be anything."""
+        return group in self.allowed and np.isinf(self.allowed[group].size)
+
     @property
     def expected(self) -> tuple[Unknown, ...]:
         """Those that have a size; what they are is worked out only if any has."""

@@ -177,6 +177,15 @@ def most_likely_densities(
     ]
 
 
+def size_of(problem: Problem, solution: Solution, family: str) -> float:
+    """How large something is that was free, by restricted likelihood as well; SI."""
+    value, C = sizes_of(problem, solution, family)
+    every = problem.acting.followed.disturbances
+    share = np.array([each.std for each in every if each.group == family])
+    guess = float(np.sqrt(np.mean(np.square(value / share))))
+    return most_likely_densities([np.diag(share)], value, C, [guess])[0].value
+
+
 def densities(
     problem: Problem, solution: Solution, unknown: Sequence[str]
 ) -> dict[str, Density]:

@@ -9,7 +9,7 @@ a family is what it was taken for. Of what is among the unknowns, with `x` its n
 
 since `x` varies by what the recording has told of it; what is taken for zero has a
 score (`taken_for_zero.py`). Both are chi-square, and `levels.py` says when chance
-explains them. Where it does not, the family is freed.
+explains them. Where it does not, the family is as large as is most likely.
 """
 
 from collections.abc import Callable, Collection, Mapping, Sequence
@@ -21,13 +21,16 @@ import numpy as np
 from orbident.environment.agents import ALIKE, FREE, SLOW, STEADY, WALKS
 from orbident.estimation.levels import ChiSquare, limit
 from orbident.estimation.output_error.acting import LONGEST
-from orbident.estimation.output_error.disturbance_sizes import sizes_of, surprise_of
+from orbident.estimation.output_error.disturbance_sizes import (
+    size_of,
+    sizes_of,
+    surprise_of,
+)
 from orbident.estimation.output_error.noise_scaling import Fitted, fitted
 from orbident.estimation.output_error.problem import Problem
 from orbident.estimation.output_error.solver import STEPS, solved
 from orbident.estimation.output_error.taken_for_zero import TakenForZero
 from orbident.estimation.solution import Linear, Prior, Solution, Unknowns
-from orbident.estimation.unknowns import Unknown
 
 IMPOSSIBLE = 3.0
 """Deviations below zero that something positive is not by chance."""
@@ -83,21 +86,9 @@ class Search:
             near: where another fit of the recording ended. Its search is a trial, of
                 few steps: where what is tried is right, more are not needed.
         """
-        expected = self.problem.expected
-        more = (*self.problem.unknowns(names), *expected)
-        if near is not None:
-            return self._solved(more, (near,), min(self.steps, FEW_STEPS))
-        # What may be anything is needed to come near; what is small is not.
-        large = tuple(each for each in expected if each.std == FREE)
-        first = self._solved(large, self.starts, self.steps)
-        if not expected[len(large) :]:
-            return first
-        starts = (first.state,) if first.converged else self.starts
-        return self._solved(more, starts, self.steps)
-
-    def _solved(
-        self, more: tuple[Unknown, ...], starts: Sequence[Unknowns], steps: int
-    ) -> Solution:
+        more = (*self.problem.unknowns(names), *self.problem.expected)
+        starts = self.starts if near is None else (near,)
+        steps = self.steps if near is None else min(self.steps, FEW_STEPS)
         prior = self.prior.extended(np.array([each.std or FREE for each in more]))
         places = np.array([each.place for each in (*self.problem.declared, *more)])
         here = self.at_hand.pop() if self.at_hand else None
@@ -150,14 +141,15 @@ class WorldFit(NamedTuple):
 
 
 def fit_in_world(search: Search, excluded: Collection[str] = ()) -> WorldFit:
-    """Free what is larger than it may be, as long as chance does not explain it.
+    """Let what is larger than it may be be so, as long as chance does not explain it.
 
-    What is freed may be taken for what is like it: to that as large a size is given.
+    It may be taken for what is like it: that may then be as large.
 
     Args:
         search: fits the recording.
         excluded: families that are not tested.
     """
+    search = _sized(search)
     found = expected = search.settled(search.freed)
     # In all first fits noise is that assumed, so that their costs can be compared.
     solution, cost, freed = found.solution, found.assumed, tuple[str, ...]()
@@ -177,9 +169,22 @@ def fit_in_world(search: Search, excluded: Collection[str] = ()) -> WorldFit:
     return WorldFit(search.problem, found, expected, zeros, freed)
 
 
+def _sized(search: Search) -> Search:
+    """With the most likely size of what changes slowly and may be anything."""
+    free = [name for name in SLOW if search.problem.acting.is_free(name)]
+    if not free:
+        return search
+    solution = search.freed()
+    sizes = {name: size_of(search.problem, solution, name) for name in free}
+    return search.allowing(sizes)
+
+
 def _zeros(problem: Problem, solution: Solution, tested: bool) -> TakenForZero:
-    absent = {each.family for each in problem.acting.unknowns if not each.std}
-    return TakenForZero(problem, solution, absent if tested else ())
+    """What is like something expected shows as that, and need not be tested too."""
+    expected = {each.family for each in problem.expected}
+    absent = {each.family for each in problem.acting.unknowns} if tested else set()
+    absent -= {other for family in expected for other in (family, *ALIKE[family])}
+    return TakenForZero(problem, solution, absent)
 
 
 def _best(
@@ -212,12 +217,11 @@ def _best(
         with_it = search.freed([instrument], near)
         if with_it.cost + limit("disturbance", 1) < least:
             return None
-    alike = {*ALIKE[family]} - beside
-    if not any(problem.unknowns([other]) for other in alike):
-        return family, freed, solution
-    size = _size(problem, solution, family)
-    both = freed.allowing(dict.fromkeys(alike, size))
-    return family, both, both.freed(near=solution.state)
+    size = size_of(freed.problem, solution, family)
+    alike = [each for each in ALIKE[family] if each not in beside]
+    own = size if family in SLOW else np.inf
+    sized = search.allowing({**dict.fromkeys(alike, size), family: own})
+    return family, sized, sized.freed(near=solution.state)
 
 
 def _beyond(zeros: TakenForZero, excluded: Collection[str]) -> dict[str, float]:
@@ -271,10 +275,3 @@ def _impossible(problem: Problem, solution: Solution, family: str) -> bool:
     value, C = sizes_of(problem, solution, family)
     positive = np.array([each.positive for each in problem.unknowns([family])])
     return bool((positive & (value < -IMPOSSIBLE * np.sqrt(np.diag(C)))).any())
-
-
-def _size(problem: Problem, solution: Solution, family: str) -> float:
-    """How large it was found to be, over what it is at size one."""
-    value, _ = sizes_of(problem, solution, family)
-    share = [x.std for x in problem.acting.followed.disturbances if x.group == family]
-    return float(np.sqrt(np.mean(np.square(value / share))))
