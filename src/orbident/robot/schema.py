@@ -34,7 +34,7 @@ from orbident.robot.description import (
 from orbident.robot.may_act import MayAct, may_act
 from orbident.robot.orbit_schema import OrbitEntry
 from orbident.robot.sensor_schema import SensorsSpec
-from orbident.robot.tolerance_schema import TolerancesEntry
+from orbident.robot.tolerance_schema import ToleranceSection, TolerancesEntry
 
 
 def _range(value: object) -> tuple[float, ...]:
@@ -133,7 +133,7 @@ class RobotFile(MappingSchema):
     limits: dict[str, LimitEntry] = Field(default_factory=dict)
     structure: dict[str, KnownStructure] = Field(default_factory=dict)
     sensors: SensorsSpec = SensorsSpec()
-    tolerances: TolerancesEntry = TolerancesEntry()
+    tolerances: ToleranceSection = TolerancesEntry()
 
     @model_validator(mode="after")
     def _one_robot(self) -> "RobotFile":
