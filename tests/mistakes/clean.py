@@ -1,8 +1,9 @@
 """`python tests/mistakes/clean.py`: recordings without a mistake, by every method.
 
-With `--acting` all that may act in the robot's world does. How many are refused, and
-how often the 95 % intervals hold what is true. The seconds of the first method include
-the fit of the sensors by which the others are judged too.
+With `--acting` all that may act in the robot's world does; with `--instruments` these
+are off, as usual. How many are refused, and how often the 95 % intervals hold what is
+true. The seconds of the first method include the fit of the sensors by which the others
+are judged too.
 """
 
 import argparse
@@ -19,14 +20,13 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parents[1]))  # for random_robots
 
 import numpy as np
-from random_flights import SEEDS, flight, flights, flyers, recorded
-from recordings import Clean, designed
+from random_flights import SEEDS, Known, flight, flights, flyers, recorded
+from recordings import Clean
 from remembered_fits import fits_remembered
 from table import lines
 
 import orbident as oi
 from orbident.estimation.identify import METHODS, Method
-from orbident.recordings.recording import Recording
 
 INTERVAL = 1.959964
 """Deviations to either side: 95 % of a normal distribution."""
@@ -66,10 +66,10 @@ class Runs:
         self.reasons += other.reasons
         self.seconds += other.seconds
 
-    def take(self, clean: Clean, recording: Recording, method: Method) -> None:
+    def take(self, clean: Clean, known: Known, method: Method) -> None:
         """Identify one recording."""
         started = time.perf_counter()
-        robot = designed(clean.robot)
+        robot, recording = known
         reason = ""
         try:
             result = oi.identify(
@@ -100,14 +100,16 @@ def coverage(z: Sequence[float]) -> float:
 ByMethod = dict[Method, Runs]
 
 
-def of_robot(name: str, seeds: int = SEEDS, acting: bool = False) -> ByMethod:
+def of_robot(
+    name: str, seeds: int = SEEDS, acting: bool = False, instruments: bool = False
+) -> ByMethod:
     """All recordings of one robot."""
     done: ByMethod = {method: Runs() for method in METHODS}
     for seed in range(seeds):
-        recording = recorded(flight(name), seed, acting=acting)
+        known = recorded(flight(name), seed, acting=acting, instruments=instruments)
         with fits_remembered():
             for method in METHODS:
-                done[method].take(flight(name), recording, method)
+                done[method].take(flight(name), known, method)
     return done
 
 
@@ -116,15 +118,15 @@ def of_robots(
     workers: int,
     seeds: int = SEEDS,
     acting: bool = False,
+    instruments: bool = False,
     progress: Callable[[str], object] = str,
 ) -> dict[str, ByMethod]:
     """The runs of every method, grouped by robot."""
     found: dict[str, ByMethod] = {}
     # A fresh interpreter: threads of the core do not survive a fork.
     with ProcessPoolExecutor(workers, get_context("spawn")) as pool:
-        for name, runs in zip(
-            names, pool.map(of_robot, names, repeat(seeds), repeat(acting)), strict=True
-        ):
+        options = (repeat(each) for each in (seeds, acting, instruments))
+        for name, runs in zip(names, pool.map(of_robot, names, *options), strict=True):
             found[name] = runs
             progress(f"{len(found)}/{len(names)} {name}")
     return found
@@ -181,6 +183,7 @@ def main() -> int:
     parser.add_argument("--workers", type=int, default=2, help="processes at a time")
     parser.add_argument("--seeds", type=int, default=SEEDS, help="of each robot")
     parser.add_argument("--acting", action="store_true", help="what may act does")
+    parser.add_argument("--instruments", action="store_true", help="they are off")
     parser.add_argument("--out", type=Path, help="file for the tables, Markdown")
     given = parser.parse_args()
     parts = []
@@ -190,6 +193,7 @@ def main() -> int:
             given.workers,
             given.seeds,
             given.acting,
+            given.instruments,
             lambda words: print(words, file=sys.stderr),
         )
         parts.append(f"{title}\n\n{markdown(found)}\n")

@@ -1,10 +1,17 @@
 """What acts on a random robot from outside, drawn as its world says that it may."""
 
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 from disturbed import Now, Push, Wrench
 from recordings import Clean
 
+from orbident.campaigns.instrument_errors import with_instrument_errors
 from orbident.environment.worlds import radius_of_gyration, scale_of, what_may_act
+from orbident.robot.description import Robot
+from orbident.robot.tolerances import CALIBRATION_KINDS, Tolerances
+from orbident.simulation.truth import Truth
 
 WAVES = 12
 """Of what changes slowly: their sum is nearly normal, and their rates are normal as the
@@ -46,3 +53,36 @@ def drawn_world(clean: Clean, seed: int) -> Push:
         return Wrench(force, now.R_WB.T @ torque(now.t) + about_cm)
 
     return push
+
+
+def with_spin(clean: Clean, seed: int) -> Clean:
+    """That of a robot that was not quite at rest, where it is said to have been."""
+    if clean.initial_momentum != "at-rest":
+        return clean
+    spin = clean.robot.at_rest.spin * np.random.default_rng([seed, 8]).normal()
+    w = clean.start.angular_velocity + np.array([0.0, 0.0, spin])
+    return replace(clean, start=clean.start._replace(angular_velocity=w))
+
+
+def with_errors(clean: Clean, true: Truth, seed: int) -> tuple[Robot, Truth]:
+    """The robot as its file has it, and what its instruments show without noise.
+
+    Each error is drawn from its usual tolerance.
+    """
+    random = np.random.default_rng([seed, 9])
+    robot = clean.robot
+    joints = robot.joint_names
+    errors, found = dict[str, float](), dict[str, Any]()
+    for tolerance, kind in CALIBRATION_KINDS.items():
+        per = joints if "joint." in kind.name else robot.wheel_names
+        names = per if "{}" in kind.name else ("",)
+        for name in (x for n in names for x in kind.names(n)):
+            errors[name] = kind.usual * random.normal()
+        each = dict.fromkeys(joints, kind.usual)
+        found[tolerance] = each if "joint." in kind.name else kind.usual
+    shown = with_instrument_errors(robot, clean.t, true, errors)
+    wheels = tuple(
+        replace(x, inertia=x.inertia / (1 + errors[f"wheel.{x.name}.inertia"]))
+        for x in robot.wheels
+    )
+    return replace(robot, wheels=wheels, tolerances=Tolerances(**found)), shown

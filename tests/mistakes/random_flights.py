@@ -4,10 +4,11 @@ import math
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache
+from typing import NamedTuple
 
 import numpy as np
 from disturbed import pushed
-from drawn_world import drawn_world
+from drawn_world import drawn_world, with_errors, with_spin
 from random_motions import Start, random_motion
 from random_robots import (
     random_parents,
@@ -16,7 +17,7 @@ from random_robots import (
     random_unit_vector,
     sensors_in_space,
 )
-from recordings import Clean, motion_of
+from recordings import Clean, designed, motion_of
 
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Joint, Robot, Wheel
@@ -68,10 +69,30 @@ def flight(name: str) -> Clean:
     return Clean(robot, trajectory, state, t, true, "at-rest" if planar else "unknown")
 
 
-def recorded(clean: Clean, seed: int, *, acting: bool = False) -> Recording:
-    """The recording of a flight, with the noise, and the world, of this seed."""
-    true = pushed(clean, drawn_world(clean, seed)) if acting else clean.true
-    return measure_truth(clean.robot, clean.t, true, seed)
+class Known(NamedTuple):
+    """A recording, and the robot as its user knows it."""
+
+    robot: Robot
+    recording: Recording
+
+
+def recorded(
+    clean: Clean, seed: int, *, acting: bool = False, instruments: bool = False
+) -> Known:
+    """A flight with the noise of this seed.
+
+    Args:
+        clean: the flight.
+        seed: of all that is random.
+        acting: whether what may act does.
+        instruments: whether they are off, as usual.
+    """
+    true, robot = clean.true, clean.robot
+    if acting:
+        true = pushed(with_spin(clean, seed), drawn_world(clean, seed))
+    if instruments:
+        robot, true = with_errors(clean, true, seed)
+    return Known(designed(robot), measure_truth(clean.robot, clean.t, true, seed))
 
 
 def _random(number: int) -> Robot:

@@ -9,15 +9,12 @@ from orbident.estimation.checks import Check, Level
 from orbident.estimation.estimate import Estimate
 from orbident.estimation.levels import limit
 from orbident.estimation.momentum_problem import ROUNDING, MomentumProblem
+from orbident.estimation.output_error.disturbance_sizes import TOLD
 from orbident.estimation.signals import Signal
 from orbident.estimation.whiteness import low_frequencies
 
 # Std of residuals over the declared noise: chi-square of its square is worth a word.
 NOISY = 1.5
-
-TOLD = 1e-3
-"""The part of a tolerance, squared, that a recording tells at least if it says anything
-of an error."""
 
 OF_GEOMETRY = re.compile(r"\.(place|direction)\.[xyz]$")
 """Names of errors of where a joint is."""
@@ -157,7 +154,8 @@ def _tolerances(estimate: Estimate) -> Iterator[Check]:
         return
     most = limit("instrument", 1, len(found))
     squares = {
-        name: fit.value**2 / max(fit.tolerance**2 - fit.std**2, TOLD * fit.tolerance**2)
+        name: (fit.value / fit.tolerance) ** 2
+        / max(1 - (fit.std / fit.tolerance) ** 2, TOLD)
         for name, fit in found.items()
     }
     name = max(squares, key=lambda name: squares[name])
@@ -171,8 +169,8 @@ def _tolerances(estimate: Estimate) -> Iterator[Check]:
         "tolerances",
         "do not trust",
         f"{name} would be off by {fit.value:.2g} +- {fit.std:.1g} (SI), and "
-        f"{fit.tolerance:.2g} is its tolerance: it, or something that looks like it, is "
-        "not as declared",
+        f"{fit.tolerance:.2g} is its tolerance: it, or something that looks like it, "
+        "is not as declared",
         f"check {name}, or declare a larger tolerance in the robot file",
         square,
         most,
