@@ -8,12 +8,13 @@ from importlib.metadata import version
 import numpy as np
 from jaxtyping import Bool, Float
 
+from orbident.estimation.budget import Budget, budget_of
 from orbident.estimation.clock_search import CLOCK
 from orbident.estimation.clocks import clocks_in_words
 from orbident.estimation.criteria import Judgement
 from orbident.estimation.estimate import BesideParameters, Estimate
 from orbident.estimation.extent import Extent, motion_of
-from orbident.estimation.found import Known
+from orbident.estimation.found import Known, prior_std
 from orbident.estimation.linear_fits import Fits
 from orbident.estimation.mass_routes import is_a_mass, sigmas_apart
 from orbident.estimation.momentum_problem import MomentumProblem
@@ -36,6 +37,7 @@ from orbident.estimation.triangular import condition_numbers
 from orbident.estimation.unknowns import CalibrationFit
 from orbident.estimation.weigh import Weighing
 from orbident.files.json_parts import as_computed, nulled
+from orbident.model.derivatives import derivatives_of_beta
 from orbident.model.formulas import Formulas, SetFormulas, formulas_of, mass_forms
 from orbident.model.nominal import nominal_parameters
 from orbident.preprocessing.origins import origin_in_words
@@ -74,6 +76,7 @@ def result_of(
         residual=_residual(estimate),
         **fields_as(estimate, BesideParameters),
         sensitivity=partial(_sensitivity, estimate, identified),
+        budget=partial(_budget, problem, estimate, identified),
         clocks=problem.clocks,
         rejected=problem.rejected,
         origins={
@@ -94,7 +97,9 @@ def result_of(
     if result.status == "ok":
         return result
     # For exact data deviations are rounding, and shifts over them say nothing.
-    return replace(result.withheld(), sensitivity=as_computed(None))
+    return replace(
+        result.withheld(), sensitivity=as_computed(None), budget=as_computed(None)
+    )
 
 
 def _identified(
@@ -228,6 +233,23 @@ def _sensitivity(estimate: Estimate, identified: Identified) -> SensitivityTable
         found.names,
         found.units,
         np.where(lost[:, None], NAN, shifts),
+    )
+
+
+def _budget(
+    problem: MomentumProblem, estimate: Estimate, identified: Identified
+) -> Budget | None:
+    if estimate.sources is None or problem.exact:
+        return None
+    beta = estimate.found.base.values
+    dpi, dphi = derivatives_of_beta(problem.sets, beta)
+    sets = identified.base, identified.phi, identified.pi
+    return budget_of(
+        estimate.sources(),
+        tuple(name for each in sets for name in each.names),
+        np.vstack([np.eye(beta.size), dphi, dpi]),
+        np.isfinite(np.concatenate([each.values for each in sets])),
+        prior_std(problem.robot, problem.sets),
     )
 
 

@@ -32,6 +32,7 @@ from orbident.estimation.output_error.beforehand import (
     prior_of,
     with_others,
 )
+from orbident.estimation.output_error.covariance_parts import covariance_parts
 from orbident.estimation.output_error.disturbance_sizes import (
     identified,
     with_densities,
@@ -132,6 +133,7 @@ class OutputError:
             instead=undecided.instead,
             calibration=_calibration(equations, found.solution),
             sensitivity=lambda: with_unseen(sensitivity(zeros), undecided.unseen),
+            sources=partial(covariance_parts, equations, found.solution, off),
             converged=found.solution.converged,
             settled=found.settled,
             convergence=found.convergence,

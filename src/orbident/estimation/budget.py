@@ -1,0 +1,152 @@
+"""What deviations are made of: a budget, as metrology has it (GUM, JCGM 100:2008).
+
+With `F_s` the information of sensor `s` and `P_k` that of what is known of family `k`
+beforehand, an estimate's covariance is `C = (sum F_s + sum P_k)^-1`, and so
+
+    C = sum C F_s C + sum C P_k C
+
+The shares of a variance are positive and add up to one. If one source had `1 / r` of its
+deviation, a variance of which it has the share `f` would be at most `1 - f (1 - 1/r^2)`
+times as large: so it is with the weights of before, and the best ones do no worse.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import ceil
+from typing import Annotated, Literal, NamedTuple
+
+import numpy as np
+from jaxtyping import Bool, Float
+from pydantic import Field
+
+from orbident.errors import InputError
+from orbident.files.json_parts import JsonPart, NullableTable
+
+Kind = Literal["noise", "recording", "instrument", "other"]
+"""The `noise` of a sensor; what is another one in each `recording`, such as its momentum
+and what acts from outside; an error of an `instrument`, the same in all; or another."""
+
+
+class Source(NamedTuple):
+    """One source of the errors of `beta = [M, sigma, iota]`."""
+
+    kind: Kind
+    part: Float[np.ndarray, "beta beta"]
+    """What it has of the covariance; those of all sources add up to it."""
+    known: Float[np.ndarray, "beta beta"] | None = None
+    """The covariance if its unknowns were known; None where it is no unknown."""
+
+
+Sources = Mapping[str, Source]
+"""All of them, by their names."""
+
+
+@dataclass(frozen=True, repr=False)
+class Budget(JsonPart):
+    """What the variance of each parameter is made of."""
+
+    parameters: tuple[str, ...]
+    """The base parameters, the total mass first, then `phi` and `pi`."""
+    least_sure: str
+    """The base parameter whose deviation is largest for a robot of this size."""
+    sources: tuple[str, ...]
+    """Sensors, `drifts`, families of what is unknown beside the parameters, and others."""
+    kinds: tuple[Kind, ...]
+    """What each of them is."""
+    shares: NullableTable
+    """A row a parameter, a column a source: the part of the variance, in all one; NaN
+    for a parameter that is not determined."""
+    costs: Annotated[NullableTable, Field(alias="deviation_over_that_if_known")]
+    """In the same order, by how much wider the deviation is than if a family were known;
+    NaN for sources that are no unknowns."""
+
+    def __post_init__(self) -> None:
+        """Refuse a table that lacks a row or a column."""
+        size = len(self.parameters), len(self.sources)
+        tables = self.shares.shape, self.costs.shape
+        if {*tables} != {size} or len(self.kinds) != size[1]:
+            raise InputError(f"the budget is not {size[0]} by {size[1]}")
+        if self.least_sure not in self.parameters:
+            raise InputError(f"'{self.least_sure}' is no parameter of the budget")
+
+    def __repr__(self) -> str:
+        """What limits the mass, and the parameter that is least sure."""
+        return self.in_words()
+
+    def in_words(self) -> str:
+        """What limits the mass and what is least sure, and what would halve that."""
+        mass = self.parameters[0]
+        words = [self._limit(mass, mass)]
+        if self.least_sure != mass:
+            least = f"{self.least_sure}, the least sure,"
+            words.append(self._limit(self.least_sure, least))
+        return " ".join(filter(None, words))
+
+    def _limit(self, parameter: str, words: str) -> str:
+        shares = self.shares[self.parameters.index(parameter)]
+        if not np.isfinite(shares).all():
+            return ""
+        most = int(shares.argmax())
+        of = "noise of " if self.kinds[most] == "noise" else ""
+        return (
+            f"{words} is limited by {of}{self.sources[most]} "
+            f"({100 * shares[most]:.0f} % of its variance); {self.halving(parameter)}."
+        )
+
+    def halving(self, parameter: str) -> str:
+        """What would at least halve the deviation of a parameter, in words.
+
+        A quarter of its variance is left with `1 - f (1 - 1/r^2) = 1/4`, where `f` is
+        the largest share; and with `g + (1 - g) / n = 1/4` of `n` recordings instead of
+        one, where `g` is the share of what is the same in all of them.
+        """
+        shares = self.shares[self.parameters.index(parameter)]
+        own = np.isin(self.kinds, ["noise", "recording"])
+        f, g = shares.max(), shares[~own].sum()
+        r = 1 / np.sqrt(1 - 0.75 / f) if f > 0.75 else np.inf
+        # A share of rounding's size asks for no fifth recording.
+        n = ceil((1 - g) / (0.25 - g) - 0.01) if g < 0.25 else np.inf
+        if r < np.inf and r <= n:
+            return f"{np.ceil(10 * r) / 10:.3g} times less of that halves its std"
+        if n < np.inf:
+            return f"{n} times as many recordings halve its std"
+        return "no source alone halves its std, another motion may"
+
+
+def budget_of(
+    sources: Sources,
+    names: tuple[str, ...],
+    derivative: Float[np.ndarray, "parameters beta"],
+    determined: Bool[np.ndarray, " parameters"],
+    scale: Float[np.ndarray, " beta"],
+) -> Budget:
+    """The budget of all that follows from `beta`.
+
+    Args:
+        sources: of its errors.
+        names: of the parameters, those of `beta` first.
+        derivative: of the parameters by `beta`.
+        determined: which of them the recording determines.
+        scale: how large base parameters of such a robot are, relative to each other.
+    """
+
+    def variances(C: Float[np.ndarray, "beta beta"]) -> Float[np.ndarray, " parameters"]:
+        # A share of rounding's size may be below zero.
+        of_all = np.einsum("ib,bc,ic->i", derivative, C, derivative)
+        return np.where(determined, np.maximum(of_all, 0.0), np.nan)
+
+    parts = np.column_stack([variances(each.part) for each in sources.values()])
+    whole = parts.sum(axis=1)
+    known = [
+        np.full_like(whole, np.nan) if each.known is None else variances(each.known)
+        for each in sources.values()
+    ]
+    relative = np.sqrt(whole[: scale.size]) / scale
+    return Budget(
+        names,
+        names[int(np.argmax(np.nan_to_num(relative)))],
+        tuple(sources),
+        tuple(each.kind for each in sources.values()),
+        parts / whole[:, None],
+        np.sqrt(whole[:, None] / np.column_stack(known)),
+    )
