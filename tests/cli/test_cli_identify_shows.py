@@ -51,7 +51,7 @@ def test_one_screen(
     shown = rows(ran.out)
     base = json.loads(Path("found.json").read_text())["base"]
     assert next(iter(shown)) == "M"
-    assert len(shown) == min(len(base["names"]), 12)
+    assert len(shown) == min(len(base["names"]), 9)
     for name, numbers in shown.items():
         k = base["names"].index(name)
         value, std, cad = base["values"][k], base["std"][k], base["nominal"][k]

@@ -1,9 +1,11 @@
 """What `identify` prints: the identifiable parameters first, all else on request."""
 
+from collections.abc import Iterator
 from pathlib import Path
+from textwrap import wrap
 from typing import Any
 
-from orbident.data_table import Numeric
+from orbident.data_table import DataTable, Numeric
 from orbident.estimation.parameter_table import HEAD, parameter_line, parameter_rows
 from orbident.report.parameter_section import mass_rows, routes_left_out
 
@@ -13,8 +15,11 @@ TITLES = {
     "pi": "pi: what the angular momentum shows",
 }
 
+COLUMNS = 80
+"""Of a terminal, as it opens nearly everywhere."""
 
-def summary(result: Any, out: Path | None, everything: bool) -> list[str]:
+
+def summary(result: Any, out: Path | None, everything: bool) -> list[str | DataTable]:
     """The lines of a result, on one screen of 24 lines unless everything is wanted.
 
     Args:
@@ -27,11 +32,12 @@ def summary(result: Any, out: Path | None, everything: bool) -> list[str]:
         return [*result.summary(), *written]
     if everything:
         lines = [*result.summary()[:2], *_everything(result), *_sensitivity(result)]
-        return [*lines, *written]
+        return [*lines, *_budget(result), *written]
     return [
         *result.summary(),
         "",
         *_goodness(result),
+        *_limits(result),
         *_sensitivity(result),
         "--all shows formulas, pi, phi and the mass by every route; so does --json",
         *written,
@@ -127,3 +133,19 @@ def _sensitivity(result: Any) -> list[str]:
         f"shift {parameter} by {Numeric(shift, '.2g')} sigmas (see 'tolerances' in the "
         "docs; all: --json)",
     ]
+
+
+def _limits(result: Any) -> list[str]:
+    """What limits the mass, and what would halve its deviation."""
+    budget = result.budget()
+    return [] if budget is None else wrap(budget.in_words(), COLUMNS)
+
+
+def _budget(result: Any) -> Iterator[str | DataTable]:
+    """What every variance is made of."""
+    budget = result.budget()
+    if budget is None:
+        return
+    for table in budget.tables():
+        yield from ("", table)
+    yield from ("", *_limits(result))

@@ -19,12 +19,16 @@ import numpy as np
 from jaxtyping import Bool, Float
 from pydantic import Field
 
+from orbident.data_table import DataTable, Numeric, TableRow
 from orbident.errors import InputError
 from orbident.files.json_parts import JsonPart, NullableTable
 
 Kind = Literal["noise", "recording", "instrument", "other"]
 """The `noise` of a sensor; what is another one in each `recording`, such as its momentum
 and what acts from outside; an error of an `instrument`, the same in all; or another."""
+
+SHOWN = 0.005
+"""Smaller shares, and deviations wider by less, are a dash in tables and no column."""
 
 
 class Source(NamedTuple):
@@ -72,6 +76,31 @@ class Budget(JsonPart):
     def __repr__(self) -> str:
         """What limits the mass, and the parameter that is least sure."""
         return self.in_words()
+
+    def tables(self) -> list[DataTable]:
+        """Shares in percent, and by how much wider what is unknown makes deviations."""
+        titles = (
+            "budget: what each variance is made of, %",
+            "times as wide as if this were known",
+        )
+        cells = (
+            (100 * self.shares, 100 * SHOWN, ".0f"),
+            (self.costs, 1 + SHOWN, ".3g"),
+        )
+        tables = (
+            DataTable(title, ("", *self.sources), self._rows(*each))
+            for title, each in zip(titles, cells, strict=True)
+        )
+        shown = (table.without_empty_columns() for table in tables)
+        return [table for table in shown if len(table.head) > 1]
+
+    def _rows(
+        self, x: Float[np.ndarray, "parameters sources"], least: float, form: str
+    ) -> tuple[TableRow, ...]:
+        return tuple(
+            TableRow((name, *(Numeric(v if v >= least else None, form) for v in row)))
+            for name, row in zip(self.parameters, x, strict=True)
+        )
 
     def in_words(self) -> str:
         """What limits the mass and what is least sure, and what would halve that."""
