@@ -224,7 +224,7 @@ class Solution(NamedTuple):
     state: Unknowns
     linear: Linear
     """The equations at a state within a hundredth of a deviation of `state`; without
-    links, which would take much memory."""
+    links where these take much memory."""
     end: End
     prior: Prior
     weights: BySensor

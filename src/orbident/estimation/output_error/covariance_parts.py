@@ -1,12 +1,12 @@
 """What each source of errors has of the covariance of `beta` (`budget.py`).
 
-With the information `S` about the common unknowns, all others eliminated,
+Whitened equations `A x = b + e`, of `e` with unit variances, have of the covariance
 
-    C F_s C = C (dS / d ln lambda_s) C
+    C A'A C
 
-where `lambda_s` multiplies the information of sensor `s`: a linearisation a sensor. What
-the sensors leave of `C S C` is the part of what drifts between samples, which is among
-the eliminated: biases, and attitude by the noise of wheel speeds.
+and of its part about `beta` that is `(A X)' (A X)`, with the columns `X` of `C` that
+belong to `beta`. All equations there are: the rows of sensors, those by which attitude
+and biases go on from one interval to the next, and what is known beforehand.
 """
 
 from collections.abc import Mapping, Sequence
@@ -16,62 +16,99 @@ from jaxtyping import Float
 from scipy.linalg import solve_triangular
 
 from orbident.estimation.budget import Kind, Source, Sources
-from orbident.estimation.output_error.problem import Problem, common_factor
+from orbident.estimation.output_error.problem import Problem, by_interval, linear
+from orbident.estimation.output_error.sensors import MARKOV_STD, RANDOM_WALK, TRACKERS
 from orbident.estimation.solution import OUTSIDE, Solution
+from orbident.threads import one_blas_thread
 
-RAISED = 1e-4
-"""Of a sensor's information. Information of what is left after an elimination bends so
-that parts are too small by less than this, relative; rounding is a thousandth of it."""
+AS_ADDED = ("gyro", "attitude", "position", "velocity", "accelerometer")
+"""The order of a sample's rows in an interval's equations; each has three axes."""
+
+GOING_ON = ("between samples", "gyro drift", "accelerometer drift")
+"""What moves the attitude, and the biases, three axes each. Between samples the base
+turns by what splines of joints and wheels leave, and by the noise of wheel speeds."""
 
 
-
-def covariance_parts(
-    problem: Problem, solution: Solution, off: Float[np.ndarray, "beta n"]
-) -> Sources:
+@one_blas_thread
+def covariance_parts(problem: Problem, solution: Solution) -> Sources:
     """The covariance of `beta` at a solution, by the sources of its errors.
 
     Args:
         problem: a recording's equations.
         solution: of these.
-        off: deviations of `beta` that its equations do not know of.
     """
-    state, prior, plain = solution.state, solution.prior, solution.weights
-    factor = common_factor(problem, plain, state)
-    R = prior.added(factor, state)[:-1, :-1]
+    state, prior, here = solution.state, solution.prior, solution.linear
+    if here.given_up:
+        here = linear(problem, solution.weights, state)
+    R = prior.added(here.common, state)[:-1, :-1]
     root = solve_triangular(R, np.eye(len(R)))
-    C, apart = root @ root.T, off @ off.T
+    C = root @ root.T
     beta = np.arange(OUTSIDE, OUTSIDE + state.beta.size)
-    by_beta = C[:, beta]
-
-    def part(rows: Float[np.ndarray, "rows common"]) -> Float[np.ndarray, "beta beta"]:
-        """`C F C` of the information `F` in whitened equations."""
-        shown = rows @ by_beta[: rows.shape[1]]
-        return shown.T @ shown
+    X = C[:, beta]
+    # Unknowns of boundaries follow those in common, without errors of their own.
+    still = here._replace(factor=here.factor.copy(), links=here.links.copy())
+    still.factor[:, -1], still.links[:, :, -1] = 0.0, 0.0
+    z = np.stack([still.step(column) for column in X.T], axis=-1)
+    del here, still
 
     def known(which: Sequence[int]) -> Float[np.ndarray, "beta beta"]:
         """`C - C_k C_kk^-1 C_k'`, with unknowns `k` in their deviations."""
         std = np.sqrt(np.diag(C)[which])
         inverse = np.linalg.pinv(C[np.ix_(which, which)] / np.outer(std, std))
-        shared = by_beta[which] / std[:, None]
-        return C[np.ix_(beta, beta)] - shared.T @ inverse @ shared + apart
+        shared = X[which] / std[:, None]
+        return X[beta] - shared.T @ inverse @ shared
 
-    seen = part(factor[:-1, :-1])
-    parts = {}
-    for name, weights in plain.items():
-        raised = {**plain, name: np.sqrt(1 + RAISED) * weights}
-        more = part(common_factor(problem, raised, state)[:-1, :-1])
-        parts[name] = Source("noise", (more - seen) / RAISED)
-    drifts = seen - np.sum([each.part for each in parts.values()], axis=0)
-    parts["drifts"] = Source("recording", drifts)
-    before = np.diag(1 / prior.std)
+    parts = {
+        name: Source("recording" if name in GOING_ON else "noise", part)
+        for name, part in _of_intervals(problem, solution, z, X).items()
+        if part.any()
+    }
+    before = X / prior.std[:, None]
     for name, (kind, which) in _families(problem, solution).items():
-        parts[name] = Source(kind, part(before[which]), known(which))
-    parts["nominal values"] = Source("other", part(before[beta]))
+        parts[name] = Source(kind, _squared(before[which]), known(which))
+    parts["nominal values"] = Source("other", _squared(before[beta]))
     if len(prior.others):
-        parts["other recordings"] = Source("recording", part(prior.others[:, :-1]))
-    if off.any():
-        parts["undecided"] = Source("other", apart)
+        A = prior.others[:, :-1]
+        parts["other recordings"] = Source("recording", _squared(A @ X[: A.shape[1]]))
     return parts
+
+
+def _squared(rows: Float[np.ndarray, "rows beta"]) -> Float[np.ndarray, "beta beta"]:
+    return rows.T @ rows
+
+
+def _of_intervals(
+    problem: Problem,
+    solution: Solution,
+    z: Float[np.ndarray, "boundaries local beta"],
+    X: Float[np.ndarray, "common beta"],
+) -> dict[str, Float[np.ndarray, "beta beta"]]:
+    """The parts of sensors, and of what goes on from interval to interval."""
+    names = (*AS_ADDED, "joints", *GOING_ON)
+    weights, size = solution.weights, problem.t.size
+    none = np.zeros((size, 3))
+    counts = np.hstack([weights.get(name, none) for name in AS_ADDED]) != 0
+    lasting = (problem.lasting[:, :, [MARKOV_STD, RANDOM_WALK]] > 0).sum(axis=(1, 2))
+    trackers = np.repeat([names.index(name) for name in TRACKERS], lasting)
+    going_on = np.repeat([names.index(name) for name in GOING_ON], 3)
+    joints = np.full(2 * z.shape[1], names.index("joints"))
+    after_samples = np.concatenate([trackers, going_on, joints])
+    parts = np.zeros((len(names), X.shape[1], X.shape[1]))
+
+    def add(rows: np.ndarray, sources: np.ndarray) -> None:
+        for k in np.unique(sources):
+            parts[k] += _squared(rows[sources == k])
+
+    edges = [*np.searchsorted(problem.t, problem.boundaries[:-1]), size]
+    every = by_interval(problem, solution.weights, solution.state)
+    for k, equations in enumerate(every):
+        _, columns = np.nonzero(counts[edges[k] : edges[k + 1]])
+        rows = equations[:, :-1] @ np.vstack([z[k], z[k + 1], X])
+        add(rows, np.concatenate([columns // 3, after_samples]))
+    of_joints = np.full(z.shape[1] - going_on.size - trackers.size, joints[0])
+    first = z[0] / problem.loose.first[:, None]
+    add(first, np.concatenate([going_on, trackers, of_joints]))
+    return dict(zip(names, parts, strict=True))
 
 
 def _families(

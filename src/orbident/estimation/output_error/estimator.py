@@ -133,7 +133,7 @@ class OutputError:
             instead=undecided.instead,
             calibration=_calibration(equations, found.solution),
             sensitivity=lambda: with_unseen(sensitivity(zeros), undecided.unseen),
-            sources=partial(covariance_parts, equations, found.solution, off),
+            sources=partial(covariance_parts, equations, found.solution),
             converged=found.solution.converged,
             settled=found.settled,
             convergence=found.convergence,
