@@ -1,10 +1,9 @@
 """What `identify` prints: the identifiable parameters first, all else on request."""
 
-from collections.abc import Iterator
 from pathlib import Path
-from textwrap import wrap
 from typing import Any
 
+from orbident.cli.budget_lines import budget_lines, limits
 from orbident.data_table import DataTable, Numeric
 from orbident.estimation.parameter_table import HEAD, parameter_line, parameter_rows
 from orbident.report.parameter_section import mass_rows, routes_left_out
@@ -14,10 +13,6 @@ TITLES = {
     "phi": "phi: what the velocity of S shows",
     "pi": "pi: what the angular momentum shows",
 }
-
-COLUMNS = 80
-"""Of a terminal, as it opens nearly everywhere."""
-
 
 def summary(result: Any, out: Path | None, everything: bool) -> list[str | DataTable]:
     """The lines of a result, on one screen of 24 lines unless everything is wanted.
@@ -32,12 +27,12 @@ def summary(result: Any, out: Path | None, everything: bool) -> list[str | DataT
         return [*result.summary(), *written]
     if everything:
         lines = [*result.summary()[:2], *_everything(result), *_sensitivity(result)]
-        return [*lines, *_budget(result), *written]
+        return [*lines, *budget_lines(result.budget()), *written]
     return [
         *result.summary(),
         "",
         *_goodness(result),
-        *_limits(result),
+        *limits(result.budget()),
         *_sensitivity(result),
         "--all shows formulas, pi, phi and the mass by every route; so does --json",
         *written,
@@ -133,19 +128,3 @@ def _sensitivity(result: Any) -> list[str]:
         f"shift {parameter} by {Numeric(shift, '.2g')} sigmas (see 'tolerances' in the "
         "docs; all: --json)",
     ]
-
-
-def _limits(result: Any) -> list[str]:
-    """What limits the mass, and what would halve its deviation."""
-    budget = result.budget()
-    return [] if budget is None else wrap(budget.in_words(), COLUMNS)
-
-
-def _budget(result: Any) -> Iterator[str | DataTable]:
-    """What every variance is made of."""
-    budget = result.budget()
-    if budget is None:
-        return
-    for table in budget.tables():
-        yield from ("", table)
-    yield from ("", *_limits(result))

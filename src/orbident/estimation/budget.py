@@ -21,7 +21,12 @@ from pydantic import Field
 
 from orbident.data_table import DataTable, Numeric, TableRow
 from orbident.errors import InputError
+from orbident.estimation.found import prior_std
 from orbident.files.json_parts import JsonPart, NullableTable
+from orbident.model.derivatives import derivatives_of_beta
+from orbident.model.formulas import formulas_of
+from orbident.model.minimal_sets import MinimalSets
+from orbident.robot.description import Robot
 
 Kind = Literal["noise", "recording", "instrument", "other"]
 """The `noise` of a sensor; what is another one in each `recording`, such as its momentum
@@ -77,30 +82,26 @@ class Budget(JsonPart):
         """What limits the mass, and the parameter that is least sure."""
         return self.in_words()
 
-    def tables(self) -> list[DataTable]:
-        """Shares in percent, and by how much wider what is unknown makes deviations."""
-        titles = (
-            "budget: what each variance is made of, %",
-            "times as wide as if this were known",
+    def table(self) -> DataTable:
+        """Shares in percent; then how wide a deviation is over that if it were known."""
+        head = ("", *self.sources, *(f"x {name}" for name in self.sources))
+        rows = (
+            TableRow(
+                (
+                    name,
+                    *(_number(100 * share, 100 * SHOWN, ".0f") for share in shares),
+                    *(_number(cost, 1 + SHOWN, ".3g") for cost in costs),
+                )
+            )
+            for name, shares, costs in zip(
+                self.parameters, self.shares, self.costs, strict=True
+            )
         )
-        cells = (
-            (100 * self.shares, 100 * SHOWN, ".0f"),
-            (self.costs, 1 + SHOWN, ".3g"),
+        title = (
+            "budget: what each variance is made of, %; x: times as wide as if that "
+            "were known"
         )
-        tables = (
-            DataTable(title, ("", *self.sources), self._rows(*each))
-            for title, each in zip(titles, cells, strict=True)
-        )
-        shown = (table.without_empty_columns() for table in tables)
-        return [table for table in shown if len(table.head) > 1]
-
-    def _rows(
-        self, x: Float[np.ndarray, "parameters sources"], least: float, form: str
-    ) -> tuple[TableRow, ...]:
-        return tuple(
-            TableRow((name, *(Numeric(v if v >= least else None, form) for v in row)))
-            for name, row in zip(self.parameters, x, strict=True)
-        )
+        return DataTable(title, head, tuple(rows), folded=True).without_empty_columns()
 
     def in_words(self) -> str:
         """What limits the mass and what is least sure, and what would halve that."""
@@ -142,40 +143,49 @@ class Budget(JsonPart):
         return "no source alone halves its std, another motion may"
 
 
+def _number(value: float, least: float, form: str) -> Numeric:
+    return Numeric(float(value) if value >= least else None, form)
+
+
 def budget_of(
     sources: Sources,
-    names: tuple[str, ...],
-    derivative: Float[np.ndarray, "parameters beta"],
+    robot: Robot,
+    sets: MinimalSets,
+    beta: Float[np.ndarray, " beta"],
     determined: Bool[np.ndarray, " parameters"],
-    scale: Float[np.ndarray, " beta"],
 ) -> Budget:
-    """The budget of all that follows from `beta`.
+    """The budget of the base parameters, and of `phi` and `pi`, which follow from them.
 
     Args:
-        sources: of its errors.
-        names: of the parameters, those of `beta` first.
-        derivative: of the parameters by `beta`.
-        determined: which of them the recording determines.
-        scale: how large base parameters of such a robot are, relative to each other.
+        sources: of the errors of `beta`.
+        robot: whose parameters they are.
+        sets: its minimal sets.
+        beta: base parameters.
+        determined: which of all the recording determines, in this order.
     """
+    dpi, dphi = derivatives_of_beta(sets, beta)
+    J = np.vstack([np.eye(beta.size), dphi, dpi])
+    words = formulas_of(robot, sets)
 
     def variances(C: Float[np.ndarray, "beta beta"]) -> Float[np.ndarray, " parameters"]:
-        # A share of rounding's size may be below zero.
-        of_all = np.einsum("ib,bc,ic->i", derivative, C, derivative)
-        return np.where(determined, np.maximum(of_all, 0.0), np.nan)
+        # Rounding may leave less than zero of nothing.
+        of_all = np.maximum(np.einsum("ib,bc,ic->i", J, C, J), 0.0)
+        return np.where(determined, of_all, np.nan)
 
     parts = np.column_stack([variances(each.part) for each in sources.values()])
-    whole = parts.sum(axis=1)
-    known = [
-        np.full_like(whole, np.nan) if each.known is None else variances(each.known)
+    whole = parts.sum(axis=1, keepdims=True)
+    nothing = np.full_like(determined, np.nan, dtype=float)
+    known = (
+        nothing if each.known is None else variances(each.known)
         for each in sources.values()
-    ]
-    relative = np.sqrt(whole[: scale.size]) / scale
+    )
+    names = (*words.base.names, *words.phi.names, *words.pi.names)
+    relative = np.sqrt(whole[: beta.size, 0]) / prior_std(robot, sets)
     return Budget(
         names,
         names[int(np.argmax(np.nan_to_num(relative)))],
         tuple(sources),
         tuple(each.kind for each in sources.values()),
-        parts / whole[:, None],
-        np.sqrt(whole[:, None] / np.column_stack(known)),
+        parts / whole,
+        np.sqrt(whole / np.column_stack([*known])),
     )

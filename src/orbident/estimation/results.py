@@ -14,7 +14,7 @@ from orbident.estimation.clocks import clocks_in_words
 from orbident.estimation.criteria import Judgement
 from orbident.estimation.estimate import BesideParameters, Estimate
 from orbident.estimation.extent import Extent, motion_of
-from orbident.estimation.found import Known, prior_std
+from orbident.estimation.found import Known
 from orbident.estimation.linear_fits import Fits
 from orbident.estimation.mass_routes import is_a_mass, sigmas_apart
 from orbident.estimation.momentum_problem import MomentumProblem
@@ -37,7 +37,6 @@ from orbident.estimation.triangular import condition_numbers
 from orbident.estimation.unknowns import CalibrationFit
 from orbident.estimation.weigh import Weighing
 from orbident.files.json_parts import as_computed, nulled
-from orbident.model.derivatives import derivatives_of_beta
 from orbident.model.formulas import Formulas, SetFormulas, formulas_of, mass_forms
 from orbident.model.nominal import nominal_parameters
 from orbident.preprocessing.origins import origin_in_words
@@ -241,15 +240,13 @@ def _budget(
 ) -> Budget | None:
     if estimate.sources is None or problem.exact:
         return None
-    beta = estimate.found.base.values
-    dpi, dphi = derivatives_of_beta(problem.sets, beta)
-    sets = identified.base, identified.phi, identified.pi
+    found = identified.base, identified.phi, identified.pi
     return budget_of(
         estimate.sources(),
-        tuple(name for each in sets for name in each.names),
-        np.vstack([np.eye(beta.size), dphi, dpi]),
-        np.isfinite(np.concatenate([each.values for each in sets])),
-        prior_std(problem.robot, problem.sets),
+        problem.robot,
+        problem.sets,
+        estimate.found.base.values,
+        np.isfinite(np.concatenate([each.values for each in found])),
     )
 
 

@@ -5,14 +5,18 @@ information that they give, with momenta, biases, attitudes and the joints' hist
 unknown too.
 """
 
+from collections.abc import Callable
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
 from orbident.errors import InputError
+from orbident.estimation.budget import Budget, budget_of
 from orbident.estimation.found import EstimatedParameters, found_beta, prior_std
 from orbident.estimation.linear_fits import InitialMomentum
 from orbident.estimation.output_error.beforehand import prior_of
+from orbident.estimation.output_error.covariance_parts import covariance_parts
 from orbident.estimation.output_error.estimator import estimate_of
 from orbident.estimation.output_error.problem import (
     NOTHING,
@@ -35,12 +39,30 @@ from orbident.threads import one_blas_thread
 from orbident.trajectories.trajectory import Trajectory
 
 
-@one_blas_thread
+class CramerRao(NamedTuple):
+    """What a manoeuvre tells at most."""
+
+    parameters: EstimatedParameters
+    """Their nominal values, and the least covariances."""
+    budget: Callable[[], Budget]
+    """What the least variances are made of."""
+
+
 def cramer_rao(
     robot: Robot,
     trajectory: Trajectory,
     initial_momentum: InitialMomentum = "unknown",
 ) -> EstimatedParameters:
+    """The bound of `pi`, `phi` and the base parameters, as `bound_of` has it."""
+    return bound_of(robot, trajectory, initial_momentum).parameters
+
+
+@one_blas_thread
+def bound_of(
+    robot: Robot,
+    trajectory: Trajectory,
+    initial_momentum: InitialMomentum = "unknown",
+) -> CramerRao:
     """The bound of `pi`, `phi` and the base parameters, at their nominal values.
 
     Args:
@@ -67,7 +89,15 @@ def cramer_rao(
     prior = prior_of(robot, sets, problem.declared, outside, initial_momentum)
     there = linear(problem, problem.weights, state)
     solution = solution_at(state, there, prior, problem.weights, True, there.cost)
-    return found_beta(robot, sets, estimate_of(solution, prior_std(robot, sets)))
+    found = found_beta(robot, sets, estimate_of(solution, prior_std(robot, sets)))
+    known = found.base, found.phi, found.pi
+    determined = np.concatenate([each.determined for each in known])
+    return CramerRao(
+        found,
+        lambda: budget_of(
+            covariance_parts(problem, solution), robot, sets, state.beta, determined
+        ),
+    )
 
 
 def _check_noise(robot: Robot) -> None:
