@@ -94,6 +94,25 @@ def test_all_is_shown_on_request(orbident: Orbident, flight: Recording):
     assert last[-1] == "-"
 
 
+def test_what_limits_it_is_on_the_screen_too(orbident: Orbident):
+    robot = load_robot("paper-spatial")
+    motion = random_motion(robot, duration=20.0)
+    written(simulate(robot, motion, noise="sensors", seed=1), "r.csv")
+    run = ("identify", "paper-spatial", "r.csv", "--json", "found.json")
+    words = orbident(*run, "-o", "run").done().out
+    assert len(words.splitlines()) < LINES
+    assert max(map(len, words.splitlines())) <= COLUMNS
+    assert "\nM is limited by noise of the " in words
+    found = json.loads(Path("found.json").read_text())["budget"]
+    assert found["parameters"][0] == "M"
+    assert sum(found["shares"][0]) == pytest.approx(1.0)
+    words = orbident(*run, "--all").done().out
+    assert "budget: what each variance is made of, %" in words
+    *_, table = words.partition("budget: what each variance")
+    firsts = [line.split()[0] for line in table.splitlines() if line[:1] == " "]
+    assert firsts[2:] == found["parameters"]
+
+
 @pytest.mark.parametrize("more", [(), ("--all",)])
 def test_a_refused_result_has_no_numbers(
     orbident: Orbident, flight: Recording, more: tuple[str, ...]

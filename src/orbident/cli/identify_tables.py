@@ -14,6 +14,7 @@ TITLES = {
     "pi": "pi: what the angular momentum shows",
 }
 
+
 def summary(result: Any, out: Path | None, everything: bool) -> list[str | DataTable]:
     """The lines of a result, on one screen of 24 lines unless everything is wanted.
 

@@ -5,7 +5,7 @@ beforehand, an estimate's covariance is `C = (sum F_s + sum P_k)^-1`, and so
 
     C = sum C F_s C + sum C P_k C
 
-The shares of a variance are positive and add up to one. If one source had `1 / r` of its
+The shares of a variance are positive and add up to one. If a source had `1 / r` of its
 deviation, a variance of which it has the share `f` would be at most `1 - f (1 - 1/r^2)`
 times as large: so it is with the weights of before, and the best ones do no worse.
 """
@@ -29,8 +29,8 @@ from orbident.model.minimal_sets import MinimalSets
 from orbident.robot.description import Robot
 
 Kind = Literal["noise", "recording", "instrument", "other"]
-"""The `noise` of a sensor; what is another one in each `recording`, such as its momentum
-and what acts from outside; an error of an `instrument`, the same in all; or another."""
+"""The `noise` of a sensor; what is another one in each `recording`, such as its
+momentum and what acts from outside; an error of an `instrument`, the same in all."""
 
 SHOWN = 0.005
 """Smaller shares, and deviations wider by less, are a dash in tables and no column."""
@@ -59,21 +59,21 @@ class Budget(JsonPart):
     least_sure: str
     """The base parameter whose deviation is largest for a robot of this size."""
     sources: tuple[str, ...]
-    """Sensors, `drifts`, families of what is unknown beside the parameters, and others."""
+    """Sensors, drifts, families of what else is unknown, what is known beforehand."""
     kinds: tuple[Kind, ...]
     """What each of them is."""
     shares: NullableTable
     """A row a parameter, a column a source: the part of the variance, in all one; NaN
     for a parameter that is not determined."""
     costs: Annotated[NullableTable, Field(alias="deviation_over_that_if_known")]
-    """In the same order, by how much wider the deviation is than if a family were known;
-    NaN for sources that are no unknowns."""
+    """In the same order, how many times as wide the deviation is as if a family were
+    known; NaN for sources that are no unknowns."""
 
     def __post_init__(self) -> None:
         """Refuse a table that lacks a row or a column."""
         size = len(self.parameters), len(self.sources)
         tables = self.shares.shape, self.costs.shape
-        if {*tables} != {size} or len(self.kinds) != size[1]:
+        if {*tables} != {size} or len(self.kinds) != size[1] or not self.sources:
             raise InputError(f"the budget is not {size[0]} by {size[1]}")
         if self.least_sure not in self.parameters:
             raise InputError(f"'{self.least_sure}' is no parameter of the budget")
@@ -83,7 +83,7 @@ class Budget(JsonPart):
         return self.in_words()
 
     def table(self) -> DataTable:
-        """Shares in percent; then how wide a deviation is over that if it were known."""
+        """Shares in percent, then deviations over those if a family were known."""
         head = ("", *self.sources, *(f"x {name}" for name in self.sources))
         rows = (
             TableRow(
@@ -117,7 +117,7 @@ class Budget(JsonPart):
         if not np.isfinite(shares).all():
             return ""
         most = int(shares.argmax())
-        of = "noise of " if self.kinds[most] == "noise" else ""
+        of = "noise of the " if self.kinds[most] == "noise" else ""
         return (
             f"{words} is limited by {of}{self.sources[most]} "
             f"({100 * shares[most]:.0f} % of its variance); {self.halving(parameter)}."
@@ -167,7 +167,9 @@ def budget_of(
     J = np.vstack([np.eye(beta.size), dphi, dpi])
     words = formulas_of(robot, sets)
 
-    def variances(C: Float[np.ndarray, "beta beta"]) -> Float[np.ndarray, " parameters"]:
+    def variances(
+        C: Float[np.ndarray, "beta beta"],
+    ) -> Float[np.ndarray, " parameters"]:
         # Rounding may leave less than zero of nothing.
         of_all = np.maximum(np.einsum("ib,bc,ic->i", J, C, J), 0.0)
         return np.where(determined, of_all, np.nan)

@@ -75,7 +75,8 @@ def result_of(
         residual=_residual(estimate),
         **fields_as(estimate, BesideParameters),
         sensitivity=partial(_sensitivity, estimate, identified),
-        budget=partial(_budget, problem, estimate, identified),
+        # The screen, the report and files ask for it, and it takes a tenth of the fit.
+        budget=cache(partial(_budget, problem, estimate, identified)),
         clocks=problem.clocks,
         rejected=problem.rejected,
         origins={
