@@ -19,7 +19,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 from pydantic import Field
 
-from orbident.data_table import DataTable, Numeric, TableRow
+from orbident.data_table import DataTable, table_of
 from orbident.errors import InputError
 from orbident.estimation.found import prior_std
 from orbident.files.json_parts import JsonPart, NullableTable
@@ -33,7 +33,13 @@ Kind = Literal["noise", "recording", "instrument", "other"]
 momentum and what acts from outside; an error of an `instrument`, the same in all."""
 
 SHOWN = 0.005
-"""Smaller shares, and deviations wider by less, are a dash in tables and no column."""
+"""Smaller shares, and deviations wider by less, are not in tables."""
+
+BETTER = {
+    "noise": "one {} times better",
+    "instrument": "a calibration {} times better",
+}
+"""What a smaller source is, by its kind."""
 
 
 class Source(NamedTuple):
@@ -83,25 +89,25 @@ class Budget(JsonPart):
         return self.in_words()
 
     def table(self) -> DataTable:
-        """Shares in percent, then deviations over those if a family were known."""
-        head = ("", *self.sources, *(f"x {name}" for name in self.sources))
+        """Sources by parameter, the largest first: shares, then what unknowns cost."""
+        head = ("", "shares of its variance, %", "times as wide as if this were known")
         rows = (
-            TableRow(
-                (
-                    name,
-                    *(_number(100 * share, 100 * SHOWN, ".0f") for share in shares),
-                    *(_number(cost, 1 + SHOWN, ".3g") for cost in costs),
-                )
+            (
+                name,
+                self._sorted(100 * share, 100 * SHOWN, ".0f"),
+                self._sorted(cost, 1 + SHOWN, ".3g"),
             )
-            for name, shares, costs in zip(
+            for name, share, cost in zip(
                 self.parameters, self.shares, self.costs, strict=True
             )
         )
-        title = (
-            "budget: what each variance is made of, %; x: times as wide as if that "
-            "were known"
-        )
-        return DataTable(title, head, tuple(rows), folded=True).without_empty_columns()
+        title = "budget: what the deviation of each parameter is made of"
+        table = table_of(title, head, rows, in_words=True)
+        return table._replace(folded=True)
+
+    def _sorted(self, x: Float[np.ndarray, " sources"], least: float, form: str) -> str:
+        order = [k for k in np.argsort(-x, kind="stable") if x[k] >= least]
+        return ", ".join(f"{self.sources[k]} {x[k]:{form}}" for k in order)
 
     def in_words(self) -> str:
         """What limits the mass and what is least sure, and what would halve that."""
@@ -130,21 +136,24 @@ class Budget(JsonPart):
         the largest share; and with `g + (1 - g) / n = 1/4` of `n` recordings instead of
         one, where `g` is the share of what is the same in all of them.
         """
-        shares = self.shares[self.parameters.index(parameter)]
+        row = self.parameters.index(parameter)
+        shares, costs = self.shares[row], np.nan_to_num(self.costs[row])
         own = np.isin(self.kinds, ["noise", "recording"])
-        f, g = shares.max(), shares[~own].sum()
+        most, f, g = int(shares.argmax()), shares.max(), shares[~own].sum()
         r = 1 / np.sqrt(1 - 0.75 / f) if f > 0.75 else np.inf
         # A share of rounding's size asks for no fifth recording.
         n = ceil((1 - g) / (0.25 - g) - 0.01) if g < 0.25 else np.inf
         if r < np.inf and r <= n:
-            return f"{np.ceil(10 * r) / 10:.3g} times less of that halves its std"
+            better = BETTER.get(self.kinds[most], "{} times less of that")
+            return f"{better.format(f'{np.ceil(10 * r) / 10:.3g}')} halves its std"
         if n < np.inf:
             return f"{n} times as many recordings halve its std"
-        return "no source alone halves its std, another motion may"
-
-
-def _number(value: float, least: float, form: str) -> Numeric:
-    return Numeric(float(value) if value >= least else None, form)
+        if costs.max() >= 2:
+            known = self.sources[int(costs.argmax())]
+            return (
+                f"its std is {costs.max():.2g} times as wide as if {known} were known"
+            )
+        return "no source is three quarters of that, and another motion may do more"
 
 
 def budget_of(

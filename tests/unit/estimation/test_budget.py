@@ -18,49 +18,57 @@ KINDS: dict[str, Kind] = {
 }
 
 
-def budget(*shares: float, least_sure: str = "M") -> Budget:
-    """Of the mass, and of `iota_1` by noise of the gyro."""
+def budget(*shares: float, cost: float = 1.0, least_sure: str = "M") -> Budget:
+    """Of the mass, where joint zeros cost so much; of `iota_1` by noise of the gyro."""
     both = np.array([shares, [1.0, 0.0, 0.0, 0.0]])
-    nothing = np.full_like(both, np.nan)
+    costs = np.array([[np.nan, 1.3, cost, 1.001], [np.nan, 1.0, 1.0, 1.0]])
     names, kinds = tuple(KINDS), tuple(KINDS.values())
-    return Budget(("M", "iota_1"), least_sure, names, kinds, both, nothing)
+    return Budget(("M", "iota_1"), least_sure, names, kinds, both, costs)
+
+
+NO_SINGLE = "no source is three quarters of that, and another motion may do more"
 
 
 @pytest.mark.parametrize(
     ("shares", "words"),
     [
         # 1 - f (1 - 1/r^2) = 1/4 with f = 1: half of its deviation.
-        ((1.0, 0.0, 0.0, 0.0), "2 times less of that halves its std"),
-        ((0.9, 0.1, 0.0, 0.0), "2.5 times less of that halves its std"),
+        ((1.0, 0.0, 0.0, 0.0), "one 2 times better halves its std"),
+        ((0.9, 0.1, 0.0, 0.0), "one 2.5 times better halves its std"),
+        ((0.0, 1.0, 0.0, 0.0), "2 times less of that halves its std"),
         # With f = 0.78, five times; four recordings have a quarter of all.
         ((0.78, 0.22, 0.0, 0.0), "4 times as many recordings halve its std"),
         ((0.5, 0.5, 0.0, 0.0), "4 times as many recordings halve its std"),
         # A tenth is the same in all recordings: 0.9 / n = 0.15.
         ((0.5, 0.4, 0.1, 0.0), "6 times as many recordings halve its std"),
-        ((0.1, 0.0, 0.9, 0.0), "2.5 times less of that halves its std"),
-        ((0.5, 0.2, 0.3, 0.0), "no source alone halves its std, another motion may"),
-        ((0.0, 0.2, 0.4, 0.4), "no source alone halves its std, another motion may"),
+        ((0.1, 0.0, 0.9, 0.0), "a calibration 2.5 times better halves its std"),
+        ((0.5, 0.2, 0.3, 0.0), NO_SINGLE),
+        ((0.0, 0.2, 0.4, 0.4), NO_SINGLE),
     ],
 )
 def test_what_would_halve_a_deviation(shares: tuple[float, ...], words: str):
     assert budget(*shares).halving("M") == words
 
 
+def test_what_is_to_be_known_where_nothing_else_halves_it():
+    words = "its std is 3.2 times as wide as if joint zeros were known"
+    assert budget(0.2, 0.2, 0.6, 0.0, cost=3.2).halving("M") == words
+
+
 def test_what_limits_the_mass_and_what_is_least_sure():
     found = budget(0.1, 0.0, 0.9, 0.0, least_sure="iota_1")
     assert repr(found) == (
-        "M is limited by joint zeros (90 % of its variance); 2.5 times less of that "
-        "halves its std. iota_1, the least sure, is limited by noise of the gyro "
-        "(100 % of its variance); 2 times less of that halves its std."
+        "M is limited by joint zeros (90 % of its variance); a calibration 2.5 times "
+        "better halves its std. iota_1, the least sure, is limited by noise of the "
+        "gyro (100 % of its variance); one 2 times better halves its std."
     )
 
 
-def test_columns_of_the_table_are_what_matters():
-    table = budget(0.1, 0.003, 0.897, 0.0).table()
-    assert table.head == ("", "gyro", "joint zeros")
-    assert [[*map(str, row.cells)] for row in table.rows] == [
-        ["M", "10", "90"],
-        ["iota_1", "100", "-"],
+def test_a_table_has_what_matters_and_the_largest_first():
+    rows = budget(0.1, 0.003, 0.897, 0.0, cost=2.0).table().rows
+    assert [row.cells for row in rows] == [
+        ("M", "joint zeros 90, gyro 10", "joint zeros 2, slow_torque 1.3"),
+        ("iota_1", "gyro 100", ""),
     ]
 
 
@@ -104,7 +112,9 @@ def test_shares_add_up_to_one(result: Result):
     assert found.costs[np.isfinite(found.costs)].min() > 1 - 1e-6
 
 
-def test_other_methods_have_that_of_what_the_sensors_show(flown, result: Result):
+def test_other_methods_have_that_of_what_the_sensors_show(
+    flown: tuple[oi.Robot, oi.Recording], result: Result
+):
     assert of(oi.identify(*flown, "structured")).in_words() == of(result).in_words()
 
 
