@@ -29,7 +29,7 @@ def inspect(
     quiet: Quiet = False,
 ) -> None:
     """Show a robot, and what a recording of it can identify."""
-    from orbident.cli.budget_lines import budget_lines
+    from orbident.cli.identify_tables import budget_lines
     from orbident.cli.output import Output, progress
     from orbident.model.formulas import formulas_of
     from orbident.model.identifiability import not_identifiable

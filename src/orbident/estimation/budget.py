@@ -42,7 +42,7 @@ BETTER = {
 """What a smaller source is, by its kind."""
 
 
-class Source(NamedTuple):
+class ErrorSource(NamedTuple):
     """One source of the errors of `beta = [M, sigma, iota]`."""
 
     kind: Kind
@@ -52,7 +52,7 @@ class Source(NamedTuple):
     """The covariance if its unknowns were known; None where it is no unknown."""
 
 
-Sources = Mapping[str, Source]
+ErrorSources = Mapping[str, ErrorSource]
 """All of them, by their names."""
 
 
@@ -157,7 +157,7 @@ class Budget(JsonPart):
 
 
 def budget_of(
-    sources: Sources,
+    sources: ErrorSources,
     robot: Robot,
     sets: MinimalSets,
     beta: Float[np.ndarray, " beta"],

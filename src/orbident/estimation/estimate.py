@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float
 from pydantic import AfterValidator
 
-from orbident.estimation.budget import Sources
+from orbident.estimation.budget import ErrorSources
 from orbident.estimation.checks import Check
 from orbident.estimation.found import BetaEstimate, EstimatedParameters, found_beta
 from orbident.estimation.momentum_problem import (
@@ -108,7 +108,7 @@ class Estimate(BesideParameters):
     """What may act in place of a torque, by its group: how far off `beta` is then."""
     sensitivity: Callable[[], Sensitivity] | None = None
     """What errors of the other instruments would do, where that is known."""
-    sources: Callable[[], Sources] | None = None
+    sources: Callable[[], ErrorSources] | None = None
     """What the covariance of `beta` is made of, where that is known."""
     converged: bool = True
     settled: bool = True

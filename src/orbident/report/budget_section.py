@@ -18,7 +18,7 @@ WORDS = (
 )
 
 
-def deviations(result: Result) -> Section | None:
+def variance_shares(result: Result) -> Section | None:
     """What the variances are made of; None where that is not known."""
     budget = result.budget()
     if budget is None:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from orbident.errors import InputError
 from orbident.estimation.result import Result
 from orbident.estimation.signals import Signals
-from orbident.report.budget_section import deviations
+from orbident.report.budget_section import variance_shares
 from orbident.report.conditioning import conditioning
 from orbident.report.convergence_section import convergence
 from orbident.report.drawing import Drawing, drawn
@@ -82,7 +82,7 @@ class Plots:
             InputError: the result has no budget.
         """
         return self._of(
-            deviations(self.result),
+            variance_shares(self.result),
             "what its deviations are made of is not known: only maximum likelihood "
             "computes it, where the result is accepted and something is noisy",
         )

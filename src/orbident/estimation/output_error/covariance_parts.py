@@ -13,9 +13,8 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 from jaxtyping import Float
-from scipy.linalg import solve_triangular
 
-from orbident.estimation.budget import Kind, Source, Sources
+from orbident.estimation.budget import ErrorSource, ErrorSources, Kind
 from orbident.estimation.output_error.problem import Problem, by_interval, linear
 from orbident.estimation.output_error.sensors import MARKOV_STD, RANDOM_WALK, TRACKERS
 from orbident.estimation.solution import OUTSIDE, Solution
@@ -30,7 +29,7 @@ turns by what splines of joints and wheels leave, and by the noise of wheel spee
 
 
 @one_blas_thread
-def covariance_parts(problem: Problem, solution: Solution) -> Sources:
+def covariance_parts(problem: Problem, solution: Solution) -> ErrorSources:
     """The covariance of `beta` at a solution, by the sources of its errors.
 
     Args:
@@ -40,9 +39,7 @@ def covariance_parts(problem: Problem, solution: Solution) -> Sources:
     state, prior, here = solution.state, solution.prior, solution.linear
     if here.given_up:
         here = linear(problem, solution.weights, state)
-    R = prior.added(here.common, state)[:-1, :-1]
-    root = solve_triangular(R, np.eye(len(R)))
-    C = root @ root.T
+    C = solution.covariance[here.local :, here.local :]
     beta = np.arange(OUTSIDE, OUTSIDE + state.beta.size)
     X = C[:, beta]
     # Unknowns of boundaries follow those in common, without errors of their own.
@@ -59,17 +56,18 @@ def covariance_parts(problem: Problem, solution: Solution) -> Sources:
         return X[beta] - shared.T @ inverse @ shared
 
     parts = {
-        name: Source("recording" if name in GOING_ON else "noise", part)
+        name: ErrorSource("recording" if name in GOING_ON else "noise", part)
         for name, part in _of_intervals(problem, solution, z, X).items()
         if part.any()
     }
     before = X / prior.std[:, None]
     for name, (kind, which) in _families(problem, solution).items():
-        parts[name] = Source(kind, _squared(before[which]), known(which))
-    parts["nominal values"] = Source("other", _squared(before[beta]))
+        parts[name] = ErrorSource(kind, _squared(before[which]), known(which))
+    parts["nominal values"] = ErrorSource("other", _squared(before[beta]))
     if len(prior.others):
         A = prior.others[:, :-1]
-        parts["other recordings"] = Source("recording", _squared(A @ X[: A.shape[1]]))
+        part = _squared(A @ X[: A.shape[1]])
+        parts["other recordings"] = ErrorSource("recording", part)
     return parts
 
 
@@ -87,7 +85,7 @@ def _of_intervals(
     names = (*AS_ADDED, "joints", *GOING_ON)
     weights, size = solution.weights, problem.t.size
     none = np.zeros((size, 3))
-    counts = np.hstack([weights.get(name, none) for name in AS_ADDED]) != 0
+    counts = np.hstack([weights.get(name, none) != 0 for name in AS_ADDED])
     lasting = (problem.lasting[:, :, [MARKOV_STD, RANDOM_WALK]] > 0).sum(axis=(1, 2))
     trackers = np.repeat([names.index(name) for name in TRACKERS], lasting)
     going_on = np.repeat([names.index(name) for name in GOING_ON], 3)
@@ -100,7 +98,7 @@ def _of_intervals(
             parts[k] += _squared(rows[sources == k])
 
     edges = [*np.searchsorted(problem.t, problem.boundaries[:-1]), size]
-    every = by_interval(problem, solution.weights, solution.state)
+    every = by_interval(problem, weights, solution.state)
     for k, equations in enumerate(every):
         _, columns = np.nonzero(counts[edges[k] : edges[k + 1]])
         rows = equations[:, :-1] @ np.vstack([z[k], z[k + 1], X])

@@ -16,7 +16,7 @@ from small_problems import (
 from test_lasting_noise import LASTS, tracker_rows
 from test_solving import dense
 
-from orbident.estimation.budget import Sources
+from orbident.estimation.budget import ErrorSources
 from orbident.estimation.output_error.covariance_parts import covariance_parts
 from orbident.estimation.output_error.problem import linear
 from orbident.estimation.output_error.solver import solution_at
@@ -63,7 +63,7 @@ def solution(small) -> Solution:
 
 
 @pytest.fixture(scope="module")
-def found(small, solution) -> Sources:
+def found(small, solution) -> ErrorSources:
     return covariance_parts(small.problem, solution)
 
 
