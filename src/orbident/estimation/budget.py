@@ -111,21 +111,23 @@ class Budget(JsonPart):
 
     def in_words(self) -> str:
         """What limits the mass and what is least sure, and what would halve that."""
-        mass = self.parameters[0]
-        words = [self._limit(mass, mass)]
-        if self.least_sure != mass:
-            least = f"{self.least_sure}, the least sure,"
-            words.append(self._limit(self.least_sure, least))
-        return " ".join(filter(None, words))
+        mass, least = self.parameters[0], self.least_sure
+        limit, of_least = self._limit(mass), self._limit(least)
+        words = [f"{mass} {limit}"] if limit else []
+        if least != mass and limit == of_least:
+            words.append(f"So is {least}, the least sure.")
+        elif least != mass and of_least:
+            words.append(f"{least}, the least sure, {of_least}")
+        return " ".join(words)
 
-    def _limit(self, parameter: str, words: str) -> str:
+    def _limit(self, parameter: str) -> str:
         shares = self.shares[self.parameters.index(parameter)]
         if not np.isfinite(shares).all():
             return ""
         most = int(shares.argmax())
         of = "noise of the " if self.kinds[most] == "noise" else ""
         return (
-            f"{words} is limited by {of}{self.sources[most]} "
+            f"is limited by {of}{self.sources[most]} "
             f"({100 * shares[most]:.0f} % of its variance); {self.halving(parameter)}."
         )
 

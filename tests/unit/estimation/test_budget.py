@@ -64,6 +64,14 @@ def test_what_limits_the_mass_and_what_is_least_sure():
     )
 
 
+def test_what_limits_both_is_said_once():
+    found = budget(1.0, 0.0, 0.0, 0.0, least_sure="iota_1")
+    assert found.in_words() == (
+        "M is limited by noise of the gyro (100 % of its variance); one 2 times better "
+        "halves its std. So is iota_1, the least sure."
+    )
+
+
 def test_a_table_has_what_matters_and_the_largest_first():
     rows = budget(0.1, 0.003, 0.897, 0.0, cost=2.0).table().rows
     assert [row.cells for row in rows] == [
