@@ -117,7 +117,10 @@ def full(robot: Robot) -> Result:
         ),
         budget=as_computed(
             Budget(
-                *(names[:1], names[0], ("gyro", "drag"), ("noise", "recording")),
+                names[:1],
+                names[0],
+                ("gyro", "drag"),
+                ("noise", "recording"),
                 shares=np.array([[0.75, 0.25]]),
                 costs=np.array([[nan, 2.0]]),
             )
