@@ -117,6 +117,8 @@ class Linear(NamedTuple):
     """Sum of the squared whitened residuals and defects."""
     residuals: dict[str, Float[np.ndarray, "rows axes"]]
     """Over the white noise; zero where there was no sample."""
+    at: Unknowns
+    """The state."""
 
     def without_rows(self) -> "Linear":
         """These equations without their large parts, links and residuals."""

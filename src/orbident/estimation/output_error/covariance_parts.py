@@ -36,17 +36,16 @@ def covariance_parts(problem: Problem, solution: Solution) -> ErrorSources:
         problem: a recording's equations.
         solution: of these.
     """
-    state, prior, here = solution.state, solution.prior, solution.linear
+    prior, here = solution.prior, solution.linear
     if here.given_up:
-        here = linear(problem, solution.weights, state)
+        here = linear(problem, solution.weights, here.at)
     C = solution.covariance[here.local :, here.local :]
-    beta = np.arange(OUTSIDE, OUTSIDE + state.beta.size)
+    beta = np.arange(OUTSIDE, OUTSIDE + here.at.beta.size)
     X = C[:, beta]
     # Unknowns of boundaries follow those in common, without errors of their own.
     still = here._replace(factor=here.factor.copy(), links=here.links.copy())
     still.factor[:, -1], still.links[:, :, -1] = 0.0, 0.0
     z = np.stack([still.step(column) for column in X.T], axis=-1)
-    del here, still
 
     def known(which: Sequence[int]) -> Float[np.ndarray, "beta beta"]:
         """`C - C_k C_kk^-1 C_k'`, with unknowns `k` in their deviations."""
@@ -81,7 +80,10 @@ def _of_intervals(
     z: Float[np.ndarray, "boundaries local beta"],
     X: Float[np.ndarray, "common beta"],
 ) -> dict[str, Float[np.ndarray, "beta beta"]]:
-    """The parts of sensors, and of what goes on from interval to interval."""
+    """The parts of sensors, and of what goes on from interval to interval.
+
+    That weighs so much that `z` must be of the same state as the equations.
+    """
     names = (*AS_ADDED, "joints", *GOING_ON)
     weights, size = solution.weights, problem.t.size
     none = np.zeros((size, 3))
@@ -98,7 +100,7 @@ def _of_intervals(
             parts[k] += _squared(rows[sources == k])
 
     edges = [*np.searchsorted(problem.t, problem.boundaries[:-1]), size]
-    every = by_interval(problem, weights, solution.state)
+    every = by_interval(problem, weights, solution.linear.at)
     for k, equations in enumerate(every):
         _, columns = np.nonzero(counts[edges[k] : edges[k + 1]])
         rows = equations[:, :-1] @ np.vstack([z[k], z[k + 1], X])

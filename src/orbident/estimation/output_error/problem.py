@@ -107,7 +107,7 @@ def linear(problem: Problem, weights: BySensor, state: Unknowns) -> Linear:
     factor, links, cost, residuals = _linearised(problem, weights, state, False)
     tables = zip(SENSORS, residuals, strict=True)
     seen = {name: table for name, table in tables if name in weights}
-    return Linear(factor, links, cost, seen)
+    return Linear(factor, links, cost, seen, state)
 
 
 def common_factor(

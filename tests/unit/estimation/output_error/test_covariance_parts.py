@@ -19,7 +19,7 @@ from test_solving import dense
 from orbident.estimation.budget import ErrorSources
 from orbident.estimation.output_error.covariance_parts import covariance_parts
 from orbident.estimation.output_error.problem import linear
-from orbident.estimation.output_error.solver import solution_at
+from orbident.estimation.output_error.solver import solution_at, solved
 from orbident.estimation.solution import OUTSIDE, Prior, Solution
 from orbident.robot.sensor_schema import declared_sensors
 from orbident.robot.tolerances import Tolerances
@@ -83,7 +83,18 @@ def test_they_are_those_of_the_stacked_equations(small, found):
         assert np.abs(off).max() < 1e-5, name
 
 
-def test_they_add_up_to_the_covariance(small, solution, found):
+@pytest.mark.parametrize("searched", [False, True])
+@pytest.mark.parametrize("kept", [False, True])
+def test_they_add_up_to_the_covariance(small, searched, kept):
+    """The search ends a small step beyond the state of its equations."""
+    problem, prior, state, _ = small
+    solution = solution_of(small, prior)
+    if searched:
+        solution = solved(problem, problem.weights, prior, state)
+        assert solution.state is not solution.linear.at
+    if not kept:
+        solution = solution._replace(linear=solution.linear.without_rows())
+    found = covariance_parts(problem, solution)
     whole = of_beta(small, solution)
     std = np.sqrt(np.diag(whole))
     total = np.sum([each.part for each in found.values()], axis=0)
