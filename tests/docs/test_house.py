@@ -12,9 +12,9 @@ PACKAGE = ROOT / "src/orbident"
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
     "files": 387,
-    "lines": 55_414,
+    "lines": 55_425,
     "files of estimation": 67,
-    "lines of estimation": 10_323,
+    "lines of estimation": 10_328,
     "files with one user": 97,
     "imports below each other": 33,
     "numbers without a reason": 73,

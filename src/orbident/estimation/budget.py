@@ -24,7 +24,6 @@ from orbident.errors import InputError
 from orbident.estimation.found import prior_std
 from orbident.files.json_parts import JsonPart, NullableTable
 from orbident.model.derivatives import derivatives_of_beta
-from orbident.model.formulas import formulas_of
 from orbident.model.minimal_sets import MinimalSets
 from orbident.robot.description import Robot
 
@@ -161,6 +160,7 @@ class Budget(JsonPart):
 
 def budget_of(
     sources: ErrorSources,
+    names: tuple[str, ...],
     robot: Robot,
     sets: MinimalSets,
     beta: Float[np.ndarray, " beta"],
@@ -170,14 +170,14 @@ def budget_of(
 
     Args:
         sources: of the errors of `beta`.
+        names: of all parameters, in this order.
         robot: whose parameters they are.
         sets: its minimal sets.
         beta: base parameters.
-        determined: which of all the recording determines, in this order.
+        determined: which of all the recording determines.
     """
     dpi, dphi = derivatives_of_beta(sets, beta)
     J = np.vstack([np.eye(beta.size), dphi, dpi])
-    words = formulas_of(robot, sets)
 
     def variances(
         C: Float[np.ndarray, "beta beta"],
@@ -193,7 +193,6 @@ def budget_of(
         nothing if each.known is None else variances(each.known)
         for each in sources.values()
     )
-    names = (*words.base.names, *words.phi.names, *words.pi.names)
     relative = np.sqrt(whole[: beta.size, 0]) / prior_std(robot, sets)
     return Budget(
         names,

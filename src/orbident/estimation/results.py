@@ -244,6 +244,7 @@ def _budget(
     found = identified.base, identified.phi, identified.pi
     return budget_of(
         estimate.sources(),
+        tuple(name for each in found for name in each.names),
         problem.robot,
         problem.sets,
         estimate.found.base.values,

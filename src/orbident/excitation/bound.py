@@ -26,6 +26,7 @@ from orbident.estimation.output_error.problem import (
 )
 from orbident.estimation.output_error.sensors import Sensors, sensors_of
 from orbident.estimation.output_error.solver import solution_at
+from orbident.model.formulas import formulas_of
 from orbident.model.minimal_sets import minimal_sets
 from orbident.preprocessing.delays import SENSORS
 from orbident.preprocessing.origins import Origin
@@ -90,14 +91,19 @@ def bound_of(
     there = linear(problem, problem.weights, state)
     solution = solution_at(state, there, prior, problem.weights, True, there.cost)
     found = found_beta(robot, sets, estimate_of(solution, prior_std(robot, sets)))
-    known = found.base, found.phi, found.pi
-    determined = np.concatenate([each.determined for each in known])
-    return CramerRao(
-        found,
-        lambda: budget_of(
-            covariance_parts(problem, solution), robot, sets, state.beta, determined
-        ),
-    )
+
+    def budget() -> Budget:
+        words, known = formulas_of(robot, sets), (found.base, found.phi, found.pi)
+        return budget_of(
+            covariance_parts(problem, solution),
+            (*words.base.names, *words.phi.names, *words.pi.names),
+            robot,
+            sets,
+            state.beta,
+            np.concatenate([each.determined for each in known]),
+        )
+
+    return CramerRao(found, budget)
 
 
 def _check_noise(robot: Robot) -> None:
