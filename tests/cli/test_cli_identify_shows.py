@@ -51,7 +51,7 @@ def test_one_screen(
     shown = rows(ran.out)
     base = json.loads(Path("found.json").read_text())["base"]
     assert next(iter(shown)) == "M"
-    assert len(shown) == min(len(base["names"]), 12)
+    assert len(shown) == min(len(base["names"]), 9)
     for name, numbers in shown.items():
         k = base["names"].index(name)
         value, std, cad = base["values"][k], base["std"][k], base["nominal"][k]
@@ -92,6 +92,24 @@ def test_all_is_shown_on_request(orbident: Orbident, flight: Recording):
     assert abs(float(eq32[-1])) < 5
     assert last[:4] == ["M", "by", "maximum", "likelihood"]
     assert last[-1] == "-"
+
+
+def test_what_limits_it_is_on_the_screen_too(orbident: Orbident):
+    robot = load_robot("paper-spatial")
+    motion = random_motion(robot, duration=20.0)
+    written(simulate(robot, motion, noise="sensors", seed=1), "r.csv")
+    run = ("identify", "paper-spatial", "r.csv", "--json", "found.json")
+    words = orbident(*run, "-o", "run").done().out
+    assert len(words.splitlines()) < LINES
+    assert max(map(len, words.splitlines())) <= COLUMNS
+    assert "\nM is limited by noise of the " in words
+    found = json.loads(Path("found.json").read_text())["budget"]
+    assert found["parameters"][0] == "M"
+    assert sum(found["shares"][0]) == pytest.approx(1.0)
+    words = orbident(*run, "--all").done().out
+    *_, table = words.partition("budget: what the deviation of each parameter")
+    firsts = [line.split()[0] for line in table.splitlines() if line[1:2].isalpha()]
+    assert [name for name in found["parameters"] if name not in firsts] == []
 
 
 @pytest.mark.parametrize("more", [(), ("--all",)])

@@ -12,6 +12,7 @@ import pytest
 from made_results import exact_result
 
 from orbident.errors import InputError
+from orbident.estimation.budget import Budget
 from orbident.estimation.checks import Check
 from orbident.estimation.quantities import MassRoutes, Quantity, TotalMass
 from orbident.estimation.result import Result
@@ -114,6 +115,16 @@ def full(robot: Robot) -> Result:
         sensitivity=as_computed(
             SensitivityTable(names[:2], ("drag",), ("unseen",), two[:, None])
         ),
+        budget=as_computed(
+            Budget(
+                names[:1],
+                names[0],
+                ("gyro", "drag"),
+                ("noise", "recording"),
+                shares=np.array([[0.75, 0.25]]),
+                costs=np.array([[nan, 2.0]]),
+            )
+        ),
         clocks={"joints": Delay(0.01, nan, True), "attitude": Delay(0.0, 1e-3, False)},
         rejected={"gyro.x": {"saturated": 3}},
         origins={"attitude": "measured"},
@@ -141,17 +152,18 @@ def test_every_field_of_a_result_comes_back(robot: Robot, tmp_path: Path):
         kept.to_json().keys() - {"level", "status", "warnings"}
         == {each.name for each in fields(Result)} - NOT_KEPT
     )
+    fixed = {"schema", "robot", "pi", "phi", "base", "covariance"}
+    computed = {"sensitivity", "budget"}
     for each in fields(Result):
         name = each.name
         if name in NOT_KEPT | {"robot"}:
             continue
         mine, theirs = getattr(found, name), getattr(kept, name)
-        if name == "sensitivity":
+        if name in computed:
             mine, theirs = mine(), theirs()
         np.testing.assert_equal(plain_data(theirs), plain_data(mine), err_msg=name)
         # A field that is added here is to be made up above.
-        fixed = {"schema", "robot", "pi", "phi", "base", "covariance", "sensitivity"}
-        if name not in fixed:
+        if name not in fixed | computed:
             assert repr(mine) != repr(getattr(plain, name)), name
 
 

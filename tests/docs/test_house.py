@@ -11,10 +11,10 @@ PACKAGE = ROOT / "src/orbident"
 
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
-    "files": 384,
-    "lines": 54_868,
-    "files of estimation": 65,
-    "lines of estimation": 9_934,
+    "files": 387,
+    "lines": 55_425,
+    "files of estimation": 67,
+    "lines of estimation": 10_328,
     "files with one user": 97,
     "imports below each other": 33,
     "numbers without a reason": 73,

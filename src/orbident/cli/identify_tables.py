@@ -1,9 +1,11 @@
 """What `identify` prints: the identifiable parameters first, all else on request."""
 
+from collections.abc import Iterator
 from pathlib import Path
+from textwrap import wrap
 from typing import Any
 
-from orbident.data_table import Numeric
+from orbident.data_table import DataTable, Numeric
 from orbident.estimation.parameter_table import HEAD, parameter_line, parameter_rows
 from orbident.report.parameter_section import mass_rows, routes_left_out
 
@@ -13,8 +15,11 @@ TITLES = {
     "pi": "pi: what the angular momentum shows",
 }
 
+COLUMNS = 80
+"""Of a terminal, as it opens nearly everywhere."""
 
-def summary(result: Any, out: Path | None, everything: bool) -> list[str]:
+
+def summary(result: Any, out: Path | None, everything: bool) -> list[str | DataTable]:
     """The lines of a result, on one screen of 24 lines unless everything is wanted.
 
     Args:
@@ -27,11 +32,12 @@ def summary(result: Any, out: Path | None, everything: bool) -> list[str]:
         return [*result.summary(), *written]
     if everything:
         lines = [*result.summary()[:2], *_everything(result), *_sensitivity(result)]
-        return [*lines, *written]
+        return [*lines, *budget_lines(result.budget()), *written]
     return [
         *result.summary(),
         "",
         *_goodness(result),
+        *_limits(result.budget()),
         *_sensitivity(result),
         "--all shows formulas, pi, phi and the mass by every route; so does --json",
         *written,
@@ -127,3 +133,17 @@ def _sensitivity(result: Any) -> list[str]:
         f"shift {parameter} by {Numeric(shift, '.2g')} sigmas (see 'tolerances' in the "
         "docs; all: --json)",
     ]
+
+
+def budget_lines(budget: Any) -> Iterator[str | DataTable]:
+    """What deviations are made of, and what limits the mass.
+
+    Args:
+        budget: of a result, or of a bound; None where there is none.
+    """
+    if budget is not None:
+        yield from ("", budget.table(), "", *_limits(budget))
+
+
+def _limits(budget: Any) -> list[str]:
+    return [] if budget is None else wrap(budget.in_words(), COLUMNS)

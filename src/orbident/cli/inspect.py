@@ -29,6 +29,7 @@ def inspect(
     quiet: Quiet = False,
 ) -> None:
     """Show a robot, and what a recording of it can identify."""
+    from orbident.cli.identify_tables import budget_lines
     from orbident.cli.output import Output, progress
     from orbident.model.formulas import formulas_of
     from orbident.model.identifiability import not_identifiable
@@ -44,9 +45,10 @@ def inspect(
         sets = minimal_sets(described)
         words = formulas_of(described, sets)
         unidentifiable = not_identifiable(described, sets)
-        bound = None
+        bound = budget = None
         if trajectory is not None:
             bound = _bound(described, trajectory, initial_momentum)
+            budget = bound.budget()
     cad = nominal_parameters(described, sets)
     found = {
         "pi": (words.pi, cad.pi),
@@ -68,18 +70,20 @@ def inspect(
             "values": values.tolist(),
         }
         if bound is not None:
-            document[name]["bound"] = _deviations(getattr(bound, name))
+            document[name]["bound"] = _deviations(getattr(bound.parameters, name))
+    if budget is not None:
+        document["budget"] = budget.to_json()
     document["unidentifiable"] = unidentifiable
     document["warnings"] = list(described.warnings)
-    output.say(*_lines(described, document))
+    output.say(*_lines(described, document), *budget_lines(budget))
     output.write_json(document)
 
 
 def _bound(robot: Any, trajectory: Path, initial_momentum: InitialMomentum) -> Any:
-    from orbident.excitation.bound import cramer_rao
+    from orbident.excitation.bound import bound_of
     from orbident.trajectories.trajectory_file import load_trajectory
 
-    return cramer_rao(robot, load_trajectory(trajectory), initial_momentum)
+    return bound_of(robot, load_trajectory(trajectory), initial_momentum)
 
 
 def _deviations(known: Any) -> list[float | None]:

@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Float
 from pydantic import AfterValidator
 
+from orbident.estimation.budget import ErrorSources
 from orbident.estimation.checks import Check
 from orbident.estimation.found import BetaEstimate, EstimatedParameters, found_beta
 from orbident.estimation.momentum_problem import (
@@ -107,6 +108,8 @@ class Estimate(BesideParameters):
     """Groups that act more than the robot's world, or its file, says that they may."""
     sensitivity: Callable[[], Sensitivity] | None = None
     """What errors of the other instruments would do, where that is known."""
+    sources: Callable[[], ErrorSources] | None = None
+    """What the covariance of `beta` is made of, where that is known."""
     converged: bool = True
     settled: bool = True
     """Whether the weights of the residuals no longer changed from round to round."""

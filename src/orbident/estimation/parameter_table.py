@@ -9,7 +9,7 @@ from orbident.data_table import Interval, Numeric, TableRow
 from orbident.estimation.quantities import EstimatedSet
 from orbident.files.names import counted
 
-MOST = 12
+MOST = 9
 """Parameters that fit, with what stands around them, a terminal of 24 lines."""
 
 HEAD = f"  {'':10} {'estimate':>12} {'std':>9} {'CAD':>12} {'sigmas':>8} {'%':>8}"

@@ -16,6 +16,7 @@ from pydantic import (
 from typing_extensions import TypedDict
 
 from orbident.errors import InputError
+from orbident.estimation.budget import Budget
 from orbident.estimation.checks import Check, Level, worst
 from orbident.estimation.estimate import BesideParameters, Solved
 from orbident.estimation.extent import RecordedMotion
@@ -142,6 +143,11 @@ class Result(BesideParameters, Identified):
         default=lambda: None, compare=False, repr=False
     )
     """What errors of the other instruments would shift; None where it is not known."""
+    budget: Computed[Budget | None] = field(
+        default=lambda: None, compare=False, repr=False
+    )
+    """What the variance of each parameter is made of; None where it is not known, and
+    of recordings without noise."""
     clocks: Mapping[str, Keyed[Delay]]
     """How far each sensor's clock is behind that of the base rate."""
     rejected: Mapping[str, Mapping[str, Count]]
@@ -224,7 +230,7 @@ class Result(BesideParameters, Identified):
 
     def __getstate__(self) -> dict[str, Any]:
         """The fields, with values instead of functions that know the whole problem."""
-        computed = ("sensitivity", "signals")
+        computed = ("sensitivity", "budget", "signals")
         return {
             **vars(self.with_causes()),
             **{name: as_computed(getattr(self, name)()) for name in computed},

@@ -8,6 +8,7 @@ from importlib.metadata import version
 import numpy as np
 from jaxtyping import Bool, Float
 
+from orbident.estimation.budget import Budget, budget_of
 from orbident.estimation.clock_search import CLOCK
 from orbident.estimation.clocks import clocks_in_words
 from orbident.estimation.criteria import Judgement
@@ -72,6 +73,8 @@ def result_of(
         residual=_residual(estimate),
         **fields_as(estimate, BesideParameters),
         sensitivity=partial(_sensitivity, estimate, identified),
+        # The screen, the report and files ask for it, and it takes a tenth of the fit.
+        budget=cache(partial(_budget, problem, estimate, identified)),
         clocks=problem.clocks,
         rejected=problem.rejected,
         origins={
@@ -92,7 +95,9 @@ def result_of(
     if result.status == "ok":
         return result
     # For exact data deviations are rounding, and shifts over them say nothing.
-    return replace(result.withheld(), sensitivity=as_computed(None))
+    return replace(
+        result.withheld(), sensitivity=as_computed(None), budget=as_computed(None)
+    )
 
 
 def _identified(
@@ -226,6 +231,22 @@ def _sensitivity(estimate: Estimate, identified: Identified) -> SensitivityTable
         found.names,
         found.units,
         np.where(lost[:, None], NAN, shifts),
+    )
+
+
+def _budget(
+    problem: MomentumProblem, estimate: Estimate, identified: Identified
+) -> Budget | None:
+    if estimate.sources is None or problem.exact:
+        return None
+    found = identified.base, identified.phi, identified.pi
+    return budget_of(
+        estimate.sources(),
+        tuple(name for each in found for name in each.names),
+        problem.robot,
+        problem.sets,
+        estimate.found.base.values,
+        np.isfinite(np.concatenate([each.values for each in found])),
     )
 
 

@@ -117,6 +117,8 @@ class Linear(NamedTuple):
     """Sum of the squared whitened residuals and defects."""
     residuals: dict[str, Float[np.ndarray, "rows axes"]]
     """Over the white noise; zero where there was no sample."""
+    at: Unknowns
+    """The state."""
 
     def without_rows(self) -> "Linear":
         """These equations without their large parts, links and residuals."""
@@ -224,7 +226,7 @@ class Solution(NamedTuple):
     state: Unknowns
     linear: Linear
     """The equations at a state within a hundredth of a deviation of `state`; without
-    links, which would take much memory."""
+    links where these take much memory."""
     end: End
     prior: Prior
     weights: BySensor

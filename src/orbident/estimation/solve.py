@@ -81,6 +81,7 @@ def widened(estimate: Estimate, shown: Estimate, whole: bool) -> Estimate:
         mass=mass,
         masses={**estimate.masses, routes[-1]: mass},
         sensitivity=shown.sensitivity,
+        sources=shown.sources,
         disturbances=shown.disturbances,
         allowed=shown.allowed,
         widened_by=shown.widened_by,

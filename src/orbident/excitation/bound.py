@@ -5,14 +5,18 @@ information that they give, with momenta, biases, attitudes and the joints' hist
 unknown too.
 """
 
+from collections.abc import Callable
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
 from orbident.errors import InputError
+from orbident.estimation.budget import Budget, budget_of
 from orbident.estimation.found import EstimatedParameters, found_beta, prior_std
 from orbident.estimation.linear_fits import InitialMomentum, rest_std
 from orbident.estimation.output_error.beforehand import prior_of
+from orbident.estimation.output_error.covariance_parts import covariance_parts
 from orbident.estimation.output_error.estimator import estimate_of
 from orbident.estimation.output_error.problem import (
     NOTHING,
@@ -22,6 +26,7 @@ from orbident.estimation.output_error.problem import (
 )
 from orbident.estimation.output_error.sensors import Sensors, sensors_of
 from orbident.estimation.output_error.solver import solution_at
+from orbident.model.formulas import formulas_of
 from orbident.model.minimal_sets import minimal_sets
 from orbident.model.wheel_arrays import wheels_of
 from orbident.preprocessing.delays import SENSORS
@@ -36,12 +41,30 @@ from orbident.threads import one_blas_thread
 from orbident.trajectories.trajectory import Trajectory
 
 
-@one_blas_thread
+class CramerRao(NamedTuple):
+    """What a manoeuvre tells at most."""
+
+    parameters: EstimatedParameters
+    """Their nominal values, and the least covariances."""
+    budget: Callable[[], Budget]
+    """What the least variances are made of."""
+
+
 def cramer_rao(
     robot: Robot,
     trajectory: Trajectory,
     initial_momentum: InitialMomentum = "unknown",
 ) -> EstimatedParameters:
+    """The bound of `pi`, `phi` and the base parameters, as `bound_of` has it."""
+    return bound_of(robot, trajectory, initial_momentum).parameters
+
+
+@one_blas_thread
+def bound_of(
+    robot: Robot,
+    trajectory: Trajectory,
+    initial_momentum: InitialMomentum = "unknown",
+) -> CramerRao:
     """The bound of `pi`, `phi` and the base parameters, at their nominal values.
 
     Args:
@@ -72,7 +95,20 @@ def cramer_rao(
     prior = prior_of(robot, sets, problem.declared, outside, rest)
     there = linear(problem, problem.weights, state)
     solution = solution_at(state, there, prior, problem.weights, True, there.cost)
-    return found_beta(robot, sets, estimate_of(solution, prior_std(robot, sets)))
+    found = found_beta(robot, sets, estimate_of(solution, prior_std(robot, sets)))
+
+    def budget() -> Budget:
+        words, known = formulas_of(robot, sets), (found.base, found.phi, found.pi)
+        return budget_of(
+            covariance_parts(problem, solution),
+            (*words.base.names, *words.phi.names, *words.pi.names),
+            robot,
+            sets,
+            state.beta,
+            np.concatenate([each.determined for each in known]),
+        )
+
+    return CramerRao(found, budget)
 
 
 def _check_noise(robot: Robot) -> None:

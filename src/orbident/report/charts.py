@@ -14,6 +14,11 @@ from jaxtyping import Float, Int
 
 MEASURED, PREDICTED, ERROR, BAND = "--measured", "--predicted", "--error", "--band"
 LIMIT = "--limit"
+PARTS = (
+    *(PREDICTED, ERROR, "--yes", LIMIT, "--care", "--positive", "--negative"),
+    *("--faint", MEASURED),
+)
+"""Of what a whole is made of."""
 
 MANY = 40
 """Rows of a chart: they come closer."""
@@ -202,21 +207,56 @@ def interval_list(
     upright = line(np.full(2, zero), np.array([-0.5, len(names) - 0.5]), LIMIT)
     reach = float(np.max(np.abs(x - zero) + half, initial=0.0))
     ends = {"range": [zero - least, zero + least]} if reach < least else {}
+    layout = _list_of(names, x_title, **ends)
+    return {"data": [upright, _intervals(x, half)], "layout": layout}
+
+
+def _list_of(names: Sequence[str], x_title: str, **x: Any) -> Figure:
     return {
-        "data": [upright, _intervals(x, half)],
-        "layout": {
-            "height": (24 if len(names) < MANY else 13) * len(names) + 80,
-            "margin": {"t": 8, "b": 44},
-            "xaxis": {"title": {"text": x_title}, "nticks": 5, "tickangle": 0, **ends},
-            "yaxis": {
-                # Numbered: shortened names may be alike.
-                "tickvals": list(range(len(names))),
-                "ticktext": [label(name) for name in names],
-                "range": [len(names) - 0.5, -0.5],
-                "automargin": True,
-            },
+        "height": (24 if len(names) < MANY else 13) * len(names) + 80,
+        "margin": {"t": 8, "b": 44},
+        "xaxis": {"title": {"text": x_title}, "nticks": 5, "tickangle": 0, **x},
+        "yaxis": {
+            # Numbered: shortened names may be alike.
+            "tickvals": list(range(len(names))),
+            "ticktext": [label(name) for name in names],
+            "range": [len(names) - 0.5, -0.5],
+            "automargin": True,
         },
     }
+
+
+def shares_across(
+    names: Sequence[str],
+    shares: Mapping[str, Float[np.ndarray, " names"]],
+    x_title: str,
+) -> Figure:
+    """Bars, one below the other, each made of parts of several colours.
+
+    Args:
+        names: of the bars.
+        shares: their parts, from the left.
+        x_title: of the axis.
+    """
+    ends = np.cumsum([*shares.values()], axis=0)
+    rows = list(range(len(names)))
+    data = [
+        {
+            "type": "bar",
+            "orientation": "h",
+            "x": x,
+            "y": rows,
+            "base": end - x,
+            "name": label(name),
+            "marker": {"color": PARTS[k % len(PARTS)]},
+            "showlegend": True,
+        }
+        for k, ((name, x), end) in enumerate(zip(shares.items(), ends, strict=True))
+    ]
+    layout = _list_of(names, x_title, range=[0, float(ends[-1].max())])
+    layout["barmode"] = "overlay"
+    layout["margin"]["t"] = 28 * -(-len(shares) // 4)
+    return {"data": data, "layout": layout}
 
 
 def heat_map(

@@ -91,7 +91,9 @@ def _trace(axes: Axes, trace: Trace, colors: Mapping[str, Any]) -> None:
     x, y, name = trace["x"], trace["y"], trace.get("name")
     style = trace.get("line", trace.get("marker", {}))
     color = colors[trace.get("fillcolor") or style["color"]]
-    if trace["type"] == "bar":
+    if trace.get("orientation") == "h":
+        axes.barh(y, x, left=trace["base"], color=color, label=name)
+    elif trace["type"] == "bar":
         axes.bar(x, y, color=color)
     elif "fill" in trace:
         axes.fill(x, y, color=color, linewidth=0)

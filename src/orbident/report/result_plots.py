@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from orbident.errors import InputError
 from orbident.estimation.result import Result
 from orbident.estimation.signals import Signals
+from orbident.report.budget_section import variance_shares
 from orbident.report.conditioning import conditioning
 from orbident.report.convergence_section import convergence
 from orbident.report.drawing import Drawing, drawn
@@ -25,8 +26,8 @@ class Plots:
 
     def __repr__(self) -> str:
         """What can be drawn."""
-        names = "signals(), residuals(), parameters(), mass(), correlations(), "
-        names += "sensitivity(), convergence()"
+        names = "signals(), residuals(), parameters(), mass(), budget(), "
+        names += "correlations(), sensitivity(), convergence()"
         return f"figures of {self.result.robot.name}: {names}"
 
     def signals(self) -> Drawing:
@@ -72,6 +73,18 @@ class Plots:
         return self._of(
             masses(self.result, "CAD"),
             "no route gives a mass, so there is nothing to draw; see result.mass_forms",
+        )
+
+    def budget(self) -> Drawing:
+        """What the variance of each base parameter is made of, in percent.
+
+        Raises:
+            InputError: the result has no budget.
+        """
+        return self._of(
+            variance_shares(self.result),
+            "what its deviations are made of is not known: only maximum likelihood "
+            "computes it, where the result is accepted and something is noisy",
         )
 
     def correlations(self) -> Drawing:

@@ -7,6 +7,7 @@ from orbident.estimation.result import Result
 from orbident.estimation.signals import Signals
 from orbident.files.text import write_text
 from orbident.identified.run_folder import HISTORY, REPORT, VALIDATION
+from orbident.report.budget_section import variance_shares
 from orbident.report.conditioning import conditioning, excitation, identifiability
 from orbident.report.convergence_section import (
     Trail,
@@ -97,6 +98,7 @@ def sections_of(
     sections = [
         parameters(result, known_as),
         masses(result, known_as),
+        variance_shares(result),
         fits(result, signals),
         convergence(result.convergence),
         recursion(trail),

@@ -21,6 +21,7 @@ from orbident.report.write import report_page
 SECTIONS = (
     "parameters",
     "masses",
+    "budget",
     "fit",
     "conditioning",
     "sensitivity",

@@ -34,7 +34,7 @@ def result() -> Result:
 
 
 NAMES = (
-    *("signals", "residuals", "parameters", "mass"),
+    *("signals", "residuals", "parameters", "mass", "budget"),
     *("correlations", "sensitivity", "convergence"),
 )
 
@@ -98,6 +98,23 @@ def test_parameters_and_mass(result):
     cad, routes = (np.asarray(line.get_xdata()) for line in axes.lines[:2])
     assert set(cad) == {result.base.nominal[0]}
     assert set(routes) <= set(result.mass_forms.values)
+
+
+def test_budget(result):
+    """Bars as long as the shares, one after another, and all of them 100 %."""
+    (axes,) = drawn(result, "budget").axes
+    found = result.budget()
+    ends = np.zeros(len(result.base.names))
+    for bars in axes.containers:
+        k = found.sources.index(bars.get_label())
+        for row, bar in enumerate(bars):
+            assert bar.get_x() == pytest.approx(ends[row])
+            assert bar.get_width() == pytest.approx(100 * found.shares[row, k])
+            ends[row] += bar.get_width()
+    # Sources of less than half a per cent everywhere are left out.
+    assert ends == pytest.approx(100, abs=1)
+    assert axes.get_xlabel() == "share of the variance (%)"
+    assert [text.get_text() for text in axes.get_yticklabels()] == [*result.base.names]
 
 
 def test_correlations(result):

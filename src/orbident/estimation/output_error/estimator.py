@@ -33,6 +33,7 @@ from orbident.estimation.output_error.beforehand import (
     prior_of,
     with_others,
 )
+from orbident.estimation.output_error.covariance_parts import covariance_parts
 from orbident.estimation.output_error.disturbance_sizes import (
     identified,
     widened_by,
@@ -123,6 +124,7 @@ class OutputError:
             unexpected=freed,
             calibration=_calibration(equations, found.solution),
             sensitivity=partial(sensitivity, zeros),
+            sources=partial(covariance_parts, equations, found.solution),
             converged=found.solution.converged,
             settled=found.settled,
             convergence=found.convergence,

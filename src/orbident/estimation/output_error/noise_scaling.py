@@ -192,7 +192,8 @@ def fitted(
         for name, level in levels.items()
     }
     # They say all that the solution's own residuals do.
-    solution = solution._replace(linear=solution.linear.without_rows())
+    linear = solution.linear._replace(residuals={})
+    solution = solution._replace(linear=linear)
     parts = {
         name: whitened(problem.weights[name], table, unknowns[name])
         for name, table in residuals.items()

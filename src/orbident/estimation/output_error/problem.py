@@ -11,8 +11,8 @@ It has no momentum in the geometry that is declared. With joints elsewhere it ha
 the product of its own size and the change of geometry.
 """
 
-from collections.abc import Collection, Mapping
-from typing import NamedTuple
+from collections.abc import Collection, Iterator, Mapping
+from typing import Any, NamedTuple
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -112,7 +112,7 @@ def linear(problem: Problem, weights: BySensor, state: Unknowns) -> Linear:
     factor, links, cost, residuals = _linearised(problem, weights, state, False)
     tables = zip(SENSORS, residuals, strict=True)
     seen = {name: table for name, table in tables if name in weights}
-    return Linear(factor, links, cost, seen)
+    return Linear(factor, links, cost, seen, state)
 
 
 def common_factor(
@@ -134,13 +134,31 @@ def _linearised(
 ]:
     return _core.linearised(
         problem.recorded,
-        weights=[np.ascontiguousarray(weights.get(name, NO_ROWS)) for name in SENSORS],
-        coloured=at_level(problem.lasting, problem.weights, weights),
-        acting=problem.acting.table(state.beta, state.calibration, state.selected),
-        **state._asdict(),
+        **_arguments(problem, weights, state),
         threads=processors(),
         factor_only=factor_only,
     )
+
+
+def by_interval(
+    problem: Problem, weights: BySensor, state: Unknowns
+) -> Iterator[Float[np.ndarray, "rows columns"]]:
+    """The equations of each interval, over `[z at its start, z at its end, g, rhs]`."""
+    at = _arguments(problem, weights, state)
+    for k in range(problem.boundaries.size - 1):
+        yield _core.interval_equations(problem.recorded, **at, interval=k)
+
+
+def _arguments(problem: Problem, weights: BySensor, state: Unknowns) -> dict[str, Any]:
+    """What the core linearises at."""
+    return {
+        "weights": [
+            np.ascontiguousarray(weights.get(name, NO_ROWS)) for name in SENSORS
+        ],
+        "coloured": at_level(problem.lasting, problem.weights, weights),
+        "acting": problem.acting.table(state.beta, state.calibration, state.selected),
+        **state._asdict(),
+    }
 
 
 def problem_of(

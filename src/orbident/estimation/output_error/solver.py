@@ -32,6 +32,10 @@ MOST_DAMPING = 1e9
 RAISED = 2.0
 """Times, where a step did not help; twice as much at the next."""
 
+KEPT = 2**24
+"""Bytes of links that a solution keeps: without them, who asks for its boundaries
+linearises again."""
+
 
 def solved(
     problem: Problem,
@@ -111,9 +115,11 @@ def solution_at(
     convergence: Convergence = (),
 ) -> Solution:
     """Where a search ended, with the equations there."""
-    without = here._replace(links=here.links[:0].copy())
+    kept = here
+    if here.links.nbytes > KEPT:
+        kept = here._replace(links=here.links[:0].copy())
     end = here.at_the_end()
-    return Solution(state, without, end, prior, weights, converged, cost, convergence)
+    return Solution(state, kept, end, prior, weights, converged, cost, convergence)
 
 
 def equations_at(
