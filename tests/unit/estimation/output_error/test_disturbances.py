@@ -215,5 +215,3 @@ def test_what_cannot_show_is_refused():
     recording = noisy(small_recording(small_robot()), 0)
     with pytest.raises(InputError, match=r"'air' is asked for.*flow\.x"):
         asked_for(recording, "air")
-    with pytest.raises(InputError, match="'wind' is unknown; use torque, "):
-        asked_for(recording, "wind")
