@@ -1,5 +1,7 @@
 """Output-error problems of a small planar robot, from a recording to its equations."""
 
+from collections.abc import Mapping
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -7,6 +9,7 @@ from random_motions import random_motion
 from random_robots import random_planar_robot, random_robot, random_wheels
 from scipy.spatial.transform import Rotation
 
+from orbident.environment.motion import RobotMotion
 from orbident.estimation.output_error.beforehand import prior_of
 from orbident.estimation.output_error.problem import (
     NOTHING,
@@ -21,6 +24,7 @@ from orbident.preprocessing.delays import SENSORS
 from orbident.preprocessing.samples import samples_of
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot, Wheel
+from orbident.robot.may_act import MayAct
 from orbident.simulation.simulate import simulate
 
 NOISE = {"gyro": 1e-4, "attitude": 1e-3, "position": 1e-3, "velocity": 1e-3}
@@ -99,8 +103,19 @@ def noisy_in_space(recording: Recording, seed: int) -> Recording:
     return Recording(recording.t, columns)
 
 
+def at_rest(
+    robot: Robot, t: np.ndarray, allowed: Mapping[str, MayAct] | None = None
+) -> RobotMotion:
+    """A robot that does nothing, with what may act on it."""
+    q, w = np.zeros((t.size, len(robot.joints))), np.zeros((t.size, 3))
+    R_WB = np.tile(np.eye(3), (t.size, 1, 1))
+    return RobotMotion(robot, t, q, q, R_WB, w, None, allowed=allowed or {})
+
+
 def small_problem(robot: Robot, recording: Recording, off: float = 0.0) -> Small:
-    """A problem with momentum known to be zero; `beta` starts so far off, relative."""
+    """A problem in which nothing acts, with momentum known to be zero; `beta` starts so
+    far off, relative."""
+    robot = replace(robot, disturbances={})
     sets = minimal_sets(robot)
     sensors = sensors_of(robot, recording, dict.fromkeys(SENSORS, 0.0))
     samples = samples_of(robot, recording)

@@ -11,6 +11,7 @@ from wrong_motions import spun_down
 from orbident.estimation.identify import identify
 from orbident.estimation.result import Result
 from orbident.model.minimal_sets import minimal_sets
+from orbident.robot.may_act import may_act
 
 BEYOND = 5.0
 """Deviations that no accepted parameter is off by."""
@@ -22,10 +23,13 @@ def flown(name: str) -> Clean:
 
 
 def identified(name: str, part: float, *said: str) -> Result:
-    """The result where the wheels of this robot lost a part of their speed."""
+    """The result where the wheels of this robot lost a part of their speed.
+
+    Without anything said the robot's world says what may act.
+    """
     spoiled = spun_down(part)(flown(name))
     return identify(
-        replace(spoiled.robot, disturbances=said),
+        replace(spoiled.robot, disturbances=may_act(said or None)),
         spoiled.recording,
         initial_momentum=spoiled.initial_momentum,
     )

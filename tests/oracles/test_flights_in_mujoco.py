@@ -24,6 +24,7 @@ from orbident.estimation.result import Result
 from orbident.model.minimal_sets import minimal_sets
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
+from orbident.robot.may_act import may_act
 
 FAR = 4.0
 """Deviations."""
@@ -104,9 +105,8 @@ def scored(case: Case) -> Score:
     said = far
     if named:
         known = tuple(sorted(groups - {"push"}))
-        said = off(
-            case, identified(case, recording, replace(case.known, disturbances=known))
-        )
+        robot = replace(case.known, disturbances=may_act(known))
+        said = off(case, identified(case, recording, robot))
     size = _size(case, result) if named else np.nan
     verdict: Verdict = "identified" if named and size < FAR else "not named"
     if max(far, said) > WRONG:

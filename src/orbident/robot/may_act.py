@@ -59,8 +59,9 @@ def may_act(given: object) -> dict[str, MayAct] | None:
 
 
 def _group(name: object) -> str:
-    if name not in [*DisturbanceGroup]:
-        words = suggestion(str(name), [*DisturbanceGroup], "names")
+    groups = [*map(str, DisturbanceGroup)]
+    if name not in groups:
+        words = suggestion(str(name), groups, "names")
         raise WrongValueError(f"{quoted(name)} is unknown; {words}")
     return str(name)
 

@@ -7,9 +7,11 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 from random_motions import random_motion
+from scipy.interpolate import CubicSpline
 from small_problems import (
     NOISE,
     SPIN,
+    at_rest,
     noisy,
     noisy_in_space,
     small_robot,
@@ -17,14 +19,16 @@ from small_problems import (
 )
 
 from orbident.environment.agent import Agent, Disturbance, World
-from orbident.environment.agents import AGENTS, IN_WORDS, NEEDS, WALKS
+from orbident.environment.agents import AGENTS, ALIKE, IN_WORDS, NEEDS, WALKS
 from orbident.environment.motion import Load, RobotMotion
+from orbident.environment.torques_and_forces import slow_shapes
 from orbident.estimation.identify import identify
 from orbident.estimation.result import Result
 from orbident.model.minimal_sets import minimal_sets
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.robot.disturbance_groups import DisturbanceGroup
+from orbident.robot.may_act import MayAct, may_act
 from orbident.robot.sensor_schema import declared_sensors
 from orbident.simulation.simulate import simulate
 from orbident.trajectories.environment import Environment
@@ -34,6 +38,9 @@ FAR = 5.0
 
 SHORT = 10.0
 """s: a recording in space."""
+
+SWING = 5.0
+"""s: what changes slowly in it does so twice."""
 
 TORQUE = np.array([3e-3, -2e-3, 4e-3])
 LOSS = 1e-3
@@ -94,8 +101,12 @@ class Case(NamedTuple):
     by_hand: Callable[[RobotMotion], np.ndarray] | None = None
 
 
-def wave(motion: RobotMotion, m: int) -> np.ndarray:
-    return np.cos(m * np.pi * motion.t / SHORT)[:, None]
+def shape(motion: RobotMotion, group: str, m: int) -> np.ndarray:
+    """One of those of which a fit makes what changes slowly; the first is 1."""
+    t = np.linspace(0.0, SHORT, 201)
+    allowed = {group: MayAct(np.inf, SWING)}
+    shapes = slow_shapes(at_rest(motion.robot, t, allowed), group)
+    return CubicSpline(t, shapes[:, m - 1])(motion.t)[:, None]
 
 
 def lost(motion: RobotMotion) -> np.ndarray:
@@ -113,7 +124,10 @@ def xyz(group: str, sizes: np.ndarray, more: str = "") -> dict[str, float]:
 CASES = {
     "torque": Case(TABLE, {"torque": [0, 0, 1e-3]}, {"torque.z": 1e-3}),
     "slow_torque": Case(
-        SPACE, {}, xyz("slow_torque", TORQUE, ".2"), lambda m: TORQUE * wave(m, 2)
+        SPACE,
+        {},
+        xyz("slow_torque", TORQUE, ".2"),
+        lambda m: TORQUE * shape(m, "slow_torque", 2),
     ),
     "base_torque": Case(
         SPACE, {}, xyz("base_torque", TORQUE), lambda m: m.R_WB @ TORQUE
@@ -122,7 +136,7 @@ CASES = {
         SPACE,
         {},
         xyz("slow_base_torque", TORQUE, ".3"),
-        lambda m: m.R_WB @ TORQUE * wave(m, 3),
+        lambda m: m.R_WB @ TORQUE * shape(m, "slow_base_torque", 3),
     ),
     "wheel_loss": Case(SPACE, {}, {f"wheel_loss.{WHEEL.name}.0": LOSS}, lost),
     "pull": Case(TABLE, {"tilt": [4e-5, 0]}, {"pull.x": 4e-5 * 9.80665}),
@@ -180,7 +194,8 @@ def test_what_acts_is_identified(group: str, monkeypatch: pytest.MonkeyPatch):
         recording = flown(robot, given)
     # The place where an uneven table is level is not known.
     asked = ("pull", group) if group == "uneven" else (group,)
-    result = identified(replace(robot, disturbances=asked), recording)
+    acts = may_act({name: {"size": "free", "shortest": SWING} for name in asked})
+    result = identified(replace(robot, disturbances=acts), recording)
     fits = {n: fit for n, fit in result.disturbances.items() if fit.group == group}
     assert {*true} <= {*fits}
     assert any(abs(size) > FAR * fits[name].std for name, size in true.items())
@@ -219,6 +234,7 @@ def test_a_new_agent_is_one_class(monkeypatch: pytest.MonkeyPatch):
     """It is simulated, found by the test of what acts, and named in words."""
     monkeypatch.setitem(AGENTS, Hose.group, Hose())
     monkeypatch.setitem(IN_WORDS, Hose.group, Hose.words)
+    monkeypatch.setitem(ALIKE, Hose.group, Hose.alike)
     robot = replace(TABLE, pads={})
     result = identified(robot, flown(robot, {}))
     assert set(result.disturbances) == {"hose.stiffness"}

@@ -83,11 +83,11 @@ class Search:
 
         Args:
             names: of errors of instruments.
-            near: where another fit of the recording ended. Its search is a trial, of
-                few steps: where what is tried is right, more are not needed.
+            near: where another fit of the recording ended. A search from there is a
+                trial, of few steps: where what is tried is right, more are not needed.
         """
         more = (*self.problem.unknowns(names), *self.problem.expected)
-        starts = self.starts if near is None else (near,)
+        starts = self.starts if near is None else (near, *self.starts)
         steps = self.steps if near is None else min(self.steps, FEW_STEPS)
         prior = self.prior.extended(np.array([each.std or FREE for each in more]))
         places = np.array([each.place for each in (*self.problem.declared, *more)])

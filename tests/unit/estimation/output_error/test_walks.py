@@ -18,6 +18,7 @@ from orbident.estimation.result import Result
 from orbident.model.minimal_sets import minimal_sets
 from orbident.recordings.recording import Recording
 from orbident.robot.description import MomentumWalk, Robot
+from orbident.robot.may_act import may_act
 from orbident.robot.robot_file import load_robot
 from orbident.simulation.simulate import simulate
 from orbident.studies.spatial import spatial_trajectory
@@ -73,7 +74,7 @@ class Walking(NamedTuple):
         return replace(self.robot, momentum_walk=self.walk)
 
     def asked(self) -> Robot:
-        return replace(self.robot, disturbances=self.declared().said_to_act)
+        return replace(self.robot, disturbances=may_act(self.declared().said_to_act))
 
     def identified(
         self, robot: Robot, seed: int, method: Method = "maximum-likelihood"
@@ -114,7 +115,9 @@ def made_waves() -> tuple[np.ndarray, list[np.ndarray]]:
     robot = small_robot()
     problem = small_problem(robot, small_recording(robot)).problem
     acting = problem.acting.walking({"torque_walk": 1.0})
-    waves = [each for each in acting.disturbances if each.group == "torque_walk"]
+    waves = [
+        each for each in acting.followed.disturbances if each.group == "torque_walk"
+    ]
     return acting.followed.t, [at_nodes(each.effect.torque)[:, 2] for each in waves]
 
 
@@ -180,7 +183,9 @@ def test_a_walk_of_unknown_size(where, request):
 def test_where_nothing_walks_the_density_is_small(space):
     """An unneeded walk costs some width of intervals, and no bias."""
     still = space._replace(walk=MomentumWalk())
-    result = still.identified(replace(space.robot, disturbances=("torque_walk",)), 3)
+    result = still.identified(
+        replace(space.robot, disturbances=may_act(["torque_walk"])), 3
+    )
     assert result.status == "ok"
     assert result.disturbances["torque_walk"].value < 0.1 * space.walk.torque
     assert np.abs(still.off(result)).max() < FAR
