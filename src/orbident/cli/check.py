@@ -21,6 +21,7 @@ def check(
     from orbident.cli.output import Output
     from orbident.cli.robot_tree import robot_tree, sensor_lines
     from orbident.cli.view import view as show
+    from orbident.environment.worlds import may_act_in_words
     from orbident.robot.oddities import oddities
     from orbident.robot.robot_file import load_robot
 
@@ -31,6 +32,7 @@ def check(
     output.say(repr(described), robot_tree(described))
     if sensors:
         output.say("sensors (SI)", *(f"  {line}" for line in sensors))
+    output.say(may_act_in_words(described))
     output.say(
         *(["odd", *(f"  {each}" for each in odd)] if odd else ["nothing is odd"])
     )

@@ -1,5 +1,6 @@
 """What `identify` prints: the identifiable parameters first, all else on request."""
 
+import math
 from collections.abc import Iterator
 from pathlib import Path
 from textwrap import wrap
@@ -38,6 +39,7 @@ def summary(result: Any, out: Path | None, everything: bool) -> list[str | DataT
         "",
         *_goodness(result),
         *_limits(result.budget()),
+        *_if_nothing_acts(result),
         *_sensitivity(result),
         "--all shows formulas, pi, phi and the mass by every route; so does --json",
         *written,
@@ -118,7 +120,21 @@ def _disturbances(result: Any) -> list[str]:
         f"  {name:24} {fit.value:10.2g} +- {fit.std:.2g} {fit.unit}"
         for name, fit in result.disturbances.items()
     ]
-    return ["", "from outside", *lines] if lines else []
+    lines += [
+        f"  {name:24} {'may be anything' if math.isnan(size) else f'may be {size:.2g}'}"
+        for name, size in result.allowed.items()
+    ]
+    return ["", "from outside, SI", *lines] if lines else []
+
+
+def _if_nothing_acts(result: Any) -> list[str]:
+    """What it would bring to know that nothing acts."""
+    if not result.allowed:
+        return []
+    return [
+        f"if nothing acted from outside, std would be {result.widened_by:.2g} times "
+        "smaller (see 'disturbances')"
+    ]
 
 
 def _sensitivity(result: Any) -> list[str]:

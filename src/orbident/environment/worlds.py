@@ -123,6 +123,25 @@ def what_may_act(robot: Robot, scale: Scale) -> dict[str, MayAct]:
     }
 
 
+def may_act_in_words(robot: Robot) -> str:
+    """What may act on a robot, one standard deviation of each, in SI."""
+    world = world_of(robot)
+    if robot.disturbances is None and world == "space":
+        return (
+            "may act (in space): a slow torque and a pull that change either momentum "
+            f"by {PART:.0%} in a recording"
+        )
+    # In an orbit sizes depend on the height alone.
+    sizes = what_may_act(robot, Scale(0.0, 1.0, np.nan, np.nan))
+    listed = ", ".join(
+        name if np.isinf(each.size) else f"{name} {each.size:.2g}"
+        for name, each in sizes.items()
+        if each.size
+    )
+    source = f"of a {world}" if robot.disturbances is None else "of the robot file"
+    return f"may act (sizes {source}, SI): {listed or 'nothing'}"
+
+
 def radius_of_gyration(robot: Robot) -> float:
     """About S with all joints at zero, m; by CAD."""
     D = inertia_at(robot, np.zeros(len(robot.joints))).D
