@@ -75,6 +75,7 @@ def judge(solved: Solved, masses: dict[str, Quantity]) -> Judgement:
             *_changes(estimate),
             *_disturbances(estimate, problem),
             *_two_explanations(problem, shown or estimate),
+            *_at_rest(shown or estimate),
             *_what_may_act(shown or estimate, problem),
             *agreement_of_routes(masses),
             *beside_nominal(estimate.mass, robot.mass, len(robot.wheels)),
@@ -243,6 +244,19 @@ def _two_explanations(problem: MomentumProblem, shown: Estimate) -> Iterator[Che
             f"if such a torque acts, say so (--disturbance {min(slow)}); if the clock "
             "is late, declare its latency in the robot file; else see that wheel "
             "speeds were measured and not commanded only",
+        )
+
+
+def _at_rest(shown: Estimate) -> Iterator[Check]:
+    """Whether the robot was as still as it was said to be."""
+    if shown.rest.is_no_chance("disturbance"):
+        yield Check(
+            "at rest",
+            "do not trust",
+            "more momentum was there from the start than a robot that is held at rest "
+            f"has: by {shown.rest.value**0.5:.2g} of its deviations",
+            "say how still it is held (at_rest in the robot file), or use "
+            "--initial-momentum unknown",
         )
 
 

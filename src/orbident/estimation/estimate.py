@@ -11,6 +11,7 @@ from pydantic import AfterValidator
 from orbident.estimation.budget import ErrorSources
 from orbident.estimation.checks import Check
 from orbident.estimation.found import BetaEstimate, EstimatedParameters, found_beta
+from orbident.estimation.levels import ChiSquare
 from orbident.estimation.momentum_problem import (
     MomentumProblem,
     OutsideMomentum,
@@ -106,6 +107,8 @@ class Estimate(BesideParameters):
     sensors: Mapping[str, SensorFit] = field(default_factory=dict)
     unexpected: tuple[str, ...] = ()
     """Groups that act more than the robot's world, or its file, says that they may."""
+    rest: ChiSquare = ChiSquare(0.0, 0)
+    """How much more momentum was found than a robot at rest may have."""
     sensitivity: Callable[[], Sensitivity] | None = None
     """What errors of the other instruments would do, where that is known."""
     sources: Callable[[], ErrorSources] | None = None

@@ -26,6 +26,7 @@ from orbident.estimation.levels import ChiSquare, limit
 from orbident.estimation.output_error.problem import Problem
 from orbident.estimation.solution import OUTSIDE, Solution, Unknowns
 from orbident.estimation.unknowns import DisturbanceFit, Unknown
+from orbident.model.minimal_sets import conserved_axes
 
 
 def identified(
@@ -104,6 +105,24 @@ def surprise_of(problem: Problem, solution: Solution, family: str) -> ChiSquare:
     """
     value, C = sizes_of(problem, solution, family)
     std = np.array([each.std for each in problem.unknowns([family])])
+    return _surprise(value, std, C)
+
+
+def surprise_of_rest(problem: Problem, solution: Solution) -> ChiSquare:
+    """The same of the momentum beside what it was taken for."""
+    turning, _ = conserved_axes(problem.acting.followed.robot)
+    axes = np.array(turning)
+    state, prior, C = solution.state, solution.prior, solution.covariance
+    here = len(C) - state.common.size + axes
+    value = state.common[axes] - prior.values[axes]
+    return _surprise(value, prior.std[axes], C[np.ix_(here, here)])
+
+
+def _surprise(
+    value: Float[np.ndarray, " n"],
+    std: Float[np.ndarray, " n"],
+    C: Float[np.ndarray, "n n"],
+) -> ChiSquare:
     told, axes = np.linalg.eigh(np.eye(std.size) - C / np.outer(std, std))
     seen = told > TOLD
     u = (axes.T @ (value / std))[seen]

@@ -25,6 +25,7 @@ from orbident.estimation.estimate import (
     estimate_of_beta,
 )
 from orbident.estimation.found import BetaEstimate, hidden_of, prior_std
+from orbident.estimation.levels import ChiSquare
 from orbident.estimation.momentum_problem import MomentumProblem, OutsideMomentum
 from orbident.estimation.nonlinear_fit import beta_of_fits
 from orbident.estimation.output_error.acting import LONGEST
@@ -36,6 +37,7 @@ from orbident.estimation.output_error.beforehand import (
 from orbident.estimation.output_error.covariance_parts import covariance_parts
 from orbident.estimation.output_error.disturbance_sizes import (
     identified,
+    surprise_of_rest,
     widened_by,
     with_densities,
 )
@@ -122,6 +124,9 @@ class OutputError:
             allowed=_allowed(equations),
             widened_by=widened_by(equations.expected, found.solution),
             unexpected=freed,
+            rest=surprise_of_rest(equations, found.solution)
+            if problem.initial_momentum == "at-rest"
+            else ChiSquare(0.0, 0),
             calibration=_calibration(equations, found.solution),
             sensitivity=partial(sensitivity, zeros),
             sources=partial(covariance_parts, equations, found.solution),
