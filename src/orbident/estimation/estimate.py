@@ -107,7 +107,7 @@ class Estimate(BesideParameters):
     sensors: Mapping[str, SensorFit] = field(default_factory=dict)
     unexpected: tuple[str, ...] = ()
     """Groups that act more than the robot's world, or its file, says that they may."""
-    rest: ChiSquare = ChiSquare(0.0, 0)
+    rest: ChiSquare = field(default_factory=lambda: ChiSquare(0.0, 0))
     """How much more momentum was found than a robot at rest may have."""
     sensitivity: Callable[[], Sensitivity] | None = None
     """What errors of the other instruments would do, where that is known."""

@@ -135,9 +135,9 @@ def _selected(problem: Problem, state: Unknowns, family: str) -> Int[np.ndarray,
     return np.flatnonzero(np.isin(state.selected, places))
 
 
-TOLD = 1e-3
+TOLD = 0.1
 """The part of its variance beforehand that a recording tells of a number, at least, if
-it says anything of it."""
+it says how large it is: what it tells less of, second order decides as well."""
 
 RANGE = 1e6
 """How far a density may be from the last guess, as a factor."""
