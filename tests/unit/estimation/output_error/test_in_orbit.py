@@ -155,10 +155,10 @@ def test_an_orbit_needs_an_attitude_and_a_time_near_its_epoch():
 def test_without_the_earth_it_is_seen_as_a_slow_torque():
     """Or it is held by what may act in space."""
     flown = made("tide")
-    silent, still = spatial_robot(), replace(spatial_robot(), disturbances={})
+    silent, still = (replace(spatial_robot(), disturbances=acts) for acts in (None, {}))
     seen = measure_truth(silent, flown.t, flown.true, 0)
     held, found = (oi.identify(robot, seen) for robot in (silent, still))
-    assert held.level == "trust"
+    assert held.level == "trust", held.warnings
     assert found.level == "with care"
     # In inertial axes or in the base's: the base hardly turns against the Earth.
     groups = {fit.group for fit in found.disturbances.values()}
