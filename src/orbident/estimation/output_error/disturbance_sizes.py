@@ -13,7 +13,7 @@ variance `q^2`, so that
 The most likely density `q` is that of restricted likelihood (Harville 1977).
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -21,7 +21,7 @@ from jaxtyping import Float, Int
 from scipy.linalg import cho_factor, cho_solve
 from scipy.optimize import minimize
 
-from orbident.environment.agents import FREE, WALKS
+from orbident.environment.agents import FREE, STEADY, WALKS
 from orbident.estimation.levels import ChiSquare, limit
 from orbident.estimation.output_error.problem import Problem
 from orbident.estimation.solution import OUTSIDE, Solution, Unknowns
@@ -30,25 +30,38 @@ from orbident.model.minimal_sets import conserved_axes
 
 
 def identified(
-    problem: Problem, solution: Solution, density_std: Mapping[str, float]
+    problem: Problem,
+    solution: Solution,
+    density_std: Mapping[str, float],
+    freed: Collection[str],
 ) -> dict[str, DisturbanceFit]:
     """What acts, by the name of each number; a walk by its density.
 
-    It is what is seen, beyond chance, and what may be anything.
+    It is what is seen, beyond chance, what is larger than it may be, and what may be
+    anything. A torque that changes slowly and its mean may be seen together only.
 
     Args:
         problem: a recording's equations.
         solution: of these.
         density_std: the deviations of densities that were estimated, by their groups.
+        freed: groups that are larger than they may be.
     """
     fits = {}
     groups = {each.family: each.std for each in problem.expected}
-    for group, beforehand in groups.items():
-        value, C = sizes_of(problem, solution, group)
-        seen = value @ np.linalg.solve(C, value)
-        chance = limit("disturbance", value.size, len(groups))
-        if not (group in WALKS or beforehand == FREE or seen > chance):
+
+    def seen(*families: str) -> bool:
+        value, C = sizes_of(problem, solution, *families)
+        square = float(value @ np.linalg.solve(C, value))
+        return square > limit("disturbance", value.size, len(groups))
+
+    shown = {*freed, *(x for x, std in groups.items() if std == FREE or seen(x))}
+    for pair in STEADY.items():
+        if {*pair} <= groups.keys() - shown and seen(*pair):
+            shown |= {*pair}
+    for group in groups:
+        if group not in shown | {*WALKS}:
             continue
+        value, C = sizes_of(problem, solution, group)
         std, shift = np.sqrt(np.diag(C)), _shift(problem, solution, group)
         if group in WALKS:
             wave = problem.unknowns([group])[0]
@@ -88,11 +101,11 @@ def _shift(problem: Problem, solution: Solution, group: str) -> float:
 
 
 def sizes_of(
-    problem: Problem, solution: Solution, family: str
+    problem: Problem, solution: Solution, *families: str
 ) -> tuple[Float[np.ndarray, " n"], Float[np.ndarray, "n n"]]:
-    """The numbers of a family that was freed, SI, and their covariance."""
+    """The numbers of families that were freed, SI, and their covariance."""
     state = solution.state
-    which = _selected(problem, state, family)
+    which = _selected(problem, state, *families)
     here = len(solution.covariance) - state.selected.size + which
     return state.calibration[which], solution.covariance[np.ix_(here, here)]
 
@@ -129,9 +142,11 @@ def _surprise(
     return ChiSquare(float(np.sum(u**2 / told[seen])), int(seen.sum()))
 
 
-def _selected(problem: Problem, state: Unknowns, family: str) -> Int[np.ndarray, " n"]:
-    """Where the numbers of a family are among those selected."""
-    places = [each.place for each in problem.unknowns([family])]
+def _selected(
+    problem: Problem, state: Unknowns, *families: str
+) -> Int[np.ndarray, " n"]:
+    """Where the numbers of families are among those selected."""
+    places = [each.place for each in problem.unknowns(families)]
     return np.flatnonzero(np.isin(state.selected, places))
 
 

@@ -108,7 +108,7 @@ class OutputError:
         )
         beta = estimate_of(found.solution, prior_std(robot, sets))
         by_sensor = {name: _sensor_fit(sensors, found, name) for name in found.parts}
-        disturbances = identified(equations, found.solution, density_std)
+        disturbances = identified(equations, found.solution, density_std, freed)
         return replace(
             estimate_of_beta(
                 problem,

@@ -1,4 +1,4 @@
-"""What acts from outside, of known size: identified, and not where nothing acts."""
+"""What acts from outside though nothing may: identified, and not where nothing acts."""
 
 from dataclasses import replace
 
@@ -52,7 +52,7 @@ def with_sensors(robot: Robot) -> Robot:
 
 
 def identified(recording: Recording) -> dict[str, DisturbanceFit]:
-    robot = with_sensors(small_robot())
+    robot = replace(with_sensors(small_robot()), disturbances={})
     problem = momentum_problem(robot, recording, "at-rest", lambda _: None)
     estimate = OutputError().estimate(problem, lambda _: None)
     assert estimate.converged
@@ -112,6 +112,7 @@ def test_a_torque_is_identified(torque):
 def test_every_method_takes_a_torque_into_account(method):
     """The momentum that it gave is that which all sensors show."""
     robot, recording = with_sensors(small_robot()), noisy(under_a_couple(2e-3), 0)
+    robot = replace(robot, disturbances={})
     result = identify(robot, recording, method, "at-rest")
     assert result.status == "ok", result.warnings
     assert set(result.disturbances) == {"torque.z"}

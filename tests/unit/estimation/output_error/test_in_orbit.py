@@ -153,15 +153,19 @@ def test_an_orbit_needs_an_attitude_and_a_time_near_its_epoch():
 
 
 def test_without_the_earth_it_is_seen_as_a_slow_torque():
-    robot = spatial_robot()
+    """Or it is held by what may act in space."""
     flown = made("tide")
-    seen = measure_truth(robot, flown.t, flown.true, 0)
-    result = oi.identify(robot, seen)
+    silent, still = (replace(spatial_robot(), disturbances=acts) for acts in (None, {}))
+    seen = measure_truth(silent, flown.t, flown.true, 0)
+    held, found = (oi.identify(robot, seen) for robot in (silent, still))
+    assert held.level == "trust", held.warnings
+    assert found.level == "with care"
     # In inertial axes or in the base's: the base hardly turns against the Earth.
-    groups = {fit.group for fit in result.disturbances.values()}
-    assert groups <= {"slow_torque", "slow_base_torque"}
-    assert groups
-    assert np.abs(errors(result)).max() < 4
+    groups = {fit.group for fit in found.disturbances.values()}
+    assert groups <= {"torque", "slow_torque", "base_torque", "slow_base_torque"}
+    assert groups & {"slow_torque", "slow_base_torque"}
+    for result in (held, found):
+        assert np.abs(errors(result)).max() < 4
 
 
 @pytest.mark.parametrize("runs", [1, pytest.param(MANY, marks=pytest.mark.long)])
