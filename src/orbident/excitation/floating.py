@@ -29,6 +29,7 @@ class NodalMotion:
 
     craft: "Craft"
     q: Float[np.ndarray, "n joints"]
+    qd: Float[np.ndarray, "n joints"]
     dt: float
     """s."""
     Y: Float[np.ndarray, "n h pi"]
@@ -130,6 +131,8 @@ class Craft:
     wheels: Wheels
     spin: Float[np.ndarray, " wheels"]
     """Speeds of the wheels where the base does not turn, rad/s."""
+    velocity: Float[np.ndarray, "3"]
+    """Of S at the start, inertial axes, m/s."""
     floating: _core.Floating
 
     def along(
@@ -158,7 +161,7 @@ class Craft:
     ) -> NodalMotion:
         """What a motion shows, however it was found."""
         Y, W = self.sets.regressors(q, qd, w)
-        return NodalMotion(self, np.ascontiguousarray(q), dt, Y, W, w, x_WB)
+        return NodalMotion(self, np.ascontiguousarray(q), qd, dt, Y, W, w, x_WB)
 
     def pull_back(
         self,
@@ -217,7 +220,7 @@ def craft_of(
         h_cm=h_cm,
         x_WB=np.array(initial.attitude),
     )
-    return Craft(robot, sets, wheels, spin, floating)
+    return Craft(robot, sets, wheels, spin, initial.velocity, floating)
 
 
 def _all_axes(

@@ -19,6 +19,7 @@ from jaxtyping import Float
 from orbident.errors import InputError
 from orbident.excitation.criterion import random_regressors
 from orbident.excitation.floating import Gradient, NodalMotion, axial, block
+from orbident.excitation.outside_changes import outside_changes
 from orbident.model.derivatives import derivatives_of_beta
 from orbident.model.independent import DEPENDENT
 from orbident.model.minimal_sets import MinimalSets
@@ -112,20 +113,29 @@ class SensedChanges:
     def __init__(self, sensing: Sensing, motion: NodalMotion, at_rest: bool) -> None:
         """`at_rest`: `h_cm = 0` is known, and no unknown."""
         h, v = sensing.h, sensing.v
-        self.sensing, self.motion, self.at_rest = sensing, motion, at_rest
+        self.sensing, self.motion = sensing, motion
+        outside = outside_changes(motion)
         self.R_h, self.R_v = block(motion.R, h, h), block(motion.R, v, v)
         self.E = block(motion.E, h, h)
         self.lever = block(cross_matrix(motion.r_cm), v, h)
         # R_0^T dh_cm - Y dpi.
-        change = [-(motion.Y @ sensing.pi_of)]
-        if not at_rest:
-            change.append(np.swapaxes(self.R_h, 1, 2))
-        self.dh = np.concatenate(change, axis=2)
+        n = len(motion.w)
+        none = np.zeros((n, len(h), 0 if at_rest else len(h)))
+        one = np.broadcast_to(np.eye(len(h), none.shape[2]), none.shape)
+        self.h = np.concatenate([one, outside.h[:, h]], axis=2)
+        inside = -(motion.Y @ sensing.pi_of)
+        turned = np.swapaxes(self.R_h, 1, 2) @ self.h
+        self.dh = np.concatenate([inside, turned], axis=2)
         self.dw = self.E @ self.dh
         W = motion.W @ sensing.phi_of
         self.dv_B = self.lever @ self.dw
         self.dv_B[:, :, : W.shape[2]] += W
         self.dv = self.R_v @ self.dv_B
+        self.felt = self.dv.copy()
+        self.numbers = outside.h.shape[2]
+        if self.numbers:
+            self.dv[:, :, -self.numbers :] += outside.v[:, v]
+            self.felt[:, :, -self.numbers :] += outside.felt[:, v]
 
     def rows(self, sensor: str) -> Rows:
         """What one sensor sees, then of its own constants."""
@@ -135,7 +145,7 @@ class SensedChanges:
             own = np.eye(self.R_h.shape[1])
             seen = dw if sensor == "gyro" else _integral(self.R_h @ dw, dt)
         elif sensor == "accelerometer":
-            seen, own = np.diff(dv, axis=0) / dt, self.R_v[1:]
+            seen, own = np.diff(self.felt, axis=0) / dt, self.R_v[1:]
         else:
             # The velocity of the CM, and where it is at the start.
             t = dt * np.arange(n)[:, None, None]
@@ -177,8 +187,9 @@ class SensedChanges:
         _add(f.E, sensing.h, sensing.h, by_dw @ np.swapaxes(self.dh, 1, 2))
         by = np.swapaxes(self.E, 1, 2) @ by_dw
         f.Y -= by[:, :, :u] @ sensing.pi_of.T
-        if not self.at_rest:
-            _add(f.R, sensing.h, sensing.h, np.swapaxes(by[:, :, u:], 1, 2))
+        if self.h.shape[2]:
+            by_turned = np.swapaxes(by[:, :, u:], 1, 2)
+            _add(f.R, sensing.h, sensing.h, self.h @ by_turned)
 
 
 class Information:
@@ -206,6 +217,9 @@ class Information:
             F[np.ix_(self._columns[sensor], self._columns[sensor])] += (
                 self._weight(sensor) * flat.T @ flat
             )
+        prior = np.zeros(size)
+        prior[common - self._seen.numbers : common] = 1.0
+        F += np.diag(prior)
         # The Schur complement; nuisances scaled, since their units differ.
         u = sensing.pi_of.shape[1]
         scale = 1 / np.sqrt(np.diag(F)[u:])
