@@ -1,11 +1,12 @@
 """All agents, in order, and what of them the estimators ask for by their groups."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from orbident.environment import air_table, orbital
 from orbident.environment import torques_and_forces as steady
 from orbident.environment.agent import Agent, Disturbance, World
 from orbident.environment.motion import Load, RobotMotion
+from orbident.robot.may_act import MayAct
 
 AGENTS: dict[str, Agent] = {
     agent.group: agent
@@ -89,3 +90,18 @@ def _size(motion: RobotMotion, agent: Agent) -> float:
     groups = {agent.group} | {slow for slow in STEADY if STEADY[slow] == agent.group}
     sizes = [motion.allowed[group].size for group in groups & motion.allowed.keys()]
     return min(max(sizes, default=0.0), FREE)
+
+
+def std_of(disturbance: Disturbance, allowed: Mapping[str, MayAct]) -> float:
+    """The standard deviation beforehand of one number of what acts, in its unit.
+
+    Args:
+        disturbance: of an agent.
+        allowed: what may act, by group; the mean of what changes slowly is as large.
+    """
+    group, share = disturbance.group, disturbance.std
+    if group in WALKS:
+        return share
+    groups = {group} | {slow for slow, mean in STEADY.items() if mean == group}
+    size = max((allowed[each].size for each in groups & allowed.keys()), default=0.0)
+    return min(size * share, FREE)

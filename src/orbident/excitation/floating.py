@@ -16,7 +16,7 @@ from orbident import _core
 from orbident.model.core_robot import core_robot
 from orbident.model.inertia import Inertia, inertia, inertia_at
 from orbident.model.minimal_sets import MinimalSets
-from orbident.model.rotations import quaternion_matrix
+from orbident.model.rotations import quaternion_matrix, rotate
 from orbident.model.wheel_arrays import Wheels, wheels_of
 from orbident.robot.description import Robot
 from orbident.threads import processors
@@ -46,6 +46,24 @@ class NodalMotion:
     def R(self) -> Float[np.ndarray, "n 3 3"]:
         """`R_WB`."""
         return quaternion_matrix(self.x_WB)
+
+    @cached_property
+    def v_S(self) -> Float[np.ndarray, "n 3"]:
+        """The velocity of S, inertial axes, m/s."""
+        return self.craft.velocity + self._v_from_cm - self._v_from_cm[0]
+
+    @property
+    def v_cm(self) -> Float[np.ndarray, "3"]:
+        """The velocity of the system CM, inertial axes, m/s."""
+        return self.craft.velocity - self._v_from_cm[0]
+
+    @cached_property
+    def _v_from_cm(self) -> Float[np.ndarray, "n 3"]:
+        """`R_0 W phi` (Eq. 29)."""
+        sets = self.craft.sets
+        v = np.zeros_like(self.w)
+        v[:, sets.regressors.velocity_axes] = self.W @ sets.phi(self.craft.robot.theta)
+        return rotate(self.R, v)
 
     @cached_property
     def qd_rw(self) -> Float[np.ndarray, "n wheels"]:
@@ -80,6 +98,8 @@ class Gradient:
     Y: Float[np.ndarray, "n h pi"] = field(init=False)
     W: Float[np.ndarray, "n v phi"] = field(init=False)
     w: Float[np.ndarray, "n 3"] = field(init=False)
+    q: Float[np.ndarray, "n joints"] = field(init=False)
+    """Only what depends on `q` beside the others."""
     R: Float[np.ndarray, "n 3 3"] = field(init=False)
     E: Float[np.ndarray, "n 3 3"] = field(init=False)
     r_cm: Float[np.ndarray, "n 3"] = field(init=False)
@@ -87,6 +107,7 @@ class Gradient:
     def __post_init__(self) -> None:
         self.Y, self.W = np.zeros_like(self.motion.Y), np.zeros_like(self.motion.W)
         self.w, self.r_cm = np.zeros((2, len(self.motion.w), 3))
+        self.q = np.zeros_like(self.motion.q)
         self.R, self.E = np.zeros((2, len(self.motion.w), 3, 3))
 
     @property
@@ -172,7 +193,7 @@ class Craft:
         """The gradient with respect to `q` and `qd` at nodes and mid-nodes."""
         motion, regressors = f.motion, self.sets.regressors
         assert motion.laws is not None
-        return _core.float_gradient(
+        by_q, by_qd = _core.float_gradient(
             self.floating,
             motion.laws,
             regressors.core,
@@ -189,6 +210,8 @@ class Craft:
             f.turn,
             processors(),
         )
+        by_q[::2] += f.q
+        return by_q, by_qd
 
 
 def craft_of(

@@ -19,7 +19,7 @@ from jaxtyping import Float
 from orbident.errors import InputError
 from orbident.excitation.criterion import random_regressors
 from orbident.excitation.floating import Gradient, NodalMotion, axial, block
-from orbident.excitation.outside_changes import outside_changes
+from orbident.excitation.outside_changes import OutsideChanges
 from orbident.model.derivatives import derivatives_of_beta
 from orbident.model.independent import DEPENDENT
 from orbident.model.minimal_sets import MinimalSets
@@ -114,7 +114,7 @@ class SensedChanges:
         """`at_rest`: `h_cm = 0` is known, and no unknown."""
         h, v = sensing.h, sensing.v
         self.sensing, self.motion = sensing, motion
-        outside = outside_changes(motion)
+        self.outside = outside = OutsideChanges(motion)
         self.R_h, self.R_v = block(motion.R, h, h), block(motion.R, v, v)
         self.E = block(motion.E, h, h)
         self.lever = block(cross_matrix(motion.r_cm), v, h)
@@ -174,6 +174,9 @@ class SensedChanges:
         """`dv = R_v (W dphi + lever dw)`."""
         sensing = self.sensing
         _add(f.R, sensing.v, sensing.v, by_dv @ np.swapaxes(self.dv_B, 1, 2))
+        if self.numbers:
+            by_v = by_dv[:, :, -self.numbers :]
+            self.outside.add(f, np.zeros_like(self.outside.h[:, sensing.h]), by_v)
         by = np.swapaxes(self.R_v, 1, 2) @ by_dv
         f.W += by[:, :, : sensing.phi_of.shape[1]] @ sensing.phi_of.T
         by_lever = np.zeros_like(f.R)
@@ -188,8 +191,11 @@ class SensedChanges:
         by = np.swapaxes(self.E, 1, 2) @ by_dw
         f.Y -= by[:, :, :u] @ sensing.pi_of.T
         if self.h.shape[2]:
-            by_turned = np.swapaxes(by[:, :, u:], 1, 2)
-            _add(f.R, sensing.h, sensing.h, self.h @ by_turned)
+            by_turned = by[:, :, u:]
+            _add(f.R, sensing.h, sensing.h, self.h @ np.swapaxes(by_turned, 1, 2))
+            if self.numbers:
+                by_h = self.R_h @ by_turned[:, :, -self.numbers :]
+                self.outside.add(f, by_h, np.zeros_like(self.outside.v[:, sensing.v]))
 
 
 class Information:
