@@ -22,6 +22,8 @@ from orbident.robot.description import Robot
 from orbident.threads import processors
 from orbident.trajectories.trajectory import InitialState
 
+Rows = Float[np.ndarray, "n axes columns"]
+
 
 @dataclass(frozen=True, eq=False)
 class NodalMotion:
@@ -140,6 +142,19 @@ def axial(G: Float[np.ndarray, "n 3 3"]) -> Float[np.ndarray, "n 3"]:
         [G[:, 2, 1] - G[:, 1, 2], G[:, 0, 2] - G[:, 2, 0], G[:, 1, 0] - G[:, 0, 1]],
         axis=1,
     )
+
+
+def running_integral(X: Rows, dt: float) -> Rows:
+    """The integral from the first node on, by the trapezoidal rule."""
+    steps = dt / 2 * (X[1:] + X[:-1])
+    return np.concatenate([np.zeros_like(X[:1]), np.cumsum(steps, axis=0)])
+
+
+def running_integral_transposed(G: Rows, dt: float) -> Rows:
+    """The gradient with respect to `X`, from that with respect to its integral."""
+    after = np.cumsum(G[:0:-1], axis=0)[::-1]
+    none = np.zeros_like(G[:1])
+    return dt / 2 * (np.concatenate([after, none]) + np.concatenate([none, after]))
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,7 +18,15 @@ from jaxtyping import Float
 
 from orbident.errors import InputError
 from orbident.excitation.criterion import random_regressors
-from orbident.excitation.floating import Gradient, NodalMotion, axial, block
+from orbident.excitation.floating import (
+    Gradient,
+    NodalMotion,
+    Rows,
+    axial,
+    block,
+    running_integral,
+    running_integral_transposed,
+)
 from orbident.excitation.outside_changes import OutsideChanges
 from orbident.model.derivatives import derivatives_of_beta
 from orbident.model.independent import DEPENDENT
@@ -26,8 +34,6 @@ from orbident.model.minimal_sets import MinimalSets
 from orbident.robot.description import Robot
 from orbident.robot.parameters import cross_matrix
 from orbident.robot.sensor_schema import InertialSpec, SensorsSpec
-
-Rows = Float[np.ndarray, "n axes columns"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,17 +120,16 @@ class SensedChanges:
         """`at_rest`: `h_cm = 0` is known, and no unknown."""
         h, v = sensing.h, sensing.v
         self.sensing, self.motion = sensing, motion
-        self.outside = outside = OutsideChanges(motion)
+        self.outside = OutsideChanges(motion)
         self.R_h, self.R_v = block(motion.R, h, h), block(motion.R, v, v)
         self.E = block(motion.E, h, h)
         self.lever = block(cross_matrix(motion.r_cm), v, h)
+        one = np.eye(len(h), 0 if at_rest else len(h))
+        one = np.broadcast_to(one, (len(motion.w), *one.shape))
+        self.dh_cm = np.concatenate([one, self.outside.h[:, h]], axis=2)
         # R_0^T dh_cm - Y dpi.
-        n = len(motion.w)
-        none = np.zeros((n, len(h), 0 if at_rest else len(h)))
-        one = np.broadcast_to(np.eye(len(h), none.shape[2]), none.shape)
-        self.h = np.concatenate([one, outside.h[:, h]], axis=2)
         inside = -(motion.Y @ sensing.pi_of)
-        turned = np.swapaxes(self.R_h, 1, 2) @ self.h
+        turned = np.swapaxes(self.R_h, 1, 2) @ self.dh_cm
         self.dh = np.concatenate([inside, turned], axis=2)
         self.dw = self.E @ self.dh
         W = motion.W @ sensing.phi_of
@@ -132,10 +137,13 @@ class SensedChanges:
         self.dv_B[:, :, : W.shape[2]] += W
         self.dv = self.R_v @ self.dv_B
         self.felt = self.dv.copy()
-        self.numbers = outside.h.shape[2]
-        if self.numbers:
-            self.dv[:, :, -self.numbers :] += outside.v[:, v]
-            self.felt[:, :, -self.numbers :] += outside.felt[:, v]
+        self.dv[:, :, self.first :] += self.outside.v[:, v]
+        self.felt[:, :, self.first :] += self.outside.felt[:, v]
+
+    @property
+    def first(self) -> int:
+        """The column of the first number of what may act; they are the last."""
+        return self.dh.shape[2] - self.outside.h.shape[2]
 
     def rows(self, sensor: str) -> Rows:
         """What one sensor sees, then of its own constants."""
@@ -143,13 +151,16 @@ class SensedChanges:
         own, dw, dv = np.eye(self.R_v.shape[1]), self.dw, self.dv
         if sensor in ("gyro", "attitude"):
             own = np.eye(self.R_h.shape[1])
-            seen = dw if sensor == "gyro" else _integral(self.R_h @ dw, dt)
+            seen = dw if sensor == "gyro" else running_integral(self.R_h @ dw, dt)
         elif sensor == "accelerometer":
             seen, own = np.diff(self.felt, axis=0) / dt, self.R_v[1:]
         else:
             # The velocity of the CM, and where it is at the start.
             t = dt * np.arange(n)[:, None, None]
-            seen, own = _integral(dv, dt), np.concatenate([t * own, own + 0 * t], 2)
+            seen, own = (
+                running_integral(dv, dt),
+                np.concatenate([t * own, own + 0 * t], 2),
+            )
         own = np.broadcast_to(own, (len(seen), *own.shape[-2:]))
         return np.concatenate([seen, own], axis=2)
 
@@ -160,7 +171,7 @@ class SensedChanges:
         if sensor == "gyro":
             self._add_dw(f, by)
         elif sensor == "attitude":
-            by_turned = _integral_transposed(by, dt)
+            by_turned = running_integral_transposed(by, dt)
             _add(f.R, sensing.h, sensing.h, by_turned @ np.swapaxes(self.dw, 1, 2))
             self._add_dw(f, np.swapaxes(self.R_h, 1, 2) @ by_turned)
         elif sensor == "accelerometer":
@@ -168,15 +179,13 @@ class SensedChanges:
             _add(f.R, sensing.v, sensing.v, by_R)
             self._add_dv(f, -np.diff(by, axis=0, prepend=0, append=0) / dt)
         else:
-            self._add_dv(f, _integral_transposed(by, dt))
+            self._add_dv(f, running_integral_transposed(by, dt))
 
     def _add_dv(self, f: Gradient, by_dv: Rows) -> None:
-        """`dv = R_v (W dphi + lever dw)`."""
+        """`dv = R_v (W dphi + lever dw) + dv_cm`."""
         sensing = self.sensing
+        self.outside.add_v(f, by_dv[:, :, self.first :])
         _add(f.R, sensing.v, sensing.v, by_dv @ np.swapaxes(self.dv_B, 1, 2))
-        if self.numbers:
-            by_v = by_dv[:, :, -self.numbers :]
-            self.outside.add(f, np.zeros_like(self.outside.h[:, sensing.h]), by_v)
         by = np.swapaxes(self.R_v, 1, 2) @ by_dv
         f.W += by[:, :, : sensing.phi_of.shape[1]] @ sensing.phi_of.T
         by_lever = np.zeros_like(f.R)
@@ -185,17 +194,14 @@ class SensedChanges:
         self._add_dw(f, np.swapaxes(self.lever, 1, 2) @ by)
 
     def _add_dw(self, f: Gradient, by_dw: Rows) -> None:
-        """`dw = E [-Y dpi, R_h^T]`."""
+        """`dw = E [-Y dpi, R_h^T dh_cm]`."""
         sensing, u = self.sensing, self.sensing.pi_of.shape[1]
         _add(f.E, sensing.h, sensing.h, by_dw @ np.swapaxes(self.dh, 1, 2))
         by = np.swapaxes(self.E, 1, 2) @ by_dw
         f.Y -= by[:, :, :u] @ sensing.pi_of.T
-        if self.h.shape[2]:
-            by_turned = by[:, :, u:]
-            _add(f.R, sensing.h, sensing.h, self.h @ np.swapaxes(by_turned, 1, 2))
-            if self.numbers:
-                by_h = self.R_h @ by_turned[:, :, -self.numbers :]
-                self.outside.add(f, by_h, np.zeros_like(self.outside.v[:, sensing.v]))
+        by_turned = np.swapaxes(by[:, :, u:], 1, 2)
+        _add(f.R, sensing.h, sensing.h, self.dh_cm @ by_turned)
+        self.outside.add_h(f, self.R_h @ by[:, :, self.first :])
 
 
 class Information:
@@ -223,9 +229,9 @@ class Information:
             F[np.ix_(self._columns[sensor], self._columns[sensor])] += (
                 self._weight(sensor) * flat.T @ flat
             )
-        prior = np.zeros(size)
-        prior[common - self._seen.numbers : common] = 1.0
-        F += np.diag(prior)
+        # A number of what may act has the deviation one beforehand.
+        acting = np.arange(self._seen.first, common)
+        F[acting, acting] += 1.0
         # The Schur complement; nuisances scaled, since their units differ.
         u = sensing.pi_of.shape[1]
         scale = 1 / np.sqrt(np.diag(F)[u:])
@@ -254,16 +260,3 @@ def _add(
 ) -> None:
     own = block(whole, rows, columns)
     own += part
-
-
-def _integral(X: Rows, dt: float) -> Rows:
-    """The integral from the first node on, by the trapezoidal rule."""
-    steps = dt / 2 * (X[1:] + X[:-1])
-    return np.concatenate([np.zeros_like(X[:1]), np.cumsum(steps, axis=0)])
-
-
-def _integral_transposed(G: Rows, dt: float) -> Rows:
-    """The gradient with respect to `X`, from that with respect to its integral."""
-    after = np.cumsum(G[:0:-1], axis=0)[::-1]
-    none = np.zeros_like(G[:1])
-    return dt / 2 * (np.concatenate([after, none]) + np.concatenate([none, after]))

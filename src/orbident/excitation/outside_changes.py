@@ -5,26 +5,39 @@ With `F`, `tau` (about S), the pull `a` and the push `b` in inertial axes,
     d h_cm = int (tau - R r_cm x F) dt,    d v_cm = int (F / M + a + b) dt
 
 and an accelerometer feels no pull. These are the columns of the estimators, along the
-present motion. Torques and pulls depend on time alone. The drag of a film follows the
-pads, at `x` from the CM: with the CM at `v_cm t`,
+present motion. Gradients know how they depend on it:
 
-    d v_cm = -c / M (x + v_cm t),    d h_cm = -c int x x (dx + v_cm dt)
+    torques, pulls          on time alone
+    on the base             int R_WB b(t) dt
+    wheel losing speed      R_WB a l(t)
+    drag at a pad           d v_cm = -c / M (x + v_cm t)
+                            d h_cm = -c int x x (dx + v_cm dt) - c_r angle
 
-Gradients hold what drag owes to the motion, but take sizes that go with the motion's
-momentum, and what turns with the base, as they are.
+with `x` from the CM, at `v_cm t`, to the pad. A size that goes with the momentum of the
+motion is taken for a constant: in space that changes a gradient by a few thousandths.
 """
+
+from collections.abc import Iterator
 
 import numpy as np
 from jaxtyping import Float
 
 from orbident.environment.agents import AGENTS, FILM, STEADY, std_of
-from orbident.environment.motion import PointMotion, RobotMotion, by_step
+from orbident.environment.motion import PointMotion, RobotMotion
 from orbident.environment.worlds import scale_of, what_may_act
-from orbident.estimation.output_error.followed import integral
-from orbident.excitation.floating import Gradient, NodalMotion
+from orbident.estimation.output_error.followed import at_nodes
+from orbident.excitation.floating import (
+    Gradient,
+    NodalMotion,
+    running_integral,
+    running_integral_transposed,
+)
 from orbident.model.kinematics import carrying_joints
 from orbident.model.rotations import rotate, rotate_back
 from orbident.robot.parameters import cross_matrix
+
+LOSSES = ("wheel_loss",)
+ON_THE_BASE = ("base_torque", "slow_base_torque")
 
 UP = np.array([0.0, 0.0, 1.0])
 
@@ -52,49 +65,75 @@ class OutsideChanges:
         ]
         self._at = at
         self._stds = [std_of(each, at.allowed) for each in every]
-        self._drag = [k for k, each in enumerate(every) if each.group == FILM]
-        self.h = self.v = self.felt = np.zeros((at.t.size, 3, len(every)))
+        self._of = {
+            group: [k for k, each in enumerate(every) if each.group == group]
+            for group in groups
+        }
+        self.h = self.v = self.felt = self._torque = np.zeros((at.t.size, 3, len(every)))
         if every:
             force, torque, pull, push = (
-                np.stack(parts, axis=-1) * self._stds
+                at_nodes(np.stack(parts, axis=-1)) * self._stds
                 for parts in zip(*(each.effect for each in every), strict=True)
             )
-            r_cm = by_step(rotate(motion.R, motion.r_cm))[..., None]
-            self.h = integral(at.t, torque - np.cross(r_cm, force, axis=2))
-            self.felt = integral(at.t, force / at.robot.mass + push)
-            self.v = self.felt + integral(at.t, pull)
+            r_cm = rotate(motion.R, motion.r_cm)[..., None]
+            turning = torque - np.cross(r_cm, force, axis=1)
+            self._torque, dt = torque, motion.dt
+            self.h = running_integral(turning, dt)
+            self.felt = running_integral(force / at.robot.mass + push, dt)
+            self.v = self.felt + running_integral(pull, dt)
 
-    def add(
+    def add_v(self, f: Gradient, by_v: Float[np.ndarray, "n v numbers"]) -> None:
+        """Adds the gradient, from that with respect to `v`."""
+        for i, pad, pushed, _ in self._pads:
+            by_x = np.zeros_like(f.w)
+            by_x[:, :2] = -self._stds[pushed] / self._at.robot.mass * by_v[:, :, pushed]
+            self._add_pad(f, i, pad, by_x, np.zeros(len(by_x)))
+
+    def add_h(self, f: Gradient, by_h: Float[np.ndarray, "n h numbers"]) -> None:
+        """Adds the gradient, from that with respect to `h`."""
+        motion = f.motion
+        for groups, by, x in (
+            (LOSSES, by_h, self.h),
+            (ON_THE_BASE, running_integral_transposed(by_h, motion.dt), self._torque),
+        ):
+            own = [k for group in groups for k in self._of.get(group, ())]
+            if own:
+                of_base = np.swapaxes(x[:, :, own], 1, 2) @ motion.R
+                f.R += by[:, :, own] @ of_base
+        for i, pad, pushed, turned in self._pads:
+            x = self._at.in_inertial(self._at.arm(i, pad) - motion.r_cm)
+            by_x = _by_area(x, motion.v_cm * motion.dt, by_h[:, 0, pushed])
+            by_angle = -self._stds[turned] * by_h[:, 0, turned]
+            self._add_pad(f, i, pad, -self._stds[pushed] * by_x, by_angle)
+
+    @property
+    def _pads(self) -> Iterator[tuple[int, Float[np.ndarray, "3"], int, int]]:
+        """The body that a pad is on, its place there, and the columns of its drag."""
+        robot = self._at.robot
+        pads = robot.pads or {robot.bodies[0]: np.zeros(3)}
+        drag = self._of.get(FILM, [])
+        columns = zip(drag[::2], drag[1::2], strict=True)
+        for (body, pad), own in zip(pads.items(), columns, strict=False):
+            yield robot.bodies.index(body), pad, *own
+
+    def _add_pad(
         self,
         f: Gradient,
-        by_h: Float[np.ndarray, "n h numbers"],
-        by_v: Float[np.ndarray, "n v numbers"],
+        body: int,
+        pad: Float[np.ndarray, "3"],
+        by_x: Float[np.ndarray, "n 3"],
+        by_angle: Float[np.ndarray, " n"],
     ) -> None:
-        """Adds the gradient, from those with respect to `h` and `v`: that of drag."""
-        at, motion, stds = self._at, f.motion, self._stds
-        pads = at.robot.pads or {at.robot.bodies[0]: np.zeros(3)}
-        columns = np.reshape(self._drag, (-1, 2))
-        for (body, pad), (pushed, turned) in zip(pads.items(), columns, strict=False):
-            i, c, c_r = at.robot.bodies.index(body), stds[pushed], stds[turned]
-            arm = at.arm(i, pad)
-            u = arm - motion.r_cm
-            by_x = np.zeros_like(u)
-            by_x[:, :2] = -c / at.robot.mass * by_v[:, :, pushed]
-            by_x -= c * _by_area(
-                rotate(motion.R, u), motion.v_cm * motion.dt, by_h[:, 0, pushed]
-            )
-            by_angle = -c_r * by_h[:, 0, turned]
-            f.R += by_x[:, :, None] * u[:, None]
-            f.R += by_angle[:, None, None] / 2 * (motion.R @ cross_matrix(UP))
-            by_u = rotate_back(motion.R, by_x)
-            f.r_cm -= by_u
-            poses = at.poses
-            by_q = (poses.field_u + np.cross(poses.field_w, arm[:, None])) @ by_u[
-                ..., None
-            ]
-            f.q += carrying_joints(at.robot, i) * (
-                by_q[..., 0] + by_angle[:, None] * poses.field_w[:, :, 2]
-            )
+        """From the gradients by where a pad is from the CM, and how far it turned."""
+        at, R = self._at, f.motion.R
+        arm, fields = at.arm(body, pad), at.poses
+        f.R += by_x[:, :, None] * (arm - f.motion.r_cm)[:, None]
+        f.R += by_angle[:, None, None] / 2 * (R @ cross_matrix(UP))
+        by_arm = rotate_back(R, by_x)
+        f.r_cm -= by_arm
+        moved = fields.field_u + np.cross(fields.field_w, arm[:, None])
+        by_q = rotate(moved, by_arm) + by_angle[:, None] * fields.field_w[:, :, 2]
+        f.q += carrying_joints(at.robot, body) * by_q
 
 
 def _by_area(
