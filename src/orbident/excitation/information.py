@@ -27,7 +27,7 @@ from orbident.excitation.floating import (
     running_integral,
     running_integral_transposed,
 )
-from orbident.excitation.outside_changes import OutsideChanges
+from orbident.excitation.outside_changes import OutsideChanges, anything_may_act
 from orbident.model.derivatives import derivatives_of_beta
 from orbident.model.independent import DEPENDENT
 from orbident.model.minimal_sets import MinimalSets
@@ -51,6 +51,8 @@ class Sensing:
     """Axes in which angular momentum is conserved."""
     v: tuple[int, ...]
     """Axes in which linear momentum is conserved."""
+    acting: bool
+    """Whether anything may act from outside."""
 
 
 def weights_of(sensors: SensorsSpec) -> dict[str, float]:
@@ -87,6 +89,7 @@ def sensing_of(robot: Robot, sets: MinimalSets) -> Sensing:
         unit,
         regressors.momentum_axes,
         regressors.velocity_axes,
+        anything_may_act(robot),
     )
 
 
@@ -113,37 +116,35 @@ def _unit(
 class SensedChanges:
     """What sensors see of changes of the unknowns and of `h_cm`, side by side.
 
-    The first columns of `dw` (base axes) and `dv` (inertial axes) are the unknowns'.
+    The first columns of `dw` (base axes) and `dv` (inertial axes) are the unknowns',
+    and from `first` on they are those of what may act, each at its deviation.
     """
 
     def __init__(self, sensing: Sensing, motion: NodalMotion, at_rest: bool) -> None:
         """`at_rest`: `h_cm = 0` is known, and no unknown."""
         h, v = sensing.h, sensing.v
         self.sensing, self.motion = sensing, motion
-        self.outside = OutsideChanges(motion)
+        self.outside = OutsideChanges(motion) if sensing.acting else None
         self.R_h, self.R_v = block(motion.R, h, h), block(motion.R, v, v)
         self.E = block(motion.E, h, h)
         self.lever = block(cross_matrix(motion.r_cm), v, h)
-        one = np.eye(len(h), 0 if at_rest else len(h))
-        one = np.broadcast_to(one, (len(motion.w), *one.shape))
-        self.dh_cm = np.concatenate([one, self.outside.h[:, h]], axis=2)
         # R_0^T dh_cm - Y dpi.
-        inside = -(motion.Y @ sensing.pi_of)
-        turned = np.swapaxes(self.R_h, 1, 2) @ self.dh_cm
-        self.dh = np.concatenate([inside, turned], axis=2)
+        change, R_T = [-(motion.Y @ sensing.pi_of)], np.swapaxes(self.R_h, 1, 2)
+        if not at_rest:
+            change.append(R_T)
+        self.first = sum(columns.shape[2] for columns in change)
+        if self.outside:
+            change.append(R_T @ self.outside.h[:, h])
+        self.dh = np.concatenate(change, axis=2)
         self.dw = self.E @ self.dh
         W = motion.W @ sensing.phi_of
         self.dv_B = self.lever @ self.dw
         self.dv_B[:, :, : W.shape[2]] += W
-        self.dv = self.R_v @ self.dv_B
-        self.felt = self.dv.copy()
-        self.dv[:, :, self.first :] += self.outside.v[:, v]
-        self.felt[:, :, self.first :] += self.outside.felt[:, v]
-
-    @property
-    def first(self) -> int:
-        """The column of the first number of what may act; they are the last."""
-        return self.dh.shape[2] - self.outside.h.shape[2]
+        self.dv = self.felt = self.R_v @ self.dv_B
+        if self.outside:
+            self.felt = self.dv.copy()
+            self.dv[:, :, self.first :] += self.outside.v[:, v]
+            self.felt[:, :, self.first :] += self.outside.felt[:, v]
 
     def rows(self, sensor: str) -> Rows:
         """What one sensor sees, then of its own constants."""
@@ -184,7 +185,8 @@ class SensedChanges:
     def _add_dv(self, f: Gradient, by_dv: Rows) -> None:
         """`dv = R_v (W dphi + lever dw) + dv_cm`."""
         sensing = self.sensing
-        self.outside.add_v(f, by_dv[:, :, self.first :])
+        if self.outside:
+            self.outside.add_v(f, by_dv[:, :, self.first :])
         _add(f.R, sensing.v, sensing.v, by_dv @ np.swapaxes(self.dv_B, 1, 2))
         by = np.swapaxes(self.R_v, 1, 2) @ by_dv
         f.W += by[:, :, : sensing.phi_of.shape[1]] @ sensing.phi_of.T
@@ -199,9 +201,13 @@ class SensedChanges:
         _add(f.E, sensing.h, sensing.h, by_dw @ np.swapaxes(self.dh, 1, 2))
         by = np.swapaxes(self.E, 1, 2) @ by_dw
         f.Y -= by[:, :, :u] @ sensing.pi_of.T
-        by_turned = np.swapaxes(by[:, :, u:], 1, 2)
-        _add(f.R, sensing.h, sensing.h, self.dh_cm @ by_turned)
-        self.outside.add_h(f, self.R_h @ by[:, :, self.first :])
+        if self.first > u:
+            by_R = np.swapaxes(by[:, :, u : self.first], 1, 2)
+            _add(f.R, sensing.h, sensing.h, by_R)
+        if self.outside:
+            own, h = by[:, :, self.first :], self.outside.h[:, sensing.h]
+            _add(f.R, sensing.h, sensing.h, h @ np.swapaxes(own, 1, 2))
+            self.outside.add_h(f, self.R_h @ own)
 
 
 class Information:

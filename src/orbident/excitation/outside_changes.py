@@ -24,7 +24,7 @@ from jaxtyping import Float
 
 from orbident.environment.agents import AGENTS, FILM, STEADY, std_of
 from orbident.environment.motion import PointMotion, RobotMotion
-from orbident.environment.worlds import scale_of, what_may_act
+from orbident.environment.worlds import Scale, scale_of, what_may_act
 from orbident.estimation.output_error.followed import at_nodes
 from orbident.excitation.floating import (
     Gradient,
@@ -34,12 +34,19 @@ from orbident.excitation.floating import (
 )
 from orbident.model.kinematics import carrying_joints
 from orbident.model.rotations import rotate, rotate_back
+from orbident.robot.description import Robot
 from orbident.robot.parameters import cross_matrix
 
 LOSSES = ("wheel_loss",)
 ON_THE_BASE = ("base_torque", "slow_base_torque")
 
 UP = np.array([0.0, 0.0, 1.0])
+
+
+def anything_may_act(robot: Robot) -> bool:
+    """Whether anything has a size, whatever the motion."""
+    allowed = what_may_act(robot, Scale(0.0, 1.0, 1.0, 1.0))
+    return any(each.size for each in allowed.values())
 
 
 class OutsideChanges:
@@ -53,7 +60,7 @@ class OutsideChanges:
     """The part of `v` that an accelerometer feels."""
 
     def __init__(self, motion: NodalMotion) -> None:
-        """Along a motion at an odd number of nodes, where anything may act."""
+        """Along a motion at an odd number of nodes."""
         at = robot_motion(motion)
         groups = {group for group, each in at.allowed.items() if each.size}
         groups |= {STEADY[group] for group in groups & STEADY.keys()}
@@ -69,7 +76,9 @@ class OutsideChanges:
             group: [k for k, each in enumerate(every) if each.group == group]
             for group in groups
         }
-        self.h = self.v = self.felt = self._torque = np.zeros((at.t.size, 3, len(every)))
+        self.h = self.v = self.felt = self._torque = np.zeros(
+            (at.t.size, 3, len(every))
+        )
         if every:
             force, torque, pull, push = (
                 at_nodes(np.stack(parts, axis=-1)) * self._stds
