@@ -133,13 +133,15 @@ def design_excitation(
         _judged(robot, given, objective, found[:JUDGED])
         for found in (searched.optima, sorted(searched.random, key=lambda f: f.value))
     )
-    best = min([*optima, *random], key=lambda each: each.value)
+    by_chance = min(random, key=lambda each: each.value)
+    best = min([*optima, by_chance], key=lambda each: each.value)
     made = {
         "objective": objective,
         "value": _finite(best.value),
         "searched_value": _finite(best.searched),
         "harmonics": best.proven.trajectory.a.shape[1],
-        "best_random_start": _finite(min(each.value for each in random)),
+        "best_random_start": _finite(by_chance.value),
+        "price_of_random_start": by_chance.scores.price,
         "uncertainty": uncertainty,
         "seed": seed,
         **_effort(searched),
