@@ -95,9 +95,7 @@ def designed(found: Any, paper: Any, at_rest: bool) -> list[Any]:
     if paper is not None and paper.quoted is not None:
         lines.append(f"the paper quotes a condition number of {paper.quoted:g} for its")
     scores = made["scores"]
-    lines += [
-        f"  {words:30} {_number(scores[key])}" for key, words in CRITERIA.items()
-    ]
+    lines += [f"  {words:30} {_number(scores[key])}" for key, words in CRITERIA.items()]
     if scores["price"] is not None:
         lines.append(
             "what may act from outside makes deviations "
