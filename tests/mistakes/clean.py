@@ -1,7 +1,8 @@
 """`python tests/mistakes/clean.py`: recordings without a mistake, by every method.
 
-How many are refused, and how often the 95 % intervals hold what is true. The seconds of
-the first method include the fit of the sensors by which the others are judged too.
+With `--acting` all that may act in the robot's world does. How many are refused, and
+how often the 95 % intervals hold what is true. The seconds of the first method include the
+fit of the sensors by which the others are judged too.
 """
 
 import argparse
@@ -25,6 +26,7 @@ from table import lines
 
 import orbident as oi
 from orbident.estimation.identify import METHODS, Method
+from orbident.recordings.recording import Recording
 
 INTERVAL = 1.959964
 """Deviations to either side: 95 % of a normal distribution."""
@@ -64,10 +66,10 @@ class Runs:
         self.reasons += other.reasons
         self.seconds += other.seconds
 
-    def take(self, clean: Clean, seed: int, method: Method) -> None:
+    def take(self, clean: Clean, recording: Recording, method: Method) -> None:
         """Identify one recording."""
         started = time.perf_counter()
-        recording, robot = recorded(clean, seed), designed(clean.robot)
+        robot = designed(clean.robot)
         reason = ""
         try:
             result = oi.identify(
@@ -98,13 +100,14 @@ def coverage(z: Sequence[float]) -> float:
 ByMethod = dict[Method, Runs]
 
 
-def of_robot(name: str, seeds: int = SEEDS) -> ByMethod:
+def of_robot(name: str, seeds: int = SEEDS, acting: bool = False) -> ByMethod:
     """All recordings of one robot."""
     done: ByMethod = {method: Runs() for method in METHODS}
     for seed in range(seeds):
+        recording = recorded(flight(name), seed, acting=acting)
         with fits_remembered():
             for method in METHODS:
-                done[method].take(flight(name), seed, method)
+                done[method].take(flight(name), recording, method)
     return done
 
 
@@ -112,6 +115,7 @@ def of_robots(
     names: Sequence[str],
     workers: int,
     seeds: int = SEEDS,
+    acting: bool = False,
     progress: Callable[[str], object] = str,
 ) -> dict[str, ByMethod]:
     """The runs of every method, grouped by robot."""
@@ -119,7 +123,7 @@ def of_robots(
     # A fresh interpreter: threads of the core do not survive a fork.
     with ProcessPoolExecutor(workers, get_context("spawn")) as pool:
         for name, runs in zip(
-            names, pool.map(of_robot, names, repeat(seeds)), strict=True
+            names, pool.map(of_robot, names, repeat(seeds), repeat(acting)), strict=True
         ):
             found[name] = runs
             progress(f"{len(found)}/{len(names)} {name}")
@@ -176,6 +180,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--workers", type=int, default=2, help="processes at a time")
     parser.add_argument("--seeds", type=int, default=SEEDS, help="of each robot")
+    parser.add_argument("--acting", action="store_true", help="what may act does")
     parser.add_argument("--out", type=Path, help="file for the tables, Markdown")
     given = parser.parse_args()
     parts = []
@@ -184,6 +189,7 @@ def main() -> int:
             [*names],
             given.workers,
             given.seeds,
+            given.acting,
             lambda words: print(words, file=sys.stderr),
         )
         parts.append(f"{title}\n\n{markdown(found)}\n")

@@ -6,6 +6,8 @@ from dataclasses import replace
 from functools import cache
 
 import numpy as np
+from disturbed import pushed
+from drawn_world import drawn_world
 from random_motions import Start, random_motion
 from random_robots import (
     random_parents,
@@ -66,9 +68,10 @@ def flight(name: str) -> Clean:
     return Clean(robot, trajectory, state, t, true, "at-rest" if planar else "unknown")
 
 
-def recorded(clean: Clean, seed: int) -> Recording:
-    """The recording of a flight, with the noise of this seed."""
-    return measure_truth(clean.robot, clean.t, clean.true, seed)
+def recorded(clean: Clean, seed: int, *, acting: bool = False) -> Recording:
+    """The recording of a flight, with the noise, and the world, of this seed."""
+    true = pushed(clean, drawn_world(clean, seed)) if acting else clean.true
+    return measure_truth(clean.robot, clean.t, true, seed)
 
 
 def _random(number: int) -> Robot:

@@ -122,7 +122,7 @@ def _sensitivity(result: Any) -> list[str]:
         return []
     name, unit, parameter, shift = table.worst()
     return [
-        f"{table.instruments} errors of instruments are taken for zero: 1 {unit} of "
+        f"{len(table.errors)} errors of instruments are taken for zero: 1 {unit} of "
         f"{name} would",
         f"shift {parameter} by {Numeric(shift, '.2g')} sigmas (see 'tolerances' in the "
         "docs; all: --json)",

@@ -16,7 +16,6 @@ from orbident.diagnosis.trial import Trial, trial
 from orbident.errors import InputError
 from orbident.estimation.clock_search import WORTH
 from orbident.estimation.momentum_problem import MomentumProblem
-from orbident.estimation.output_error.estimator import known_to_act
 from orbident.estimation.output_error.problem import linear, problem_of
 from orbident.estimation.output_error.sensors import sensors_of
 from orbident.estimation.solution import Solution
@@ -118,7 +117,7 @@ def _left(changed: MomentumProblem, solution: Solution) -> Float[np.ndarray, " n
     )
     equations = problem_of(robot, changed.sets, changed.samples, sensors)
     # The places of calibrations are others where there are other wheels.
-    free = [*equations.declared, *equations.unknowns(known_to_act(equations))]
+    free = [*equations.declared, *equations.expected]
     places = np.array([each.place for each in free])
     same = equations.boundaries.size == len(solution.state.x_WB)
     same &= all(len(each) == equations.t.size for each in solution.weights.values())

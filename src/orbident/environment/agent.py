@@ -12,7 +12,7 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from orbident.environment.motion import Effect, Load, RobotMotion, Vectors, by_step
+from orbident.environment.motion import Effect, Load, RobotMotion, Vectors
 from orbident.errors import InputError
 from orbident.orbits.orbit import Arc
 from orbident.trajectories.environment import Environment
@@ -87,8 +87,8 @@ class Agent:
     """The group that is its mean, and stands beside it."""
     slow: ClassVar[bool] = False
     """Whether it follows whatever changes slowly."""
-    alike: ClassVar[str] = ""
-    """What it can be taken for: agents of the same word turn the robot alike."""
+    alike: ClassVar[tuple[str, ...]] = ()
+    """Groups that it can be taken for, of the same unit."""
     density: ClassVar[str] = ""
     """The field of `MomentumWalk` that says how strong it is; empty for an agent that
     is no random walk of the momentum."""
@@ -109,12 +109,7 @@ class Agent:
             motion: the motion that was measured.
         """
         for name, torque in self.torques(motion):
-            effect = motion.nothing._replace(torque=by_step(torque))
-            yield self.column(name, effect)._replace(std=self.share(motion))
-
-    def share(self, motion: RobotMotion) -> float:
-        """The deviation of each of its torques, of an agent of size one."""
-        return 1.0
+            yield self.column(name, motion.turning(torque))
 
     def torques(self, motion: RobotMotion) -> Named:
         """Those of its columns that only turn: torques about S, inertial axes."""

@@ -64,12 +64,8 @@ def loads_of(world: World, motion: RobotMotion) -> list[Load]:
     return [x for agent in AGENTS.values() for x in agent.loads(world, motion)]
 
 
-ALIKE = {
-    group: {other.group for other in AGENTS.values() if other.alike == each.alike}
-    for group, each in AGENTS.items()
-    if each.alike
-}
-"""What may be taken for what, by groups, themselves included."""
+ALIKE = {group: each.alike for group, each in AGENTS.items()}
+"""What may be taken for what, by groups."""
 
 
 def disturbances(motion: RobotMotion) -> Iterator[Disturbance]:
@@ -78,18 +74,7 @@ def disturbances(motion: RobotMotion) -> Iterator[Disturbance]:
     Args:
         motion: the motion that was measured, with what is allowed to act.
     """
-    for agent in AGENTS.values():
-        size = _size(motion, agent)
-        for each in agent.columns(motion):
-            # The deviation of a walk is its density.
-            yield each if agent.density else each._replace(std=size * each.std)
-
-
-def _size(motion: RobotMotion, agent: Agent) -> float:
-    """The agent's own, or that of what it is the mean of."""
-    groups = {agent.group} | {slow for slow in STEADY if STEADY[slow] == agent.group}
-    sizes = [motion.allowed[group].size for group in groups & motion.allowed.keys()]
-    return min(max(sizes, default=0.0), FREE)
+    return (each for agent in AGENTS.values() for each in agent.columns(motion))
 
 
 def std_of(disturbance: Disturbance, allowed: Mapping[str, MayAct]) -> float:

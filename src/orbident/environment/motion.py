@@ -112,6 +112,10 @@ class RobotMotion:
         zero = np.zeros((self.t.size // 2, 3, 3))
         return Effect(zero, zero, zero, zero)
 
+    def turning(self, torque: Vectors) -> Effect:
+        """What only turns: a torque about S, inertial axes, N m."""
+        return self.nothing._replace(torque=by_step(torque))
+
     def in_inertial(self, x: Vectors) -> Vectors:
         """Vectors in base axes, in inertial ones."""
         return rotate(self.R_WB, x)

@@ -2,10 +2,15 @@
 
     constant torque            tau = e_k                    inertial axes
     torque fixed to the base   tau = R_WB e_k
-    slow torque                tau = e_k cos(m pi t / T)    m = 1 .. 2 T / shortest
-    the same on the base       tau = R_WB e_k cos(m pi t / T)
-    wheel losing speed unseen  tau = d/dt (R_WB a_k l),  dl/dt = cos(m pi t / T)
+    slow torque                tau = e_k f(t)
+    the same on the base       tau = R_WB e_k f(t)
+    wheel losing speed unseen  tau = d/dt (R_WB a_k l),  dl/dt = f(t)
     push for a short time d    tau = e_k p,  b = e_k p      p = cos(m pi s / d) / d
+
+What is slow is a Gaussian process of the size `s` beside its mean, which hardly swings
+faster than its shortest time `d`, as its spectrum at `1 / d` is `e^-2` of the largest,
+
+    cov(f(t), f(t')) = s^2 exp(-(t - t')^2 / (2 l^2)),    l = d / pi
 
 A flight draws what is slow, cov(tau(t), tau(t + s)) = std^2 exp(-abs(s) / T), and its
 pushes are forces at S, constant for a while in base axes.
@@ -20,10 +25,11 @@ orthonormal; Karhunen 1947). The first `WAVES` of them leave out a part of
 `1 / (pi^2 WAVES)` of its variance. Such a force acts through the system CM.
 """
 
-import math
 from collections.abc import Iterator, Sequence
 
 import numpy as np
+from jaxtyping import Float
+from scipy.integrate import cumulative_simpson
 
 from orbident.environment.agent import AXES, Agent, Disturbance, Named, World
 from orbident.environment.motion import Load, RobotMotion, Vectors, by_step
@@ -33,16 +39,19 @@ from orbident.model.minimal_sets import conserved_axes
 from orbident.model.rotations import rotate
 
 WAVES = 24
-"""So a walk's deviation is wrong by a fifth of a percent. What changes slowly has as
-many at most: a motion of an hour would have hundreds."""
+"""So a walk's deviation is wrong by a fifth of a percent."""
+
+TIMES = 64
+"""Times at which the covariance of what swings slowly is decomposed."""
+
+SWINGS = 12.0
+"""Times that it is correlated in a recording, at most: some 24 shapes."""
+
+SMALL = 3e-3
+"""Of the largest shape: smaller ones move the momentum by less than sensors show."""
 
 LEAST = 1e-9
 """SI: the first guess of a density where nothing moves."""
-
-
-def _of_each_wave(agent: Agent, motion: RobotMotion) -> float:
-    """A cosine has half the mean square of a constant."""
-    return math.sqrt(2 / half_waves(motion, agent.group))
 
 
 class ConstantTorque(Agent):
@@ -50,7 +59,7 @@ class ConstantTorque(Agent):
 
     group = "torque"
     words = "a constant torque acts, inertial axes"
-    alike = "torque"
+    alike = ("base_torque", "wheel_loss")
 
     def loads(self, world: World, motion: RobotMotion) -> Iterator[Load]:
         """A moment on the base."""
@@ -68,18 +77,18 @@ class VaryingTorque(ConstantTorque):
 
     group = "slow_torque"
     words = "a torque acts that changes slowly, inertial axes"
+    alike = ("slow_base_torque", "wheel_loss")
     mean = ConstantTorque.group
     slow = True
-    share = _of_each_wave
 
     def loads(self, world: World, motion: RobotMotion) -> Iterator[Load]:
         """A moment on the base."""
         if self.group in world.drawn:
             yield motion.load(moment=world.drawn[self.group](motion.t))
 
-    def torques(self, motion: RobotMotion) -> Named:
-        """Half waves of all."""
-        return _slowly(motion, self.group, [*super().torques(motion)])
+    def columns(self, motion: RobotMotion) -> Iterator[Disturbance]:
+        """Each of its shapes about all axes."""
+        return _slowly(self, motion, [*self.torques(motion)])
 
 
 class BaseTorque(Agent):
@@ -87,7 +96,7 @@ class BaseTorque(Agent):
 
     group = "base_torque"
     words = "a torque acts that turns with the base, base axes"
-    alike = "torque"
+    alike = ("torque", "wheel_loss")
     needs = "a robot whose motion is spatial"
 
     def torques(self, motion: RobotMotion) -> Named:
@@ -101,14 +110,14 @@ class VaryingBaseTorque(BaseTorque):
 
     group = "slow_base_torque"
     words = "a torque acts that turns with the base and changes slowly, base axes"
+    alike = ("slow_torque", "wheel_loss")
     mean = BaseTorque.group
     slow = True
-    share = _of_each_wave
 
-    def torques(self, motion: RobotMotion) -> Named:
-        """Half waves of each."""
-        for each in super().torques(motion):
-            yield from _slowly(motion, self.group, [each])
+    def columns(self, motion: RobotMotion) -> Iterator[Disturbance]:
+        """All of its shapes about each axis."""
+        for each in self.torques(motion):
+            yield from _slowly(self, motion, [each])
 
 
 class WheelLoss(Agent):
@@ -119,19 +128,22 @@ class WheelLoss(Agent):
 
     group = "wheel_loss"
     words = "wheels lose momentum that their recorded speeds do not show"
-    alike = "torque"
+    alike = ("slow_torque", "slow_base_torque")
     needs = "a wheel, and a robot whose motion is spatial"
     slow = True
-    share = _of_each_wave
 
     def torques(self, motion: RobotMotion) -> Named:
-        """A constant loss and half waves of it, of each wheel."""
-        t = motion.t[:, None] - motion.t[0]
-        for wheel in motion.robot.wheels if motion.robot.motion == "spatial" else ():
-            for m in range(min(half_waves(motion, self.group), WAVES) + 1):
-                k, rate = m * np.pi / t[-1], np.cos(m * np.pi * t / t[-1])
-                lost = np.sin(k * t) / k if m else t
-                torque = np.cross(motion.w, wheel.axis * lost) + wheel.axis * rate
+        """A constant loss, and one that changes slowly, of each wheel."""
+        wheels = motion.robot.wheels if motion.robot.motion == "spatial" else ()
+        if not wheels:
+            return
+        shapes = slow_shapes(motion, self.group)
+        rates = np.column_stack([np.ones(motion.t.size), shapes])
+        lost = cumulative_simpson(rates, x=motion.t, axis=0, initial=0.0)
+        for wheel in wheels:
+            for m, (rate, loss) in enumerate(zip(rates.T, lost.T, strict=True)):
+                turned = np.cross(motion.w, np.outer(loss, wheel.axis))
+                torque = turned + np.outer(rate, wheel.axis)
                 yield f"{wheel.name}.{m}", motion.in_inertial(torque)
 
 
@@ -219,21 +231,34 @@ class ForceWalk(Agent):
                 yield self.column(name, effect)._replace(std=std)
 
 
-def half_waves(motion: RobotMotion, group: str) -> int:
-    """How many half waves in a recording are slow enough, and one at least."""
+def _slowly(
+    agent: Agent, motion: RobotMotion, torques: Sequence[tuple[str, Vectors]]
+) -> Iterator[Disturbance]:
+    for m, shape in enumerate(slow_shapes(motion, agent.group).T, start=1):
+        for name, x in torques:
+            yield agent.column(f"{name}.{m}", motion.turning(x * shape[:, None]))
+
+
+def slow_shapes(motion: RobotMotion, group: str) -> Float[np.ndarray, "nodes shapes"]:
+    """What swings slowly, as a sum of shapes whose sizes are independent and alike.
+
+    With the covariance `K` at some times, `V` and `L` its eigenvectors and values, they
+    are `K(t, times) V L^-1/2` (Karhunen 1947), as far as they are large.
+    """
     allowed = motion.allowed.get(group)
     shortest = allowed.shortest if allowed else None
     shortest = shortest or SHORTEST[world_of(motion.robot)]
-    return max(1, math.ceil(2 * (motion.t[-1] - motion.t[0]) / shortest))
+    start, end = motion.t[0], motion.t[-1]
+    lasts = max(shortest / np.pi, (end - start) / SWINGS)
+    times = np.linspace(start, end, TIMES)
+    K = _covariance(times, times, lasts)
+    values, V = np.linalg.eigh(K)
+    large = np.flatnonzero(values > SMALL**2 * values[-1])[::-1]
+    return _covariance(motion.t, times, lasts) @ V[:, large] / np.sqrt(values[large])
 
 
-def _slowly(
-    motion: RobotMotion, group: str, vectors: Sequence[tuple[str, Vectors]]
-) -> Named:
-    t = motion.t[:, None] - motion.t[0]
-    for m in range(1, min(half_waves(motion, group), WAVES) + 1):
-        for name, x in vectors:
-            yield f"{name}.{m}", x * np.cos(m * np.pi * t / t[-1])
+def _covariance(t: np.ndarray, s: np.ndarray, lasts: float) -> np.ndarray:
+    return np.exp(-(((t[:, None] - s) / lasts) ** 2) / 2)
 
 
 def _white(motion: RobotMotion, axes: Sequence[int]) -> Named:

@@ -46,7 +46,7 @@ DRAG_COEFFICIENT = 2.2
 THIN_AIR = ((300e3, 2.4e-11), (400e3, 3.7e-12), (500e3, 7.0e-13), (700e3, 3.6e-14))
 """Mean density of the air, kg/m^3, at heights, m (Vallado, Table 8-4)."""
 
-SHORTEST = {"table": 6.0, "orbit": 30.0, "space": 30.0}
+SHORTEST = {"table": 6.0, "orbit": 60.0, "space": 60.0}
 """s: what changes slowly swings at least so long. Hoses and the air of a hall take
 seconds; in space nothing but the robot's own turning is as fast."""
 
@@ -109,8 +109,13 @@ def what_may_act(robot: Robot, scale: Scale) -> dict[str, MayAct]:
     if sizes is None:
         found = {"table": _on_a_table, "orbit": _in_orbit, "space": _in_space}[world]
         sizes = {name: MayAct(size) for name, size in found(robot, scale).items()}
+        if robot.momentum_walk.torque:
+            # A walk changes slowly, too.
+            sizes.pop("slow_torque")
     if world == "table" and robot.pads:
         sizes = {"drag": MayAct(np.inf), **sizes}
+    walks = robot.momentum_walk._asdict().items()
+    sizes = sizes | {f"{name}_walk": MayAct(q) for name, q in walks if q}
     shortest = SHORTEST[world]
     return {
         name: each._replace(shortest=each.shortest or shortest)

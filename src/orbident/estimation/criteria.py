@@ -16,11 +16,11 @@ from orbident.estimation.kinetic_energy import positive_energy
 from orbident.estimation.mass_routes import agreement_of_routes, beside_nominal
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.obstacles import surprise
+from orbident.estimation.output_error.acting import LONGEST
 from orbident.estimation.quantities import Quantity
 from orbident.estimation.recursive.changes import changes_in_words
 from orbident.estimation.residual_checks import CAUSES, residual_checks
 from orbident.files.names import joined, listed
-from orbident.model.formulas import formulas_of
 
 # Deviations between two estimates of the same recording that are no chance.
 FAR = 3.0
@@ -28,8 +28,6 @@ FAR = 3.0
 SPREAD = 0.5
 # A mass counts as determined if its deviation is below this part of it.
 VAGUE = 0.3
-# Deviations: what could shift a parameter further, unseen, calls for care.
-HARM = 5.0
 # So many neighbours are named; more are given by the first and the last.
 LISTED = 20
 # So many sizes of what acts from outside are written out.
@@ -77,7 +75,7 @@ def judge(solved: Solved, masses: dict[str, Quantity]) -> Judgement:
             *_changes(estimate),
             *_disturbances(estimate, problem),
             *_two_explanations(problem, shown or estimate),
-            *_unseen(estimate, problem),
+            *_what_may_act(shown or estimate, problem),
             *agreement_of_routes(masses),
             *beside_nominal(estimate.mass, robot.mass, len(robot.wheels)),
             *_possible_numbers(estimate),
@@ -167,9 +165,6 @@ def _mass(
     if estimate is not shown:
         # Its deviations hold how far it is from what the sensors show.
         level, remedy = "with care", "identify by maximum-likelihood"
-    elif estimate.suspected:
-        # They hold that something acts, though perhaps nothing does.
-        level, remedy = "with care", "say in the robot file what acts (disturbances)"
     else:
         level = "do not trust"
         remedy = "record a richer or longer motion, with more momentum in the wheels"
@@ -238,8 +233,7 @@ def _changes(estimate: Estimate) -> Iterator[Check]:
 
 def _two_explanations(problem: MomentumProblem, shown: Estimate) -> Iterator[Check]:
     """A clock that seems late and a slow torque may both stand for something else."""
-    groups = {fit.group for fit in shown.disturbances.values()}
-    slow = groups & {*SLOW} - {*problem.robot.said_to_act}
+    slow = {*shown.unexpected} & {*SLOW}
     if problem.late and slow:
         yield Check(
             "clock and torque",
@@ -252,34 +246,30 @@ def _two_explanations(problem: MomentumProblem, shown: Estimate) -> Iterator[Che
         )
 
 
-def _unseen(estimate: Estimate, problem: MomentumProblem) -> Iterator[Check]:
-    """Care is needed where something may act too faintly to be seen, and do harm.
-
-    Only who recorded it knows that nothing does: the data cannot say.
-    """
-    if not estimate.unseen or problem.robot.disturbances is not None:
-        return
-    std = np.sqrt(np.diag(estimate.found.base.covariance))
-    groups = [*estimate.unseen]
-    shifts = np.nan_to_num(np.array([estimate.unseen[group] for group in groups]) / std)
-    row, column = np.unravel_index(shifts.argmax(), shifts.shape)
-    group, largest = groups[row], float(shifts[row, column])
-    names = formulas_of(problem.robot, problem.sets).base.names
-    reason = (
-        f"perhaps {IN_WORDS[group]}, too faint to be seen: it could shift "
-        f"{names[column]} by up to {largest:.2g} sigmas, which no deviation holds"
-    )
-    harms = largest > HARM
-    remedy = (
-        f"if it may act, say so (--disturbance {group}); if you know that nothing like "
-        "it acts, say that in the robot file (disturbances: [])"
-    )
-    level: Level = "with care" if harms else "trust"
-    yield Check("unseen", level, reason, remedy if harms else "", largest, HARM)
+def _what_may_act(estimate: Estimate, problem: MomentumProblem) -> Iterator[Check]:
+    """What the deviations hold, and what it costs to know no more."""
+    rows = problem.samples.t.size
+    if rows > LONGEST and problem.robot.disturbances is None:
+        yield Check(
+            "what may act",
+            "with care",
+            f"what may act from outside is in no deviation: the recording has {rows} "
+            f"rows, of at most {LONGEST} in which it can be estimated",
+            "identify a part of the recording (--start, --end), or say that nothing "
+            "acts (disturbances: [] in the robot file)",
+        )
+    elif estimate.allowed:
+        names = listed([name.replace("_", " ") for name in estimate.allowed])
+        yield Check(
+            "what may act",
+            "trust",
+            f"deviations hold what may act ({names}); if nothing did, they would be "
+            f"{estimate.widened_by:.2g} times narrower",
+        )
 
 
 def _disturbances(estimate: Estimate, problem: MomentumProblem) -> Iterator[Check]:
-    """Care is needed where nobody had said that something acts."""
+    """What acts: care is needed where it is more than may act."""
     fits, pushed = estimate.disturbances, problem.samples.pushed
     in_words = dict(IN_WORDS)
     if pushed:
@@ -294,14 +284,21 @@ def _disturbances(estimate: Estimate, problem: MomentumProblem) -> Iterator[Chec
                 f"{name} = {fit.value:.3g} +- {fit.std:.1g} {fit.unit}"
                 for name, fit in own.items()
             )
-        said = group in problem.robot.said_to_act
+        more = group in estimate.unexpected or group == PUSH
         yield Check(
             f"{group} from outside",
-            "trust" if said else "with care",
+            "with care" if more else "trust",
             f"{in_words[group]}: {sizes}; it was identified with the parameters, one "
             f"of which would be off by {largest.shift:.2g} sigmas without it",
-            LOST if group == "wheel_loss" and not said else "",
+            _remedy(group) if more else "",
         )
+
+
+def _remedy(group: str) -> str:
+    if group == PUSH:
+        return ""
+    said = f"if it acts, say so in the robot file (disturbances: [{group}])"
+    return f"{LOST}; {said}" if group == "wheel_loss" else said
 
 
 def unsettled_weights(estimate: Estimate) -> list[Check]:

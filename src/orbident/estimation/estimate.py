@@ -20,7 +20,7 @@ from orbident.estimation.shared import Shared
 from orbident.estimation.signals import Signals
 from orbident.estimation.solution import Convergence, Solution
 from orbident.estimation.unknowns import CalibrationFit, DisturbanceFit, Sensitivity
-from orbident.files.json_parts import Keyed, NumberOrNone, Unwritten
+from orbident.files.json_parts import Keyed, NullableNumber, NumberOrNone, Unwritten
 from orbident.files.schema_parts import WrongValueError
 from orbident.preprocessing.origins import Origin
 
@@ -79,6 +79,11 @@ class BesideParameters:
     """The errors of instruments that have a tolerance."""
     disturbances: Mapping[str, Keyed[DisturbanceFit]] = field(default_factory=dict)
     """What acted from outside, where the recording shows that something did."""
+    allowed: Mapping[str, NullableNumber] = field(default_factory=dict)
+    """How large what acts may be, by its group: the standard deviation beforehand that
+    is in all deviations, SI; NaN for anything."""
+    widened_by: float = 1.0
+    """Deviations of the base parameters over those if nothing acted, in the mean."""
     history: Unwritten[History] = field(default=None, compare=False, repr=False)
     """How a recursive estimate came about; in a RUN it is `history.csv`."""
 
@@ -98,13 +103,8 @@ class Estimate(BesideParameters):
     goodness: Goodness | None = None
     """How large all residuals are; None where the noise is estimated from them."""
     sensors: Mapping[str, SensorFit] = field(default_factory=dict)
-    suspected: Mapping[str, float] = field(default_factory=dict)
-    """What may act too and is not sure, by its group: the fall in chi-square if it were
-    an unknown."""
-    unseen: Mapping[str, Float[np.ndarray, " beta"]] = field(default_factory=dict)
-    """How far off `beta` could be by what acts too faintly to be seen, by its group."""
-    instead: Mapping[str, Float[np.ndarray, " beta"]] = field(default_factory=dict)
-    """What may act in place of a torque, by its group: how far off `beta` is then."""
+    unexpected: tuple[str, ...] = ()
+    """Groups that act more than the robot's world, or its file, says that they may."""
     sensitivity: Callable[[], Sensitivity] | None = None
     """What errors of the other instruments would do, where that is known."""
     converged: bool = True

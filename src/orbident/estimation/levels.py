@@ -16,8 +16,6 @@ Rule = Literal[
     "white residuals",
     "instrument",
     "disturbance",
-    "suspicion",
-    "other explanation",
     "change",
     "other parameters",
     "validation",
@@ -33,10 +31,6 @@ LEVELS: dict[Rule, float] = {
     "instrument": 1e-3,
     # Any disturbance is seen in noise alone.
     "disturbance": 1e-4,
-    # Noise looks as much like any disturbance as what is too faint to be identified.
-    "suspicion": 1e-2,
-    # The wrong one of two explanations is so much the likelier.
-    "other explanation": 1e-4,
     # A recording, or so many samples of a stream, seems to change.
     "change": 1e-4,
     # The parts of a recording have different parameters, as by five deviations.

@@ -20,8 +20,9 @@ from orbident.estimation.criteria import judge
 from orbident.estimation.estimate import Estimator, Progress, Solved
 from orbident.estimation.linear_fits import rows_of
 from orbident.estimation.momentum_problem import MomentumProblem
+from orbident.estimation.output_error.acting import LONGEST
 from orbident.estimation.output_error.estimator import OutputError
-from orbident.estimation.output_error.hypotheses import FEW_STEPS, LONGEST
+from orbident.estimation.output_error.hypotheses import FEW_STEPS
 from orbident.estimation.solve import in_whole, solved_by
 from orbident.model.wheel_arrays import wheels_of
 

@@ -17,7 +17,6 @@ from orbident.estimation.found import Known
 from orbident.estimation.linear_fits import Fits
 from orbident.estimation.mass_routes import is_a_mass, sigmas_apart
 from orbident.estimation.momentum_problem import MomentumProblem
-from orbident.estimation.output_error.sensitivity import undecided_in_words
 from orbident.estimation.predicted import equation_signals
 from orbident.estimation.quantities import (
     NO_ROUTES,
@@ -66,7 +65,6 @@ def result_of(
             *problem.notes,
             *rejected_in_words(problem.rejected),
             *clocks_in_words(problem.clocks),
-            *undecided_in_words(estimate.suspected, estimate.instead),
             *(() if weighing is None else (f"burn: {w}" for w in weighing.warnings)),
         ),
         **vars(identified),

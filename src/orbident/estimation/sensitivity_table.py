@@ -1,4 +1,4 @@
-"""What is taken for zero would shift: errors of instruments, and what acts unseen."""
+"""What errors of instruments that are taken for zero would shift."""
 
 from dataclasses import dataclass
 from typing import Annotated
@@ -7,7 +7,6 @@ import numpy as np
 from pydantic import Field
 
 from orbident.errors import InputError
-from orbident.estimation.unknowns import UNSEEN
 from orbident.files.json_parts import JsonPart, NullableTable
 
 
@@ -17,10 +16,9 @@ class SensitivityTable(JsonPart):
 
     parameters: tuple[str, ...]
     errors: tuple[str, ...]
-    """Such as `joint.elbow.zero`; or a group of what acts from outside."""
+    """Such as `joint.elbow.zero`."""
     units: tuple[str, ...]
-    """The unit of each error: shifts are for one mrad, mm or %. For what acts from
-    outside it is `unseen`: shifts are the largest by what is too faint to be seen."""
+    """The unit of each error: shifts are for one mrad, mm, % or ms."""
     shifts: Annotated[NullableTable, Field(alias="in_deviations")]
     """A row a parameter, a column an error; NaN for a parameter that is not determined.
     """
@@ -34,7 +32,7 @@ class SensitivityTable(JsonPart):
     def __repr__(self) -> str:
         """How large it is, and the largest shift by an instrument."""
         size = f"{len(self.parameters)} parameters, {len(self.errors)} errors"
-        if not self.instruments:
+        if not self.errors:
             return size
         error, unit, parameter, shift = self.worst()
         return (
@@ -42,15 +40,9 @@ class SensitivityTable(JsonPart):
             "its deviations"
         )
 
-    @property
-    def instruments(self) -> int:
-        """How many errors are of instruments."""
-        return sum(unit != UNSEEN for unit in self.units)
-
     def worst(self) -> tuple[str, str, str, float]:
-        """The instrument's error that shifts most, its unit, what, and by how much."""
-        own = np.array([unit != UNSEEN for unit in self.units])
-        size = np.where(own, np.nan_to_num(np.abs(self.shifts)), -1.0)
+        """The error that shifts most, its unit, what, and by how much."""
+        size = np.nan_to_num(np.abs(self.shifts))
         row, column = np.unravel_index(size.argmax(), size.shape)
         where = self.errors[column], self.units[column], self.parameters[row]
-        return *where, max(float(size[row, column]), 0.0)
+        return *where, float(size[row, column])

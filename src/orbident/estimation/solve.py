@@ -82,9 +82,9 @@ def widened(estimate: Estimate, shown: Estimate, whole: bool) -> Estimate:
         masses={**estimate.masses, routes[-1]: mass},
         sensitivity=shown.sensitivity,
         disturbances=shown.disturbances,
-        suspected=shown.suspected,
-        unseen=shown.unseen,
-        instead=shown.instead,
+        allowed=shown.allowed,
+        widened_by=shown.widened_by,
+        unexpected=shown.unexpected,
     )
 
 

@@ -12,9 +12,6 @@ from jaxtyping import Float
 
 from orbident.files.json_parts import FiniteNumber
 
-UNSEEN = "unseen"
-"""In place of a unit: as large as may act from outside and not be seen."""
-
 
 class CalibrationFit(NamedTuple):
     """A calibration error; SI or relative."""
@@ -30,10 +27,9 @@ class Sensitivity(NamedTuple):
 
     names: tuple[str, ...]
     units: tuple[str, ...]
-    """Units of the errors: mrad, mm, % or ms; or `UNSEEN`."""
+    """Units of the errors: mrad, mm, % or ms."""
     shift: Float[np.ndarray, "beta errors"]
-    """Change of the estimated `[M, sigma, iota]` by an error of one unit, SI; the
-    largest one, without its sign, by what acts unseen."""
+    """Change of the estimated `[M, sigma, iota]` by an error of one unit, SI."""
     covariance: Float[np.ndarray, "beta beta"]
     """Covariance of the estimated `[M, sigma, iota]`."""
     alone: Mapping[str, "Score"]

@@ -7,7 +7,6 @@ from jaxtyping import Float, Int
 
 from orbident.estimation.result import Result
 from orbident.estimation.sensitivity_table import SensitivityTable
-from orbident.estimation.unknowns import UNSEEN
 from orbident.report.charts import heat_map
 from orbident.report.page import Chart, Section
 
@@ -34,10 +33,7 @@ def sensitivities(result: Result) -> Section | None:
         "them. A cell shows by how many of its own standard deviations a parameter "
         "would be off if the error were as large as its row says, all others being "
         "zero; red is upwards, blue downwards. An error with a tolerance is estimated "
-        "with the parameters, or counted in their deviations. What is called unseen "
-        "acts from outside, and is taken for zero because nothing shows it: its cells "
-        "are the largest shifts by what is too faint to be seen. Where it may act, "
-        "--disturbance with its name makes it an unknown.",
+        "with the parameters, or counted in their deviations.",
     )
     if shown.x.size < table.shifts.size:
         words += (
@@ -69,10 +65,8 @@ def error_in_words(error: str, unit: str) -> str:
 
     Args:
         error: such as `joint.elbow.zero` or `gyro.scale.x`.
-        unit: that a shift is counted for; or `unseen`, of what acts from outside.
+        unit: that a shift is counted for.
     """
-    if unit == UNSEEN:
-        return f"unseen: {error.replace('_', ' ')}"
     kind, _, rest = error.partition(".")
     if kind in {"joint", "wheel"}:
         name, _, what = rest.rpartition(".")

@@ -16,13 +16,17 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.environment.agent import Disturbance
-from orbident.environment.agents import WALKS, disturbances
+from orbident.environment.agents import WALKS, std_of
 from orbident.environment.motion import Effect, by_step
 from orbident.environment.orbital import GravityGradient
 from orbident.estimation.momentum_problem import OutsideMomentum
 from orbident.estimation.output_error.followed import Followed, at_nodes, integral
 from orbident.estimation.unknowns import Unknown
 from orbident.robot.description import MomentumWalk
+from orbident.robot.may_act import MayAct
+
+LONGEST = 2**15
+"""Rows of a recording in which something may act: tables of it take 3 kB a row."""
 
 ROWS = 15
 """A node has so many: h_cm, its rate, r_cm, v_cm and what is felt, three axes each."""
@@ -31,14 +35,17 @@ ROWS = 15
 class Acting:
     """What may act along a recording; it is worked out when it is first asked for."""
 
-    def __init__(self, followed: Followed, first: int) -> None:
+    def __init__(
+        self, followed: Followed, first: int, allowed: Mapping[str, MayAct]
+    ) -> None:
         """Keep what tables are made of.
 
         Args:
             followed: the motion that was measured.
             first: the place of the first disturbance among the core's calibrations.
+            allowed: what may act, by group.
         """
-        self.followed, self.first = followed, first
+        self.followed, self.first, self.allowed = followed, first, allowed
         self._still: tuple[tuple[int, ...], np.ndarray] | None = None
 
     @cached_property
@@ -46,10 +53,10 @@ class Acting:
         """What is known to act, but for a gain each; its places are the first."""
         return tuple(recorded_gains(self.followed))
 
-    @cached_property
-    def disturbances(self) -> tuple[Disturbance, ...]:
-        """All that may act besides."""
-        return tuple(disturbances(self.followed.motion))
+    def allowing(self, sizes: Mapping[str, float]) -> "Acting":
+        """The same with other sizes of what may act, by group, SI."""
+        changed = {group: MayAct(size) for group, size in sizes.items()}
+        return Acting(self.followed, self.first, {**self.allowed, **changed})
 
     def walking(self, found: Mapping[str, float]) -> "Acting":
         """The same with these densities of walks, by their groups."""
@@ -58,7 +65,7 @@ class Acting:
         walking = replace(
             robot, momentum_walk=MomentumWalk(*(walk[name] for name in WALKS))
         )
-        return Acting(replace(self.followed, robot=walking), self.first)
+        return Acting(replace(self.followed, robot=walking), self.first, self.allowed)
 
     @cached_property
     def unknowns(self) -> tuple[Unknown, ...]:
@@ -69,12 +76,24 @@ class Acting:
                 each.name,
                 each.group,
                 each.unit,
-                each.std,
+                std_of(each, self.allowed),
                 float(first + k),
                 each.positive,
             )
-            for k, each in enumerate(self.disturbances)
+            for k, each in enumerate(self.followed.disturbances)
         )
+
+    def is_free(self, group: str) -> bool:
+        """Whether it may be anything."""
+        return group in self.allowed and np.isinf(self.allowed[group].size)
+
+    @property
+    def expected(self) -> tuple[Unknown, ...]:
+        """Those that have a size; what they are is worked out only if any has."""
+        few = self.followed.intervals.t.size <= LONGEST
+        if not few or not any(each.size for each in self.allowed.values()):
+            return ()
+        return tuple(each for each in self.unknowns if each.std)
 
     def table(
         self,
@@ -99,7 +118,7 @@ class Acting:
         tide = "nadir" in self.followed.samples.surroundings
         if not (sizes or self.recorded or tide):
             return np.zeros((0, ROWS, 1))
-        every = (*self.recorded, *(self.disturbances if sizes else ()))
+        every = (*self.recorded, *(self.followed.disturbances if sizes else ()))
         motion, theta = self.followed.motion, self.followed.theta(beta)
         r = by_step(motion.to_cm(theta))
         total = motion.nothing
@@ -154,7 +173,7 @@ class Acting:
         Before them is a column for what all do together, so that nobody copies them.
         """
         if self._still is None or self._still[0] != which:
-            every = (*self.recorded, *self.disturbances) if which else ()
+            every = (*self.recorded, *self.followed.disturbances) if which else ()
             effects = [every[k].effect for k in which]
             nowhere = np.zeros((self.followed.t.size // 2, 3, 3))
             together = self.followed.motion.nothing

@@ -13,7 +13,7 @@ variance `q^2`, so that
 The most likely density `q` is that of restricted likelihood (Harville 1977).
 """
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -21,29 +21,33 @@ from jaxtyping import Float, Int
 from scipy.linalg import cho_factor, cho_solve
 from scipy.optimize import minimize
 
-from orbident.environment.agents import WALKS
+from orbident.environment.agents import FREE, WALKS
+from orbident.estimation.levels import ChiSquare, limit
 from orbident.estimation.output_error.problem import Problem
 from orbident.estimation.solution import OUTSIDE, Solution, Unknowns
-from orbident.estimation.unknowns import DisturbanceFit
+from orbident.estimation.unknowns import DisturbanceFit, Unknown
 
 
 def identified(
-    problem: Problem,
-    solution: Solution,
-    groups: Collection[str],
-    density_std: Mapping[str, float],
+    problem: Problem, solution: Solution, density_std: Mapping[str, float]
 ) -> dict[str, DisturbanceFit]:
-    """What was freed, by its name; a walk by its density.
+    """What acts, by the name of each number; a walk by its density.
+
+    It is what is seen, beyond chance, and what may be anything.
 
     Args:
         problem: a recording's equations.
         solution: of these.
-        groups: that were freed.
         density_std: the deviations of densities that were estimated, by their groups.
     """
     fits = {}
-    for group in groups:
+    groups = {each.family: each.std for each in problem.expected}
+    for group, beforehand in groups.items():
         value, C = sizes_of(problem, solution, group)
+        seen = value @ np.linalg.solve(C, value)
+        chance = limit("disturbance", value.size, len(groups))
+        if not (group in WALKS or beforehand == FREE or seen > chance):
+            continue
         std, shift = np.sqrt(np.diag(C)), _shift(problem, solution, group)
         if group in WALKS:
             wave = problem.unknowns([group])[0]
@@ -55,6 +59,20 @@ def identified(
                 group, each.unit, float(value[k]), float(std[k]), shift
             )
     return fits
+
+
+def widened_by(expected: Sequence[Unknown], solution: Solution) -> float:
+    """Deviations of `beta` over those if nothing acted: the geometric mean."""
+    if not expected:
+        return 1.0
+    C, state = solution.covariance, solution.state
+    first = len(C) - state.common.size + OUTSIDE
+    beta = slice(first, first + state.beta.size)
+    acts = slice(len(C) - len(expected), None)
+    by = np.linalg.solve(C[acts, acts], C[acts, beta])
+    held = np.einsum("ab,ab->b", C[acts, beta], by)
+    all_of_it = np.diag(C)[beta]
+    return float(np.exp(-0.5 * np.mean(np.log1p(-held / all_of_it))))
 
 
 def _shift(problem: Problem, solution: Solution, group: str) -> float:
@@ -78,11 +96,29 @@ def sizes_of(
     return state.calibration[which], solution.covariance[np.ix_(here, here)]
 
 
+def surprise_of(problem: Problem, solution: Solution, family: str) -> ChiSquare:
+    """How much larger a family is than it may be: `x' (P - C)^-1 x`.
+
+    `P` is the covariance of its numbers `x` beforehand, and `C` that of the estimate.
+    What the recording tells nothing of is left out.
+    """
+    value, C = sizes_of(problem, solution, family)
+    std = np.array([each.std for each in problem.unknowns([family])])
+    told, axes = np.linalg.eigh(np.eye(std.size) - C / np.outer(std, std))
+    seen = told > TOLD
+    u = (axes.T @ (value / std))[seen]
+    return ChiSquare(float(np.sum(u**2 / told[seen])), int(seen.sum()))
+
+
 def _selected(problem: Problem, state: Unknowns, family: str) -> Int[np.ndarray, " n"]:
     """Where the numbers of a family are among those selected."""
     places = [each.place for each in problem.unknowns([family])]
     return np.flatnonzero(np.isin(state.selected, places))
 
+
+TOLD = 1e-3
+"""The part of its variance beforehand that a recording tells of a number, at least, if
+it says anything of it."""
 
 RANGE = 1e6
 """How far a density may be from the last guess, as a factor."""
@@ -141,6 +177,15 @@ def most_likely_densities(
     ]
 
 
+def size_of(problem: Problem, solution: Solution, family: str) -> float:
+    """How large something is that was free, by restricted likelihood as well; SI."""
+    value, C = sizes_of(problem, solution, family)
+    every = problem.acting.followed.disturbances
+    share = np.array([each.std for each in every if each.group == family])
+    guess = float(np.sqrt(np.mean(np.square(value / share))))
+    return most_likely_densities([np.diag(share)], value, C, [guess])[0].value
+
+
 def densities(
     problem: Problem, solution: Solution, unknown: Sequence[str]
 ) -> dict[str, Density]:
@@ -175,20 +220,22 @@ def densities(
 
 
 def with_densities(
-    problem: Problem, asked: Sequence[str], fit: Callable[[Problem], Solution]
+    problem: Problem, fit: Callable[[Problem], Solution]
 ) -> tuple[Problem, dict[str, float]]:
     """Take walks of which no density is declared to be as strong as is most likely.
 
     Args:
         problem: a recording's equations.
-        asked: groups that act, among them perhaps walks.
-        fit: finds a solution with these groups.
+        fit: finds a solution of such equations.
 
     Returns:
         The equations, and the deviation of each density that was estimated, by group.
     """
-    walk = dict(zip(WALKS, problem.acting.followed.robot.momentum_walk, strict=True))
-    unknown = [group for group in WALKS if group in asked and not walk[group]]
+    robot = problem.acting.followed.robot
+    walk = dict(zip(WALKS, robot.momentum_walk, strict=True))
+    unknown = [
+        group for group in robot.said_to_act if group in WALKS and not walk[group]
+    ]
     found = {}
     for _ in range(ROUNDS if unknown else 0):
         before, found = found, densities(problem, fit(problem), unknown)

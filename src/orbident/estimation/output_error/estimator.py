@@ -15,7 +15,7 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident import _core
-from orbident.environment.agents import FILM, IN_WORDS, NEEDS, PUSH, SLOW, WALKS
+from orbident.environment.agents import NEEDS, SLOW, WALKS
 from orbident.errors import InputError
 from orbident.estimation.estimate import (
     Estimate,
@@ -27,6 +27,7 @@ from orbident.estimation.estimate import (
 from orbident.estimation.found import BetaEstimate, hidden_of, prior_std
 from orbident.estimation.momentum_problem import MomentumProblem, OutsideMomentum
 from orbident.estimation.nonlinear_fit import beta_of_fits
+from orbident.estimation.output_error.acting import LONGEST
 from orbident.estimation.output_error.beforehand import (
     first_momentum,
     prior_of,
@@ -34,13 +35,10 @@ from orbident.estimation.output_error.beforehand import (
 )
 from orbident.estimation.output_error.disturbance_sizes import (
     identified,
+    widened_by,
     with_densities,
 )
-from orbident.estimation.output_error.hypotheses import (
-    LONGEST,
-    Search,
-    selected,
-)
+from orbident.estimation.output_error.hypotheses import Search, fit_in_world
 from orbident.estimation.output_error.noise_scaling import Fitted
 from orbident.estimation.output_error.problem import (
     Problem,
@@ -48,11 +46,7 @@ from orbident.estimation.output_error.problem import (
     problem_of,
     start_of,
 )
-from orbident.estimation.output_error.sensitivity import (
-    averaged,
-    sensitivity,
-    with_unseen,
-)
+from orbident.estimation.output_error.sensitivity import sensitivity
 from orbident.estimation.output_error.sensors import Sensors, sensors_of
 from orbident.estimation.output_error.sharing import shared_of
 from orbident.estimation.output_error.solver import STEPS
@@ -101,24 +95,21 @@ class OutputError:
         search = self._search(problem, sensors, step)
         # Without declared noise, what splines leave between samples looks slow too.
         excluded = () if search.declared == {*sensors.by_name} else SLOW
-        asked = known_to_act(search.problem)
+        check_known(search.problem)
         equations, density_std = with_densities(
             search.problem,
-            asked,
-            lambda equations: replace(search, problem=equations).freed(asked),
+            lambda equations: replace(search, problem=equations).freed(),
         )
-        search = replace(search, problem=equations)
-        selection = selected(search, asked, excluded)
-        zeros, found, families, base = selection
-        undecided = averaged(search, selection, asked, robot.disturbances is None)
+        equations, found, expected, zeros, freed = fit_in_world(
+            replace(search, problem=equations), excluded
+        )
         beta = estimate_of(found.solution, prior_std(robot, sets))
-        off = undecided.off
         by_sensor = {name: _sensor_fit(sensors, found, name) for name in found.parts}
-        disturbances = identified(equations, found.solution, families, density_std)
+        disturbances = identified(equations, found.solution, density_std)
         return replace(
             estimate_of_beta(
                 problem,
-                beta._replace(covariance=beta.covariance + off @ off.T),
+                beta,
                 "maximum likelihood",
                 {name: fit.rms for name, fit in by_sensor.items()},
                 _goodness(sensors, found),
@@ -127,17 +118,17 @@ class OutputError:
             sensors=by_sensor,
             biases=_biases(robot, sensors, found),
             disturbances=disturbances,
-            suspected=undecided.suspected,
-            unseen=undecided.unseen,
-            instead=undecided.instead,
+            allowed=_allowed(equations),
+            widened_by=widened_by(equations.expected, found.solution),
+            unexpected=freed,
             calibration=_calibration(equations, found.solution),
-            sensitivity=lambda: with_unseen(sensitivity(zeros), undecided.unseen),
+            sensitivity=partial(sensitivity, zeros),
             converged=found.solution.converged,
             settled=found.settled,
             convergence=found.convergence,
             signals=sensor_signals(robot, equations, sensors, found),
-            solution=base.solution,
-            shared=partial(shared_of, equations, found.solution, off),
+            solution=expected.solution,
+            shared=partial(shared_of, equations, found.solution),
             given=partial(_given, equations, found.solution.state),
         )
 
@@ -191,36 +182,42 @@ def _first(problem: MomentumProblem) -> Float[np.ndarray, " beta"]:
     return beta_of_fits(problem.robot, problem.sets, problem.fits).values
 
 
-def known_to_act(problem: Problem) -> tuple[str, ...]:
-    """Families that act for certain: as the robot file says, or a push.
+def check_known(problem: Problem) -> None:
+    """What the robot file names can be estimated from this recording.
 
     Raises:
-        InputError: there is none of this name, nothing of it shows in this recording,
-            or the recording is too long for it.
+        InputError: nothing of it shows, or the recording is too long for it.
     """
-    followed = problem.acting.followed
-    names = followed.robot.said_to_act
-    if {*WALKS} & {*names} and problem.t.size > LONGEST:
+    followed, rows = problem.acting.followed, problem.t.size
+    names = [*(followed.robot.disturbances or ())]
+    walks = [name for name in followed.robot.said_to_act if name in WALKS]
+    if walks and rows > LONGEST:
         raise InputError(
             f"momentum that walks at random needs 20 kB a row by maximum likelihood, "
-            f"and the recording has {problem.t.size} rows of at most {LONGEST}; "
+            f"and the recording has {rows} rows of at most {LONGEST}; "
             "declare momentum_walk and use --method structured"
         )
-    possible = followed.tracked and problem.t.size <= LONGEST
-    if not possible and FILM not in (followed.robot.disturbances or ()):
-        # Pads imply it, which is no reason to refuse.
-        names = tuple(name for name in names if name != FILM)
+    if names and rows > LONGEST:
+        raise InputError(
+            f"{names[0]} is said to act, which takes 3 kB a row, and the recording has "
+            f"{rows} rows of at most {LONGEST}; use a part of it (--start, --end)"
+        )
     every = {each.family for each in problem.acting.unknowns} if names else set()
-    for name in names:
-        if name not in IN_WORDS:
-            known = ", ".join(IN_WORDS)
-            raise InputError(f"disturbance '{name}' is unknown; use {known}")
-        if name not in every:
-            raise InputError(
-                f"disturbance '{name}' is asked for, and shows in no "
-                f"recording without {NEEDS[name]}; give that, or do not ask for it"
-            )
-    return (*names, PUSH) if followed.samples.pushed else names
+    for name in [each for each in names if each not in every]:
+        raise InputError(
+            f"disturbance '{name}' is asked for, and shows in no "
+            f"recording without {NEEDS[name]}; give that, or do not ask for it"
+        )
+
+
+def _allowed(problem: Problem) -> dict[str, float]:
+    """How large what acts may be, by group; NaN for anything."""
+    here = {each.family for each in problem.expected}
+    return {
+        group: each.size if np.isfinite(each.size) else np.nan
+        for group, each in problem.acting.allowed.items()
+        if group in here
+    }
 
 
 def estimate_of(solution: Solution, scale: Float[np.ndarray, " beta"]) -> BetaEstimate:

@@ -8,8 +8,10 @@ from jaxtyping import Float
 from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation, Slerp
 
+from orbident.environment.agent import Disturbance
+from orbident.environment.agents import PUSH, disturbances
 from orbident.environment.motion import PointMotion, RobotMotion, by_step, straight
-from orbident.environment.worlds import Scale, scale_of, what_may_act
+from orbident.environment.worlds import scale_of, what_may_act
 from orbident.errors import InputError
 from orbident.estimation.output_error.shooting import Intervals, with_middles
 from orbident.files.bounds import TOGETHER
@@ -18,6 +20,7 @@ from orbident.preprocessing.histories import Columns
 from orbident.preprocessing.samples import Samples
 from orbident.preprocessing.wrenches import RecordedWrench
 from orbident.robot.description import Robot
+from orbident.robot.may_act import MayAct
 from orbident.robot.parameters import FIRST_MOMENT, MASS, PER_BODY
 
 
@@ -85,22 +88,29 @@ class Followed:
                 for name, seen in samples.surroundings.items()
             },
             samples.pushed,
-            what_may_act(self.robot, self.scale),
+            self.allowed,
         )
 
     @cached_property
-    def scale(self) -> Scale:
-        """How large the motion is, of rows at which all was measured."""
+    def disturbances(self) -> tuple[Disturbance, ...]:
+        """All that may act beside what was recorded, and shows."""
+        return tuple(disturbances(self.motion))
+
+    @cached_property
+    def allowed(self) -> dict[str, MayAct]:
+        """What may act, by how large the motion is where all was measured."""
         samples, history = self.samples, self.intervals.history
         w = np.column_stack(samples.w)
         v_S = np.column_stack(samples.v_S) if self.tracked else None
-        return scale_of(
+        scale = scale_of(
             self.robot,
             self.intervals.t,
             np.reshape(history.qd_rw, (len(self.robot.wheels), -1)).T,
             w[np.isfinite(w).all(axis=1)],
             v_S if v_S is None else v_S[np.isfinite(v_S).all(axis=1)],
         )
+        allowed = what_may_act(self.robot, scale)
+        return allowed | {PUSH: MayAct(np.inf)} if samples.pushed else allowed
 
     def _between(self, columns: Columns) -> Float[np.ndarray, "nodes axes"]:
         x = np.column_stack(columns)

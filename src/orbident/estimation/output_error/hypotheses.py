@@ -1,45 +1,42 @@
 """One engine for whatever may act on a robot, or be off, beside its parameters.
 
-What a fit takes for zero has a score (`taken_for_zero.py`); what is among its unknowns
-is tested by its size in its own deviations (Wald 1943). Both are chi-square where there
-is nothing, and `levels.py` says when chance explains them.
+What may act is among the unknowns of every fit, with a deviation beforehand
+(`environment/worlds.py`), and so are errors with a tolerance. Two squares say whether
+a family is what it was taken for. Of what is among the unknowns, with `x` its numbers,
+`P` their covariance beforehand and `C` that afterwards,
 
-    `Search.freed`   a fit with more families among its unknowns
-    `selected`       families are freed as long as chi-square says that they act
+    x' (P - C)^-1 x
 
-What stays undecided is in the deviations (`sensitivity.py`).
+since `x` varies by what the recording has told of it; what is taken for zero has a
+score (`taken_for_zero.py`). Both are chi-square, and `levels.py` says when chance
+explains them. Where it does not, the family is as large as is most likely.
 """
 
-from collections.abc import (
-    Callable,
-    Collection,
-    Iterable,
-    Mapping,
-    Sequence,
-)
-from dataclasses import dataclass
-from functools import partial
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 
-from orbident.environment.agents import SLOW, STEADY, WALKS
-from orbident.estimation.levels import limit
-from orbident.estimation.output_error.disturbance_sizes import sizes_of
+from orbident.environment.agents import ALIKE, FREE, SLOW, STEADY, WALKS
+from orbident.estimation.levels import ChiSquare, limit
+from orbident.estimation.output_error.acting import LONGEST
+from orbident.estimation.output_error.disturbance_sizes import (
+    size_of,
+    sizes_of,
+    surprise_of,
+)
 from orbident.estimation.output_error.noise_scaling import Fitted, fitted
 from orbident.estimation.output_error.problem import Problem
 from orbident.estimation.output_error.solver import STEPS, solved
 from orbident.estimation.output_error.taken_for_zero import TakenForZero
 from orbident.estimation.solution import Linear, Prior, Solution, Unknowns
 
-FREE = 1e3
-"""SI: standard deviation beforehand of what is freed and may be anything."""
-
 IMPOSSIBLE = 3.0
 """Deviations below zero that something positive is not by chance."""
 
 ROUNDS = 6
-"""Times that a family is freed, at most; one that was freed may be dropped again."""
+"""Times that a family is freed, at most."""
 
 TRIED = 3
 """Families, likeliest to first order, of which the one that explains most is freed; as
@@ -51,9 +48,6 @@ BAD = 10.0
 LEFT = 0.7
 """The part of chi-square that a family leaves, at most, if it acts."""
 
-LONGEST = 2**15
-"""Rows of a recording that is tested: tables of what acts take some 3 kB a row."""
-
 FEW_STEPS = 12
 """Steps of a search that tries something: where it is right, fewer are needed."""
 
@@ -64,7 +58,7 @@ class Search:
 
     problem: Problem
     prior: Prior
-    """Of all unknowns of every fit."""
+    """Of what a recording without anything beside its instruments has as unknowns."""
     starts: Sequence[Unknowns]
     """Where a search starts; from the next where that leads nowhere."""
     at_hand: list[Linear]
@@ -83,24 +77,23 @@ class Search:
         return self.steps < STEPS
 
     def freed(
-        self, families: Collection[str] = (), near: Unknowns | None = None
+        self, names: Collection[str] = (), near: Unknowns | None = None
     ) -> Solution:
-        """The least cost with these families free, with the noise that is assumed.
+        """The least cost with these among the unknowns too, with the assumed noise.
 
         Args:
-            families: of what may act, or names of errors of instruments.
+            names: of errors of instruments.
             near: where another fit of the recording ended. Its search is a trial, of
-                few steps: where these families act, more are not needed.
+                few steps: where what is tried is right, more are not needed.
         """
-        more = self.problem.unknowns(families)
+        more = (*self.problem.unknowns(names), *self.problem.expected)
+        starts = self.starts if near is None else (near,)
+        steps = self.steps if near is None else min(self.steps, FEW_STEPS)
         prior = self.prior.extended(np.array([each.std or FREE for each in more]))
         places = np.array([each.place for each in (*self.problem.declared, *more)])
         here = self.at_hand.pop() if self.at_hand else None
-        steps = self.steps if near is None else min(self.steps, FEW_STEPS)
         solution = None
-        for start in (near, *self.starts):
-            if start is None or (solution is not None and solution.converged):
-                continue
+        for start in starts:
             solution = solved(
                 self.problem,
                 self.problem.weights,
@@ -111,8 +104,15 @@ class Search:
                 None if more else here,
             )
             here = None
+            if solution.converged:
+                break
         assert solution is not None
         return solution
+
+    def allowing(self, sizes: Mapping[str, float]) -> "Search":
+        """The same with other sizes of what may act, by family, SI."""
+        acting = self.problem.acting.allowing(sizes)
+        return replace(self, problem=self.problem._replace(acting=acting))
 
     def settled(self, first: Callable[[], Solution]) -> Fitted:
         """Go on from a first solution, with the noise that the residuals show."""
@@ -127,106 +127,133 @@ class Search:
         )
 
 
-class Selection(NamedTuple):
-    """A fit in which some of what may act is unknown too."""
+class WorldFit(NamedTuple):
+    """A fit in which all that acts is as large as the recording says."""
 
+    problem: Problem
+    found: Fitted
+    expected: Fitted
+    """That in which nothing is larger than it may be."""
     zeros: TakenForZero
     """What it takes for zero."""
-    found: Fitted
-    families: tuple[str, ...]
-    base: Fitted
-    """The fit with those alone that are known to act."""
+    freed: tuple[str, ...]
+    """Families that are larger than they may be."""
 
 
-def selected(
-    search: Search, asked: tuple[str, ...] = (), excluded: Collection[str] = ()
-) -> Selection:
-    """Free one family after another, as long as chi-square says that it acts.
+def fit_in_world(search: Search, excluded: Collection[str] = ()) -> WorldFit:
+    """Let what is larger than it may be be so, as long as chance does not explain it.
+
+    It may be taken for what is like it: that may then be as large.
 
     Args:
         search: fits the recording.
-        asked: families that are known to act: these are free in any case.
         excluded: families that are not tested.
     """
-    problem = search.problem
-    base = search.settled(partial(search.freed, asked))
+    search = _sized(search)
+    found = expected = search.settled(search.freed)
     # In all first fits noise is that assumed, so that their costs can be compared.
-    solution, families, cost = base.solution, asked, base.assumed
-    tested = problem.t.size <= LONGEST
-    tested &= solution.converged or not (search.hasty and _bad(problem, cost))
-    every = {each.family for each in problem.acting.unknowns} if tested else set()
-    # Beside a slow torque that is known to act another one would follow anything.
-    slow = SLOW if {*SLOW, *WALKS} & {*asked} else ()
-    pool = every - {*excluded, *slow, *asked}
-    zeros = first = TakenForZero(problem, solution, pool)
-    for _ in range(ROUNDS):
-        more = _best(zeros, families, cost, search)
-        if more is None:
+    solution, cost, freed = found.solution, found.assumed, tuple[str, ...]()
+    tested = search.problem.t.size <= LONGEST
+    tested &= solution.converged or not (search.hasty and _bad(search.problem, cost))
+    zeros = _zeros(search.problem, solution, tested)
+    while tested and len(freed) < ROUNDS:
+        best = _best(search, zeros, cost, excluded)
+        if best is None:
             break
-        solution, families = more
-        # A family that stood for this one is not needed beside it.
-        while weak := _unneeded(problem, solution, families, asked):
-            families = _without(families, weak)
-            solution = search.freed(families, solution.state)
-        zeros = TakenForZero(problem, solution, zeros.families)
-        cost = solution.cost
-    found = base if families == asked else search.settled(lambda: solution)
-    while weak := _unneeded(problem, found.solution, families, asked):
-        families = _without(families, weak)
-        near = found.solution.state
-        found = base
-        if families != asked:
-            found = search.settled(partial(search.freed, families, near))
-    if families != asked:
-        beside = {*pool} - {*families, *(SLOW if {*SLOW} & {*families} else ())}
-        first = TakenForZero(problem, found.solution, beside)
-    return Selection(first, found, families, base)
+        family, search, solution = best
+        freed, cost = (*freed, family), solution.cost
+        zeros = _zeros(search.problem, solution, tested)
+    if freed:
+        found = search.settled(lambda: solution)
+        zeros = _zeros(search.problem, found.solution, tested)
+    return WorldFit(search.problem, found, expected, zeros, freed)
 
 
-def _without(families: tuple[str, ...], family: str) -> tuple[str, ...]:
-    return tuple(each for each in families if each != family)
+def _sized(search: Search) -> Search:
+    """With the most likely size of what changes slowly and may be anything."""
+    free = [name for name in SLOW if search.problem.acting.is_free(name)]
+    if not free:
+        return search
+    solution = search.freed()
+    sizes = {name: size_of(search.problem, solution, name) for name in free}
+    return search.allowing(sizes)
 
 
-def _with(families: tuple[str, ...], family: str) -> tuple[str, ...]:
-    """One more, but of those that change slowly one only, and with its mean.
-
-    Two of them, in inertial and in base axes, follow whatever changes slowly.
-    """
-    others = SLOW if family in SLOW else ()
-    mean = (STEADY[family],) if family in STEADY else ()
-    left = (each for each in families if each not in {*others, *mean})
-    return (*left, *mean, family)
+def _zeros(problem: Problem, solution: Solution, tested: bool) -> TakenForZero:
+    """What is like something expected shows as that, and need not be tested too."""
+    expected = {each.family for each in problem.expected}
+    absent = {each.family for each in problem.acting.unknowns} if tested else set()
+    absent -= {other for family in expected for other in (family, *ALIKE[family])}
+    return TakenForZero(problem, solution, absent)
 
 
 def _best(
-    zeros: TakenForZero, families: tuple[str, ...], cost: float, search: Search
-) -> tuple[Solution, tuple[str, ...]] | None:
-    """The solution with the family that explains most; None where there is no hope.
+    search: Search, zeros: TakenForZero, cost: float, excluded: Collection[str]
+) -> tuple[str, Search, Solution] | None:
+    """The family that explains most, freed; None where there is no hope.
 
-    It explains more than those before it, of which it may take the place of one.
-
-    An instrument that is off may look like a torque that changes slowly. Where its
-    error, one number, explains the recording better than all numbers of a family do,
-    nothing is freed: the checks of the residuals then say what is wrong.
+    Where an instrument that is off, one number, explains the recording better than all
+    numbers of a family do, nothing is freed: the checks of the residuals then say what
+    is wrong.
     """
-    tried, problem, near = [], zeros.problem, zeros.solution.state
-    for family in _likely(zeros, {*zeros.families} - {*families}):
-        together = _with(families, family)
-        more = search.freed(together, near)
-        freed = problem.unknowns({*together} - {*families})
-        worth = more.cost + limit("disturbance", len(freed))
-        if worth < cost and not _impossible(problem, more, family):
-            tried.append((worth, more, together))
+    problem, near = search.problem, zeros.solution.state
+    free = {each.family for each in problem.expected if each.std == FREE}
+    # Beside a slow torque that may be anything another one would follow anything.
+    beside = {*excluded, *free, *(SLOW if {*SLOW, *WALKS} & free else ())}
+    tried = []
+    for family in _likely(_beyond(zeros, beside)):
+        freed = search.allowing({family: np.inf})
+        solution = freed.freed(near=near)
+        numbers = len(problem.unknowns([family]))
+        worth = solution.cost + limit("disturbance", numbers)
+        if worth < cost and not _impossible(problem, solution, family):
+            tried.append((worth, family, freed, solution))
     if not tried:
         return None
-    least, *best = min(tried, key=lambda each: each[0])
-    if _hopeless(problem, best[0], cost):
+    least, family, freed, solution = min(tried, key=lambda each: each[0])
+    if _hopeless(problem, solution, cost):
         return None
-    for instrument in _likely(zeros, {each.name for each in zeros.errors}):
-        with_it = search.freed((*families, instrument), near)
+    for instrument in _likely(_errors(zeros)):
+        with_it = search.freed([instrument], near)
         if with_it.cost + limit("disturbance", 1) < least:
             return None
-    return best[0], best[1]
+    size = size_of(freed.problem, solution, family)
+    alike = [each for each in ALIKE[family] if each not in beside]
+    own = size if family in SLOW else np.inf
+    sized = search.allowing({**dict.fromkeys(alike, size), family: own})
+    return family, sized, sized.freed(near=solution.state)
+
+
+def _beyond(zeros: TakenForZero, excluded: Collection[str]) -> dict[str, float]:
+    """By how much the square of each family exceeds what chance explains."""
+    problem, solution = zeros.problem, zeros.solution
+    squares = {
+        family: surprise_of(problem, solution, family)
+        for family in {each.family for each in problem.expected} - {*excluded}
+    }
+    for family in {*zeros.families} - {*excluded}:
+        found = zeros.score({family, *({STEADY.get(family, family)} & zeros.families)})
+        squares[family] = ChiSquare(found.fall, found.values.size)
+    among = max(len(squares), 1)
+    return {
+        family: square.value - limit("disturbance", square.dof, among)
+        for family, square in squares.items()
+        if square.dof
+    }
+
+
+def _errors(zeros: TakenForZero) -> dict[str, float]:
+    """The same of each error of an instrument that is taken for zero."""
+    among = max(len(zeros.errors), 1)
+    return {
+        each.name: zeros.score([each.name]).fall - limit("disturbance", 1, among)
+        for each in zeros.errors
+    }
+
+
+def _likely(beyond: Mapping[str, float]) -> list[str]:
+    likely = sorted(name for name, excess in beyond.items() if excess > 0)
+    return sorted(likely, key=lambda name: -beyond[name])[:TRIED]
 
 
 def _hopeless(problem: Problem, more: Solution, before: float) -> bool:
@@ -241,37 +268,6 @@ def _hopeless(problem: Problem, more: Solution, before: float) -> bool:
 def _bad(problem: Problem, cost: float) -> bool:
     samples = sum(int((weight > 0).sum()) for weight in problem.weights.values())
     return cost > BAD * samples
-
-
-def _likely(zeros: TakenForZero, names: Collection[str]) -> list[str]:
-    """Those by which chi-square falls beyond what chance does, most of all."""
-    beyond = {}
-    for name in sorted(names):
-        found = zeros.score({name, *({STEADY.get(name, name)} & {*names})})
-        beyond[name] = found.fall - limit("disturbance", found.values.size, len(names))
-    likely = sorted(
-        (name for name in beyond if beyond[name] > 0), key=lambda name: -beyond[name]
-    )
-    return likely[:TRIED]
-
-
-def _unneeded(
-    problem: Problem,
-    solution: Solution,
-    families: Iterable[str],
-    asked: Collection[str],
-) -> str | None:
-    """The family of least size in its deviations, where that is no more than chance."""
-
-    def beyond_chance(family: str) -> float:
-        value, C = sizes_of(problem, solution, family)
-        return float(
-            value @ np.linalg.solve(C, value) - limit("disturbance", value.size)
-        )
-
-    freed = (family for family in families if family not in asked)
-    weakest = min(freed, key=beyond_chance, default=None)
-    return None if weakest is None or beyond_chance(weakest) > 0 else weakest
 
 
 def _impossible(problem: Problem, solution: Solution, family: str) -> bool:

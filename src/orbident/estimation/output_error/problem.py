@@ -92,6 +92,11 @@ class Problem(NamedTuple):
         """Those errors that are unknown in every fit: they have a tolerance."""
         return tuple(each for each in self.instruments if each.std)
 
+    @property
+    def expected(self) -> tuple[Unknown, ...]:
+        """What may act, and is unknown in every fit: it has a size."""
+        return self.acting.expected
+
     def unknowns(self, names: Collection[str]) -> tuple[Unknown, ...]:
         """All that have one of these names, or are of one of these families."""
         named = tuple(each for each in self.instruments if {*each[:2]} & {*names})
@@ -196,7 +201,8 @@ def problem_of(
         samples=[_without_nan(seen.get(name, _none(name))) for name in SENSORS],
         **loose._asdict(),
     )
-    acting = Acting(Followed(robot, sets, samples, intervals), recorded.places)
+    followed = Followed(robot, sets, samples, intervals)
+    acting = Acting(followed, recorded.places, followed.allowed)
     gains = (
         Unknown(each.name, each.group, "1", each.std, float(recorded.places + k))
         for k, each in enumerate(acting.recorded)

@@ -9,22 +9,18 @@ needs: with them beside its own it is fitted as if both were fitted at once.
 from collections.abc import Sequence
 
 import numpy as np
-from jaxtyping import Float
 
 from orbident.estimation.output_error.problem import Problem, common_factor
 from orbident.estimation.shared import Shared, _triangular
 from orbident.estimation.solution import NO_EQUATIONS, OUTSIDE, Solution
 
 
-def shared_of(
-    problem: Problem, solution: Solution, off: Float[np.ndarray, "beta n"]
-) -> Shared:
+def shared_of(problem: Problem, solution: Solution) -> Shared:
     """What a recording says of what it shares, its own unknowns eliminated.
 
     Args:
         problem: a recording's equations.
         solution: of these.
-        off: deviations of `beta` that its equations do not know of.
     """
     state, prior, errors = solution.state, solution.prior, problem.declared
     common = common_factor(problem, solution.weights, state)
@@ -38,10 +34,6 @@ def shared_of(
     factor = alone.added(common, state)
     left = _triangular(factor[:, [*own, *shared, -1]])[len(own) : -1, len(own) :]
     left[:, -1] += left[:, :-1] @ state.common[shared]
-    # `beta` is off by each of `off` times an unknown of unit variance.
-    n, m = off.shape
-    rows = np.column_stack([left[:, :n] @ off, left])
-    left = _triangular(np.vstack([np.eye(m, rows.shape[1]), rows]))[m:, m:]
     return Shared(state.beta, errors, left)
 
 

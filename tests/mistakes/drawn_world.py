@@ -1,0 +1,48 @@
+"""What acts on a random robot from outside, drawn as its world says that it may."""
+
+import numpy as np
+from disturbed import Now, Push, Wrench
+from recordings import Clean
+
+from orbident.environment.worlds import radius_of_gyration, scale_of, what_may_act
+
+WAVES = 12
+"""Of what changes slowly: their sum is nearly normal, and their rates are normal as the
+spectrum is."""
+
+
+def drawn_world(clean: Clean, seed: int) -> Push:
+    """A torque about the system CM, a pull that may change from place to place, drag.
+
+    What changes slowly swings about its mean, no faster than it may.
+    """
+    random = np.random.default_rng([seed, 7])
+    robot, true = clean.robot, clean.true
+    scale = scale_of(robot, clean.t, true.qd_rw, true.gyro, true.velocity)
+    sizes = {name: each.size for name, each in what_may_act(robot, scale).items()}
+    lasts = (what_may_act(robot, scale)["slow_torque"].shortest or np.inf) / np.pi
+    rates = random.normal(size=(WAVES, 3)) / lasts
+    phases = random.uniform(0.0, 2 * np.pi, (WAVES, 3))
+    mean = random.normal(size=3)
+
+    def torque(t: float) -> np.ndarray:
+        waves = np.sqrt(2 / WAVES) * np.cos(rates * t + phases).sum(axis=0)
+        return sizes["slow_torque"] * (mean + waves)
+
+    pull = sizes["pull"] * random.normal(size=3)
+    a, b, c = sizes.get("uneven", 0.0) * random.normal(size=3)
+    A = np.array([[a, b, 0.0], [b, c, 0.0], [0.0, 0.0, 0.0]])
+    c_v, c_w = abs(sizes.get("drag", 0.0) * random.normal(size=2))
+    c_w *= radius_of_gyration(robot) ** 2
+    first = clean.true.position[0]
+
+    def push(now: Now) -> Wrench:
+        # `Now` has no place: what S has travelled is that of the undisturbed flight.
+        S = np.array([np.interp(now.t, clean.t, x) for x in true.position.T]) - first
+        pulled = now.mass * (pull + A @ (S + now.R_WB @ now.to_cm))
+        dragged = -c_v * now.v_S
+        force = now.R_WB.T @ (pulled + dragged)
+        about_cm = np.cross(-now.to_cm, now.R_WB.T @ dragged) - c_w * now.w
+        return Wrench(force, now.R_WB.T @ torque(now.t) + about_cm)
+
+    return push
