@@ -12,6 +12,7 @@ unknown constant. Momenta and constants are eliminated.
 """
 
 from dataclasses import dataclass
+from math import ceil
 
 import numpy as np
 from jaxtyping import Float
@@ -34,6 +35,9 @@ from orbident.model.minimal_sets import MinimalSets
 from orbident.robot.description import Robot
 from orbident.robot.parameters import cross_matrix
 from orbident.robot.sensor_schema import InertialSpec, SensorsSpec
+
+SOME = 64
+"""Nodes that show what may act well enough to tell its parts apart."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -230,14 +234,18 @@ class Information:
             self._columns[sensor] = np.concatenate([np.arange(common), own])
             size += own.size
         F = np.zeros((size, size))
+        acting = slice(self._seen.first, common)
+        apart = self._apart(acting) if self._seen.outside else np.eye(0)
         for sensor, rows in self._rows.items():
             flat = rows.reshape(-1, rows.shape[2])
+            if self._seen.outside:
+                flat = flat.copy()
+                flat[:, acting] = flat[:, acting] @ apart
             F[np.ix_(self._columns[sensor], self._columns[sensor])] += (
                 self._weight(sensor) * flat.T @ flat
             )
         # A number of what may act has the deviation one beforehand.
-        acting = np.arange(self._seen.first, common)
-        F[acting, acting] += 1.0
+        F[acting, acting] += apart.T @ apart
         # The Schur complement; nuisances scaled, since their units differ.
         u = sensing.pi_of.shape[1]
         scale = 1 / np.sqrt(np.diag(F)[u:])
@@ -246,6 +254,21 @@ class Information:
         left = F[:u, :u] - F_nu.T @ by_nuisance
         self.F: Float[np.ndarray, "unknowns unknowns"] = (left + left.T) / 2
         self._left = np.vstack([np.eye(u), -scale[:, None] * by_nuisance])
+        self._left[acting] = apart @ self._left[acting]
+
+    def _apart(self, acting: slice) -> Float[np.ndarray, "acting acting"]:
+        """Combinations of what may act that some rows tell apart.
+
+        What changes slowly looks alike to an attitude, which is its integral twice.
+        """
+        some = [
+            np.sqrt(self._weight(sensor)) * rows[:: ceil(len(rows) / SOME), :, acting]
+            for sensor, rows in self._rows.items()
+        ]
+        count = acting.stop - acting.start
+        stacked = [each.reshape(-1, count) for each in some]
+        R = np.linalg.qr(np.concatenate([*stacked, np.eye(count)]), mode="r")
+        return np.linalg.inv(R)
 
     def _weight(self, sensor: str) -> float:
         return self._seen.sensing.weights[sensor] * self._seen.motion.dt

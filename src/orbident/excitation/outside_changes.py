@@ -18,10 +18,14 @@ motion is taken for a constant: in space that changes a gradient by a few thousa
 """
 
 from collections.abc import Iterator
+from collections.abc import Set as AbstractSet
+from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 
+from orbident.environment.agent import Disturbance
 from orbident.environment.agents import AGENTS, FILM, STEADY, std_of
 from orbident.environment.motion import PointMotion, RobotMotion
 from orbident.environment.worlds import Scale, scale_of, what_may_act
@@ -35,8 +39,10 @@ from orbident.excitation.floating import (
 from orbident.model.kinematics import carrying_joints
 from orbident.model.rotations import rotate, rotate_back
 from orbident.robot.description import Robot
+from orbident.robot.may_act import MayAct
 from orbident.robot.parameters import cross_matrix
 
+IN_TIME = {"torque", "slow_torque", "pull"}
 LOSSES = ("wheel_loss",)
 ON_THE_BASE = ("base_torque", "slow_base_torque")
 
@@ -47,6 +53,55 @@ def anything_may_act(robot: Robot) -> bool:
     """Whether anything has a size, whatever the motion."""
     allowed = what_may_act(robot, Scale(0.0, 1.0, 1.0, 1.0))
     return any(each.size for each in allowed.values())
+
+
+class MomentumChanges(NamedTuple):
+    """Of some numbers of what may act, at size one; inertial axes, SI."""
+
+    numbers: tuple[Disturbance, ...]
+    h: Float[np.ndarray, "n 3 numbers"]
+    v: Float[np.ndarray, "n 3 numbers"]
+    felt: Float[np.ndarray, "n 3 numbers"]
+    torque: Float[np.ndarray, "n 3 numbers"]
+    """About S."""
+
+
+def _changes(
+    at: RobotMotion, dt: float, r_cm: Float[np.ndarray, "n 3"], groups: AbstractSet[str]
+) -> MomentumChanges:
+    numbers = tuple(
+        each
+        for agent in AGENTS.values()
+        if agent.group in groups
+        for each in agent.columns(at)
+    )
+    if not numbers:
+        return MomentumChanges((), *(np.zeros((4, at.t.size, 3, 0))))
+    force, torque, pull, push = (
+        at_nodes(np.stack(parts, axis=-1))
+        for parts in zip(*(each.effect for each in numbers), strict=True)
+    )
+    h = running_integral(torque - np.cross(r_cm[..., None], force, axis=1), dt)
+    felt = running_integral(force / at.robot.mass + push, dt)
+    return MomentumChanges(numbers, h, felt + running_integral(pull, dt), felt, torque)
+
+
+@lru_cache(maxsize=64)
+def _still_changes(
+    robot: Robot,
+    nodes: int,
+    dt: float,
+    shortest: tuple[tuple[str, float | None], ...],
+) -> MomentumChanges:
+    """Of what depends on time alone: the same along each motion of a search."""
+    allowed = {group: MayAct(1.0, least) for group, least in shortest}
+    groups = {*allowed} | {STEADY[group] for group in allowed.keys() & STEADY}
+    none, joints = np.zeros((nodes, 3)), np.zeros((nodes, len(robot.joints)))
+    level, S = np.tile(np.eye(3), (nodes, 1, 1)), PointMotion(none, none)
+    at = RobotMotion(
+        robot, dt * np.arange(nodes), joints, joints, level, none, S, allowed=allowed
+    )
+    return _changes(at, dt, none, groups & IN_TIME)
 
 
 class OutsideChanges:
@@ -61,35 +116,24 @@ class OutsideChanges:
 
     def __init__(self, motion: NodalMotion) -> None:
         """Along a motion at an odd number of nodes."""
-        at = robot_motion(motion)
-        groups = {group for group, each in at.allowed.items() if each.size}
-        groups |= {STEADY[group] for group in groups & STEADY.keys()}
-        every = [
-            each
-            for agent in AGENTS.values()
-            if agent.group in groups
-            for each in agent.columns(at)
-        ]
-        self._at = at
-        self._stds = [std_of(each, at.allowed) for each in every]
+        self._at = at = robot_motion(motion)
+        allowed = {group: each for group, each in at.allowed.items() if each.size}
+        groups = {*allowed} | {STEADY[group] for group in allowed.keys() & STEADY}
+        shortest = tuple((name, each.shortest) for name, each in allowed.items())
+        still = _still_changes(at.robot, at.t.size, motion.dt, shortest)
+        r_cm = rotate(motion.R, motion.r_cm)
+        self._moving = _changes(at, motion.dt, r_cm, groups - IN_TIME)
+        self._first = len(still.numbers)
+        numbers = (*still.numbers, *self._moving.numbers)
+        self._stds = np.array([std_of(each, at.allowed) for each in numbers])
         self._of = {
-            group: [k for k, each in enumerate(every) if each.group == group]
+            group: [k for k, each in enumerate(numbers) if each.group == group]
             for group in groups
         }
-        self.h = self.v = self.felt = self._torque = np.zeros(
-            (at.t.size, 3, len(every))
+        self.h, self.v, self.felt = (
+            np.concatenate(parts, axis=2) * self._stds
+            for parts in zip(still[1:4], self._moving[1:4], strict=True)
         )
-        if every:
-            force, torque, pull, push = (
-                at_nodes(np.stack(parts, axis=-1)) * self._stds
-                for parts in zip(*(each.effect for each in every), strict=True)
-            )
-            r_cm = rotate(motion.R, motion.r_cm)[..., None]
-            turning = torque - np.cross(r_cm, force, axis=1)
-            self._torque, dt = torque, motion.dt
-            self.h = running_integral(turning, dt)
-            self.felt = running_integral(force / at.robot.mass + push, dt)
-            self.v = self.felt + running_integral(pull, dt)
 
     def add_v(self, f: Gradient, by_v: Float[np.ndarray, "n v numbers"]) -> None:
         """Adds the gradient, from that with respect to `v`."""
@@ -101,14 +145,18 @@ class OutsideChanges:
     def add_h(self, f: Gradient, by_h: Float[np.ndarray, "n h numbers"]) -> None:
         """Adds the gradient, from that with respect to `h`."""
         motion = f.motion
-        for groups, by, x in (
-            (LOSSES, by_h, self.h),
-            (ON_THE_BASE, running_integral_transposed(by_h, motion.dt), self._torque),
-        ):
-            own = [k for group in groups for k in self._of.get(group, ())]
-            if own:
-                of_base = np.swapaxes(x[:, :, own], 1, 2) @ motion.R
-                f.R += by[:, :, own] @ of_base
+        lost, on_base = (
+            [k for group in groups for k in self._of.get(group, ())]
+            for groups in (LOSSES, ON_THE_BASE)
+        )
+        if lost:
+            by = by_h[:, :, lost]
+            f.R += by @ (np.swapaxes(self.h[:, :, lost], 1, 2) @ motion.R)
+        if on_base:
+            by = running_integral_transposed(by_h[:, :, on_base], motion.dt)
+            moving = [k - self._first for k in on_base]
+            torque = self._moving.torque[:, :, moving] * self._stds[on_base]
+            f.R += by @ (np.swapaxes(torque, 1, 2) @ motion.R)
         for i, pad, pushed, turned in self._pads:
             x = self._at.in_inertial(self._at.arm(i, pad) - motion.r_cm)
             by_x = _by_area(x, motion.v_cm * motion.dt, by_h[:, 0, pushed])
