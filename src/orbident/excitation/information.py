@@ -162,10 +162,8 @@ class SensedChanges:
         else:
             # The velocity of the CM, and where it is at the start.
             t = dt * np.arange(n)[:, None, None]
-            seen, own = (
-                running_integral(dv, dt),
-                np.concatenate([t * own, own + 0 * t], 2),
-            )
+            seen = running_integral(dv, dt)
+            own = np.concatenate([t * own, own + 0 * t], 2)
         own = np.broadcast_to(own, (len(seen), *own.shape[-2:]))
         return np.concatenate([seen, own], axis=2)
 
@@ -209,8 +207,9 @@ class SensedChanges:
             by_R = np.swapaxes(by[:, :, u : self.first], 1, 2)
             _add(f.R, sensing.h, sensing.h, by_R)
         if self.outside:
-            own, h = by[:, :, self.first :], self.outside.h[:, sensing.h]
-            _add(f.R, sensing.h, sensing.h, h @ np.swapaxes(own, 1, 2))
+            own = by[:, :, self.first :]
+            dh_cm = self.outside.h[:, sensing.h]
+            _add(f.R, sensing.h, sensing.h, dh_cm @ np.swapaxes(own, 1, 2))
             self.outside.add_h(f, self.R_h @ own)
 
 

@@ -122,21 +122,25 @@ class OutsideChanges:
         shortest = tuple((name, each.shortest) for name, each in allowed.items())
         still = _still_changes(at.robot, at.t.size, motion.dt, shortest)
         r_cm = rotate(motion.R, motion.r_cm)
-        self._moving = _changes(at, motion.dt, r_cm, groups - IN_TIME)
+        moving = _changes(at, motion.dt, r_cm, groups - IN_TIME)
+        # Those from here on depend on how the robot moves.
         self._first = len(still.numbers)
-        numbers = (*still.numbers, *self._moving.numbers)
-        self._stds = np.array([std_of(each, at.allowed) for each in numbers])
+        numbers = (*still.numbers, *moving.numbers)
+        stds = np.array([std_of(each, at.allowed) for each in numbers])
+        self.h, self.v, self.felt = (
+            np.concatenate(parts, axis=2) * stds
+            for parts in zip(still[1:4], moving[1:4], strict=True)
+        )
+        self._stds = stds[self._first :]
+        self._torque = moving.torque * self._stds
         self._of = {
-            group: [k for k, each in enumerate(numbers) if each.group == group]
+            group: [k for k, each in enumerate(moving.numbers) if each.group == group]
             for group in groups
         }
-        self.h, self.v, self.felt = (
-            np.concatenate(parts, axis=2) * self._stds
-            for parts in zip(still[1:4], self._moving[1:4], strict=True)
-        )
 
     def add_v(self, f: Gradient, by_v: Float[np.ndarray, "n v numbers"]) -> None:
         """Adds the gradient, from that with respect to `v`."""
+        by_v = by_v[:, :, self._first :]
         for i, pad, pushed, _ in self._pads:
             by_x = np.zeros_like(f.w)
             by_x[:, :2] = -self._stds[pushed] / self._at.robot.mass * by_v[:, :, pushed]
@@ -144,18 +148,18 @@ class OutsideChanges:
 
     def add_h(self, f: Gradient, by_h: Float[np.ndarray, "n h numbers"]) -> None:
         """Adds the gradient, from that with respect to `h`."""
-        motion = f.motion
+        motion, by_h = f.motion, by_h[:, :, self._first :]
         lost, on_base = (
             [k for group in groups for k in self._of.get(group, ())]
             for groups in (LOSSES, ON_THE_BASE)
         )
         if lost:
             by = by_h[:, :, lost]
-            f.R += by @ (np.swapaxes(self.h[:, :, lost], 1, 2) @ motion.R)
+            h = self.h[:, :, self._first :][:, :, lost]
+            f.R += by @ (np.swapaxes(h, 1, 2) @ motion.R)
         if on_base:
             by = running_integral_transposed(by_h[:, :, on_base], motion.dt)
-            moving = [k - self._first for k in on_base]
-            torque = self._moving.torque[:, :, moving] * self._stds[on_base]
+            torque = self._torque[:, :, on_base]
             f.R += by @ (np.swapaxes(torque, 1, 2) @ motion.R)
         for i, pad, pushed, turned in self._pads:
             x = self._at.in_inertial(self._at.arm(i, pad) - motion.r_cm)
