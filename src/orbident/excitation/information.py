@@ -278,6 +278,10 @@ class Information:
             left = self._left[self._columns[sensor]]
             by_rows = 2 * self._weight(sensor) * (rows @ left) @ by_F @ left.T
             self._seen.add(f, sensor, by_rows)
+        if self._seen.outside:
+            # A size that grows by a part takes twice that from its prior's weight.
+            left = self._left[self._seen.first : self._seen.dw.shape[2]]
+            self._seen.outside.add_sizes(f, -2 * np.sum(left @ by_F * left, axis=1))
 
 
 def _add(

@@ -13,8 +13,8 @@ present motion. Gradients know how they depend on it:
     drag at a pad           d v_cm = -c / M (x + v_cm t)
                             d h_cm = -c int x x (dx + v_cm dt) - c_r angle
 
-with `x` from the CM, at `v_cm t`, to the pad. A size that goes with the momentum of the
-motion is taken for a constant: in space that changes a gradient by a few thousandths.
+with `x` from the CM, at `v_cm t`, to the pad. In space sizes go with the momentum and
+the velocity of the motion at hand.
 """
 
 from collections.abc import Iterator
@@ -28,11 +28,17 @@ from jaxtyping import Float
 from orbident.environment.agent import Disturbance
 from orbident.environment.agents import AGENTS, FILM, STEADY, std_of
 from orbident.environment.motion import PointMotion, RobotMotion
-from orbident.environment.worlds import Scale, scale_of, what_may_act
+from orbident.environment.worlds import (
+    Scale,
+    radius_of_gyration,
+    scale_of,
+    what_may_act,
+)
 from orbident.estimation.output_error.followed import at_nodes
 from orbident.excitation.floating import (
     Gradient,
     NodalMotion,
+    block,
     running_integral,
     running_integral_transposed,
 )
@@ -116,7 +122,8 @@ class OutsideChanges:
 
     def __init__(self, motion: NodalMotion) -> None:
         """Along a motion at an odd number of nodes."""
-        self._at = at = robot_motion(motion)
+        self._scale = motion_scale(motion)
+        self._at = at = _robot_motion(motion, self._scale)
         allowed = {group: each for group, each in at.allowed.items() if each.size}
         groups = {*allowed} | {STEADY[group] for group in allowed.keys() & STEADY}
         shortest = tuple((name, each.shortest) for name, each in allowed.items())
@@ -127,6 +134,7 @@ class OutsideChanges:
         self._first = len(still.numbers)
         numbers = (*still.numbers, *moving.numbers)
         stds = np.array([std_of(each, at.allowed) for each in numbers])
+        self._numbers, self._all_stds = numbers, stds
         self.h, self.v, self.felt = (
             np.concatenate(parts, axis=2) * stds
             for parts in zip(still[1:4], moving[1:4], strict=True)
@@ -167,6 +175,20 @@ class OutsideChanges:
             by_angle = -self._stds[turned] * by_h[:, 0, turned]
             self._add_pad(f, i, pad, -self._stds[pushed] * by_x, by_angle)
 
+    def add_sizes(self, f: Gradient, by_log: Float[np.ndarray, " numbers"]) -> None:
+        """Adds the gradient, from that with respect to the logarithms of all sizes."""
+        for name, value, add in (
+            ("h", self._scale.h, _add_scale_h),
+            ("v", self._scale.v, _add_scale_v),
+        ):
+            doubled = self._scale._replace(**{name: 2 * value})
+            allowed = what_may_act(self._at.robot, doubled)
+            if allowed != self._at.allowed:
+                stds = [std_of(each, allowed) for each in self._numbers]
+                # A size is proportional to it, or does not depend on it.
+                by = np.sum(by_log * np.log2(stds / self._all_stds))
+                add(f, by / value**2 / self._at.t.size)
+
     @property
     def _pads(self) -> Iterator[tuple[int, Float[np.ndarray, "3"], int, int]]:
         """The body that a pad is on, its place there, and the columns of its drag."""
@@ -193,7 +215,8 @@ class OutsideChanges:
         by_arm = rotate_back(R, by_x)
         f.r_cm -= by_arm
         moved = fields.field_u + np.cross(fields.field_w, arm[:, None])
-        by_q = rotate(moved, by_arm) + by_angle[:, None] * fields.field_w[:, :, 2]
+        by_q = np.einsum("nki,ni->nk", moved, by_arm)
+        by_q += by_angle[:, None] * fields.field_w[:, :, 2]
         f.q += carrying_joints(at.robot, body) * by_q
 
 
@@ -216,13 +239,37 @@ def _by_area(
     return by_x
 
 
-def robot_motion(motion: NodalMotion) -> RobotMotion:
+def _add_scale_h(f: Gradient, by: float) -> None:
+    """From the gradient by half the sum of squares of `h` over the nodes."""
+    motion, craft = f.motion, f.motion.craft
+    wheels, robot = craft.wheels, craft.robot
+    by_speed = by * (motion.qd_rw @ wheels.A_rw.T) @ wheels.A_rw
+    f.w -= (by_speed * wheels.free) @ wheels.axes.T
+    f.w += by * (robot.mass * radius_of_gyration(robot) ** 2) ** 2 * motion.w
+
+
+def _add_scale_v(f: Gradient, by: float) -> None:
+    """The same by that of `v_S`, in which `R_0 W phi` is what the joints change."""
+    motion, sets = f.motion, f.motion.craft.sets
+    axes, phi = sets.regressors.velocity_axes, sets.phi(motion.craft.robot.theta)
+    own = block(f.R, axes, axes)
+    own += by * motion.v_S[:, axes, None] * (motion.W @ phi)[:, None]
+    by_W = rotate_back(motion.R, by * motion.v_S)[:, axes]
+    f.W += by_W[:, :, None] * phi
+
+
+def motion_scale(motion: NodalMotion) -> Scale:
+    """How large a motion is."""
+    t = motion.dt * np.arange(len(motion.w))
+    return scale_of(motion.craft.robot, t, motion.qd_rw, motion.w, motion.v_S)
+
+
+def _robot_motion(motion: NodalMotion, scale: Scale) -> RobotMotion:
     """The motion as what acts from outside knows it, with what may act on it."""
     robot = motion.craft.robot
     t = motion.dt * np.arange(len(motion.w))
     r_cm = rotate(motion.R, motion.r_cm)
     S = PointMotion(np.outer(t, motion.v_cm) + r_cm[0] - r_cm, motion.v_S)
-    scale = scale_of(robot, t, motion.qd_rw, motion.w, S.v)
     return RobotMotion(
         robot,
         t,
