@@ -109,5 +109,5 @@ def small_problem(robot: Robot, recording: Recording, off: float = 0.0) -> Small
     signs = np.where(np.arange(beta.size) % 2, 1.0, -1.0)
     start = (1 + off * signs) * beta
     state = start_of(problem, samples, NOTHING, start)
-    prior = prior_of(robot, sets, problem.declared, NOTHING, "at-rest")
+    prior = prior_of(robot, sets, problem.declared, NOTHING, np.zeros(3))
     return Small(problem, prior, state, beta)

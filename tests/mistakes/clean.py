@@ -1,8 +1,8 @@
 """`python tests/mistakes/clean.py`: recordings without a mistake, by every method.
 
 With `--acting` all that may act in the robot's world does. How many are refused, and
-how often the 95 % intervals hold what is true. The seconds of the first method include the
-fit of the sensors by which the others are judged too.
+how often the 95 % intervals hold what is true. The seconds of the first method include
+the fit of the sensors by which the others are judged too.
 """
 
 import argparse

@@ -68,8 +68,8 @@ def scale_of(
     robot: Robot,
     t: Float[np.ndarray, " n"],
     qd_rw: Float[np.ndarray, "m wheels"],
-    w: Float[np.ndarray, "n 3"],
-    v_S: Float[np.ndarray, "n 3"] | None,
+    w: Float[np.ndarray, "k 3"],
+    v_S: Float[np.ndarray, "l 3"] | None,
 ) -> Scale:
     """The scale of a motion.
 
@@ -105,8 +105,8 @@ def what_may_act(robot: Robot, scale: Scale) -> dict[str, MayAct]:
         scale: of the motion.
     """
     world = world_of(robot)
-    sizes = robot.disturbances
-    if sizes is None:
+    sizes = dict(robot.disturbances or {})
+    if robot.disturbances is None:
         found = {"table": _on_a_table, "orbit": _in_orbit, "space": _in_space}[world]
         sizes = {name: MayAct(size) for name, size in found(robot, scale).items()}
         if robot.momentum_walk.torque:
@@ -115,7 +115,7 @@ def what_may_act(robot: Robot, scale: Scale) -> dict[str, MayAct]:
     if world == "table" and robot.pads:
         sizes = {"drag": MayAct(np.inf), **sizes}
     walks = robot.momentum_walk._asdict().items()
-    sizes = sizes | {f"{name}_walk": MayAct(q) for name, q in walks if q}
+    sizes |= {f"{name}_walk": MayAct(q) for name, q in walks if q}
     shortest = SHORTEST[world]
     return {
         name: each._replace(shortest=each.shortest or shortest)

@@ -19,6 +19,7 @@ from jaxtyping import Bool, Float
 from orbident.choices import InitialMomentum
 from orbident.errors import InputError
 from orbident.estimation.triangular import Layout, LinearFit, fold, solve_factor
+from orbident.model.inertia import inertia_at
 from orbident.model.minimal_sets import MinimalSets, Regressors
 from orbident.model.rotations import quaternion_matrix
 from orbident.model.wheel_arrays import Wheels, wheels_of
@@ -274,6 +275,20 @@ def known_momentum(
     rms = np.sqrt(sum(np.nanmean(np.square(w)) for w in samples.w))
     still = np.linalg.norm(first.w[0]) <= STILL * rms
     return KnownMomentum(h_rw if still else np.zeros(3), nothing)
+
+
+def rest_std(robot: Robot, h_rw: float) -> Float[np.ndarray, "3"]:
+    """Standard deviations of the momentum of a robot that is said to be at rest, N m s.
+
+    Args:
+        robot: which says how still that is.
+        h_rw: the wheels' momentum, N m s.
+    """
+    D = inertia_at(robot, np.zeros(len(robot.joints))).D
+    # Of CAD values that no body can have, D may be anything.
+    return np.hypot(
+        robot.at_rest.spin * np.abs(np.diag(D)), robot.at_rest.wheels * h_rw
+    )
 
 
 def _seen_from_inertial_axes(

@@ -17,6 +17,7 @@ from orbident.estimation.linear_fits import (
     InitialMomentum,
     fit,
     known_momentum,
+    rest_std,
 )
 from orbident.estimation.mass import Mass, mass_of
 from orbident.model.minimal_sets import MinimalSets, minimal_sets
@@ -83,6 +84,13 @@ class MomentumProblem:
             return None
         known = known_momentum(self.robot, self.sets, self.samples, "at-rest")
         return None if known is None else np.asarray(known.h)
+
+    @property
+    def rest_std(self) -> Float[np.ndarray, "3"] | None:
+        """Deviations of the momentum if the robot is said to be at rest, N m s."""
+        if self.initial_momentum != "at-rest":
+            return None
+        return rest_std(self.robot, self.fits.h_rw / np.sqrt(self.samples.t.size))
 
     @property
     def exact(self) -> bool:

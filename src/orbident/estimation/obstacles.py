@@ -20,6 +20,8 @@ EXPLAINED = 0.9
 VARIES = 1e-2
 # Freeing a momentum that is rightly known hardly makes the residual smaller.
 FREED = 0.5
+# Deviations of the momentum beforehand that a robot at rest has not.
+MOVING = 5.0
 # CAD values are off by some ten percent; a robot that was not at rest by far more.
 SURPRISING = 0.3
 
@@ -74,7 +76,12 @@ def _no_scale(problem: MomentumProblem) -> list[Check]:
     checkable = bool(
         pi.explained_freed**2 > EXPLAINED * freed**2 and freed > VARIES * fits.h_rw
     )
-    if assumed and checkable and pi.unexplained_freed < FREED * pi.unexplained:
+    if (
+        assumed
+        and checkable
+        and pi.unexplained_freed < FREED * pi.unexplained
+        and _moving(problem)
+    ):
         reason = (
             "pi is not determined: the robot was not at rest as assumed (with the "
             "momentum unknown the residual falls to "
@@ -89,6 +96,13 @@ def _no_scale(problem: MomentumProblem) -> list[Check]:
         reason, remedy = _why_no_scale(problem)
         return [_refused("scale", f"pi has no scale: {reason}", remedy)]
     return []
+
+
+def _moving(problem: MomentumProblem) -> bool:
+    """Whether more momentum was there than a robot has that is said to be at rest."""
+    axes = [*problem.sets.regressors.momentum_axes]
+    assert problem.rest_std is not None
+    return bool((np.abs(problem.fits.pi.freed) > MOVING * problem.rest_std[axes]).any())
 
 
 def _known(problem: MomentumProblem) -> float:

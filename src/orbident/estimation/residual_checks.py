@@ -15,6 +15,10 @@ from orbident.estimation.whiteness import low_frequencies
 # Std of residuals over the declared noise: chi-square of its square is worth a word.
 NOISY = 1.5
 
+TOLD = 1e-3
+"""The part of a tolerance, squared, that a recording tells at least if it says anything
+of an error."""
+
 OF_GEOMETRY = re.compile(r"\.(place|direction)\.[xyz]$")
 """Names of errors of where a joint is."""
 
@@ -38,6 +42,7 @@ def residual_checks(problem: MomentumProblem, estimate: Estimate) -> Iterator[Ch
     yield from _sensors(estimate)
     yield from _whiteness(estimate)
     yield from _instruments(estimate)
+    yield from _tolerances(estimate)
 
 
 def _noise(estimate: Estimate) -> Iterator[Check]:
@@ -137,5 +142,38 @@ def _instruments(estimate: Estimate) -> Iterator[Check]:
         "something that looks like it, is not as declared",
         f"check {name}, or declare its tolerance in the robot file",
         drop,
+        most,
+    )
+
+
+def _tolerances(estimate: Estimate) -> Iterator[Check]:
+    """Whether an instrument is off by more than it may be.
+
+    What is found of an error varies, beforehand, by its tolerance less what is still
+    unknown of it.
+    """
+    found = estimate.calibration
+    if not found or not estimate.converged:
+        return
+    most = limit("instrument", 1, len(found))
+    squares = {
+        name: fit.value**2 / max(fit.tolerance**2 - fit.std**2, TOLD * fit.tolerance**2)
+        for name, fit in found.items()
+    }
+    name = max(squares, key=lambda name: squares[name])
+    square, fit = squares[name], found[name]
+    name = name.replace(".", " ")
+    if not square > most:
+        reason = "no instrument is off by more than its tolerance says"
+        yield Check("tolerances", "trust", reason, "", square, most)
+        return
+    yield Check(
+        "tolerances",
+        "do not trust",
+        f"{name} would be off by {fit.value:.2g} +- {fit.std:.1g} (SI), and "
+        f"{fit.tolerance:.2g} is its tolerance: it, or something that looks like it, is "
+        "not as declared",
+        f"check {name}, or declare a larger tolerance in the robot file",
+        square,
         most,
     )

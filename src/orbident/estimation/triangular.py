@@ -61,6 +61,8 @@ class LinearFit(NamedTuple):
     """Norm of the residual if the checked columns were unknowns too."""
     explained_freed: float
     """Norm of what the parameters would explain then, beside those columns."""
+    freed: Float[np.ndarray, " checked"]
+    """The unknowns of the checked columns then."""
 
     @property
     def scatter(self) -> float:
@@ -125,6 +127,7 @@ def solve_factor(
         unexplained=unexplained,
         unexplained_freed=abs(float(R[-1, -1])),
         explained_freed=_explained_freed(R, layout),
+        freed=np.linalg.lstsq(R[unknowns:-1, unknowns:-1], R[unknowns:-1, -1])[0],
     )
 
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from orbident.errors import InputError
 from orbident.estimation.found import EstimatedParameters, found_beta, prior_std
-from orbident.estimation.linear_fits import InitialMomentum
+from orbident.estimation.linear_fits import InitialMomentum, rest_std
 from orbident.estimation.output_error.beforehand import prior_of
 from orbident.estimation.output_error.estimator import estimate_of
 from orbident.estimation.output_error.problem import (
@@ -23,6 +23,7 @@ from orbident.estimation.output_error.problem import (
 from orbident.estimation.output_error.sensors import Sensors, sensors_of
 from orbident.estimation.output_error.solver import solution_at
 from orbident.model.minimal_sets import minimal_sets
+from orbident.model.wheel_arrays import wheels_of
 from orbident.preprocessing.delays import SENSORS
 from orbident.preprocessing.origins import Origin
 from orbident.preprocessing.samples import Samples
@@ -64,7 +65,11 @@ def cramer_rao(
     problem = problem_of(robot, sets, samples, sensors)
     outside = NOTHING._replace(h_cm=motion.h_cm, v_cm=motion.v_cm)
     state = start_of(problem, samples, outside, sets.beta(robot.theta))
-    prior = prior_of(robot, sets, problem.declared, outside, initial_momentum)
+    rest = None
+    if initial_momentum == "at-rest":
+        h_rw = motion.qd_rw @ wheels_of(robot).A_rw.T
+        rest = rest_std(robot, float(np.sqrt(np.mean(np.sum(h_rw**2, axis=1)))))
+    prior = prior_of(robot, sets, problem.declared, outside, rest)
     there = linear(problem, problem.weights, state)
     solution = solution_at(state, there, prior, problem.weights, True, there.cost)
     return found_beta(robot, sets, estimate_of(solution, prior_std(robot, sets)))

@@ -72,6 +72,7 @@ def assembled(
         pads=_pads(file, bodies),
         disturbances=file.disturbances,
         momentum_walk=file.momentum_walk,
+        at_rest=file.at_rest,
         orbit=orbit,
         structure=file.structure,
         sensors=file.sensors,

@@ -7,10 +7,16 @@ from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 from jaxtyping import Float
-from pydantic import PlainValidator
+from pydantic import BeforeValidator, PlainValidator
 
 from orbident.files.names import counted
-from orbident.files.schema_parts import Name, Positive, finite_vector, nonzero_vector
+from orbident.files.schema_parts import (
+    Name,
+    Positive,
+    finite_vector,
+    keys_of,
+    nonzero_vector,
+)
 from orbident.orbits.orbit import Orbit
 from orbident.robot.may_act import MayAct
 from orbident.robot.parameters import PER_BODY, SYMBOLS
@@ -125,6 +131,26 @@ class MomentumWalk(NamedTuple):
     """N/sqrt(Hz)."""
 
 
+class AtRest(NamedTuple):
+    """How still a robot is that is said to be at rest: standard deviations.
+
+    By default as hands and grippers let go of a robot on a table; zero is exact.
+    """
+
+    spin: Annotated[float, measure_of("angular rate")] = 1e-3
+    """Residual rate of the whole robot, rad/s."""
+    wheels: Annotated[float, measure_of("share")] = 1e-3
+    """Part of the wheels' momentum that had been there before."""
+
+
+def _at_rest(value: object) -> object:
+    return {"spin": 0.0, "wheels": 0.0} if value == "exact" else value
+
+
+Stillness = Annotated[AtRest, keys_of(AtRest), BeforeValidator(_at_rest)]
+"""As a robot file has it: its sizes, or `exact`."""
+
+
 @dataclass(frozen=True)
 class Torquer:
     """A magnetic torquer in the base."""
@@ -186,6 +212,8 @@ class Robot:
     if nobody has said: then what its world is known for may act."""
     momentum_walk: MomentumWalk = field(default_factory=MomentumWalk)
     """How strong unknown torques and forces are that change quickly."""
+    at_rest: AtRest = field(default_factory=AtRest)
+    """How still it is where a recording is said to begin at rest."""
     orbit: Orbit | None = None
     """Where it is while it is recorded; inertial axes are J2000's then."""
     sensors: SensorsSpec = field(default_factory=SensorsSpec)

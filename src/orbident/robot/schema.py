@@ -23,11 +23,18 @@ from orbident.files.schema_parts import (
     keys_of,
 )
 from orbident.robot.body_schema import BodyEntry, DhTable
-from orbident.robot.description import MomentumWalk, Structure, Thruster, Torquer
+from orbident.robot.description import (
+    AtRest,
+    MomentumWalk,
+    Stillness,
+    Structure,
+    Thruster,
+    Torquer,
+)
 from orbident.robot.may_act import MayAct, may_act
 from orbident.robot.orbit_schema import OrbitEntry
 from orbident.robot.sensor_schema import SensorsSpec
-from orbident.robot.tolerance_schema import TolerancesEntry
+from orbident.robot.tolerance_schema import ToleranceSection, TolerancesEntry
 
 
 def _range(value: object) -> tuple[float, ...]:
@@ -121,11 +128,12 @@ class RobotFile(MappingSchema):
     pads: dict[str, Vector3] = Field(default_factory=dict)
     disturbances: Annotated[dict[str, MayAct] | None, PlainValidator(may_act)] = None
     momentum_walk: Annotated[MomentumWalk, keys_of(MomentumWalk)] = MomentumWalk()
+    at_rest: Stillness = AtRest()
     orbit: OrbitEntry | None = None
     limits: dict[str, LimitEntry] = Field(default_factory=dict)
     structure: dict[str, KnownStructure] = Field(default_factory=dict)
     sensors: SensorsSpec = SensorsSpec()
-    tolerances: TolerancesEntry = TolerancesEntry()
+    tolerances: ToleranceSection = TolerancesEntry()
 
     @model_validator(mode="after")
     def _one_robot(self) -> "RobotFile":

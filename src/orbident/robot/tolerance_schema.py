@@ -18,6 +18,12 @@ EVERY = "*"
 
 EITHER = "angle or length"
 
+USUAL_OF_SLIDES = 1e-4
+"""m: where a sliding joint's encoder shows zero."""
+
+EXACT = "exact"
+"""In place of all tolerances."""
+
 _ZERO_OF = {"revolute": "angle", "prismatic": "length"}
 
 
@@ -38,9 +44,9 @@ def _sections() -> dict[str, Any]:
     sections: dict[str, dict[str, Any]] = defaultdict(dict)
     for kind in CALIBRATION_KINDS.values():
         section, _, key = kind.entry.partition(".")
-        either = Annotated[Any, BeforeValidator(_zero)]
-        read = Annotated[float, measure_of(kind.dimension)]
-        sections[section][key] = (either if kind.dimension == EITHER else read, 0.0)
+        either: Any = Annotated[Any, BeforeValidator(_zero)]
+        read: Any = Annotated[float | None, measure_of(kind.dimension)]
+        sections[section][key] = (either if kind.dimension == EITHER else read, None)
     found: dict[str, Any] = {}
     for section, keys in sections.items():
         if "" in keys:
@@ -57,7 +63,7 @@ def _sections() -> dict[str, Any]:
 class TolerancesEntry(
     create_model("ToleranceSections", __base__=MappingSchema, **_sections())
 ):
-    """Standard deviations of calibration errors; what is absent is exact."""
+    """Standard deviations of calibration errors; what is absent is as usual."""
 
     def in_si(self, joints: Sequence[Joint], place: str) -> Tolerances:
         """The tolerances of a robot with these joints.
@@ -80,19 +86,22 @@ class TolerancesEntry(
         for tolerance, kind in CALIBRATION_KINDS.items():
             section, _, key = kind.entry.partition(".")
             if section == "joints":
-                # Joints of which nothing is said are exact.
-                stds = {name: getattr(entry, key, 0.0) for name, entry in own.items()}
+                stds = {name: getattr(entry, key, None) for name, entry in own.items()}
                 if kind.dimension == EITHER:
                     stds = {x.name: _zero_of(x, stds[x.name], place) for x in joints}
-                found[tolerance] = stds
+                found[tolerance] = {
+                    name: kind.usual if std is None else std
+                    for name, std in stds.items()
+                }
             else:
-                found[tolerance] = (
-                    getattr(given[section], key) if key else given[section]
-                )
+                std = getattr(given[section], key) if key else given[section]
+                found[tolerance] = kind.usual if std is None else std
         return Tolerances(**found)
 
 
-def _zero_of(joint: Joint, zero: object, place: str) -> float:
+def _zero_of(joint: Joint, zero: object, place: str) -> float | None:
+    if zero is None:
+        return None if joint.kind == "revolute" else USUAL_OF_SLIDES
     try:
         return at_least_zero(zero, _ZERO_OF[joint.kind])
     except WrongValueError as error:
@@ -101,3 +110,21 @@ def _zero_of(joint: Joint, zero: object, place: str) -> float:
             f"'{joint.name}': found {quoted(zero)}; {error}; joints of two kinds need "
             "an entry each, by name"
         ) from None
+
+
+def _or_exact(given: object) -> object:
+    """Every tolerance zero where the file says that all is exact."""
+    if given != EXACT:
+        return given
+    zeros: dict[str, Any] = defaultdict(dict)
+    for kind in CALIBRATION_KINDS.values():
+        section, _, key = kind.entry.partition(".")
+        if key:
+            zeros[section][key] = 0.0
+        else:
+            zeros[section] = 0.0
+    return zeros
+
+
+ToleranceSection = Annotated[TolerancesEntry, BeforeValidator(_or_exact)]
+"""As a robot file has it: its sizes, or `exact`."""

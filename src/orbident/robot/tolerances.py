@@ -20,6 +20,9 @@ class CalibrationKind(NamedTuple):
     """Of the error, as `units` has it."""
     by_axis: bool = False
     """Whether there is one for each of x, y and z."""
+    usual: float = 0.0
+    """Standard deviation where a robot file says nothing, SI; zero of what a file knows
+    or a calibration finds. Sources: docs/robot-file.md."""
 
     def names(self, of: str = "") -> tuple[str, ...]:
         """Names of the errors: of one joint or wheel where they have one each."""
@@ -27,12 +30,13 @@ class CalibrationKind(NamedTuple):
         return tuple(f"{name}.{axis}" for axis in "xyz") if self.by_axis else (name,)
 
 
-def _of_each_joint(*kind: Any) -> Any:
-    return field(default_factory=dict, metadata={"kind": CalibrationKind(*kind)})
+def _of_each_joint(*kind: Any, usual: float = 0.0) -> Any:
+    kinds = {"kind": CalibrationKind(*kind, usual=usual)}
+    return field(default_factory=dict, metadata=kinds)
 
 
-def _of_all(*kind: Any) -> Any:
-    return field(default=0.0, metadata={"kind": CalibrationKind(*kind)})
+def _of_all(*kind: Any, usual: float = 0.0) -> Any:
+    return field(default=0.0, metadata={"kind": CalibrationKind(*kind, usual=usual)})
 
 
 @dataclass(frozen=True)
@@ -43,14 +47,16 @@ class Tolerances:
     """
 
     joint_zero: Mapping[str, float] = _of_each_joint(
-        "joint.{}.zero", "joints.zero", "angle or length"
+        "joint.{}.zero", "joints.zero", "angle or length", usual=1e-3
     )
     """Angle or position where the encoder shows zero, by joint, rad or m."""
     joint_scale: Mapping[str, float] = _of_each_joint(
-        "joint.{}.scale", "joints.scale", "share"
+        "joint.{}.scale", "joints.scale", "share", usual=1e-4
     )
     """Scale of the encoder by joint, relative."""
-    wheel_inertia: float = _of_all("wheel.{}.inertia", "wheels.inertia", "share")
+    wheel_inertia: float = _of_all(
+        "wheel.{}.inertia", "wheels.inertia", "share", usual=2e-3
+    )
     """Polar moment of inertia of each wheel, relative."""
     feature_point: float = _of_all("feature_point", "feature_point", "length", True)
     """Distance of the tracked point from `S`, along each base axis, m."""
@@ -59,18 +65,22 @@ class Tolerances:
     )
     """Turn of the attitude sensor's axes from the base's, about each axis, rad."""
     gyro_misalignment: float = _of_all(
-        "gyro.misalignment", "gyro.misalignment", "angle", True
+        "gyro.misalignment", "gyro.misalignment", "angle", True, usual=1e-3
     )
     """Turn of the gyro's axes from the base's, about each axis, rad."""
-    gyro_scale: float = _of_all("gyro.scale", "gyro.scale", "share", True)
+    gyro_scale: float = _of_all("gyro.scale", "gyro.scale", "share", True, usual=5e-4)
     """Scale of each axis of the gyro, relative."""
     position_scale: float = _of_all("position.scale", "position.scale", "share")
     """Scale of the position, relative."""
-    joint_clock: float = _of_all("joints.clock", "clocks.joints", "time")
+    joint_clock: float = _of_all("joints.clock", "clocks.joints", "time", usual=1e-3)
     """How much joints and wheels are shown late, s."""
-    attitude_clock: float = _of_all("attitude.clock", "clocks.attitude", "time")
+    attitude_clock: float = _of_all(
+        "attitude.clock", "clocks.attitude", "time", usual=1e-3
+    )
     """How much the attitude is shown late, s."""
-    position_clock: float = _of_all("position.clock", "clocks.position", "time")
+    position_clock: float = _of_all(
+        "position.clock", "clocks.position", "time", usual=1e-3
+    )
     """How much the position is shown late, s."""
     joint_place: Mapping[str, float] = _of_each_joint(
         "joint.{}.place", "joints.place", "length", True

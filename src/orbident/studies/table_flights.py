@@ -198,7 +198,7 @@ def read_table(
     solved = solve(robot, flight, "at-rest", OutputError(), lambda _: None)
     estimate, sets = solved.estimate, solved.problem.sets
     # The same search, where nothing is known to act and nothing is tested yet.
-    bare = replace(robot, disturbances=(), pads={})
+    bare = replace(robot, disturbances={}, pads={})
     without = solve(bare, flight, "at-rest", OutputError(), lambda _: None).estimate
     assert without.solution is not None
     plain = estimate_of(without.solution, prior_std(robot, sets))

@@ -8,6 +8,7 @@ S to the CM,
 An accelerometer feels `F / M + b`.
 """
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
@@ -85,7 +86,7 @@ class Acting:
 
     def is_free(self, group: str) -> bool:
         """Whether it may be anything."""
-        return group in self.allowed and np.isinf(self.allowed[group].size)
+        return group in self.allowed and math.isinf(self.allowed[group].size)
 
     @property
     def expected(self) -> tuple[Unknown, ...]:

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 import numpy as np
+from jaxtyping import Float
 
 from orbident.estimation.found import prior_std
 from orbident.estimation.linear_fits import Fits, InitialMomentum, known_momentum
@@ -44,7 +45,7 @@ def prior_of(
     sets: MinimalSets,
     calibrations: Sequence[Unknown],
     outside: Outside,
-    initial_momentum: InitialMomentum,
+    rest: Float[np.ndarray, "3"] | None,
 ) -> Prior:
     """What is known of the unknowns of all segments: `beta` is about nominal.
 
@@ -53,13 +54,15 @@ def prior_of(
         sets: its minimal sets.
         calibrations: the errors that are unknown, which are about zero.
         outside: a first momentum.
-        initial_momentum: `"at-rest"` where that is known.
+        rest: deviations of the momentum where it is known, N m s; else None.
     """
     spin = sum(wheel.inertia for wheel in robot.wheels)
     # Without wheels: what turns once a second and is a metre large.
     h_std = max(float(np.linalg.norm(outside.h_cm)), spin) or robot.mass
-    h_std *= KNOWN if initial_momentum == "at-rest" else UNKNOWN
-    std = np.repeat([h_std, UNKNOWN, UNKNOWN], 3)
+    if rest is None:
+        rest = np.full(3, UNKNOWN * h_std)
+    # What is exact has some width, so that equations stay solvable.
+    std = np.append(np.maximum(rest, KNOWN * h_std), np.full(6, UNKNOWN))
     return Prior(
         values=np.concatenate(
             [*outside, sets.beta(robot.theta), np.zeros(len(calibrations))]

@@ -143,7 +143,7 @@ class OutputError:
         free = {"joints.clock": CLOCK_STD} if late and late.believed else {}
         equations = problem_of(robot, sets, samples, sensors, {**free, **self.free})
         outside = first_momentum(robot, sets, samples, problem.fits, momentum)
-        prior = prior_of(robot, sets, equations.declared, outside, momentum)
+        prior = prior_of(robot, sets, equations.declared, outside, problem.rest_std)
         beta = _first(problem)
         if self.others is not None:
             beta = self.others.beta

@@ -105,7 +105,7 @@ class Followed:
         scale = scale_of(
             self.robot,
             self.intervals.t,
-            np.reshape(history.qd_rw, (len(self.robot.wheels), -1)).T,
+            np.reshape(history.qd_rw, (len(self.robot.wheels), history.t.size)).T,
             w[np.isfinite(w).all(axis=1)],
             v_S if v_S is None else v_S[np.isfinite(v_S).all(axis=1)],
         )

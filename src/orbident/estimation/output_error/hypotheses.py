@@ -180,11 +180,14 @@ def _sized(search: Search) -> Search:
 
 
 def _zeros(problem: Problem, solution: Solution, tested: bool) -> TakenForZero:
-    """What is like something expected shows as that, and need not be tested too."""
-    expected = {each.family for each in problem.expected}
-    absent = {each.family for each in problem.acting.unknowns} if tested else set()
-    absent -= {other for family in expected for other in (family, *ALIKE[family])}
-    return TakenForZero(problem, solution, absent)
+    """One of those that are alike is tested: what is like it shows as that."""
+    shown = {each.family for each in problem.expected}
+    absent = list[str]()
+    for family in dict.fromkeys(x.family for x in problem.acting.unknowns if tested):
+        if family not in shown and not shown & {*ALIKE[family]}:
+            absent.append(family)
+            shown.add(family)
+    return TakenForZero(problem, solution, tuple(absent))
 
 
 def _best(
@@ -232,7 +235,9 @@ def _beyond(zeros: TakenForZero, excluded: Collection[str]) -> dict[str, float]:
         for family in {each.family for each in problem.expected} - {*excluded}
     }
     for family in {*zeros.families} - {*excluded}:
-        found = zeros.score({family, *({STEADY.get(family, family)} & zeros.families)})
+        found = zeros.score(
+            {family, *({STEADY.get(family, family)} & {*zeros.families})}
+        )
         squares[family] = ChiSquare(found.fall, found.values.size)
     among = max(len(squares), 1)
     return {
