@@ -1,5 +1,6 @@
 """The exciting trajectory of a robot: conditions, search, guarantee, scores."""
 
+import time
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, NamedTuple
@@ -115,12 +116,8 @@ def design_excitation(
     Raises:
         InputError: no motion keeps to the limits, or an argument makes no sense.
     """
-    effort = Effort(
-        starts or STARTS,
-        None if budget is None else (1 - RESERVED) * budget,
-        0 if starts else EVALUATIONS,
-    )
     _check(objective, starts, budget, uncertainty)
+    began = time.perf_counter()
     given = conditions or conditions_for(robot, duration, harmonics)
     objective = objective or usual_objective(robot, given)
     check_ends(robot.joint_names, given.limits, given.start, given.end)
@@ -128,6 +125,13 @@ def design_excitation(
         _space(robot, replace(given, harmonics=number), objective, uncertainty)
         for number in harmonics_tried(robot, given, objective)
     ]
+    effort = Effort(
+        starts or STARTS,
+        None if budget is None else (1 - RESERVED) * budget,
+        # With more harmonics they take several times as long.
+        0 if starts else EVALUATIONS // len(spaces),
+        began,
+    )
     searched = search(spaces, effort, seed, progress)
     optima, random = (
         _judged(robot, given, objective, found[:JUDGED])

@@ -18,6 +18,7 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.errors import InputError
+from orbident.estimation.linear_fits import rest_std
 from orbident.excitation.criterion import random_regressors
 from orbident.excitation.floating import (
     Gradient,
@@ -125,7 +126,7 @@ class SensedChanges:
     """
 
     def __init__(self, sensing: Sensing, motion: NodalMotion, at_rest: bool) -> None:
-        """`at_rest`: `h_cm = 0` is known, and no unknown."""
+        """`at_rest`: `h_cm = 0` is known, as well as the robot file says."""
         h, v = sensing.h, sensing.v
         self.sensing, self.motion = sensing, motion
         self.outside = OutsideChanges(motion) if sensing.acting else None
@@ -134,7 +135,11 @@ class SensedChanges:
         self.lever = block(cross_matrix(motion.r_cm), v, h)
         # R_0^T dh_cm - Y dpi.
         change, R_T = [-(motion.Y @ sensing.pi_of)], np.swapaxes(self.R_h, 1, 2)
-        if not at_rest:
+        self.h_std = np.full(len(h), np.inf)
+        if at_rest:
+            self.h_std = _stillness(motion)[list(h)]
+        # What is known exactly is no unknown.
+        if self.h_std.any():
             change.append(R_T)
         self.first = sum(columns.shape[2] for columns in change)
         if self.outside:
@@ -232,7 +237,7 @@ class Information:
             own = np.arange(size, size + rows.shape[2] - common)
             self._columns[sensor] = np.concatenate([np.arange(common), own])
             size += own.size
-        F = np.zeros((size, size))
+        u, F = sensing.pi_of.shape[1], np.zeros((size, size))
         acting = slice(self._seen.first, common)
         apart = self._apart(acting) if self._seen.outside else np.eye(0)
         for sensor, rows in self._rows.items():
@@ -243,10 +248,12 @@ class Information:
             F[np.ix_(self._columns[sensor], self._columns[sensor])] += (
                 self._weight(sensor) * flat.T @ flat
             )
+        if acting.start > u:
+            h_cm = np.arange(u, acting.start)
+            F[h_cm, h_cm] += self._seen.h_std**-2.0
         # A number of what may act has the deviation one beforehand.
         F[acting, acting] += apart.T @ apart
         # The Schur complement; nuisances scaled, since their units differ.
-        u = sensing.pi_of.shape[1]
         scale = 1 / np.sqrt(np.diag(F)[u:])
         F_nu = F[u:, :u] * scale[:, None]
         by_nuisance = np.linalg.solve(F[u:, u:] * scale[:, None] * scale, F_nu)
@@ -282,6 +289,13 @@ class Information:
             # A size that grows by a part takes twice that from its prior's weight.
             left = self._left[self._seen.first : self._seen.dw.shape[2]]
             self._seen.outside.add_sizes(f, -2 * np.sum(left @ by_F * left, axis=1))
+
+
+def _stillness(motion: NodalMotion) -> Float[np.ndarray, "3"]:
+    """Deviations of the momentum of a robot that was at rest, N m s."""
+    h_rw = motion.qd_rw @ motion.craft.wheels.A_rw.T
+    rms = float(np.sqrt(np.mean(np.sum(h_rw**2, axis=1))))
+    return rest_std(motion.craft.robot, rms)
 
 
 def _add(
