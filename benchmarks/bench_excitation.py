@@ -16,7 +16,7 @@ from orbident.excitation.conditions import conditions_for
 from orbident.excitation.design import LIMIT_STEPS, design_excitation
 from orbident.excitation.design_problem import problem_for
 from orbident.excitation.joint_limits import inner_point, polytope_of
-from orbident.excitation.search import Effort, search
+from orbident.excitation.search import Effort, SearchSpace, search
 from orbident.model.minimal_sets import minimal_sets
 from orbident.recordings.recording import Recording
 from orbident.robot.robot_file import load_robot
@@ -112,14 +112,8 @@ def bench_against_finite_differences(benchmark, record, once, meets):
     found = benchmark.pedantic(theirs, rounds=1)
     slow = record("differences", cond=float(np.exp(found.fun)), calls=int(found.nfev))
     started = time.perf_counter()
-    ours = search(
-        problem,
-        (polytope, polytope, polytope),
-        middle,
-        Effort(1, None),
-        0,
-        lambda _: None,
-    )
+    space = SearchSpace(problem, (polytope, polytope, polytope), middle)
+    ours = search([space], Effort(1, None), 0, lambda _: None)
     fast = time.perf_counter() - started
     cond = float(np.exp(ours.optima[0].value))
     benchmark.extra_info.update(ours_seconds=fast, ours_cond=cond)

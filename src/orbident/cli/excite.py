@@ -20,7 +20,6 @@ from orbident.cli.options import Force, Json, Quiet, RobotName
 from orbident.errors import InputError
 
 DURATION = 60.0
-HARMONICS = 3
 LIMITS = ("acceleration", "base_rate", "excursion", "wheel_speed")
 
 
@@ -31,7 +30,11 @@ Duration = Annotated[
     float | None, typer.Option(help="Duration of the motion, s (default 60).")
 ]
 Harmonics = Annotated[
-    int | None, typer.Option(help="Number of Fourier harmonics (Eq. 41; default 3).")
+    int | None,
+    typer.Option(
+        help="Number of Fourier harmonics (Eq. 41). By default 3; where anything may "
+        "act from outside, the search chooses, up to 16."
+    ),
 ]
 Criterion = Annotated[
     Objective | None,
@@ -217,7 +220,7 @@ def _conditions(
     return conditions_for(
         robot,
         usual if duration is None else duration,
-        HARMONICS if harmonics is None else harmonics,
+        harmonics,
         within,
         source,
     ), None

@@ -94,10 +94,14 @@ def designed(found: Any, paper: Any, at_rest: bool) -> list[Any]:
     ]
     if paper is not None and paper.quoted is not None:
         lines.append(f"the paper quotes a condition number of {paper.quoted:g} for its")
-    lines += [
-        f"  {words:30} {_number(made['scores'][key])}"
-        for key, words in CRITERIA.items()
-    ]
+    scores = made["scores"]
+    lines += [f"  {words:30} {_number(scores[key])}" for key, words in CRITERIA.items()]
+    if scores["price"] is not None:
+        lines.append(
+            "what may act from outside makes deviations "
+            f"{_number(scores['price'])} times as wide (of the best random motion: "
+            f"{_number(made['price_of_random_start'])} times)"
+        )
     rows = (
         (
             name,
@@ -132,9 +136,12 @@ def compared(found: Any) -> tuple[list[Any], dict[str, Any]]:
     """Trajectories side by side, as tables and as JSON."""
     from orbident.data_table import Numeric, table_of
 
+    shown = dict(CRITERIA)
+    if any(score.price is not None for score in found.scores):
+        shown["price"] = "times as wide by what may act"
     rows = (
         (words, *(Numeric(_finite(getattr(s, key)), ".4g") for s in found.scores))
-        for key, words in CRITERIA.items()
+        for key, words in shown.items()
     )
     criteria = table_of("", ("criterion", *found.sources), rows)
     rows = (
@@ -150,7 +157,7 @@ def compared(found: Any) -> tuple[list[Any], dict[str, Any]]:
         "trajectories": [
             {
                 "source": source,
-                "scores": {key: _finite(getattr(score, key)) for key in CRITERIA},
+                "scores": {key: _finite(getattr(score, key)) for key in shown},
                 "std": [_finite(float(std)) for std in deviations],
             }
             for source, score, deviations in zip(

@@ -1,8 +1,8 @@
 """The Cramér-Rao bound of a manoeuvre, before anything flies.
 
 No unbiased estimate from these sensors has a smaller covariance than the inverse of the
-information that they give, with momenta, biases, attitudes and the joints' histories
-unknown too.
+information that they give, with momenta, biases, attitudes, the joints' histories and
+what may act from outside unknown too.
 """
 
 from collections.abc import Callable
@@ -87,12 +87,17 @@ def bound_of(
     samples = _true_samples(motion, _shares(motion, sensors))
     problem = problem_of(robot, sets, samples, sensors)
     outside = NOTHING._replace(h_cm=motion.h_cm, v_cm=motion.v_cm)
-    state = start_of(problem, samples, outside, sets.beta(robot.theta))
+    unknown = (*problem.declared, *problem.expected)
+    state = start_of(problem, samples, outside, sets.beta(robot.theta)).carried(
+        np.array([each.place for each in unknown])
+    )
     rest = None
     if initial_momentum == "at-rest":
         h_rw = motion.qd_rw @ wheels_of(robot).A_rw.T
         rest = rest_std(robot, float(np.sqrt(np.mean(np.sum(h_rw**2, axis=1)))))
-    prior = prior_of(robot, sets, problem.declared, outside, rest)
+    prior = prior_of(robot, sets, problem.declared, outside, rest).extended(
+        np.array([each.std for each in problem.expected])
+    )
     there = linear(problem, problem.weights, state)
     solution = solution_at(state, there, prior, problem.weights, True, there.cost)
     found = found_beta(robot, sets, estimate_of(solution, prior_std(robot, sets)))

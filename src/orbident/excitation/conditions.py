@@ -135,7 +135,8 @@ class Conditions:
 
     duration: float
     """s."""
-    harmonics: int
+    harmonics: int | None
+    """N_f; None where the search is to choose it."""
     limits: Limits
     start: Float[np.ndarray, "joints 3"]
     """Position, velocity and acceleration of each joint at t = 0."""
@@ -151,7 +152,7 @@ class Conditions:
                 f"duration: found {self.duration:g} s; give at least {SHORTEST:g} s, "
                 "and at most a year"
             )
-        if not 1 <= self.harmonics <= MOST_HARMONICS:
+        if self.harmonics not in (None, *range(1, MOST_HARMONICS + 1)):
             raise InputError(
                 f"harmonics: found {self.harmonics}; give one or more, and at most "
                 f"{MOST_HARMONICS}"
@@ -161,7 +162,7 @@ class Conditions:
 def conditions_for(
     robot: Robot,
     duration: float,
-    harmonics: int = 3,
+    harmonics: int | None = None,
     limits: Limits | None = None,
     like: Trajectory | None = None,
 ) -> Conditions:
@@ -173,7 +174,7 @@ def conditions_for(
     Args:
         robot: with its limits.
         duration: s.
-        harmonics: N_f.
+        harmonics: N_f; the search's choice by default.
         limits: those of the robot file by default.
         like: takes its ends and its initial state from this trajectory.
 

@@ -1,5 +1,6 @@
 """The exciting trajectory of a robot: conditions, search, guarantee, scores."""
 
+import time
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, NamedTuple
@@ -9,12 +10,21 @@ import numpy as np
 from orbident.errors import InputError
 from orbident.excitation.conditions import Conditions, conditions_for
 from orbident.excitation.criterion import OBJECTIVES, Objective
-from orbident.excitation.design_problem import DesignProblem, problem_for
+from orbident.excitation.design_problem import problem_for
 from orbident.excitation.guarantee import Proven, proven_within
 from orbident.excitation.information import weights_of
 from orbident.excitation.joint_limits import check_ends, inner_point, polytope_of
+from orbident.excitation.outside_changes import anything_may_act
 from orbident.excitation.scores import CriterionValues, scores_of
-from orbident.excitation.search import Effort, Feasible, Progress, Searched, search
+from orbident.excitation.search import (
+    Effort,
+    Feasible,
+    Progress,
+    Searched,
+    SearchSpace,
+    search,
+)
+from orbident.robot.couplings import coupled_joints
 from orbident.robot.description import Robot
 from orbident.threads import one_blas_thread
 from orbident.trajectories.trajectory import Trajectory
@@ -24,6 +34,12 @@ STARTS = 24
 
 EVALUATIONS = 1500
 """And so many evaluations of the criterion in the first descents, some 2 ms each."""
+
+HARMONICS = (3, 6, 10, 16)
+"""Numbers that the search tries; the first is the paper's."""
+
+MOST_COORDINATES = 100
+"""Of all joints together: a step of SLSQP with more takes longer than the criterion."""
 
 LIMIT_STEPS = 64
 """Steps between the nodes at which the second descents keep the joints' limits, at
@@ -61,7 +77,7 @@ class Judged(NamedTuple):
 def design_excitation(
     robot: Robot,
     duration: float = 60.0,
-    harmonics: int = 3,
+    harmonics: int | None = None,
     objective: Objective | None = None,
     starts: int | None = None,
     budget: float | None = None,
@@ -78,7 +94,8 @@ def design_excitation(
     Args:
         robot: with limits of its joints; its inertia is nominal.
         duration: t_f, s.
-        harmonics: N_f.
+        harmonics: N_f; by default the search chooses, up to 16, where anything may act
+            from outside and the objective is of deviations, else 3.
         objective: `"cond"` for the condition number of `Y-hat`; `"d"`, `"a"` or `"e"`
             for the information of all parameters under the robot file's sensors. By
             default `"d"` where the robot file declares the noise of a sensor of the
@@ -99,34 +116,36 @@ def design_excitation(
     Raises:
         InputError: no motion keeps to the limits, or an argument makes no sense.
     """
-    effort = Effort(
-        starts or STARTS,
-        None if budget is None else (1 - RESERVED) * budget,
-        0 if starts else EVALUATIONS,
-    )
     _check(objective, starts, budget, uncertainty)
+    began = time.perf_counter()
     given = conditions or conditions_for(robot, duration, harmonics)
     objective = objective or usual_objective(robot, given)
     check_ends(robot.joint_names, given.limits, given.start, given.end)
-    problem = problem_for(robot, given, objective, uncertainty)
-    steps = max(LIMIT_STEPS, LIMIT_STEPS_A_PERIOD * given.harmonics)
-    few, more, many = (
-        polytope_of(problem.motions.resampled(nodes + 1), given.limits)
-        for nodes in (steps // COARSER, steps, FINER * steps)
+    spaces = [
+        _space(robot, replace(given, harmonics=number), objective, uncertainty)
+        for number in harmonics_tried(robot, given, objective)
+    ]
+    effort = Effort(
+        starts or STARTS,
+        None if budget is None else (1 - RESERVED) * budget,
+        # With more harmonics they take several times as long.
+        0 if starts else EVALUATIONS // len(spaces),
+        began,
     )
-    free = {k: robot.joint_names[k] for k in problem.motions.coupled.free}
-    middle = inner_point(many, given.limits, free)
-    searched = search(problem, (few, more, many), middle, effort, seed, progress)
+    searched = search(spaces, effort, seed, progress)
     optima, random = (
-        _judged(robot, given, problem, middle, found[:JUDGED])
+        _judged(robot, given, objective, found[:JUDGED])
         for found in (searched.optima, sorted(searched.random, key=lambda f: f.value))
     )
-    best = min([*optima, *random], key=lambda each: each.value)
+    by_chance = min(random, key=lambda each: each.value)
+    best = min([*optima, by_chance], key=lambda each: each.value)
     made = {
         "objective": objective,
         "value": _finite(best.value),
         "searched_value": _finite(best.searched),
-        "best_random_start": _finite(min(each.value for each in random)),
+        "harmonics": best.proven.trajectory.a.shape[1],
+        "best_random_start": _finite(by_chance.value),
+        "price_of_random_start": by_chance.scores.price,
         "uncertainty": uncertainty,
         "seed": seed,
         **_effort(searched),
@@ -134,6 +153,33 @@ def design_excitation(
         **_margins(robot, given, best.proven),
     }
     return replace(best.proven.trajectory, design=made)
+
+
+def harmonics_tried(
+    robot: Robot, given: Conditions, objective: Objective
+) -> tuple[int, ...]:
+    """Numbers of harmonics to search: more avoid the band of what acts slowly."""
+    if given.harmonics is not None:
+        return (given.harmonics,)
+    if objective == "cond" or not anything_may_act(robot):
+        return HARMONICS[:1]
+    joints = len(coupled_joints(robot).free)
+    most = max(MOST_COORDINATES / joints / 2, HARMONICS[0])
+    return tuple(number for number in HARMONICS if number <= most)
+
+
+def _space(
+    robot: Robot, given: Conditions, objective: Objective, uncertainty: float
+) -> SearchSpace:
+    problem = problem_for(robot, given, objective, uncertainty)
+    steps = max(LIMIT_STEPS, LIMIT_STEPS_A_PERIOD * problem.motions.harmonics)
+    few, more, many = (
+        polytope_of(problem.motions.resampled(nodes + 1), given.limits)
+        for nodes in (steps // COARSER, steps, FINER * steps)
+    )
+    free = {k: robot.joint_names[k] for k in problem.motions.coupled.free}
+    middle = inner_point(many, given.limits, free)
+    return SearchSpace(problem, (few, more, many), middle)
 
 
 def usual_objective(robot: Robot, given: Conditions) -> Objective:
@@ -147,19 +193,16 @@ def usual_objective(robot: Robot, given: Conditions) -> Objective:
 def _judged(
     robot: Robot,
     given: Conditions,
-    problem: DesignProblem,
-    middle: np.ndarray,
+    objective: Objective,
     candidates: list[Feasible],
 ) -> list[Judged]:
     """What motions are worth when they are made small enough for their limits."""
     judged = []
-    for found in candidates:
-        proven = proven_within(robot, given, problem.motions, middle, found.y)
+    for (problem, _, middle), _, y in candidates:
+        proven = proven_within(robot, given, problem.motions, middle, y)
         scores = scores_of(robot, proven.trajectory, proven.motion, given.basis)
-        value = scores.cond_Y if problem.objective == "cond" else None
-        if problem.objective != "cond":
-            value = getattr(scores, problem.objective)
-        there = problem.evaluate(middle + proven.share * (found.y - middle), 1.0)
+        value = getattr(scores, "cond_Y" if objective == "cond" else objective)
+        there = problem.evaluate(middle + proven.share * (y - middle), 1.0)
         judged.append(
             Judged(
                 proven,

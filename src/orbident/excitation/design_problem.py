@@ -206,9 +206,16 @@ def problem_for(
 ) -> DesignProblem:
     """What is minimised, for the nominal robot and those that could be the true one.
 
+    Args:
+        robot: with its nominal inertia.
+        given: the conditions, with a number of harmonics.
+        objective: which criterion.
+        uncertainty: as of `plausible_robots`.
+
     Raises:
         InputError: the objective needs sensors that the robot file does not have.
     """
+    assert given.harmonics is not None
     sets = minimal_sets(robot)
     at_rest = was_at_rest(robot, given.initial, given.start)
     return DesignProblem(
@@ -234,7 +241,11 @@ def problem_for(
 
 
 def steps_for(robot: Robot, given: Conditions, objective: Objective) -> int:
-    """Steps that follow the harmonics, the tumbling and the nutation of the base."""
+    """Steps that follow the harmonics, the tumbling and the nutation of the base.
+
+    Even where sensors count: what acts from outside is known from two steps to two.
+    """
+    assert given.harmonics is not None
     sets = minimal_sets(robot)
     turned = nutation(robot, given.initial, given.start) * given.duration
     # Twice as many rows as unknowns: fewer would let rounding excite them.
@@ -245,7 +256,8 @@ def steps_for(robot: Robot, given: Conditions, objective: Objective) -> int:
     if objective != "cond":
         steps *= FINER_FOR_SENSORS
     steps = max(steps, ceil(2 * unknowns / axes))
-    return max(steps, min(ceil(turned / STEP_ANGLE), MOST_STEPS))
+    steps = max(steps, min(ceil(turned / STEP_ANGLE), MOST_STEPS))
+    return steps if objective == "cond" else 2 * ceil(steps / 2)
 
 
 ROBOTS = 6

@@ -16,11 +16,13 @@ from orbident import _core
 from orbident.model.core_robot import core_robot
 from orbident.model.inertia import Inertia, inertia, inertia_at
 from orbident.model.minimal_sets import MinimalSets
-from orbident.model.rotations import quaternion_matrix
+from orbident.model.rotations import quaternion_matrix, rotate
 from orbident.model.wheel_arrays import Wheels, wheels_of
 from orbident.robot.description import Robot
 from orbident.threads import processors
 from orbident.trajectories.trajectory import InitialState
+
+Rows = Float[np.ndarray, "n axes columns"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,6 +31,7 @@ class NodalMotion:
 
     craft: "Craft"
     q: Float[np.ndarray, "n joints"]
+    qd: Float[np.ndarray, "n joints"]
     dt: float
     """s."""
     Y: Float[np.ndarray, "n h pi"]
@@ -45,6 +48,24 @@ class NodalMotion:
     def R(self) -> Float[np.ndarray, "n 3 3"]:
         """`R_WB`."""
         return quaternion_matrix(self.x_WB)
+
+    @cached_property
+    def v_S(self) -> Float[np.ndarray, "n 3"]:
+        """The velocity of S, inertial axes, m/s."""
+        return self.craft.velocity + self._v_from_cm - self._v_from_cm[0]
+
+    @property
+    def v_cm(self) -> Float[np.ndarray, "3"]:
+        """The velocity of the system CM, inertial axes, m/s."""
+        return self.craft.velocity - self._v_from_cm[0]
+
+    @cached_property
+    def _v_from_cm(self) -> Float[np.ndarray, "n 3"]:
+        """`R_0 W phi` (Eq. 29)."""
+        sets = self.craft.sets
+        v = np.zeros_like(self.w)
+        v[:, sets.regressors.velocity_axes] = self.W @ sets.phi(self.craft.robot.theta)
+        return rotate(self.R, v)
 
     @cached_property
     def qd_rw(self) -> Float[np.ndarray, "n wheels"]:
@@ -79,6 +100,8 @@ class Gradient:
     Y: Float[np.ndarray, "n h pi"] = field(init=False)
     W: Float[np.ndarray, "n v phi"] = field(init=False)
     w: Float[np.ndarray, "n 3"] = field(init=False)
+    q: Float[np.ndarray, "n joints"] = field(init=False)
+    """Only what depends on `q` beside the others."""
     R: Float[np.ndarray, "n 3 3"] = field(init=False)
     E: Float[np.ndarray, "n 3 3"] = field(init=False)
     r_cm: Float[np.ndarray, "n 3"] = field(init=False)
@@ -86,6 +109,7 @@ class Gradient:
     def __post_init__(self) -> None:
         self.Y, self.W = np.zeros_like(self.motion.Y), np.zeros_like(self.motion.W)
         self.w, self.r_cm = np.zeros((2, len(self.motion.w), 3))
+        self.q = np.zeros_like(self.motion.q)
         self.R, self.E = np.zeros((2, len(self.motion.w), 3, 3))
 
     @property
@@ -120,6 +144,19 @@ def axial(G: Float[np.ndarray, "n 3 3"]) -> Float[np.ndarray, "n 3"]:
     )
 
 
+def running_integral(X: Rows, dt: float) -> Rows:
+    """The integral from the first node on, by the trapezoidal rule."""
+    steps = dt / 2 * (X[1:] + X[:-1])
+    return np.concatenate([np.zeros_like(X[:1]), np.cumsum(steps, axis=0)])
+
+
+def running_integral_transposed(G: Rows, dt: float) -> Rows:
+    """The gradient with respect to `X`, from that with respect to its integral."""
+    after = np.cumsum(G[:0:-1], axis=0)[::-1]
+    none = np.zeros_like(G[:1])
+    return dt / 2 * (np.concatenate([after, none]) + np.concatenate([none, after]))
+
+
 @dataclass(frozen=True, eq=False)
 class Craft:
     """A robot with one plausible inertia, floating with a constant momentum."""
@@ -130,6 +167,8 @@ class Craft:
     wheels: Wheels
     spin: Float[np.ndarray, " wheels"]
     """Speeds of the wheels where the base does not turn, rad/s."""
+    velocity: Float[np.ndarray, "3"]
+    """Of S at the start, inertial axes, m/s."""
     floating: _core.Floating
 
     def along(
@@ -158,7 +197,7 @@ class Craft:
     ) -> NodalMotion:
         """What a motion shows, however it was found."""
         Y, W = self.sets.regressors(q, qd, w)
-        return NodalMotion(self, np.ascontiguousarray(q), dt, Y, W, w, x_WB)
+        return NodalMotion(self, np.ascontiguousarray(q), qd, dt, Y, W, w, x_WB)
 
     def pull_back(
         self,
@@ -169,7 +208,7 @@ class Craft:
         """The gradient with respect to `q` and `qd` at nodes and mid-nodes."""
         motion, regressors = f.motion, self.sets.regressors
         assert motion.laws is not None
-        return _core.float_gradient(
+        by_q, by_qd = _core.float_gradient(
             self.floating,
             motion.laws,
             regressors.core,
@@ -186,6 +225,8 @@ class Craft:
             f.turn,
             processors(),
         )
+        by_q[::2] += f.q
+        return by_q, by_qd
 
 
 def craft_of(
@@ -217,7 +258,7 @@ def craft_of(
         h_cm=h_cm,
         x_WB=np.array(initial.attitude),
     )
-    return Craft(robot, sets, wheels, spin, floating)
+    return Craft(robot, sets, wheels, spin, initial.velocity, floating)
 
 
 def _all_axes(

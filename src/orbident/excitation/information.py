@@ -12,13 +12,24 @@ unknown constant. Momenta and constants are eliminated.
 """
 
 from dataclasses import dataclass
+from math import ceil
 
 import numpy as np
 from jaxtyping import Float
 
 from orbident.errors import InputError
+from orbident.estimation.linear_fits import rest_std
 from orbident.excitation.criterion import random_regressors
-from orbident.excitation.floating import Gradient, NodalMotion, axial, block
+from orbident.excitation.floating import (
+    Gradient,
+    NodalMotion,
+    Rows,
+    axial,
+    block,
+    running_integral,
+    running_integral_transposed,
+)
+from orbident.excitation.outside_changes import OutsideChanges, anything_may_act
 from orbident.model.derivatives import derivatives_of_beta
 from orbident.model.independent import DEPENDENT
 from orbident.model.minimal_sets import MinimalSets
@@ -26,7 +37,8 @@ from orbident.robot.description import Robot
 from orbident.robot.parameters import cross_matrix
 from orbident.robot.sensor_schema import InertialSpec, SensorsSpec
 
-Rows = Float[np.ndarray, "n axes columns"]
+SOME = 64
+"""Nodes that show what may act well enough to tell its parts apart."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,6 +56,8 @@ class Sensing:
     """Axes in which angular momentum is conserved."""
     v: tuple[int, ...]
     """Axes in which linear momentum is conserved."""
+    acting: bool
+    """Whether anything may act from outside."""
 
 
 def weights_of(sensors: SensorsSpec) -> dict[str, float]:
@@ -80,6 +94,7 @@ def sensing_of(robot: Robot, sets: MinimalSets) -> Sensing:
         unit,
         regressors.momentum_axes,
         regressors.velocity_axes,
+        anything_may_act(robot),
     )
 
 
@@ -106,26 +121,39 @@ def _unit(
 class SensedChanges:
     """What sensors see of changes of the unknowns and of `h_cm`, side by side.
 
-    The first columns of `dw` (base axes) and `dv` (inertial axes) are the unknowns'.
+    The first columns of `dw` (base axes) and `dv` (inertial axes) are the unknowns',
+    and from `first` on they are those of what may act, each at its deviation.
     """
 
     def __init__(self, sensing: Sensing, motion: NodalMotion, at_rest: bool) -> None:
-        """`at_rest`: `h_cm = 0` is known, and no unknown."""
+        """`at_rest`: `h_cm = 0` is known, as well as the robot file says."""
         h, v = sensing.h, sensing.v
-        self.sensing, self.motion, self.at_rest = sensing, motion, at_rest
+        self.sensing, self.motion = sensing, motion
+        self.outside = OutsideChanges(motion) if sensing.acting else None
         self.R_h, self.R_v = block(motion.R, h, h), block(motion.R, v, v)
         self.E = block(motion.E, h, h)
         self.lever = block(cross_matrix(motion.r_cm), v, h)
         # R_0^T dh_cm - Y dpi.
-        change = [-(motion.Y @ sensing.pi_of)]
-        if not at_rest:
-            change.append(np.swapaxes(self.R_h, 1, 2))
+        change, R_T = [-(motion.Y @ sensing.pi_of)], np.swapaxes(self.R_h, 1, 2)
+        self.h_std = np.full(len(h), np.inf)
+        if at_rest:
+            self.h_std = _stillness(motion)[list(h)]
+        # What is known exactly is no unknown.
+        if self.h_std.any():
+            change.append(R_T)
+        self.first = sum(columns.shape[2] for columns in change)
+        if self.outside:
+            change.append(R_T @ self.outside.h[:, h])
         self.dh = np.concatenate(change, axis=2)
         self.dw = self.E @ self.dh
         W = motion.W @ sensing.phi_of
         self.dv_B = self.lever @ self.dw
         self.dv_B[:, :, : W.shape[2]] += W
-        self.dv = self.R_v @ self.dv_B
+        self.dv = self.felt = self.R_v @ self.dv_B
+        if self.outside:
+            self.felt = self.dv.copy()
+            self.dv[:, :, self.first :] += self.outside.v[:, v]
+            self.felt[:, :, self.first :] += self.outside.felt[:, v]
 
     def rows(self, sensor: str) -> Rows:
         """What one sensor sees, then of its own constants."""
@@ -133,13 +161,14 @@ class SensedChanges:
         own, dw, dv = np.eye(self.R_v.shape[1]), self.dw, self.dv
         if sensor in ("gyro", "attitude"):
             own = np.eye(self.R_h.shape[1])
-            seen = dw if sensor == "gyro" else _integral(self.R_h @ dw, dt)
+            seen = dw if sensor == "gyro" else running_integral(self.R_h @ dw, dt)
         elif sensor == "accelerometer":
-            seen, own = np.diff(dv, axis=0) / dt, self.R_v[1:]
+            seen, own = np.diff(self.felt, axis=0) / dt, self.R_v[1:]
         else:
             # The velocity of the CM, and where it is at the start.
             t = dt * np.arange(n)[:, None, None]
-            seen, own = _integral(dv, dt), np.concatenate([t * own, own + 0 * t], 2)
+            seen = running_integral(dv, dt)
+            own = np.concatenate([t * own, own + 0 * t], 2)
         own = np.broadcast_to(own, (len(seen), *own.shape[-2:]))
         return np.concatenate([seen, own], axis=2)
 
@@ -150,7 +179,7 @@ class SensedChanges:
         if sensor == "gyro":
             self._add_dw(f, by)
         elif sensor == "attitude":
-            by_turned = _integral_transposed(by, dt)
+            by_turned = running_integral_transposed(by, dt)
             _add(f.R, sensing.h, sensing.h, by_turned @ np.swapaxes(self.dw, 1, 2))
             self._add_dw(f, np.swapaxes(self.R_h, 1, 2) @ by_turned)
         elif sensor == "accelerometer":
@@ -158,11 +187,13 @@ class SensedChanges:
             _add(f.R, sensing.v, sensing.v, by_R)
             self._add_dv(f, -np.diff(by, axis=0, prepend=0, append=0) / dt)
         else:
-            self._add_dv(f, _integral_transposed(by, dt))
+            self._add_dv(f, running_integral_transposed(by, dt))
 
     def _add_dv(self, f: Gradient, by_dv: Rows) -> None:
-        """`dv = R_v (W dphi + lever dw)`."""
+        """`dv = R_v (W dphi + lever dw) + dv_cm`."""
         sensing = self.sensing
+        if self.outside:
+            self.outside.add_v(f, by_dv[:, :, self.first :])
         _add(f.R, sensing.v, sensing.v, by_dv @ np.swapaxes(self.dv_B, 1, 2))
         by = np.swapaxes(self.R_v, 1, 2) @ by_dv
         f.W += by[:, :, : sensing.phi_of.shape[1]] @ sensing.phi_of.T
@@ -172,13 +203,19 @@ class SensedChanges:
         self._add_dw(f, np.swapaxes(self.lever, 1, 2) @ by)
 
     def _add_dw(self, f: Gradient, by_dw: Rows) -> None:
-        """`dw = E [-Y dpi, R_h^T]`."""
+        """`dw = E [-Y dpi, R_h^T dh_cm]`."""
         sensing, u = self.sensing, self.sensing.pi_of.shape[1]
         _add(f.E, sensing.h, sensing.h, by_dw @ np.swapaxes(self.dh, 1, 2))
         by = np.swapaxes(self.E, 1, 2) @ by_dw
         f.Y -= by[:, :, :u] @ sensing.pi_of.T
-        if not self.at_rest:
-            _add(f.R, sensing.h, sensing.h, np.swapaxes(by[:, :, u:], 1, 2))
+        if self.first > u:
+            by_R = np.swapaxes(by[:, :, u : self.first], 1, 2)
+            _add(f.R, sensing.h, sensing.h, by_R)
+        if self.outside:
+            own = by[:, :, self.first :]
+            dh_cm = self.outside.h[:, sensing.h]
+            _add(f.R, sensing.h, sensing.h, dh_cm @ np.swapaxes(own, 1, 2))
+            self.outside.add_h(f, self.R_h @ own)
 
 
 class Information:
@@ -200,20 +237,44 @@ class Information:
             own = np.arange(size, size + rows.shape[2] - common)
             self._columns[sensor] = np.concatenate([np.arange(common), own])
             size += own.size
-        F = np.zeros((size, size))
+        u, F = sensing.pi_of.shape[1], np.zeros((size, size))
+        acting = slice(self._seen.first, common)
+        apart = self._apart(acting) if self._seen.outside else np.eye(0)
         for sensor, rows in self._rows.items():
             flat = rows.reshape(-1, rows.shape[2])
+            if self._seen.outside:
+                flat = flat.copy()
+                flat[:, acting] = flat[:, acting] @ apart
             F[np.ix_(self._columns[sensor], self._columns[sensor])] += (
                 self._weight(sensor) * flat.T @ flat
             )
+        if acting.start > u:
+            h_cm = np.arange(u, acting.start)
+            F[h_cm, h_cm] += self._seen.h_std**-2.0
+        # A number of what may act has the deviation one beforehand.
+        F[acting, acting] += apart.T @ apart
         # The Schur complement; nuisances scaled, since their units differ.
-        u = sensing.pi_of.shape[1]
         scale = 1 / np.sqrt(np.diag(F)[u:])
         F_nu = F[u:, :u] * scale[:, None]
         by_nuisance = np.linalg.solve(F[u:, u:] * scale[:, None] * scale, F_nu)
         left = F[:u, :u] - F_nu.T @ by_nuisance
         self.F: Float[np.ndarray, "unknowns unknowns"] = (left + left.T) / 2
         self._left = np.vstack([np.eye(u), -scale[:, None] * by_nuisance])
+        self._left[acting] = apart @ self._left[acting]
+
+    def _apart(self, acting: slice) -> Float[np.ndarray, "acting acting"]:
+        """Combinations of what may act that some rows tell apart.
+
+        What changes slowly looks alike to an attitude, which is its integral twice.
+        """
+        some = [
+            np.sqrt(self._weight(sensor)) * rows[:: ceil(len(rows) / SOME), :, acting]
+            for sensor, rows in self._rows.items()
+        ]
+        count = acting.stop - acting.start
+        stacked = [each.reshape(-1, count) for each in some]
+        R = np.linalg.qr(np.concatenate([*stacked, np.eye(count)]), mode="r")
+        return np.linalg.inv(R)
 
     def _weight(self, sensor: str) -> float:
         return self._seen.sensing.weights[sensor] * self._seen.motion.dt
@@ -224,6 +285,17 @@ class Information:
             left = self._left[self._columns[sensor]]
             by_rows = 2 * self._weight(sensor) * (rows @ left) @ by_F @ left.T
             self._seen.add(f, sensor, by_rows)
+        if self._seen.outside:
+            # A size that grows by a part takes twice that from its prior's weight.
+            left = self._left[self._seen.first : self._seen.dw.shape[2]]
+            self._seen.outside.add_sizes(f, -2 * np.sum(left @ by_F * left, axis=1))
+
+
+def _stillness(motion: NodalMotion) -> Float[np.ndarray, "3"]:
+    """Deviations of the momentum of a robot that was at rest, N m s."""
+    h_rw = motion.qd_rw @ motion.craft.wheels.A_rw.T
+    rms = float(np.sqrt(np.mean(np.sum(h_rw**2, axis=1))))
+    return rest_std(motion.craft.robot, rms)
 
 
 def _add(
@@ -234,16 +306,3 @@ def _add(
 ) -> None:
     own = block(whole, rows, columns)
     own += part
-
-
-def _integral(X: Rows, dt: float) -> Rows:
-    """The integral from the first node on, by the trapezoidal rule."""
-    steps = dt / 2 * (X[1:] + X[:-1])
-    return np.concatenate([np.zeros_like(X[:1]), np.cumsum(steps, axis=0)])
-
-
-def _integral_transposed(G: Rows, dt: float) -> Rows:
-    """The gradient with respect to `X`, from that with respect to its integral."""
-    after = np.cumsum(G[:0:-1], axis=0)[::-1]
-    none = np.zeros_like(G[:1])
-    return dt / 2 * (np.concatenate([after, none]) + np.concatenate([none, after]))

@@ -60,6 +60,11 @@ class JointMotions(NamedTuple):
         return self._replace(t=t, offset=offset.at(t), basis=basis.at(t))
 
     @property
+    def harmonics(self) -> int:
+        """N_f."""
+        return len(self.ab_of_y) // 2
+
+    @property
     def _gain(self) -> Float[np.ndarray, "joints free"]:
         return self.coupled.lead * self.scale
 

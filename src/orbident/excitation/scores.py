@@ -1,6 +1,7 @@
 """How good a trajectory is, by every criterion, on the motion it really makes."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -60,6 +61,9 @@ class CriterionValues(NamedTuple):
     """Their root mean square."""
     e: float | None
     """The largest."""
+    price: float | None
+    """Of not knowing what acts from outside: by how much deviations of the base
+    parameters grow, as a geometric mean; None where nothing may act."""
     deviations: Bounds | None
 
 
@@ -98,6 +102,11 @@ def scores_of(
     F = None if F is None or not _determined(F) else F
     # What only shows when coupled joints move apart has no deviation.
     whole = sensing is not None and np.ptp(sensing.beta_of.shape) == 0
+    price = None
+    if F is not None and sensing is not None and whole and sensing.acting:
+        alone = Information(replace(sensing, acting=False), seen, at_rest).F
+        growth = _std(sensing.beta_of, F) / _std(sensing.beta_of, alone)
+        price = float(np.exp(np.log(growth).mean()))
     return CriterionValues(
         cond_Y=_condition(Y),
         cond_Y_normalised=_condition(Y / _norms(Y)),
@@ -106,6 +115,7 @@ def scores_of(
         d=None if F is None else _value("d", F),
         a=None if F is None else _value("a", F),
         e=None if F is None else _value("e", F),
+        price=price,
         deviations=_deviations(sensing, F)
         if F is not None and sensing is not None and whole
         else None,
@@ -134,12 +144,16 @@ def _determined(F: Float[np.ndarray, "u u"]) -> bool:
 
 
 def _deviations(sensing: Sensing, F: Float[np.ndarray, "u u"]) -> Bounds:
-    C = np.linalg.inv(F)
     beta, pi, phi = (
-        np.sqrt(np.einsum("ij,jk,ik->i", J, C, J))
-        for J in (sensing.beta_of, sensing.pi_of, sensing.phi_of)
+        _std(J, F) for J in (sensing.beta_of, sensing.pi_of, sensing.phi_of)
     )
     return Bounds(float(beta[0]), pi, phi)
+
+
+def _std(
+    J: Float[np.ndarray, "some u"], F: Float[np.ndarray, "u u"]
+) -> Float[np.ndarray, " some"]:
+    return np.sqrt(np.einsum("ij,jk,ik->i", J, np.linalg.inv(F), J))
 
 
 class Scorecard(NamedTuple):

@@ -9,7 +9,7 @@ One descent: sequential quadratic programming (SLSQP of SciPy), exact gradients.
 """
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from math import ceil
 from typing import NamedTuple
@@ -39,6 +39,8 @@ still far from an overflow."""
 class DescentStage(NamedTuple):
     """Descents of one kind."""
 
+    polytope: int
+    """Which of a space's: the joints' limits at few nodes, at more or at many."""
     power: float
     """Power of the means for extreme eigenvalues: smooth if low, exact if high."""
     near: float
@@ -47,9 +49,20 @@ class DescentStage(NamedTuple):
     """Share of a budget after which the stage ends."""
 
 
+class SearchSpace(NamedTuple):
+    """Motions of so many harmonics."""
+
+    problem: DesignProblem
+    polytopes: tuple[Polytope, Polytope, Polytope]
+    """The joint limits at few nodes, at more and at many."""
+    middle: Float[np.ndarray, "free m"]
+    """A motion inside them."""
+
+
 class Feasible(NamedTuple):
     """A motion inside the limits."""
 
+    space: SearchSpace
     value: float
     """Logarithm of the criterion, on the search's grid."""
     y: Float[np.ndarray, "free m"]
@@ -64,13 +77,13 @@ class Descent:
 
     def __init__(
         self,
-        problem: DesignProblem,
-        polytope: Polytope,
+        space: SearchSpace,
         stage: DescentStage,
         time_is_up: Callable[[], bool],
     ) -> None:
         """It ends early when the time is up, or a step leads far from all limits."""
-        self._problem, self._polytope, self._stage = problem, polytope, stage
+        self._space, self._stage = space, stage
+        self._problem, self._polytope = space.problem, space.polytopes[stage.polytope]
         self._time_is_up = time_is_up
         self._last: tuple[bytes, Candidate] | None = None
         self.best: Feasible | None = None
@@ -128,13 +141,13 @@ class Descent:
             inside = self._polytope.slack(y).min() > -OUTSIDE
             better = self.best is None or candidate.exact < self.best.value
             if inside and (candidate.used <= 1).all() and better:
-                self.best = Feasible(candidate.exact, y.copy())
+                self.best = Feasible(self._space, candidate.exact, y.copy())
         return self._last[1]
 
 
-FIRST = DescentStage(power=8.0, near=np.inf, until=0.5)
-SECOND = DescentStage(power=128.0, near=np.inf, until=0.9)
-LAST = DescentStage(power=512.0, near=0.1, until=1.0)
+FIRST = DescentStage(0, power=8.0, near=np.inf, until=0.5)
+SECOND = DescentStage(1, power=128.0, near=np.inf, until=0.9)
+LAST = DescentStage(2, power=512.0, near=0.1, until=1.0)
 
 FOLLOWED = 8
 """One start of so many is descended again; with a budget, as many as time allows."""
@@ -239,9 +252,7 @@ class Searched:
 
 
 def search(
-    problem: DesignProblem,
-    polytopes: tuple[Polytope, Polytope, Polytope],
-    middle: Float[np.ndarray, "free m"],
+    spaces: Sequence[SearchSpace],
     effort: Effort,
     seed: int,
     report: Callable[[Progress], object],
@@ -249,9 +260,7 @@ def search(
     """Descend from many starts; an interrupt ends the search, and keeps what it found.
 
     Args:
-        problem: what is minimised.
-        polytopes: the joint limits at few nodes, at more and at many: of each stage.
-        middle: a motion inside them.
+        spaces: random motions are drawn from each in turn.
         effort: when to end.
         seed: of the random starts.
         report: is called after each descent.
@@ -259,16 +268,15 @@ def search(
     Raises:
         InputError: the limits of the base leave no room even for the gentlest motion.
     """
-    few, more, many = polytopes
-    run = _MultiStart(problem, effort, report)
+    run = _MultiStart(spaces, effort, report)
     searched = run.searched
     try:
         while effort.begins(searched.starts, searched.evaluations):
             random = np.random.default_rng([seed, searched.starts])
-            run.descend(_start(run, few, middle, random), few, FIRST)
+            run.descend(_start(run, random), FIRST)
         followed = effort.followed(searched.starts)
-        run.refine(searched.optima[:followed], more, SECOND)
-        run.refine(searched.optima[:POLISHED], many, LAST)
+        run.refine(searched.optima[:followed], SECOND)
+        run.refine(searched.optima[:POLISHED], LAST)
     except KeyboardInterrupt:
         # Without a first motion there is nothing to keep.
         if not searched.random:
@@ -279,34 +287,28 @@ def search(
 
 @dataclass(frozen=True, eq=False)
 class _MultiStart:
-    problem: DesignProblem
+    spaces: Sequence[SearchSpace]
     effort: Effort
     report: Callable[[Progress], object]
     searched: Searched = field(default_factory=Searched)
 
-    def refine(
-        self, found: list[Feasible], polytope: Polytope, stage: DescentStage
-    ) -> None:
+    def refine(self, found: list[Feasible], stage: DescentStage) -> None:
         """Replaces the optima by what descents from some of them find."""
         before, self.searched.optima = self.searched.optima, []
         try:
             for each in found:
                 if self.effort.over(stage.until):
                     break
-                self.descend(each.y, polytope, stage)
+                self.descend(each, stage)
         finally:
             self.searched.optima = self.searched.optima or before
 
-    def descend(
-        self, y: Float[np.ndarray, "free m"], polytope: Polytope, stage: DescentStage
-    ) -> None:
+    def descend(self, start: Feasible, stage: DescentStage) -> None:
         """One descent; what it found is kept, however it ends."""
         searched, effort = self.searched, self.effort
-        descent = Descent(
-            self.problem, polytope, stage, lambda: effort.over(stage.until)
-        )
+        descent = Descent(start.space, stage, lambda: effort.over(stage.until))
         try:
-            descent.run(y)
+            descent.run(start.y)
         finally:
             searched.evaluations += descent.evaluations
             searched.descents += 1
@@ -321,41 +323,44 @@ class _MultiStart:
         )
 
 
-def _start(
-    run: _MultiStart,
-    polytope: Polytope,
-    middle: Float[np.ndarray, "free m"],
-    random: np.random.Generator,
-) -> Float[np.ndarray, "free m"]:
+def _start(run: _MultiStart, random: np.random.Generator) -> Feasible:
     """A random motion, or a good one with a random joint; inside all limits."""
     searched = run.searched
     good, is_random = searched.optima[:BEST], searched.starts % 2 == 0
+    space = run.spaces[len(searched.random) % len(run.spaces)]
     searched.starts += 1
+    y = _random_motion(space, random)
+    if searched.starts <= FIRST_RANDOM or is_random or not good:
+        found = _inside_base_limits(space, y)
+        searched.random.append(found)
+        return found
+    # Limits hold joint by joint, so joints of two motions go together.
+    best = good[random.integers(len(good))]
+    mixed = best.space.middle + INWARD * (best.y - best.space.middle)
+    joint = random.integers(len(mixed))
+    if best.space is not space:
+        y = _random_motion(best.space, random)
+    mixed[joint] = y[joint]
+    return _inside_base_limits(best.space, mixed)
+
+
+def _random_motion(
+    space: SearchSpace, random: np.random.Generator
+) -> Float[np.ndarray, "free m"]:
+    middle = space.middle
     direction = random.standard_normal(middle.shape)
     share = random.uniform(*SHARES, len(middle))
-    steps = share * polytope.reach(middle, direction)
-    y = middle + steps[:, None] * direction
-    if searched.starts <= FIRST_RANDOM or is_random or not good:
-        found = _inside_base_limits(run.problem, middle, y)
-        searched.random.append(found)
-        return found.y
-    # Limits hold joint by joint, so joints of two motions go together.
-    mixed = middle + INWARD * (good[random.integers(len(good))].y - middle)
-    joint = random.integers(len(middle))
-    mixed[joint] = y[joint]
-    return _inside_base_limits(run.problem, middle, mixed).y
+    steps = share * space.polytopes[FIRST.polytope].reach(middle, direction)
+    return middle + steps[:, None] * direction
 
 
-def _inside_base_limits(
-    problem: DesignProblem,
-    middle: Float[np.ndarray, "free m"],
-    y: Float[np.ndarray, "free m"],
-) -> Feasible:
+def _inside_base_limits(space: SearchSpace, y: Float[np.ndarray, "free m"]) -> Feasible:
     """The motion, halved towards the gentlest one until the base keeps its limits."""
+    problem, middle = space.problem, space.middle
     candidate = problem.evaluate(y, FIRST.power)
     for _ in range(MOST_HALVINGS):
         if (candidate.used < 1).all():
-            return Feasible(candidate.exact, y)
+            return Feasible(space, candidate.exact, y)
         y = middle + (y - middle) / 2
         candidate = problem.evaluate(y, FIRST.power)
     worst = int(candidate.used.argmax())

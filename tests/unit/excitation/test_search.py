@@ -8,7 +8,14 @@ import pytest
 from orbident.excitation.conditions import conditions_for, limits_of
 from orbident.excitation.design_problem import DesignProblem, problem_for
 from orbident.excitation.joint_limits import inner_point, polytope_of
-from orbident.excitation.search import OUTSIDE, Effort, Feasible, Searched, search
+from orbident.excitation.search import (
+    OUTSIDE,
+    Effort,
+    Feasible,
+    Searched,
+    SearchSpace,
+    search,
+)
 
 
 @pytest.fixture(scope="module")
@@ -22,16 +29,15 @@ def case(emulator, given):
     problem = problem_for(emulator, given, "cond", 0.0)
     polytope = polytope_of(problem.motions.resampled(65), given.limits)
     middle = inner_point(polytope, given.limits, dict(enumerate(emulator.joint_names)))
-    return problem, polytope, middle
+    return SearchSpace(problem, (polytope,) * 3, middle)
 
 
 def run(case, effort, seed=0, report=lambda _: None) -> Searched:
-    problem, polytope, middle = case
-    return search(problem, (polytope,) * 3, middle, effort, seed, report)
+    return search([case], effort, seed, report)
 
 
 def test_descends_inside_the_limits(case):
-    problem, polytope, _ = case
+    problem, (polytope, _, _), _ = case
     searched = run(case, Effort(3, None))
     assert searched.starts == len(searched.random) == 3
     best = searched.optima[0]
@@ -47,7 +53,7 @@ def test_a_limit_of_the_base_costs(emulator, given, case):
     free = replace(given, limits=limits_of(emulator))
     problem = problem_for(emulator, free, "cond", 0.0)
     with_limit, without = (
-        run(each, Effort(3, None)) for each in (case, (problem, *case[1:]))
+        run(each, Effort(3, None)) for each in (case, case._replace(problem=problem))
     )
     assert without.optima[0].value < with_limit.optima[0].value
 
@@ -71,7 +77,7 @@ def test_an_interrupt_keeps_what_was_found(case):
 
 
 def test_an_interrupt_in_a_descent_keeps_the_random_motion(case, monkeypatch):
-    problem, calls = case[0], []
+    calls = []
     evaluate = DesignProblem.evaluate
 
     def interrupted(self, y, p):
@@ -81,14 +87,14 @@ def test_an_interrupt_in_a_descent_keeps_the_random_motion(case, monkeypatch):
         return evaluate(self, y, p)
 
     monkeypatch.setattr(DesignProblem, "evaluate", interrupted)
-    searched = run((problem, *case[1:]), Effort(5, None))
+    searched = run(case, Effort(5, None))
     assert searched.interrupted
     assert len(searched.random) == 1
     assert searched.optima[0].value <= searched.random[0].value
 
 
-def test_of_optima_that_are_alike_the_better_is_kept():
+def test_of_optima_that_are_alike_the_better_is_kept(case):
     searched, y = Searched(), np.zeros((1, 1))
     for value in (2.0, 1.0, 1.0005, 0.9995):
-        searched.keep(Feasible(value, y))
+        searched.keep(Feasible(case, value, y))
     assert [found.value for found in searched.optima] == [0.9995, 2.0]
