@@ -14,7 +14,7 @@ from orbident.robot.description import Robot
 from orbident.robot.robot_file import load_robot
 from orbident.simulation.simulate import simulate
 
-CHECKS = Path(__file__).parent / "unit" / "identified" / "flight_checks.c"
+CHECKS = Path(__file__).parents[1] / "unit" / "identified" / "flight_checks.c"
 SCALARS = {"double": "replay", "float": "replay_float"}
 WARNINGS = ("-Wall", "-Wextra", "-Wconversion", "-Wdouble-promotion", "-Werror")
 
