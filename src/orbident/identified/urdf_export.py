@@ -51,13 +51,13 @@ def links_of(robot: Robot) -> Links:
     file = validated(RobotFile, dict(robot.document), robot.name)
     tree = link_tree(read_urdf(robot.urdf, robot.name), file.base_link)
     held = frozenset(wheel.joint for wheel in file.wheels if wheel.joint is not None)
-    turning = [
+    roots = [
         joint.child
         for below in tree.children.values()
         for joint in below
         if joint.name in held
     ]
-    rotors = [link for root in turning for link in fused(tree, root).placements]
+    rotors = [link for root in roots for link in fused(tree, root).placements]
     return Links(tree, fused(tree, held=held).placements, frozenset(rotors))
 
 

@@ -70,8 +70,8 @@ def attitude_delay(
         shown = rate(t[known]) - bias
         gyro = gyro_response(t[known], x[known], shown)
         B = CubicSpline(t[known], gyro)(then[usable])
-        turning = R_then.apply(rate(then[usable]) - bias)
-        found = _solve(error.as_rotvec(), B, turning)
+        w_then = R_then.apply(rate(then[usable]) - bias)
+        found = _solve(error.as_rotvec(), B, w_then)
         before = found.before if before is None else before
         late, bias = late + found.change, bias + found.bias
         start = (Rotation.from_rotvec(found.phi) * Rotation.from_quat(start)).as_quat()
@@ -108,10 +108,10 @@ class _DelayStep(NamedTuple):
 def _solve(
     y: Float[np.ndarray, "m 3"],
     B: Float[np.ndarray, "m 3 12"],
-    turning: Float[np.ndarray, "m 3"],
+    w_then: Float[np.ndarray, "m 3"],
 ) -> _DelayStep:
     start = np.broadcast_to(np.eye(3), (len(y), 3, 3))
-    A = np.concatenate([start, -B, -turning[:, :, None]], axis=2)
+    A = np.concatenate([start, -B, -w_then[:, :, None]], axis=2)
     A = A.reshape(-1, UNKNOWNS)
     R = np.asarray(np.linalg.qr(np.column_stack([A, y.ravel()]), mode="r"))
     solution = np.linalg.lstsq(R[:-1, :-1], R[:-1, -1], rcond=None)[0]

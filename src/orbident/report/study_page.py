@@ -84,7 +84,7 @@ def draw_errors(rows: Sequence[PaperRow], path: Path, title: str) -> Picture:
     Raises:
         InputError: nothing can be written there.
     """
-    places = np.arange(len(rows))
+    x = np.arange(len(rows))
     every = {
         "paper": [row.paper_error_percent for row in rows],
         "estimate": [row.error_percent for row in rows],
@@ -95,9 +95,9 @@ def draw_errors(rows: Sequence[PaperRow], path: Path, title: str) -> Picture:
     for (name, errors), color in zip(every.items(), COLORS, strict=True):
         size = np.abs(np.array(errors, dtype=float))
         if np.isfinite(size).any():
-            dots.append(points(places, np.maximum(size, EXACT), color, name=name))
+            dots.append(points(x, np.maximum(size, EXACT), color, name=name))
     panel = Panel("relative error (%)", dots, y=decades(*(each["y"] for each in dots)))
-    names = {"tickvals": places, "ticktext": [row.name for row in rows]}
+    names = {"tickvals": x, "ticktext": [row.name for row in rows]}
     figure = stacked([panel], "", **names, tickangle=-90)
     figure["layout"]["height"] = HEIGHT
     return kept(drawn([[Chart("errors", "", figure)]]), path, title)

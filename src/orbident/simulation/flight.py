@@ -185,8 +185,8 @@ def _check_wheels(robot: Robot) -> None:
     largest = np.linalg.eigvalsh(I).max()
     for wheel in robot.wheels:
         I = I - wheel.inertia * np.outer(wheel.axis, wheel.axis)
-    turning = I[2:, 2:] if robot.motion == "planar" else I
-    smallest = np.linalg.eigvalsh(turning).min()
+    free = I[2:, 2:] if robot.motion == "planar" else I
+    smallest = np.linalg.eigvalsh(free).min()
     if smallest < -ROUNDING * largest:
         raise InputError(
             f"{robot.name}: without its wheels the base has inertia {smallest:g} "

@@ -97,7 +97,7 @@ class ReplayPage:
         settled = not self._playing or self._pictures % PLOTS_EVERY == 0
         if settled and wanted[0] != self._plotted:
             for plot in self._plots:
-                plot.place(wanted[0])
+                plot.move_to(wanted[0])
             self._plotted = wanted[0]
 
     def _chosen_speed(self) -> float:
@@ -108,13 +108,13 @@ class ReplayPage:
     def _show(self, t: float, follow: bool, predicted: bool, vectors: bool) -> None:
         k = min(int(np.searchsorted(self._motion.t, t)), self._motion.t.size - 1)
         origin = self._origins[k if follow else 0]
-        self._stage.place(origin)
-        for robot, places in self._robots:
-            robot.place(places.R[k], places.p[k] - origin)
+        self._stage.move_to(origin)
+        for robot, poses in self._robots:
+            robot.move_to(poses.R[k], poses.p[k] - origin)
         for ghost, _ in self._robots[1:]:
             ghost.show(predicted)
         if self._arrows:
-            self._arrows.place(k, origin)
+            self._arrows.move_to(k, origin)
             self._arrows.show(vectors)
 
 

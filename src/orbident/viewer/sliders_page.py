@@ -35,7 +35,7 @@ class SlidersPage:
         self._answer = server.gui.add_html("")
         self._sliders = [_slider(server.gui, joint) for joint in scene.robot.joints]
         self._start_again()
-        Floor(server, scene, *self._places())
+        Floor(server, scene, *self._poses())
         again = server.gui.add_button("Start again")
         again.on_click(lambda _: setattr(self, "_again", True))
         self._again = False
@@ -74,15 +74,15 @@ class SlidersPage:
         q = self._q[None]
         return MotionHistory(np.zeros(1), q, 0 * q, x_WB, none, r_S, none, wheels)
 
-    def _places(
+    def _poses(
         self,
     ) -> tuple[Float[np.ndarray, "frames 3 3"], Float[np.ndarray, "frames 3"]]:
         motion = self._still()
-        places = placed(self._scene, motion, motion.qd_rw)
-        return places.R[0], places.p[0]
+        poses = placed(self._scene, motion, motion.qd_rw)
+        return poses.R[0], poses.p[0]
 
     def _show(self) -> None:
-        self._robot.place(*self._places())
+        self._robot.move_to(*self._poses())
         turned = 2 * np.arccos(min(1.0, abs(float(self._base.x_WB[3]))))
         moved = float(np.linalg.norm(self._base.r_S - self._first.r_S))
         self._answer.content = (

@@ -150,12 +150,12 @@ def test_plots_have_few_points_and_a_line(server: Any):
     t = np.linspace(0.0, 10.0, 100_001)
     curves = np.column_stack([np.sin(t), np.cos(t)])
     plot = Plot(server, "title", t, curves, ("a", "<b>"), curves)
-    plot.place(4.0)
+    plot.move_to(4.0)
     t_shown, *_, now = plot._handle.data
     assert t_shown.size <= 400
     shown = t_shown[np.isfinite(now)]
     assert np.all(np.abs(shown - 4.0) < 0.06)
-    plot.place(10.0)
+    plot.move_to(10.0)
     assert np.isfinite(plot._handle.data[-1]).sum() == 2
 
 

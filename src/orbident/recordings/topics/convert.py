@@ -173,10 +173,10 @@ def _collect(
 def _written(
     used: Sequence[Timed], file: str, out: Path, said: Callable[[float], None]
 ) -> ConversionReport:
-    rows, places = common_rows([each.stamps for each in used])
+    rows, indices = common_rows([each.stamps for each in used])
     names = ["t", *(name for each in used for name in each.values.entry.columns)]
     emptied = [Emptied.of(each) for each in used]
-    write_blocks(out, names, _blocks(used, emptied, rows, places, said))
+    write_blocks(out, names, _blocks(used, emptied, rows, indices, said))
     start_ns = int(rows[0])
     topics = tuple(
         topic_report(each, start_ns, gaps.reasons)
@@ -197,7 +197,7 @@ def _blocks(
     used: Sequence[Timed],
     emptied: Sequence[Emptied],
     rows: np.ndarray,
-    places: Sequence[np.ndarray],
+    indices: Sequence[np.ndarray],
     said: Callable[[float], None],
 ) -> Iterator[np.ndarray]:
     widths = [len(each.values.entry.columns) for each in used]
@@ -207,9 +207,9 @@ def _blocks(
         block = np.full((stop - start, int(edges[-1])), np.nan)
         block[:, 0] = (rows[start:stop] - rows[0]) / 1e9
         for k, each in enumerate(used):
-            low, high = np.searchsorted(places[k], [start, stop])
+            low, high = np.searchsorted(indices[k], [start, stop])
             values = each.values.rows.gather(each.order[low:high])
             values = emptied[k].without(values, slice(low, high))
-            block[places[k][low:high] - start, edges[k] : edges[k + 1]] = values
+            block[indices[k][low:high] - start, edges[k] : edges[k + 1]] = values
         yield block
         said(0.75 + 0.25 * stop / rows.size)
