@@ -25,7 +25,7 @@ from orbident.simulation import outside
 from orbident.simulation.control_laws import Driven, Hold
 from orbident.simulation.flight import FreeFlying, standing
 from orbident.simulation.free_flying import free_flying
-from orbident.simulation.noise_processes import markov, stream
+from orbident.simulation.sensor import markov, stream
 from orbident.simulation.thrusters import thrust_columns
 from orbident.trajectories.environment import Environment
 

@@ -23,8 +23,7 @@ from scipy.spatial.transform import Rotation
 from orbident.estimation.identify import identify
 from orbident.model.minimal_sets import minimal_sets
 from orbident.orbits.earth import J2, MU, R_E
-from orbident.orbits.elements import Elements
-from orbident.orbits.orbit import Orbit
+from orbident.orbits.orbit import Elements, Orbit
 from orbident.robot.description import Joint, Robot, Wheel
 from orbident.robot.parameters import from_mass_com_inertia
 from orbident.robot.sensor_schema import declared_sensors

@@ -10,8 +10,7 @@ from bag_writers import Sent, write_bag
 from orbident.errors import InputError
 from orbident.recordings.recording import Recording
 from orbident.recordings.tables import read_recording
-from orbident.recordings.topics.conversion_report import ConversionReport
-from orbident.recordings.topics.convert import convert_file
+from orbident.recordings.topics.convert import ConversionReport, convert_file
 from orbident.recordings.topics.topic_map import load_topic_map
 
 HEAD = "schema: orbident/topic-map/1\ntopics:\n"

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from random_motions import random_motion
 
-from orbident.live.lines import VELOCITY, needed_columns
+from orbident.live.sources import VELOCITY, needed_columns
 from orbident.robot.description import Robot
 from orbident.robot.robot_file import load_robot
 from orbident.simulation.capture import (

@@ -21,12 +21,11 @@ import yaml
 from orbident.campaigns.case import Case, Subject
 from orbident.campaigns.spec import PAPER, RobotEntry, Spec, SpecFile, load_spec
 from orbident.errors import InputError
-from orbident.files.checksum import sha256
 from orbident.files.folder_replacing import finish, replacing_files
 from orbident.files.locking import locked
 from orbident.files.names import quoted
-from orbident.files.text import read_text, write_text
-from orbident.files.writing import writing
+from orbident.files.replacing import writing
+from orbident.files.text import read_text, sha256, write_text
 from orbident.robot.description import Robot
 from orbident.robot.robot_file import (
     bundled_robots,

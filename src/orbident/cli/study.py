@@ -173,8 +173,8 @@ def _keep(
     from dataclasses import replace
 
     from orbident.extras import MissingLibraryError
-    from orbident.files.checksum import sha256
     from orbident.files.folder_replacing import replacing_files
+    from orbident.files.text import sha256
     from orbident.identified.run_folder import save_result
 
     unmade = []
@@ -220,8 +220,11 @@ def _draw(
     done: Any, result: Any, title: str, cut_offs: Mapping[str, Any], folder: Path
 ) -> None:
     """Write report and pictures."""
-    from orbident.report.cut_offs import draw_cut_off, unit_of_signal
-    from orbident.report.study_page import write_study_report
+    from orbident.report.study_page import (
+        draw_cut_off,
+        unit_of_signal,
+        write_study_report,
+    )
 
     write_study_report(done, result, title, folder)
     if cut_offs:

@@ -7,9 +7,8 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.errors import InputError
-from orbident.files.schema_errors import validated
+from orbident.files.schema_parts import validated
 from orbident.model.minimal_sets import minimal_sets
-from orbident.robot.assembly import assembled
 from orbident.robot.description import Robot
 from orbident.robot.fusing import Placement, fused
 from orbident.robot.parameters import (
@@ -19,6 +18,7 @@ from orbident.robot.parameters import (
     inertia_about_com,
     transformed,
 )
+from orbident.robot.robot_file import assembled
 from orbident.robot.schema import RobotFile
 from orbident.robot.tree import LinkTree, link_tree
 from orbident.robot.urdf import read_urdf

@@ -13,9 +13,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from orbident.live.lines import complete
 from orbident.live.rate_smoothing import HALF, ready, smoothed_at, still_needed
 from orbident.live.running import Ran, Running, begun, ran_through, tools_of
+from orbident.live.sources import complete
 from orbident.live.stream_clocks import DIGITS, Row, StreamClock, StreamClocks
 from orbident.robot.description import Robot
 

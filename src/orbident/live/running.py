@@ -19,7 +19,7 @@ from orbident.estimation.recursive.prior import (
     cad_prior,
     factor_of,
 )
-from orbident.identified.flight_tables import robot_header
+from orbident.identified.flight_export import robot_header
 from orbident.live.stream_clocks import RATE, Row
 from orbident.robot.description import Robot
 

@@ -9,8 +9,8 @@ import numpy as np
 from orbident.errors import InputError
 from orbident.estimation.recursive.given import declared_noise
 from orbident.estimation.recursive.prior import cad_prior
-from orbident.live.lines import Lines
 from orbident.live.live_filter import LiveEvent, LiveFilter
+from orbident.live.sources import Lines
 from orbident.live.state_file import nothing_carried, read_state, save_state
 from orbident.live.stream_clocks import ALONE, PAUSE, WARM_UP
 from orbident.model.formulas import formulas_of

@@ -17,9 +17,9 @@ from pydantic import BaseModel, ConfigDict, Field
 from orbident._core import Watch
 from orbident.errors import InputError
 from orbident.files.replacing import replacing
-from orbident.live.lines import attitude_columns, complete, needed_columns
 from orbident.live.live_filter import Carried
 from orbident.live.running import Running, Tools, begun, tools_of
+from orbident.live.sources import attitude_columns, complete, needed_columns
 from orbident.live.stream_clocks import (
     ALONE,
     CLOCKS,

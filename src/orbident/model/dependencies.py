@@ -20,7 +20,7 @@ from jaxtyping import Float, Int
 from scipy.sparse import csc_array
 
 from orbident.model.independent import DEPENDENT
-from orbident.model.momentum import momentum_regressors
+from orbident.model.kinematics import momentum_regressors
 from orbident.robot.description import Robot
 from orbident.robot.parameters import PER_BODY
 

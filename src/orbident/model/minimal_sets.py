@@ -27,7 +27,7 @@ from orbident.errors import InputError
 from orbident.model.core_robot import core_tree
 from orbident.model.dependencies import Columns, dependencies
 from orbident.model.independent import independent_columns
-from orbident.model.momentum import MomentumRegressors, momentum_regressors
+from orbident.model.kinematics import MomentumRegressors, momentum_regressors
 from orbident.robot.description import Robot
 from orbident.robot.parameters import MASS, PER_BODY
 from orbident.threads import one_blas_thread, processors

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from orbident.errors import InputError
-from orbident.files.pipes import refuse_pipe
+from orbident.files.text import refuse_pipe
 from orbident.recordings.columns import is_known
 from orbident.recordings.csv_table import csv_batches, csv_lines, read_csv
 from orbident.recordings.long_recording import LARGE, LongRecording

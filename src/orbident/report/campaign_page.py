@@ -39,8 +39,7 @@ from orbident.report.charts import (
     points,
     stacked,
 )
-from orbident.report.numbers import short, signed
-from orbident.report.page import Chart, Section, Verdict, page
+from orbident.report.page import Chart, Section, Verdict, page, short, signed
 
 REACH = 4.0
 """Deviations that a histogram shows; what is beyond counts in its ends."""

@@ -12,11 +12,14 @@ from orbident.model.inertia import inertia_at
 from orbident.model.rotations import quaternion_matrix, rotate_back, rotation_angle
 from orbident.robot.description import Robot
 from orbident.simulation.control_laws import JointLaw, WheelLaw, WheelLimits
-from orbident.simulation.flight import FlyingState, FreeFlying, check_flight, check_laws
-from orbident.simulation.flight_steps import (
+from orbident.simulation.flight import (
     AT_S,
     Drive,
     FlightStates,
+    FlyingState,
+    FreeFlying,
+    check_flight,
+    check_laws,
     integrate,
     vehicle_of,
 )

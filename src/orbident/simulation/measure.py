@@ -12,7 +12,6 @@ from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.robot.sensor_schema import EncoderSpec, Sampled, SensorsSpec
 from orbident.simulation.free_floating import FreeFloating, JointMotion
-from orbident.simulation.noise_processes import stream
 from orbident.simulation.sensor import (
     Reading,
     read_angles,
@@ -22,6 +21,7 @@ from orbident.simulation.sensor import (
     read_position,
     read_rates,
     sensor_columns,
+    stream,
 )
 from orbident.simulation.truth import Truth, truth_of
 from orbident.trajectories.trajectory import Trajectory

@@ -31,8 +31,8 @@ from orbident.model.rotations import (
 )
 from orbident.orbits.orbit import Arc
 from orbident.robot.description import Robot
-from orbident.simulation.flight_steps import FlightStates, WrenchPoint
-from orbident.simulation.noise_processes import markov, stream
+from orbident.simulation.flight import FlightStates, WrenchPoint
+from orbident.simulation.sensor import markov, stream
 from orbident.trajectories.environment import Environment
 
 MOST_ROUNDS = 60

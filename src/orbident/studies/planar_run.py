@@ -168,7 +168,7 @@ def _read(
 Column = Float[np.ndarray, " n"]
 
 
-class Figure(NamedTuple):
+class PaperFigure(NamedTuple):
     """What one figure of the paper shows."""
 
     title: str
@@ -190,7 +190,7 @@ def planar_figures(
     burn: Recording,
     validation: Measured,
     result: Result,
-) -> dict[str, Figure]:
+) -> dict[str, PaperFigure]:
     """The figures by name, `fig06` to `fig13`.
 
     Args:
@@ -202,25 +202,27 @@ def planar_figures(
     """
     predicted = _predicted(result, validation)
     return {
-        "fig06": Figure(
+        "fig06": PaperFigure(
             "Measured joint angles and rates", _joints(robot, identification)
         ),
-        "fig07": Figure("Measured base angle and rate", _base(identification)),
-        "fig08": Figure("Measured position and velocity of S", _point(identification)),
-        "fig09": Figure("Translation of S in the burn", _burn(burn)),
-        "fig10": Figure(
+        "fig07": PaperFigure("Measured base angle and rate", _base(identification)),
+        "fig08": PaperFigure(
+            "Measured position and velocity of S", _point(identification)
+        ),
+        "fig09": PaperFigure("Translation of S in the burn", _burn(burn)),
+        "fig10": PaperFigure(
             "Validation: joint angles and rates", _joints(robot, validation)
         ),
-        "fig11": Figure(
+        "fig11": PaperFigure(
             "Validation: base angle, and rate with its prediction",
             _base(validation) | _named(predicted, "base rate z predicted (rad/s)"),
         ),
-        "fig12": Figure(
+        "fig12": PaperFigure(
             "Validation: position of S with its prediction",
             _position(validation.raw)
             | _named(predicted, *(f"S {k} predicted (m)" for k in "xy")),
         ),
-        "fig13": Figure(
+        "fig13": PaperFigure(
             "Validation: velocity of S with its prediction",
             _velocity(validation.ready)
             | _named(predicted, *(f"S velocity {k} predicted (m/s)" for k in "xy")),
@@ -228,7 +230,7 @@ def planar_figures(
     }
 
 
-def write_figures(figures: Mapping[str, Figure], folder: Path) -> None:
+def write_figures(figures: Mapping[str, PaperFigure], folder: Path) -> None:
     """Each as a CSV file, one column a curve.
 
     Args:

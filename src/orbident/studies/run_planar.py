@@ -24,8 +24,8 @@ from orbident.studies.paper_tables import PaperRow
 from orbident.studies.planar import Flights, fly_planar, planar_robot, planar_trajectory
 from orbident.studies.planar_run import (
     SCORED,
-    Figure,
     Measured,
+    PaperFigure,
     PaperFilters,
     PlanarReading,
     PlanarRun,
@@ -104,7 +104,7 @@ class PlanarStudy:
     trajectory: Trajectory
     recordings: Records
     """The recordings of the first seed."""
-    figures: Mapping[str, Figure]
+    figures: Mapping[str, PaperFigure]
     """Figures of the first seed, by the first of the methods."""
     cut_offs: Mapping[str, CutOff]
     """Cut-offs of the filters of the paper's method, by signal; empty without noise."""
@@ -302,7 +302,7 @@ def _weighed(first: PlanarRun, table: Table6, columns: _Columns) -> Weighed:
     return Weighed(*rows, weighing=first.weighing)
 
 
-def _figures(robot: Robot, first: PlanarRun) -> dict[str, Figure]:
+def _figures(robot: Robot, first: PlanarRun) -> dict[str, PaperFigure]:
     reading = next(iter(first.readings.values()))
     if reading.scores is None:
         return {}

@@ -5,8 +5,7 @@ import pytest
 from instruments import Errors, shown_with
 from small_campaigns import begun
 
-from orbident.campaigns.case import Case, Draws
-from orbident.campaigns.instrument_errors import moved_joints, with_instrument_errors
+from orbident.campaigns.case import Case, Draws, moved_joints, with_instrument_errors
 from orbident.errors import InputError
 from orbident.robot.description import Robot
 from orbident.robot.parameters import inertia_about_com

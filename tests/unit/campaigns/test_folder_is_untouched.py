@@ -18,7 +18,7 @@ from orbident.campaigns.executors import InThisProcess
 from orbident.campaigns.folder import begin, opened
 from orbident.campaigns.spec import load_spec
 from orbident.errors import InputError
-from orbident.orbits.elements import Elements
+from orbident.orbits.orbit import Elements
 
 
 @pytest.mark.parametrize("sums", [{}, {"spec.yaml": "00"}, None])

@@ -4,7 +4,7 @@ import pytest
 from small_campaigns import begun
 
 from orbident.campaigns.campaign_table import path_of
-from orbident.campaigns.rerun import repeat_run
+from orbident.campaigns.conduct import repeat_run
 from orbident.errors import InputError
 
 

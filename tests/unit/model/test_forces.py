@@ -6,8 +6,12 @@ from random_robots import random_robot, random_wheels
 from reference.equations_of_motion import H_plus, lagrange
 
 from orbident.errors import InputError
-from orbident.model.equations_of_motion import equations_of_motion
-from orbident.model.forces import Wrench, generalised_forces, jacobian
+from orbident.model.equations_of_motion import (
+    Wrench,
+    equations_of_motion,
+    generalised_forces,
+    jacobian,
+)
 
 ROBOT = random_robot(1, (0, 1, 0), (2,), random_wheels(2, ("held", "free")))
 RANDOM = np.random.default_rng(3)

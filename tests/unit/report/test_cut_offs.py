@@ -6,7 +6,7 @@ import pytest
 
 from orbident.errors import InputError
 from orbident.preprocessing.low_pass import choose_cut_off
-from orbident.report.cut_offs import draw_cut_off
+from orbident.report.study_page import draw_cut_off
 
 T = np.arange(400) / 20.0
 NOISE = 1e-3 * np.random.default_rng(0).standard_normal(T.size)

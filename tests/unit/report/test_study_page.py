@@ -7,15 +7,15 @@ import pytest
 
 from orbident.report.study_page import draw_errors, draw_figures
 from orbident.studies.paper_tables import PaperRow
-from orbident.studies.planar_run import Figure
+from orbident.studies.planar_run import PaperFigure
 
 T = np.linspace(0, 1, 50)
 FIGURES = {
-    "fig08": Figure(
+    "fig08": PaperFigure(
         "Measured position and velocity of S",
         {"t (s)": T, "S x (m)": T, "S y (m)": T**2, "S velocity x (m/s)": T},
     ),
-    "fig12": Figure(
+    "fig12": PaperFigure(
         "Position with its prediction",
         {"t (s)": T, "S x (m)": T, "S y (m)": T, "S x predicted (m)": T + 0.1},
     ),

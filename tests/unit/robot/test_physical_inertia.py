@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from urdf_texts import joint, link, robot
 
-from orbident.robot.physical_inertia import nonphysical
+from orbident.robot.oddities import nonphysical
 
 
 @pytest.mark.parametrize(

@@ -3,7 +3,7 @@ import pytest
 from allan import allan_deviation
 
 from orbident.robot.sensor_schema import FLICKER_FLOOR, MARKOV_PEAK, GyroSpec
-from orbident.simulation.noise_processes import (
+from orbident.simulation.sensor import (
     MARKOV_PEAK_AT,
     bias_drift,
     gaussian,

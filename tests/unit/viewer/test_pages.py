@@ -13,13 +13,16 @@ from orbident.errors import InputError
 from orbident.recordings.recording import Recording
 from orbident.recordings.tables import write_recording
 from orbident.robot.robot_file import load_robot
-from orbident.scene.reaction import BasePose, reaction
-from orbident.scene.replay import centroidal_momentum, placed, recorded_motion
+from orbident.scene.replay import (
+    BasePose,
+    centroidal_momentum,
+    placed,
+    reaction,
+    recorded_motion,
+)
 from orbident.scene.scene import scene_of
 from orbident.simulation.simulate import simulate
-from orbident.viewer.pages import prepared
-from orbident.viewer.replay_page import ReplayPage, slow_motion
-from orbident.viewer.sliders_page import SlidersPage
+from orbident.viewer.pages import ReplayPage, SlidersPage, prepared, slow_motion
 from orbident.viewer.stage import Plot, heading
 
 ROBOT = "cepheus-like"

@@ -13,9 +13,16 @@ from pydantic import BeforeValidator, Field, model_validator
 from orbident.errors import InputError
 from orbident.files.schema_parts import WrongValueError
 from orbident.recordings.logs.group import Group
-from orbident.recordings.topics.declared_units import DIMENSIONS, TIMES, nanoseconds_of
 from orbident.recordings.topics.entry import Entry, Extraction, Name, Placed
-from orbident.recordings.topics.targets import Slot, Target, slots_of, target_of
+from orbident.recordings.topics.targets import (
+    DIMENSIONS,
+    TIMES,
+    Slot,
+    Target,
+    nanoseconds_of,
+    slots_of,
+    target_of,
+)
 
 _MOST = 2**62
 """ns, 146 years; so far the sum of the fields goes."""

@@ -17,7 +17,6 @@ from pydantic import Field, create_model, model_validator
 
 from orbident.errors import InputError
 from orbident.recordings.columns import VECTORS
-from orbident.recordings.topics.declared_units import Unit, unit
 from orbident.recordings.topics.entry import (
     Entry,
     Extraction,
@@ -28,7 +27,13 @@ from orbident.recordings.topics.entry import (
     rotate_by_quaternion,
 )
 from orbident.recordings.topics.fields import Filling, Number
-from orbident.recordings.topics.targets import DIMENSION_OF, Target, target_of
+from orbident.recordings.topics.targets import (
+    DIMENSION_OF,
+    Target,
+    Unit,
+    target_of,
+    unit,
+)
 
 
 class VectorMessage(Filling):
