@@ -10,7 +10,7 @@ import pytest
 import yaml
 from urdf_pieces import ARM, robot_file
 
-from orbident.cli import excite_tables, output
+from orbident.cli import output
 from orbident.robot.robot_file import load_robot
 from orbident.studies.spatial import paper_case
 from orbident.trajectories.trajectory import Trajectory

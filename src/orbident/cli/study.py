@@ -116,7 +116,7 @@ def study(
 def _runner(name: Study, method: StudyMethod) -> Callable[..., Any]:
     """What runs it."""
     if name == "spatial":
-        from orbident.studies.run_spatial import run_spatial
+        from orbident.studies.spatial import run_spatial
 
         return partial(run_spatial, method=method)
     if name == "table":

@@ -20,7 +20,7 @@ from orbident.recordings.text_dialect import SI, TextDialect, opened_table, text
 _BLOCK_BYTES = 1 << 20
 # Arrow trims blanks around numbers, but not before it compares with these.
 _EMPTY = ["nan", "NaN", *(" " * width for width in range(33))]
-_NUMBER = re.compile(
+_CELL = re.compile(
     r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?|[+-]?(nan|inf|infinity)|",
     re.ASCII | re.IGNORECASE,
 )
@@ -151,7 +151,7 @@ def _check_row(
             f"{len(names)} columns; make them equal"
         )
     for name, cell in zip(names, row, strict=True):
-        if not _NUMBER.fullmatch(cell.strip().replace(dialect.decimal_point, ".")):
+        if not _CELL.fullmatch(cell.strip().replace(dialect.decimal_point, ".")):
             wanted = "a number, or leave the cell empty"
             if name == "t":
                 wanted = "the time in seconds, or let 'orbident convert' read dates"

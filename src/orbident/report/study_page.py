@@ -39,7 +39,7 @@ from orbident.studies.control import ControlStudy
 from orbident.studies.paper_tables import PaperRow
 from orbident.studies.planar_run import PaperFigure
 from orbident.studies.run_planar import PlanarStudy
-from orbident.studies.run_spatial import SpatialStudy
+from orbident.studies.spatial import SpatialStudy
 from orbident.studies.study_account import Study, account_of
 
 COLORS = PREDICTED, ERROR, LIMIT, MEASURED

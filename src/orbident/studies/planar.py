@@ -198,17 +198,7 @@ def fly_planar(robot: Robot, trajectory: Trajectory) -> Flights:
 def _spun_up(robot: Robot, q: Float[np.ndarray, " joints"], yaw: float) -> FlyingState:
     """State after the wheel's spin-up from rest (Eq. 25): momentum is still zero."""
     start = standing(_at_rest(yaw), q)
-    flight = free_flying(
-        robot,
-        _times(0.0, SPIN_UP),
-        start,
-        Hold(q),
-        FOLLOWING,
-        wheels=WHEEL,
-        limits=MOTOR,
-        tolerance=TOLERANCE,
-    )
-    return flight.state(-1)
+    return _following(robot, _times(0.0, SPIN_UP), start, Hold(q)).state(-1)
 
 
 def _following(

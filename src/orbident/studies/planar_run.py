@@ -16,14 +16,12 @@ from orbident.estimation.result import Result
 from orbident.estimation.weigh import Weighing, weigh
 from orbident.identified.prediction import predict
 from orbident.identified.validate import Validation, scored
-from orbident.model.minimal_sets import minimal_sets
-from orbident.model.paper_bases import PaperBasis, paper_basis, planar_columns
 from orbident.recordings.recording import Recording
 from orbident.recordings.table_writer import write_blocks
 from orbident.robot.description import Robot
-from orbident.studies import paper_tables
 from orbident.studies.paper_method import (
     Filters,
+    PaperParameters,
     from_mocap,
     mass_by_slopes,
     paper_method,
@@ -42,32 +40,6 @@ class Records(NamedTuple):
     validation: Recording
 
 
-class Table6(NamedTuple):
-    """Table 6's parameters and M: how to get them from a result, and what they are."""
-
-    basis: PaperBasis
-    true: Float[np.ndarray, " parameters"]
-
-    @classmethod
-    def of(cls, robot: Robot) -> "Table6":
-        """The table in the paper's planar basis, of the robot's nominal inertia."""
-        sets = minimal_sets(robot)
-        basis = paper_basis(sets, planar_columns(paper_tables.PLANAR_JOINT1))
-        pi, phi = basis.pi(sets.pi(robot.theta)), basis.phi(sets.phi(robot.theta))
-        return cls(basis, np.concatenate([pi, phi, [robot.mass]]))
-
-    def found(self, result: Result) -> Float[np.ndarray, " parameters"]:
-        """The result's; M is that of Eq. 32."""
-        pi, phi = self.basis.pi(result.pi.values), self.basis.phi(result.phi.values)
-        return np.concatenate([pi, phi, [result.mass.value]])
-
-    def errors(
-        self, found: Float[np.ndarray, " parameters"]
-    ) -> Float[np.ndarray, " parameters"]:
-        """Percent, signed."""
-        return 100 * (found / self.true - 1)
-
-
 class PlanarReading(NamedTuple):
     """What one way of signal processing comes to."""
 
@@ -79,7 +51,7 @@ class PlanarReading(NamedTuple):
     scores: Validation | None
     """None where the result cannot predict."""
 
-    def quantities(self, table: Table6) -> Float[np.ndarray, " quantities"]:
+    def quantities(self, table: PaperParameters) -> Float[np.ndarray, " quantities"]:
         """Errors of Table 6's parameters in percent, and both NRMSE."""
         nrmse = [np.nan] * len(SCORED)
         if self.scores is not None:
@@ -97,7 +69,7 @@ class PlanarRun(NamedTuple):
     by_slopes: float
     """M from two slopes, kg."""
 
-    def quantities(self, table: Table6) -> Float[np.ndarray, " quantities"]:
+    def quantities(self, table: PaperParameters) -> Float[np.ndarray, " quantities"]:
         """Quantities of each reading, and the errors of M from the burn, percent."""
         M = np.array([self.weighing.mass.value, self.by_slopes])
         readings = [reading.quantities(table) for reading in self.readings.values()]
