@@ -8,8 +8,7 @@ import pyarrow as pa
 import yaml
 from random_motions import random_motion
 
-from orbident.campaigns.campaign_table import read_rows
-from orbident.campaigns.folder import Campaign, begin
+from orbident.campaigns.folder import Campaign, begin, read_rows
 from orbident.campaigns.spec import load_spec
 from orbident.robot.robot_file import load_robot
 from orbident.trajectories.trajectory_file import save_trajectory

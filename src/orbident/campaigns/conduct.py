@@ -20,23 +20,21 @@ import pyarrow as pa
 import pyarrow.compute as pc
 from jaxtyping import Float
 
-from orbident.campaigns.campaign_table import (
-    Row,
-    arrow_table,
-    path_of,
-    read_chunk,
-    schema_of,
-    write_rows,
-)
 from orbident.campaigns.case import Case
 from orbident.campaigns.executors import Executors, computed
 from orbident.campaigns.folder import (
     FAILED,
     RERUN,
     Campaign,
+    Row,
+    arrow_table,
     check_versions,
+    path_of,
+    read_chunk,
+    schema_of,
     versions,
     working,
+    write_rows,
 )
 from orbident.errors import InputError
 from orbident.estimation.identify import identify

@@ -200,7 +200,7 @@ def _levels(begun: Any, folder: Path) -> Any:
     """How many results of each robot and method may be trusted."""
     from collections import Counter
 
-    from orbident.campaigns.campaign_table import read_rows
+    from orbident.campaigns.folder import read_rows
     from orbident.data_table import Numeric, table_of
     from orbident.estimation.checks import LEVELS
 

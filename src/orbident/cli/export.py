@@ -196,14 +196,14 @@ def _model_text(made: Any, suffix: str) -> str:
 
         return exported_urdf(made.robot, made.robot.theta)
     if suffix == ".xml":
-        from orbident.identified.mjcf_export import mjcf
+        from orbident.identified.simulator_models import mjcf
 
         return mjcf(made.mechanism)
     if suffix == ".sdf":
-        from orbident.identified.sdf_export import sdf
+        from orbident.identified.simulator_models import sdf
 
         return sdf(made.mechanism)
-    from orbident.identified.basilisk_export import basilisk_script
+    from orbident.identified.simulator_models import basilisk_script
 
     return basilisk_script(made)
 

@@ -220,8 +220,9 @@ def _draw(
     done: Any, result: Any, title: str, cut_offs: Mapping[str, Any], folder: Path
 ) -> None:
     """Write report and pictures."""
+    from orbident.files.replacing import replacing
     from orbident.report.study_page import (
-        draw_cut_off,
+        drawn_cut_off,
         unit_of_signal,
         write_study_report,
     )
@@ -230,5 +231,6 @@ def _draw(
     if cut_offs:
         (folder / CUT_OFFS).mkdir(exist_ok=True)
     for signal, cut_off in cut_offs.items():
-        path = folder / CUT_OFFS / f"{signal}.png"
-        draw_cut_off(cut_off, path, signal, unit_of_signal(signal))
+        drawing = drawn_cut_off(cut_off, signal, unit_of_signal(signal))
+        with replacing(folder / CUT_OFFS / f"{signal}.png") as path:
+            drawing.savefig(path, format="png", dpi=150)

@@ -7,7 +7,7 @@ import numpy as np
 from orbident.estimation.result import Result
 from orbident.extras import extra
 from orbident.identified.exported_robot import FEATURE_POINT, exported_robot
-from orbident.identified.mjcf_export import mjcf
+from orbident.identified.simulator_models import mjcf
 
 
 def mujoco_spec(result: Result) -> Any:

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from jaxtyping import Bool, Float
 
+from orbident.data_table import frame
 from orbident.errors import InputError
 from orbident.files.bounds import FAINTEST, LARGEST, SHORTEST, TOGETHER
-from orbident.files.data_frames import frame
 from orbident.files.names import closest, listed
 from orbident.recordings.columns import (
     columns_in_words,

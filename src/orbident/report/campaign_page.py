@@ -13,9 +13,8 @@ import pyarrow as pa
 from jaxtyping import Float
 from scipy import stats
 
-from orbident.campaigns.campaign_table import read_rows
 from orbident.campaigns.conduct import failed_runs, reason_in
-from orbident.campaigns.folder import REPORT, Campaign
+from orbident.campaigns.folder import REPORT, Campaign, read_rows
 from orbident.campaigns.statistics import (
     Dependence,
     MethodStatistics,

@@ -10,10 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
-from orbident.errors import InputError
 from orbident.estimation.checks import Check, worst
 from orbident.estimation.result import Result
-from orbident.files.replacing import replacing
 from orbident.files.text import write_text
 from orbident.identified.run_folder import REPORT
 from orbident.preprocessing.low_pass import CutOff
@@ -194,8 +192,6 @@ def own_sections(done: Study, folder: Path) -> Sequence[Section]:
     return [first, *more]
 
 
-FORMATS = ("png", "svg")
-
 SPECTRUM_HEIGHT = 380
 """Of a picture, pixels: it stands alone."""
 
@@ -237,33 +233,21 @@ def unit_of_signal(signal: str) -> str:
     return UNITS.get(signal.split(".", 1)[0], "rad")
 
 
-def draw_cut_off(cut_off: CutOff, path: str | Path, title: str, unit: str) -> None:
+def drawn_cut_off(cut_off: CutOff, title: str, unit: str) -> Drawing:
     """The amplitude spectrum, and the residual analysis beside it.
 
     Args:
         cut_off: as `choose_cut_off` found it.
-        path: of the picture, PNG or SVG; an existing one is replaced.
-        title: over it.
+        title: over the picture.
         unit: of the samples.
-
-    Raises:
-        InputError: the name ends neither in .png nor in .svg, or nothing can be
-            written there.
     """
-    path = Path(path)
-    kind = path.suffix.lower().removeprefix(".")
-    if kind not in FORMATS:
-        raise InputError(f"{path}: a picture; give a name that ends in .png or .svg")
     spectrum = Chart("spectrum", "Spectrum", _spectrum(cut_off, unit))
     residual = Chart("residual", "Residual analysis", _residual(cut_off, unit))
     for chart in (spectrum, residual):
         chart.figure["layout"]["height"] = SPECTRUM_HEIGHT
     drawing = drawn([[spectrum, residual]])
     drawing.suptitle(f"{title}: cut-off {cut_off.frequency:.3g} Hz")
-    with replacing(path) as target:
-        # Without a date the same data give the same file.
-        dateless = {"Date": None} if kind == "svg" else None
-        drawing.savefig(target, format=kind, dpi=150, metadata=dateless)
+    return drawing
 
 
 def _spectrum(cut_off: CutOff, unit: str) -> Figure:

@@ -15,8 +15,7 @@ from orbident.files.names import suggestion
 from orbident.files.schema_parts import validated
 from orbident.files.text import read_text, refuse_pipe, write_text
 from orbident.files.yaml_mapping import read_yaml_mapping
-from orbident.orbits.ephemeris import Ephemeris
-from orbident.orbits.orbit import Orbit
+from orbident.orbits.orbit import Ephemeris, Orbit
 from orbident.robot.body_schema import tree_of_bodies, tree_of_table
 from orbident.robot.couplings import couplings_of
 from orbident.robot.description import (

@@ -17,7 +17,7 @@ from orbident.estimation.weigh import Weighing, weigh
 from orbident.identified.prediction import predict
 from orbident.identified.validate import Validation, scored
 from orbident.recordings.recording import Recording
-from orbident.recordings.table_writer import write_blocks
+from orbident.recordings.tables import write_blocks
 from orbident.robot.description import Robot
 from orbident.studies.paper_method import (
     Filters,

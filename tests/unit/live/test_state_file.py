@@ -10,8 +10,8 @@ from live_streams import VELOCITY_STD, csv_lines, robot, samples
 
 from orbident.errors import InputError
 from orbident.live.live_filter import LiveFilter
+from orbident.live.session import nothing_carried, read_state, save_state
 from orbident.live.sources import Lines
-from orbident.live.state_file import nothing_carried, read_state, save_state
 
 
 @pytest.fixture(scope="module")

@@ -5,9 +5,8 @@ import pyarrow as pa
 import pytest
 from small_campaigns import begun
 
-from orbident.campaigns.campaign_table import schema_of
 from orbident.campaigns.conduct import failure_of
-from orbident.campaigns.folder import FAILED, Campaign
+from orbident.campaigns.folder import FAILED, Campaign, schema_of
 from orbident.files.text import write_text
 from orbident.report.campaign_page import campaign_report
 

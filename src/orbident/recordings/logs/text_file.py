@@ -8,10 +8,14 @@ import pyarrow.csv as arrow_csv
 
 from orbident.errors import InputError
 from orbident.files.names import one_line
-from orbident.recordings.csv_table import csv_lines
+from orbident.recordings.csv_table import (
+    TextDialect,
+    csv_lines,
+    opened_table,
+    text_dialect,
+)
 from orbident.recordings.logs.arrow_file import fields_of
 from orbident.recordings.logs.group import Tree, unusable
-from orbident.recordings.text_dialect import TextDialect, opened_table, text_dialect
 
 SUFFIXES = (".42", ".csv", ".tsv", ".txt", ".dat")
 _EMPTY = ["", "nan", "NaN", "NAN", "null"]

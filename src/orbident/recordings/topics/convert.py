@@ -20,8 +20,7 @@ from orbident.recordings.no_measurements import (
     sensor_groups,
 )
 from orbident.recordings.source import Source
-from orbident.recordings.table_writer import write_blocks
-from orbident.recordings.tables import check_writable
+from orbident.recordings.tables import check_writable, write_blocks
 from orbident.recordings.topics.fields import missing_of
 from orbident.recordings.topics.presets import preset_path, presets
 from orbident.recordings.topics.survey import open_source

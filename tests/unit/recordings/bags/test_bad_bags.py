@@ -308,7 +308,7 @@ def test_without_the_libraries(monkeypatch, library):
         if name.split(".")[0] == library:
             monkeypatch.setitem(sys.modules, name, None)
     monkeypatch.setitem(sys.modules, library, None)
-    module = "orbident.recordings.bags.topic"
+    module = "orbident.recordings.bags.libraries"
     monkeypatch.delitem(sys.modules, module, raising=False)
     with pytest.raises(InputError, match=rf'needs {library}: .* "orbident\[ros\]"'):
         importlib.import_module(module)
