@@ -10,8 +10,7 @@ import pytest
 import yaml
 from urdf_pieces import ARM, robot_file
 
-from orbident.cli import output
-from orbident.cli.excite import CRITERIA, design_doubts
+from orbident.cli import excite_tables, output
 from orbident.robot.robot_file import load_robot
 from orbident.studies.spatial import paper_case
 from orbident.trajectories.trajectory import Trajectory
@@ -67,8 +66,8 @@ def test_a_score_that_falls_from_search_to_truth_is_told():
         motion = Trajectory(1.0, (), none, none, still, still)
         return replace(motion, design={"value": value, "searched_value": searched})
 
-    assert not design_doubts(design(100.0, 99.0))
-    (sentence,) = design_doubts(design(832.0, 81.4))
+    assert not excite_tables.design_doubts(design(100.0, 99.0))
+    (sentence,) = excite_tables.design_doubts(design(832.0, 81.4))
     assert "81.4" in sentence
     assert "832" in sentence
 
@@ -108,7 +107,7 @@ def test_compare(orbident, table_5):
     first, second = ran.json["trajectories"]
     assert first == second
     assert first["scores"]["cond_Y"] == pytest.approx(86, abs=0.5)
-    assert set(first["scores"]) == set(CRITERIA)
+    assert set(first["scores"]) == set(excite_tables.CRITERIA)
     assert ran.json["parameters"][0] == "M"
     assert len(first["std"]) == len(ran.json["parameters"]) == 1 + 8 + 4
     words = orbident("excite", "cepheus-like", "--compare", table_5).done().out

@@ -31,8 +31,7 @@ from orbident.simulation.control_laws import Driven, Hold
 from orbident.simulation.flight import standing
 from orbident.simulation.free_floating import BaseState
 from orbident.simulation.free_flying import free_flying
-from orbident.simulation.measure import measure_truth
-from orbident.simulation.truth import Truth
+from orbident.simulation.measure import Truth, measure_truth
 from orbident.trajectories.environment import Environment
 
 pytest.importorskip("Basilisk", reason="pip install bsk, which no other test needs")

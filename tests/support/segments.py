@@ -16,7 +16,7 @@ from orbident.model.rotations import quaternion_matrix
 from orbident.model.wheel_arrays import wheels_of
 from orbident.robot.description import Robot
 from orbident.simulation.free_floating import free_floating
-from orbident.simulation.truth import accelerations
+from orbident.simulation.measure import accelerations
 
 GYRO, ACCELEROMETER = np.array([1.0, -2.0, 3.0]), np.array([0.3, 0.1, -0.2])
 """Biases, rad/s and m/s^2."""

@@ -13,7 +13,7 @@ from answers import Answer
 from problem_folder import named
 
 from baselines.equations import equations_of
-from orbident.model.derivatives import derivatives_of_beta
+from orbident.model.minimal_sets import derivatives_of_beta
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 

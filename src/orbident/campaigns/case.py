@@ -30,10 +30,9 @@ from orbident.robot.parameters import (
 )
 from orbident.robot.sensor_schema import SensorsSpec
 from orbident.robot.tolerances import CALIBRATION_KINDS
-from orbident.simulation.measure import measure_truth
+from orbident.simulation.measure import Truth, measure_truth
 from orbident.simulation.sensor import stream
 from orbident.simulation.simulate import made_along
-from orbident.simulation.truth import Truth
 from orbident.trajectories.trajectory import InitialState, Trajectory
 
 Draws = dict[str, float]

@@ -1,6 +1,5 @@
 """`orbident excite ROBOT -o TRAJ`, and `orbident excite ROBOT --compare TRAJ`."""
 
-import math
 import sys
 from pathlib import Path
 from typing import Annotated, Any
@@ -8,9 +7,17 @@ from typing import Annotated, Any
 import typer
 
 from orbident.choices import Objective
+from orbident.cli.excite_tables import (
+    INTERRUPTED,
+    compared,
+    design_doubts,
+    designed,
+    excites_all,
+    was_interrupted,
+    written,
+)
 from orbident.cli.options import Force, Json, Quiet, RobotName
 from orbident.errors import InputError
-from orbident.files.names import counted
 
 DURATION = 60.0
 HARMONICS = 3
@@ -147,12 +154,12 @@ def excite(
     save_trajectory(found, out)
     trusted = excites_all(found)
     output.warn(design_doubts(found))
-    if found.design["interrupted"]:
+    if was_interrupted(found):
         output.warn([INTERRUPTED])
     at_rest = was_at_rest(described, given.initial, given.start)
     output.say(*designed(found, paper, at_rest), f"written: {out}")
     output.write_json(written(found, paper, out))
-    if found.design["interrupted"]:
+    if was_interrupted(found):
         sys.stdout.flush()
         raise KeyboardInterrupt
     if not trusted:
@@ -231,169 +238,3 @@ def _limits(entries: list[str]) -> dict[str, float]:
             )
         limits[name] = number
     return limits
-
-
-CRITERIA = {
-    "cond_Y": "cond Y-hat",
-    "cond_Y_normalised": "cond Y-hat, unit columns",
-    "cond_W": "cond W-hat",
-    "cond_W_normalised": "cond W-hat, unit columns",
-    "d": "d: geometric mean deviation",
-    "a": "a: root mean square deviation",
-    "e": "e: largest deviation",
-}
-
-
-SINGULAR = 1e6
-"""Condition number from which encoders, good to 1e-5 rad or so, hide parameters."""
-
-NO_WHEEL = (
-    "no motion determines all parameters, because the robot has no wheel: without a "
-    "momentum that is known nothing fixes their scale; declare the robot's wheels, or "
-    "the joints that are wheels"
-)
-
-NOT_EXCITED = (
-    "the motion does not determine all parameters; give more harmonics or a longer "
-    "duration, or declare sensors and use the objective d"
-)
-
-
-INTERRUPTED = (
-    "interrupted: the trajectory that was written is the best that was found until then"
-)
-
-AGREEMENT = 0.02
-"""Relative difference of the search's score and the final one that is worth a word."""
-
-
-KNOWN_AT_REST = (
-    "the base turns because its wheels spin up from rest: identify the recording with\n"
-    "--initial-momentum at-rest"
-)
-
-
-def design_doubts(found: Any) -> list[str]:
-    """What makes a design doubtful."""
-    made, sentences = found.design, []
-    value, searched = made["value"], made["searched_value"]
-    if not excites_all(found):
-        sentences.append(NOT_EXCITED if found.initial.wheel_speed else NO_WHEEL)
-    elif abs(searched - value) > AGREEMENT * value:
-        sentences.append(
-            f"the search valued this motion at {searched:.4g}, but the motion that it "
-            f"really makes is worth {value:.4g}: the base turns or nutates faster than "
-            "the grid of the search follows, so a better motion may exist; start with "
-            "less momentum, or give less time"
-        )
-    return sentences
-
-
-def excites_all(found: Any) -> bool:
-    """Whether the criterion that was made small shows every parameter."""
-    value = found.design["value"]
-    return value is not None and value < SINGULAR
-
-
-def designed(found: Any, paper: Any, at_rest: bool) -> list[Any]:
-    """A designed trajectory in words.
-
-    Args:
-        found: the trajectory.
-        paper: the paper's case, or None.
-        at_rest: the robot is at rest before its wheels spin up.
-    """
-    from orbident.data_table import table_of
-
-    made = found.design
-    lines: list[Any] = [
-        f"designed a motion of {found.duration:g} s and "
-        f"{counted(len(found.joints), 'joint')}",
-        f"objective {made['objective']}: {_number(made['value'])}, the best of "
-        f"{counted(made['starts'], 'start')} (random motions: "
-        f"{made['median_random_start']:.4g}, the best of them "
-        f"{_number(made['best_random_start'])})",
-    ]
-    if paper is not None and paper.quoted is not None:
-        lines.append(f"the paper quotes a condition number of {paper.quoted:g} for its")
-    lines += [
-        f"  {words:30} {_number(made['scores'][key])}"
-        for key, words in CRITERIA.items()
-    ]
-    rows = (
-        (
-            name,
-            _range(joint["position"]),
-            _range(joint["position_limit"]),
-            f"{joint['velocity']:.4g}",
-            _number(joint["velocity_limit"]),
-        )
-        for name, joint in made["proven"]["joints"].items()
-    )
-    table = table_of("", ("joint", "position", "limit", "rate", "limit"), rows)
-    proven = made["proven"]
-    base = (
-        f"base: rate {_number(proven['rate'])} rad/s, turn "
-        f"{_number(proven['excursion'])} rad; wheels {_number(proven['wheel_speed'])} "
-        "rad/s"
-    )
-    proof = ["", "proven for all times, with nominal inertia:", table, base]
-    known = [KNOWN_AT_REST] if at_rest else []
-    return [*lines, *proof, *known]
-
-
-def written(found: Any, paper: Any, out: Path) -> dict[str, Any]:
-    """The same as JSON."""
-    document = {"trajectory": str(out), "duration": found.duration, **found.design}
-    if paper is not None:
-        document["paper_condition_number"] = paper.quoted
-    return document
-
-
-def compared(found: Any) -> tuple[list[Any], dict[str, Any]]:
-    """Trajectories side by side, as tables and as JSON."""
-    from orbident.data_table import Numeric, table_of
-
-    rows = (
-        (words, *(Numeric(_finite(getattr(s, key)), ".4g") for s in found.scores))
-        for key, words in CRITERIA.items()
-    )
-    criteria = table_of("", ("criterion", *found.sources), rows)
-    rows = (
-        (
-            name,
-            Numeric(found.nominal[k], ".5g"),
-            *(Numeric(_finite(std), ".4g") for std in found.deviations[:, k]),
-        )
-        for k, name in enumerate(found.parameters)
-    )
-    parameters = table_of("", ("parameter", "nominal", *found.sources), rows)
-    document = {
-        "trajectories": [
-            {
-                "source": source,
-                "scores": {key: _finite(getattr(score, key)) for key in CRITERIA},
-                "std": [_finite(float(std)) for std in deviations],
-            }
-            for source, score, deviations in zip(
-                found.sources, found.scores, found.deviations, strict=True
-            )
-        ],
-        "parameters": list(found.parameters),
-        "nominal": found.nominal.tolist(),
-    }
-    title = "predicted standard deviations (Cramer-Rao):"
-    first = f"compared {len(found.sources)} trajectories"
-    return [first, "", criteria, "", title, parameters], document
-
-
-def _number(value: float | None) -> str:
-    return "-" if _finite(value) is None else f"{value:.4g}"
-
-
-def _range(ends: list[float | None]) -> str:
-    return f"{_number(ends[0])} .. {_number(ends[1])}"
-
-
-def _finite(value: float | None) -> float | None:
-    return value if value is not None and math.isfinite(value) else None

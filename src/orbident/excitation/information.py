@@ -19,8 +19,7 @@ from jaxtyping import Float
 from orbident.errors import InputError
 from orbident.excitation.criterion import random_regressors
 from orbident.excitation.floating import Gradient, NodalMotion, axial, block
-from orbident.model.derivatives import derivatives_of_beta
-from orbident.model.independent import DEPENDENT
+from orbident.model.dependencies import DEPENDENT
 from orbident.model.minimal_sets import MinimalSets
 from orbident.robot.description import Robot
 from orbident.robot.parameters import cross_matrix
@@ -70,7 +69,7 @@ def sensing_of(robot: Robot, sets: MinimalSets) -> Sensing:
             "or position; the objectives d, a and e need it: give it in the robot "
             "file, or use the objective cond"
         )
-    dpi, dphi = derivatives_of_beta(sets, sets.beta(robot.theta))
+    dpi, dphi = sets.derivatives(sets.beta(robot.theta))
     unit = _unit(robot, sets, dpi, dphi)
     regressors = sets.regressors
     return Sensing(

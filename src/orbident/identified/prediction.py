@@ -26,7 +26,6 @@ from scipy.interpolate import CubicSpline
 from orbident.errors import InputError
 from orbident.estimation.result import Result
 from orbident.files.names import joined
-from orbident.model.derivatives import derivatives_of_beta
 from orbident.model.minimal_sets import MinimalSets, Regressors, minimal_sets
 from orbident.model.reconstruction import root_of
 from orbident.model.rotations import quaternion_matrix, rotate
@@ -207,7 +206,7 @@ def prediction_deviations(
     """
     robot, sets = result.robot, minimal_sets(result.robot)
     root = root_of(result.base_covariance)
-    dpi, dphi = derivatives_of_beta(sets, result.base.values)
+    dpi, dphi = sets.derivatives(result.base.values)
     regressors, roots = sets.regressors, (dpi @ root, dphi @ root)
     seen = prediction.measured
     R = quaternion_matrix(seen.x_WB)

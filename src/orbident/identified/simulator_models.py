@@ -1,9 +1,10 @@
-"""A robot as MJCF of MuJoCo, as SDFormat of Gazebo, or as a script for Basilisk.
+"""The identified robot for other tools: MuJoCo, Gazebo, Basilisk, and Pinocchio.
 
-It floats, without gravity. In Basilisk the hub has the base with its wheels, which are
-balanced: Basilisk counts them in the hub, as Eq. 5 does. An arm is a state effector: a
-chain of spinning bodies, or one of translating bodies. There is none in Basilisk for
-other trees.
+As MJCF, as SDFormat, as a script, or as an object of the library itself; nothing else
+imports these libraries. The robot floats, without gravity. In Basilisk the hub has the
+base with its wheels, which are balanced: Basilisk counts them in the hub, as Eq. 5
+does. An arm is a state effector: a chain of spinning bodies, or one of translating
+bodies. There is none in Basilisk for other trees.
 """
 
 import xml.etree.ElementTree as ET
@@ -18,11 +19,14 @@ from jaxtyping import Float
 from scipy.spatial.transform import Rotation
 
 from orbident.errors import InputError
+from orbident.estimation.result import Result
+from orbident.extras import extra
 from orbident.files.bounds import LARGEST
 from orbident.identified.exported_robot import (
     FEATURE_POINT,
     ExportedRobot,
     Mechanism,
+    exported_robot,
     unused,
 )
 from orbident.robot.description import Joint, Robot
@@ -288,3 +292,60 @@ def _mass(theta: Float[np.ndarray, "10"]) -> dict[str, Any]:
         "com": (theta[FIRST_MOMENT] / theta[MASS]).tolist(),
         "inertia": inertia_about_com(theta).tolist(),
     }
+
+
+def mujoco_spec(result: Result) -> Any:
+    """The robot as a `mujoco.MjSpec`, as its MJCF file says it.
+
+    Raises:
+        InputError: as `exported_robot`, or mujoco is not installed.
+    """
+    with extra("mujoco", "to_mujoco()"):
+        import mujoco
+
+    text = mjcf(exported_robot(result).mechanism)
+    return mujoco.MjSpec.from_string(text)  # pyright: ignore[reportAttributeAccessIssue]: compiled
+
+
+def pinocchio_model(result: Result) -> Any:
+    """The robot as a `pinocchio.Model` without gravity.
+
+    Its joint `root_joint` is a free flyer, or in the plane a planar joint; bodies and
+    S are frames.
+
+    Raises:
+        InputError: as `exported_robot`, or pinocchio is not installed.
+    """
+    with extra("pinocchio", "to_pinocchio()"):
+        import pinocchio
+    robot = exported_robot(result).mechanism
+    # Compiled, without stubs.
+    pin: Any = pinocchio
+    model = pin.Model()
+    model.name = robot.name
+    model.gravity.linear = np.zeros(3)
+    free = pin.JointModelFreeFlyer()
+    root = pin.JointModelPlanar() if robot.motion == "planar" else free
+    moving = [model.addJoint(0, root, pin.SE3.Identity(), "root_joint")]
+    for joint in robot.joints:
+        turns = joint.kind == "revolute"
+        kind = (
+            pin.JointModelRevoluteUnaligned
+            if turns
+            else pin.JointModelPrismaticUnaligned
+        )
+        at = pin.SE3(joint.R_PJ, joint.p_PJ)
+        low, high = joint.position or (-np.inf, np.inf)
+        speed = np.inf if joint.velocity is None else joint.velocity
+        ends = (np.array([x]) for x in (np.inf, speed, low, high))
+        parent = moving[joint.parent]
+        moving.append(model.addJoint(parent, kind(joint.axis), at, joint.name, *ends))
+    for index, name, theta in zip(moving, robot.bodies, robot.theta, strict=True):
+        inertia = pin.Inertia.FromDynamicParameters(theta)
+        model.appendBodyToJoint(index, inertia, pin.SE3.Identity())
+        carrier = model.addJointFrame(index)
+        model.addBodyFrame(name, index, pin.SE3.Identity(), carrier)
+    S = pin.SE3(np.eye(3), robot.feature_point)
+    base = model.getFrameId(robot.bodies[0])
+    model.addFrame(pin.Frame(FEATURE_POINT, moving[0], base, S, pin.FrameType.OP_FRAME))
+    return model

@@ -25,8 +25,7 @@ from scipy.sparse import csr_array
 from orbident import _core
 from orbident.errors import InputError
 from orbident.model.core_robot import core_tree
-from orbident.model.dependencies import Columns, dependencies
-from orbident.model.independent import independent_columns
+from orbident.model.dependencies import Columns, dependencies, independent_columns
 from orbident.model.kinematics import MomentumRegressors, momentum_regressors
 from orbident.robot.description import Robot
 from orbident.robot.parameters import MASS, PER_BODY
@@ -132,15 +131,38 @@ class MinimalSets:
 
     def phi(self, theta: Float[np.ndarray, "bodies 10"]) -> Float[np.ndarray, " phi"]:
         """`sigma / M`: what the velocity of S depends on (Eq. 29)."""
-        M, sigma, _ = self.split(self.beta(theta))
-        return sigma / M
+        return self.pi_and_phi(self.beta(theta))[1]
 
     def pi(self, theta: Float[np.ndarray, "bodies 10"]) -> Float[np.ndarray, " pi"]:
         """What the angular momentum depends on, linearly (Eq. 19)."""
-        beta = self.beta(theta)
+        return self.pi_and_phi(self.beta(theta))[0]
+
+    def pi_and_phi(
+        self, beta: Float[np.ndarray, " beta"]
+    ) -> tuple[Float[np.ndarray, " pi"], Float[np.ndarray, " phi"]]:
+        """`pi` and `phi` of `beta = [M, sigma, iota]`."""
         M, sigma, _ = self.split(beta)
-        products = sigma[self.pairs[:, 0]] * sigma[self.pairs[:, 1]] / M
-        return self.pi_of_beta @ beta + self.pi_of_products @ products
+        a, b = self.pairs.T
+        products = sigma[a] * sigma[b] / M
+        return self.pi_of_beta @ beta + self.pi_of_products @ products, sigma / M
+
+    def derivatives(
+        self, beta: Float[np.ndarray, " beta"]
+    ) -> tuple[Float[np.ndarray, "pi beta"], Float[np.ndarray, "phi beta"]]:
+        """The derivatives of `pi` and of `phi = sigma / M` by `beta`."""
+        M, sigma, iota = self.split(beta)
+        n = sigma.size
+        dphi = np.hstack(
+            [-sigma[:, None] / M**2, np.eye(n) / M, np.zeros((n, iota.size))]
+        )
+        a, b = self.pairs.T
+        products = np.zeros((len(self.pairs), beta.size))
+        # sigma_a sigma_b / M; += twice, for squares.
+        rows = np.arange(len(self.pairs))
+        products[:, 0] = -sigma[a] * sigma[b] / M**2
+        products[rows, 1 + a] += sigma[b] / M
+        products[rows, 1 + b] += sigma[a] / M
+        return self.pi_of_beta + self.pi_of_products @ products, dphi
 
     def split(
         self, beta: Float[np.ndarray, " beta"]

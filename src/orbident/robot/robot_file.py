@@ -18,20 +18,11 @@ from orbident.files.yaml_mapping import read_yaml_mapping
 from orbident.orbits.orbit import Ephemeris, Orbit
 from orbident.robot.body_schema import tree_of_bodies, tree_of_table
 from orbident.robot.couplings import couplings_of
-from orbident.robot.description import (
-    Joint,
-    Robot,
-    Wheel,
-)
+from orbident.robot.description import Joint, Robot, Wheel
 from orbident.robot.formats.model_file import KINDS, SUFFIXES, as_urdf, read_model
 from orbident.robot.fusing import Bodies, about_feature_point, fused, rotor
 from orbident.robot.oddities import contradictions, nonphysical
-from orbident.robot.schema import (
-    BODIES,
-    LimitEntry,
-    RobotFile,
-    WheelEntry,
-)
+from orbident.robot.schema import BODIES, LimitEntry, RobotFile, WheelEntry
 from orbident.robot.tree import LinkTree, link_tree
 from orbident.robot.urdf import Urdf
 

@@ -25,12 +25,13 @@ from orbident.simulation.control_laws import (
     JointLaw,
     JointPD,
     OpenLoop,
+    Pulse,
     WheelLaw,
     WheelLimits,
     WheelSpeed,
+    check_pulses,
 )
 from orbident.simulation.free_floating import BaseState, JointMotion, check_plane
-from orbident.simulation.thrusters import Pulse, check_pulses
 
 
 class FlyingState(NamedTuple):

@@ -11,7 +11,14 @@ from orbident.errors import InputError
 from orbident.model.inertia import inertia_at
 from orbident.model.rotations import quaternion_matrix, rotate_back, rotation_angle
 from orbident.robot.description import Robot
-from orbident.simulation.control_laws import JointLaw, WheelLaw, WheelLimits
+from orbident.simulation.control_laws import (
+    JointLaw,
+    Pulse,
+    WheelLaw,
+    WheelLimits,
+    thrust,
+    true_pulses,
+)
 from orbident.simulation.flight import (
     AT_S,
     Drive,
@@ -25,7 +32,6 @@ from orbident.simulation.flight import (
 )
 from orbident.simulation.free_floating import JointMotion
 from orbident.simulation.outside import Path, Wrenches, outside_of
-from orbident.simulation.thrusters import Pulse, thrust, true_pulses
 from orbident.trajectories.environment import Environment
 
 MOST_STEPS = 2**19

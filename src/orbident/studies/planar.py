@@ -16,6 +16,7 @@ from orbident.robot.robot_file import load_robot
 from orbident.simulation.control_laws import (
     Hold,
     JointPD,
+    Pulse,
     WheelLimits,
     WheelSpeed,
     attitude_hold,
@@ -23,9 +24,7 @@ from orbident.simulation.control_laws import (
 from orbident.simulation.flight import FlyingState, FreeFlying, standing
 from orbident.simulation.free_floating import BaseState, JointMotion
 from orbident.simulation.free_flying import free_flying
-from orbident.simulation.measure import measure_truth
-from orbident.simulation.thrusters import Pulse
-from orbident.simulation.truth import truth_of_flight
+from orbident.simulation.measure import measure_truth, truth_of_flight
 from orbident.studies import paper_tables
 from orbident.trajectories.trajectory import InitialState, Trajectory
 

@@ -10,8 +10,8 @@ from orbident.errors import InputError
 from orbident.robot.description import Robot
 from orbident.robot.parameters import inertia_about_com
 from orbident.simulation.free_floating import BaseState, free_floating
+from orbident.simulation.measure import truth_of
 from orbident.simulation.simulate import motion_recording
-from orbident.simulation.truth import truth_of
 
 ALL = {
     "inertia": {"normal": 0.1},

@@ -5,7 +5,6 @@ import pytest
 from clean_recordings import clean_space
 
 import orbident as oi
-from orbident.model.derivatives import sets_of_beta
 
 
 @pytest.fixture(scope="module")
@@ -22,7 +21,7 @@ def moved(result: oi.Result, deviations: float) -> oi.Result:
     """The mass and the last inertia wrong by so many of their deviations."""
     beta = result.base.values.copy()
     beta[[0, -1]] += deviations * result.base.std[[0, -1]]
-    pi, phi = sets_of_beta(oi.minimal_sets(result.robot), beta)
+    pi, phi = oi.minimal_sets(result.robot).pi_and_phi(beta)
     return replace(
         result,
         base=replace(result.base, values=beta),

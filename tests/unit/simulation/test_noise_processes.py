@@ -3,12 +3,7 @@ import pytest
 from allan import allan_deviation
 
 from orbident.robot.sensor_schema import FLICKER_FLOOR, MARKOV_PEAK, GyroSpec
-from orbident.simulation.sensor import (
-    MARKOV_PEAK_AT,
-    bias_drift,
-    gaussian,
-    quantised,
-)
+from orbident.simulation.sensor import MARKOV_PEAK_AT, bias_drift, gaussian, quantised
 
 N = 3e-6
 B = 1.5e-6

@@ -24,12 +24,7 @@ from orbident.recordings.bags.libraries import (
     read_bytes,
     read_uint32,
 )
-from orbident.recordings.bags.topic import (
-    Topic,
-    by_name,
-    described,
-    short_type,
-)
+from orbident.recordings.bags.topic import Topic, by_name, described, short_type
 from orbident.recordings.source import RawMessage, Source
 
 _MAGIC = b"\x89MCAP0\r\n"

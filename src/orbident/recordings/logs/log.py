@@ -14,17 +14,17 @@ import numpy as np
 
 from orbident.errors import InputError
 from orbident.files.names import one_line, quoted
-from orbident.recordings.logs.arrow_file import read_parquet_log
-from orbident.recordings.logs.group import LogField, Tree, field_of, groups, unusable
-from orbident.recordings.logs.hdf5_file import MAGIC as HDF5_MAGIC
-from orbident.recordings.logs.hdf5_file import read_hdf5
-from orbident.recordings.logs.mat5 import read_mat
-from orbident.recordings.logs.text_file import (
+from orbident.recordings.logs.arrow_file import (
     SUFFIXES,
+    read_parquet_log,
     read_text_folder,
     read_text_table,
     text_tables_in,
 )
+from orbident.recordings.logs.group import LogField, Tree, field_of, groups, unusable
+from orbident.recordings.logs.hdf5_file import MAGIC as HDF5_MAGIC
+from orbident.recordings.logs.hdf5_file import read_hdf5
+from orbident.recordings.logs.mat5 import read_mat
 from orbident.recordings.logs.ulog_file import MAGIC, cut_off, read_ulog
 from orbident.recordings.source import RawMessage, Source
 
