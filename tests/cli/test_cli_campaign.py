@@ -8,7 +8,7 @@ import pytest
 from running import Orbident
 from small_campaigns import write_campaign
 
-from orbident.files.locking import locked
+from orbident.files.replacing import locked
 from orbident.identified.run_folder import load_result
 
 

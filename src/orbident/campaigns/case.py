@@ -78,13 +78,13 @@ class Case:
         drawn = self._draw("instruments", what.instruments, tuple(errors))
         draws |= {name: x * errors[name.partition(".")[2]] for name, x in drawn.items()}
         draws |= self._draw("noise", what.noise, tuple(robot.sensors.declared))
-        turning, moving = (
+        axes_h, axes_v = (
             tuple("xyz"[axis] for axis in axes) for axes in conserved_axes(robot)
         )
         for key, names in (
-            ("angular_velocity", turning),
-            ("velocity", moving),
-            ("attitude", turning),
+            ("angular_velocity", axes_h),
+            ("velocity", axes_v),
+            ("attitude", axes_h),
             ("wheel_speed", robot.wheel_names),
         ):
             draws |= self._draw(f"initial.{key}", getattr(what.initial, key), names)

@@ -27,9 +27,8 @@ from orbident.campaigns.spec import PAPER, RobotEntry, Spec, SpecFile, load_spec
 from orbident.errors import InputError
 from orbident.estimation.checks import LEVELS
 from orbident.files.folder_replacing import finish, replacing_files
-from orbident.files.locking import locked
 from orbident.files.names import quoted
-from orbident.files.replacing import replacing, writing
+from orbident.files.replacing import locked, replacing, writing
 from orbident.files.text import read_text, sha256, write_text
 from orbident.model.formulas import formulas_of
 from orbident.model.minimal_sets import minimal_sets

@@ -87,7 +87,7 @@ def keep_scores(run: Path, recording: Path, scores: dict[str, Any]) -> bool:
     import json
 
     from orbident.errors import InputError
-    from orbident.files.locking import locked
+    from orbident.files.replacing import locked
     from orbident.files.text import name_of, sha256, write_text
     from orbident.identified.run_folder import VALIDATION
 

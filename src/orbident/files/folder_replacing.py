@@ -14,12 +14,12 @@ from functools import partial
 from pathlib import Path
 
 from orbident.errors import InputError
-from orbident.files.locking import locked
 from orbident.files.replacing import (
     CHANGING,
     UNFINISHED,
     flush,
     flush_names,
+    locked,
     reason_of,
     undone,
     writing,

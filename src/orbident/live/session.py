@@ -21,8 +21,15 @@ from orbident.errors import InputError
 from orbident.estimation.recursive.given import declared_noise
 from orbident.estimation.recursive.prior import cad_prior
 from orbident.files.replacing import replacing
-from orbident.live.live_filter import Carried, LiveEvent, LiveFilter
-from orbident.live.running import Running, Tools, begun, tools_of
+from orbident.live.live_filter import (
+    Carried,
+    LiveEvent,
+    LiveFilter,
+    Running,
+    Tools,
+    begun,
+    tools_of,
+)
 from orbident.live.sources import Lines, attitude_columns, complete, needed_columns
 from orbident.live.stream_clocks import (
     ALONE,

@@ -194,16 +194,16 @@ def minimal_sets(robot: Robot) -> MinimalSets:
     """
     if len(robot.joints) > MOST_JOINTS:
         _refuse(robot, f"has {len(robot.joints)} joints")
-    turning, moving = conserved_axes(robot)
+    axes_h, axes_v = conserved_axes(robot)
     samples = 2 * PER_BODY * len(robot.bodies)
-    at = _random_momentum(robot, -(-samples // len(turning)))
-    base = _base_parameters(robot, _rows(at.P, moving), _rows(at.A, turning))
+    at = _random_momentum(robot, -(-samples // len(axes_h)))
+    base = _base_parameters(robot, _rows(at.P, axes_v), _rows(at.A, axes_h))
 
     sigma = slice(1, 1 + base.sigmas)
     pairs = np.array(
         list(itertools.combinations_with_replacement(range(base.sigmas), 2)), dtype=int
     ).reshape(-1, 2)
-    columns = Columns(robot, base.theta_of, sigma, pairs, turning)
+    columns = Columns(robot, base.theta_of, sigma, pairs, axes_h)
     if len(pairs) > MOST_PRODUCTS:
         products = f"{len(pairs)} products of first moments"
         _refuse(robot, f"has {len(robot.joints)} joints, and so {products}")
@@ -222,8 +222,8 @@ def minimal_sets(robot: Robot) -> MinimalSets:
                 pairs=pairs[kept[kept >= betas] - betas].astype(float),
             ),
             joints=len(robot.joints),
-            momentum_axes=turning,
-            velocity_axes=moving,
+            momentum_axes=axes_h,
+            velocity_axes=axes_v,
         ),
         base=base,
         pi_of_beta=pi_of_beta,
