@@ -11,13 +11,13 @@ PACKAGE = ROOT / "src/orbident"
 
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
-    "files": 384,
-    "lines": 54_868,
+    "files": 312,
+    "lines": 54_309,
     "files of estimation": 65,
-    "lines of estimation": 9_934,
-    "files with one user": 97,
-    "imports below each other": 33,
-    "numbers without a reason": 73,
+    "lines of estimation": 9_928,
+    "files with one user": 69,
+    "imports below each other": 31,
+    "numbers without a reason": 70,
 }
 
 

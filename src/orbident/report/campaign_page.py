@@ -43,9 +43,9 @@ from orbident.report.page import Chart, Section, Verdict, page, short, signed
 REACH = 4.0
 """Deviations that a histogram shows; what is beyond counts in its ends."""
 
-BARS = 32
-POINTS = 400
-"""Points of a normal plot or a scatter: more would not be seen."""
+BARS, POINTS = 32, 400
+"""Bars of a histogram, and points of a normal plot or a scatter: more would not be
+seen."""
 
 
 def histogram(z: Float[np.ndarray, " n"]) -> Figure:
@@ -90,9 +90,7 @@ def _some(n: int) -> np.ndarray:
     return np.unique(np.linspace(0, n - 1, min(n, POINTS)).round().astype(int))
 
 
-WORST = 10
-STRONGEST = 20
-DRAWN = 4
+WORST, STRONGEST, DRAWN = 10, 20, 4
 """Worst cases and rank correlations in a table; scatter plots."""
 
 Bounds = dict[str, float]
