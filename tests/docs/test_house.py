@@ -11,11 +11,11 @@ PACKAGE = ROOT / "src/orbident"
 
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
-    "files": 312,
-    "lines": 54_309,
+    "files": 313,
+    "lines": 54_314,
     "files of estimation": 65,
     "lines of estimation": 9_928,
-    "files with one user": 69,
+    "files with one user": 70,
     "imports below each other": 31,
     "numbers without a reason": 70,
 }

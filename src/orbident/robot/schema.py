@@ -1,20 +1,12 @@
-"""The robot file as pydantic models: what may stand where, its tolerances too."""
+"""The robot file as pydantic models: what may stand where."""
 
-from collections import defaultdict
-from collections.abc import Sequence
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
-from pydantic import (
-    AfterValidator,
-    BeforeValidator,
-    Field,
-    create_model,
-    model_validator,
-)
+from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from orbident.choices import DisturbanceGroup
 from orbident.errors import InputError
-from orbident.files.names import first_duplicate, quoted, suggestion
+from orbident.files.names import first_duplicate
 from orbident.files.schema_parts import (
     Direction,
     MappingSchema,
@@ -26,100 +18,10 @@ from orbident.files.schema_parts import (
     keys_of,
 )
 from orbident.robot.body_schema import BodyEntry, DhTable
-from orbident.robot.description import Joint, MomentumWalk, Structure, Thruster, Torquer
+from orbident.robot.description import MomentumWalk, Structure, Thruster, Torquer
 from orbident.robot.orbit_schema import OrbitEntry
 from orbident.robot.sensor_schema import SensorsSpec
-from orbident.robot.tolerances import CALIBRATION_KINDS, Tolerances
-from orbident.robot.units import at_least_zero, measure_of
-
-EVERY = "*"
-"""Instead of a joint's name: what is said of all of them."""
-
-EITHER = "angle or length"
-
-_ZERO_OF = {"revolute": "angle", "prismatic": "length"}
-
-
-def _zero(value: object) -> object:
-    """An angle or a length; it is converted when the joint's kind is known."""
-    at_least_zero(value, EITHER)
-    return value
-
-
-def _by_joint(value: object) -> object:
-    if isinstance(value, dict) and not all(isinstance(v, dict) for v in value.values()):
-        return {EVERY: value}
-    return value
-
-
-def _sections() -> dict[str, Any]:
-    """The keys of the section, and what may stand there."""
-    sections: dict[str, dict[str, Any]] = defaultdict(dict)
-    for kind in CALIBRATION_KINDS.values():
-        section, _, key = kind.entry.partition(".")
-        either = Annotated[Any, BeforeValidator(_zero)]
-        read = Annotated[float, measure_of(kind.dimension)]
-        sections[section][key] = (either if kind.dimension == EITHER else read, 0.0)
-    found: dict[str, Any] = {}
-    for section, keys in sections.items():
-        if "" in keys:
-            found[section] = keys[""]
-            continue
-        model = create_model(f"_{section}", __base__=MappingSchema, **keys)
-        found[section] = (model, model())
-        if section == "joints":
-            each = Annotated[dict[str, model], BeforeValidator(_by_joint)]
-            found[section] = (each, Field(default_factory=dict))
-    return found
-
-
-class TolerancesEntry(
-    create_model("ToleranceSections", __base__=MappingSchema, **_sections())
-):
-    """Standard deviations of calibration errors; what is absent is exact."""
-
-    def in_si(self, joints: Sequence[Joint], place: str) -> Tolerances:
-        """The tolerances of a robot with these joints.
-
-        Raises:
-            InputError: there is no such joint, or a joint that turns has a zero in
-                metres, or one that slides in radians.
-        """
-        given: dict[str, Any] = dict(self)
-        names = [joint.name for joint in joints]
-        for name in given["joints"]:
-            if name not in (*names, EVERY):
-                raise InputError(
-                    f"{place}: tolerances.joints: no joint {name!r}; "
-                    + suggestion(name, names, "joints")
-                )
-        every = given["joints"].get(EVERY)
-        own = {each.name: given["joints"].get(each.name, every) for each in joints}
-        found: dict[str, Any] = {}
-        for tolerance, kind in CALIBRATION_KINDS.items():
-            section, _, key = kind.entry.partition(".")
-            if section == "joints":
-                # Joints of which nothing is said are exact.
-                stds = {name: getattr(entry, key, 0.0) for name, entry in own.items()}
-                if kind.dimension == EITHER:
-                    stds = {x.name: _zero_of(x, stds[x.name], place) for x in joints}
-                found[tolerance] = stds
-            else:
-                found[tolerance] = (
-                    getattr(given[section], key) if key else given[section]
-                )
-        return Tolerances(**found)
-
-
-def _zero_of(joint: Joint, zero: object, place: str) -> float:
-    try:
-        return at_least_zero(zero, _ZERO_OF[joint.kind])
-    except WrongValueError as error:
-        raise InputError(
-            f"{place}: tolerances.joints: the zero of {joint.kind} joint "
-            f"'{joint.name}': found {quoted(zero)}; {error}; joints of two kinds need "
-            "an entry each, by name"
-        ) from None
+from orbident.robot.tolerance_schema import TolerancesEntry
 
 
 def _range(value: object) -> tuple[float, ...]:
