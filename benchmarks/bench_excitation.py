@@ -21,7 +21,7 @@ from orbident.model.minimal_sets import minimal_sets
 from orbident.recordings.recording import Recording
 from orbident.robot.robot_file import load_robot
 from orbident.simulation.simulate import simulate
-from orbident.studies.exciting import paper_case
+from orbident.studies.spatial import paper_case
 from orbident.trajectories.trajectory_file import load_trajectory
 
 SEEDS = 10

@@ -22,8 +22,7 @@ from pathlib import Path
 import numpy as np
 import pyarrow as pa
 
-from orbident.campaigns.campaign_table import read_rows
-from orbident.campaigns.folder import ROWS, opened
+from orbident.campaigns.folder import ROWS, opened, read_rows
 from orbident.studies.spatial import spatial_robot, spatial_trajectory
 from orbident.trajectories.trajectory_file import save_trajectory
 

@@ -1,11 +1,6 @@
-"""What every benchmark runs under: the models of the oracle tests."""
-
-import sys
-from pathlib import Path
+"""How every benchmark is timed and judged."""
 
 import pytest
-
-sys.path.append(str(Path(__file__).parents[1] / "tests" / "oracles"))
 
 
 @pytest.fixture(scope="module")

@@ -21,7 +21,7 @@ from pathlib import Path
 
 import numpy as np
 
-from orbident.live.lines import VELOCITY, needed_columns
+from orbident.live.sources import VELOCITY, needed_columns
 from orbident.robot.description import Robot
 from orbident.simulation.simulate import made_along
 from orbident.studies.spatial import spatial_robot, spatial_trajectory

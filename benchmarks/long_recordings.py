@@ -28,7 +28,7 @@ import numpy as np
 from manoeuvres import dual_arm, excitation
 
 from orbident.recordings.recording import Recording
-from orbident.recordings.table_writer import write_blocks
+from orbident.recordings.tables import write_blocks
 from orbident.robot.description import Robot
 from orbident.robot.robot_file import write_robot
 from orbident.robot.sensor_schema import declared_sensors

@@ -28,4 +28,4 @@ def test_whatever_waits_has_a_limit(path: Path):
                 called
             )
         if ast.unparse(node.func).startswith("subprocess."):
-            assert path.name in STARTING, f"{called}: use tests/processes.py"
+            assert path.name in STARTING, f"{called}: use tests/support/processes.py"

@@ -11,7 +11,7 @@ from Basilisk.architecture import messaging, sysModel
 from scipy.spatial.transform import Rotation
 
 from orbident.live.live_filter import LiveEvent, LiveFilter
-from orbident.live.state_file import nothing_carried
+from orbident.live.session import nothing_carried
 from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.description import Robot
 

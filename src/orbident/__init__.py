@@ -38,9 +38,7 @@ if TYPE_CHECKING:
     from orbident.recordings.recording import Recording as Recording
     from orbident.recordings.tables import read_recording as read_recording
     from orbident.recordings.tables import write_recording as write_recording
-    from orbident.recordings.topics.conversion_report import (
-        ConversionReport as ConversionReport,
-    )
+    from orbident.recordings.topics.convert import ConversionReport as ConversionReport
     from orbident.recordings.topics.convert import convert_file as convert_file
     from orbident.recordings.topics.survey import Surveyed as Surveyed
     from orbident.recordings.topics.survey import survey_file as survey_file
@@ -56,7 +54,7 @@ if TYPE_CHECKING:
 
 _PUBLIC = {
     "Comparison": "orbident.identified.comparison",
-    "ConversionReport": "orbident.recordings.topics.conversion_report",
+    "ConversionReport": "orbident.recordings.topics.convert",
     "Dynamics": "orbident.model.reconstruction",
     "Environment": "orbident.trajectories.environment",
     "InitialState": "orbident.trajectories.trajectory",
@@ -93,9 +91,9 @@ _PUBLIC = {
 }
 
 provide("causes", "orbident.diagnosis.causes:causes")
-provide("plot", "orbident.report.result_plots:Plots")
-provide("to_mujoco", "orbident.identified.made_models:mujoco_spec")
-provide("to_pinocchio", "orbident.identified.made_models:pinocchio_model")
+provide("plot", "orbident.report.drawing:Plots")
+provide("to_mujoco", "orbident.identified.simulator_models:mujoco_spec")
+provide("to_pinocchio", "orbident.identified.simulator_models:pinocchio_model")
 
 
 def __getattr__(name: str) -> Any:

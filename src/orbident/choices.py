@@ -1,5 +1,6 @@
 """Words that a person chooses from, for the functions and for the command alike."""
 
+from enum import StrEnum
 from typing import Literal
 
 Method = Literal["maximum-likelihood", "structured", "least-squares", "recursive"]
@@ -16,3 +17,21 @@ SensorNoise = Literal["none", "sensors"]
 
 StudyNoise = Literal["none", "paper"]
 """What sensors add in a study."""
+
+
+class DisturbanceGroup(StrEnum):
+    """What is there or not there together, as the estimators have it."""
+
+    torque = "torque"
+    slow_torque = "slow_torque"
+    base_torque = "base_torque"
+    slow_base_torque = "slow_base_torque"
+    wheel_loss = "wheel_loss"
+    pull = "pull"
+    uneven = "uneven"
+    drag = "drag"
+    air = "air"
+    sunlight = "sunlight"
+    dipole = "dipole"
+    torque_walk = "torque_walk"
+    force_walk = "force_walk"

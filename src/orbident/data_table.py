@@ -1,8 +1,29 @@
-"""A table as data: described once, shown by the terminal and by reports."""
+"""A table as data: described once, shown by the terminal and by reports.
 
-from collections.abc import Iterable
+This is the one import of pandas, for tables in notebooks.
+"""
+
+from collections.abc import Iterable, Mapping
 from math import isnan
-from typing import NamedTuple
+from typing import Any, NamedTuple
+
+from orbident.extras import extra
+
+
+def frame(columns: Mapping[str, Any], index: Any, name: str) -> Any:
+    """A `pandas.DataFrame`.
+
+    Args:
+        columns: by name; each as long as the index.
+        index: what names the rows.
+        name: of the index.
+
+    Raises:
+        MissingLibraryError: pandas is not installed.
+    """
+    with extra("pandas", "to_frame()"):
+        import pandas as pd
+    return pd.DataFrame(dict(columns), index=pd.Index(index, name=name))
 
 
 class Numeric(NamedTuple):

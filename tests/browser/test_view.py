@@ -18,7 +18,7 @@ from orbident.robot.robot_file import load_robot
 from orbident.scene.replay import recorded_motion
 from orbident.scene.scene import scene_of
 from orbident.simulation.simulate import simulate
-from orbident.viewer.replay_page import ReplayPage
+from orbident.viewer.pages import ReplayPage
 from orbident.viewer.server import PERIOD, close, open_server
 
 PATIENCE = 180.0

@@ -8,8 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from orbident.identified.checksums import FILES, OWN, with_checksums
-from orbident.identified.run_folder import READ
+from orbident.identified.run_folder import FILES, OWN, READ, with_checksums
 from orbident.recordings.recording import Recording
 from orbident.recordings.tables import write_recording
 

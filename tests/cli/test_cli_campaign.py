@@ -8,7 +8,7 @@ import pytest
 from running import Orbident
 from small_campaigns import write_campaign
 
-from orbident.files.locking import locked
+from orbident.files.replacing import locked
 from orbident.identified.run_folder import load_result
 
 
@@ -53,7 +53,7 @@ def test_a_cluster_that_is_none(
     """Who takes the connection says nothing; or nobody takes it."""
     pytest.importorskip("distributed", reason="clusters need the extra 'cluster'")
     # s: ten for users.
-    monkeypatch.setattr("orbident.campaigns.cluster.PATIENCE", 1)
+    monkeypatch.setattr("orbident.campaigns.executors.ANSWER", 1)
     spec = write_campaign(tmp_path)
     with socket.socket() as stranger:
         stranger.bind(("127.0.0.1", 0))

@@ -12,7 +12,7 @@ from urdf_pieces import ARM, robot_file
 
 from orbident.cli import excite_tables, output
 from orbident.robot.robot_file import load_robot
-from orbident.studies.exciting import paper_case
+from orbident.studies.spatial import paper_case
 from orbident.trajectories.trajectory import Trajectory
 from orbident.trajectories.trajectory_file import load_trajectory, save_trajectory
 

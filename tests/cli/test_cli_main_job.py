@@ -8,8 +8,7 @@ import pytest
 from random_motions import Start, random_motion
 from running import LINEAR, Orbident, check_recovered, written
 
-from orbident.identified.run_folder import READ
-from orbident.identified.signals_file import read_signals
+from orbident.identified.run_folder import READ, read_signals
 from orbident.recordings.recording import Recording
 from orbident.recordings.tables import read_recording
 from orbident.robot.robot_file import load_robot

@@ -8,7 +8,7 @@ from ephemeris_files import write_oem
 from running import Orbident
 from urdf_pieces import robot_file
 
-from orbident.orbits.elements import Elements
+from orbident.orbits.orbit import Elements
 from orbident.recordings.recording import Recording
 from orbident.recordings.tables import read_recording, write_recording
 from orbident.robot.robot_file import load_robot

@@ -11,7 +11,7 @@ from processes import ORBIDENT, finished
 from random_motions import random_motion
 from running import LINEAR, Orbident, resealed, written
 
-from orbident.files.locking import locked
+from orbident.files.replacing import locked
 from orbident.identified.run_folder import load_result
 from orbident.recordings.recording import Recording
 from orbident.robot.robot_file import load_robot

@@ -22,11 +22,10 @@ from orbident.model.equations_of_motion import equations_of_motion
 from orbident.model.inertia import inertia
 from orbident.robot.description import Robot
 from orbident.simulation import outside
-from orbident.simulation.control_laws import Driven, Hold
+from orbident.simulation.control_laws import Driven, Hold, thrust_columns
 from orbident.simulation.flight import FreeFlying, standing
 from orbident.simulation.free_flying import free_flying
-from orbident.simulation.noise_processes import markov, stream
-from orbident.simulation.thrusters import thrust_columns
+from orbident.simulation.sensor import markov, stream
 from orbident.trajectories.environment import Environment
 
 G = 9.80665

@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from orbident.robot.description import Robot
 from orbident.simulation.control_laws import Hold
-from orbident.simulation.flight_steps import Drive, WrenchPoint, integrate, vehicle_of
+from orbident.simulation.flight import Drive, WrenchPoint, integrate, vehicle_of
 from orbident.simulation.free_floating import integrate_attitude, rate_law, step_nodes
 from orbident.simulation.free_flying import free_flying
 

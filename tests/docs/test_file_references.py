@@ -9,12 +9,12 @@ import pytest
 from pages import ROOT
 from pydantic import BaseModel
 
+from orbident.choices import DisturbanceGroup
 from orbident.recordings.columns import (
     OF_PARTS,
     VECTORS,
     is_known,
 )
-from orbident.robot.disturbance_groups import DisturbanceGroup
 from orbident.robot.schema import RobotFile
 from orbident.robot.sensor_suites import SUITES
 from orbident.robot.units import UNITS

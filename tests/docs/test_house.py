@@ -11,13 +11,13 @@ PACKAGE = ROOT / "src/orbident"
 
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
-    "files": 387,
-    "lines": 55_425,
-    "files of estimation": 67,
-    "lines of estimation": 10_328,
-    "files with one user": 97,
-    "imports below each other": 33,
-    "numbers without a reason": 73,
+    "files": 313,
+    "lines": 54_314,
+    "files of estimation": 65,
+    "lines of estimation": 9_928,
+    "files with one user": 70,
+    "imports below each other": 31,
+    "numbers without a reason": 70,
 }
 
 

@@ -18,7 +18,7 @@ SECONDS = 4.0
 
 def program(name: str) -> str:
     """A file beside this one as a program; what it prints."""
-    env = {"PYTHONPATH": f"{HERE.parent}:{HERE.parents[1] / 'src'}"}
+    env = {"PYTHONPATH": f"{HERE.parent / 'support'}:{HERE.parents[1] / 'src'}"}
     ran = finished(sys.executable, "-W", "ignore", HERE / name, env=env)
     assert (ran.returncode, ran.stderr) == (0, "")
     return ran.stdout

@@ -4,7 +4,7 @@ import argparse
 import sys
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).parents[1]))  # for bag_writers
+sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
 
 from campaign import Campaign
 from case import stored

@@ -10,8 +10,7 @@ from case import Case
 from mutations import spoiled
 from seeds import Seeds
 
-from orbident.identified.checksums import FILES, OWN, with_checksums
-from orbident.identified.run_folder import READ
+from orbident.identified.run_folder import FILES, OWN, READ, with_checksums
 
 RESULT = "run/result.json"
 VERBS = (

@@ -4,7 +4,7 @@ import argparse
 import sys
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).parents[1]))  # for random_motions
+sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
 
 from campaign_of_mistakes import all_rows
 from table import Count, markdown, totals

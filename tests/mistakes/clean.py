@@ -17,7 +17,7 @@ from itertools import repeat
 from multiprocessing import get_context
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).parents[1]))  # for random_robots
+sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
 
 import numpy as np
 from random_flights import SEEDS, Known, flight, flights, flyers, recorded

@@ -14,7 +14,7 @@ from recordings import Clean
 from orbident.model.inertia import inertia
 from orbident.model.rotations import quaternion_matrix, quaternion_rate
 from orbident.model.wheel_arrays import wheels_of
-from orbident.simulation.truth import Truth
+from orbident.simulation.measure import Truth
 
 STEP = 0.05
 """s, at most; 1e-8 rad of error where base and joints turn at a radian a second."""

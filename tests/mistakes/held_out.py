@@ -13,7 +13,7 @@ from multiprocessing import get_context
 from pathlib import Path
 from typing import NamedTuple
 
-sys.path.insert(0, str(Path(__file__).parents[1]))  # for random_robots
+sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
 
 import numpy as np
 from drawn import Kind

@@ -16,9 +16,8 @@ from orbident.robot.description import Robot
 from orbident.robot.robot_file import load_robot
 from orbident.robot.sensor_schema import declared_sensors
 from orbident.simulation.free_floating import BaseState, JointMotion, free_floating
-from orbident.simulation.measure import measure_truth
+from orbident.simulation.measure import Truth, measure_truth, truth_of
 from orbident.simulation.simulate import sample_times
-from orbident.simulation.truth import Truth, truth_of
 
 SPACE, TABLE = "paper-spatial", "cepheus-like"
 ROBOTS = (SPACE, TABLE)

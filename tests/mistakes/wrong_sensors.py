@@ -8,7 +8,7 @@ from recordings import SEED, Clean, motion_of
 from spoiled import Spoil, Spoiled, spoiled
 
 from orbident.model.rotations import quaternion_matrix
-from orbident.simulation.truth import Truth
+from orbident.simulation.measure import Truth
 
 
 def sensed(sensor: str, **actual: Any) -> Spoil:

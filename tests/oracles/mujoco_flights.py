@@ -17,8 +17,7 @@ from mujoco_model import PLANE, mujoco_model
 
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
-from orbident.simulation.measure import measure_truth
-from orbident.simulation.truth import Truth
+from orbident.simulation.measure import Truth, measure_truth
 from orbident.trajectories.trajectory import Trajectory
 
 STEP = 0.01

@@ -21,9 +21,9 @@ from orbident.model.core_robot import core_robot
 from orbident.model.equations_of_motion import (
     Equations,
     equations_of_motion,
+    jacobian,
     velocity_of_S,
 )
-from orbident.model.forces import jacobian
 from orbident.robot.description import Robot
 from orbident.robot.robot_file import load_robot
 

@@ -23,10 +23,8 @@ from servicer import load_servicer
 
 from orbident.errors import InputError
 from orbident.estimation.result import Result
-from orbident.identified.basilisk_export import basilisk_script
 from orbident.identified.exported_robot import Mechanism, exported_robot
-from orbident.identified.mjcf_export import mjcf
-from orbident.identified.sdf_export import sdf
+from orbident.identified.simulator_models import basilisk_script, mjcf, sdf
 from orbident.model.equations_of_motion import movable
 from orbident.model.inertia import inertia_at
 from orbident.model.reconstruction import Dynamics

@@ -5,7 +5,7 @@ and then identified as the cause says: before and after an event. All of a draw 
 some minutes; as tests, or as a table of any draw:
 
     .venv/bin/python -m pytest -m long tests/oracles/test_flights_in_mujoco.py
-    PYTHONPATH=tests .venv/bin/python tests/oracles/test_flights_in_mujoco.py 1
+    PYTHONPATH=tests/support .venv/bin/python tests/oracles/test_flights_in_mujoco.py 1
 """
 
 import re

@@ -23,8 +23,7 @@ from scipy.spatial.transform import Rotation
 from orbident.estimation.identify import identify
 from orbident.model.minimal_sets import minimal_sets
 from orbident.orbits.earth import J2, MU, R_E
-from orbident.orbits.elements import Elements
-from orbident.orbits.orbit import Orbit
+from orbident.orbits.orbit import Elements, Orbit
 from orbident.robot.description import Joint, Robot, Wheel
 from orbident.robot.parameters import from_mass_com_inertia
 from orbident.robot.sensor_schema import declared_sensors
@@ -32,8 +31,7 @@ from orbident.simulation.control_laws import Driven, Hold
 from orbident.simulation.flight import standing
 from orbident.simulation.free_floating import BaseState
 from orbident.simulation.free_flying import free_flying
-from orbident.simulation.measure import measure_truth
-from orbident.simulation.truth import Truth
+from orbident.simulation.measure import Truth, measure_truth
 from orbident.trajectories.environment import Environment
 
 pytest.importorskip("Basilisk", reason="pip install bsk, which no other test needs")

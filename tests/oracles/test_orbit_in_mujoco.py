@@ -23,8 +23,7 @@ from random_robots import random_robot, random_start, random_swing
 from orbident.estimation.identify import identify
 from orbident.estimation.result import Result
 from orbident.model.minimal_sets import minimal_sets
-from orbident.orbits.elements import Elements
-from orbident.orbits.orbit import Orbit
+from orbident.orbits.orbit import Elements, Orbit
 from orbident.robot.description import Robot
 from orbident.robot.sensor_schema import AttitudeSpec
 from orbident.simulation.control_laws import JointPD

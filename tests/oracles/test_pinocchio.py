@@ -19,8 +19,13 @@ from orbident.model.inertia import (
     inertia_at,
     masses_about_S,
 )
-from orbident.model.kinematics import Poses, point_jacobian, poses
-from orbident.model.momentum import MomentumRegressors, momentum_regressors
+from orbident.model.kinematics import (
+    MomentumRegressors,
+    Poses,
+    momentum_regressors,
+    point_jacobian,
+    poses,
+)
 from orbident.robot.description import Robot
 
 pytestmark = pytest.mark.core

@@ -13,8 +13,7 @@ from one_state import only_state
 from robot_parts import mjcf_of, random_parts, sdf_of, urdf_of
 from scipy.spatial.transform import Rotation
 
-from orbident.model.kinematics import Poses, poses
-from orbident.model.momentum import momentum_regressors
+from orbident.model.kinematics import Poses, momentum_regressors, poses
 from orbident.robot.description import Robot
 from orbident.robot.parameters import inertia_about_com
 from orbident.robot.robot_file import load_robot

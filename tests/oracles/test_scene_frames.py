@@ -13,8 +13,13 @@ from random_robots import random_parents, random_quaternion, random_robot, rando
 from scipy.spatial.transform import Rotation
 
 from orbident.robot.description import Robot
-from orbident.scene.reaction import BasePose, reaction
-from orbident.scene.replay import MotionHistory, centroidal_momentum, placed
+from orbident.scene.replay import (
+    BasePose,
+    MotionHistory,
+    centroidal_momentum,
+    placed,
+    reaction,
+)
 from orbident.scene.scene import scene_of
 
 TIMES, JOINTS = 5, 6

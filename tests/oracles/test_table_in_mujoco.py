@@ -22,8 +22,7 @@ from orbident.model.minimal_sets import minimal_sets
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot, Wheel
 from orbident.robot.sensor_schema import declared_sensors
-from orbident.simulation.measure import measure_truth
-from orbident.simulation.truth import Truth
+from orbident.simulation.measure import Truth, measure_truth
 
 RATE, DURATION, STEP = 50.0, 20.0, 2e-3
 """Hz, s, and s of MuJoCo's steps."""

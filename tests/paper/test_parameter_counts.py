@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 from random_robots import DUAL_ARM, random_planar_robot, random_robot
 
+from orbident.model.kinematics import momentum_regressors
 from orbident.model.minimal_sets import minimal_sets
-from orbident.model.momentum import momentum_regressors
 from orbident.robot.description import Robot
 from orbident.robot.parameters import PER_BODY
 from orbident.robot.robot_file import load_robot

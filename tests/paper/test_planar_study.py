@@ -8,7 +8,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from orbident.errors import InputError
-from orbident.simulation.thrusters import thrust
+from orbident.simulation.control_laws import thrust
 from orbident.studies import paper_tables
 from orbident.studies.planar import (
     Flights,

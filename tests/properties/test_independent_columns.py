@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from orbident.model.independent import independent_columns
+from orbident.model.dependencies import independent_columns
 
 
 @st.composite

@@ -12,9 +12,8 @@ from one_state import only_state
 from random_robots import random_robot
 
 from orbident.model.inertia import inertia_at
-from orbident.model.kinematics import poses
+from orbident.model.kinematics import momentum_regressors, poses
 from orbident.model.minimal_sets import minimal_sets
-from orbident.model.momentum import momentum_regressors
 from orbident.robot.description import Robot
 
 pytestmark = pytest.mark.core

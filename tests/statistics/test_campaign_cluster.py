@@ -42,7 +42,7 @@ def test_a_cluster_with_tls_makes_the_same_rows(
 
 def test_what_slurm_is_given(monkeypatch: pytest.MonkeyPatch):
     dask = pytest.importorskip("dask")
-    from orbident.campaigns.cluster import slurm_cluster
+    from orbident.campaigns.executors import slurm_cluster
 
     asked = {"cores": 4, "memory": "8GB", "walltime": "02:00:00", "queue": "long"}
     with (

@@ -10,7 +10,6 @@ from orbident.estimation.identify import identify
 from orbident.estimation.result import Result
 from orbident.identified.prediction import predict, prediction_deviations
 from orbident.identified.validate import validate
-from orbident.model.derivatives import sets_of_beta
 from orbident.model.minimal_sets import minimal_sets
 from orbident.recordings.recording import Recording
 from orbident.robot.robot_file import load_robot
@@ -45,7 +44,7 @@ def test_deviations_against_drawn_parameters(case):
     for beta in random.multivariate_normal(
         result.base.values, result.base_covariance, DRAWS
     ):
-        pi, phi = sets_of_beta(sets, beta)
+        pi, phi = sets.pi_and_phi(beta)
         drawn = replace(
             result,
             pi=replace(result.pi, values=pi),

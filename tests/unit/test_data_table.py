@@ -6,7 +6,7 @@
 import pytest
 
 from orbident.data_table import Numeric, table_of
-from orbident.report.numbers import typeset
+from orbident.report.page import typeset
 
 NAN = float("nan")
 

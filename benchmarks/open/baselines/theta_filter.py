@@ -13,7 +13,6 @@ from answers import Answer
 from problem_folder import named
 
 from baselines.equations import equations_of
-from orbident.model.derivatives import derivatives_of_beta
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 
@@ -37,7 +36,7 @@ def theta_filter(robot: Robot, recording: Recording, momentum: str) -> Answer:
     for Y, N_h, z_h, W, N_v, z_v in zip(*e[1:], strict=True):
         beta = T @ x[:n]
         pi, phi = _sets(e.sets, beta)
-        dpi, dphi = derivatives_of_beta(e.sets, beta)
+        dpi, dphi = e.sets.derivatives(beta)
         h_cm, v_cm = np.split(x[n:], [axes[0]])
         error = np.concatenate([z_h - Y @ pi - N_h @ h_cm, z_v - W @ phi - N_v @ v_cm])
         H = np.block(
@@ -59,7 +58,7 @@ def _answer(sets, beta: np.ndarray, C: np.ndarray) -> Answer:
     pi, phi = _sets(sets, beta)
     std = [
         np.sqrt(np.maximum(np.einsum("ij,jk,ik->i", J, C, J), 0.0))
-        for J in derivatives_of_beta(sets, beta)
+        for J in sets.derivatives(beta)
     ]
     M_std = float(np.sqrt(C[0, 0]))
     return Answer({**named(pi, phi), "M": float(beta[0])}, {**named(*std), "M": M_std})

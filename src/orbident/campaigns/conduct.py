@@ -1,4 +1,4 @@
-"""Making all runs of a campaign that are not made yet.
+"""Making all runs of a campaign that are not made yet, and one of them again.
 
 Workers compute; only this process writes. A chunk is done when its file is there, and
 the failures in it were written before: whatever is killed at whatever moment, what is
@@ -6,27 +6,207 @@ missing is computed again, to the same numbers.
 """
 
 import json
-from collections.abc import Callable, Iterator
+import traceback
+from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Future
 from contextlib import closing, suppress
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
+import numpy as np
 import pyarrow as pa
+import pyarrow.compute as pc
+from jaxtyping import Float
 
-from orbident.campaigns.campaign_table import (
+from orbident.campaigns.case import Case
+from orbident.campaigns.executors import Executors, computed
+from orbident.campaigns.folder import (
+    FAILED,
+    RERUN,
+    Campaign,
+    Row,
+    arrow_table,
+    check_versions,
     path_of,
     read_chunk,
     schema_of,
+    versions,
+    working,
     write_rows,
 )
-from orbident.campaigns.executors import Executors, computed
-from orbident.campaigns.folder import FAILED, Campaign, check_versions, working
-from orbident.campaigns.run import Chunk, run_chunk
 from orbident.errors import InputError
-from orbident.files.text import read_text, write_text
-from orbident.files.writing import writing
+from orbident.estimation.identify import identify
+from orbident.estimation.result import Result
+from orbident.files.replacing import writing
+from orbident.files.text import read_text, sha256, write_text
+from orbident.model.minimal_sets import minimal_sets
+from orbident.recordings.recording import Recording
+from orbident.recordings.tables import write_recording
+from orbident.threads import one_thread
+
+
+@dataclass(frozen=True)
+class Failure:
+    """A run that could not be made."""
+
+    k: int
+    document: dict[str, Any]
+    """What was drawn, and why it failed, as JSON has it."""
+
+
+class Chunk(NamedTuple):
+    """What a worker gives back."""
+
+    rows: tuple[Row, ...]
+    failures: tuple[Failure, ...]
+    versions: dict[str, str]
+    """The versions of the libraries that computed the chunk."""
+
+
+@one_thread
+def run_chunk(campaign: Campaign, runs: range) -> Chunk:
+    """Make these runs; one that raises is a failure, and the rest go on.
+
+    Args:
+        campaign: its spec, robots and trajectories.
+        runs: their numbers.
+    """
+    rows: list[Row] = []
+    failures: list[Failure] = []
+    for k in runs:
+        case = campaign.case(k)
+        try:
+            results = identified_by_method(campaign, case, case.recording())
+            rows += result_rows(case, results)
+        # Whatever it is: thousands of other runs are not to be lost for it.
+        except Exception as error:
+            failures.append(_failure(case, error))
+    return Chunk(tuple(rows), tuple(failures), versions())
+
+
+def identified_by_method(
+    campaign: Campaign, case: Case, recording: Recording
+) -> dict[str, Result]:
+    """What each method of the campaign makes of a run's recording.
+
+    Raises:
+        InputError: the robot cannot be identified from it.
+    """
+    return {
+        method: identify(case.subject.robot, recording, method)
+        for method in campaign.spec.methods
+    }
+
+
+def result_rows(case: Case, results: Mapping[str, Result]) -> list[Row]:
+    """A row for each method: its numbers, and the true ones."""
+    sets = minimal_sets(case.subject.robot)
+    # Of the formulas that an estimator is given, evaluated for the true bodies.
+    true = sets.beta(case.robot.theta)
+    return [_row(case, method, result, true) for method, result in results.items()]
+
+
+def _row(
+    case: Case, method: str, result: Result, true: Float[np.ndarray, " beta"]
+) -> Row:
+    refused = (c.name for c in result.checks if c.level == "do not trust")
+    base = result.base
+    row: Row = {
+        "run": case.k,
+        "robot": case.subject.robot.name,
+        "method": method,
+        "level": result.level,
+        "refused_by": next(refused, None),
+    }
+    row |= {f"draw.{name}": value for name, value in case.draws.items()}
+    for name, value, std, truth in zip(
+        base.names, base.values, base.std, true, strict=True
+    ):
+        row[f"{name}.value"] = float(value)
+        row[f"{name}.std"] = float(std)
+        row[f"{name}.true"] = float(truth)
+    return row
+
+
+def _failure(case: Case, error: Exception) -> Failure:
+    kind = type(error).__name__
+    document = {
+        "run": case.k,
+        "robot": case.subject.robot.name,
+        "draws": _draws(case),
+        "error": kind,
+        "reason": " ".join(str(error).split()) or kind,
+        "traceback": traceback.format_exception(error),
+    }
+    return Failure(case.k, document)
+
+
+def _draws(case: Case) -> dict[str, float]:
+    try:
+        return case.draws
+    # A failure is to be reported even where what failed is the drawing.
+    except Exception:
+        return {}
+
+
+RECORDING = "recording.parquet"
+
+
+class Rerun(NamedTuple):
+    """What one run made."""
+
+    case: Case
+    recording: Recording
+    path: Path
+    """Where the recording is."""
+    results: Mapping[str, Result]
+    """The result of each method; a refused one names its likely cause."""
+    same: bool | None
+    """Whether its rows are those of the campaign; None where it has none yet."""
+
+
+def repeat_run(campaign: Campaign, folder: Path, k: int) -> Rerun:
+    """Make run `k` again, and keep its recording in `rerun/<k>` of the folder.
+
+    Raises:
+        InputError: there is no such run, the folder cannot be written, or the run
+            fails, as it did in the campaign; the recording is kept if there is one.
+    """
+    if not 0 <= k < campaign.spec.runs:
+        raise InputError(
+            f"run {k}: the campaign has runs 0 to {campaign.spec.runs - 1}; give one"
+        )
+    # Before anything is written: it may be refused.
+    kept = _kept(campaign, folder, k)
+    case = campaign.case(k)
+    recording = case.recording()
+    place = folder / RERUN / str(k)
+    with writing(place):
+        place.mkdir(parents=True, exist_ok=True)
+    path = place / RECORDING
+    write_recording(recording, path)
+    results = identified_by_method(campaign, case, recording)
+    rows = arrow_table(result_rows(case, results), schema_of(campaign))
+    same = None if kept is None else kept.equals(rows)
+    known = {"file": path.name, "sha256": sha256(path), "seed": case.seed}
+    explained = {
+        method: replace(
+            result.with_causes() if result.status == "rejected" else result, input=known
+        )
+        for method, result in results.items()
+    }
+    return Rerun(case, recording, path, explained, same)
+
+
+def _kept(campaign: Campaign, folder: Path, k: int) -> pa.Table | None:
+    """The rows that the campaign has of a run."""
+    chunk = next(chunk for chunk in campaign.spec.chunks if k in chunk)
+    if not path_of(folder, chunk).exists():
+        return None
+    kept = read_chunk(campaign, folder, chunk, schema_of(campaign))
+    return kept.filter(pc.field("run") == k)
 
 
 class Done(NamedTuple):

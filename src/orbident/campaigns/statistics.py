@@ -10,7 +10,7 @@ import pyarrow.compute as pc
 from jaxtyping import Float
 from scipy import stats
 
-from orbident.campaigns.campaign_table import column
+from orbident.campaigns.folder import column
 from orbident.gaussian import NINETY_FIVE
 
 DRAW = "draw."

@@ -69,14 +69,14 @@ def run(
     from orbident.campaigns.folder import begin
     from orbident.campaigns.spec import load_spec
     from orbident.cli.output import Output, progress
-    from orbident.studies.exciting import paper_case
+    from orbident.studies.spatial import paper_case
     from orbident.threads import at_hand
 
     output = Output(json, quiet)
     if cluster is None:
         executors = local(workers or at_hand())
     else:
-        from orbident.campaigns.cluster import cluster as on_cluster
+        from orbident.campaigns.executors import cluster as on_cluster
 
         executors = on_cluster(cluster, workers or 1)
     file = load_spec(spec)
@@ -121,8 +121,8 @@ def rerun(
 
     These are its recording, and a RUN for each method.
     """
+    from orbident.campaigns.conduct import repeat_run as made_again
     from orbident.campaigns.folder import check_versions, opened, versions
-    from orbident.campaigns.rerun import repeat_run as made_again
     from orbident.cli.identify import keep
     from orbident.cli.identify_tables import summary
     from orbident.cli.output import Output, progress
@@ -200,7 +200,7 @@ def _levels(begun: Any, folder: Path) -> Any:
     """How many results of each robot and method may be trusted."""
     from collections import Counter
 
-    from orbident.campaigns.campaign_table import read_rows
+    from orbident.campaigns.folder import read_rows
     from orbident.data_table import Numeric, table_of
     from orbident.estimation.checks import LEVELS
 

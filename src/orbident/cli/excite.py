@@ -176,7 +176,7 @@ def _compare(robot: Any, paths: list[Path], like_paper: bool, output: Any) -> No
 
     basis = None
     if like_paper:
-        from orbident.studies.exciting import paper_case
+        from orbident.studies.spatial import paper_case
 
         basis = paper_case(robot).conditions.basis
     trajectories = [load_trajectory(path) for path in paths]
@@ -205,7 +205,7 @@ def _conditions(
     if like_paper:
         if like is not None:
             raise InputError("--like and --like-paper exclude each other; give one")
-        from orbident.studies.exciting import paper_case
+        from orbident.studies.spatial import paper_case
 
         paper = paper_case(robot)
         given = replace(

@@ -5,7 +5,7 @@ from typing import Annotated, Any
 
 import typer
 
-from orbident.choices import Method
+from orbident.choices import DisturbanceGroup, Method
 from orbident.cli.options import (
     End,
     Force,
@@ -16,7 +16,6 @@ from orbident.cli.options import (
     Start,
     cut_to_times,
 )
-from orbident.robot.disturbance_groups import DisturbanceGroup
 
 
 def identify(
@@ -88,8 +87,7 @@ def identify(
     from orbident.cli.identify_tables import summary
     from orbident.cli.output import Output, progress
     from orbident.estimation.identify import identify as identified
-    from orbident.files.checksum import sha256
-    from orbident.files.text import name_of
+    from orbident.files.text import name_of, sha256
     from orbident.recordings.recording import Recording
     from orbident.recordings.tables import open_recording, read_recording
     from orbident.robot.may_act import may_act

@@ -14,8 +14,7 @@ def report(
     It says whether to trust the result, and why.
     """
     from orbident.cli.output import Output
-    from orbident.files.locking import locked
-    from orbident.files.replacing import check_free
+    from orbident.files.replacing import check_free, locked
     from orbident.identified.run_folder import REPORT, load_result
     from orbident.report.page import verdict_of
     from orbident.report.write import write_report

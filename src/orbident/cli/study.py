@@ -116,7 +116,7 @@ def study(
 def _runner(name: Study, method: StudyMethod) -> Callable[..., Any]:
     """What runs it."""
     if name == "spatial":
-        from orbident.studies.run_spatial import run_spatial
+        from orbident.studies.spatial import run_spatial
 
         return partial(run_spatial, method=method)
     if name == "table":
@@ -173,8 +173,8 @@ def _keep(
     from dataclasses import replace
 
     from orbident.extras import MissingLibraryError
-    from orbident.files.checksum import sha256
     from orbident.files.folder_replacing import replacing_files
+    from orbident.files.text import sha256
     from orbident.identified.run_folder import save_result
 
     unmade = []
@@ -220,12 +220,17 @@ def _draw(
     done: Any, result: Any, title: str, cut_offs: Mapping[str, Any], folder: Path
 ) -> None:
     """Write report and pictures."""
-    from orbident.report.cut_offs import draw_cut_off, unit_of_signal
-    from orbident.report.study_page import write_study_report
+    from orbident.files.replacing import replacing
+    from orbident.report.study_page import (
+        drawn_cut_off,
+        unit_of_signal,
+        write_study_report,
+    )
 
     write_study_report(done, result, title, folder)
     if cut_offs:
         (folder / CUT_OFFS).mkdir(exist_ok=True)
     for signal, cut_off in cut_offs.items():
-        path = folder / CUT_OFFS / f"{signal}.png"
-        draw_cut_off(cut_off, path, signal, unit_of_signal(signal))
+        drawing = drawn_cut_off(cut_off, signal, unit_of_signal(signal))
+        with replacing(folder / CUT_OFFS / f"{signal}.png") as path:
+            drawing.savefig(path, format="png", dpi=150)

@@ -32,7 +32,7 @@ def validate(
     import typer
 
     from orbident.cli.output import Output, progress
-    from orbident.files.checksum import sha256
+    from orbident.files.text import sha256
     from orbident.identified.run_folder import load_result
     from orbident.identified.validate import validate as validated
     from orbident.recordings.tables import read_recording
@@ -87,9 +87,8 @@ def keep_scores(run: Path, recording: Path, scores: dict[str, Any]) -> bool:
     import json
 
     from orbident.errors import InputError
-    from orbident.files.checksum import sha256
-    from orbident.files.locking import locked
-    from orbident.files.text import name_of, write_text
+    from orbident.files.replacing import locked
+    from orbident.files.text import name_of, sha256, write_text
     from orbident.identified.run_folder import VALIDATION
 
     origin = {"file": name_of(recording), "sha256": sha256(recording)}

@@ -25,7 +25,7 @@ from orbident.estimation.clock_search import WORTH, misfit
 from orbident.estimation.estimate import Estimate, Solved
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.residual_checks import NOISY
-from orbident.recordings.rounded_times import float32_step
+from orbident.recordings.recording import float32_step
 from orbident.threads import one_blas_thread
 
 EXPLAINS = 100.0

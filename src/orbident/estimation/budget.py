@@ -23,7 +23,6 @@ from orbident.data_table import DataTable, table_of
 from orbident.errors import InputError
 from orbident.estimation.found import prior_std
 from orbident.files.json_parts import JsonPart, NullableTable
-from orbident.model.derivatives import derivatives_of_beta
 from orbident.model.minimal_sets import MinimalSets
 from orbident.robot.description import Robot
 
@@ -176,7 +175,7 @@ def budget_of(
         beta: base parameters.
         determined: which of all the recording determines.
     """
-    dpi, dphi = derivatives_of_beta(sets, beta)
+    dpi, dphi = sets.derivatives(beta)
     J = np.vstack([np.eye(beta.size), dphi, dpi])
 
     def variances(

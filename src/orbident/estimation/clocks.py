@@ -8,10 +8,9 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from jaxtyping import Bool, Float
 
-from orbident.preprocessing.attitude_delay import attitude_delay
 from orbident.preprocessing.base_motion import AXES as GYRO
 from orbident.preprocessing.base_motion import QUATERNION as ATTITUDE
-from orbident.preprocessing.delays import Delay, delays
+from orbident.preprocessing.delays import Delay, attitude_delay, delays
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 

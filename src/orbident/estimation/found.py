@@ -14,7 +14,6 @@ from scipy.linalg import block_diag
 from orbident.estimation.linear_fits import Fits
 from orbident.estimation.mass import Mass, product_forms
 from orbident.estimation.triangular import UNSEEN, LinearFit
-from orbident.model.derivatives import derivatives_of_beta, sets_of_beta
 from orbident.model.inertia import inertia_at
 from orbident.model.minimal_sets import MinimalSets
 from orbident.robot.description import Robot
@@ -165,8 +164,8 @@ def found_beta(
     beta, C, hidden = estimate
     scale = prior_std(robot, sets)
     prior = np.square(scale)
-    pi, phi = sets_of_beta(sets, beta)
-    dpi, dphi = derivatives_of_beta(sets, beta)
+    pi, phi = sets.pi_and_phi(beta)
+    dpi, dphi = sets.derivatives(beta)
 
     def known(values: np.ndarray, J: np.ndarray) -> Known:
         covariance = J @ C @ J.T

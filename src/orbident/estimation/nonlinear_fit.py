@@ -14,7 +14,6 @@ from scipy.optimize import least_squares
 from orbident.estimation.found import BetaEstimate, hidden_of, prior_std
 from orbident.estimation.linear_fits import Fits
 from orbident.estimation.overflow import check_finite
-from orbident.model.derivatives import derivatives_of_beta, sets_of_beta
 from orbident.model.minimal_sets import MinimalSets
 from orbident.robot.description import Robot
 
@@ -50,11 +49,11 @@ def nonlinear_fit(
 
     # x: beta's distance from the nominal values, over the robot's scale.
     def residual(x: Float[np.ndarray, " beta"]) -> Float[np.ndarray, " rows"]:
-        y = np.concatenate(sets_of_beta(sets, nominal + wide * x))
+        y = np.concatenate(sets.pi_and_phi(nominal + wide * x))
         return np.concatenate([R @ y - z, x])
 
     def slopes(x: Float[np.ndarray, " beta"]) -> Float[np.ndarray, "rows beta"]:
-        J = np.vstack(derivatives_of_beta(sets, nominal + wide * x))
+        J = np.vstack(sets.derivatives(nominal + wide * x))
         return np.vstack([R @ J * wide, np.eye(x.size)])
 
     found = least_squares(

@@ -8,8 +8,8 @@ from typing import Any, TypeVar
 import numpy as np
 from jaxtyping import Float
 
+from orbident.data_table import frame
 from orbident.errors import InputError
-from orbident.files.data_frames import frame
 from orbident.files.json_parts import (
     Count,
     JsonPart,

@@ -26,7 +26,6 @@ from orbident.estimation.recursive.filter import Extended, State
 from orbident.estimation.recursive.given import none_complete, pieces_of
 from orbident.estimation.recursive.prior import GaussianPrior
 from orbident.estimation.solution import SMALL, Step
-from orbident.model.derivatives import sets_of_beta
 
 PASSES = 30
 """Passes through the recording, at most: those of small free-flyers took 4 to 12."""
@@ -59,7 +58,7 @@ class Structured:
             found = nonlinear_fit(sets, nominal, wide, R, z)
             std = np.sqrt(np.diag(found.covariance))
             size = float(np.max(np.abs(found.values - before.beta) / std))
-            y = np.concatenate(sets_of_beta(sets, found.values))
+            y = np.concatenate(sets.pi_and_phi(found.values))
             squares += float(np.sum(np.square(R @ y - z)))
             taken.append(Step(squares, size))
             progress(len(taken) / PASSES)

@@ -18,7 +18,7 @@ from jaxtyping import Float
 
 from orbident.choices import Objective
 from orbident.excitation.floating import Gradient, NodalMotion, block
-from orbident.model.independent import independent_columns
+from orbident.model.dependencies import independent_columns
 from orbident.model.minimal_sets import MinimalSets
 from orbident.robot.couplings import coupled_joints
 from orbident.robot.description import Robot

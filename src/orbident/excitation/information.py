@@ -30,8 +30,7 @@ from orbident.excitation.floating import (
     running_integral_transposed,
 )
 from orbident.excitation.outside_changes import OutsideChanges, anything_may_act
-from orbident.model.derivatives import derivatives_of_beta
-from orbident.model.independent import DEPENDENT
+from orbident.model.dependencies import DEPENDENT
 from orbident.model.minimal_sets import MinimalSets
 from orbident.robot.description import Robot
 from orbident.robot.parameters import cross_matrix
@@ -84,7 +83,7 @@ def sensing_of(robot: Robot, sets: MinimalSets) -> Sensing:
             "or position; the objectives d, a and e need it: give it in the robot "
             "file, or use the objective cond"
         )
-    dpi, dphi = derivatives_of_beta(sets, sets.beta(robot.theta))
+    dpi, dphi = sets.derivatives(sets.beta(robot.theta))
     unit = _unit(robot, sets, dpi, dphi)
     regressors = sets.regressors
     return Sensing(

@@ -22,7 +22,7 @@ from scipy.optimize import linprog
 from orbident.errors import InputError
 from orbident.excitation.conditions import Limits
 from orbident.robot.couplings import CoupledJoints
-from orbident.trajectories.fourier_quintic import FourierQuintic
+from orbident.trajectories.trajectory import FourierQuintic
 
 NEGLIGIBLE = 1e-4
 """A rate whose coefficients are ten thousand times larger is not worth its digits."""

@@ -14,11 +14,17 @@ from functools import partial
 from pathlib import Path
 
 from orbident.errors import InputError
-from orbident.files.locking import locked
-from orbident.files.replacing import UNFINISHED, flush, flush_names
+from orbident.files.replacing import (
+    CHANGING,
+    UNFINISHED,
+    flush,
+    flush_names,
+    locked,
+    reason_of,
+    undone,
+    writing,
+)
 from orbident.files.text import read_text, write_text
-from orbident.files.unfinished import CHANGING, undone
-from orbident.files.writing import reason_of, writing
 
 STAGED = f".{UNFINISHED}"
 _READY = "ready"

@@ -1,15 +1,155 @@
-"""Writing a file whole or not at all."""
+"""Writing a file whole or not at all, and by one process at a time.
 
+Locks end with the process that holds them, however it ends.
+
+A block that fails undoes what it has begun. A thread that ends the process does not
+wait for that: it undoes what is unfinished, and nothing new appears, nor is anything
+finished, from then on.
+"""
+
+import errno
 import os
-from collections.abc import Iterator
+import sys
+import threading
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from functools import partial
 from pathlib import Path
 
 from orbident.errors import InputError
-from orbident.files.locking import busy, has_locked
-from orbident.files.unfinished import CHANGING, undone
-from orbident.files.writing import writing
+
+
+@contextmanager
+def locked(folder: Path, wait: bool = False) -> Iterator[None]:
+    """No other process of ours writes in the folder during the block.
+
+    The lock is on the folder itself (`flock`), so it leaves no file behind. Where the
+    system has no such locks (Windows, some network file systems) there is none.
+
+    Args:
+        folder: that exists.
+        wait: until whoever has the lock is done; else that is refused.
+
+    Raises:
+        InputError: another process has the lock.
+        OSError: the folder cannot be opened.
+    """
+    if sys.platform == "win32":
+        yield
+        return
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        if not has_locked(handle, wait):
+            raise InputError(busy(folder))
+        yield
+    finally:
+        os.close(handle)
+
+
+def has_locked(handle: int, wait: bool = False) -> bool:
+    """Whether an open file is locked now; closing it ends that."""
+    if sys.platform == "win32":
+        return True
+    import fcntl
+
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))
+    except BlockingIOError:
+        return False
+    except OSError:
+        # A file system without locks: that it is alone nobody can know there.
+        return True
+    return True
+
+
+def busy(path: Path) -> str:
+    """What is said where another process has the lock."""
+    return (
+        f"{path}: another orbident process is writing there; wait until it has ended, "
+        "or name another place"
+    )
+
+
+_FULL = "free some space, or name another place"
+_FORBIDDEN = "name a place where you may write"
+_REMEDIES = {
+    errno.ENOSPC: _FULL,
+    errno.EDQUOT: _FULL,
+    errno.EFBIG: "raise the limit of file sizes (ulimit -f), or name another place",
+    errno.EACCES: _FORBIDDEN,
+    errno.EPERM: _FORBIDDEN,
+    errno.EROFS: _FORBIDDEN,
+}
+
+
+class _WriteError(InputError):
+    """The system refused to write; `error` has its own words."""
+
+    def __init__(self, path: Path, error: OSError) -> None:
+        remedy = _REMEDIES.get(error.errno or 0, "name another place")
+        super().__init__(
+            f"{path}: cannot be written ({reason_of(error)}); nothing was changed "
+            f"there; {remedy}"
+        )
+        self.error = error
+
+
+@contextmanager
+def writing(path: Path) -> Iterator[None]:
+    """Make one line of what the system says while the block writes.
+
+    Args:
+        path: what the user named; the block leaves it as it was where it fails. Around
+            another such block it is the one that is named.
+
+    Raises:
+        InputError: the block raised an `OSError`.
+    """
+    try:
+        yield
+    except OSError as error:
+        raise _WriteError(path, error) from error
+    except _WriteError as refused:
+        raise _WriteError(path, refused.error) from refused
+
+
+def reason_of(error: OSError) -> str:
+    """The system's words alone: libraries put their own before them."""
+    if error.errno:
+        return os.strerror(error.errno)
+    return " ".join(str(error).split()) or type(error).__name__
+
+
+CHANGING = threading.RLock()
+"""Held while something temporary appears or becomes final, not while it is filled."""
+_PATIENCE = 0.3
+"""What such a moment may take before the process ends all the same, s."""
+_UNDO: list[Callable[[], None]] = []
+
+
+@contextmanager
+def undone(undo: Callable[[], None]) -> Iterator[None]:
+    """Call `undo` if the block fails, or if another thread ends the process during it.
+
+    Args:
+        undo: may be called twice, and by that thread.
+    """
+    _UNDO.append(undo)
+    try:
+        yield
+    except BaseException:
+        undo()
+        raise
+    finally:
+        _UNDO.remove(undo)
+
+
+def undo_all() -> None:
+    """Undo what is unfinished; the process must end next."""
+    CHANGING.acquire(timeout=_PATIENCE)
+    for undo in tuple(_UNDO):
+        undo()
+
 
 UNFINISHED = "orbident-unfinished"
 """How the hidden names end that a file or a folder has until it is complete."""

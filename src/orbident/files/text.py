@@ -1,7 +1,9 @@
-"""Text files in UTF-8, line ends untouched."""
+"""Reading files: text in UTF-8, line ends untouched, and checksums."""
 
+import hashlib
 import os
 from pathlib import Path
+from stat import S_ISDIR, S_ISREG
 
 from orbident.errors import InputError
 from orbident.files.replacing import replacing
@@ -56,3 +58,39 @@ def write_text(path: Path, text: str) -> None:
     """
     with replacing(path) as temporary:
         temporary.write_bytes(text.encode())
+
+
+def sha256(path: Path) -> str:
+    """The file's SHA-256, hexadecimal.
+
+    Raises:
+        InputError: it cannot be read.
+    """
+    try:
+        with path.open("rb") as file:
+            return hashlib.file_digest(file, "sha256").hexdigest()
+    except OSError as error:
+        reason = error.strerror or error
+        raise InputError(f"{path}: cannot be read ({reason})") from error
+
+
+def refuse_pipe(path: Path, what: str) -> None:
+    """Refuse a pipe or a device, and nothing else.
+
+    Args:
+        path: any.
+        what: is to be read: "the recording".
+
+    Raises:
+        InputError: it is one.
+    """
+    try:
+        mode = path.stat().st_mode
+    # What is no path at all has its own words where it is opened.
+    except (OSError, ValueError):
+        return
+    if not (S_ISREG(mode) or S_ISDIR(mode)):
+        raise InputError(
+            f"{path}: is a pipe or a device, which cannot be read twice; write {what} "
+            "into a file, and give that"
+        )

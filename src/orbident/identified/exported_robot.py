@@ -22,6 +22,7 @@ from orbident.identified.physical import physical_bodies
 from orbident.identified.urdf_export import links_of
 from orbident.robot.description import Coupling, Joint, Robot, Wheel
 from orbident.robot.fusing import fused
+from orbident.robot.oddities import nonphysical
 from orbident.robot.parameters import (
     FIRST_MOMENT,
     MASS,
@@ -30,7 +31,6 @@ from orbident.robot.parameters import (
     inertia_about_com,
     transformed,
 )
-from orbident.robot.physical_inertia import nonphysical
 
 LIGHT = 1e-3
 """A declared wheel's part of the robot's mass: no motion depends on it."""

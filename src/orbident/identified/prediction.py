@@ -26,7 +26,6 @@ from scipy.interpolate import CubicSpline
 from orbident.errors import InputError
 from orbident.estimation.result import Result
 from orbident.files.names import joined
-from orbident.model.derivatives import derivatives_of_beta
 from orbident.model.minimal_sets import MinimalSets, Regressors, minimal_sets
 from orbident.model.reconstruction import root_of
 from orbident.model.rotations import quaternion_matrix, rotate
@@ -88,11 +87,11 @@ def predict(result: Result, recording: Recording) -> Prediction:
         )
 
     wheels = wheels_of(robot)
-    turning = np.isin(np.arange(3), regressors.momentum_axes)
+    conserved = np.isin(np.arange(3), regressors.momentum_axes)
     at = momentum_terms(regressors, pi, phi, measured.q, measured.qd)
     R_WB = quaternion_matrix(measured.x_WB)
     h_B = rotate(at.D, measured.w) + at.h_q + measured.qd_rw @ wheels.A_rw.T
-    h_cm = np.where(turning, rotate(R_WB, h_B).mean(axis=0), 0.0)
+    h_cm = np.where(conserved, rotate(R_WB, h_B).mean(axis=0), 0.0)
     moving, v_cm = measured.moving, np.zeros(3)
     if moving.any():
         v = rotate(R_WB, rotate(at.V, measured.w) + at.v_q)
@@ -138,15 +137,15 @@ def momentum_terms(
     n = len(q)
     D, V = np.zeros((2, n, 3, 3))
     h_q, v_q = np.zeros((2, n, 3))
-    turning, moving = list(regressors.momentum_axes), list(regressors.velocity_axes)
+    axes_h, axes_v = list(regressors.momentum_axes), list(regressors.velocity_axes)
     for part in parts_of(n):
         rest = np.zeros_like(q[part])
         w = np.zeros((len(rest), 3))
         Y, W = regressors(q[part], qd[part], w)
-        h_q[part, turning], v_q[part, moving] = Y @ pi, W @ phi
-        for k in turning:
+        h_q[part, axes_h], v_q[part, axes_v] = Y @ pi, W @ phi
+        for k in axes_h:
             Y, W = regressors(q[part], rest, w + np.eye(3)[k])
-            D[part, turning, k], V[part, moving, k] = Y @ pi, W @ phi
+            D[part, axes_h, k], V[part, axes_v, k] = Y @ pi, W @ phi
     return MomentumTerms(D, h_q, V, v_q)
 
 
@@ -207,7 +206,7 @@ def prediction_deviations(
     """
     robot, sets = result.robot, minimal_sets(result.robot)
     root = root_of(result.base_covariance)
-    dpi, dphi = derivatives_of_beta(sets, result.base.values)
+    dpi, dphi = sets.derivatives(result.base.values)
     regressors, roots = sets.regressors, (dpi @ root, dphi @ root)
     seen = prediction.measured
     R = quaternion_matrix(seen.x_WB)
@@ -221,11 +220,11 @@ def prediction_deviations(
     w, R = prediction.w, quaternion_matrix(prediction.x_WB)
     dh, dv = _changes(regressors, roots, seen.q, seen.qd, w)
     b = rotate(at.D, w) + at.h_q + seen.qd_rw @ wheels_of(robot).A_rw.T
-    turning = np.isin(np.arange(3), regressors.momentum_axes)
-    D = at.D + np.diag(~turning)
+    conserved = np.isin(np.arange(3), regressors.momentum_axes)
+    D = at.D + np.diag(~conserved)
     # dw = dw_0 + B f; in the plane neither tilts.
-    dw_0 = np.linalg.solve(D, np.swapaxes(R, 1, 2) @ dh_cm - dh) * turning[:, None]
-    B = np.linalg.solve(D, cross_matrix(b)) * turning[:, None]
+    dw_0 = np.linalg.solve(D, np.swapaxes(R, 1, 2) @ dh_cm - dh) * conserved[:, None]
+    B = np.linalg.solve(D, cross_matrix(b)) * conserved[:, None]
     f = _turns(prediction.t, B - cross_matrix(w), dw_0)
     dw = dw_0 + B @ f
     v = rotate(at.V, w) + at.v_q

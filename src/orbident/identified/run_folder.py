@@ -1,8 +1,13 @@
-"""The folder that keeps a result: `result.json`, the robot and its URDF, signals."""
+"""The folder that keeps a result: `result.json`, the robot and its URDF, signals.
 
+Measured and predicted signals are one compact file, a row a signal. Checksums say
+whether the files are those that were written with the result.
+"""
+
+import hashlib
 import json
 import os
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import replace
 from functools import partial
@@ -10,29 +15,186 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as parquet
 
 from orbident.errors import InputError
 from orbident.estimation.result import SCHEMA, Result
-from orbident.estimation.signals import Signals
+from orbident.estimation.signals import Signal, Signals
+from orbident.files.bounds import LARGEST
 from orbident.files.folder_replacing import (
     finish,
     is_committed,
     is_unfinished,
     replacing_files,
 )
-from orbident.files.pipes import refuse_pipe
+from orbident.files.names import quoted
 from orbident.files.replacing import UNFINISHED
-from orbident.files.schema_errors import validated
-from orbident.files.text import write_text
-from orbident.identified.checksums import (
-    FILES,
-    check_document,
-    check_files,
-    with_checksums,
-)
-from orbident.identified.signals_file import read_signals, write_signals
+from orbident.files.schema_parts import validated
+from orbident.files.text import refuse_pipe, sha256, write_text
 from orbident.robot.description import Robot
 from orbident.robot.robot_file import load_written_robot, write_robot
+
+SIGNAL_COLUMNS = pa.schema(
+    [
+        ("name", pa.string()),
+        ("axes", pa.list_(pa.string())),
+        ("units", pa.list_(pa.string())),
+        ("t", pa.list_(pa.float64())),
+        ("measured", pa.list_(pa.float32())),
+        # Less predicted: beside large values float32 would lose it.
+        ("error", pa.list_(pa.float32())),
+        ("std", pa.float64()),
+    ]
+)
+
+
+def write_signals(signals: Signals, path: Path) -> None:
+    """Write them; an existing file is replaced."""
+    rows = [
+        {
+            **signal._asdict(),
+            "measured": signal.measured.astype(np.float32).ravel(),
+            "error": (signal.measured - signal.predicted).astype(np.float32).ravel(),
+        }
+        for signal in signals
+    ]
+    table = pa.table(
+        [
+            pa.array([row[field.name] for row in rows], field.type)
+            for field in SIGNAL_COLUMNS
+        ],
+        schema=SIGNAL_COLUMNS,
+    )
+    # Bytes: as text Arrow takes no name that is not UTF-8.
+    with pa.OSFile(os.fsencode(path), "wb") as file:
+        parquet.write_table(
+            table,
+            file,
+            compression="zstd",
+            use_dictionary=False,
+            # Neighbours share their upper bytes.
+            use_byte_stream_split=[  # pyright: ignore[reportArgumentType]: stubs know bool
+                f"{column}.list.element" for column in ("t", "measured", "error")
+            ],
+        )
+
+
+def read_signals(path: Path) -> Signals:
+    """Read them.
+
+    Raises:
+        InputError: it is not what `write_signals` writes.
+    """
+    try:
+        with pa.OSFile(os.fsencode(path)) as file:
+            table = parquet.read_table(file, schema=SIGNAL_COLUMNS)
+        return tuple(_signal(table, k) for k in range(table.num_rows))
+    except (pa.ArrowException, OSError, ValueError) as error:
+        reason = str(error).splitlines()[0]
+        raise InputError(
+            f"{path}: is not what 'orbident identify' wrote ({reason}); identify again"
+        ) from error
+
+
+def _signal(table: pa.Table, k: int) -> Signal:
+    """The signal of a row.
+
+    Raises:
+        ValueError: its lists do not fit together.
+    """
+    name, axes, units, std = (
+        table[column][k].as_py() for column in ("name", "axes", "units", "std")
+    )
+    lists = [table[column][k].values for column in ("t", "measured", "error")]
+    if None in {name, std, *(axes or [None]), *(units or [None])} or any(
+        each is None or each.null_count for each in lists
+    ):
+        raise ValueError("a value is missing")
+    t, measured, error = (np.asarray(each).astype(np.float64) for each in lists)
+    sizes = {measured.size, error.size, t.size * len(axes), t.size * len(units)}
+    if len(sizes) > 1 or not np.all(np.abs(t) <= LARGEST):
+        raise ValueError(f"the times, axes and values of {quoted(name)} do not fit")
+    measured, error = (x.reshape(t.size, len(axes)) for x in (measured, error))
+    return Signal(name, tuple(axes), tuple(units), t, measured, measured - error, std)
+
+
+FILES, OWN = "files", "sha256"
+"""Keys of `result.json`: the SHA-256 of every file, and of all else in itself."""
+
+
+def with_checksums(
+    document: Mapping[str, Any], folder: Path, names: Iterable[str]
+) -> dict[str, Any]:
+    """The content of `result.json`, with the checksums that its reader checks.
+
+    Args:
+        document: the result.
+        folder: of the files.
+        names: of those that may be there.
+
+    Raises:
+        InputError: a file cannot be read.
+    """
+    there = [name for name in names if (folder / name).is_file()]
+    files = {name: sha256(folder / name) for name in there}
+    whole = {**document, FILES: files}
+    return {**whole, OWN: _digest(whole)}
+
+
+def check_document(document: Mapping[str, Any], path: Path) -> None:
+    """Refuse a `result.json` that is not as it was written.
+
+    Raises:
+        InputError: it has no checksums, or was altered.
+    """
+    schema = document.get("schema") if isinstance(document, Mapping) else None
+    if schema != SCHEMA:
+        raise InputError(
+            f"{path}: schema: found {quoted(schema)}, expected '{SCHEMA}'; identify "
+            "again"
+        )
+    if not {FILES, OWN} <= document.keys():
+        raise InputError(
+            f"{path}: has no checksums, so an earlier orbident wrote it, and whether "
+            "it is complete cannot be known; identify again"
+        )
+    whole = {key: value for key, value in document.items() if key != OWN}
+    if _digest(whole) != document[OWN]:
+        raise InputError(_altered(path))
+
+
+def check_files(files: Mapping[str, str], folder: Path, names: Iterable[str]) -> None:
+    """Refuse files that are not as they were written.
+
+    Args:
+        files: their checksums, by name.
+        folder: where they are.
+        names: of those that are looked at.
+
+    Raises:
+        InputError: a file is missing, cut off or altered, or belongs to no result.
+    """
+    for name in names:
+        path = folder / name
+        if name not in files and path.exists():
+            raise InputError(f"{path}: does not belong to this result; move it away")
+        if name in files and not path.is_file():
+            raise InputError(f"{path}: is missing; identify again")
+        if name in files and sha256(path) != files[name]:
+            raise InputError(_altered(path))
+
+
+def _digest(document: Mapping[str, Any]) -> str:
+    return hashlib.sha256(json.dumps(document, sort_keys=True).encode()).hexdigest()
+
+
+def _altered(path: Path) -> str:
+    return (
+        f"{path}: was altered or cut off after 'orbident identify' wrote it; "
+        "identify again"
+    )
+
 
 RESULT, REPORT = "result.json", "report.html"
 SIGNALS, HISTORY, REPLAY = "signals.parquet", "history.csv", "replay.json"

@@ -7,9 +7,8 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.errors import InputError
-from orbident.files.schema_errors import validated
+from orbident.files.schema_parts import validated
 from orbident.model.minimal_sets import minimal_sets
-from orbident.robot.assembly import assembled
 from orbident.robot.description import Robot
 from orbident.robot.fusing import Placement, fused
 from orbident.robot.parameters import (
@@ -19,6 +18,7 @@ from orbident.robot.parameters import (
     inertia_about_com,
     transformed,
 )
+from orbident.robot.robot_file import assembled
 from orbident.robot.schema import RobotFile
 from orbident.robot.tree import LinkTree, link_tree
 from orbident.robot.urdf import read_urdf
@@ -51,13 +51,13 @@ def links_of(robot: Robot) -> Links:
     file = validated(RobotFile, dict(robot.document), robot.name)
     tree = link_tree(read_urdf(robot.urdf, robot.name), file.base_link)
     held = frozenset(wheel.joint for wheel in file.wheels if wheel.joint is not None)
-    turning = [
+    roots = [
         joint.child
         for below in tree.children.values()
         for joint in below
         if joint.name in held
     ]
-    rotors = [link for root in turning for link in fused(tree, root).placements]
+    rotors = [link for root in roots for link in fused(tree, root).placements]
     return Links(tree, fused(tree, held=held).placements, frozenset(rotors))
 
 

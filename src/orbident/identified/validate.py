@@ -165,18 +165,18 @@ def scored(result: Result, recording: Recording) -> Validation:
             prediction needs.
     """
     prediction = predict(result, recording)
-    turning, moving = conserved_axes(result.robot)
+    axes_h, axes_v = conserved_axes(result.robot)
     seen = prediction.measured.moving
     may_be_off = prediction_deviations(result, prediction)
     stds = {
-        "gyro": may_be_off.w[:, turning],
-        "velocity": may_be_off.v_S[seen][:, moving],
+        "gyro": may_be_off.w[:, axes_h],
+        "velocity": may_be_off.v_S[seen][:, axes_v],
     }
     pairs = {
-        "gyro": (prediction.w[:, turning], prediction.measured.w[:, turning]),
+        "gyro": (prediction.w[:, axes_h], prediction.measured.w[:, axes_h]),
         "velocity": (
-            prediction.v_S[seen][:, moving],
-            prediction.measured.v_S[seen][:, moving],
+            prediction.v_S[seen][:, axes_v],
+            prediction.measured.v_S[seen][:, axes_v],
         ),
     }
     rms = {name: _rms(predicted - true) for name, (predicted, true) in pairs.items()}

@@ -76,7 +76,7 @@ class StreamClock:
         """The time since the first one, s."""
         return round(t - self.first, DIGITS)
 
-    def place(self, t: float) -> str:
+    def order(self, t: float) -> str:
         """What a sample sent at `t` is: `NEXT`, `AVERAGED`, `LATER` or another's."""
         since = self.since(t)
         if not -LATE <= round(since - self.newest, DIGITS) <= PAUSE:
@@ -144,17 +144,17 @@ class StreamClocks:
             row: the sample, with a time as it was sent; it is changed.
             counts: what became of samples that are not taken in; it is changed.
         """
-        t, places = float(row[0]), {}
+        t, orders = float(row[0]), {}
         for clock in (*filter(None, [self.believed]), *self.others):
-            place = clock.place(t)
-            if place == NEXT:
+            order = clock.order(t)
+            if order == NEXT:
                 return self._go_on(clock, row, counts)
-            places.setdefault(place, clock)
-        places.pop("", None)
-        if places:
-            place, clock = next(iter(places.items()))
-            counts[place] += 1
-            return self._average(clock, row) if place == AVERAGED else Heard()
+            orders.setdefault(order, clock)
+        orders.pop("", None)
+        if orders:
+            order, clock = next(iter(orders.items()))
+            counts[order] += 1
+            return self._average(clock, row) if order == AVERAGED else Heard()
         clock = StreamClock(t, rows=[row])
         clock.add(row)
         self.others.append(clock)

@@ -1,4 +1,12 @@
-"""Where the bodies are, and how they move; base axes, seen from the feature point S."""
+"""Where the bodies are, how they move, and what momentum that is; base axes.
+
+Places and motions are seen from the feature point S. The momentum of many samples is
+linear in `theta` (Eqs. 3 and 19): `S theta` is the first moment about S, `P theta` the
+linear momentum relative to S and `A theta` the angular momentum about S; the angular
+momentum about the system CM is
+
+    h_rs = A theta - (S theta) x (P theta) / M.
+"""
 
 from typing import NamedTuple
 
@@ -64,3 +72,24 @@ def carrying_joints(robot: Robot, body: int) -> Float[np.ndarray, " joints"]:
         carries[body - 1] = 1.0
         body = robot.joints[body - 1].parent
     return carries
+
+
+class MomentumRegressors(NamedTuple):
+    """The regressors of the samples; columns are the flat `theta`, base first."""
+
+    S: Float[np.ndarray, "n 3 theta"]
+    P: Float[np.ndarray, "n 3 theta"]
+    A: Float[np.ndarray, "n 3 theta"]
+
+
+def momentum_regressors(
+    robot: Robot,
+    q: Float[np.ndarray, "n joints"],
+    qd: Float[np.ndarray, "n joints"],
+    w: Float[np.ndarray, "n 3"],
+) -> MomentumRegressors:
+    """`S`, `P` and `A` at joint states and base rates (rad/s, base axes)."""
+    state = (np.ascontiguousarray(x) for x in (q, qd, w))
+    return MomentumRegressors(
+        *_core.momentum(core_tree(robot), *state, threads=processors())
+    )

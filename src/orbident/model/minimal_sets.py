@@ -25,9 +25,8 @@ from scipy.sparse import csr_array
 from orbident import _core
 from orbident.errors import InputError
 from orbident.model.core_robot import core_tree
-from orbident.model.dependencies import Columns, dependencies
-from orbident.model.independent import independent_columns
-from orbident.model.momentum import MomentumRegressors, momentum_regressors
+from orbident.model.dependencies import Columns, dependencies, independent_columns
+from orbident.model.kinematics import MomentumRegressors, momentum_regressors
 from orbident.robot.description import Robot
 from orbident.robot.parameters import MASS, PER_BODY
 from orbident.threads import one_blas_thread, processors
@@ -132,15 +131,38 @@ class MinimalSets:
 
     def phi(self, theta: Float[np.ndarray, "bodies 10"]) -> Float[np.ndarray, " phi"]:
         """`sigma / M`: what the velocity of S depends on (Eq. 29)."""
-        M, sigma, _ = self.split(self.beta(theta))
-        return sigma / M
+        return self.pi_and_phi(self.beta(theta))[1]
 
     def pi(self, theta: Float[np.ndarray, "bodies 10"]) -> Float[np.ndarray, " pi"]:
         """What the angular momentum depends on, linearly (Eq. 19)."""
-        beta = self.beta(theta)
+        return self.pi_and_phi(self.beta(theta))[0]
+
+    def pi_and_phi(
+        self, beta: Float[np.ndarray, " beta"]
+    ) -> tuple[Float[np.ndarray, " pi"], Float[np.ndarray, " phi"]]:
+        """`pi` and `phi` of `beta = [M, sigma, iota]`."""
         M, sigma, _ = self.split(beta)
-        products = sigma[self.pairs[:, 0]] * sigma[self.pairs[:, 1]] / M
-        return self.pi_of_beta @ beta + self.pi_of_products @ products
+        a, b = self.pairs.T
+        products = sigma[a] * sigma[b] / M
+        return self.pi_of_beta @ beta + self.pi_of_products @ products, sigma / M
+
+    def derivatives(
+        self, beta: Float[np.ndarray, " beta"]
+    ) -> tuple[Float[np.ndarray, "pi beta"], Float[np.ndarray, "phi beta"]]:
+        """The derivatives of `pi` and of `phi = sigma / M` by `beta`."""
+        M, sigma, iota = self.split(beta)
+        n = sigma.size
+        dphi = np.hstack(
+            [-sigma[:, None] / M**2, np.eye(n) / M, np.zeros((n, iota.size))]
+        )
+        a, b = self.pairs.T
+        products = np.zeros((len(self.pairs), beta.size))
+        # sigma_a sigma_b / M; += twice, for squares.
+        rows = np.arange(len(self.pairs))
+        products[:, 0] = -sigma[a] * sigma[b] / M**2
+        products[rows, 1 + a] += sigma[b] / M
+        products[rows, 1 + b] += sigma[a] / M
+        return self.pi_of_beta + self.pi_of_products @ products, dphi
 
     def split(
         self, beta: Float[np.ndarray, " beta"]
@@ -172,16 +194,16 @@ def minimal_sets(robot: Robot) -> MinimalSets:
     """
     if len(robot.joints) > MOST_JOINTS:
         _refuse(robot, f"has {len(robot.joints)} joints")
-    turning, moving = conserved_axes(robot)
+    axes_h, axes_v = conserved_axes(robot)
     samples = 2 * PER_BODY * len(robot.bodies)
-    at = _random_momentum(robot, -(-samples // len(turning)))
-    base = _base_parameters(robot, _rows(at.P, moving), _rows(at.A, turning))
+    at = _random_momentum(robot, -(-samples // len(axes_h)))
+    base = _base_parameters(robot, _rows(at.P, axes_v), _rows(at.A, axes_h))
 
     sigma = slice(1, 1 + base.sigmas)
     pairs = np.array(
         list(itertools.combinations_with_replacement(range(base.sigmas), 2)), dtype=int
     ).reshape(-1, 2)
-    columns = Columns(robot, base.theta_of, sigma, pairs, turning)
+    columns = Columns(robot, base.theta_of, sigma, pairs, axes_h)
     if len(pairs) > MOST_PRODUCTS:
         products = f"{len(pairs)} products of first moments"
         _refuse(robot, f"has {len(robot.joints)} joints, and so {products}")
@@ -200,8 +222,8 @@ def minimal_sets(robot: Robot) -> MinimalSets:
                 pairs=pairs[kept[kept >= betas] - betas].astype(float),
             ),
             joints=len(robot.joints),
-            momentum_axes=turning,
-            velocity_axes=moving,
+            momentum_axes=axes_h,
+            velocity_axes=axes_v,
         ),
         base=base,
         pi_of_beta=pi_of_beta,

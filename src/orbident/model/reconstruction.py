@@ -15,14 +15,15 @@ from jaxtyping import Float
 
 from orbident.errors import InputError
 from orbident.files.names import joined, suggestion
-from orbident.model import forces
 from orbident.model.equations_of_motion import (
+    Wrench,
     deviations,
     equations_of_motion,
+    generalised_forces,
+    jacobian,
     movable,
     speeds,
 )
-from orbident.model.forces import Wrench
 from orbident.model.formulas import formulas_of
 from orbident.model.minimal_sets import minimal_sets
 from orbident.model.regularity import check_definite
@@ -159,7 +160,7 @@ class Dynamics:
                 f"{self.robot.name}: no body '{body}'; "
                 + suggestion(body, bodies, "bodies")
             )
-        J = forces.jacobian(self.robot, q, bodies.index(body), point)
+        J = jacobian(self.robot, q, bodies.index(body), point)
         return self._shown(J, rows=1)
 
     def generalised_forces(
@@ -182,9 +183,7 @@ class Dynamics:
                 robot's.
         """
         q = self._sized(q, "q", self._joints, states=False)
-        Q = forces.generalised_forces(
-            self.robot, q, joint_torques, wheel_torques, wrenches
-        )
+        Q = generalised_forces(self.robot, q, joint_torques, wheel_torques, wrenches)
         return self._shown(Q, rows=1)
 
     @property

@@ -31,13 +31,13 @@ def check_regular(robot: Robot) -> None:
     """
     q = np.random.default_rng(0).standard_normal(len(robot.joints))
     at = inertia_at(robot, q)
-    turning = [2] if robot.motion == "planar" else [0, 1, 2]
-    D, D_q = at.D[np.ix_(turning, turning)], at.D_q[turning]
+    free = [2] if robot.motion == "planar" else [0, 1, 2]
+    D, D_q = at.D[np.ix_(free, free)], at.D_q[free]
     H = np.block([[D, D_q], [D_q.T, at.D_qq]])
-    names = [f"the base about {'xyz'[k]}" for k in turning]
+    names = [f"the base about {'xyz'[k]}" for k in free]
     names += [f"joint '{name}'" for name in robot.joint_names]
     base, carried = _sizes(robot, q)
-    sizes = np.concatenate([np.full(len(turning), base), carried])
+    sizes = np.concatenate([np.full(len(free), base), carried])
     scale = np.abs(np.diag(H))
     still = scale <= SINGULAR * sizes
     if still.any():

@@ -1,26 +1,34 @@
-"""What a recording at rest tells of the noise of its sensors."""
+"""What a recording at rest tells of the noise of its sensors, and whether it is one.
+
+Motion is smooth, and no noise explains it. Gauss-Markov processes and random walks
+explain much that lasts, motion too, but not that it goes on: slow motion is a
+polynomial in time, and faster motion leaves innovations that are not white.
+"""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 from scipy.spatial.transform import Rotation
+from scipy.special import chdtri
 
+from orbident import _core
 from orbident.data_table import DataTable, Numeric, table_of
 from orbident.errors import InputError
 from orbident.estimation.checks import Check
 from orbident.estimation.output_error.sensors import COMPONENTS
-from orbident.estimation.whiteness import low_frequencies
+from orbident.estimation.whiteness import LOW, low_frequencies
 from orbident.noise.noise_model import (
     FEWEST,
     MARKOV,
     PARTS,
+    WALK,
     NoiseModel,
+    best_model,
 )
-from orbident.noise.spikes import OUTLYING, clean_model, varies
-from orbident.noise.stillness import check_joints, check_still
+from orbident.recordings.columns import part_of
 from orbident.recordings.recording import Recording
 from orbident.robot.sensor_schema import (
     FLICKER_FLOOR,
@@ -28,6 +36,139 @@ from orbident.robot.sensor_schema import (
     UNDECLARED,
     InertialSpec,
 )
+
+OUTLYING = 6.0
+"""Deviations: noise is beyond them once in half a thousand million samples."""
+
+ROUNDING = 1e-14
+
+ROUNDS = 4
+"""Rounds that leave out outlying samples: after a jump there is always another."""
+
+
+class CleanModel(NamedTuple):
+    """The noise of samples, those that are outliers apart."""
+
+    model: NoiseModel
+    kept: Bool[np.ndarray, " n"]
+    settled: bool
+    """Whether no further sample is an outlier."""
+
+
+def clean_model(
+    t: Float[np.ndarray, " n"],
+    y: Float[np.ndarray, " n"],
+    parts: Sequence[tuple[str, ...]],
+) -> CleanModel:
+    """As `best_model`, without the samples that it does not explain."""
+    kept = np.ones(t.size, dtype=bool)
+    model = best_model(t, y, parts)
+    for _ in range(ROUNDS):
+        outlying = np.abs(model.innovations) > OUTLYING
+        if not outlying.any():
+            return CleanModel(model, kept, True)
+        kept[np.flatnonzero(kept)[outlying]] = False
+        if not varies(y[kept]):
+            break
+        model = best_model(t[kept], y[kept], parts)
+    return CleanModel(model, kept, False)
+
+
+def varies(x: Float[np.ndarray, " n"]) -> bool:
+    """Whether samples differ by more than rounding, of rotations too."""
+    return bool(np.ptp(x) > ROUNDING * max(1.0, float(np.abs(x).max())))
+
+
+DEGREE = 5
+"""Degree of the polynomial with which slow motion is looked for."""
+
+CHANCE = 1e-6
+"""Probability that the noise of one axis looks like slow motion."""
+
+POWER = 2.0
+"""Most power of innovations at rest, at the lowest twentieth of all frequencies, over
+white noise: a real motion capture system at rest on its table, which shakes, has 1.5;
+flights have 4 to 20."""
+
+MOVED = 5e-3
+"""rad or m: the play and the counts of a joint that is held are less."""
+
+
+def check_joints(recording: Recording) -> None:
+    """Refuse a recording in which a joint moves.
+
+    Raises:
+        InputError: so.
+    """
+    for name, values in recording.columns.items():
+        if part_of("joint", name) is None or not name.endswith(".position"):
+            continue
+        seen = values[np.isfinite(values)]
+        if seen.size and np.ptp(seen) > MOVED:
+            raise InputError(
+                f"{recording.source}: {name} moves by {np.ptp(seen):.3g} (rad or m), "
+                f"and at rest it would by {MOVED:g} at most; give a recording at rest"
+            )
+
+
+def check_still(
+    where: str,
+    t: Float[np.ndarray, " n"],
+    x: Float[np.ndarray, " n"],
+    model: NoiseModel,
+) -> None:
+    """Refuse samples that move.
+
+    Args:
+        where: the recording and the axis, for the message.
+        t: of the samples, s.
+        x: the samples.
+        model: their most likely noise.
+
+    Raises:
+        InputError: so.
+    """
+    found, limit = drift(t, x, model), float(chdtri(DEGREE, CHANCE))
+    if found > limit:
+        raise InputError(
+            f"{where} moves: a polynomial in time lowers chi-square by {found:.3g}, "
+            f"where noise does by less than {limit:.3g}; give a recording at rest"
+        )
+    power = low_power(model)
+    if power > POWER:
+        raise InputError(
+            f"{where} moves: what no noise model predicts has {power:.3g} times the "
+            f"power of white noise at low frequencies, where rest has less than "
+            f"{POWER:g}; give a recording at rest"
+        )
+
+
+def drift(
+    t: Float[np.ndarray, " n"], x: Float[np.ndarray, " n"], model: NoiseModel
+) -> float:
+    """How much a polynomial lowers chi-square; at rest this is chi-square distributed.
+
+    A straight line alone lowers it by the square of the slope over its deviation.
+    """
+    at = 2 * (t - t[0]) / (t[-1] - t[0]) - 1
+    rows = np.column_stack([np.polynomial.legendre.legvander(at, DEGREE), x])
+    coloured = np.array([model.value(name) for name in MARKOV + WALK])
+    variance = np.full(t.size, model.value("white") ** 2)
+    innovations, S = _core.innovations(
+        np.ascontiguousarray(t), rows, variance, coloured
+    )
+    white = innovations / np.sqrt(S)[:, None]
+    # Below the constant's row, the last column is what each polynomial explains.
+    R = np.asarray(np.linalg.qr(white, mode="r"))
+    return float(np.sum(R[1:-1, -1] ** 2))
+
+
+def low_power(model: NoiseModel) -> float:
+    """Power of the innovations at low frequencies, over that at all."""
+    power = np.abs(np.fft.rfft(model.innovations)[1:]) ** 2
+    low = max(int(LOW * power.size), 1)
+    return float(np.mean(power[:low]) / np.mean(power))
+
 
 UNITS = {
     "gyro": "rad/s",

@@ -14,6 +14,9 @@ from orbident.preprocessing.smoothing import Smoothed, smooth
 UNEVEN = 0.05
 """Unevenness in parts of a step: times printed with few digits stay inside."""
 
+ORDER = 4
+"""Order of the filter, each way."""
+
 SETTLED = 5.0
 """Periods of the cut-off frequency after which a start is forgotten."""
 
@@ -22,12 +25,11 @@ def low_pass(
     t: Float[np.ndarray, " samples"],
     x: Float[np.ndarray, "samples columns"],
     cut_off: float,
-    order: int = 4,
     name: str = "x",
 ) -> Float[np.ndarray, "samples columns"]:
     """Each column through a Butterworth filter, forwards and backwards.
 
-    `gain(f) = 1 / (1 + (f / cut_off)^(2 order))`, a half at the cut-off, no phase.
+    `gain(f) = 1 / (1 + (f / cut_off)^(2 ORDER))`, a half at the cut-off, no phase.
 
     Beyond its ends a column is continued by its reflection through the end of its
     smoothing spline, with the curvature kept: `x(-s) = 2 x_0 - x(s) + x_0'' s^2`,
@@ -45,7 +47,6 @@ def low_pass(
         t: times, s, evenly spaced.
         x: any unit, without gaps.
         cut_off: Hz.
-        order: of the filter, each way.
         name: what `x` is, for messages.
 
     Raises:
@@ -59,7 +60,7 @@ def low_pass(
             "half the sampling rate"
         )
     ends = smooth(t, x, at=t[[0, -1]], name=name)
-    return filtered(x, ends, rate, cut_off, order)
+    return filtered(x, ends, rate, cut_off)
 
 
 def filtered(
@@ -67,7 +68,6 @@ def filtered(
     ends: Smoothed,
     rate: float,
     cut_off: float,
-    order: int,
 ) -> Float[np.ndarray, "samples columns"]:
     """What `low_pass` does, once the ends are smoothed and all is checked.
 
@@ -76,7 +76,6 @@ def filtered(
         ends: of `x`, smoothed, at its first and last sample.
         rate: samples a second.
         cut_off: Hz.
-        order: of the filter, each way.
     """
     # Late: the import takes half a second.
     from scipy.signal import butter, sosfiltfilt
@@ -88,7 +87,7 @@ def filtered(
     before = 2 * ends.x[0] - x[1 : pad + 1] + ends.acceleration[0] * s**2
     after = 2 * ends.x[1] - x[-2 : -pad - 2 : -1] + ends.acceleration[1] * s**2
     continued = np.concatenate([before[::-1], x, after])
-    sections = butter(order, cut_off, fs=rate, output="sos")
+    sections = butter(ORDER, cut_off, fs=rate, output="sos")
     result = sosfiltfilt(sections, continued, axis=0, padlen=0)
     return result[pad:-pad]
 
@@ -167,7 +166,6 @@ class CutOff(NamedTuple):
 def choose_cut_off(
     t: Float[np.ndarray, " samples"],
     x: Float[np.ndarray, " samples"],
-    order: int = 4,
     name: str = "x",
 ) -> CutOff:
     """The cut-off with the least error, by residual analysis.
@@ -189,7 +187,6 @@ def choose_cut_off(
     Args:
         t: times, s, evenly spaced.
         x: any unit, without gaps.
-        order: of the filter, each way, as `low_pass` has it.
         name: what `x` is, for messages.
 
     Raises:
@@ -207,8 +204,8 @@ def choose_cut_off(
     ends = smooth(t, x[:, None], at=t[[0, -1]], name=name)
     residual, left, passed = np.empty((3, TRIED))
     for k, cut_off in enumerate(cut_offs):
-        y = filtered(x[:, None], ends, rate, float(cut_off), order)[:, 0]
-        gain = _gain(f, float(cut_off), rate, order)
+        y = filtered(x[:, None], ends, rate, float(cut_off))[:, 0]
+        gain = _gain(f, float(cut_off), rate)
         residual[k] = np.mean((x - y) ** 2)
         left[k], passed[k] = np.mean((1 - gain) ** 2), np.mean(2 * gain - 1)
     best = TRIED - 1
@@ -231,12 +228,10 @@ def choose_cut_off(
     )
 
 
-def _gain(
-    f: np.ndarray, cut_off: float, rate: float, order: int
-) -> Float[np.ndarray, " lines"]:
+def _gain(f: np.ndarray, cut_off: float, rate: float) -> Float[np.ndarray, " lines"]:
     """The filter's gain there and back; the bilinear transform bends frequencies."""
     bent = np.tan(np.pi * np.minimum(f / rate, 0.4999)) / np.tan(np.pi * cut_off / rate)
-    return 1 / (1 + bent ** (2 * order))
+    return 1 / (1 + bent ** (2 * ORDER))
 
 
 def _spectrum(

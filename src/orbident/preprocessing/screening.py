@@ -16,9 +16,8 @@ from orbident.preprocessing.angles import (
     unwrapped,
     within_a_turn,
 )
-from orbident.preprocessing.false_rates import false_rates
-from orbident.preprocessing.outliers import find_spikes
-from orbident.preprocessing.saturation import saturated
+from orbident.preprocessing.outliers import find_spikes, saturated
+from orbident.preprocessing.rates import false_rates
 from orbident.preprocessing.smoothing import Settings
 from orbident.recordings.columns import VECTORS
 from orbident.recordings.no_measurements import (

@@ -13,9 +13,8 @@ import pyarrow as pa
 from jaxtyping import Float
 from scipy import stats
 
-from orbident.campaigns.campaign_table import read_rows
 from orbident.campaigns.conduct import failed_runs, reason_in
-from orbident.campaigns.folder import REPORT, Campaign
+from orbident.campaigns.folder import REPORT, Campaign, read_rows
 from orbident.campaigns.statistics import (
     Dependence,
     MethodStatistics,
@@ -39,15 +38,14 @@ from orbident.report.charts import (
     points,
     stacked,
 )
-from orbident.report.numbers import short, signed
-from orbident.report.page import Chart, Section, Verdict, page
+from orbident.report.page import Chart, Section, Verdict, page, short, signed
 
 REACH = 4.0
 """Deviations that a histogram shows; what is beyond counts in its ends."""
 
-BARS = 32
-POINTS = 400
-"""Points of a normal plot or a scatter: more would not be seen."""
+BARS, POINTS = 32, 400
+"""Bars of a histogram, and points of a normal plot or a scatter: more would not be
+seen."""
 
 
 def histogram(z: Float[np.ndarray, " n"]) -> Figure:
@@ -92,9 +90,7 @@ def _some(n: int) -> np.ndarray:
     return np.unique(np.linspace(0, n - 1, min(n, POINTS)).round().astype(int))
 
 
-WORST = 10
-STRONGEST = 20
-DRAWN = 4
+WORST, STRONGEST, DRAWN = 10, 20, 4
 """Worst cases and rank correlations in a table; scatter plots."""
 
 Bounds = dict[str, float]

@@ -7,11 +7,10 @@ import numpy as np
 
 from orbident.data_table import DataTable, Numeric, table_of
 from orbident.estimation.result import Result
-from orbident.model.identifiability import not_identifiable
+from orbident.model.formulas import not_identifiable
 from orbident.model.minimal_sets import minimal_sets
 from orbident.report.charts import heat_map
-from orbident.report.numbers import NONE, short
-from orbident.report.page import Chart, Section
+from orbident.report.page import NONE, Chart, Section, short
 from orbident.robot.description import Joint
 
 CLOSE = 0.95

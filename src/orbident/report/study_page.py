@@ -1,6 +1,7 @@
 """The report of a study: the paper's numbers and figures beside ours, then its RUN.
 
-The paper's Figs. 6 to 13, and the errors of its Table 4, drawn as in the paper.
+The paper's Figs. 6 to 13, and the errors of its Table 4, drawn as in the paper; spectra
+of what was filtered, and how its cut-off frequencies were chosen.
 """
 
 from collections.abc import Mapping, Sequence
@@ -13,29 +14,33 @@ from orbident.estimation.checks import Check, worst
 from orbident.estimation.result import Result
 from orbident.files.text import write_text
 from orbident.identified.run_folder import REPORT
+from orbident.preprocessing.low_pass import CutOff
 from orbident.report.charts import (
     ERROR,
     LIMIT,
     MEASURED,
+    PREDICTED,
+    Figure,
     Panel,
+    Trace,
     decades,
+    extremes,
+    label,
     line,
     points,
     stacked,
 )
-from orbident.report.charts import PREDICTED as BLUE
-from orbident.report.cut_offs import cut_offs
 from orbident.report.drawing import Drawing, drawn, kept
-from orbident.report.page import Chart, Picture, Section, page, verdict_of
+from orbident.report.page import Chart, Picture, Section, page, short, verdict_of
 from orbident.report.write import sections_of, seen
 from orbident.studies.control import ControlStudy
 from orbident.studies.paper_tables import PaperRow
-from orbident.studies.planar_run import Figure
+from orbident.studies.planar_run import PaperFigure
 from orbident.studies.run_planar import PlanarStudy
-from orbident.studies.run_spatial import SpatialStudy
+from orbident.studies.spatial import SpatialStudy
 from orbident.studies.study_account import Study, account_of
 
-COLORS = BLUE, ERROR, LIMIT, MEASURED
+COLORS = PREDICTED, ERROR, LIMIT, MEASURED
 """Of the curves of a panel, by their number."""
 
 HEIGHT = 360
@@ -50,14 +55,16 @@ QUANTITIES = {
 }
 """The words on an axis, by unit."""
 
-PREDICTED = " predicted"
+FORESEEN = " predicted"
 """How the names of predicted curves end."""
 
 EXACT = 1e-14
 """Percent: errors are drawn no smaller, and zero has no logarithm."""
 
 
-def draw_figures(figures: Mapping[str, Figure], folder: Path) -> tuple[Picture, ...]:
+def draw_figures(
+    figures: Mapping[str, PaperFigure], folder: Path
+) -> tuple[Picture, ...]:
     """Each as `fig06.png`, `fig06.svg` and so on; the same for a report.
 
     Args:
@@ -84,7 +91,7 @@ def draw_errors(rows: Sequence[PaperRow], path: Path, title: str) -> Picture:
     Raises:
         InputError: nothing can be written there.
     """
-    places = np.arange(len(rows))
+    x = np.arange(len(rows))
     every = {
         "paper": [row.paper_error_percent for row in rows],
         "estimate": [row.error_percent for row in rows],
@@ -95,15 +102,15 @@ def draw_errors(rows: Sequence[PaperRow], path: Path, title: str) -> Picture:
     for (name, errors), color in zip(every.items(), COLORS, strict=True):
         size = np.abs(np.array(errors, dtype=float))
         if np.isfinite(size).any():
-            dots.append(points(places, np.maximum(size, EXACT), color, name=name))
+            dots.append(points(x, np.maximum(size, EXACT), color, name=name))
     panel = Panel("relative error (%)", dots, y=decades(*(each["y"] for each in dots)))
-    names = {"tickvals": places, "ticktext": [row.name for row in rows]}
+    names = {"tickvals": x, "ticktext": [row.name for row in rows]}
     figure = stacked([panel], "", **names, tickangle=-90)
     figure["layout"]["height"] = HEIGHT
     return kept(drawn([[Chart("errors", "", figure)]]), path, title)
 
 
-def _figure(figure: Figure) -> Drawing:
+def _figure(figure: PaperFigure) -> Drawing:
     t_name, *names = figure.columns
     panels = []
     for curves in _panels(names):
@@ -111,7 +118,7 @@ def _figure(figure: Figure) -> Drawing:
         for name, color in zip(curves, cycle(COLORS)):
             y, what = figure.columns[name], _parted(name)[0]
             traces.append(line(figure.columns[t_name], y, color, name=what))
-            if PREDICTED in name:
+            if FORESEEN in name:
                 traces[-1]["line"]["dash"] = "dash"
         panels.append(Panel(QUANTITIES[_parted(curves[0])[1]], traces))
     return drawn([[Chart("figure", "", stacked(panels, t_name))]])
@@ -119,11 +126,11 @@ def _figure(figure: Figure) -> Drawing:
 
 def _panels(names: Sequence[str]) -> list[list[str]]:
     """A measured curve and its prediction together; else what has the same unit."""
-    foreseen = any(PREDICTED in name for name in names)
+    foreseen = any(FORESEEN in name for name in names)
     panels: dict[str, list[str]] = {}
     for name in names:
         what, unit = _parted(name)
-        panels.setdefault(what.replace(PREDICTED, "") if foreseen else unit, []).append(
+        panels.setdefault(what.replace(FORESEEN, "") if foreseen else unit, []).append(
             name
         )
     return list(panels.values())
@@ -183,3 +190,93 @@ def own_sections(done: Study, folder: Path) -> Sequence[Section]:
         words += (f"{account.below[0].upper()}{account.below[1:]}.",)
     first = Section(account.name, account.title, words, account.tables, (), pictures)
     return [first, *more]
+
+
+SPECTRUM_HEIGHT = 380
+"""Of a picture, pixels: it stands alone."""
+
+FAINTEST = 1e-300
+"""Zero, of a joint that stands still, has no logarithm."""
+
+UNITS = {"gyro": "rad/s", "position": "m"}
+"""Units by the beginning of a signal's name; all other signals are angles."""
+
+
+def cut_offs(found: Mapping[str, CutOff]) -> Section | None:
+    """A chart a signal; None where nothing was filtered.
+
+    Args:
+        found: by signal.
+    """
+    if not found:
+        return None
+    return Section(
+        name="cut-offs",
+        title="Spectra and cut-offs",
+        words=(
+            "The spectra of the first recording, the RMS of the noise, and the cut-off "
+            "of each low-pass filter, where distortion and noise together are least.",
+        ),
+        charts=tuple(
+            Chart(
+                f"cut-off-{k}",
+                f"{label(name)}: cut-off {short(cut_off.frequency)} Hz",
+                _spectrum(cut_off, unit_of_signal(name)),
+            )
+            for k, (name, cut_off) in enumerate(found.items())
+        ),
+    )
+
+
+def unit_of_signal(signal: str) -> str:
+    """The unit of the signal's samples."""
+    return UNITS.get(signal.split(".", 1)[0], "rad")
+
+
+def drawn_cut_off(cut_off: CutOff, title: str, unit: str) -> Drawing:
+    """The amplitude spectrum, and the residual analysis beside it.
+
+    Args:
+        cut_off: as `choose_cut_off` found it.
+        title: over the picture.
+        unit: of the samples.
+    """
+    spectrum = Chart("spectrum", "Spectrum", _spectrum(cut_off, unit))
+    residual = Chart("residual", "Residual analysis", _residual(cut_off, unit))
+    for chart in (spectrum, residual):
+        chart.figure["layout"]["height"] = SPECTRUM_HEIGHT
+    drawing = drawn([[spectrum, residual]])
+    drawing.suptitle(f"{title}: cut-off {cut_off.frequency:.3g} Hz")
+    return drawing
+
+
+def _spectrum(cut_off: CutOff, unit: str) -> Figure:
+    shown = extremes(np.log(cut_off.f), cut_off.amplitude)
+    f, amplitude = cut_off.f[shown], cut_off.amplitude[shown]
+    curves = [line(f, np.maximum(amplitude, FAINTEST), MEASURED, name="samples")]
+    if cut_off.noise_amplitude > 0:
+        level = np.full(2, cut_off.noise_amplitude)
+        curves.append(line(f[[0, -1]], level, ERROR, name="noise"))
+    return _over_frequency(cut_off, curves, f"amplitude ({unit})", "f (Hz)")
+
+
+def _residual(cut_off: CutOff, unit: str) -> Figure:
+    f = cut_off.cut_offs
+    residual = np.maximum(cut_off.residual, FAINTEST)
+    curves = [line(f, residual, MEASURED, name="residual")]
+    if cut_off.noise_std > 0:
+        level = np.full(2, cut_off.noise_std)
+        curves += [
+            line(f, cut_off.noise_residual, PREDICTED, name="residual of noise alone"),
+            line(f, cut_off.error, ERROR, name="error: distortion and noise"),
+            line(f[[0, -1]], level, "--yes", name="noise of the samples"),
+        ]
+    return _over_frequency(cut_off, curves, f"RMS ({unit})", "cut-off frequency (Hz)")
+
+
+def _over_frequency(cut_off: CutOff, curves: list[Trace], y: str, x: str) -> Figure:
+    """Curves over frequency, and an upright line at the cut-off; both logarithmic."""
+    axis = decades(curves[0]["y"])
+    upright = 10.0 ** np.array(axis["range"], dtype=float)
+    curves.append(line(np.full(2, cut_off.frequency), upright, LIMIT, name="cut-off"))
+    return stacked([Panel(y, curves, y=axis)], x, **decades(cut_off.f))

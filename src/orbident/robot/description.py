@@ -208,7 +208,7 @@ class Robot:
     pads: Mapping[str, Float[np.ndarray, "3"]] = field(default_factory=dict)
     """The middle of each body's air bearings, in the body's frame, m, by its name."""
     disturbances: Mapping[str, MayAct] | None = None
-    """What may act from outside, by `disturbance_groups`, and nothing else does; None
+    """What may act from outside, by `DisturbanceGroup`, and nothing else does; None
     if nobody has said: then what its world is known for may act."""
     momentum_walk: MomentumWalk = field(default_factory=MomentumWalk)
     """How strong unknown torques and forces are that change quickly."""

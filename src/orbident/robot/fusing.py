@@ -180,13 +180,13 @@ def rotor(
             f"{key}: joint '{joint_name}' is on link '{joint.parent}', which moves; "
             "a wheel must be on the base"
         )
-    turning = fused(tree, root=joint.child)
-    if turning.joints:
+    alone = fused(tree, root=joint.child)
+    if alone.joints:
         raise InputError(
-            f"{key}: joint '{turning.joints[0].name}' moves below the wheel's joint "
+            f"{key}: joint '{alone.joints[0].name}' moves below the wheel's joint "
             f"'{joint_name}'; a rotor must be rigid"
         )
-    theta = turning.theta[0]
+    theta = alone.theta[0]
     inertia = float(joint.axis @ inertia_matrix(theta) @ joint.axis)
     if declared is not None:
         if inertia > 0:

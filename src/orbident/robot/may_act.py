@@ -3,9 +3,9 @@
 import math
 from typing import Any, NamedTuple
 
+from orbident.choices import DisturbanceGroup
 from orbident.files.names import quoted, suggestion
 from orbident.files.schema_parts import WrongValueError
-from orbident.robot.disturbance_groups import DisturbanceGroup
 from orbident.robot.units import at_least_zero
 
 DIMENSIONS = {

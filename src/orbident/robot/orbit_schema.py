@@ -10,9 +10,7 @@ from orbident.errors import InputError
 from orbident.files.names import listed
 from orbident.files.schema_parts import MappingSchema, WrongValueError, finite_number
 from orbident.orbits.earth import R_E
-from orbident.orbits.elements import Elements
-from orbident.orbits.ephemeris import read_oem
-from orbident.orbits.orbit import Orbit
+from orbident.orbits.orbit import Elements, Orbit, read_oem
 from orbident.robot.units import UNITS, quantity
 
 

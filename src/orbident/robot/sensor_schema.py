@@ -38,12 +38,12 @@ from pydantic import (
 
 from orbident.errors import InputError
 from orbident.files.names import suggestion
-from orbident.files.schema_errors import validated
 from orbident.files.schema_parts import (
     MappingSchema,
     Vector3,
     WrongValueError,
     finite_number,
+    validated,
 )
 from orbident.robot.sensor_suites import SUITES
 from orbident.robot.units import (

@@ -59,14 +59,14 @@ def scene_of(robot: Robot, folder: Path | None = None) -> Scene:
         if not any(shape.frame == body for shape in shown):
             shown += made_shapes(robot, body, size)
     base = np.vstack([shape.vertices for shape in shown if shape.frame == 0])
-    turning, shapes = wheel_joints(robot), []
+    wheels, shapes = wheel_joints(robot), []
     R = np.reshape([z_towards(wheel.axis) for wheel in robot.wheels], (-1, 3, 3))
     p = np.zeros((len(robot.wheels), 3))
     for k, wheel in enumerate(robot.wheels):
         frame = len(robot.bodies) + k
         own = [shape for shape in shown if shape.frame == frame]
         if own:
-            p[k] = turning[k].p
+            p[k] = wheels[k].p
             shapes += [each.moved(frame, R[k].T, -R[k].T @ p[k]) for each in own]
         else:
             same = [abs(w.axis @ wheel.axis) > 0.99 for w in robot.wheels[:k]]
@@ -83,13 +83,13 @@ def _shown(
     if not robot.urdf:
         return [], (), ""
     by_link, missing, refusal = link_shapes(robot.urdf, folder)
-    turning = {
+    wheel_of = {
         link: k for k, rotor in wheel_joints(robot).items() for link in rotor.links
     }
     shown = []
     for link, at in links_of(robot).placements.items():
         p = at.p - robot.feature_point if at.body == 0 else at.p
-        wheel = turning.get(link)
+        wheel = wheel_of.get(link)
         frame = at.body if wheel is None else len(robot.bodies) + wheel
         shown += [shape.moved(frame, at.R, p) for shape in by_link[link]]
     return shown, missing, refusal

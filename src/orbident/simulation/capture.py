@@ -17,9 +17,8 @@ from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.robot.parameters import from_mass_com_inertia
 from orbident.simulation.free_floating import BaseState, free_floating
-from orbident.simulation.measure import measure_truth
+from orbident.simulation.measure import Truth, measure_truth, truth_of
 from orbident.simulation.simulate import sample_times
-from orbident.simulation.truth import Truth, truth_of
 from orbident.trajectories.trajectory import Trajectory
 
 

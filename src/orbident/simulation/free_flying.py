@@ -11,18 +11,27 @@ from orbident.errors import InputError
 from orbident.model.inertia import inertia_at
 from orbident.model.rotations import quaternion_matrix, rotate_back, rotation_angle
 from orbident.robot.description import Robot
-from orbident.simulation.control_laws import JointLaw, WheelLaw, WheelLimits
-from orbident.simulation.flight import FlyingState, FreeFlying, check_flight, check_laws
-from orbident.simulation.flight_steps import (
+from orbident.simulation.control_laws import (
+    JointLaw,
+    Pulse,
+    WheelLaw,
+    WheelLimits,
+    thrust,
+    true_pulses,
+)
+from orbident.simulation.flight import (
     AT_S,
     Drive,
     FlightStates,
+    FlyingState,
+    FreeFlying,
+    check_flight,
+    check_laws,
     integrate,
     vehicle_of,
 )
 from orbident.simulation.free_floating import JointMotion
 from orbident.simulation.outside import Path, Wrenches, outside_of
-from orbident.simulation.thrusters import Pulse, thrust, true_pulses
 from orbident.trajectories.environment import Environment
 
 MOST_STEPS = 2**19

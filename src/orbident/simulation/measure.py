@@ -1,4 +1,8 @@
-"""A motion as the sensors of a robot would record it."""
+"""A motion as ideal sensors would show it, and as the robot's own would record it.
+
+Accelerations follow from forces, and forces from accelerations, by Eq. 13; that of a
+free-floating base follows from conserved momentum.
+"""
 
 from collections.abc import Iterator, Sequence
 from functools import partial
@@ -7,12 +11,16 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
+from orbident import _core
 from orbident.errors import InputError
+from orbident.model.core_robot import core_robot
+from orbident.model.equations_of_motion import equations_of_motion, movable
+from orbident.model.wheel_arrays import wheels_of
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.robot.sensor_schema import EncoderSpec, Sampled, SensorsSpec
+from orbident.simulation.flight import FreeFlying
 from orbident.simulation.free_floating import FreeFloating, JointMotion
-from orbident.simulation.noise_processes import stream
 from orbident.simulation.sensor import (
     Reading,
     read_angles,
@@ -22,9 +30,190 @@ from orbident.simulation.sensor import (
     read_position,
     read_rates,
     sensor_columns,
+    stream,
 )
-from orbident.simulation.truth import Truth, truth_of
+from orbident.threads import processors
 from orbident.trajectories.trajectory import Trajectory
+
+
+def forward_dynamics(
+    robot: Robot,
+    q: Float[np.ndarray, "n joints"],
+    v: Float[np.ndarray, "n speeds"],
+    Q: Float[np.ndarray, "n speeds"],
+) -> Float[np.ndarray, "n speeds"]:
+    """`v' = H+^-1 (Q - c+)`; in the plane, of what can move.
+
+    Args:
+        robot: its `theta` decides.
+        q: joint positions, rad or m.
+        v: generalised speeds, base axes.
+        Q: generalised forces, base axes.
+    """
+    free = movable(robot).astype(float)
+    return hybrid_dynamics(robot, q, v, Q, np.zeros_like(v), free)[0]
+
+
+def inverse_dynamics(
+    robot: Robot,
+    q: Float[np.ndarray, "n joints"],
+    v: Float[np.ndarray, "n speeds"],
+    vd: Float[np.ndarray, "n speeds"],
+) -> Float[np.ndarray, "n speeds"]:
+    """`Q = H+ v' + c+`: what it takes; in the plane, with what the plane bears.
+
+    Args:
+        robot: its `theta` decides.
+        q: joint positions, rad or m.
+        v: generalised speeds, base axes.
+        vd: their derivatives.
+    """
+    at = equations_of_motion(robot, q, v)
+    return np.einsum("nij,nj->ni", at.H, vd) + at.c
+
+
+def hybrid_dynamics(
+    robot: Robot,
+    q: Float[np.ndarray, "n joints"],
+    v: Float[np.ndarray, "n speeds"],
+    Q: Float[np.ndarray, "n speeds"],
+    vd: Float[np.ndarray, "n speeds"],
+    free: Float[np.ndarray, " speeds"],
+) -> tuple[Float[np.ndarray, "n speeds"], Float[np.ndarray, "n 3"]]:
+    """`v'` where some of it is known and elsewhere the force is; acceleration of S.
+
+    Args:
+        robot: its `theta` decides.
+        q: joint positions, rad or m.
+        v: generalised speeds, base axes.
+        Q: the forces where `free` is 1.
+        vd: the accelerations where `free` is 0.
+        free: 1 or 0 for each speed.
+
+    Returns:
+        `v'`, and the acceleration of S, base axes, m/s^2.
+    """
+    return _core.forward_dynamics(core_robot(robot), q, v, Q, vd, free, processors())
+
+
+class Accelerations(NamedTuple):
+    """Accelerations of the base and the wheels at the samples of a motion."""
+
+    w_dot: Float[np.ndarray, "n 3"]
+    """Derivative of the base rate, base axes, rad/s^2."""
+    qdd_rw: Float[np.ndarray, "n wheels"]
+    """Accelerations of the wheels relative to the base, rad/s^2."""
+    f_S: Float[np.ndarray, "n 3"]
+    """Specific force at S, `R_0^T dv_S/dt`, base axes, m/s^2: no gravity is felt."""
+
+
+def accelerations(
+    robot: Robot, motion: FreeFloating, qdd: Float[np.ndarray, "n joints"]
+) -> Accelerations:
+    """Solve the equations of motion (Eq. 13), where no force acts on the whole.
+
+    Known are the joints' accelerations and those of held wheels, which are zero; no
+    motor drives the free ones. The CM's constant velocity is seen by no sensor here.
+
+    Args:
+        robot: the robot with its nominal inertia.
+        motion: the free-floating motion.
+        qdd: joint accelerations at its samples, rad/s^2 or m/s^2.
+    """
+    n, joints = motion.q.shape
+    of_base, still = np.zeros((n, 3)), np.zeros_like(motion.qd_rw)
+    v = np.hstack([of_base, motion.w, motion.qd, motion.qd_rw])
+    known = np.hstack([of_base, of_base, qdd, still])
+    free = movable(robot).astype(float)
+    free[6:] = np.append(np.zeros(joints), wheels_of(robot).free)
+    vd, f_S = hybrid_dynamics(robot, motion.q, v, np.zeros_like(v), known, free)
+    return Accelerations(w_dot=vd[:, 3:6], qdd_rw=vd[:, 6 + joints :], f_S=f_S)
+
+
+Columns = dict[str, Float[np.ndarray, " rows"]]
+
+
+class Truth(NamedTuple):
+    """Noise-free values at the rows of a recording; frames as in the recording's."""
+
+    q: Float[np.ndarray, "rows joints"]
+    qd: Float[np.ndarray, "rows joints"]
+    q_rw: Float[np.ndarray, "rows wheels"]
+    """Wheel angles over full turns, zero at the first row, rad."""
+    qd_rw: Float[np.ndarray, "rows wheels"]
+    gyro: Float[np.ndarray, "rows 3"]
+    accelerometer: Float[np.ndarray, "rows 3"]
+    attitude: Float[np.ndarray, "rows 4"]
+    position: Float[np.ndarray, "rows 3"]
+    velocity: Float[np.ndarray, "rows 3"]
+
+    def columns(self, robot: Robot) -> Columns:
+        """All of it, by the names of a recording's columns."""
+        columns: Columns = {}
+        for k, name in enumerate(robot.joint_names):
+            columns[f"joint.{name}.position"] = self.q[:, k]
+            columns[f"joint.{name}.velocity"] = self.qd[:, k]
+        for k, name in enumerate(robot.wheel_names):
+            columns[f"wheel.{name}.position"] = self.q_rw[:, k]
+            columns[f"wheel.{name}.speed"] = self.qd_rw[:, k]
+        for name in ("gyro", "accelerometer", "attitude", "position", "velocity"):
+            vector = getattr(self, name)
+            for k, component in enumerate("xyzw"[: vector.shape[1]]):
+                columns[f"{name}.{component}"] = vector[:, k]
+        return columns
+
+
+def truth_of(robot: Robot, motion: FreeFloating, trajectory: JointMotion) -> Truth:
+    """The noise-free values of every sensor.
+
+    Args:
+        robot: with its nominal inertia.
+        motion: the free-floating motion.
+        trajectory: of the joints, in the robot's order.
+    """
+    at = accelerations(robot, motion, trajectory.at(motion.t)[2])
+    return Truth(
+        q=motion.q,
+        qd=motion.qd,
+        q_rw=_integrated(motion.t, motion.qd_rw, at.qdd_rw),
+        qd_rw=motion.qd_rw,
+        gyro=motion.w,
+        accelerometer=at.f_S,
+        attitude=motion.attitude,
+        position=motion.r_S,
+        velocity=motion.v_S,
+    )
+
+
+def truth_of_flight(flight: FreeFlying) -> Truth:
+    """The noise-free values of every sensor in free flight.
+
+    Args:
+        flight: wheels turn on from wherever they were; their angles count from here.
+    """
+    return Truth(
+        q=flight.q,
+        qd=flight.qd,
+        q_rw=flight.q_rw - flight.q_rw[0],
+        qd_rw=flight.qd_rw,
+        gyro=flight.w,
+        accelerometer=flight.f_S,
+        attitude=flight.attitude,
+        position=flight.r_S,
+        velocity=flight.v_S,
+    )
+
+
+def _integrated(
+    t: Float[np.ndarray, " n"],
+    speed: Float[np.ndarray, "n axes"],
+    acceleration: Float[np.ndarray, "n axes"],
+) -> Float[np.ndarray, "n axes"]:
+    """Integral from zero by the trapezoidal rule with end corrections: fourth order."""
+    h = np.diff(t)[:, None]
+    steps = h / 2 * (speed[1:] + speed[:-1])
+    steps -= h**2 / 12 * np.diff(acceleration, axis=0)
+    return np.concatenate([np.zeros_like(speed[:1]), np.cumsum(steps, axis=0)])
 
 
 def measure(

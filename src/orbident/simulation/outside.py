@@ -31,8 +31,8 @@ from orbident.model.rotations import (
 )
 from orbident.orbits.orbit import Arc
 from orbident.robot.description import Robot
-from orbident.simulation.flight_steps import FlightStates, WrenchPoint
-from orbident.simulation.noise_processes import markov, stream
+from orbident.simulation.flight import FlightStates, WrenchPoint
+from orbident.simulation.sensor import markov, stream
 from orbident.trajectories.environment import Environment
 
 MOST_ROUNDS = 60
@@ -59,9 +59,9 @@ class Path(NamedTuple):
         w, qd = seen.v[:, 3:6], seen.v[:, 6 : 6 + joints]
         w_dot, qdd = seen.vd[:, 3:6], seen.vd[:, 6 : 6 + joints]
         a_S = rotate(quaternion_matrix(seen.x_WB), seen.f_S)
-        turning = quaternion_rate(seen.x_WB, w)
+        x_dot = quaternion_rate(seen.x_WB, w)
         x = np.hstack([seen.q, seen.x_WB, seen.r_S, qd, w, seen.v_S])
-        slope = np.hstack([qd, turning, seen.v_S, qdd, w_dot, a_S])
+        slope = np.hstack([qd, x_dot, seen.v_S, qdd, w_dot, a_S])
         return cls(robot, CubicHermiteSpline(t, x, slope))
 
     def at(self, nodes: Float[np.ndarray, "steps 3"]) -> RobotMotion:

@@ -14,14 +14,18 @@ from orbident.errors import InputError
 from orbident.model.regularity import check_regular
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
-from orbident.simulation.control_laws import Driven
+from orbident.simulation.control_laws import Driven, thrust_columns
 from orbident.simulation.flight import FreeFlying, standing
 from orbident.simulation.free_floating import BaseState, FreeFloating, free_floating
 from orbident.simulation.free_flying import free_flying
-from orbident.simulation.measure import measure_truth
+from orbident.simulation.measure import (
+    Columns,
+    Truth,
+    measure_truth,
+    truth_of,
+    truth_of_flight,
+)
 from orbident.simulation.outside import arc_of
-from orbident.simulation.thrusters import thrust_columns
-from orbident.simulation.truth import Columns, Truth, truth_of, truth_of_flight
 from orbident.trajectories.environment import Environment
 from orbident.trajectories.trajectory import Trajectory
 

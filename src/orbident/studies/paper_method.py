@@ -25,7 +25,8 @@ from orbident.estimation.obstacles import obstacles
 from orbident.estimation.result import Result
 from orbident.estimation.results import result_of
 from orbident.estimation.triangular import condition_numbers
-from orbident.model.paper_bases import PaperBasis
+from orbident.model.minimal_sets import minimal_sets
+from orbident.model.paper_bases import Columns, PaperBasis, paper_basis
 from orbident.preprocessing.attitude_fusion import integrate_gyro
 from orbident.preprocessing.low_pass import CutOff, choose_cut_off, low_pass
 from orbident.preprocessing.point_velocity import velocity_from_accelerometer
@@ -35,7 +36,7 @@ from orbident.robot.description import Robot
 from orbident.studies import paper_tables
 from orbident.trajectories.trajectory import InitialState
 
-Columns = dict[str, Float[np.ndarray, " n"]]
+Signals = dict[str, Float[np.ndarray, " n"]]
 
 
 class Filtered(NamedTuple):
@@ -84,7 +85,7 @@ class Filters:
         smooth = self.smooth(t, x, name)
         return Filtered(smooth, self.smooth(t, spline_rates(t, smooth), name))
 
-    def joints_and_wheels(self, robot: Robot, recording: Recording) -> Columns:
+    def joints_and_wheels(self, robot: Robot, recording: Recording) -> Signals:
         """Positions and rates of joints, and speeds of wheels, from their encoders.
 
         Raises:
@@ -212,6 +213,33 @@ def mass_by_slopes(burn: Recording) -> float:
     after = (t >= off) & (t <= off + STRETCH)
     v_1, v_2 = (float(np.polyfit(t[part], y[part], 1)[0]) for part in (before, after))
     return paper_tables.BURN_FORCE[1] * paper_tables.BURN_LASTS / (v_2 - v_1)
+
+
+class PaperParameters(NamedTuple):
+    """The parameters of a table of the paper, M last, as results have them."""
+
+    basis: PaperBasis
+    true: Float[np.ndarray, " parameters"]
+    """What they are of the robot's nominal inertia."""
+
+    @classmethod
+    def of(cls, robot: Robot, columns: Columns) -> "PaperParameters":
+        """The table whose regressors have these columns."""
+        sets = minimal_sets(robot)
+        basis = paper_basis(sets, columns)
+        pi, phi = basis.pi(sets.pi(robot.theta)), basis.phi(sets.phi(robot.theta))
+        return cls(basis, np.concatenate([pi, phi, [robot.mass]]))
+
+    def found(self, result: Result) -> Float[np.ndarray, " parameters"]:
+        """The result's; M is that of Eq. 32."""
+        pi, phi = self.basis.pi(result.pi.values), self.basis.phi(result.phi.values)
+        return np.concatenate([pi, phi, [result.mass.value]])
+
+    def errors(
+        self, found: Float[np.ndarray, " parameters"]
+    ) -> Float[np.ndarray, " parameters"]:
+        """Percent, signed."""
+        return 100 * (found / self.true - 1)
 
 
 def condition_in_basis(basis: PaperBasis, result: Result) -> dict[str, float]:

@@ -16,6 +16,7 @@ from orbident.robot.robot_file import load_robot
 from orbident.simulation.control_laws import (
     Hold,
     JointPD,
+    Pulse,
     WheelLimits,
     WheelSpeed,
     attitude_hold,
@@ -23,9 +24,7 @@ from orbident.simulation.control_laws import (
 from orbident.simulation.flight import FlyingState, FreeFlying, standing
 from orbident.simulation.free_floating import BaseState, JointMotion
 from orbident.simulation.free_flying import free_flying
-from orbident.simulation.measure import measure_truth
-from orbident.simulation.thrusters import Pulse
-from orbident.simulation.truth import truth_of_flight
+from orbident.simulation.measure import measure_truth, truth_of_flight
 from orbident.studies import paper_tables
 from orbident.trajectories.trajectory import InitialState, Trajectory
 
@@ -198,17 +197,7 @@ def fly_planar(robot: Robot, trajectory: Trajectory) -> Flights:
 def _spun_up(robot: Robot, q: Float[np.ndarray, " joints"], yaw: float) -> FlyingState:
     """State after the wheel's spin-up from rest (Eq. 25): momentum is still zero."""
     start = standing(_at_rest(yaw), q)
-    flight = free_flying(
-        robot,
-        _times(0.0, SPIN_UP),
-        start,
-        Hold(q),
-        FOLLOWING,
-        wheels=WHEEL,
-        limits=MOTOR,
-        tolerance=TOLERANCE,
-    )
-    return flight.state(-1)
+    return _following(robot, _times(0.0, SPIN_UP), start, Hold(q)).state(-1)
 
 
 def _following(

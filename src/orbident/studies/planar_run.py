@@ -16,14 +16,12 @@ from orbident.estimation.result import Result
 from orbident.estimation.weigh import Weighing, weigh
 from orbident.identified.prediction import predict
 from orbident.identified.validate import Validation, scored
-from orbident.model.minimal_sets import minimal_sets
-from orbident.model.paper_bases import PaperBasis, paper_basis, planar_columns
 from orbident.recordings.recording import Recording
-from orbident.recordings.table_writer import write_blocks
+from orbident.recordings.tables import write_blocks
 from orbident.robot.description import Robot
-from orbident.studies import paper_tables
 from orbident.studies.paper_method import (
     Filters,
+    PaperParameters,
     from_mocap,
     mass_by_slopes,
     paper_method,
@@ -42,32 +40,6 @@ class Records(NamedTuple):
     validation: Recording
 
 
-class Table6(NamedTuple):
-    """Table 6's parameters and M: how to get them from a result, and what they are."""
-
-    basis: PaperBasis
-    true: Float[np.ndarray, " parameters"]
-
-    @classmethod
-    def of(cls, robot: Robot) -> "Table6":
-        """The table in the paper's planar basis, of the robot's nominal inertia."""
-        sets = minimal_sets(robot)
-        basis = paper_basis(sets, planar_columns(paper_tables.PLANAR_JOINT1))
-        pi, phi = basis.pi(sets.pi(robot.theta)), basis.phi(sets.phi(robot.theta))
-        return cls(basis, np.concatenate([pi, phi, [robot.mass]]))
-
-    def found(self, result: Result) -> Float[np.ndarray, " parameters"]:
-        """The result's; M is that of Eq. 32."""
-        pi, phi = self.basis.pi(result.pi.values), self.basis.phi(result.phi.values)
-        return np.concatenate([pi, phi, [result.mass.value]])
-
-    def errors(
-        self, found: Float[np.ndarray, " parameters"]
-    ) -> Float[np.ndarray, " parameters"]:
-        """Percent, signed."""
-        return 100 * (found / self.true - 1)
-
-
 class PlanarReading(NamedTuple):
     """What one way of signal processing comes to."""
 
@@ -79,7 +51,7 @@ class PlanarReading(NamedTuple):
     scores: Validation | None
     """None where the result cannot predict."""
 
-    def quantities(self, table: Table6) -> Float[np.ndarray, " quantities"]:
+    def quantities(self, table: PaperParameters) -> Float[np.ndarray, " quantities"]:
         """Errors of Table 6's parameters in percent, and both NRMSE."""
         nrmse = [np.nan] * len(SCORED)
         if self.scores is not None:
@@ -97,7 +69,7 @@ class PlanarRun(NamedTuple):
     by_slopes: float
     """M from two slopes, kg."""
 
-    def quantities(self, table: Table6) -> Float[np.ndarray, " quantities"]:
+    def quantities(self, table: PaperParameters) -> Float[np.ndarray, " quantities"]:
         """Quantities of each reading, and the errors of M from the burn, percent."""
         M = np.array([self.weighing.mass.value, self.by_slopes])
         readings = [reading.quantities(table) for reading in self.readings.values()]
@@ -168,7 +140,7 @@ def _read(
 Column = Float[np.ndarray, " n"]
 
 
-class Figure(NamedTuple):
+class PaperFigure(NamedTuple):
     """What one figure of the paper shows."""
 
     title: str
@@ -190,7 +162,7 @@ def planar_figures(
     burn: Recording,
     validation: Measured,
     result: Result,
-) -> dict[str, Figure]:
+) -> dict[str, PaperFigure]:
     """The figures by name, `fig06` to `fig13`.
 
     Args:
@@ -202,25 +174,27 @@ def planar_figures(
     """
     predicted = _predicted(result, validation)
     return {
-        "fig06": Figure(
+        "fig06": PaperFigure(
             "Measured joint angles and rates", _joints(robot, identification)
         ),
-        "fig07": Figure("Measured base angle and rate", _base(identification)),
-        "fig08": Figure("Measured position and velocity of S", _point(identification)),
-        "fig09": Figure("Translation of S in the burn", _burn(burn)),
-        "fig10": Figure(
+        "fig07": PaperFigure("Measured base angle and rate", _base(identification)),
+        "fig08": PaperFigure(
+            "Measured position and velocity of S", _point(identification)
+        ),
+        "fig09": PaperFigure("Translation of S in the burn", _burn(burn)),
+        "fig10": PaperFigure(
             "Validation: joint angles and rates", _joints(robot, validation)
         ),
-        "fig11": Figure(
+        "fig11": PaperFigure(
             "Validation: base angle, and rate with its prediction",
             _base(validation) | _named(predicted, "base rate z predicted (rad/s)"),
         ),
-        "fig12": Figure(
+        "fig12": PaperFigure(
             "Validation: position of S with its prediction",
             _position(validation.raw)
             | _named(predicted, *(f"S {k} predicted (m)" for k in "xy")),
         ),
-        "fig13": Figure(
+        "fig13": PaperFigure(
             "Validation: velocity of S with its prediction",
             _velocity(validation.ready)
             | _named(predicted, *(f"S velocity {k} predicted (m/s)" for k in "xy")),
@@ -228,7 +202,7 @@ def planar_figures(
     }
 
 
-def write_figures(figures: Mapping[str, Figure], folder: Path) -> None:
+def write_figures(figures: Mapping[str, PaperFigure], folder: Path) -> None:
     """Each as a CSV file, one column a curve.
 
     Args:

@@ -16,21 +16,21 @@ from orbident.estimation.result import Result
 from orbident.estimation.weigh import Weighing
 from orbident.files.json_parts import nulled
 from orbident.identified.validate import Validation
+from orbident.model.paper_bases import planar_columns
 from orbident.preprocessing.low_pass import CutOff
 from orbident.robot.description import Robot
 from orbident.studies import paper_tables
-from orbident.studies.paper_method import Filters, condition_in_basis
+from orbident.studies.paper_method import Filters, PaperParameters, condition_in_basis
 from orbident.studies.paper_tables import PaperRow
 from orbident.studies.planar import Flights, fly_planar, planar_robot, planar_trajectory
 from orbident.studies.planar_run import (
     SCORED,
-    Figure,
     Measured,
+    PaperFigure,
     PaperFilters,
     PlanarReading,
     PlanarRun,
     Records,
-    Table6,
     planar_figures,
     run_ideal,
     run_noisy,
@@ -104,7 +104,7 @@ class PlanarStudy:
     trajectory: Trajectory
     recordings: Records
     """The recordings of the first seed."""
-    figures: Mapping[str, Figure]
+    figures: Mapping[str, PaperFigure]
     """Figures of the first seed, by the first of the methods."""
     cut_offs: Mapping[str, CutOff]
     """Cut-offs of the filters of the paper's method, by signal; empty without noise."""
@@ -184,7 +184,7 @@ def run_planar(
     robot = planar_robot()
     trajectory = planar_trajectory(robot)
     flights = fly_planar(robot, trajectory)
-    table = Table6.of(robot)
+    table = PaperParameters.of(robot, planar_columns(paper_tables.PLANAR_JOINT1))
     filters = PaperFilters(Filters(), Filters())
     if noise == "none":
         seeds, first = 1, run_ideal(robot, flights, method)
@@ -226,7 +226,7 @@ class _NoisyFlights(NamedTuple):
     flights: Flights
     filters: PaperFilters
     method: Estimator
-    table: Table6
+    table: PaperParameters
 
     def run(self, seed: int) -> PlanarRun:
         return run_noisy(self.robot, self.flights, self.filters, seed, self.method)
@@ -259,7 +259,7 @@ class _Columns(NamedTuple):
 
 
 def _method(
-    reading: PlanarReading, table: Table6, columns: _Columns, k: int
+    reading: PlanarReading, table: PaperParameters, columns: _Columns, k: int
 ) -> MethodResult:
     parameters, scores = columns.of_method(k)
     rms, worst = columns.over(parameters)
@@ -285,7 +285,7 @@ def _by_name(scores: Float[np.ndarray, " scores"]) -> dict[str, float]:
     return {name: float(score) for name, score in zip(SCORED, scores, strict=True)}
 
 
-def _weighed(first: PlanarRun, table: Table6, columns: _Columns) -> Weighed:
+def _weighed(first: PlanarRun, table: PaperParameters, columns: _Columns) -> Weighed:
     rms, worst = columns.over(slice(-2, None))
     rows = [
         PaperRow(
@@ -302,7 +302,7 @@ def _weighed(first: PlanarRun, table: Table6, columns: _Columns) -> Weighed:
     return Weighed(*rows, weighing=first.weighing)
 
 
-def _figures(robot: Robot, first: PlanarRun) -> dict[str, Figure]:
+def _figures(robot: Robot, first: PlanarRun) -> dict[str, PaperFigure]:
     reading = next(iter(first.readings.values()))
     if reading.scores is None:
         return {}

@@ -12,14 +12,14 @@ from orbident.campaigns.executors import Executors, InThisProcess
 from orbident.campaigns.seeds import Series, check_seeds, over_seeds
 from orbident.estimation.result import Result
 from orbident.files.json_parts import nulled
+from orbident.model.paper_bases import planar_columns
 from orbident.preprocessing.low_pass import CutOff
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.simulation.flight import FreeFlying
 from orbident.studies import paper_tables
-from orbident.studies.paper_method import Filters
+from orbident.studies.paper_method import Filters, PaperParameters
 from orbident.studies.planar import measured_record, planar_trajectory
-from orbident.studies.planar_run import Table6
 from orbident.studies.table_flights import (
     PAPER,
     WITH,
@@ -146,7 +146,12 @@ def run_table(
     robot = table_robot()
     trajectory = replace(planar_trajectory(robot), environment=table_environment(robot))
     flight = fly_table(robot, trajectory)
-    noisy = _NoisyTable(robot, flight, Table6.of(robot), Filters())
+    noisy = _NoisyTable(
+        robot,
+        flight,
+        PaperParameters.of(robot, planar_columns(paper_tables.PLANAR_JOINT1)),
+        Filters(),
+    )
     table, first = noisy.table, noisy.run(first_seed)
     every = range(first_seed, first_seed + seeds)
     series = Series(noisy.quantities, every, (noisy.quantities_of(first),))
@@ -174,7 +179,7 @@ class _NoisyTable(NamedTuple):
 
     robot: Robot
     flight: FreeFlying
-    table: Table6
+    table: PaperParameters
     filters: Filters
 
     def run(self, seed: int) -> TableRun:
@@ -192,7 +197,10 @@ class _NoisyTable(NamedTuple):
 
 
 def _rows(
-    first: TableRun, method: str, table: Table6, rms: Float[np.ndarray, " parameters"]
+    first: TableRun,
+    method: str,
+    table: PaperParameters,
+    rms: Float[np.ndarray, " parameters"],
 ) -> tuple[MethodParameter, ...]:
     reading = first.readings[method]
     names, columns = paper_tables.PLANAR_IDENTIFIED, (table.true, *reading, rms)

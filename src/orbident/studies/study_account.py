@@ -10,8 +10,8 @@ from orbident.data_table import Cell, DataTable, Numeric, table_of
 from orbident.studies.control import ControlStudy
 from orbident.studies.paper_tables import PLANAR_IDENTIFIED, PaperRow
 from orbident.studies.run_planar import PlanarStudy, PredictionScores
-from orbident.studies.run_spatial import SpatialStudy
 from orbident.studies.run_table import TableStudy
+from orbident.studies.spatial import SpatialStudy
 
 Study = SpatialStudy | PlanarStudy | TableStudy | ControlStudy
 """Which part of the paper, or what its result is good for."""

@@ -29,9 +29,8 @@ from orbident.simulation.flight import FreeFlying, standing
 from orbident.simulation.free_floating import BaseState
 from orbident.simulation.free_flying import free_flying
 from orbident.studies import paper_tables
-from orbident.studies.paper_method import Filters, from_mocap
+from orbident.studies.paper_method import Filters, PaperParameters, from_mocap
 from orbident.studies.planar import FOLLOWING, planar_robot
-from orbident.studies.planar_run import Table6
 from orbident.trajectories.environment import Environment
 from orbident.trajectories.trajectory import Trajectory
 
@@ -161,7 +160,7 @@ class TableReading(NamedTuple):
 
     @classmethod
     def of(
-        cls, found: EstimatedParameters, M: tuple[float, float], table: Table6
+        cls, found: EstimatedParameters, M: tuple[float, float], table: PaperParameters
     ) -> "TableReading":
         """The found sets in the basis of the table."""
         pi, phi = table.basis.pi(found.pi.values), table.basis.phi(found.phi.values)
@@ -184,7 +183,7 @@ class TableRun(NamedTuple):
 
 
 def read_table(
-    robot: Robot, flight: Recording, table: Table6, filters: Filters
+    robot: Robot, flight: Recording, table: PaperParameters, filters: Filters
 ) -> TableRun:
     """Read a recording by the paper's method, and by maximum likelihood twice.
 
@@ -230,6 +229,6 @@ def _judged(solved: Solved, name: str) -> Result:
     )
 
 
-def _reading(estimate: Estimate, table: Table6) -> TableReading:
+def _reading(estimate: Estimate, table: PaperParameters) -> TableReading:
     M = estimate.mass.value, estimate.mass.std
     return TableReading.of(estimate.found, M, table)

@@ -10,13 +10,13 @@ import yaml
 from pydantic import Field, model_validator
 
 from orbident.errors import InputError
-from orbident.files.schema_errors import validated
 from orbident.files.schema_parts import (
     MappingSchema,
     Number,
     Positive,
     Vector3,
     Vector4,
+    validated,
 )
 from orbident.files.text import read_text, write_text
 from orbident.files.yaml_mapping import read_yaml_mapping

@@ -8,7 +8,7 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from typing import Any
 
-from orbident.viewer.gate import REFUSED, Gate, restrictions
+from orbident.viewer.server import REFUSED, Gate, restrictions
 
 HOST = "127.0.0.1"
 """Only browsers of this machine can connect."""

@@ -1,22 +1,278 @@
-"""Which page belongs to what the user names."""
+"""Which page belongs to what the user names, and what it shows.
+
+A robot whose joints are moved by hand, and whose base answers; or a motion to be
+played, with what a model predicted beside it.
+"""
 
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import numpy as np
+from jaxtyping import Float
+
 from orbident.errors import InputError
 from orbident.estimation.result import Result
 from orbident.identified.run_folder import load_result
 from orbident.model.regularity import check_regular
 from orbident.recordings.tables import read_recording
-from orbident.robot.description import Robot
+from orbident.robot.description import Joint, Robot
 from orbident.robot.robot_file import load_robot
-from orbident.scene.replay import predicted_motion, recorded_motion
+from orbident.scene.replay import (
+    BasePose,
+    MotionHistory,
+    Replay,
+    centroidal_momentum,
+    placed,
+    predicted_motion,
+    reaction,
+    recorded_motion,
+)
 from orbident.scene.scene import Scene, scene_of
-from orbident.viewer.replay_page import ReplayPage
 from orbident.viewer.server import Page
-from orbident.viewer.sliders_page import SlidersPage
+from orbident.viewer.stage import TOTAL, Arrows, DrawnRobot, Floor, Plot, heading
+
+FREE = np.pi
+"""How far a slider goes where the joint has no stops, rad or m."""
+UNTURNED = np.array([0.0, 0.0, 0.0, 1.0])
+
+
+class SlidersPage:
+    """A slider for each joint; the momentum stays zero."""
+
+    def __init__(self, server: Any, scene: Scene, model: Robot, title: str):
+        """Show the robot with its joints at zero, or as near as they get.
+
+        Args:
+            server: viser's, with an empty page.
+            scene: of the robot.
+            model: the same robot, with the inertia that decides.
+            title: what is shown, in words.
+        """
+        self._scene, self._model = scene, model
+        self._robot = DrawnRobot(server, "/robot", scene)
+        server.scene.add_icosphere("/cm", 0.03 * scene.size, color=TOTAL)
+        heading(server, title, "Floating free without momentum, the CM at rest.")
+        self._answer = server.gui.add_html("")
+        self._sliders = [_slider(server.gui, joint) for joint in scene.robot.joints]
+        self._start_again()
+        Floor(server, scene, *self._poses())
+        again = server.gui.add_button("Start again")
+        again.on_click(lambda _: setattr(self, "_again", True))
+        self._again = False
+
+    def advance(self, seconds: float) -> None:
+        """Answer what the sliders did since the last time."""
+        if self._again:
+            self._again = False
+            self._start_again()
+        q = self._at_sliders()
+        if (q != self._q).any():
+            self._base = reaction(self._model, self._base, self._q, q)
+            self._q = q
+            self._show()
+
+    def _start_again(self) -> None:
+        for slider, joint in zip(self._sliders, self._scene.robot.joints, strict=True):
+            slider.value = _range(joint).start
+        self._q = self._at_sliders()
+        self._base = BasePose(UNTURNED, np.zeros(3))
+        r_cm = centroidal_momentum(self._model, self._still()).r_cm[0]
+        self._base = self._first = BasePose(UNTURNED, -r_cm)
+        self._show()
+
+    def _at_sliders(self) -> Float[np.ndarray, " joints"]:
+        # The browser may send any number, one that is none included.
+        pairs = zip(self._sliders, self._scene.robot.joints, strict=True)
+        return np.array(
+            [_range(joint).nearest(slider.value) for slider, joint in pairs]
+        )
+
+    def _still(self) -> MotionHistory:
+        none = np.zeros((1, 3))
+        wheels = np.zeros((1, len(self._scene.robot.wheels)))
+        x_WB, r_S = self._base.x_WB[None], self._base.r_S[None]
+        q = self._q[None]
+        return MotionHistory(np.zeros(1), q, 0 * q, x_WB, none, r_S, none, wheels)
+
+    def _poses(
+        self,
+    ) -> tuple[Float[np.ndarray, "frames 3 3"], Float[np.ndarray, "frames 3"]]:
+        motion = self._still()
+        poses = placed(self._scene, motion, motion.qd_rw)
+        return poses.R[0], poses.p[0]
+
+    def _show(self) -> None:
+        self._robot.move_to(*self._poses())
+        turned = 2 * np.arccos(min(1.0, abs(float(self._base.x_WB[3]))))
+        moved = float(np.linalg.norm(self._base.r_S - self._first.r_S))
+        self._answer.content = (
+            '<div style="font-size:0.85em;padding:0 1.2em">Base turned by '
+            f"{np.degrees(turned):.1f}&deg;, S moved by {moved:.3g} m</div>"
+        )
+
+
+class _Range(NamedTuple):
+    low: float
+    high: float
+    step: float
+    start: float
+
+    def nearest(self, value: float) -> float:
+        """The number inside; an end for what is no number."""
+        return max(self.low, min(self.high, float(value)))
+
+
+def _range(joint: Joint) -> _Range:
+    """A joint's stops in few digits, inside of what the file says."""
+    low, high = joint.within(FREE)
+    step = 10.0 ** np.floor(np.log10((high - low) / 500))
+    digits = max(0, -int(np.log10(step)))
+    low = round(float(np.ceil(low / step) * step), digits)
+    high = round(float(np.floor(high / step) * step), digits)
+    return _Range(low, high, float(step), min(max(0.0, low), high))
+
+
+def _slider(gui: Any, joint: Joint) -> Any:
+    unit = "rad" if joint.kind == "revolute" else "m"
+    return gui.add_slider(f"{joint.name}, {unit}", *_range(joint))
+
+
+MOST_TIMES = 5000
+"""Kept for playing."""
+SPEEDS = ("0.1", "0.25", "0.5", "1", "2", "5", "10", "30")
+FASTEST_TURN = np.pi
+"""A wheel is drawn to turn no faster than this at speed 1, rad/s."""
+PLOTS_EVERY = 3
+"""Pictures of the robot for one of the plots, which cost more."""
+
+
+class ReplayPage:
+    """The measured robot, the predicted one as a ghost, momentum, and plots."""
+
+    def __init__(self, server: Any, scene: Scene, replay: Replay, title: str):
+        """Show the first time.
+
+        Args:
+            server: viser's, with an empty page.
+            scene: of the robot.
+            replay: what it did.
+            title: what is shown, in words.
+        """
+        measured = replay.measured.thinned(MOST_TIMES)
+        predicted = replay.predicted and replay.predicted.thinned(MOST_TIMES)
+        slowed = slow_motion(measured)
+        self._motion, self._origins = measured, measured.r_S
+        angles = measured.wheel_angles() / slowed
+        at = placed(scene, measured, angles)
+        self._robots = [(DrawnRobot(server, "/robot", scene), at)]
+        if predicted:
+            ghost = DrawnRobot(server, "/predicted", scene, ghost=True)
+            self._robots.append((ghost, placed(scene, predicted, angles)))
+        found = centroidal_momentum(replay.model, measured) if replay.model else None
+        if found:
+            self._origins = found.r_cm
+        self._stage = Floor(server, scene, at.R[0], at.p[0] - self._origins[0])
+        self._arrows = found and Arrows(server, found, self._stage.size)
+        notes = [f"wheels are drawn {slowed:g} times slower"] if slowed > 1 else []
+        heading(server, title, *notes, *replay.warnings)
+        self._add_controls(server)
+        self._plots = _plots(server, scene, replay, measured, predicted)
+        self._playing = self._pressed = False
+        self._shown = self._plotted = None
+        self._pictures = 0
+        self.advance(0.0)
+
+    def _add_controls(self, server: Any) -> None:
+        start, end = (round(float(t), 3) for t in self._motion.t[[0, -1]])
+        gui = server.gui
+        self._play = gui.add_button("Play")
+        self._play.on_click(lambda _: setattr(self, "_pressed", True))
+        self._time = gui.add_slider(
+            "Time, s", start, end, max((end - start) / 1000, 1e-3), start
+        )
+        self._speed = gui.add_dropdown("Speed", SPEEDS, initial_value="1")
+        self._follow = gui.add_checkbox("Follow", True)
+        self._predicted = gui.add_checkbox(
+            "Predicted", True, visible=len(self._robots) > 1
+        )
+        self._vectors = gui.add_checkbox(
+            "Momentum", True, visible=self._arrows is not None
+        )
+        if self._arrows:
+            gui.add_html(self._arrows.legend())
+
+    def _toggle(self) -> None:
+        self._playing = not self._playing
+        if self._playing and self._time.value >= self._time.max:
+            self._time.value = self._time.min
+        self._play.label = "Pause" if self._playing else "Play"
+
+    def advance(self, seconds: float) -> None:
+        """Play on, and show what the controls say where that has changed."""
+        if self._pressed:
+            self._pressed = False
+            self._toggle()
+        if self._playing:
+            t = self._time.value + seconds * self._chosen_speed()
+            self._time.value = round(min(t, self._time.max), 3)
+            if t >= self._time.max:
+                self._toggle()
+        boxes = self._follow, self._predicted, self._vectors
+        wanted = self._time.value, *(box.value for box in boxes)
+        if wanted != self._shown:
+            self._show(*wanted)
+            self._shown = wanted
+            self._pictures += 1
+        settled = not self._playing or self._pictures % PLOTS_EVERY == 0
+        if settled and wanted[0] != self._plotted:
+            for plot in self._plots:
+                plot.move_to(wanted[0])
+            self._plotted = wanted[0]
+
+    def _chosen_speed(self) -> float:
+        # The browser may send any text.
+        chosen = self._speed.value
+        return float(chosen) if chosen in SPEEDS else 1.0
+
+    def _show(self, t: float, follow: bool, predicted: bool, vectors: bool) -> None:
+        k = min(int(np.searchsorted(self._motion.t, t)), self._motion.t.size - 1)
+        origin = self._origins[k if follow else 0]
+        self._stage.move_to(origin)
+        for robot, poses in self._robots:
+            robot.move_to(poses.R[k], poses.p[k] - origin)
+        for ghost, _ in self._robots[1:]:
+            ghost.show(predicted)
+        if self._arrows:
+            self._arrows.move_to(k, origin)
+            self._arrows.show(vectors)
+
+
+def slow_motion(motion: MotionHistory) -> float:
+    """How many times slower wheels turn than they did, for an eye to follow them."""
+    fastest = float(np.abs(motion.qd_rw).max(initial=0.0))
+    return 10.0 ** max(0, np.ceil(np.log10(max(fastest / FASTEST_TURN, 1.0))))
+
+
+def _plots(
+    server: Any,
+    scene: Scene,
+    replay: Replay,
+    measured: MotionHistory,
+    predicted: MotionHistory | None,
+) -> list[Plot]:
+    t, xyz = measured.t, ("x", "y", "z")
+    dashed = predicted and predicted.w
+    plots = [Plot(server, "Base rate, rad/s", t, measured.w, xyz, dashed)]
+    if replay.velocity_known:
+        dashed = predicted and predicted.v_S
+        title = "Velocity of S, m/s"
+        plots.append(Plot(server, title, t, measured.v_S, xyz, dashed))
+    joints = scene.robot.joint_names
+    if joints:
+        plots.append(Plot(server, "Joints, rad or m", t, measured.q, joints))
+    return plots
 
 
 class Prepared(NamedTuple):

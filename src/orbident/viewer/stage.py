@@ -64,7 +64,7 @@ class Floor:
         camera.position = 2.2 * size * np.array([0.6, -0.8, 1.0 if planar else 0.5])
         camera.look_at = np.zeros(3)
 
-    def place(self, origin: Float[np.ndarray, "3"]) -> None:
+    def move_to(self, origin: Float[np.ndarray, "3"]) -> None:
         """Let the floor pass by under an origin that moves so, m."""
         passed = np.mod(origin[:2], 5 * self._cell)
         self._grid.position = (-passed[0], -passed[1], self._height)
@@ -119,7 +119,7 @@ class DrawnRobot:
                 side="double",
             )
 
-    def place(
+    def move_to(
         self, R: Float[np.ndarray, "frames 3 3"], p: Float[np.ndarray, "frames 3"]
     ) -> None:
         """Put every frame there, page axes, m."""
@@ -171,7 +171,7 @@ class Arrows:
             head_length=0.08 * size,
         )
 
-    def place(self, k: int, origin: Float[np.ndarray, "3"]) -> None:
+    def move_to(self, k: int, origin: Float[np.ndarray, "3"]) -> None:
         """As at the time `k`, seen from `origin`."""
         at = self._cm[k] - origin
         long = np.linalg.norm(self._arrows[k], axis=1) > SHORTEST * self._size
@@ -253,7 +253,7 @@ class Plot:
             padding=(10, 16, 0, 0),
         )
 
-    def place(self, t: float) -> None:
+    def move_to(self, t: float) -> None:
         """Move the line there, s."""
         self._handle.data = self._data(int(np.searchsorted(self._t, t)))
 

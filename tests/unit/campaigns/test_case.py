@@ -5,14 +5,13 @@ import pytest
 from instruments import Errors, shown_with
 from small_campaigns import begun
 
-from orbident.campaigns.case import Case, Draws
-from orbident.campaigns.instrument_errors import moved_joints, with_instrument_errors
+from orbident.campaigns.case import Case, Draws, moved_joints, with_instrument_errors
 from orbident.errors import InputError
 from orbident.robot.description import Robot
 from orbident.robot.parameters import inertia_about_com
 from orbident.simulation.free_floating import BaseState, free_floating
+from orbident.simulation.measure import truth_of
 from orbident.simulation.simulate import motion_recording
-from orbident.simulation.truth import truth_of
 
 ALL = {
     "inertia": {"normal": 0.1},

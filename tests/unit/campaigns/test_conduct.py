@@ -11,12 +11,16 @@ import pytest
 from small_campaigns import begun, no_paper_motion, rows, write_campaign
 
 from orbident.campaigns import conduct as conducting
-from orbident.campaigns.campaign_table import path_of
-from orbident.campaigns.conduct import Done, campaign_progress, conduct, failed_runs
+from orbident.campaigns.conduct import (
+    Done,
+    campaign_progress,
+    conduct,
+    failed_runs,
+    repeat_run,
+    run_chunk,
+)
 from orbident.campaigns.executors import InThisProcess
-from orbident.campaigns.folder import Campaign, begin, opened
-from orbident.campaigns.rerun import repeat_run
-from orbident.campaigns.run import run_chunk
+from orbident.campaigns.folder import Campaign, begin, opened, path_of
 from orbident.campaigns.spec import load_spec
 from orbident.errors import InputError
 from orbident.trajectories.trajectory import InitialState

@@ -12,13 +12,12 @@ import yaml
 from ephemeris_files import write_oem
 from small_campaigns import begun, no_paper_motion, rows, write_campaign
 
-from orbident.campaigns.campaign_table import path_of
 from orbident.campaigns.conduct import conduct, reason_in
 from orbident.campaigns.executors import InThisProcess
-from orbident.campaigns.folder import begin, opened
+from orbident.campaigns.folder import begin, opened, path_of
 from orbident.campaigns.spec import load_spec
 from orbident.errors import InputError
-from orbident.orbits.elements import Elements
+from orbident.orbits.orbit import Elements
 
 
 @pytest.mark.parametrize("sums", [{}, {"spec.yaml": "00"}, None])

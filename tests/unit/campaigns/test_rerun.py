@@ -3,8 +3,8 @@ from pathlib import Path
 import pytest
 from small_campaigns import begun
 
-from orbident.campaigns.campaign_table import path_of
-from orbident.campaigns.rerun import repeat_run
+from orbident.campaigns.conduct import repeat_run
+from orbident.campaigns.folder import path_of
 from orbident.errors import InputError
 
 

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from small_campaigns import write_campaign
 
-from orbident.campaigns.distributions import Distribution
-from orbident.campaigns.spec import load_spec
+from orbident.campaigns.spec import Distribution, load_spec
 from orbident.errors import InputError
 
 

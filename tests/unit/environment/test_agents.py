@@ -18,6 +18,7 @@ from small_problems import (
     small_robot_in_space,
 )
 
+from orbident.choices import DisturbanceGroup
 from orbident.environment.agent import Agent, Disturbance, World
 from orbident.environment.agents import AGENTS, ALIKE, IN_WORDS, NEEDS, WALKS
 from orbident.environment.motion import Load, RobotMotion
@@ -27,7 +28,6 @@ from orbident.estimation.result import Result
 from orbident.model.minimal_sets import minimal_sets
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
-from orbident.robot.disturbance_groups import DisturbanceGroup
 from orbident.robot.may_act import MayAct, may_act
 from orbident.robot.sensor_schema import declared_sensors
 from orbident.simulation.simulate import simulate

@@ -9,8 +9,7 @@ from orbident.environment.orbital import (
     OrbitalDrag,
     SunlightPressure,
 )
-from orbident.orbits.elements import Elements
-from orbident.orbits.orbit import Orbit
+from orbident.orbits.orbit import Elements, Orbit
 from orbident.robot.robot_file import load_robot
 from orbident.trajectories.environment import Environment
 

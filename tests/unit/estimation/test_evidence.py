@@ -15,7 +15,6 @@ from orbident.estimation.momentum_problem import MomentumProblem, momentum_probl
 from orbident.estimation.output_error.estimator import OutputError
 from orbident.estimation.quantities import Quantity
 from orbident.estimation.solve import difference, widened
-from orbident.model.derivatives import sets_of_beta
 from orbident.recordings.recording import Recording
 
 ROBOT = small_robot()
@@ -44,7 +43,7 @@ def off_by(estimate: Estimate, problem: MomentumProblem, deviations: float) -> E
     found = estimate.found
     std = np.sqrt(np.diag(found.base.covariance))
     beta = found.base.values + deviations * std
-    pi, phi = sets_of_beta(problem.sets, beta)
+    pi, phi = problem.sets.pi_and_phi(beta)
     moved = found._replace(
         pi=found.pi._replace(values=pi),
         phi=found.phi._replace(values=phi),

@@ -11,7 +11,6 @@ from orbident.estimation.found import (
     hidden_of,
     prior_std,
 )
-from orbident.model.derivatives import sets_of_beta
 from orbident.model.minimal_sets import minimal_sets
 
 ROBOT = oi.load_robot("paper-spatial")
@@ -39,7 +38,7 @@ def test_sure_parameters_are_determined():
     sets = minimal_sets(ROBOT)
     scale = prior_std(ROBOT, sets) / WIDE
     found = found_beta(ROBOT, sets, estimate(1e-3 * scale))
-    pi, phi = sets_of_beta(sets, sets.beta(ROBOT.theta))
+    pi, phi = sets.pi_and_phi(sets.beta(ROBOT.theta))
     for known, expected in ((found.pi, pi), (found.phi, phi)):
         np.testing.assert_array_equal(known.values, expected)
         assert known.determined.all()

@@ -15,7 +15,6 @@ from orbident.estimation.linear_fits import Fits, fit
 from orbident.estimation.momentum_problem import momentum_problem
 from orbident.estimation.nonlinear_fit import beta_of_fits
 from orbident.model import minimal_sets as model
-from orbident.model.derivatives import sets_of_beta
 from orbident.model.minimal_sets import minimal_sets
 from orbident.model.wheel_arrays import wheels_of
 from orbident.preprocessing.samples import Samples, samples_of
@@ -91,7 +90,7 @@ def test_against_all_equations_stacked(robot, exact):
 
     def residual(x):
         beta, h_cm, v_cm = np.split(x, [nominal.size, nominal.size + 3])
-        pi, phi = sets_of_beta(sets, nominal + wide * beta)
+        pi, phi = sets.pi_and_phi(nominal + wide * beta)
         turning = (A_h @ np.append(pi, h_cm) - b_h) / fits.pi.rms
         moving = (A_v @ np.append(phi, v_cm) - b_v) / fits.phi.rms
         return np.concatenate([turning, moving, beta])

@@ -1,15 +1,10 @@
 """Motions and robots that several tests of excitation share."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 from orbident.robot.robot_file import load_robot
 from orbident.studies.spatial import spatial_trajectory
-
-sys.path.append(str(Path(__file__).parents[2]))
 
 
 @pytest.fixture(scope="session")

@@ -15,10 +15,10 @@ from orbident.excitation.design import design_excitation, usual_objective
 from orbident.excitation.design_problem import STEPS, plausible_robots, steps_for
 from orbident.excitation.floating import was_at_rest
 from orbident.excitation.search import Descent
+from orbident.robot.oddities import nonphysical
 from orbident.robot.parameters import inertia_about_com
-from orbident.robot.physical_inertia import nonphysical
 from orbident.robot.sensor_schema import SensorsSpec
-from orbident.studies.exciting import paper_case
+from orbident.studies.spatial import paper_case
 from orbident.trajectories.trajectory import InitialState
 
 

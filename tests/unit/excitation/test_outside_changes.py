@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from orbident.studies.exciting import paper_case
 from scipy.integrate import cumulative_trapezoid
 
 from orbident.excitation.conditions import conditions_for
@@ -16,7 +17,6 @@ from orbident.model.rotations import quaternion_matrix
 from orbident.model.wheel_arrays import wheels_of
 from orbident.robot.may_act import MayAct
 from orbident.simulation.free_floating import BaseState, free_floating
-from orbident.studies.exciting import paper_case
 
 ON_A_TABLE = {
     "slow_torque": MayAct(2e-3, 6.0),
@@ -188,7 +188,10 @@ def test_on_a_table(emulator):
     sloped = np.einsum("n,ij->nij", t**2 / 2, [[v_cm[0], v_cm[1], 0], [0, *v_cm[:2]]])
     sloped = np.concatenate([np.swapaxes(sloped, 1, 2), none], axis=2)[:, :, :2]
     sloped = np.stack(
-        [np.outer(t**2 / 2, a) for a in ([v_cm[0], 0, 0], v_cm[[1, 0, 2]], [0, v_cm[1], 0])],
+        [
+            np.outer(t**2 / 2, a)
+            for a in ([v_cm[0], 0, 0], v_cm[[1, 0, 2]], [0, v_cm[1], 0])
+        ],
         axis=2,
     )
     D = np.abs(np.diag(inertia(emulator, np.zeros((1, 2))).D[0])).sum() / 2 / M
@@ -251,6 +254,7 @@ def test_the_gradient_by_differences(request, name, acting, pads, rel):
     y = 0.3 * random.standard_normal(shape)
     gradient = problem.evaluate(y, 8.0).gradient
     for direction in random.standard_normal((3, *shape)):
+
         def value(step, direction=direction):
             return problem.evaluate(y + step * direction, 8.0).smooth
 

@@ -6,7 +6,7 @@ import pytest
 from orbident.estimation.identify import identify
 from orbident.excitation.scores import compare_trajectories
 from orbident.simulation.simulate import simulate
-from orbident.studies.exciting import paper_case
+from orbident.studies.spatial import paper_case
 
 
 @pytest.fixture(scope="module")

@@ -5,13 +5,13 @@ import pytest
 from pydantic import Field, model_validator
 
 from orbident.errors import InputError
-from orbident.files.schema_errors import validated
 from orbident.files.schema_parts import (
     MappingSchema,
     Number,
     Positive,
     Vector3,
     Vector4,
+    validated,
 )
 
 

@@ -9,7 +9,7 @@ import report_runs
 from scipy.io import loadmat
 
 from orbident.errors import InputError
-from orbident.identified.mat_export import field_names, write_mat
+from orbident.identified.parameter_files import field_names, write_mat
 
 
 def test_round_trip(tmp_path: Path):

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from orbident.identified.exported_robot import mechanism_of
-from orbident.identified.mjcf_export import mjcf
+from orbident.identified.simulator_models import mjcf
 from orbident.robot.robot_file import load_robot
 
 ROBOT = """<mujoco><worldbody><body name="base"><freejoint/>

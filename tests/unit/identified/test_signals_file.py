@@ -7,7 +7,7 @@ import pytest
 
 from orbident.errors import InputError
 from orbident.estimation.signals import Signal
-from orbident.identified.signals_file import read_signals, write_signals
+from orbident.identified.run_folder import read_signals, write_signals
 
 RANDOM = np.random.default_rng(5)
 

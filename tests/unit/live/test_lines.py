@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from live_streams import csv_lines, json_lines, robot, samples
 
-from orbident.live.lines import Lines, needed_columns
+from orbident.live.sources import Lines, needed_columns
 
 
 def read(lines: list[bytes]) -> tuple[np.ndarray, int]:

@@ -8,10 +8,10 @@ import pytest
 from live_streams import VELOCITY_STD, csv_lines, robot, samples
 
 from orbident.errors import InputError
-from orbident.live.lines import Lines
 from orbident.live.live_filter import LiveEvent, LiveFilter
 from orbident.live.rate_smoothing import HALF
-from orbident.live.state_file import nothing_carried, read_state, save_state
+from orbident.live.session import nothing_carried, read_state, save_state
+from orbident.live.sources import Lines
 from orbident.model.minimal_sets import minimal_sets
 
 EVERY = 5.0

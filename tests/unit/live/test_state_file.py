@@ -9,9 +9,9 @@ import pytest
 from live_streams import VELOCITY_STD, csv_lines, robot, samples
 
 from orbident.errors import InputError
-from orbident.live.lines import Lines
 from orbident.live.live_filter import LiveFilter
-from orbident.live.state_file import nothing_carried, read_state, save_state
+from orbident.live.session import nothing_carried, read_state, save_state
+from orbident.live.sources import Lines
 
 
 @pytest.fixture(scope="module")

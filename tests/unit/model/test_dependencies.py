@@ -7,8 +7,8 @@ import pytest
 from random_robots import DUAL_ARM, random_planar_robot, random_robot
 
 from orbident.errors import InputError
+from orbident.model.kinematics import momentum_regressors
 from orbident.model.minimal_sets import minimal_sets
-from orbident.model.momentum import momentum_regressors
 from orbident.robot.description import Robot
 from orbident.robot.robot_file import load_robot
 

@@ -5,7 +5,6 @@ import pytest
 from random_robots import DUAL_ARM, random_planar_robot, random_robot
 
 import orbident as oi
-from orbident.model.derivatives import derivatives_of_beta, sets_of_beta
 from orbident.model.minimal_sets import minimal_sets
 
 ROBOTS = {
@@ -20,18 +19,18 @@ def robot(request):
     return ROBOTS[request.param]
 
 
-def test_sets_of_beta_are_those_of_theta(robot):
+def test_pi_and_phi_of_beta_are_those_of_theta(robot):
     sets = minimal_sets(robot)
-    pi, phi = sets_of_beta(sets, sets.beta(robot.theta))
+    pi, phi = sets.pi_and_phi(sets.beta(robot.theta))
     np.testing.assert_allclose(pi, sets.pi(robot.theta), rtol=1e-14)
     np.testing.assert_allclose(phi, sets.phi(robot.theta), rtol=1e-14)
 
 
-def test_derivatives_of_beta_by_differences(robot):
+def test_derivatives_by_differences(robot):
     """Through a `theta` for each change of `beta`."""
     sets = minimal_sets(robot)
     beta = sets.beta(robot.theta)
-    dpi, dphi = derivatives_of_beta(sets, beta)
+    dpi, dphi = sets.derivatives(beta)
     step = 1e-7 * robot.mass
     for k in range(beta.size):
         direction = sets.base.theta_of[:, k].reshape(robot.theta.shape)

@@ -3,7 +3,7 @@ from dataclasses import replace
 
 from random_robots import random_robot, random_wheels
 
-from orbident.model.identifiability import not_identifiable
+from orbident.model.formulas import not_identifiable
 from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.description import Robot
 from orbident.robot.robot_file import load_robot

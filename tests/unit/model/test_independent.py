@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from orbident.model.independent import independent_columns
+from orbident.model.dependencies import independent_columns
 
 
 def test_the_leftmost_columns_are_kept():

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from orbident.errors import InputError
-from orbident.model.forces import Wrench
+from orbident.model.equations_of_motion import Wrench
 from orbident.model.minimal_sets import minimal_sets
 from orbident.model.reconstruction import Dynamics, reconstructed
 from orbident.robot.description import Robot

@@ -11,7 +11,7 @@ from orbident.noise.noise_model import (
     best_model,
     noise_model,
 )
-from orbident.simulation.noise_processes import markov, random_walk
+from orbident.simulation.sensor import markov, random_walk
 
 TRUE = {
     "white": 8e-6,

@@ -1,13 +1,13 @@
-"""Orbits by elements, against closed forms and another integrator."""
+"""Orbits by orbit, against closed forms and another integrator."""
 
 import numpy as np
 import pytest
 from leapfrog_orbit import leapfrog
 
 from orbident.errors import InputError
-from orbident.orbits import elements
+from orbident.orbits import orbit
 from orbident.orbits.earth import J2, MU, R_E
-from orbident.orbits.elements import Elements
+from orbident.orbits.orbit import Elements
 
 ELLIPSE = Elements(8e6, 0.9, 0.15, node=0.4, perigee=1.1, anomaly=0.3)
 
@@ -43,7 +43,7 @@ def kepler(orbit: Elements, t: np.ndarray) -> np.ndarray:
 
 
 def test_a_round_earth_has_kepler_s_orbits(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(elements, "J2", 0.0)
+    monkeypatch.setattr(orbit, "J2", 0.0)
     t = np.linspace(-7000.0, 14000.0, 211)
     # Steps are exact to 1e-11; two turns amplify this by 3 n t = 40.
     np.testing.assert_allclose(

@@ -9,9 +9,7 @@ from astropy.time import Time, TimeDelta
 from ephemeris_files import write_oem
 
 from orbident.errors import InputError
-from orbident.orbits.elements import Elements
-from orbident.orbits.ephemeris import read_oem
-from orbident.orbits.orbit import Orbit
+from orbident.orbits.orbit import Elements, Orbit, read_oem
 
 EPOCH = datetime(2024, 3, 1, 12, tzinfo=UTC)
 T = np.arange(-60.0, 1260.1, 60.0)

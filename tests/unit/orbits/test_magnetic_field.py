@@ -6,10 +6,8 @@ import numpy as np
 import pytest
 
 from orbident.errors import InputError
-from orbident.orbits.earth import R_E, earth_turned
-from orbident.orbits.elements import Elements
-from orbident.orbits.magnetic_field import dipole_field, reference_field
-from orbident.orbits.orbit import Orbit
+from orbident.orbits.earth import R_E, dipole_field, earth_turned, reference_field
+from orbident.orbits.orbit import Elements, Orbit
 
 FLAT = 0.0066943799901
 """Squared eccentricity of WGS84."""

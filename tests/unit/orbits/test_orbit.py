@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from orbident.errors import InputError
-from orbident.orbits.elements import Elements
-from orbident.orbits.orbit import Orbit
+from orbident.orbits.orbit import Elements, Orbit
 
 R = 6778137.0
 

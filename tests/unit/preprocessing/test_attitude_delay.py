@@ -4,9 +4,9 @@ from random_motions import random_motion
 from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
-from orbident.preprocessing.attitude_delay import attitude_delay
+from orbident.preprocessing.delays import attitude_delay
 from orbident.robot.robot_file import load_robot
-from orbident.simulation.noise_processes import gaussian
+from orbident.simulation.sensor import gaussian
 from orbident.simulation.simulate import simulate
 
 ROBOT = load_robot("paper-spatial")

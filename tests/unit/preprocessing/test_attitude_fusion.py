@@ -12,7 +12,7 @@ from orbident.preprocessing.attitude_fusion import (
     integrate_gyro,
 )
 from orbident.robot.robot_file import load_robot
-from orbident.simulation.noise_processes import gaussian
+from orbident.simulation.sensor import gaussian
 from orbident.simulation.simulate import simulate
 
 START = np.array([0.2, 0.1, 0.3, 0.93]) / np.linalg.norm([0.2, 0.1, 0.3, 0.93])

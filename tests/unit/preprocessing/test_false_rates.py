@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from orbident.preprocessing.false_rates import false_rates
+from orbident.preprocessing.rates import false_rates
 from orbident.recordings.recording import Recording
 
 T = np.arange(0.0, 40.0, 0.05)

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from orbident.errors import InputError
-from orbident.recordings.recording import Recording
-from orbident.recordings.rounded_times import float32_step
+from orbident.recordings.recording import Recording, float32_step
 
 WEEK = 604_800.0
 T = np.arange(200) * 0.2

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from orbident.errors import InputError
-from orbident.recordings.table_writer import write_blocks
-from orbident.recordings.tables import read_recording
+from orbident.recordings.tables import read_recording, write_blocks
 
 
 @pytest.mark.parametrize("suffix", [".csv", ".parquet"])

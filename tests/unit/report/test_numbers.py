@@ -5,7 +5,7 @@
 
 import pytest
 
-from orbident.report.numbers import interval_text, short, signed, with_std
+from orbident.report.page import interval_text, short, signed, with_std
 
 NAN = float("nan")
 

@@ -8,7 +8,7 @@ from made_results import exact_result
 
 from orbident.estimation.result import Result
 from orbident.estimation.sensitivity_table import SensitivityTable
-from orbident.report.sensitivity_figure import MOST, error_in_words, sensitivities
+from orbident.report.parameter_section import READABLE, error_in_words, sensitivities
 from orbident.robot.robot_file import load_robot
 
 
@@ -68,8 +68,8 @@ def test_the_largest_of_many():
     )
     result = with_table(table)
     _, rows, columns = heat_map(result)
-    assert rows == [f"1 mrad: zero of j{k}" for k in range(25 - MOST, 25)]
-    assert columns == [f"iota_{k}" for k in range(30 - MOST, 30)]
+    assert rows == [f"1 mrad: zero of j{k}" for k in range(25 - READABLE, 25)]
+    assert columns == [f"iota_{k}" for k in range(30 - READABLE, 30)]
     section = sensitivities(result)
     assert section is not None
     assert "The 20 of 25 errors" in section.words[-1]

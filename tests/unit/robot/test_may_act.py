@@ -4,8 +4,8 @@ import math
 
 import pytest
 
+from orbident.choices import DisturbanceGroup
 from orbident.errors import InputError
-from orbident.robot.disturbance_groups import DisturbanceGroup
 from orbident.robot.may_act import DIMENSIONS, MayAct, may_act
 from orbident.robot.units import STANDARD_GRAVITY, UNITS
 

@@ -8,8 +8,7 @@ import pytest
 from ephemeris_files import write_oem
 
 from orbident.errors import InputError
-from orbident.orbits.elements import Elements
-from orbident.orbits.ephemeris import Ephemeris
+from orbident.orbits.orbit import Elements, Ephemeris
 from orbident.robot.robot_file import load_robot, write_robot
 
 EPOCH = datetime(2026, 3, 1, 12, tzinfo=UTC)

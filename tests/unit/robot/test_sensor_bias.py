@@ -9,7 +9,7 @@ from orbident.estimation.recursive.given import noise_of
 from orbident.preprocessing.base_motion import _gyro_noise
 from orbident.preprocessing.samples import samples_of
 from orbident.robot.sensor_schema import GyroSpec
-from orbident.simulation.noise_processes import bias_drift
+from orbident.simulation.sensor import bias_drift
 
 B, T = 1e-5, 100.0
 SECTION = {"angle_random_walk": 1e-6, "bias_instability": B, "correlation_time": T}

@@ -12,7 +12,7 @@ from random_robots import (
 
 from orbident.model.rotations import quaternion_matrix
 from orbident.simulation.free_floating import free_floating
-from orbident.simulation.truth import accelerations
+from orbident.simulation.measure import accelerations
 
 PARENTS = (0, 1, 0)
 SWING = random_swing(2, len(PARENTS))

@@ -16,8 +16,8 @@ from orbident.simulation.capture import (
     truth_through_change,
 )
 from orbident.simulation.free_floating import BaseState, free_floating
+from orbident.simulation.measure import truth_of
 from orbident.simulation.simulate import float_along, sample_times
-from orbident.simulation.truth import truth_of
 
 TARGET = CapturedBody(50.0, np.array([1.0, 0.2, -0.3]), np.diag([3.0, 4.0, 5.0]))
 T = sample_times(10.0, 20.0)

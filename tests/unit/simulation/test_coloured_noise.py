@@ -5,8 +5,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from orbident.robot.sensor_schema import AttitudeSpec, PositionSpec
-from orbident.simulation.noise_processes import markov, random_walk
-from orbident.simulation.sensor import read_attitude, read_position
+from orbident.simulation.sensor import markov, random_walk, read_attitude, read_position
 
 DRAWS = 20_000
 TIMES = np.array([0.0, 0.01, 0.05, 0.3, 0.31, 2.0, 9.0])

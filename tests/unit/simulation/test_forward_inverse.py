@@ -5,7 +5,7 @@ from random_robots import random_planar_robot, random_robot, random_wheels
 
 from orbident.model.equations_of_motion import equations_of_motion
 from orbident.robot.description import Robot, Wheel
-from orbident.simulation.forward_inverse import (
+from orbident.simulation.measure import (
     forward_dynamics,
     hybrid_dynamics,
     inverse_dynamics,

@@ -15,6 +15,7 @@ from orbident.simulation.control_laws import (
     Hold,
     JointPD,
     OpenLoop,
+    Pulse,
     WheelLimits,
     WheelSpeed,
     attitude_hold,
@@ -22,7 +23,6 @@ from orbident.simulation.control_laws import (
 from orbident.simulation.flight import FreeFlying, standing
 from orbident.simulation.free_floating import BaseState
 from orbident.simulation.free_flying import free_flying
-from orbident.simulation.thrusters import Pulse
 
 CEPHEUS = load_robot("cepheus-like")
 PARENTS = (0, 1)

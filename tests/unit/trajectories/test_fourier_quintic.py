@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from orbident import _core
-from orbident.trajectories.fourier_quintic import FourierQuintic
+from orbident.trajectories.trajectory import FourierQuintic
 
 DURATION = 7.0
 

@@ -13,9 +13,8 @@ import viser
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
-import orbident.viewer.gate
-from orbident.viewer.gate import Gate
-from orbident.viewer.server import Served, close, open_server
+import orbident.viewer.server
+from orbident.viewer.server import Gate, Served, close, open_server
 
 EVIL = "evil.example"
 
@@ -223,7 +222,7 @@ def test_garbage_leaves_no_word(
 def test_a_viser_that_serves_past_the_gate_is_not_used(
     monkeypatch: pytest.MonkeyPatch,
 ):
-    ignored = nullcontext(orbident.viewer.gate.Gated())
+    ignored = nullcontext(orbident.viewer.server.Gated())
     monkeypatch.setattr("orbident.viewer.server.gated", lambda gate: ignored)
     with pytest.raises(RuntimeError, match="past the gate"):
         open_server("127.0.0.1", 0)

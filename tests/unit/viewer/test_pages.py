@@ -13,13 +13,16 @@ from orbident.errors import InputError
 from orbident.recordings.recording import Recording
 from orbident.recordings.tables import write_recording
 from orbident.robot.robot_file import load_robot
-from orbident.scene.reaction import BasePose, reaction
-from orbident.scene.replay import centroidal_momentum, placed, recorded_motion
+from orbident.scene.replay import (
+    BasePose,
+    centroidal_momentum,
+    placed,
+    reaction,
+    recorded_motion,
+)
 from orbident.scene.scene import scene_of
 from orbident.simulation.simulate import simulate
-from orbident.viewer.pages import prepared
-from orbident.viewer.replay_page import ReplayPage, slow_motion
-from orbident.viewer.sliders_page import SlidersPage
+from orbident.viewer.pages import ReplayPage, SlidersPage, prepared, slow_motion
 from orbident.viewer.stage import Plot, heading
 
 ROBOT = "cepheus-like"
@@ -150,12 +153,12 @@ def test_plots_have_few_points_and_a_line(server: Any):
     t = np.linspace(0.0, 10.0, 100_001)
     curves = np.column_stack([np.sin(t), np.cos(t)])
     plot = Plot(server, "title", t, curves, ("a", "<b>"), curves)
-    plot.place(4.0)
+    plot.move_to(4.0)
     t_shown, *_, now = plot._handle.data
     assert t_shown.size <= 400
     shown = t_shown[np.isfinite(now)]
     assert np.all(np.abs(shown - 4.0) < 0.06)
-    plot.place(10.0)
+    plot.move_to(10.0)
     assert np.isfinite(plot._handle.data[-1]).sum() == 2
 
 

@@ -19,7 +19,6 @@ from orbident.estimation.overflow import check_finite
 from orbident.estimation.recursive.given import Noise
 from orbident.estimation.recursive.prior import GaussianPrior, factor_of
 from orbident.model.core_robot import core_robot
-from orbident.model.derivatives import derivatives_of_beta, sets_of_beta
 from orbident.model.minimal_sets import MinimalSets, minimal_sets
 from orbident.model.reconstruction import root_of
 from orbident.robot.description import Robot
@@ -265,8 +264,8 @@ class Extended:
         N, Y, z = top[:, :n], top[:, n:-1], top[:, -1]
         y, J = beta, Y
         if not state.held_in_beta:
-            y = np.concatenate(sets_of_beta(self.sets, beta))
-            J = Y @ np.vstack(derivatives_of_beta(self.sets, beta))
+            y = np.concatenate(self.sets.pi_and_phi(beta))
+            J = Y @ np.vstack(self.sets.derivatives(beta))
         x = solve_triangular(N, z - Y @ y)
         spread = np.hstack([np.eye(n), J @ root_of(covariance)])
         std = np.linalg.norm(solve_triangular(N, spread), axis=1)

@@ -30,7 +30,6 @@ from orbident.estimation.recursive.prior import (
     cad_covariance,
     cad_prior,
 )
-from orbident.model.derivatives import sets_of_beta
 from orbident.preprocessing.samples import Samples
 from orbident.robot.description import Robot
 
@@ -81,7 +80,7 @@ def recursive_history(
     at = filter_history(robot, kalman, detector, given, h_cm, progress)
     unknown = 0.0 if at.scale else np.nan
     nis, dof, statistic, _ = at.tests.T
-    pi, phi = zip(*(sets_of_beta(kalman.sets, row) for row in at.beta), strict=True)
+    pi, phi = zip(*(kalman.sets.pi_and_phi(row) for row in at.beta), strict=True)
     beforehand = np.linalg.norm(np.linalg.inv(prior.root), axis=1)
     covariance = at.last.covariance
     return History(

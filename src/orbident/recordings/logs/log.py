@@ -1,26 +1,66 @@
-"""A file of tables of any kind, open for reading."""
+"""A file of tables of any kind, open for reading.
 
+NumPy's .npz files, as one saves what Basilisk's recorders hold; nothing pickled.
+"""
+
+import zipfile
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
+
+import numpy as np
 
 from orbident.errors import InputError
 from orbident.files.names import one_line, quoted
-from orbident.recordings.logs.arrow_file import read_parquet_log
-from orbident.recordings.logs.group import Tree, groups
-from orbident.recordings.logs.hdf5_file import MAGIC as HDF5_MAGIC
-from orbident.recordings.logs.hdf5_file import read_hdf5
-from orbident.recordings.logs.mat5 import read_mat
-from orbident.recordings.logs.npz_file import read_npz
-from orbident.recordings.logs.text_file import (
+from orbident.recordings.logs.arrow_file import (
     SUFFIXES,
+    read_parquet_log,
     read_text_folder,
     read_text_table,
     text_tables_in,
 )
+from orbident.recordings.logs.group import LogField, Tree, field_of, groups, unusable
+from orbident.recordings.logs.hdf5_file import MAGIC as HDF5_MAGIC
+from orbident.recordings.logs.hdf5_file import read_hdf5
+from orbident.recordings.logs.mat5 import read_mat
 from orbident.recordings.logs.ulog_file import MAGIC, cut_off, read_ulog
 from orbident.recordings.source import RawMessage, Source
+
+_PICKLED = (
+    "holds Python objects, which are never loaded because loading may run a program; "
+    "save an array of numbers: np.savez(..., x=np.asarray(x, dtype=float))"
+)
+
+
+def read_npz(path: Path, stack: ExitStack) -> Tree:
+    """Arrays by name; dots and slashes in a name lead into groups."""
+    stack.enter_context(zipfile.ZipFile(path))
+    arrays = stack.enter_context(np.load(path, allow_pickle=False))
+    tree: dict[str, Any] = {}
+    for name in arrays.files:
+        *groups, last = name.replace("/", ".").split(".")
+        node = tree
+        for each in groups:
+            inner = node.setdefault(each, {})
+            node = inner if isinstance(inner, dict) else tree
+        node[last if last not in node else name] = _field(arrays, name)
+    return tree
+
+
+def _field(arrays: Any, name: str) -> LogField | Tree:
+    with arrays.zip.open(f"{name}.npy") as file:
+        version = np.lib.format.read_magic(file)
+        read = np.lib.format.read_array_header_1_0
+        if version != (1, 0):
+            read = np.lib.format.read_array_header_2_0
+        shape, _, dtype = read(file)
+    if dtype.hasobject:
+        return unusable(_PICKLED)
+    # Basilisk's recorders count time in whole nanoseconds.
+    unit = "ns" if name.endswith("times") and dtype.kind in "iu" else ""
+    return field_of(shape, dtype, lambda: arrays[name], unit)
 
 
 @dataclass(frozen=True)

@@ -80,19 +80,19 @@ class MatStream:
             filled += len(piece)
         return array
 
-    def skip_to(self, place: int) -> None:
-        """Pass over what comes before a place.
+    def skip_to(self, offset: int) -> None:
+        """Pass over what comes before an offset.
 
         Raises:
             ValueError: It was passed already, or there are fewer bytes.
         """
-        if place < self.at:
+        if offset < self.at:
             raise ValueError("an element is longer than what it is in")
-        if self.packed is None and place > self.at + len(self._ready):
-            self._read = self.at = place
+        if self.packed is None and offset > self.at + len(self._ready):
+            self._read = self.at = offset
             self._ready = memoryview(b"")
-        while self.at < place:
-            self._next(place - self.at)
+        while self.at < offset:
+            self._next(offset - self.at)
 
     def check_rest(self) -> None:
         """Decompress what is left, which ends with a checksum.

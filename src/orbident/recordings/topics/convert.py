@@ -1,4 +1,4 @@
-"""A file of another tool into a recording."""
+"""A file of another tool into a recording, and what became of every message."""
 
 import dataclasses
 import os
@@ -6,6 +6,7 @@ from collections import Counter, defaultdict
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -13,21 +14,162 @@ from jaxtyping import Bool, Float
 from orbident.errors import InputError
 from orbident.files.names import listed
 from orbident.recordings.logs.group import Group
-from orbident.recordings.no_measurements import no_measurements, sensor_groups
-from orbident.recordings.source import Source
-from orbident.recordings.table_writer import write_blocks
-from orbident.recordings.tables import check_writable
-from orbident.recordings.topics.conversion_report import (
-    ConversionReport,
-    apart,
-    topic_report,
+from orbident.recordings.no_measurements import (
+    no_measurements,
+    reasons_in_words,
+    sensor_groups,
 )
+from orbident.recordings.source import Source
+from orbident.recordings.tables import check_writable, write_blocks
 from orbident.recordings.topics.fields import missing_of
 from orbident.recordings.topics.presets import preset_path, presets
 from orbident.recordings.topics.survey import open_source
 from orbident.recordings.topics.timing import Timed, check_times, common_rows, timed
 from orbident.recordings.topics.topic_map import load_topic_map
 from orbident.recordings.topics.track import Track
+
+_NO_STAMP = "no header stamp is set, so the time is when it was recorded"
+
+
+@dataclass(frozen=True)
+class TopicReport:
+    """One entry of the map: all its samples are used or rejected, and counted."""
+
+    topic: str
+    type: str
+    columns: tuple[str, ...]
+    clock: str | None
+    """The map's name for the clock."""
+    time: str
+    """Which time it is: "header", "receive", or "stamp" of a table."""
+    messages: int
+    used: int
+    """Samples in the recording."""
+    rejected: dict[str, int]
+    """Samples, and messages that could not be decoded, by reason."""
+    duplicate_differs: int
+    """How many of the rejected duplicates held other values."""
+    incomplete: int
+    not_finite: int
+    emptied: dict[str, dict[str, int]]
+    """Samples that are no measurement and were left empty, by sensor and reason."""
+    out_of_order: int
+    rate: float | None
+    """Hz: one over the median interval; None for a single sample."""
+    start: float
+    """s, on the recording's `t`."""
+    end: float
+    note: str = ""
+    """What a person should know of the clock."""
+
+    def sentences(self) -> list[str]:
+        """What was odd, in words; nothing where nothing was."""
+        differ = self.duplicate_differs
+        found = [
+            (
+                self.rejected["duplicate"],
+                f"repeated a stamp, rejected ({differ} differ)",
+            ),
+            (self.rejected["without_stamp"], "had a zero stamp, rejected"),
+            (self.rejected["undecodable"], "could not be decoded, rejected"),
+            (self.out_of_order, "came late, sorted"),
+            (self.incomplete, "lacked a name of the map"),
+            (self.not_finite, "held NaN or no number, left empty"),
+        ]
+        said = [f"{count} {what}" for count, what in found if count]
+        for sensor, reasons in self.emptied.items():
+            words = reasons_in_words(reasons)
+            said += [f"{sensor}: {each}, left empty" for each in words]
+        return [f"{self.topic}: {each}" for each in (*said, self.note) if each]
+
+
+@dataclass(frozen=True, repr=False)
+class ConversionReport:
+    """What `convert_file` did: the recording, and what became of every message."""
+
+    file: str
+    """The file that was read."""
+    recording: str
+    """The recording that was written."""
+    samples: int
+    """Rows of the recording."""
+    start_ns: int
+    """Absolute time of `t = 0`, ns."""
+    duration: float
+    """Time of the last row, s."""
+    topics: tuple[TopicReport, ...]
+    """What became of the messages of every entry of the map."""
+    warnings: tuple[str, ...]
+    """What was odd, in sentences."""
+
+    def __repr__(self) -> str:
+        """How long the recording is and what it was made from."""
+        made = f"{self.file}: {self.samples} samples over {self.duration:.6g} s"
+        topics = ", ".join(f"{topic.topic} ({topic.used})" for topic in self.topics)
+        return "\n".join([f"{made} from {topics}", *self.warnings])
+
+    def to_json(self) -> dict[str, Any]:
+        """As `orbident convert --json` writes it."""
+        return {
+            "schema": "orbident/conversion/1",
+            "file": self.file,
+            "recording": self.recording,
+            "samples": self.samples,
+            "start_ns": self.start_ns,
+            "duration": self.duration,
+            "topics": [_plain(topic) for topic in self.topics],
+            "warnings": list(self.warnings),
+        }
+
+
+def _plain(topic: TopicReport) -> dict[str, Any]:
+    return {**vars(topic), "columns": list(topic.columns)}
+
+
+def topic_report(
+    timed: Timed, start_ns: int, emptied: dict[str, dict[str, int]]
+) -> TopicReport:
+    """The counts of one entry."""
+    values, entry = timed.values, timed.values.entry
+    stamps = timed.stamps
+    interval = float(np.median(np.diff(stamps))) if stamps.size > 1 else None
+    return TopicReport(
+        topic=entry.topic,
+        type=entry.type,
+        columns=entry.columns,
+        clock=entry.clock,
+        time=timed.clock,
+        messages=values.messages,
+        used=stamps.size,
+        rejected={
+            "duplicate": timed.duplicate,
+            "without_stamp": timed.without_stamp,
+            "undecodable": values.undecodable,
+        },
+        duplicate_differs=timed.duplicate_differs,
+        incomplete=values.incomplete,
+        not_finite=values.not_finite,
+        emptied=emptied,
+        out_of_order=timed.out_of_order,
+        rate=None if interval is None else 1e9 / interval,
+        start=float(stamps[0] - start_ns) / 1e9,
+        end=float(stamps[-1] - start_ns) / 1e9,
+        note=timed.note or ("" if timed.clock in {entry.time, "stamp"} else _NO_STAMP),
+    )
+
+
+def apart(topics: tuple[TopicReport, ...]) -> tuple[str, ...]:
+    """A warning where two topics have no time in common."""
+    last = max(topics, key=lambda topic: topic.start)
+    first = min(topics, key=lambda topic: topic.end)
+    if last.start <= first.end:
+        return ()
+    return (
+        f"'{first.topic}' ends {last.start - first.end:.6g} s before '{last.topic}' "
+        "begins: their clocks differ, or they were not recorded together; "
+        "'time: receive' takes the recorder's clock",
+    )
+
 
 _LOOKED_AT = 65_536
 """Samples that are looked at together: of what is held, some are kept where they meet.
@@ -173,10 +315,10 @@ def _collect(
 def _written(
     used: Sequence[Timed], file: str, out: Path, said: Callable[[float], None]
 ) -> ConversionReport:
-    rows, places = common_rows([each.stamps for each in used])
+    rows, indices = common_rows([each.stamps for each in used])
     names = ["t", *(name for each in used for name in each.values.entry.columns)]
     emptied = [Emptied.of(each) for each in used]
-    write_blocks(out, names, _blocks(used, emptied, rows, places, said))
+    write_blocks(out, names, _blocks(used, emptied, rows, indices, said))
     start_ns = int(rows[0])
     topics = tuple(
         topic_report(each, start_ns, gaps.reasons)
@@ -197,7 +339,7 @@ def _blocks(
     used: Sequence[Timed],
     emptied: Sequence[Emptied],
     rows: np.ndarray,
-    places: Sequence[np.ndarray],
+    indices: Sequence[np.ndarray],
     said: Callable[[float], None],
 ) -> Iterator[np.ndarray]:
     widths = [len(each.values.entry.columns) for each in used]
@@ -207,9 +349,9 @@ def _blocks(
         block = np.full((stop - start, int(edges[-1])), np.nan)
         block[:, 0] = (rows[start:stop] - rows[0]) / 1e9
         for k, each in enumerate(used):
-            low, high = np.searchsorted(places[k], [start, stop])
+            low, high = np.searchsorted(indices[k], [start, stop])
             values = each.values.rows.gather(each.order[low:high])
             values = emptied[k].without(values, slice(low, high))
-            block[places[k][low:high] - start, edges[k] : edges[k + 1]] = values
+            block[indices[k][low:high] - start, edges[k] : edges[k + 1]] = values
         yield block
         said(0.75 + 0.25 * stop / rows.size)

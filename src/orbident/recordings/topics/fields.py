@@ -13,9 +13,16 @@ from pydantic import BeforeValidator, Field, model_validator
 from orbident.errors import InputError
 from orbident.files.schema_parts import WrongValueError
 from orbident.recordings.logs.group import Group
-from orbident.recordings.topics.declared_units import DIMENSIONS, TIMES, nanoseconds_of
 from orbident.recordings.topics.entry import Entry, Extraction, Name, Placed
-from orbident.recordings.topics.targets import Slot, Target, slots_of, target_of
+from orbident.recordings.topics.targets import (
+    DIMENSIONS,
+    TIMES,
+    Slot,
+    Target,
+    nanoseconds_of,
+    slots_of,
+    target_of,
+)
 
 _MOST = 2**62
 """ns, 146 years; so far the sum of the fields goes."""
@@ -112,7 +119,7 @@ class Filling(Placed):
         return tuple(name for target in self.targets for name in target.columns)
 
     @cached_property
-    def places(self) -> dict[str, slice]:
+    def slices(self) -> dict[str, slice]:
         """Where in a sample's values each of `read` stands."""
         ends = accumulate(target.width for target in self.read)
         return {
@@ -122,14 +129,14 @@ class Filling(Placed):
     @property
     def quaternion(self) -> slice | None:
         """Where the attitude stands, if it is a quaternion."""
-        found = (self.places[t.name] for t in self.read if t.unit == "quaternion")
+        found = (self.slices[t.name] for t in self.read if t.unit == "quaternion")
         return next(found, None)
 
     def table(self, raw: Float[np.ndarray, "n K"]) -> Float[np.ndarray, "n columns"]:
         """The columns in SI and base axes."""
         parts = []
         for target in self.targets:
-            values = target.in_si(raw[:, self.places[target.name]])
+            values = target.in_si(raw[:, self.slices[target.name]])
             if target.name == "attitude":
                 values = self.of_base(values)
             elif target.turned:

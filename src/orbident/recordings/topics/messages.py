@@ -17,7 +17,6 @@ from pydantic import Field, create_model, model_validator
 
 from orbident.errors import InputError
 from orbident.recordings.columns import VECTORS
-from orbident.recordings.topics.declared_units import Unit, unit
 from orbident.recordings.topics.entry import (
     Entry,
     Extraction,
@@ -28,7 +27,13 @@ from orbident.recordings.topics.entry import (
     rotate_by_quaternion,
 )
 from orbident.recordings.topics.fields import Filling, Number
-from orbident.recordings.topics.targets import DIMENSION_OF, Target, target_of
+from orbident.recordings.topics.targets import (
+    DIMENSION_OF,
+    Target,
+    Unit,
+    target_of,
+    unit,
+)
 
 
 class VectorMessage(Filling):
@@ -91,7 +96,7 @@ class Odometry(VectorMessage):
     def table(self, raw: Float[np.ndarray, "n K"]) -> Float[np.ndarray, "n columns"]:
         """Columns, SI; `v_W = R_WS v_S`, `w_B = R_BS w_S` of a twist in child axes."""
         if self.turned_by_attitude:
-            x, part = raw[:, self.places["attitude"]], raw[:, self.places[self._turned]]
+            x, part = raw[:, self.slices["attitude"]], raw[:, self.slices[self._turned]]
             part[:] = rotate_by_quaternion(
                 x if self.twist == "child" else conjugate(x), part
             )
@@ -111,10 +116,10 @@ class Pose(VectorMessage):
     def table(self, raw: Float[np.ndarray, "n K"]) -> Float[np.ndarray, "n columns"]:
         """Columns in m, inertial axes; `p_WS = -R_SW^T p_SW` of an inverted pose."""
         if self.turned_by_attitude:
-            x = raw[:, self.places["attitude"]]
+            x = raw[:, self.slices["attitude"]]
             x[:] = conjugate(x)
-            if "position" in self.places:
-                p = raw[:, self.places["position"]]
+            if "position" in self.slices:
+                p = raw[:, self.slices["position"]]
                 p[:] = -rotate_by_quaternion(x, p)
         return super().table(raw)
 
@@ -217,12 +222,12 @@ class JointStates(Entry):
 
     def samples(self, message: Any) -> Iterator[Extraction]:
         """One, in the order of the columns; NaN where there is no value."""
-        place = {name: k for k, name in enumerate(message.name)}
+        index = {name: k for k, name in enumerate(message.name)}
         values = []
         for key in self.take.taken:
             given = getattr(message, key).tolist()
             for name in self._sources:
-                k = place.get(name, len(given))
+                k = index.get(name, len(given))
                 values.append(given[k] if k < len(given) else nan)
         yield Extraction(header_stamp(message.header), values)
 

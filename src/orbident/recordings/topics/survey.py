@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from orbident.errors import InputError
-from orbident.files.pipes import refuse_pipe
+from orbident.files.text import refuse_pipe
 from orbident.recordings.logs.group import Group, listed_fields
 from orbident.recordings.logs.log import KINDS, is_log, open_log
 from orbident.recordings.source import Source
-from orbident.recordings.topics.declared_units import TIMES
 from orbident.recordings.topics.messages import MESSAGE_TYPES
+from orbident.recordings.topics.targets import TIMES
 
 if TYPE_CHECKING:
     from orbident.recordings.bags.topic import Topic

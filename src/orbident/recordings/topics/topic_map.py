@@ -8,8 +8,7 @@ from pydantic import Field
 
 from orbident.errors import InputError
 from orbident.files.names import suggestion
-from orbident.files.schema_errors import validated
-from orbident.files.schema_parts import MappingSchema
+from orbident.files.schema_parts import MappingSchema, validated
 from orbident.files.text import read_text
 from orbident.files.yaml_mapping import read_yaml_mapping
 from orbident.recordings.topics.entry import Entry

@@ -14,8 +14,7 @@ import pytest
 
 import orbident as oi
 from orbident.errors import InputError
-from orbident.orbits.elements import Elements
-from orbident.orbits.orbit import Orbit
+from orbident.orbits.orbit import Elements, Orbit
 from orbident.preprocessing.samples import samples_of
 from orbident.robot.sensor_schema import AttitudeSpec
 from orbident.simulation.measure import measure_truth

@@ -12,8 +12,7 @@ from random_robots import random_robot
 from orbident.errors import InputError
 from orbident.estimation.identify import identify
 from orbident.model.minimal_sets import minimal_sets
-from orbident.orbits.elements import Elements
-from orbident.orbits.orbit import Orbit
+from orbident.orbits.orbit import Elements, Orbit
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot, Torquer
 from orbident.robot.sensor_schema import declared_sensors

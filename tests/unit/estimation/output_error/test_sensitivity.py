@@ -19,7 +19,6 @@ from orbident.estimation.output_error.solver import solved
 from orbident.estimation.output_error.taken_for_zero import TakenForZero
 from orbident.estimation.solution import Solution
 from orbident.estimation.unknowns import score
-from orbident.model.derivatives import derivatives_of_beta
 from orbident.model.minimal_sets import minimal_sets
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
@@ -76,7 +75,7 @@ def test_shifts_in_deviations_of_what_follows_from_beta(flown):
     table = sensitivity(
         TakenForZero(problem, solved(problem, problem.weights, prior, state))
     )
-    for derivative in derivatives_of_beta(sets, beta):
+    for derivative in sets.derivatives(beta):
         found = table.in_deviations(derivative)
         assert found.shape == (len(derivative), len(table.names))
         row = derivative[0]

@@ -16,7 +16,6 @@ from orbident.estimation.recursive.filter import Extended, Sample, State
 from orbident.estimation.recursive.given import Noise, given_of, noise_of
 from orbident.estimation.recursive.history import filter_history, recursive_history
 from orbident.estimation.recursive.prior import cad_prior, prior_from
-from orbident.model.derivatives import derivatives_of_beta, sets_of_beta
 from orbident.model.minimal_sets import MinimalSets, minimal_sets
 from orbident.preprocessing.samples import samples_of
 from orbident.robot.description import Robot
@@ -87,7 +86,7 @@ def test_handing_over_costs_a_tenth_of_a_deviation(robot: Robot, sets: MinimalSe
     R, z = exact.R_z[:, :-1], exact.R_z[:, -1]
     beta, A = state.beta, state.prior
     for _ in range(5):
-        y, J = (f(sets, beta) for f in (sets_of_beta, derivatives_of_beta))
+        y, J = sets.pi_and_phi(beta), sets.derivatives(beta)
         A = np.vstack([R @ np.vstack(J), state.prior[:, :-1]])
         b = z - R @ (np.concatenate(y) - np.vstack(J) @ beta)
         beta = np.linalg.lstsq(A, np.append(b, state.prior[:, -1]), rcond=None)[0]

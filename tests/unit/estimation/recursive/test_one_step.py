@@ -25,7 +25,6 @@ from orbident.estimation.recursive.filter import Extended, Info, Sample, State, 
 from orbident.estimation.recursive.given import Noise, noise_of
 from orbident.estimation.recursive.prior import GaussianPrior, cad_prior
 from orbident.estimation.stretches import rate_scatter, smoothed_rate
-from orbident.model.derivatives import derivatives_of_beta, sets_of_beta
 from orbident.model.minimal_sets import minimal_sets
 from orbident.preprocessing.samples import samples_of
 from orbident.preprocessing.smoothing import Settings
@@ -138,8 +137,8 @@ def test_the_estimate(case: Case):
     """Gauss and Newton from the last one, with the prior; the nuisances after it."""
     state, after = case.state, case.after
     sets = case.kalman.sets
-    y = np.concatenate(sets_of_beta(sets, state.beta))
-    J = np.vstack(derivatives_of_beta(sets, state.beta))
+    y = np.concatenate(sets.pi_and_phi(state.beta))
+    J = np.vstack(sets.derivatives(state.beta))
     R, z = after.R_z[:, :-1], after.R_z[:, -1]
     A = np.vstack([R @ J, state.prior[:, :-1]])
     b = np.append(z - R @ (y - J @ state.beta), state.prior[:, -1])
@@ -160,8 +159,8 @@ def test_a_step_over_beta(late: Case):
     axes = axes_of(sets)
     back, kick = transition(late.kalman.noise, late.state, late.sample, axes)
     n, k = len(back), state.beta.size
-    y = np.concatenate(sets_of_beta(sets, state.beta))
-    J = np.vstack(derivatives_of_beta(sets, state.beta))
+    y = np.concatenate(sets.pi_and_phi(state.beta))
+    J = np.vstack(sets.derivatives(state.beta))
     own = laws(late.robot, late.kalman.noise, late.state, late.sample, axes)
     X, Y, z = own.rows[:, :n], own.rows[:, n:-1], own.rows[:, -1]
     linear = np.column_stack([X, Y @ J, z - Y @ (y - J @ state.beta)])

@@ -25,9 +25,8 @@ from mcap.writer import IndexType
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from orbident.errors import InputError
-from orbident.recordings.bags.mcap_file import _whole_until
-from orbident.recordings.topics.conversion_report import ConversionReport
-from orbident.recordings.topics.convert import convert_file
+from orbident.recordings.bags.bag import _whole_until
+from orbident.recordings.topics.convert import ConversionReport, convert_file
 from orbident.recordings.topics.proposal import proposed_map
 from orbident.recordings.topics.survey import survey_file
 

@@ -14,8 +14,7 @@ from scipy.spatial.transform import Rotation
 
 from orbident.recordings.recording import Recording
 from orbident.recordings.tables import read_recording
-from orbident.recordings.topics.conversion_report import ConversionReport
-from orbident.recordings.topics.convert import convert_file
+from orbident.recordings.topics.convert import ConversionReport, convert_file
 from orbident.recordings.topics.proposal import proposed_map
 from orbident.recordings.topics.survey import survey_file
 from orbident.recordings.topics.topic_map import load_topic_map

@@ -11,8 +11,7 @@ from scipy.spatial.transform import Rotation
 from orbident.errors import InputError
 from orbident.recordings.recording import Recording
 from orbident.recordings.tables import read_recording
-from orbident.recordings.topics.conversion_report import ConversionReport
-from orbident.recordings.topics.convert import convert_file
+from orbident.recordings.topics.convert import ConversionReport, convert_file
 from orbident.recordings.topics.presets import preset_path, presets
 from orbident.recordings.topics.proposal import proposed_map
 from orbident.recordings.topics.survey import survey_file

@@ -1,0 +1,162 @@
+"""Shooting intervals of a simulated motion, as output error sees them."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from instruments import Errors, TrueMotion, no_errors
+from random_robots import random_start, random_swing
+
+from orbident import _core
+from orbident.estimation.output_error.problem import NO_ROWS, NOTHING, SENSORS
+from orbident.estimation.solution import OUTSIDE, Linear, Unknowns
+from orbident.model.core_robot import core_tree
+from orbident.model.inertia import inertia_at
+from orbident.model.minimal_sets import minimal_sets
+from orbident.model.rotations import quaternion_matrix
+from orbident.model.wheel_arrays import wheels_of
+from orbident.robot.description import Robot
+from orbident.simulation.free_floating import free_floating
+from orbident.simulation.measure import accelerations
+
+GYRO, ACCELEROMETER = np.array([1.0, -2.0, 3.0]), np.array([0.3, 0.1, -0.2])
+"""Biases, rad/s and m/s^2."""
+
+Z = np.array([0.0, 0.0, 1.0])
+
+
+class Segment(NamedTuple):
+    """The sensors show the truth, with biases; all that varies has unit deviation."""
+
+    recorded: _core.Recorded
+    weights: dict[str, np.ndarray]
+    state: Unknowns
+
+    def residuals(self, state: Unknowns | None = None) -> dict[str, np.ndarray]:
+        """The residuals of every sensor."""
+        *_, tables = _core.linearised(self.recorded, **self._at(state, *SENSORS))
+        return dict(zip(SENSORS, tables, strict=True))
+
+    def equations(
+        self, *sensors: str, state: Unknowns | None = None, interval: int = 0
+    ) -> np.ndarray:
+        """The equations of these sensors, then of continuity and of encoders."""
+        at = self._at(state, *sensors)
+        return _core.interval_equations(self.recorded, **at, interval=interval)
+
+    def eliminated(self, threads: int = 1) -> Linear:
+        """The equations of all sensors, after elimination."""
+        factor, links, cost, tables = _core.linearised(
+            self.recorded, **self._at(None, *SENSORS), threads=threads
+        )
+        residuals = dict(zip(SENSORS, tables, strict=True))
+        return Linear(factor, links, cost, residuals, self.state)
+
+    def _at(self, state: Unknowns | None, *sensors: str) -> dict[str, Any]:
+        weights = [
+            self.weights[name] * (name in sensors) if name in self.weights else NO_ROWS
+            for name in SENSORS
+        ]
+        at = self.state if state is None else state
+        white, nothing = np.zeros((2, 3, 3)), np.zeros((0, 15, 0))
+        return dict(weights=weights, coloured=white, acting=nothing, **at._asdict())
+
+
+def segment_of(
+    robot: Robot,
+    seed: int,
+    rows: int = 8,
+    dt: float = 0.02,
+    substeps: int = 1,
+    intervals: int = 1,
+    errors: Errors | None = None,
+) -> Segment:
+    """A segment from the simulator, at every node; nothing is interpolated.
+
+    With errors of the instruments, these are shown, and all are unknowns.
+    """
+    by = errors or no_errors(robot)
+    believed, robot = robot, by.robot(robot)
+    t = np.arange(2 * rows - 1) * dt / 2
+    swing = random_swing(seed, len(robot.joints))
+    truth = TrueMotion(by, swing)
+    motion = free_floating(robot, truth, t, random_start(seed, robot), 1e-12)
+    q, qd, qdd = swing.at(t)
+    rate = rate_at_rows(t)
+    felt = accelerations(
+        robot, motion, by.joints(q, qd, qdd)[2] + by.clock[0] * rate @ qdd
+    )
+    row = slice(None, None, 2)
+    qd_rw, qdd_rw = by.wheels(motion.qd_rw, felt.qdd_rw, rate)
+    samples = {
+        "gyro": by.rates(motion.w[row]) + GYRO,
+        "accelerometer": felt.f_S[row] + ACCELEROMETER,
+        "attitude": by.attitudes(motion.attitude[row], motion.w[row]),
+        "joints": q[row],
+        "position": by.positions(
+            motion.r_S[row], motion.v_S[row], motion.attitude[row]
+        ),
+        "velocity": by.velocities(motion.v_S[row], motion.w[row], motion.attitude[row]),
+    }
+    every = np.ones(3)
+    turning, moving = (Z, every - Z) if robot.motion == "planar" else (every, every)
+    axes = {
+        "gyro": turning,
+        "accelerometer": moving,
+        "attitude": turning,
+        "joints": np.ones(len(robot.joints)),
+        "position": moving,
+        "velocity": moving,
+    }
+    weights = {name: np.tile(axes[name], (rows, 1)) for name in SENSORS}
+    weights["accelerometer"][-1] = 0.0
+    sets, joints = minimal_sets(believed), len(robot.joints)
+    r_cm = inertia_at(robot, motion.q[0]).r_cm
+    r_cm = quaternion_matrix(motion.attitude[0]) @ r_cm
+    outside = NOTHING._replace(h_cm=motion.h_cm, v_cm=motion.v_cm, r_cm=r_cm)
+    edges = np.round(np.linspace(0, rows, intervals + 1))
+    local = np.zeros((intervals + 1, 9 + 2 * joints))
+    local[:, 3:9] = np.append(GYRO, ACCELEROMETER)
+    recorded = _core.Recorded(
+        tree=core_tree(believed),
+        theta_0=robot.theta.ravel() - sets.base.theta_of @ sets.beta(robot.theta),
+        theta_of=sets.base.theta_of,
+        planar=robot.motion == "planar",
+        substeps=substeps,
+        corrected=np.arange(joints, dtype=float),
+        t=t[::2],
+        edge=edges.astype(float),
+        knots=t,
+        q=columns(q),
+        q_slope=columns(qd),
+        qd=columns(qd),
+        qdd=columns(qdd),
+        A_rw=np.ascontiguousarray(wheels_of(robot).A_rw.T),
+        qd_rw=columns(qd_rw),
+        qdd_rw=columns(qdd_rw),
+        samples=[np.ascontiguousarray(samples[name]) for name in SENSORS],
+        first=np.ones(9 + 2 * joints),
+        corrections=np.ones(2 * joints),
+        walk=np.ones(9),
+    )
+    common = np.concatenate([*outside, sets.beta(robot.theta)])
+    assert common.size == OUTSIDE + sets.base.theta_of.shape[1]
+    meets = 2 * np.minimum(edges.astype(int), rows - 1)
+    state = Unknowns(np.ascontiguousarray(motion.attitude[meets]), local, common)
+    if errors is not None:
+        state = state.selecting(np.arange(by.vector.size, dtype=float))
+        state = state._replace(common=np.append(common, by.vector))
+    return Segment(recorded, weights, state)
+
+
+def columns(table: np.ndarray) -> list[np.ndarray]:
+    """The columns of a table, each for itself."""
+    return [np.ascontiguousarray(x) for x in table.T]
+
+
+def rate_at_rows(t: np.ndarray) -> np.ndarray:
+    """The matrix that takes values to their rates: by the parabola through a row,
+    half-way and the next row; zero half-way."""
+    rate = np.zeros((t.size, t.size))
+    for node in range(0, t.size - 2, 2):
+        rate[node, node : node + 3] = np.array([-3, 4, -1]) / (t[node + 2] - t[node])
+    return rate
