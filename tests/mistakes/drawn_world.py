@@ -7,11 +7,11 @@ import numpy as np
 from disturbed import Now, Push, Wrench
 from recordings import Clean
 
-from orbident.campaigns.instrument_errors import with_instrument_errors
+from orbident.campaigns.case import with_instrument_errors
 from orbident.environment.worlds import radius_of_gyration, scale_of, what_may_act
 from orbident.robot.description import Robot
 from orbident.robot.tolerances import CALIBRATION_KINDS, Tolerances
-from orbident.simulation.truth import Truth
+from orbident.simulation.measure import Truth
 
 WAVES = 12
 """Of what changes slowly: their sum is nearly normal, and their rates are normal as the

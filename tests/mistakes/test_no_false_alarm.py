@@ -4,7 +4,7 @@ import os
 
 import pytest
 from clean import ByMethod, Runs, coverage, markdown, of_robot, of_robots, pooled
-from random_flights import flight, flights, flyers
+from random_flights import flight, flights, flyers, recorded
 
 from orbident.estimation.identify import METHODS, Method
 
@@ -22,7 +22,8 @@ FEW = ("space 0", "table 1", "free-flyer 0", "free-flyer 3")
 def test_a_good_recording_is_accepted(name: str):
     """The method is the default; for the others see the table of `clean.py`."""
     runs = Runs()
-    runs.take(flight(name), 0, "maximum-likelihood")
+    known = recorded(flight(name), 0)
+    runs.take(flight(name), known, "maximum-likelihood")
     assert runs.refused == 0, runs.reasons
     # Of a hundred normal errors none is beyond.
     assert max(map(abs, runs.z)) < 5

@@ -19,7 +19,7 @@ FLIGHTS = [*flights(), *flyers()]
 )
 def test_what_is_clean_is_left_as_it_is(name: str):
     clean = flight(name)
-    recording = recorded(clean, 0)
+    recording = recorded(clean, 0).recording
     printed = {name: np.round(x, 4) for name, x in recording.columns.items()}
     for shown in (recording, Recording(recording.t, printed)):
         found = screened(clean.robot, shown)

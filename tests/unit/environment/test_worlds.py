@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from orbident.orbits.elements import Elements
 from small_problems import small_robot, small_robot_in_space
 
 from orbident.environment.worlds import (
@@ -24,7 +23,7 @@ from orbident.environment.worlds import (
 )
 from orbident.model.inertia import inertia_at
 from orbident.orbits.earth import MU, R_E
-from orbident.orbits.orbit import Orbit
+from orbident.orbits.orbit import Elements, Orbit
 from orbident.robot.description import MomentumWalk, Robot
 from orbident.robot.may_act import MayAct, may_act
 

@@ -37,6 +37,7 @@ def known(values: np.ndarray, std: np.ndarray) -> LinearFit:
         unexplained=0.0,
         unexplained_freed=0.0,
         explained_freed=1.0,
+        freed=nothing,
     )
 
 

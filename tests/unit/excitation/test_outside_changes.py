@@ -106,12 +106,14 @@ class Dense:
         h, v, seen = list(self.sensing.h), list(self.sensing.v), []
         for sensor, weight in self.sensing.weights.items():
             root = np.sqrt(weight * self.dt)
-            seen += {
-                "gyro": lambda: [root * dw[:, h]],
-                "attitude": lambda: [root * self.integral(self.R @ dw)[:, h]],
-                "accelerometer": lambda: [root * np.diff(felt, axis=0)[:, v] / self.dt],
-                "position": lambda: [root * self.integral(dv)[:, v]],
-            }[sensor]()
+            if sensor == "gyro":
+                seen.append(root * dw[:, h])
+            elif sensor == "attitude":
+                seen.append(root * self.integral(self.R @ dw)[:, h])
+            elif sensor == "accelerometer":
+                seen.append(root * np.diff(felt, axis=0)[:, v] / self.dt)
+            else:
+                seen.append(root * self.integral(dv)[:, v])
         return np.concatenate([each.reshape(-1, dw.shape[2]) for each in seen])
 
     def integral(self, x):
@@ -226,10 +228,10 @@ def test_in_space(servicer):
 
 def test_sizes_of_zero_are_nothing(emulator):
     nothing = {name: MayAct(0.0) for name in ON_A_TABLE}
-    ours = [
+    zero, none = (
         Dense(replace(emulator, disturbances=each), 65).ours() for each in (nothing, {})
-    ]
-    np.testing.assert_array_equal(*ours)
+    )
+    np.testing.assert_array_equal(zero, none)
 
 
 @pytest.mark.parametrize(

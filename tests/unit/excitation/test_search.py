@@ -29,7 +29,7 @@ def case(emulator, given):
     problem = problem_for(emulator, given, "cond", 0.0)
     polytope = polytope_of(problem.motions.resampled(65), given.limits)
     middle = inner_point(polytope, given.limits, dict(enumerate(emulator.joint_names)))
-    return SearchSpace(problem, (polytope,) * 3, middle)
+    return SearchSpace(problem, (polytope, polytope, polytope), middle)
 
 
 def run(case, effort, seed=0, report=lambda _: None) -> Searched:
