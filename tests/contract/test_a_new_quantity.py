@@ -112,8 +112,10 @@ def full(robot: Robot) -> Result:
         biases={"gyro.x": {"value": 1e-4, "std": 1e-6}},
         calibration={"gyro.scale.x": CalibrationFit(0.1, 0.2, 0.3)},
         disturbances={"drag": DisturbanceFit("drag", "N", 1e-3, 1e-4, 2.0)},
+        allowed={"drag": 2e-3, "pull": nan},
+        widened_by=2.5,
         sensitivity=as_computed(
-            SensitivityTable(names[:2], ("drag",), ("unseen",), two[:, None])
+            SensitivityTable(names[:2], ("attitude.clock",), ("ms",), two[:, None])
         ),
         budget=as_computed(
             Budget(

@@ -91,9 +91,9 @@ sensors:
 {wheels}"""
 
 _TAIL = """
-# All that acts from outside, such as [pull, drag] on a table; [] if you know that
-# nothing does. Without this line a result may be "with care", because something may act
-# that is too faint to be seen.
+# What may act from outside, and how large it may be, such as {pull: 100 urad} on a
+# table; [] if you know that nothing does. Without this line it is what may act in the
+# robot's world, and deviations hold it.
 # disturbances: []
 
 # What else may stand here is in the reference "The robot file": what is known of bodies

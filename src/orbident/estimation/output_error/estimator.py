@@ -98,7 +98,7 @@ class OutputError:
         search = self._search(problem, sensors, step)
         # Without declared noise, what splines leave between samples looks slow too.
         excluded = () if search.declared == {*sensors.by_name} else SLOW
-        check_known(search.problem)
+        check_disturbances_show(search.problem)
         equations, density_std = with_densities(
             search.problem,
             lambda equations: replace(search, problem=equations).freed(),
@@ -189,7 +189,7 @@ def _first(problem: MomentumProblem) -> Float[np.ndarray, " beta"]:
     return beta_of_fits(problem.robot, problem.sets, problem.fits).values
 
 
-def check_known(problem: Problem) -> None:
+def check_disturbances_show(problem: Problem) -> None:
     """What the robot file names can be estimated from this recording.
 
     Raises:
