@@ -12,7 +12,7 @@ from random_robots import random_planar_robot, random_robot, random_wheels
 from orbident.excitation.conditions import Conditions, conditions_for
 from orbident.excitation.criterion import Objective
 from orbident.excitation.design_problem import problem_for
-from orbident.robot.description import Robot
+from orbident.robot.description import AtRest, Robot
 from orbident.robot.sensor_schema import declared_sensors
 
 pytestmark = pytest.mark.core
@@ -52,7 +52,13 @@ class Recipe(NamedTuple):
             "position": {"std": 1e-3},
         }
         return replace(
-            robot, joints=joints, theta=theta, sensors=declared_sensors(sensors)
+            robot,
+            joints=joints,
+            theta=theta,
+            sensors=declared_sensors(sensors),
+            # What may act has gradients good to its quadrature, tested by itself.
+            disturbances={},
+            at_rest=AtRest(0.0, 0.0),
         )
 
     def conditions(self, robot: Robot) -> Conditions:

@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 from orbident.studies.exciting import paper_case
 from scipy.integrate import cumulative_trapezoid
+from scipy.linalg import block_diag
 
+from orbident.environment.worlds import radius_of_gyration
 from orbident.excitation.conditions import conditions_for
 from orbident.excitation.design_problem import problem_for
 from orbident.excitation.floating import craft_of, was_at_rest
@@ -103,42 +105,35 @@ class Dense:
 
     def rows(self, dw, dv, felt):
         """What all sensors see, over their noise."""
-        h, v, seen = list(self.sensing.h), list(self.sensing.v), []
-        for sensor, weight in self.sensing.weights.items():
-            root = np.sqrt(weight * self.dt)
-            if sensor == "gyro":
-                seen.append(root * dw[:, h])
-            elif sensor == "attitude":
-                seen.append(root * self.integral(self.R @ dw)[:, h])
-            elif sensor == "accelerometer":
-                seen.append(root * np.diff(felt, axis=0)[:, v] / self.dt)
-            else:
-                seen.append(root * self.integral(dv)[:, v])
-        return np.concatenate([each.reshape(-1, dw.shape[2]) for each in seen])
+        h, v = list(self.sensing.h), list(self.sensing.v)
+        see = {
+            "gyro": lambda: dw[:, h],
+            "attitude": lambda: self.integral(self.R @ dw)[:, h],
+            "accelerometer": lambda: np.diff(felt, axis=0)[:, v] / self.dt,
+            "position": lambda: self.integral(dv)[:, v],
+        }
+        return np.concatenate(
+            [
+                np.sqrt(weight * self.dt) * see[sensor]().reshape(-1, dw.shape[2])
+                for sensor, weight in self.sensing.weights.items()
+            ]
+        )
 
     def integral(self, x):
         return cumulative_trapezoid(x, dx=self.dt, axis=0, initial=0.0)
 
     def own_constants(self):
         """Columns of the constants of each sensor, and of the momentum."""
-        one = np.broadcast_to(np.eye(3), self.R.shape)
-        h, v, blocks = list(self.sensing.h), list(self.sensing.v), []
-        for sensor in self.sensing.weights:
-            t = self.t[:, None, None]
-            own = {
-                "gyro": lambda: one[:, h][:, :, h],
-                "attitude": lambda: one[:, h][:, :, h],
-                "accelerometer": lambda: self.R[1:][:, v][:, :, v],
-                "position": lambda t=t: np.concatenate([one, t * one], 2)[:, v],
-            }[sensor]()
-            blocks.append(own.reshape(-1, own.shape[2]))
-        size = sum(map(len, blocks)), sum(block.shape[1] for block in blocks)
-        columns, row, column = np.zeros(size), 0, 0
-        for block in blocks:
-            m, n = block.shape
-            columns[row : row + m, column : column + n] = block
-            row, column = row + m, column + n
-        columns = columns[:, np.abs(columns).max(axis=0) > 0]
+        one, t = np.broadcast_to(np.eye(3), self.R.shape), self.t[:, None, None]
+        h, v = list(self.sensing.h), list(self.sensing.v)
+        own = {
+            "gyro": one[:, h][:, :, h],
+            "attitude": one[:, h][:, :, h],
+            "accelerometer": self.R[1:][:, v][:, :, v],
+            "position": np.concatenate([one[:, :, v], t * one[:, :, v]], 2)[:, v],
+        }
+        blocks = [own[sensor] for sensor in self.sensing.weights]
+        columns = block_diag(*(x.reshape(-1, x.shape[2]) for x in blocks))
         if not self.at_rest:
             dw, dv = self.by_momentum(one, 0.0)
             columns = np.column_stack([columns, self.rows(dw, dv, dv)])
@@ -187,21 +182,16 @@ def test_on_a_table(emulator):
     slowed = (-(x - x[0] + np.outer(t, v_cm)) / M)[..., None]
     angle = dense.integral(motion.w)[..., None]
     fallen = np.einsum("n,ij->nij", t, np.eye(3)[:, :2])
-    sloped = np.einsum("n,ij->nij", t**2 / 2, [[v_cm[0], v_cm[1], 0], [0, *v_cm[:2]]])
-    sloped = np.concatenate([np.swapaxes(sloped, 1, 2), none], axis=2)[:, :, :2]
-    sloped = np.stack(
-        [
-            np.outer(t**2 / 2, a)
-            for a in ([v_cm[0], 0, 0], v_cm[[1, 0, 2]], [0, v_cm[1], 0])
-        ],
-        axis=2,
-    )
-    D = np.abs(np.diag(inertia(emulator, np.zeros((1, 2))).D[0])).sum() / 2 / M
+    # The pull is v_cm t times each entry of a symmetric matrix.
+    x_cm, y_cm, _ = v_cm
+    entries = ([x_cm, 0, 0], [y_cm, x_cm, 0], [0, y_cm, 0])
+    sloped = np.einsum("n,ki->nik", t**2 / 2, entries)
+    gyration = radius_of_gyration(emulator)
     sizes = ON_A_TABLE
     acting = [dense.slow_torque(*sizes["slow_torque"])]
     for dh, dv, std in (
         (dragged, slowed, sizes["drag"].size),
-        (-angle, none, sizes["drag"].size * D),
+        (-angle, none, sizes["drag"].size * gyration**2),
         (np.zeros((n, 3, 2)), fallen, sizes["pull"].size),
         (np.zeros((n, 3, 3)), sloped, sizes["uneven"].size),
     ):
@@ -228,10 +218,10 @@ def test_in_space(servicer):
 
 def test_sizes_of_zero_are_nothing(emulator):
     nothing = {name: MayAct(0.0) for name in ON_A_TABLE}
-    zero, none = (
+    ours = [
         Dense(replace(emulator, disturbances=each), 65).ours() for each in (nothing, {})
-    )
-    np.testing.assert_array_equal(zero, none)
+    ]
+    np.testing.assert_array_equal(*ours)
 
 
 @pytest.mark.parametrize(
@@ -241,7 +231,7 @@ def test_sizes_of_zero_are_nothing(emulator):
         ("emulator", {"drag": MayAct(0.01)}, ("base", "link2"), 5e-3),
         ("servicer", IN_SPACE, (), 1e-5),
         ("servicer", TURNING, (), 2e-2),
-        # A size that goes with the motion's momentum is taken for a constant.
+        # Sizes go with the motion's momentum.
         ("servicer", None, (), 1e-4),
     ],
 )
