@@ -108,8 +108,7 @@ ODD = {
     "no sensors": (ARM, "", "nothing is said of joints, gyro or attitude, position"),
     "an error without a tolerance": (
         ARM,
-        "sensors: {suites: [tactical-imu]}\n"
-        "tolerances: {gyro: {misalignment: 0.001}}\n",
+        "sensors: {suites: [tactical-imu]}\ntolerances: {gyro: {scale: 0}}\n",
         "add tolerances: {gyro: {scale: 0.0005}}",
     ),
     "all in one plane": (

@@ -21,6 +21,7 @@ from orbident.estimation.result import Result
 from orbident.model.minimal_sets import minimal_sets
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot, Wheel
+from orbident.robot.may_act import may_act
 from orbident.robot.sensor_schema import declared_sensors
 from orbident.simulation.measure import Truth, measure_truth
 
@@ -67,7 +68,13 @@ def table_robot() -> Robot:
         "attitude": {"angle": 1e-4},
         "position": white,
     }
-    return replace(robot, theta=theta, pads=pads, sensors=declared_sensors(sensors))
+    return replace(
+        robot,
+        theta=theta,
+        pads=pads,
+        sensors=declared_sensors(sensors),
+        disturbances=may_act(["pull", "drag"]),
+    )
 
 
 def commanded(t: float, joints: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from orbident.studies.exciting import paper_case
 from scipy.integrate import cumulative_trapezoid
 from scipy.linalg import block_diag
 
@@ -19,6 +18,7 @@ from orbident.model.rotations import quaternion_matrix
 from orbident.model.wheel_arrays import wheels_of
 from orbident.robot.may_act import MayAct
 from orbident.simulation.free_floating import BaseState, free_floating
+from orbident.studies.spatial import paper_case
 
 ON_A_TABLE = {
     "slow_torque": MayAct(2e-3, 6.0),

@@ -13,11 +13,34 @@ SLIDING = ARM.replace('type="continuous"', 'type="prismatic"').replace(
 )
 
 
-def test_without_tolerances_every_instrument_is_exact(load_yaml):
-    robot = load_yaml()
+def test_every_instrument_is_exact_if_the_file_says_so(load_yaml):
+    robot = load_yaml("tolerances: exact")
     exact = dict.fromkeys(robot.joint_names, 0.0)
     every = Tolerances(exact, exact, joint_place=exact, joint_direction=exact)
     assert robot.tolerances == every
+
+
+def test_without_tolerances_instruments_are_as_usual(load_yaml):
+    robot = load_yaml()
+    joints = robot.joint_names
+    exact = dict.fromkeys(joints, 0.0)
+    assert robot.tolerances == Tolerances(
+        joint_zero=dict.fromkeys(joints, 1e-3),
+        joint_scale=dict.fromkeys(joints, 1e-4),
+        wheel_inertia=2e-3,
+        gyro_misalignment=1e-3,
+        gyro_scale=5e-4,
+        joint_clock=1e-3,
+        attitude_clock=1e-3,
+        position_clock=1e-3,
+        joint_place=exact,
+        joint_direction=exact,
+    )
+
+
+def test_what_is_absent_is_as_usual(load_yaml):
+    found = load_yaml("tolerances: {wheels: {inertia: 0}}").tolerances
+    assert (found.wheel_inertia, found.gyro_scale) == (0.0, 5e-4)
 
 
 def test_every_tolerance_in_its_unit(load_yaml):
@@ -51,10 +74,10 @@ tolerances:
 def test_joints_by_name(load_yaml):
     robot = load_yaml()
     first, *others = robot.joint_names
-    found = load_yaml(f"tolerances: {{joints: {{{first}: {{zero: 1 mrad}}}}}}")
+    found = load_yaml(f"tolerances: {{joints: {{{first}: {{zero: 3 mrad}}}}}}")
     zeros = found.tolerances.joint_zero
-    assert zeros[first] == 1e-3
-    assert not any(zeros[name] for name in others)
+    assert zeros[first] == 3e-3
+    assert {zeros[name] for name in others} == {1e-3}
 
 
 def test_the_zero_of_a_joint_that_slides_is_a_length(load_yaml):

@@ -60,7 +60,7 @@ def made_up() -> MadeUp:
 
 
 def free(made_up: MadeUp, *families: str) -> MadeUp:
-    acting = made_up.problem.acting.allowing(dict.fromkeys(families, np.inf))
+    acting = made_up.problem.acting.allowing({each: np.inf for each in families})
     return made_up._replace(problem=made_up.problem._replace(acting=acting))
 
 
