@@ -218,10 +218,10 @@ def test_in_space(servicer):
 
 def test_sizes_of_zero_are_nothing(emulator):
     nothing = {name: MayAct(0.0) for name in ON_A_TABLE}
-    ours = [
+    zero, none = (
         Dense(replace(emulator, disturbances=each), 65).ours() for each in (nothing, {})
-    ]
-    np.testing.assert_array_equal(*ours)
+    )
+    np.testing.assert_array_equal(zero, none)
 
 
 @pytest.mark.parametrize(
