@@ -48,7 +48,7 @@ class Segment(NamedTuple):
         factor, links, cost, tables = _core.linearised(
             self.recorded, **self._at(None, *SENSORS), threads=threads
         )
-        residuals = dict(zip(SENSORS, tables, strict=True))
+        residuals: dict[str, np.ndarray] = dict(zip(SENSORS, tables, strict=True))
         return Linear(factor, links, cost, residuals, self.state)
 
     def _at(self, state: Unknowns | None, *sensors: str) -> dict[str, Any]:

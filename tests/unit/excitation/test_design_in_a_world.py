@@ -9,7 +9,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from orbident.studies.exciting import paper_case
 
 from orbident.excitation.bound import cramer_rao
 from orbident.excitation.conditions import conditions_for
@@ -17,6 +16,7 @@ from orbident.excitation.design import HARMONICS, design_excitation, harmonics_t
 from orbident.excitation.floating import was_at_rest
 from orbident.excitation.guarantee import floated
 from orbident.excitation.scores import scores_of
+from orbident.studies.spatial import paper_case
 
 
 def in_its_world(robot):
@@ -41,8 +41,8 @@ def test_a_motion_that_knows_the_table(emulator):
         in_its_world(emulator), conditions=replace(given, harmonics=10), starts=1
     )
     (was, before), (now, after) = (scored(emulator, each) for each in (blind, aware))
-    assert was.price > 10
-    assert now.price < was.price / 3
+    assert (was.price or 0) > 10
+    assert (now.price or np.inf) < (was.price or 0) / 3
     assert after < before / 5
     made = aware.design
     assert made is not None
@@ -69,11 +69,12 @@ def test_the_bound_agrees(request, name):
     trajectory = paper_case(robot).trajectory
     score, _ = scored(robot, trajectory)
     alone = scores_of(robot, trajectory, floated(robot, trajectory))
-    assert score.d > alone.d
+    assert (score.d or 0) > (alone.d or np.inf)
     assert alone.price is None
     there = in_its_world(robot)
     at_rest = was_at_rest(robot, trajectory.initial, trajectory.start)
     known = cramer_rao(there, trajectory, "at-rest" if at_rest else "unknown")
+    assert score.deviations is not None
     ours = np.concatenate([[score.deviations.mass], score.deviations.pi])
     theirs = np.sqrt(
         np.concatenate(
@@ -95,7 +96,7 @@ def test_the_numbers_that_decide_on_a_table(emulator, capsys):
     with capsys.disabled():
         print(f"\ntable: price {was.price:.3g} -> {now.price:.3g}", end=", ")
         print(f"deviations {before:.3g} -> {after:.3g} (geometric mean)")
-    assert now.price <= 3.0
+    assert (now.price or np.inf) <= 3.0
     assert after <= before / 5
 
 
@@ -106,4 +107,4 @@ def test_the_numbers_that_decide_in_space(servicer, capsys):
     now, after = scored(servicer, made)
     with capsys.disabled():
         print(f"\nspace: price {now.price:.3g}, deviations {after:.3g}")
-    assert now.price <= 1.5
+    assert (now.price or np.inf) <= 1.5

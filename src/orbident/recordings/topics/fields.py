@@ -85,7 +85,8 @@ def _nanoseconds(
         raise InputError(
             f"{where}, row {row}: found {values[row - 1]}; every row needs a time"
         )
-    if np.abs(values.astype(np.float64)).max(initial=0.0) * factor > most:
+    # Not times the factor, which overflows.
+    if np.abs(values.astype(np.float64)).max(initial=0.0) > most / factor:
         raise InputError(
             f"{where} goes beyond 146 years in {unit}; correct the unit, one of "
             + ", ".join(TIMES)

@@ -39,7 +39,7 @@ class MadeUp(NamedTuple):
         left = np.column_stack([self.H, y - self.H @ found])
         places = np.array([each.place for each in self.problem.expected])
         state = Unknowns(np.zeros((1, 4)), np.zeros((1, 9)), found, places)
-        linear = Linear(np.linalg.qr(left, "r"), np.zeros((0, 0, 1)), 0.0, {})
+        linear = Linear(np.linalg.qr(left, "r"), np.zeros((0, 0, 1)), 0.0, {}, state)
         end = End(np.zeros((0, found.size)), np.zeros((0, 0)))
         prior = Prior(np.zeros(found.size), assumed)
         return Solution(state, linear, end, prior, {}, True, 0.0)
@@ -81,7 +81,8 @@ def test_a_surprise_is_chi_square_where_all_is_as_it_may_be(
 
 def test_what_is_larger_than_it_may_be_is_a_surprise(made_up: MadeUp):
     random = np.random.default_rng(2)
-    (where,) = np.nonzero([x.family == "pull" for x in made_up.problem.expected])
+    pulls = np.array([x.family == "pull" for x in made_up.problem.expected])
+    (where,) = np.nonzero(pulls)
     std = made_up.std.copy()
     std[where - len(made_up.problem.expected)] *= 100
     H = made_up.H.copy()
