@@ -11,10 +11,10 @@ PACKAGE = ROOT / "src/orbident"
 
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
-    "files": 313,
-    "lines": 54_314,
-    "files of estimation": 65,
-    "lines of estimation": 9_928,
+    "files": 319,
+    "lines": 55_844,
+    "files of estimation": 67,
+    "lines of estimation": 10_374,
     "files with one user": 70,
     "imports below each other": 31,
     "numbers without a reason": 70,

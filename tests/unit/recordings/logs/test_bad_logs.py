@@ -327,6 +327,7 @@ def test_another_version(tmp_path: Path):
 TIMES = {
     "not finite": ([0, np.nan], "row 2: found nan; every row needs a time"),
     "too late": ([0, 1e30], "goes beyond 146 years in us"),
+    "larger than numbers are": ([0, 1e308], "goes beyond 146 years in us"),
 }
 
 
