@@ -141,7 +141,7 @@ class WorldFit(NamedTuple):
 
 
 def fit_in_world(search: Search, excluded: Collection[str] = ()) -> WorldFit:
-    """Let what is larger than it may be be so, as long as chance does not explain it.
+    """Let a family be larger than it may be, where chance does not explain it.
 
     It may be taken for what is like it: that may then be as large.
 
@@ -183,7 +183,9 @@ def _zeros(problem: Problem, solution: Solution, tested: bool) -> TakenForZero:
     """One of those that are alike is tested: what is like it shows as that."""
     shown = {each.family for each in problem.expected}
     absent = list[str]()
-    for family in dict.fromkeys(x.family for x in problem.acting.unknowns if tested):
+    # Only if it is tested: to work out what may act takes some 3 kB a row.
+    every = problem.acting.unknowns if tested else ()
+    for family in dict.fromkeys(each.family for each in every):
         if family not in shown and not shown & {*ALIKE[family]}:
             absent.append(family)
             shown.add(family)
