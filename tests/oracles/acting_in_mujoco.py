@@ -104,7 +104,7 @@ class Torque:
 class Swell:
     """A torque that comes and goes as a sine, inertial axes.
 
-    A result follows it by half waves in the recording; it is not made of these.
+    A result follows it by shapes of a random process; it is not made of these.
     """
 
     vector: np.ndarray

@@ -1,7 +1,8 @@
 """Seventeen flights by MuJoCo, with something acting of which nothing is declared.
 
-Each is identified, with what acts named and its size right; or refused with its cause,
-and then identified as the cause says: before and after an event. All of a draw take
+Each is identified: what acts is named and its size right, or it is too faint to be seen
+and in all deviations. Or it is refused with its cause, and then identified as the cause
+says: before and after an event. All of a draw take
 some minutes; as tests, or as a table of any draw:
 
     .venv/bin/python -m pytest -m long tests/oracles/test_flights_in_mujoco.py
@@ -17,7 +18,10 @@ import numpy as np
 import pytest
 from acting_in_mujoco import Burst, Capture, Swell, Torque
 from seventeen_flights import SPEED, Case, cases
+from small_problems import at_rest
 
+from orbident.environment.agents import STEADY
+from orbident.environment.torques_and_forces import slow_shapes
 from orbident.estimation.identify import identify
 from orbident.estimation.linear_fits import InitialMomentum
 from orbident.estimation.result import Result
@@ -32,13 +36,6 @@ FAR = 4.0
 WRONG = 5.0
 """Deviations by which what is accepted must not be off."""
 
-ENDS = 0.1
-"""Part of a recording at each end where six half waves do not follow a sine."""
-
-LEFT = 0.05
-"""Part of a sine that the best six half waves and a constant leave between these ends:
-3 to 8 % of those that are flown, by least squares."""
-
 ASSUMED = "use --initial-momentum unknown"
 """What is advised where the momentum changes by much."""
 
@@ -49,14 +46,8 @@ QUICK = (0, 4, 8, 11, 12)
 """In space a torque, fixed or turning with the base; on a table a torque, film and
 tilt: those that are soon identified."""
 
-HIDDEN = 9
-"""Of the first draw: a slow torque that the robot's motion nearly looks like. Of 30
-recordings of it that differ in their noise 15 are accepted though a parameter is off by
-30 deviations: see the decision on what acts from outside."""
-
-Verdict = Literal["identified", "not named", "refused", "hidden", "wrong"]
-"""Hidden is what a result says to be careful of: that it could not see it, and that it
-could do so much harm."""
+Verdict = Literal["identified", "held", "not held", "refused", "wrong"]
+"""Held is what was not seen, and is among what may act all the same."""
 
 
 @dataclass(frozen=True)
@@ -70,6 +61,8 @@ class Score:
     the parts that its cause says to identify."""
     said: float
     """The same where the user says what acts, so that deviations are narrower."""
+    wider: float
+    """Deviations over those if nothing acted."""
     acting: str
     """What was found to act, with its deviations."""
     size: float
@@ -83,13 +76,13 @@ class Score:
         return (
             f"| {where}, {len(robot.joints)} joints, {len(robot.wheels)} wheels | "
             f"{self.case.name} | {self.verdict} | {self.far:.1f} | {self.said:.1f} | "
-            f"{self.acting} | {self.size:.1f} | {self.cause} |"
+            f"{self.wider:.1f} | {self.acting} | {self.size:.1f} | {self.cause} |"
         )
 
 
 HEAD = (
-    "| robot | acts | verdict | base, sigmas | if said | found | size, sigmas | cause |"
-    "\n|---|---|---|---|---|---|---|---|"
+    "| robot | acts | verdict | base, sigmas | if said | wider | found | "
+    "size, sigmas | cause |\n|---|---|---|---|---|---|---|---|---|"
 )
 
 
@@ -99,36 +92,21 @@ def scored(case: Case) -> Score:
     result = identified(case, recording)
     if result.status == "rejected":
         return _refused(case, recording, result)
-    far, group = off(case, result), case.flight.acts.group
-    groups = {fit.group for fit in result.disturbances.values()}
-    named = bool(group) and group in groups
-    said = far
-    if named:
-        known = tuple(sorted(groups - {"push"}))
-        robot = replace(case.known, disturbances=may_act(known))
-        said = off(case, identified(case, recording, robot))
+    far, acts = off(case, result), case.flight.acts
+    # Bursts are looked for, and need not be said.
+    names = () if isinstance(acts, Burst) else (acts.group,)
+    robot = replace(case.known, disturbances=may_act(names))
+    said = off(case, identified(case, recording, robot))
+    named = acts.group in {fit.group for fit in result.disturbances.values()}
+    held = {*result.allowed, *(STEADY.get(group) for group in result.allowed)}
     size = _size(case, result) if named else np.nan
-    verdict: Verdict = "identified" if named and size < FAR else "not named"
-    if max(far, said) > WRONG:
-        warned = result.level == "with care" and far < _unseen(result, group)
-        verdict = "hidden" if warned and not named else "wrong"
-    return Score(
-        case,
-        verdict,
-        far,
-        said,
-        _acting(result),
-        size,
-        "",
-    )
-
-
-def _unseen(result: Result, group: str) -> float:
-    """How far a group could shift a parameter unseen, in its deviations."""
-    table = result.sensitivity()
-    assert table is not None
-    own = [name == group for name in table.errors]
-    return float(np.max(table.shifts[:, own], initial=0.0))
+    verdict: Verdict = "identified" if named else "not held"
+    if not named and acts.group in held:
+        verdict = "held"
+    if np.nanmax([far, said, size]) > WRONG:
+        verdict = "wrong"
+    wider = result.widened_by
+    return Score(case, verdict, far, said, wider, _acting(result), size, "")
 
 
 def identified(
@@ -180,18 +158,19 @@ def _size(case: Case, result: Result) -> float:
             abs(fit.value - acts.sizes.get(name, 0.0)) / fit.std
             for name, fit in own.items()
         )
-    phase = np.pi * np.linspace(ENDS, 1 - ENDS, 200)
-    torque, variance = np.zeros((2, phase.size, 3))
-    slow = {name: fit for name, fit in fits.items() if "torque" in fit.group}
-    for name, fit in slow.items():
-        _, axis, *waves = name.split(".")
-        wave = np.cos(int(waves[0]) * phase) if waves else np.ones_like(phase)
-        torque[:, "xyz".index(axis)] += fit.value * wave
-        variance[:, "xyz".index(axis)] += np.square(fit.std * wave)
-    true = acts.at(phase / np.pi * case.flight.motion.duration)
+    t = np.linspace(0.0, case.flight.motion.duration, 200)
+    shapes = slow_shapes(at_rest(case.known, t), acts.group)
+    torque, variance = np.zeros((2, t.size, 3))
+    slow = {acts.group, STEADY[acts.group]}
+    for name, fit in fits.items():
+        if fit.group in slow:
+            _, axis, *shape = name.split(".")
+            x = shapes[:, int(shape[0]) - 1] if shape else np.ones_like(t)
+            torque[:, "xyz".index(axis)] += fit.value * x
+            variance[:, "xyz".index(axis)] += np.square(fit.std * x)
     shown = variance > 0
-    std = np.hypot(np.sqrt(variance), LEFT * np.linalg.norm(acts.vector))
-    return float(np.max(np.abs(torque - true)[shown] / std[shown]))
+    error = np.abs(torque - acts.at(t))[shown]
+    return float(np.max(error / np.sqrt(variance[shown])))
 
 
 def _size_of_burst(case: Case, burst: Burst, result: Result) -> float:
@@ -225,9 +204,8 @@ def _refused(case: Case, recording: Recording, result: Result) -> Score:
             far = off(case, both)
         else:
             far = off(case, identified(case, before))
-    return Score(
-        case, "wrong" if far > WRONG else "refused", far, far, "", np.nan, cause
-    )
+    verdict: Verdict = "wrong" if far > WRONG else "refused"
+    return Score(case, verdict, far, far, np.nan, "", np.nan, cause)
 
 
 def _part(recording: Recording, rows: np.ndarray, name: str) -> Recording:
@@ -240,14 +218,12 @@ def _part(recording: Recording, rows: np.ndarray, name: str) -> Recording:
     [k if k in QUICK else pytest.param(k, marks=pytest.mark.long) for k in range(17)],
 )
 def test_a_flight_ends_well(k: int):
-    """What acts is identified with the robot; of a capture the time is named, and both
-    robots are identified, before and after it."""
+    """What acts is identified with the robot, or is in its deviations; of a capture the
+    time is named, and both robots are identified, before and after it."""
     case = cases(0)[k]
     score, acts = scored(case), case.flight.acts
-    if k == HIDDEN:
-        assert score.verdict in {"hidden", "identified"}
-        return
     assert score.far < FAR, score.row()
+    assert score.said < FAR, score.row()
     if isinstance(acts, Capture):
         assert "the robot changed" in score.cause
         found = re.search(r"between t = (\S+) and (\S+) s", score.cause)
@@ -255,7 +231,8 @@ def test_a_flight_ends_well(k: int):
         begin, end = map(float, found.groups())
         assert begin < acts.at < end
     else:
-        assert score.verdict == "identified"
+        assert score.verdict in {"identified", "held"}, score.row()
+        assert not score.size > FAR, score.row()
 
 
 def test_a_torque_may_give_more_momentum_than_the_wheels_have():
