@@ -54,6 +54,7 @@ UNITS: dict[str, dict[str, float]] = {
     "speed": {"m/s": 1.0, "cm/s": 1e-2, "mm/s": 1e-3},
     "angular rate": {
         "rad/s": 1.0,
+        "mrad/s": 1e-3,
         "deg/s": _DEG,
         "rad/h": 1 / _HOUR,
         "deg/h": _DEG / _HOUR,
