@@ -180,13 +180,11 @@ def _sized(search: Search) -> Search:
 
 
 def _zeros(problem: Problem, solution: Solution, tested: bool) -> TakenForZero:
-    """One of those that are alike is tested: what is like it shows as that."""
+    """What is like something free is not tested: it shows as that."""
     shown = {each.family for each in problem.expected}
-    absent = list[str]()
-    for family in dict.fromkeys(x.family for x in problem.acting.unknowns if tested):
-        if family not in shown and not shown & {*ALIKE[family]}:
-            absent.append(family)
-            shown.add(family)
+    free = {each.family for each in problem.expected if each.std == FREE}
+    families = dict.fromkeys(each.family for each in problem.acting.unknowns if tested)
+    absent = [x for x in families if x not in shown and not free & {*ALIKE[x]}]
     return TakenForZero(problem, solution, tuple(absent))
 
 
@@ -221,9 +219,14 @@ def _best(
         if with_it.cost + limit("disturbance", 1) < least:
             return None
     size = size_of(freed.problem, solution, family)
-    alike = [each for each in ALIKE[family] if each not in beside]
+    allowed = search.problem.acting.allowed
+    alike = {
+        each: max(size, allowed[each].size if each in allowed else 0.0)
+        for each in ALIKE[family]
+        if each not in beside
+    }
     own = size if family in SLOW else np.inf
-    sized = search.allowing({**dict.fromkeys(alike, size), family: own})
+    sized = search.allowing({**alike, family: own})
     return family, sized, sized.freed(near=solution.state)
 
 
