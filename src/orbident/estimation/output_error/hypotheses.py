@@ -183,7 +183,9 @@ def _zeros(problem: Problem, solution: Solution, tested: bool) -> TakenForZero:
     """What is like something free is not tested: it shows as that."""
     shown = {each.family for each in problem.expected}
     free = {each.family for each in problem.expected if each.std == FREE}
-    families = dict.fromkeys(each.family for each in problem.acting.unknowns if tested)
+    # Only if it is tested: to work out what may act takes some 3 kB a row.
+    every = problem.acting.unknowns if tested else ()
+    families = dict.fromkeys(each.family for each in every)
     absent = [x for x in families if x not in shown and not free & {*ALIKE[x]}]
     return TakenForZero(problem, solution, tuple(absent))
 
