@@ -50,16 +50,18 @@ def farthest(name: str, result: Result) -> float:
         (SPACE, 0.007),
         ("space 4", 0.001),
         ("space 6", 0.001),
+        ("space 6", 0.003),
         ("space 6", 0.006),
     ],
 )
-def test_in_space_losses_are_found_or_held_possible(name: str, part: float):
+def test_in_space_losses_are_found_or_in_the_deviations(name: str, part: float):
+    """Those that are small look like the slow torque that may act in space."""
     result = identified(name, part)
     assert result.status == "ok"
     assert farthest(name, result) < BEYOND
-    assert any("wheels lose momentum" in words for words in result.warnings)
     if part >= 0.003:
         assert {fit.group for fit in result.disturbances.values()} == {"wheel_loss"}
+        assert any("wheels lose momentum" in words for words in result.warnings)
 
 
 @pytest.mark.parametrize("part", [0.0005, 0.0006, 0.001])

@@ -180,15 +180,13 @@ def _sized(search: Search) -> Search:
 
 
 def _zeros(problem: Problem, solution: Solution, tested: bool) -> TakenForZero:
-    """One of those that are alike is tested: what is like it shows as that."""
+    """What is like something free is not tested: it shows as that."""
     shown = {each.family for each in problem.expected}
-    absent = list[str]()
+    free = {each.family for each in problem.expected if each.std == FREE}
     # Only if it is tested: to work out what may act takes some 3 kB a row.
     every = problem.acting.unknowns if tested else ()
-    for family in dict.fromkeys(each.family for each in every):
-        if family not in shown and not shown & {*ALIKE[family]}:
-            absent.append(family)
-            shown.add(family)
+    families = dict.fromkeys(each.family for each in every)
+    absent = [x for x in families if x not in shown and not free & {*ALIKE[x]}]
     return TakenForZero(problem, solution, tuple(absent))
 
 
@@ -223,9 +221,14 @@ def _best(
         if with_it.cost + limit("disturbance", 1) < least:
             return None
     size = size_of(freed.problem, solution, family)
-    alike = [each for each in ALIKE[family] if each not in beside]
+    allowed = search.problem.acting.allowed
+    alike = {
+        each: max(size, allowed[each].size if each in allowed else 0.0)
+        for each in ALIKE[family]
+        if each not in beside
+    }
     own = size if family in SLOW else np.inf
-    sized = search.allowing({**dict.fromkeys(alike, size), family: own})
+    sized = search.allowing({**alike, family: own})
     return family, sized, sized.freed(near=solution.state)
 
 
