@@ -8,6 +8,7 @@
             pull           3 n^2 10 m         the tide from where it is tracked
     space   slow torque    1 % of h / T       what moves either momentum by one per
             pull           1 % of v_S / T     cent in the recording
+            wheel loss     0.1 % of h / T     of wheels that no sensor is declared for
 
 `M` is the nominal mass, `L` the radius of gyration, `n` the rate of the orbit and `rho`
 the air's density. Sources: docs/how-to/what-acts-from-outside.md.
@@ -36,6 +37,10 @@ STOPS_IN = 1000.0
 
 PART = 0.01
 """Of its momentum that what acts in space changes in a recording."""
+
+LOST = 0.1
+"""Of that, what wheels may lose whose speeds are perhaps not measured: a thousandth of
+the momentum in a recording."""
 
 FROM = 10.0
 """m: so far from a robot is what tracks it in orbit."""
@@ -109,6 +114,8 @@ def what_may_act(robot: Robot, scale: Scale) -> dict[str, MayAct]:
     if robot.disturbances is None:
         found = {"table": _on_a_table, "orbit": _in_orbit, "space": _in_space}[world]
         sizes = {name: MayAct(size) for name, size in found(robot, scale).items()}
+        if world != "table" and robot.wheels and robot.sensors.wheels is None:
+            sizes["wheel_loss"] = MayAct(LOST * sizes["slow_torque"].size)
         if robot.momentum_walk.torque:
             # A walk changes slowly, too.
             sizes.pop("slow_torque")

@@ -10,6 +10,7 @@ from small_problems import small_robot, small_robot_in_space
 from orbident.environment.worlds import (
     DRAG_COEFFICIENT,
     FROM,
+    LOST,
     PART,
     SHORTEST,
     SLOPE,
@@ -26,8 +27,12 @@ from orbident.orbits.earth import MU, R_E
 from orbident.orbits.orbit import Elements, Orbit
 from orbident.robot.description import MomentumWalk, Robot
 from orbident.robot.may_act import MayAct, may_act
+from orbident.robot.sensor_schema import declared_sensors
 
-TABLE, SPACE = small_robot(), small_robot_in_space()
+TABLE, SPACE = (
+    replace(robot, sensors=declared_sensors({"wheels": {"position": 1e-4}}))
+    for robot in (small_robot(), small_robot_in_space())
+)
 LOW = replace(SPACE, orbit=Orbit(Elements(R_E + 400e3, 0.9)))
 """Where the density of the air is in the table."""
 
@@ -100,6 +105,13 @@ def test_space():
     assert found["pull"] * SCALE.duration == pytest.approx(PART * SCALE.v)
     unseen = sizes(SPACE, SCALE._replace(v=np.nan))
     assert unseen == {"slow_torque": found["slow_torque"]}
+
+
+def test_wheels_that_nobody_measures_may_lose_speed():
+    commanded = sizes(replace(SPACE, sensors=declared_sensors({})))
+    assert commanded["wheel_loss"] == pytest.approx(LOST * commanded["slow_torque"])
+    # About the vertical of a table a loss and a torque are the same.
+    assert "wheel_loss" not in sizes(replace(TABLE, sensors=declared_sensors({})))
 
 
 @pytest.mark.parametrize("robot", [TABLE, SPACE])

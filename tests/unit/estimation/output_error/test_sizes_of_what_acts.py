@@ -64,7 +64,7 @@ def free(made_up: MadeUp, *families: str) -> MadeUp:
     return made_up._replace(problem=made_up.problem._replace(acting=acting))
 
 
-@pytest.mark.parametrize("family", ["torque", "slow_torque", "pull"])
+@pytest.mark.parametrize("family", ["slow_torque", "pull"])
 def test_a_surprise_is_chi_square_where_all_is_as_it_may_be(
     made_up: MadeUp, family: str
 ):
