@@ -133,7 +133,7 @@ class Dense:
             "position": np.concatenate([one[:, :, v], t * one[:, :, v]], 2)[:, v],
         }
         blocks = [own[sensor] for sensor in self.sensing.weights]
-        columns = block_diag(*(x.reshape(-1, x.shape[2]) for x in blocks))
+        columns = np.asarray(block_diag(*(x.reshape(-1, x.shape[2]) for x in blocks)))
         if not self.at_rest:
             dw, dv = self.by_momentum(one, 0.0)
             columns = np.column_stack([columns, self.rows(dw, dv, dv)])

@@ -39,7 +39,13 @@ class MadeUp(NamedTuple):
         left = np.column_stack([self.H, y - self.H @ found])
         places = np.array([each.place for each in self.problem.expected])
         state = Unknowns(np.zeros((1, 4)), np.zeros((1, 9)), found, places)
-        linear = Linear(np.linalg.qr(left, "r"), np.zeros((0, 0, 1)), 0.0, {}, state)
+        linear = Linear(
+            np.asarray(np.linalg.qr(left, mode="r")),
+            np.zeros((0, 0, 1)),
+            0.0,
+            {},
+            state,
+        )
         end = End(np.zeros((0, found.size)), np.zeros((0, 0)))
         prior = Prior(np.zeros(found.size), assumed)
         return Solution(state, linear, end, prior, {}, True, 0.0)
