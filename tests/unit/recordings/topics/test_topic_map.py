@@ -34,7 +34,7 @@ REFUSED = {
     "take missing": (IMU + BASE, "take: this key is missing"),
     "wrong unit": (
         IMU + "take: {gyro: deg}, " + BASE,
-        "take.gyro: found 'deg'; declare the messages' unit: rad/s, deg/s",
+        "take.gyro: found 'deg'; declare the messages' unit: rad/s, mrad/s, deg/s",
     ),
     "no unit": (POSE + "take: {position: true}}", "found True; declare"),
     "no frame": (
