@@ -12,9 +12,9 @@ PACKAGE = ROOT / "src/orbident"
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
     "files": 319,
-    "lines": 55_857,
+    "lines": 55_871,
     "files of estimation": 67,
-    "lines of estimation": 10_379,
+    "lines of estimation": 10_382,
     "files with one user": 70,
     "imports below each other": 31,
     "numbers without a reason": 70,

@@ -17,7 +17,7 @@ TITLES = {
 }
 
 COLUMNS = 80
-"""Of a terminal, as it opens nearly everywhere."""
+"""The width of a terminal, as it opens nearly everywhere."""
 
 
 def summary(result: Any, out: Path | None, everything: bool) -> list[str | DataTable]:

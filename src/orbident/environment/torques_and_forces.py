@@ -48,7 +48,8 @@ SWINGS = 12.0
 """Times that it is correlated in a recording, at most: some 24 shapes."""
 
 SMALL = 3e-3
-"""Of the largest shape: smaller ones move the momentum by less than sensors show."""
+"""Shapes that are smaller than this part of the largest are left out: they move the
+momentum by less than sensors show."""
 
 LEAST = 1e-9
 """SI: the first guess of a density where nothing moves."""

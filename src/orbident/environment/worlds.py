@@ -36,17 +36,17 @@ STOPS_IN = 1000.0
 """s: the film takes a robot's momentum in such a time."""
 
 PART = 0.01
-"""Of its momentum that what acts in space changes in a recording."""
+"""What acts in space changes this part of a robot's momentum in a recording."""
 
 LOST = 0.1
-"""Of that, what wheels may lose whose speeds are perhaps not measured: a thousandth of
-the momentum in a recording."""
+"""A loss of wheels is so large beside a slow torque, where the robot file does not say
+that their speeds are measured: a thousandth of the momentum in a recording."""
 
 FROM = 10.0
 """m: so far from a robot is what tracks it in orbit."""
 
 DRAG_COEFFICIENT = 2.2
-"""Of a body in free molecular flow."""
+"""The drag coefficient of a body in free molecular flow."""
 
 THIN_AIR = ((300e3, 2.4e-11), (400e3, 3.7e-12), (500e3, 7.0e-13), (700e3, 3.6e-14))
 """Mean density of the air, kg/m^3, at heights, m (Vallado, Table 8-4)."""

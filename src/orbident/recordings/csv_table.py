@@ -221,7 +221,17 @@ _SPELLED = {
     **dict.fromkeys(("m/s2", "m/s/s", "m/sec^2"), "m/s^2"),
     "RPM": "rpm",
 }
-_SIGNS = str.maketrans({"µ": "u", "μ": "u", "°": "deg", "²": "^2", "·": "", "*": ""})  # noqa: RUF001
+# The micro sign and the Greek mu, degrees, squares, dots of products.
+_SIGNS = str.maketrans(
+    {
+        "\u00b5": "u",
+        "\u03bc": "u",
+        "\u00b0": "deg",
+        "\u00b2": "^2",
+        "\u00b7": "",
+        "*": "",
+    }
+)
 _BEHIND = re.compile(r"(.*\S)\s*(?:\[([^][]*)\]|\(([^()]*)\))", re.DOTALL)
 
 

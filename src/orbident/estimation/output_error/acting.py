@@ -55,7 +55,7 @@ class Acting:
         return tuple(recorded_gains(self.followed))
 
     def allowing(self, sizes: Mapping[str, float]) -> "Acting":
-        """The same with other sizes of what may act, by group, SI."""
+        """What acts in a world where it has other sizes, by group, SI."""
         changed = {group: MayAct(size) for group, size in sizes.items()}
         return Acting(self.followed, self.first, {**self.allowed, **changed})
 

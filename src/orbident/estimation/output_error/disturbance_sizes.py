@@ -122,7 +122,10 @@ def surprise_of(problem: Problem, solution: Solution, family: str) -> ChiSquare:
 
 
 def surprise_of_rest(problem: Problem, solution: Solution) -> ChiSquare:
-    """The same of the momentum beside what it was taken for."""
+    """How much more momentum there was than a robot at rest may have.
+
+    It is the square of `surprise_of`, of the angular momentum at the first sample.
+    """
     turning, _ = conserved_axes(problem.acting.followed.robot)
     axes = np.array(turning)
     state, prior, C = solution.state, solution.prior, solution.covariance
@@ -151,8 +154,8 @@ def _selected(
 
 
 TOLD = 0.1
-"""The part of its variance beforehand that a recording tells of a number, at least, if
-it says how large it is: what it tells less of, second order decides as well."""
+"""A recording says how large a number is if it tells this part of the variance that was
+known beforehand, at least. Where it tells less, errors of second order decide too."""
 
 RANGE = 1e6
 """How far a density may be from the last guess, as a factor."""

@@ -110,7 +110,7 @@ class Search:
         return solution
 
     def allowing(self, sizes: Mapping[str, float]) -> "Search":
-        """The same with other sizes of what may act, by family, SI."""
+        """The search in a world where what may act has other sizes, by family, SI."""
         acting = self.problem.acting.allowing(sizes)
         return replace(self, problem=self.problem._replace(acting=acting))
 
