@@ -219,7 +219,9 @@ def size_of(problem: Problem, solution: Solution, family: str) -> float:
     value, C = sizes_of(problem, solution, family)
     every = problem.acting.followed.disturbances
     share = np.array([each.std for each in every if each.group == family])
-    guess = float(np.sqrt(np.mean(np.square(value / share))))
+    # Numbers that are all zero still may be as large as the least deviation.
+    least = np.min(np.sqrt(np.diag(C)) / share)
+    guess = float(max(np.sqrt(np.mean(np.square(value / share))), least))
     return most_likely_densities([np.diag(share)], value, C, [guess])[0].value
 
 

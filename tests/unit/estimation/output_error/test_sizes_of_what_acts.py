@@ -119,6 +119,16 @@ def test_the_most_likely_size_is_that_drawn(made_up: MadeUp):
     assert abs(off) < 3 / np.sqrt(2 * n * DRAWS) + 1 / (2 * n)
 
 
+def test_what_did_not_move_from_zero_is_smaller_than_its_deviation(made_up: MadeUp):
+    """A search that ends where it began has found no number."""
+    freed = free(made_up, "slow_torque")
+    solution = freed.drawn(np.random.default_rng(7), made_up.std)
+    state = solution.state
+    state = state._replace(common=np.zeros_like(state.common))
+    size = size_of(freed.problem, solution._replace(state=state), "slow_torque")
+    assert 0.0 < size < SIZES["slow_torque"]
+
+
 def test_how_much_narrower_deviations_would_be(made_up: MadeUp):
     """If nothing acted: by the equations without it."""
     solution = made_up.drawn(np.random.default_rng(4), made_up.std)
