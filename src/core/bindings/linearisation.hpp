@@ -18,7 +18,8 @@ inline void use(const Bodies<double>& bodies, std::vector<Momentum<double>>& car
 // Memory for one end of the elimination.
 class OwnedSweep {
  public:
-  explicit OwnedSweep(const Recorded& all) : bodies_(all.tree) {
+  explicit OwnedSweep(const Recorded& all)
+      : bodies_(all.tree), own_bodies_(all.tree) {
     const int K = all.tree.joints, n = all.stride(), unknowns = all.columns.count();
     int longest = 0;
     for (int k = 0; k < all.intervals; ++k)
@@ -27,13 +28,14 @@ class OwnedSweep {
     by_.resize(2 * static_cast<std::size_t>(K));
     IntervalMemory& interval = at.interval;
     use(bodies_.at, carried_, by_, interval.terms);
-    interval.q = take(K);
-    interval.qd = take(K);
-    interval.qdd = take(K);
     for (JointState& shown : interval.shown)
       shown = {take(K), take(K), take(K), take(all.wheels), take(all.wheels)};
     for (int k = 0; k < 3; ++k) {
-      interval.node[k].by = take(BY_ROWS * unknowns);
+      JointNode& node = interval.node[k];
+      node.by = take(BY_ROWS * unknowns);
+      node.q = take(K);
+      node.qd = take(K);
+      node.qdd = take(K);
       BaseNode& base = interval.base[k];
       base.G = take(3 * unknowns);
       base.phi = take(3 * unknowns);
@@ -49,7 +51,8 @@ class OwnedSweep {
     at.R = take(std::ptrdiff_t(all.width()) * n);
     at.known = take(std::ptrdiff_t(all.local()) * n);
     at.rows = take(std::ptrdiff_t(5 * 3 * longest + all.lasting) * n);
-    at.continuity = take(BIASES * n);
+    at.continuity = take(std::ptrdiff_t(BIASES + 2 * all.equations) * n);
+    if (all.equations) take_own(all);
   }
   OwnedSweep(const OwnedSweep&) = delete;
   SweepMemory at;
@@ -58,7 +61,26 @@ class OwnedSweep {
   double* take(std::ptrdiff_t count) {
     return room_.emplace_back(static_cast<std::size_t>(count), 0.0).data();
   }
+  void take_own(const Recorded& all) {
+    const int K = all.tree.joints, unknowns = all.columns.count();
+    own_numbers_.resize(static_cast<std::size_t>(PER_BODY * all.tree.bodies() + 4 * K));
+    Directions* numbers = own_numbers_.data();
+    Directions* joints = numbers + PER_BODY * all.tree.bodies();
+    at.interval.own = {own_bodies_.at,
+                       numbers,
+                       joints,
+                       joints + K,
+                       joints + 2 * K,
+                       joints + 3 * K,
+                       take(2 * K * joint_directions(all.tree, all.columns.betas)),
+                       take(2 * K),
+                       take(2 * unknowns),
+                       take(std::ptrdiff_t(2) * all.equations * unknowns),
+                       take(2 * all.equations)};
+  }
   BodiesMemory<double> bodies_;
+  BodiesMemory<Directions> own_bodies_;
+  std::vector<Directions> own_numbers_;
   std::vector<Momentum<double>> carried_;
   std::vector<MomentumTerms> by_;
   std::vector<std::vector<double>> room_;

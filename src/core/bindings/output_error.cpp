@@ -49,10 +49,10 @@ auto interval_equations(const OwnedRecorded& owned, const std::vector<Array>& we
   EquationTable continuity{memory.at.continuity, n, width, 0, L, L, all.corrections(), 0, 0.0};
   linearise(all, call.at(), interval, memory.at.interval, sensed, continuity);
   add_encoders(all, call.at(), interval, true, memory.at.R);
-  Out<2> table(sensed.rows + BIASES + 2 * L, width);
+  Out<2> table(sensed.rows + continuity.rows + 2 * L, width);
   double* to = table.data();
   for (const auto& [from, rows] : {std::pair<const double*, int>{sensed.table, sensed.rows},
-                                   {continuity.table, BIASES},
+                                   {continuity.table, continuity.rows},
                                    {memory.at.R, 2 * L}})
     for (int k = 0; k < rows; ++k, to += width)
       std::copy_n(from + std::ptrdiff_t(k) * n, width, to);
@@ -114,9 +114,11 @@ void bind_output_error(nb::module_& m) {
            nb::arg("t"), nb::arg("edge"), nb::arg("knots"), nb::arg("q"), nb::arg("q_slope"),
            nb::arg("qd"), nb::arg("qdd"), nb::arg("A_rw"), nb::arg("qd_rw"), nb::arg("qdd_rw"),
            nb::arg("samples"), nb::arg("first"), nb::arg("corrections"), nb::arg("walk"),
+           nb::arg("with_law"), nb::arg("laws"), nb::arg("torque"), nb::arg("slack"),
            "theta = theta_0 + theta_of beta. Standard deviations: `first` of the unknowns of "
            "the first boundary, `corrections` of those of joints anywhere, `walk` of what "
-           "attitude and biases walk in a second.")
+           "attitude and biases walk in a second. `with_law`: joints whose own equations hold; "
+           "`laws`: squared rate, damping rate and density of each, and by theta the inertia that the joint carries; `torque`: what was measured at nodes; `slack`: by interval, by how much more these may fail.")
       .def_prop_ro("local", [](const OwnedRecorded& all) { return all.view().local(); },
                    "How many unknowns a boundary has.")
       .def_prop_ro("places", [](const OwnedRecorded& all) { return all.view().places().count(); },

@@ -109,6 +109,11 @@ def identify(
     started = time.perf_counter()
     robot = robot if isinstance(robot, Robot) else load_robot(robot)
     estimator = estimator_of(method)
+    if robot.passive and not isinstance(estimator, OutputError):
+        raise InputError(
+            f"joint '{next(iter(robot.passive))}' is passive, and {estimator.name} needs "
+            "all joints to be measured; use --method maximum-likelihood"
+        )
     recordings = _recordings(recording, estimator)
     _check_momentum(initial_momentum)
     weighing = None if burn is None else weigh(robot, burn)

@@ -22,7 +22,7 @@ from orbident.robot.may_act import MayAct
 from orbident.robot.parameters import PER_BODY, SYMBOLS
 from orbident.robot.sensor_schema import SensorsSpec
 from orbident.robot.tolerances import Tolerances
-from orbident.robot.units import Share, measure_of
+from orbident.robot.units import Rate, Share, measure_of
 
 POINT = PlainValidator(lambda value: np.array(finite_vector(value, 3)))
 """Reads a point of a robot file as an array."""
@@ -151,6 +151,24 @@ Stillness = Annotated[AtRest, keys_of(AtRest), BeforeValidator(_at_rest)]
 """As a robot file has it: its sizes, or `exact`."""
 
 
+class Passive(NamedTuple):
+    """A joint on a spring that nobody measures: a panel, a boom, fuel as a pendulum.
+
+    Its torque is `-k q - c qd`, with `k = (2 pi f)^2 I` and `c = 2 zeta k / (2 pi f)`
+    where `I` is the nominal inertia of what it carries about its axis.
+    """
+
+    frequency: Rate
+    """`f`, at which it swings where the body that carries it is held, Hz."""
+    damping: Share = 0.01
+    """`zeta`, over critical damping; it may as well be nothing or twice as much."""
+    tolerance: Share = 0.2
+    """Standard deviation of the frequency, relative."""
+    inertia: Share = 0.1
+    """That of the nominal inertia of what it carries, about its axis: how far it swings
+    nobody measures, and so only the CAD model tells it."""
+
+
 @dataclass(frozen=True)
 class Torquer:
     """A magnetic torquer in the base."""
@@ -212,6 +230,8 @@ class Robot:
     if nobody has said: then what its world is known for may act."""
     momentum_walk: MomentumWalk = field(default_factory=MomentumWalk)
     """How strong unknown torques and forces are that change quickly."""
+    passive: Mapping[str, Passive] = field(default_factory=dict)
+    """Joints that nobody measures, by name."""
     at_rest: AtRest = field(default_factory=AtRest)
     """How still it is where a recording is said to begin at rest."""
     orbit: Orbit | None = None

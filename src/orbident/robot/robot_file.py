@@ -58,6 +58,7 @@ def assembled(
     _require_bodies("structure", file.structure, bodies, place)
     couplings, uncoupled = couplings_of(urdf, [joint.name for joint in bodies.joints])
     _require_bodies("pads", file.pads, bodies, place)
+    _require_joints("passive", file.passive, bodies.joints, place)
     return Robot(
         name=file.name or urdf.name,
         motion=file.motion,
@@ -72,6 +73,7 @@ def assembled(
         pads=_pads(file, bodies),
         disturbances=file.disturbances,
         momentum_walk=file.momentum_walk,
+        passive=file.passive,
         at_rest=file.at_rest,
         orbit=orbit,
         structure=file.structure,
@@ -131,13 +133,7 @@ def _declared(entry: WheelEntry) -> Wheel:
 def _limited(
     joints: tuple[Joint, ...], limits: dict[str, LimitEntry], place: str
 ) -> tuple[Joint, ...]:
-    known = [joint.name for joint in joints]
-    for name in limits:
-        if name not in known:
-            raise InputError(
-                f"{place}: limits: no joint {name!r}; "
-                + suggestion(name, known, "joints")
-            )
+    _require_joints("limits", limits, joints, place)
     return tuple(
         replace(joint, **limits[joint.name].model_dump(exclude_none=True))
         if joint.name in limits
@@ -153,6 +149,18 @@ def _pads(file: RobotFile, bodies: Bodies) -> dict[str, Float[np.ndarray, "3"]]:
         name: np.array(at) - origin.get(name, np.zeros(3))
         for name, at in file.pads.items()
     }
+
+
+def _require_joints(
+    section: str, named: Iterable[str], joints: tuple[Joint, ...], place: str
+) -> None:
+    known = [joint.name for joint in joints]
+    for name in named:
+        if name not in known:
+            raise InputError(
+                f"{place}: {section}: no joint {name!r}; "
+                + suggestion(name, known, "joints")
+            )
 
 
 def _require_bodies(

@@ -26,6 +26,7 @@ from orbident.robot.body_schema import BodyEntry, DhTable
 from orbident.robot.description import (
     AtRest,
     MomentumWalk,
+    Passive,
     Stillness,
     Structure,
     Thruster,
@@ -128,6 +129,9 @@ class RobotFile(MappingSchema):
     pads: dict[str, Vector3] = Field(default_factory=dict)
     disturbances: Annotated[dict[str, MayAct] | None, PlainValidator(may_act)] = None
     momentum_walk: Annotated[MomentumWalk, keys_of(MomentumWalk)] = MomentumWalk()
+    passive: dict[Name, Annotated[Passive, keys_of(Passive)]] = Field(
+        default_factory=dict
+    )
     at_rest: Stillness = AtRest()
     orbit: OrbitEntry | None = None
     limits: dict[str, LimitEntry] = Field(default_factory=dict)

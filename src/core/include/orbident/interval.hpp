@@ -4,6 +4,7 @@
 //   attitude and biases at the end = those at the next interval's start     (random walk)
 //   lasting noise at the end = that at the next interval's start            (lasting_noise.hpp)
 //   corrections of the joints at the end = 0                                (prior)
+//   the joints' own equations = 0                                           (joint_equations.hpp)
 //
 // Unknowns, z of a boundary and g common to all, and the columns of a table:
 //
@@ -60,7 +61,7 @@ inline void place_joints(const Recorded& recorded, const LinearisedAt& at, int i
     return at % 2 ? (recorded.t[at / 2] + recorded.t[at / 2 + 1]) / 2 : recorded.t[at / 2];
   };
   const double t = time(node);
-  const Cubics functions = cubics(t - t_start, duration);
+  const Cubics functions = joints.functions = cubics(t - t_start, duration);
   const JointState& shown = memory.shown[0];
   memory.knot = recorded.history.state(t, memory.knot, K, W, shown);
   const double *q = shown.q, *qd = shown.qd, *qdd = shown.qdd;
@@ -78,18 +79,18 @@ inline void place_joints(const Recorded& recorded, const LinearisedAt& at, int i
     return turned_on ? (4 * at(1) - 3 * at(0) - at(2)) / dt : 0.0;
   };
   for (int k = 0; k < K; ++k) {
-    memory.q[k] = (1 + scale[k]) * q[k] + zero[k] + late * qd[k];
-    memory.qd[k] = (1 + scale[k]) * qd[k] + late * qdd[k];
-    memory.qdd[k] = (1 + scale[k]) * qdd[k] + late * rate_of(&JointState::qdd, k);
+    joints.q[k] = (1 + scale[k]) * q[k] + zero[k] + late * qd[k];
+    joints.qd[k] = (1 + scale[k]) * qd[k] + late * qdd[k];
+    joints.qdd[k] = (1 + scale[k]) * qdd[k] + late * rate_of(&JointState::qdd, k);
   }
   for (int c = 0; c < C; ++c) {
     const int k = recorded.corrected[c];
     for (int f = 0; f < 4; ++f) {
       const double correction =
           at.local[(interval + f / 2) * L + recorded.corrections() + f % 2 * C + c];
-      memory.q[k] += functions.value[f] * correction;
-      memory.qd[k] += functions.rate[f] * correction;
-      memory.qdd[k] += functions.acceleration[f] * correction;
+      joints.q[k] += functions.value[f] * correction;
+      joints.qd[k] += functions.rate[f] * correction;
+      joints.qdd[k] += functions.acceleration[f] * correction;
     }
   }
   joints.t = t - recorded.t[0];
@@ -104,7 +105,7 @@ inline void place_joints(const Recorded& recorded, const LinearisedAt& at, int i
     joints.h_rw_rate += ((1 + gain[i]) * qdd_rw[i] + late * rate_of(&JointState::qdd_rw, i)) * a_I;
   }
   expand(recorded.tree, recorded.theta_of, at.theta, recorded.corrected, recorded.columns,
-         functions, memory.q, memory.qd, memory.qdd, memory.terms, joints);
+         functions, joints.q, joints.qd, joints.qdd, memory.terms, joints);
   write_calibrations(recorded.tree, recorded.columns, at.calibration, {q, qd, qdd, qd_rw, qdd_rw},
                      recorded.A_rw, memory.terms, joints.by);
 }
@@ -224,6 +225,26 @@ inline void add_continuity(const Recorded& recorded, const LinearisedAt& at, int
   }
 }
 
+inline void start_joint_equations(const Recorded& recorded, JointMemory& memory) {
+  std::fill_n(memory.sums, 2 * recorded.equations * recorded.columns.count(), 0.0);
+  std::fill_n(memory.left, 2 * recorded.equations, 0.0);
+}
+
+// The rows of the joints' own equations, once all nodes were added.
+inline void add_joint_equations(const Recorded& recorded, int interval, double duration,
+                                const JointMemory& memory, EquationTable& equations) {
+  if (duration == 0.0) return;
+  const int n = recorded.columns.count();
+  for (int e = 0; e < recorded.equations; ++e)
+    for (int i = 0; i < 2; ++i) {
+      const double weight =
+          std::sqrt((1 + 2 * i) / duration) /
+          (recorded.equation[e].density * recorded.slack[interval]);
+      equations.add(recorded.columns, memory.sums + (2 * e + i) * n, weight,
+                    -memory.left[2 * e + i]);
+    }
+}
+
 // All rows that the base's sensors give, and those of continuity; the base walks through the
 // interval.
 inline void linearise(const Recorded& recorded, const LinearisedAt& at, int interval,
@@ -239,6 +260,16 @@ inline void linearise(const Recorded& recorded, const LinearisedAt& at, int inte
   };
   JointNode *row = &memory.node[0], *half_way = &memory.node[1], *next = &memory.node[2];
   BaseNode *start = &memory.base[0], *middle = &memory.base[1], *stop = &memory.base[2];
+  const auto add_own = [&](int node, double weight, int edge, const JointNode& joints,
+                           const BaseNode& base) {
+    const double s = 2.0 * (joints.t + recorded.t[0] - recorded.t[first]) / duration - 1.0;
+    if (recorded.equations && duration > 0.0)
+      add_joint_node(recorded.tree, recorded.theta_of, at.theta, recorded.corrected, c,
+                     at.calibration, recorded.equation, recorded.equations, node, duration, weight,
+                     s, edge, joints, base, memory.own);
+  };
+  start_joint_equations(recorded, memory.own);
+  double before = 0.0;  // the step to a row, s
   joints_at(2 * first, *row);
   start_base(recorded, at, interval, *row, *start);
   if (moving) velocity_slopes(c, *row, *start, memory.velocity[0]);
@@ -253,10 +284,12 @@ inline void linearise(const Recorded& recorded, const LinearisedAt& at, int inte
     TableRows felt(memory.felt, 3, c.count());
     felt = cross_matrix(f_S).lazyProduct(TableRows(start->phi, 3, c.count()));
 
+    const double dt = recorded.t[r + 1] - recorded.t[r];
+    add_own(2 * r, (before + dt) / 6, r == first ? -1 : 0, *row, *start);
+    before = dt;
     joints_at(2 * r + 1, *half_way);
     joints_at(2 * r + 2, *next);
     const JointNode* const nodes[3] = {row, half_way, next};
-    const double dt = recorded.t[r + 1] - recorded.t[r];
     const int steps = recorded.substeps;
     for (int i = 0; i < steps; ++i) {
       set_law_between(recorded, at, (2 * i + 1) / (2.0 * steps), nodes, *middle);
@@ -264,6 +297,8 @@ inline void linearise(const Recorded& recorded, const LinearisedAt& at, int inte
       step(c, dt / steps, *start, *middle, *stop);
       if (moving && 2 * i + 1 == steps) velocity_slopes(c, *half_way, *middle, memory.velocity[1]);
       if (moving && 2 * i + 2 == steps) velocity_slopes(c, *half_way, *stop, memory.velocity[1]);
+      if (2 * i + 1 == steps) add_own(2 * r + 1, 4 * dt / 6, 0, *half_way, *middle);
+      if (2 * i + 2 == steps) add_own(2 * r + 1, 4 * dt / 6, 0, *half_way, *stop);
       std::swap(start, stop);
     }
     if (moving) velocity_slopes(c, *next, *start, memory.velocity[2]);
@@ -280,7 +315,9 @@ inline void linearise(const Recorded& recorded, const LinearisedAt& at, int inte
   }
   for (int k = 0; k < TRACKERS; ++k)
     end_lasting(recorded, at, interval, end, *trackers[k], memory.whitening[k], sensed);
+  add_own(2 * end, before / 6, 1, *row, *start);
   add_continuity(recorded, at, interval, duration, *start, continuity);
+  add_joint_equations(recorded, interval, duration, memory.own, continuity);
 }
 
 }  // namespace orbident

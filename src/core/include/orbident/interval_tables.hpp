@@ -2,7 +2,7 @@
 // linearised, and the table they grow in.
 #pragma once
 
-#include "orbident/calibration.hpp"
+#include "orbident/joint_equations.hpp"
 #include "orbident/householder.hpp"
 #include "orbident/joint_history.hpp"
 #include "orbident/whitening.hpp"
@@ -40,6 +40,9 @@ struct Recorded {
   int intervals;
   JointHistory history;
   const double* A_rw;  // wheels x 3: a_i I_i, base axes
+  const JointEquation* equation;  // of joints whose torque is known
+  int equations;
+  const double* slack;  // intervals: by how much more than elsewhere they may fail
   // At 2 rows - 1 nodes: every row, and half-way between.
   Acting acting;
   Sensed gyro, accelerometer, attitude, joints, position, velocity;
@@ -68,7 +71,7 @@ struct LinearisedAt {
 
 struct IntervalMemory {
   TermsMemory terms;
-  double *q, *qd, *qdd;  // joints each
+  JointMemory own;       // of the joints' own equations
   JointState shown[3];   // at a node and the two after it
   int knot = 0;          // the last one before a node
   JointNode node[3];

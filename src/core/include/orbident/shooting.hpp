@@ -55,6 +55,8 @@ struct JointNode {
   Vector3<double> h_rw;       // N m s, base axes
   Vector3<double> h_rw_rate;  // N m
   double* by;                 // BY_ROWS x unknowns: changes of the terms
+  Cubics functions;           // of corrections at this time
+  double *q, *qd, *qdd;       // joints each
   Acting acting;
 };
 

@@ -11,6 +11,7 @@ from orbident.estimation.output_error.problem import NOTHING
 from orbident.estimation.shared import Shared
 from orbident.estimation.solution import OUTSIDE, Outside, Prior
 from orbident.estimation.unknowns import Unknown
+from orbident.model.springs import carried_inertia
 from orbident.model.minimal_sets import MinimalSets
 from orbident.preprocessing.samples import Samples
 from orbident.robot.description import Robot
@@ -70,7 +71,18 @@ def prior_of(
         std=np.concatenate(
             [std, prior_std(robot, sets), [each.std for each in calibrations]]
         ),
+        others=_carried(robot, sets),
     )
+
+
+def _carried(robot: Robot, sets: MinimalSets) -> Float[np.ndarray, "rows columns"]:
+    """What is known of the inertias that passive joints carry, whitened."""
+    beta, rows = sets.beta(robot.theta), []
+    for name, passive in robot.passive.items():
+        by = carried_inertia(robot, robot.joint_names.index(name))
+        by = by / (passive.inertia * (by @ robot.theta.ravel())) @ sets.base.theta_of
+        rows.append([*np.zeros(OUTSIDE), *by, by @ beta])
+    return np.reshape(rows, (len(rows), OUTSIDE + beta.size + 1))
 
 
 def with_others(prior: Prior, others: Shared, calibrations: Sequence[Unknown]) -> Prior:

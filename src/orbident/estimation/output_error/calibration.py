@@ -10,6 +10,7 @@ import numpy as np
 
 from orbident.estimation.unknowns import Unknown
 from orbident.model.minimal_sets import conserved_axes
+from orbident.model.springs import carried_inertia
 from orbident.robot.description import Robot
 
 UNIT_OF_ZERO = {"revolute": "rad", "prismatic": "m"}
@@ -35,6 +36,7 @@ def calibrations_of(
         *_of_wheels(robot),
         *_of_the_base(robot, recorded),
         *_of_geometry(robot),
+        *_of_springs(robot),
     ]
     return tuple(
         each._replace(place=float(k), std=free.get(each.family, each.std))
@@ -50,13 +52,16 @@ def _error(
 
 
 def _of_joints(robot: Robot) -> Iterator[Error]:
-    known = robot.tolerances
+    known, unseen = robot.tolerances, {*robot.passive}
     for joint in robot.joints:
         name, unit = f"joint.{joint.name}.zero", UNIT_OF_ZERO[joint.kind]
-        yield _error(name, "joint zeros", unit, known.joint_zero.get(joint.name, 0.0))
+        std = known.joint_zero.get(joint.name, 0.0)
+        yield _error(name, "joint zeros", unit, std, joint.name not in unseen)
     for joint in robot.joint_names:
         std = known.joint_scale.get(joint, 0.0)
-        yield _error(f"joint.{joint}.scale", "joint scales", "1", std)
+        yield _error(
+            f"joint.{joint}.scale", "joint scales", "1", std, joint not in unseen
+        )
 
 
 def _of_wheels(robot: Robot) -> Iterator[Error]:
@@ -93,6 +98,24 @@ def _of_the_base(robot: Robot, recorded: Collection[str]) -> Iterator[Error]:
         ("position.clock", "s", known.position_clock, position),
     ):
         yield _error(name, name, unit, std, acts)
+
+
+def _of_springs(robot: Robot) -> Iterator[Error]:
+    """Of every joint in turn; what only some have acts on these alone."""
+    for name in robot.joint_names:
+        # The frequency is as the root of the stiffness.
+        passive = robot.passive.get(name)
+        std = 2 * passive.tolerance if passive else 0.0
+        yield _error(f"joint.{name}.spring", "springs", "1", std, bool(passive))
+    for k, name in enumerate(robot.joint_names):
+        passive, std = robot.passive.get(name), 0.0
+        if passive:
+            inertia = carried_inertia(robot, k) @ robot.theta.ravel()
+            std = 4 * np.pi * passive.damping * passive.frequency * inertia
+        yield _error(f"joint.{name}.damping", "springs", "N m s", std, bool(passive))
+    for what in ("coulomb", "offset", "torque"):
+        for name in robot.joint_names:
+            yield _error(f"joint.{name}.{what}", "torques", "N m", 0.0, False)
 
 
 def _of_geometry(robot: Robot) -> Iterator[Error]:

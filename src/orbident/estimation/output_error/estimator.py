@@ -42,6 +42,7 @@ from orbident.estimation.output_error.disturbance_sizes import (
     with_densities,
 )
 from orbident.estimation.output_error.hypotheses import Search, fit_in_world
+from orbident.estimation.output_error.joint_laws import memories
 from orbident.estimation.output_error.noise_scaling import Fitted
 from orbident.estimation.output_error.problem import (
     Problem,
@@ -52,7 +53,7 @@ from orbident.estimation.output_error.problem import (
 from orbident.estimation.output_error.sensitivity import sensitivity
 from orbident.estimation.output_error.sensors import Sensors, sensors_of
 from orbident.estimation.output_error.sharing import shared_of
-from orbident.estimation.output_error.solver import STEPS
+from orbident.estimation.output_error.solver import STEPS, solved
 from orbident.estimation.predicted import sensor_signals
 from orbident.estimation.shared import Shared
 from orbident.estimation.solution import OUTSIDE, Solution, Unknowns
@@ -148,7 +149,10 @@ class OutputError:
         # A clock that was corrected is known no better than it was found.
         late = problem.clocks.get("joints")
         free = {"joints.clock": CLOCK_STD} if late and late.believed else {}
-        equations = problem_of(robot, sets, samples, sensors, {**free, **self.free})
+        following = partial(
+            problem_of, robot, sets, samples, sensors, {**free, **self.free}
+        )
+        equations = following()
         outside = first_momentum(robot, sets, samples, problem.fits, momentum)
         prior = prior_of(robot, sets, equations.declared, outside, problem.rest_std)
         beta = _first(problem)
@@ -160,16 +164,22 @@ class OutputError:
             start_of(equations, samples, outside, at)
             for at in (beta, sets.beta(robot.theta))
         ]
+        for memory in memories(robot, float(np.ptp(equations.t))):
+            part = following(memory)
+            ends = [
+                solved(part, part.weights, prior, start, step, self.steps)
+                for start in starts
+            ]
+            starts = [min(ends, key=lambda end: end.cost).state]
         at_hand = []
         # Those of many samples are as good as they will be, and equations take long.
         if equations.t.size >= LARGE:
             _core.give_back_memory()
         else:
-            here, other = (linear(equations, equations.weights, at) for at in starts)
-            if other.cost < here.cost:
-                here, starts = other, starts[::-1]
-            at_hand = [here]
-            del here, other
+            every = [linear(equations, equations.weights, at) for at in starts]
+            order = sorted(range(len(every)), key=lambda k: every[k].cost)
+            starts, at_hand = [starts[k] for k in order], [every[order[0]]]
+            del every
         return Search(
             equations,
             prior,

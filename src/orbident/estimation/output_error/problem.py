@@ -25,6 +25,7 @@ from orbident.estimation.output_error.calibration import (
     calibrations_of,
 )
 from orbident.estimation.output_error.followed import Followed
+from orbident.estimation.output_error.joint_laws import joint_laws
 from orbident.estimation.output_error.sensors import (
     Lasting,
     Sensors,
@@ -167,6 +168,7 @@ def problem_of(
     samples: Samples,
     sensors: Sensors,
     free: Mapping[str, float] = NOTHING_FREE,
+    memory: float = np.inf,
 ) -> Problem:
     """The equations of a recording.
 
@@ -176,10 +178,11 @@ def problem_of(
         samples: histories of joints and wheels.
         sensors: what is predicted.
         free: standard deviations beforehand in place of tolerances, by family; SI.
+        memory: after so long, s, the state of a passive joint is anew unknown.
     """
     intervals = intervals_of(robot, samples, sensors)
     lasting = lasting_noise(robot, sensors)
-    loose = looseness(robot, samples, sensors, lasting)
+    free_to_vary = looseness(robot, samples, sensors, lasting)
     history = intervals.history
     last = np.arange(intervals.t.size) == intervals.t.size - 1
     pushed = _during(samples.pushed, intervals.t)
@@ -217,7 +220,8 @@ def problem_of(
         qd_rw=history.qd_rw,
         qdd_rw=history.qdd_rw,
         samples=[_without_nan(seen.get(name, _none(name))) for name in SENSORS],
-        **loose._asdict(),
+        **free_to_vary._asdict(),
+        **joint_laws(robot, intervals.t.size, intervals.boundaries, memory)._asdict(),
     )
     followed = Followed(robot, sets, samples, intervals)
     acting = Acting(followed, recorded.places, followed.allowed)
@@ -231,7 +235,7 @@ def problem_of(
         intervals.boundaries,
         seen,
         weights,
-        loose,
+        free_to_vary,
         lasting,
         (*calibrations_of(robot, sensors.by_name, free), *gains),
         acting,
@@ -258,9 +262,9 @@ def _none(name: str) -> Float[np.ndarray, "0 axes"]:
 
 
 def _axes(robot: Robot, sensor: str, columns: int) -> Float[np.ndarray, " axes"]:
-    """1 for those in which momentum is conserved; encoders have all."""
+    """1 for those in which momentum is conserved; encoders have those they are on."""
     if sensor == "joints":
-        return np.ones(columns)
+        return np.array([float(name not in robot.passive) for name in robot.joint_names])
     if robot.motion != "planar":
         return np.ones(3)
     turning = sensor in {"gyro", "attitude"}

@@ -83,12 +83,13 @@ def sensors_of(
         for sensor, components in COMPONENTS.items()
         if recording.has(*(f"{sensor}.{k}" for k in components))
     }
-    joints, encoders = robot.joint_names, robot.sensors.joints
+    joints = [name for name in robot.joint_names if name not in robot.passive]
+    encoders = robot.sensors.joints
     exact = any(recording.has(f"joint.{name}.velocity") for name in joints) and not (
         encoders and encoders.tachometer
     )
     if joints and not exact:
-        angles = [recording.column(f"joint.{name}.position") for name in joints]
+        angles = [recording.column(f"joint.{n}.position") for n in robot.joint_names]
         tables["joints"] = np.column_stack(angles)
     times, samples = {}, {}
     for name in list(tables):

@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float, Int
 from scipy.interpolate import CubicHermiteSpline, CubicSpline
 
+from orbident.estimation.output_error.joint_laws import longest_interval
 from orbident.estimation.output_error.sensors import (
     Lasting,
     Sensors,
@@ -52,6 +53,9 @@ BIAS = np.repeat([GyroSpec.UNKNOWN_BIAS, AccelerometerSpec.UNKNOWN_BIAS], 3)
 
 ENCODERS = 1e-2
 """Std of the error of smoothed encoders beforehand, rad or m, and per second."""
+
+UNMEASURED = 1e2
+"""The same of a joint that nobody measures: its own equations hold it."""
 
 STEP = 1 / 16
 """rad of nutation: steps of RK4 so large are wrong by 1e-8 rad."""
@@ -108,6 +112,8 @@ def intervals_of(robot: Robot, samples: Samples, sensors: Sensors) -> Intervals:
     first, end = (int(row) for row in np.searchsorted(sensors.t, ends))
     t = sensors.t[first:end]
     rows = _rows_of_an_interval(history, samples.shares, t)
+    followed = longest_interval(robot) / float(np.median(np.diff(t)))
+    rows = min(rows, int(2 ** np.floor(np.log2(max(followed, 1.0)))))
     return Intervals(slice(first, end), t, _edges(t.size, rows), history)
 
 
@@ -203,10 +209,12 @@ def looseness(
         walks += 3 * [walk]
     # Joints whose rates are measured, or that do not move, have no corrections.
     free = [
-        "joints" in sensors.by_name and name not in samples.locked
+        name in robot.passive
+        or ("joints" in sensors.by_name and name not in samples.locked)
         for name in robot.joint_names
     ]
-    corrections = np.full(2 * sum(free), ENCODERS)
+    std = [UNMEASURED if name in robot.passive else ENCODERS for name in robot.joint_names]
+    corrections = np.tile(np.array(std)[free], 2)
     noise = first_lasting(lasting, float(np.median(np.diff(sensors.t))))
     return Looseness(
         corrected=np.flatnonzero(free).astype(float),
