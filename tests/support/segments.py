@@ -137,6 +137,9 @@ def segment_of(
         first=np.ones(9 + 2 * joints),
         corrections=np.ones(2 * joints),
         walk=np.ones(9),
+        with_law=np.zeros(0),
+        laws=np.zeros((0, 3 + robot.theta.size)),
+        slack=np.ones(intervals),
     )
     common = np.concatenate([*outside, sets.beta(robot.theta)])
     assert common.size == OUTSIDE + sets.base.theta_of.shape[1]

@@ -15,11 +15,41 @@ inline void use(const Bodies<double>& bodies, std::vector<Momentum<double>>& car
   memory.by_qd = by.data() + by.size() / 2;
 }
 
+// Memory for the joints' own equations at one node.
+class OwnedJointMemory {
+ public:
+  OwnedJointMemory(const Tree& tree, int betas)
+      : bodies_(tree),
+        numbers_(static_cast<std::size_t>(PER_BODY * tree.bodies() + 4 * tree.joints)),
+        table_(static_cast<std::size_t>(2 * tree.joints * (1 + joint_directions(tree, betas)))) {
+    const int K = tree.joints;
+    Directions* const joints = numbers_.data() + PER_BODY * tree.bodies();
+    at = {bodies_.at,
+          numbers_.data(),
+          joints,
+          joints + K,
+          joints + 2 * K,
+          joints + 3 * K,
+          table_.data() + 2 * K,
+          table_.data(),
+          nullptr,
+          nullptr,
+          nullptr};
+  }
+  OwnedJointMemory(const OwnedJointMemory&) = delete;
+  JointMemory at;
+
+ private:
+  BodiesMemory<Directions> bodies_;
+  std::vector<Directions> numbers_;
+  std::vector<double> table_;
+};
+
 // Memory for one end of the elimination.
 class OwnedSweep {
  public:
   explicit OwnedSweep(const Recorded& all)
-      : bodies_(all.tree), own_bodies_(all.tree) {
+      : bodies_(all.tree), own_(all.tree, all.equations ? all.columns.betas : 0) {
     const int K = all.tree.joints, n = all.stride(), unknowns = all.columns.count();
     int longest = 0;
     for (int k = 0; k < all.intervals; ++k)
@@ -52,7 +82,10 @@ class OwnedSweep {
     at.known = take(std::ptrdiff_t(all.local()) * n);
     at.rows = take(std::ptrdiff_t(5 * 3 * longest + all.lasting) * n);
     at.continuity = take(std::ptrdiff_t(BIASES + 2 * all.equations) * n);
-    if (all.equations) take_own(all);
+    own_.at.node = take(2 * unknowns);
+    own_.at.sums = take(std::ptrdiff_t(2) * all.equations * unknowns);
+    own_.at.left = take(2 * all.equations);
+    interval.own = own_.at;
   }
   OwnedSweep(const OwnedSweep&) = delete;
   SweepMemory at;
@@ -61,26 +94,8 @@ class OwnedSweep {
   double* take(std::ptrdiff_t count) {
     return room_.emplace_back(static_cast<std::size_t>(count), 0.0).data();
   }
-  void take_own(const Recorded& all) {
-    const int K = all.tree.joints, unknowns = all.columns.count();
-    own_numbers_.resize(static_cast<std::size_t>(PER_BODY * all.tree.bodies() + 4 * K));
-    Directions* numbers = own_numbers_.data();
-    Directions* joints = numbers + PER_BODY * all.tree.bodies();
-    at.interval.own = {own_bodies_.at,
-                       numbers,
-                       joints,
-                       joints + K,
-                       joints + 2 * K,
-                       joints + 3 * K,
-                       take(2 * K * joint_directions(all.tree, all.columns.betas)),
-                       take(2 * K),
-                       take(2 * unknowns),
-                       take(std::ptrdiff_t(2) * all.equations * unknowns),
-                       take(2 * all.equations)};
-  }
   BodiesMemory<double> bodies_;
-  BodiesMemory<Directions> own_bodies_;
-  std::vector<Directions> own_numbers_;
+  OwnedJointMemory own_;
   std::vector<Momentum<double>> carried_;
   std::vector<MomentumTerms> by_;
   std::vector<std::vector<double>> room_;

@@ -92,6 +92,32 @@ auto momentum_terms(const OwnedTree& owned, const Array& theta_of_, const Array&
   return table.give();
 }
 
+auto joint_momenta_of(const OwnedTree& owned, const Array& theta_of_, const Array& beta_,
+                      const Array& q_, const Array& qd_, const Array& w_) {
+  const Tree tree = owned.view();
+  const std::int64_t K = tree.joints, B = tree.bodies();
+  const auto dense = input<2>("theta_of", theta_of_, {PER_BODY * B, ANY});
+  const OwnedSparse theta_of = sparse(dense);
+  const auto beta = input<1>("beta", beta_, {dense.size(1)});
+  const auto q = input<1>("q", q_, {K}), qd = input<1>("qd", qd_, {K}),
+             w = input<1>("w", w_, {3});
+  std::vector<double> theta(static_cast<std::size_t>(PER_BODY * B), 0.0);
+  for (std::ptrdiff_t b = 0; b < beta.size(0); ++b)
+    for (std::size_t x = 0; x < theta.size(); ++x)
+      theta[x] += dense.data()[static_cast<std::ptrdiff_t>(x) * dense.size(1) + b] * beta.data()[b];
+  OwnedJointMemory memory(tree, static_cast<int>(beta.size(0)));
+  differentiate_joint_momenta(tree, theta_of.view(), theta.data(), q.data(), qd.data(),
+                              Vector3<double>(w.data()), memory.at);
+  const int directions = joint_directions(tree, static_cast<int>(beta.size(0)));
+  Out<2> table(2 * K, 1 + directions);
+  for (std::int64_t k = 0; k < 2 * K; ++k) {
+    double* row = table.data() + k * (1 + directions);
+    row[0] = memory.at.values[k];
+    std::copy_n(memory.at.slopes + k * directions, directions, row + 1);
+  }
+  return table.give();
+}
+
 auto boundaries_of(const Array& links_, const Array& z_, const Array& g_) {
   const auto links = input<3>("links", links_, {ANY, ANY, ANY});
   const std::int64_t intervals = links.size(0), L = links.size(1), width = links.size(2);
@@ -114,11 +140,11 @@ void bind_output_error(nb::module_& m) {
            nb::arg("t"), nb::arg("edge"), nb::arg("knots"), nb::arg("q"), nb::arg("q_slope"),
            nb::arg("qd"), nb::arg("qdd"), nb::arg("A_rw"), nb::arg("qd_rw"), nb::arg("qdd_rw"),
            nb::arg("samples"), nb::arg("first"), nb::arg("corrections"), nb::arg("walk"),
-           nb::arg("with_law"), nb::arg("laws"), nb::arg("torque"), nb::arg("slack"),
+           nb::arg("with_law"), nb::arg("laws"), nb::arg("slack"),
            "theta = theta_0 + theta_of beta. Standard deviations: `first` of the unknowns of "
            "the first boundary, `corrections` of those of joints anywhere, `walk` of what "
            "attitude and biases walk in a second. `with_law`: joints whose own equations hold; "
-           "`laws`: squared rate, damping rate and density of each, and by theta the inertia that the joint carries; `torque`: what was measured at nodes; `slack`: by interval, by how much more these may fail.")
+           "`laws`: squared rate, damping rate and density of each, and by theta the inertia that the joint carries; `slack`: by interval, by how much more these may fail.")
       .def_prop_ro("local", [](const OwnedRecorded& all) { return all.view().local(); },
                    "How many unknowns a boundary has.")
       .def_prop_ro("places", [](const OwnedRecorded& all) { return all.view().places().count(); },
@@ -139,6 +165,9 @@ void bind_output_error(nb::module_& m) {
   m.def("momentum_terms", &momentum_terms, nb::arg("tree"), nb::arg("theta_of"), nb::arg("beta"),
         nb::arg("q"), nb::arg("qd"), nb::arg("qdd"),
         "D (xx, xy, xz, yy, yz, zz), D_q qd, r_cm, J_cm qd: values, rates, by q, qd and beta.");
+  m.def("joint_momenta", &joint_momenta_of, nb::arg("tree"), nb::arg("theta_of"), nb::arg("beta"),
+        nb::arg("q"), nb::arg("qd"), nb::arg("w"),
+        "Momenta of the joints and the slopes of the energy by q: values, by q, qd, w and beta.");
   m.def("boundaries", &boundaries_of, nb::arg("links"), nb::arg("z"), nb::arg("g"),
         "The unknowns of every boundary, from those of the meeting one and the common ones.");
 }

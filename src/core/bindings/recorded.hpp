@@ -46,7 +46,7 @@ struct OwnedRecorded {
   In<1> first, corrections, walk;
   int lasting;
   std::vector<JointEquation> equations;
-  In<2> laws, torque;
+  In<2> laws;
   In<1> slack;
 
   std::int64_t axes(std::size_t sensor) const {
@@ -99,7 +99,7 @@ inline OwnedRecorded make_recorded(
     const std::vector<Array>& qdd, const Array& A_rw_, const std::vector<Array>& qd_rw,
     const std::vector<Array>& qdd_rw, const std::vector<Array>& samples, const Array& first,
     const Array& corrections, const Array& walk, const Array& with_law_,
-    const Array& laws_, const Array& torque_, const Array& slack) {
+    const Array& laws_, const Array& slack) {
   const std::int64_t K = tree.view().joints;
   const auto A_rw = input<2>("A_rw", A_rw_, {ANY, 3});
   const std::int64_t W = A_rw.size(0);
@@ -148,18 +148,15 @@ inline OwnedRecorded make_recorded(
                     static_cast<int>(lasting),
                     {},
                     {},
-                    input<2>("torque", torque_, {ANY, 2 * rows - 1}),
                     input<1>("slack", slack, {static_cast<std::int64_t>(edge.size()) - 1})};
   const auto with_law =
       whole_numbers("with_law", input<1>("with_law", with_law_, {ANY}), static_cast<double>(K));
   const std::int64_t E = static_cast<std::int64_t>(with_law.size());
   all.laws = input<2>("laws", laws_, {E, 3 + PER_BODY * (K + 1)});
-  if (all.torque.size(0) != E) throw nb::value_error("torque: give a row for each law");
   for (std::int64_t e = 0; e < E; ++e) {
     const double* law = all.laws.data() + e * all.laws.size(1);
     if (!(law[2] > 0.0)) throw nb::value_error("laws: a density is not above zero");
-    all.equations.push_back({with_law[static_cast<std::size_t>(e)], law[0], law[1], law[2], law + 3,
-                             all.torque.data() + e * all.torque.size(1)});
+    all.equations.push_back({with_law[static_cast<std::size_t>(e)], law[0], law[1], law[2], law + 3});
   }
   if (samples.size() != SENSORS) throw nb::value_error("samples: give one array a sensor");
   for (std::size_t k = 0; k < SENSORS; ++k) {

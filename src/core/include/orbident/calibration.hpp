@@ -9,7 +9,7 @@
 //   position        shown (1 + p) times the position
 //   clocks          what joints and wheels, the attitude sensor or the tracker show is l old: to
 //                   first order in l, q = q_shown + l qd_shown, and what is shown is x - l x'
-//   joint laws      of joint_equations.hpp
+//   springs         those of joint_equations.hpp: their rate and their damping, relative
 //
 // m turns the base's axes into the instrument's: a vector along the axis, of length
 // 2 sin(angle / 2), as r is.
@@ -18,7 +18,7 @@
 //
 //   [z, each joint | s, each joint | g, each wheel | d 3 | attitude m 3 | gyro m 3 | gyro s 3 | p |
 //    l of joints, of attitude, of position | d 3, each joint | r 3, each joint |
-//    x, y, f, o, g of the joints' torques, each joint]
+//    x, each joint | y, each joint]
 //
 // Places beyond these are gains of what acts from outside (acting.hpp).
 #pragma once
@@ -42,12 +42,9 @@ struct CalibrationPlaces {
   int position_clock() const { return attitude_clock() + 1; }
   int place() const { return position_clock() + 1; }
   int direction() const { return place() + 3 * joints; }
-  int stiffness() const { return direction() + 3 * joints; }
-  int viscous() const { return stiffness() + joints; }
-  int coulomb() const { return viscous() + joints; }
-  int offset() const { return coulomb() + joints; }
-  int torque() const { return offset() + joints; }
-  int count() const { return torque() + joints; }
+  int spring() const { return direction() + 3 * joints; }
+  int damper() const { return spring() + joints; }
+  int count() const { return damper() + joints; }
 };
 
 // Which calibrations have columns, and the values of all.
@@ -150,7 +147,7 @@ inline void write_calibrations(const Tree& tree, const IntervalColumns& columns,
     double* column = by + columns.calibration() + c;
     const int place = calibration.selected[c];
     for (int r = 0; r < BY_ROWS; ++r) column[r * n] = 0.0;
-    if (place >= places.stiffness()) continue;
+    if (place >= places.spring()) continue;
     if (place >= places.place()) {
       const int k = (place - places.place()) / 3 % places.joints;
       write_change(

@@ -260,13 +260,13 @@ inline void linearise(const Recorded& recorded, const LinearisedAt& at, int inte
   };
   JointNode *row = &memory.node[0], *half_way = &memory.node[1], *next = &memory.node[2];
   BaseNode *start = &memory.base[0], *middle = &memory.base[1], *stop = &memory.base[2];
-  const auto add_own = [&](int node, double weight, int edge, const JointNode& joints,
+  const auto add_own = [&](double weight, int edge, const JointNode& joints,
                            const BaseNode& base) {
     const double s = 2.0 * (joints.t + recorded.t[0] - recorded.t[first]) / duration - 1.0;
     if (recorded.equations && duration > 0.0)
       add_joint_node(recorded.tree, recorded.theta_of, at.theta, recorded.corrected, c,
-                     at.calibration, recorded.equation, recorded.equations, node, duration, weight,
-                     s, edge, joints, base, memory.own);
+                     at.calibration, recorded.equation, recorded.equations, duration, weight, s,
+                     edge, joints, base, memory.own);
   };
   start_joint_equations(recorded, memory.own);
   double before = 0.0;  // the step to a row, s
@@ -285,7 +285,7 @@ inline void linearise(const Recorded& recorded, const LinearisedAt& at, int inte
     felt = cross_matrix(f_S).lazyProduct(TableRows(start->phi, 3, c.count()));
 
     const double dt = recorded.t[r + 1] - recorded.t[r];
-    add_own(2 * r, (before + dt) / 6, r == first ? -1 : 0, *row, *start);
+    add_own((before + dt) / 6, r == first ? -1 : 0, *row, *start);
     before = dt;
     joints_at(2 * r + 1, *half_way);
     joints_at(2 * r + 2, *next);
@@ -297,8 +297,8 @@ inline void linearise(const Recorded& recorded, const LinearisedAt& at, int inte
       step(c, dt / steps, *start, *middle, *stop);
       if (moving && 2 * i + 1 == steps) velocity_slopes(c, *half_way, *middle, memory.velocity[1]);
       if (moving && 2 * i + 2 == steps) velocity_slopes(c, *half_way, *stop, memory.velocity[1]);
-      if (2 * i + 1 == steps) add_own(2 * r + 1, 4 * dt / 6, 0, *half_way, *middle);
-      if (2 * i + 2 == steps) add_own(2 * r + 1, 4 * dt / 6, 0, *half_way, *stop);
+      if (2 * i + 1 == steps) add_own(4 * dt / 6, 0, *half_way, *middle);
+      if (2 * i + 2 == steps) add_own(4 * dt / 6, 0, *half_way, *stop);
       std::swap(start, stop);
     }
     if (moving) velocity_slopes(c, *next, *start, memory.velocity[2]);
@@ -315,7 +315,7 @@ inline void linearise(const Recorded& recorded, const LinearisedAt& at, int inte
   }
   for (int k = 0; k < TRACKERS; ++k)
     end_lasting(recorded, at, interval, end, *trackers[k], memory.whitening[k], sensed);
-  add_own(2 * end, before / 6, 1, *row, *start);
+  add_own(before / 6, 1, *row, *start);
   add_continuity(recorded, at, interval, duration, *start, continuity);
   add_joint_equations(recorded, interval, duration, memory.own, continuity);
 }

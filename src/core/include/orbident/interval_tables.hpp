@@ -40,7 +40,7 @@ struct Recorded {
   int intervals;
   JointHistory history;
   const double* A_rw;  // wheels x 3: a_i I_i, base axes
-  const JointEquation* equation;  // of joints whose torque is known
+  const JointEquation* equation;  // of joints on springs that nobody measures
   int equations;
   const double* slack;  // intervals: by how much more than elsewhere they may fail
   // At 2 rows - 1 nodes: every row, and half-way between.

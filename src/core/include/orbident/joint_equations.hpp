@@ -1,24 +1,24 @@
-// The joints' own equations (Eq. 11) in momentum form: no accelerations.
+// The own equations (Eq. 11) of joints that nobody measures, in momentum form: no accelerations.
 //
 //   p_k = S_k . h_k        dp_k/dt = S_k' . h_k + tau_k        S_k' = V_k x S_k
 //
 // with S_k the field of joint k, h_k the momentum of all that it carries, with the system CM at
 // rest, and V_k the motion of the body that carries the joint (p_k = dT/dqd_k, S_k' . h_k =
-// dT/dq_k). Of the torque
+// dT/dq_k). A spring and a damper hold it,
 //
-//   tau_k = (1 + g) measured - (1 + x) r^2 I q - (d I + y) qd - f sign(qd) - o
+//   tau_k = -(1 + x)^2 r^2 I q - (1 + y) d I qd
 //
-// x, y, f, o and g are unknowns, and I the inertia of all that the joint carries, about its axis,
-// linear in theta: a spring is known by the rate r at which it swings, and with a stiffness in
-// place of r that would be a curved valley of the likelihood. Over an interval of length T, with s from -1 to 1 and
-// F = S_k' . h_k + tau_k, white noise of the torque leaves two independent sums,
+// where x and y are unknowns, and I is the inertia of all that the joint carries, about its axis,
+// linear in theta: with a stiffness in place of the rate r at which it swings, the likelihood would
+// have a curved valley. Over an interval of length T, with s from -1 to 1 and F = S_k' . h_k +
+// tau_k, a white torque leaves two independent sums,
 //
-//   p(T) - p(0) - int F dt = e_0,                               var e_0 = density^2 T
-//   p(T) + p(0) - 2/T int p dt - int s F dt = e_1,              var e_1 = density^2 T / 3
+//   p(T) - p(0) - int F dt = e_0,                       var e_0 = density^2 T
+//   p(T) + p(0) - 2/T int p dt - int s F dt = e_1,      var e_1 = density^2 T / 3
 //
-// that is, its integrals over the first two Legendre polynomials. A joint that nobody measures
-// has two unknowns a boundary, and so these two equations an interval: a collocation of fourth
-// order where the density is small.
+// its integrals over the first two Legendre polynomials. The joint's cubic has two unknowns a
+// boundary, and so these two equations an interval: a collocation of fourth order where the density
+// is small.
 #pragma once
 
 #include "orbident/calibration.hpp"
@@ -28,11 +28,10 @@ namespace orbident {
 
 struct JointEquation {
   int joint;
-  double square;   // r^2, rad^2/s^2
-  double damping;  // d, 1/s
-  double density;  // of the torque's noise, N m/sqrt(Hz) or N/sqrt(Hz)
+  double square;          // r^2, rad^2/s^2
+  double damping;         // d, 1/s
+  double density;         // of the torque that is not explained, N m/sqrt(Hz) or N/sqrt(Hz)
   const double* carried;  // I by each entry of theta
-  const double* torque;   // measured, at every node
 };
 
 // p_k and dT/dq_k of all joints.
@@ -154,8 +153,8 @@ inline void write_joint_slopes(const Tree& tree, const int* corrected, const Int
 inline void add_joint_node(const Tree& tree, const Sparse& theta_of, const double* theta,
                            const int* corrected, const IntervalColumns& c,
                            const Calibration& calibration, const JointEquation* equation,
-                           int equations, int node, double duration, double weight, double s,
-                           int edge, const JointNode& joints, const BaseNode& base,
+                           int equations, double duration, double weight, double s, int edge,
+                           const JointNode& joints, const BaseNode& base,
                            JointMemory& memory) {
   const int K = tree.joints, n = c.count(), all = joint_directions(tree, c.betas);
   differentiate_joint_momenta(tree, theta_of, theta, joints.q, joints.qd, base.w, memory);
@@ -170,28 +169,25 @@ inline void add_joint_node(const Tree& tree, const Sparse& theta_of, const doubl
     double* by = memory.slopes + (K + k) * all;
     double inertia = 0.0;
     for (int i = 0; i < PER_BODY * tree.bodies(); ++i) inertia += one.carried[i] * theta[i];
-    const double square = (1 + calibration.values[places.stiffness() + k]) * one.square,
-                 stiffness = square * inertia,
-                 damping = one.damping * inertia + calibration.values[places.viscous() + k], q = joints.q[k], qd = joints.qd[k], turning = qd > 0.0 ? 1.0 : -1.0,
-                 measured = one.torque[node];
-    by[k] -= stiffness;
-    by[K + k] -= damping;
+    const double q = joints.q[k], qd = joints.qd[k];
+    const double rate = 1 + calibration.values[places.spring() + k];
+    const double square = rate * rate * one.square;
+    const double damped = (1 + calibration.values[places.damper() + k]) * one.damping;
+    by[k] -= square * inertia;
+    by[K + k] -= damped * inertia;
     for (int b = 0; b < c.betas; ++b)
       for (int x = theta_of.first[b]; x < theta_of.first[b + 1]; ++x)
         by[2 * K + 3 + b] -=
-            (square * q + one.damping * qd) * one.carried[theta_of.row[x]] * theta_of.value[x];
+            (square * q + damped * qd) * one.carried[theta_of.row[x]] * theta_of.value[x];
     write_joint_slopes(tree, corrected, c, calibration, joints, base, by, by_F);
-    const int own[] = {places.stiffness(), places.viscous(), places.coulomb(), places.offset(),
-                       places.torque()};
-    const double by_own[] = {-one.square * inertia * q, -qd, -turning, -1.0, measured};
-    for (int i = 0; i < c.calibrations; ++i)
-      for (int u = 0; u < 5; ++u)
-        if (calibration.selected[i] == own[u] + k) by_F[c.calibration() + i] += by_own[u];
+    for (int i = 0; i < c.calibrations; ++i) {
+      const int place = calibration.selected[i];
+      if (place == places.spring() + k)
+        by_F[c.calibration() + i] -= 2 * rate * one.square * inertia * q;
+      if (place == places.damper() + k) by_F[c.calibration() + i] -= one.damping * inertia * qd;
+    }
     const double p = memory.values[k];
-    const double F = memory.values[K + k] - stiffness * q - damping * qd -
-                     calibration.values[places.coulomb() + k] * turning -
-                     calibration.values[places.offset() + k] +
-                     (1 + calibration.values[places.torque() + k]) * measured;
+    const double F = memory.values[K + k] - (square * q + damped * qd) * inertia;
     const double of_p[2] = {double(edge), std::abs(edge) - 2.0 * weight / duration},
                  of_F[2] = {-weight, -weight * s};
     for (int i = 0; i < 2; ++i) {

@@ -10,7 +10,6 @@ import numpy as np
 
 from orbident.estimation.unknowns import Unknown
 from orbident.model.minimal_sets import conserved_axes
-from orbident.model.springs import carried_inertia
 from orbident.robot.description import Robot
 
 UNIT_OF_ZERO = {"revolute": "rad", "prismatic": "m"}
@@ -101,21 +100,15 @@ def _of_the_base(robot: Robot, recorded: Collection[str]) -> Iterator[Error]:
 
 
 def _of_springs(robot: Robot) -> Iterator[Error]:
-    """Of every joint in turn; what only some have acts on these alone."""
+    """How fast passive joints swing, and how soon they stop; every joint has a place."""
     for name in robot.joint_names:
-        # The frequency is as the root of the stiffness.
-        passive = robot.passive.get(name)
-        std = 2 * passive.tolerance if passive else 0.0
-        yield _error(f"joint.{name}.spring", "springs", "1", std, bool(passive))
-    for k, name in enumerate(robot.joint_names):
-        passive, std = robot.passive.get(name), 0.0
-        if passive:
-            inertia = carried_inertia(robot, k) @ robot.theta.ravel()
-            std = 4 * np.pi * passive.damping * passive.frequency * inertia
-        yield _error(f"joint.{name}.damping", "springs", "N m s", std, bool(passive))
-    for what in ("coulomb", "offset", "torque"):
-        for name in robot.joint_names:
-            yield _error(f"joint.{name}.{what}", "torques", "N m", 0.0, False)
+        acts = name in robot.passive
+        std = robot.passive[name].tolerance if acts else 0.0
+        yield _error(f"joint.{name}.frequency", "springs", "1", std, acts)
+    for name in robot.joint_names:
+        # It may as well be nothing, or twice as much.
+        acts = name in robot.passive
+        yield _error(f"joint.{name}.damping", "springs", "1", float(acts), acts)
 
 
 def _of_geometry(robot: Robot) -> Iterator[Error]:

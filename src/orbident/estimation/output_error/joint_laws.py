@@ -37,20 +37,17 @@ class JointLaws(NamedTuple):
     laws: Float[np.ndarray, "laws numbers"]
     """The square of the rate at which it swings, the rate at which it is damped, the
     density of the torque that is not explained, and the inertia by `theta`; SI."""
-    torque: Float[np.ndarray, "laws nodes"]
-    """What was measured, N m or N."""
     slack: Float[np.ndarray, " intervals"]
     """By how much more than elsewhere they may fail."""
 
 
 def joint_laws(
-    robot: Robot, rows: int, boundaries: Float[np.ndarray, " boundaries"], memory: float
+    robot: Robot, boundaries: Float[np.ndarray, " boundaries"], memory: float
 ) -> JointLaws:
     """The laws of a robot's passive joints.
 
     Args:
         robot: with its passive joints.
-        rows: of the recording.
         boundaries: times at which intervals meet, s.
         memory: after so long, s, a joint's state is anew unknown.
     """
@@ -66,7 +63,7 @@ def joint_laws(
         law[0], law[1] = rate**2, 2 * passive.damping * rate
         law[2], law[3:] = density * np.sqrt(passive.frequency), inertia
     with_law = np.array([robot.joint_names.index(name) for name in names], dtype=float)
-    return JointLaws(with_law, laws, np.zeros((len(names), 2 * rows - 1)), slack)
+    return JointLaws(with_law, laws, slack)
 
 
 def memories(robot: Robot, duration: float) -> Iterator[float]:

@@ -221,7 +221,7 @@ def problem_of(
         qdd_rw=history.qdd_rw,
         samples=[_without_nan(seen.get(name, _none(name))) for name in SENSORS],
         **free_to_vary._asdict(),
-        **joint_laws(robot, intervals.t.size, intervals.boundaries, memory)._asdict(),
+        **joint_laws(robot, intervals.boundaries, memory)._asdict(),
     )
     followed = Followed(robot, sets, samples, intervals)
     acting = Acting(followed, recorded.places, followed.allowed)
