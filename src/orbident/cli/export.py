@@ -177,6 +177,9 @@ def write_model(output: Any, result: Any, out: Path) -> None:
     except NoBodiesError as refusal:
         output.warn([f"{out} is not written: {refusal}"])
         raise typer.Exit(1) from refusal
+    lacks = made.mechanism.lacks_without_armature
+    if out.suffix.lower() == ".xml":
+        lacks = made.mechanism.lacks
     write_text(out, _model_text(made, out.suffix.lower()))
     robot, moved = made.robot, "exactly as identified"
     if made.deviation:
@@ -185,16 +188,25 @@ def write_model(output: Any, result: Any, out: Path) -> None:
         f"written: {out}: {MODELS[out.suffix.lower()]}, {len(robot.bodies)} bodies, "
         f"base parameters {moved}",
         "directions that free floating cannot observe stay as close to CAD as possible",
+        *filter(None, (lacks,)),
     )
     masses = dict(zip(robot.bodies, robot.theta[:, 0].tolist(), strict=True))
-    output.write_json({"file": str(out), "deviation": made.deviation, "masses": masses})
+    output.write_json(
+        {
+            "file": str(out),
+            "deviation": made.deviation,
+            "masses": masses,
+            "lacks": lacks,
+        }
+    )
 
 
 def _model_text(made: Any, suffix: str) -> str:
     if suffix == ".urdf":
         from orbident.identified.urdf_export import exported_urdf
+        from orbident.model.rotor_momentum import theta_with_rotors
 
-        return exported_urdf(made.robot, made.robot.theta)
+        return exported_urdf(made.robot, theta_with_rotors(made.robot))
     if suffix == ".xml":
         from orbident.identified.simulator_models import mjcf
 
@@ -217,7 +229,10 @@ def write_matrices(output: Any, result: Any, out: Path, q: list[float]) -> None:
 
     document = matrices_at(result, q)
     write_text(out, dumps(document, indent=1, allow_nan=False) + "\n")
-    output.say(f"written: {out}: H+ over {', '.join(document['speeds'])}")
+    output.say(
+        f"written: {out}: H+ over {', '.join(document['speeds'])}",
+        *filter(None, (document["lacks"],)),
+    )
     output.write_json({"file": str(out)})
 
 

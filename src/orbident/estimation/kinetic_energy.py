@@ -72,8 +72,7 @@ def _energy(
 ) -> Float[np.ndarray, "n all all"]:
     """Matrices of the kinetic energy, in the axes in which momentum is conserved."""
     robot, sets = problem.robot, problem.sets
-    theta = (sets.base.theta_of @ beta).reshape(robot.theta.shape)
     axes = list(sets.regressors.momentum_axes)
-    at = inertia(replace(robot, theta=theta), q)
+    at = inertia(replace(robot, theta=sets.theta(beta)), q)
     D, D_q = at.D[:, axes][:, :, axes], at.D_q[:, axes]
     return np.block([[D, D_q], [np.swapaxes(D_q, 1, 2), at.D_qq]])

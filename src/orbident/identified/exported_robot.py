@@ -20,6 +20,11 @@ from orbident.errors import InputError
 from orbident.estimation.result import Result
 from orbident.identified.physical import physical_bodies
 from orbident.identified.urdf_export import links_of
+from orbident.model.rotor_momentum import (
+    lacking_rotors,
+    rotors_of,
+    theta_with_rotors,
+)
 from orbident.robot.description import Coupling, Joint, Robot, Wheel
 from orbident.robot.fusing import fused
 from orbident.robot.oddities import nonphysical
@@ -145,13 +150,19 @@ class Mechanism(NamedTuple):
     feature_point: Float[np.ndarray, "3"]
     """S in the base's frame, m."""
     couplings: tuple[Coupling, ...]
+    armature: Float[np.ndarray, " joints"]
+    """What declared rotors add to each joint's own inertia beside `theta`, kg m^2."""
+    lacks: str
+    """What is said of motors' rotors that are not in it."""
+    lacks_without_armature: str
+    """The same of a format that has no place for `armature`."""
 
 
 class ExportedRobot(NamedTuple):
     """The identified robot, in both ways to count its wheels."""
 
     robot: Robot
-    """Wheels are counted in the base."""
+    """Wheels are counted in the base; motors' rotors that are declared are apart."""
     mechanism: Mechanism
     """Wheels are bodies."""
     deviation: float
@@ -179,7 +190,8 @@ def exported_robot(result: Result) -> ExportedRobot:
             "95 % region; check the robot's geometry and structure, or record a richer "
             "trajectory"
         )
-    made = replace(robot, theta=bodies.theta)
+    links = robot.theta + bodies.theta - theta_with_rotors(robot)
+    made = replace(robot, theta=links)
     return ExportedRobot(made, mechanism_of(made, rotors), bodies.deviation)
 
 
@@ -187,7 +199,7 @@ def mechanism_of(robot: Robot, rotors: tuple[RotorBody, ...]) -> Mechanism:
     """The robot with its wheels apart.
 
     Args:
-        robot: whose base can exist without its wheels.
+        robot: whose base can exist without its wheels, with its motors' rotors apart.
         rotors: its wheels, in their order.
     """
     p = robot.feature_point
@@ -196,7 +208,7 @@ def mechanism_of(robot: Robot, rotors: tuple[RotorBody, ...]) -> Mechanism:
         replace(joint, p_PJ=joint.p_PJ + p) if joint.parent == 0 else joint
         for joint in robot.joints
     ]
-    theta = robot.theta - parts_of_base(robot, rotors)
+    theta = theta_with_rotors(robot) - parts_of_base(robot, rotors)
     theta[0] = transformed(theta[0], np.eye(3), p)
     for wheel, rotor in zip(robot.wheels, rotors, strict=True):
         bodies.append(unused(rotor.name, bodies))
@@ -205,7 +217,18 @@ def mechanism_of(robot: Robot, rotors: tuple[RotorBody, ...]) -> Mechanism:
         joints.append(at)
     theta = np.vstack([theta, *(rotor.theta for rotor in rotors)])
     tree = tuple(bodies), tuple(joints), theta
-    return Mechanism(robot.name, robot.motion, *tree, p, robot.couplings)
+    armature = np.zeros(len(joints))
+    armature[: len(robot.joints)] = rotors_of(robot).armature
+    return Mechanism(
+        robot.name,
+        robot.motion,
+        *tree,
+        p,
+        robot.couplings,
+        armature,
+        lacking_rotors(robot),
+        lacking_rotors(robot, armature=False),
+    )
 
 
 def unused(name: str, taken: Collection[str]) -> str:

@@ -20,6 +20,7 @@ from orbident.estimation.result import Result
 from orbident.files.json_parts import nulled
 from orbident.files.names import listed, quoted
 from orbident.files.replacing import replacing
+from orbident.model.rotor_momentum import lacking_rotors
 
 COLUMNS = ("set", "parameter", "estimate", "std", "nominal", "unit", "formula")
 """The columns of the CSV file, in SI; numbers that are not determined are empty."""
@@ -125,6 +126,7 @@ def matrices_at(result: Result, q: Sequence[float]) -> dict[str, Any]:
             *robot.joint_names,
             *robot.wheel_names,
         ],
+        "lacks": lacking_rotors(robot),
         "H_plus": _rows(model.H_plus(at)),
         "H_plus_std": _rows(model.H_plus_std(at)),
         "jacobians": {

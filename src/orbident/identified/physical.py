@@ -22,6 +22,7 @@ from orbident.estimation.result import Result
 from orbident.extras import extra
 from orbident.model.minimal_sets import minimal_sets
 from orbident.model.reconstruction import check_known, root_of
+from orbident.model.rotor_momentum import theta_with_rotors
 from orbident.robot.description import Robot
 from orbident.robot.parameters import (
     FIRST_MOMENT,
@@ -136,7 +137,7 @@ THINNEST = 1e-4
 
 
 class PhysicalBodies(NamedTuple):
-    """A `theta` of bodies that can exist."""
+    """A `theta` of bodies that can exist, with declared rotors as momentum sees them."""
 
     theta: Float[np.ndarray, "bodies 10"]
     deviation: float
@@ -192,7 +193,7 @@ def _equations(
     """`T theta = beta`, and zeros where `structure` has them."""
     zero = np.delete(np.eye(robot.theta.size), robot.free_parameters, axis=0)
     C = np.vstack([minimal_sets(robot).base.T, zero])
-    theta_of_X = _theta_of_X(_nominal(robot, robot.theta - rotors))
+    theta_of_X = _theta_of_X(_nominal(robot, theta_with_rotors(robot) - rotors))
     A = C @ theta_of_X
     b = np.concatenate([beta, np.zeros(len(zero))]) - C @ rotors.ravel()
     scale = np.linalg.norm(A, axis=1)

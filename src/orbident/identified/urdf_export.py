@@ -9,6 +9,7 @@ from jaxtyping import Float
 from orbident.errors import InputError
 from orbident.files.schema_parts import validated
 from orbident.model.minimal_sets import minimal_sets
+from orbident.model.rotor_momentum import lacking_rotors
 from orbident.robot.description import Robot
 from orbident.robot.fusing import Placement, fused
 from orbident.robot.parameters import (
@@ -106,10 +107,17 @@ def exported_urdf(robot: Robot, theta: Float[np.ndarray, "bodies 10"]) -> str:
         carries = name in robot.bodies
         theta_link = own[robot.bodies.index(name)] if carries else np.zeros(PER_BODY)
         link.insert(0, _inertial(theta_link))
+    if lacks := lacking_rotors(robot, armature=False):
+        root.insert(0, comment(lacks))
     ET.indent(root)
     text = ET.tostring(root, encoding="unicode", xml_declaration=True) + "\n"
     _check_read_back(robot, theta, text)
     return text
+
+
+def comment(words: str) -> ET.Element:
+    """A comment in a model's XML, which may have no two hyphens."""
+    return ET.Comment(f" {words.replace('--', '- -')} ")
 
 
 def _inertial(theta_i: Float[np.ndarray, "10"]) -> ET.Element:

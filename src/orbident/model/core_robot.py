@@ -5,6 +5,7 @@ from functools import lru_cache
 import numpy as np
 
 from orbident import _core
+from orbident.model.rotor_momentum import rotors_of, theta_with_rotors
 from orbident.model.wheel_arrays import wheels_of
 from orbident.robot.description import Robot
 
@@ -27,11 +28,12 @@ def core_tree(robot: Robot) -> _core.Tree:
 
 @lru_cache(maxsize=KEPT)
 def core_robot(robot: Robot) -> _core.Robot:
-    """The robot's tree with its nominal inertia and its wheels."""
+    """The robot's tree with its nominal inertia, its motors' rotors and its wheels."""
     wheels = wheels_of(robot)
     return _core.Robot(
         tree=core_tree(robot),
-        theta=np.ascontiguousarray(robot.theta, dtype=float),
+        theta=np.ascontiguousarray(theta_with_rotors(robot), dtype=float),
+        armature=rotors_of(robot).armature,
         wheel_axis=np.ascontiguousarray(wheels.axes.T),
         wheel_inertia=wheels.inertia,
     )

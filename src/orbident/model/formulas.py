@@ -11,6 +11,7 @@ from jaxtyping import Float
 from scipy.sparse import csr_array, hstack
 
 from orbident.model.minimal_sets import MinimalSets
+from orbident.model.rotor_momentum import geared_joints, rotor_directions
 from orbident.robot.description import Robot
 from orbident.robot.parameters import PER_BODY, SYMBOLS
 from orbident.threads import one_blas_thread
@@ -37,16 +38,23 @@ class SetFormulas(NamedTuple):
 def formulas_of(robot: Robot, sets: MinimalSets) -> SetFormulas:
     """Formulas over `m(body)`, `mx(body)` ... `Izz(body)`, largest coefficient first.
 
-    First moments are `mx = m cx`; inertias are about the body-frame origin. The
-    products in `pi` are over `sigma_1 ..` of the base parameters and `M`.
+    First moments are `mx = m cx`; inertias are about the body-frame origin. Where the
+    motor of a joint is geared, or may be, `rotor(joint)` is its gear's ratio times the
+    inertia of its rotor. The products in `pi` are over `sigma_1 ..` of the base
+    parameters and `M`.
     """
+    rotors = geared_joints(robot)
     standard = [f"{symbol}({body})" for body in robot.bodies for symbol in SYMBOLS]
+    standard += [f"rotor({name})" for name in rotors]
+    of_rotors = rotor_directions(robot).reshape(len(robot.joints), -1)
+    at = [robot.joint_names.index(name) for name in rotors]
+    T = csr_array(np.hstack([sets.base.T, sets.base.T @ of_rotors[at].T]))
     sigmas, iotas = sets.base.sigmas, sets.iotas
     names = ["M", *_numbered("sigma", sigmas), *_numbered("iota", iotas)]
-    base = combinations(sets.base.T, standard)
+    base = combinations(T, standard)
     phi = tuple(_quotient(formula) for formula in base[1 : 1 + sigmas])
     products = [_product(names[1 + a], names[1 + b]) for a, b in sets.pairs]
-    linear = csr_array(sets.pi_of_beta) @ csr_array(sets.base.T)
+    linear = csr_array(sets.pi_of_beta) @ T
     both = csr_array(hstack([linear, sets.pi_of_products]))
     pi = combinations(both, [*standard, *products])
     return SetFormulas(

@@ -21,6 +21,7 @@ from orbident.robot.couplings import couplings_of
 from orbident.robot.description import Joint, Robot, Wheel
 from orbident.robot.formats.model_file import KINDS, SUFFIXES, as_urdf, read_model
 from orbident.robot.fusing import Bodies, about_feature_point, fused, rotor
+from orbident.robot.geared_rotors import proposed_rotors, rotors_by_joint
 from orbident.robot.oddities import contradictions, nonphysical
 from orbident.robot.schema import BODIES, LimitEntry, RobotFile, WheelEntry
 from orbident.robot.tree import LinkTree, link_tree
@@ -58,6 +59,9 @@ def assembled(
     _require_bodies("structure", file.structure, bodies, place)
     couplings, uncoupled = couplings_of(urdf, [joint.name for joint in bodies.joints])
     _require_bodies("pads", file.pads, bodies, place)
+    rotors = rotors_by_joint(
+        file.rotors, bodies.joints, bodies.names, file.structure, place
+    )
     return Robot(
         name=file.name or urdf.name,
         motion=file.motion,
@@ -67,6 +71,7 @@ def assembled(
         feature_point=feature_point,
         couplings=couplings,
         wheels=wheels,
+        rotors=rotors,
         thrusters=file.thrusters,
         torquers=file.torquers,
         pads=_pads(file, bodies),
@@ -83,6 +88,7 @@ def assembled(
             *_nonphysical_links(tree, bodies),
             *wheel_warnings,
             *uncoupled,
+            *proposed_rotors(urdf, bodies.joints, rotors),
             *contradictions(bodies.names, bodies.theta, file.structure),
         ),
         document=document,

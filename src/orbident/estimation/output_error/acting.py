@@ -120,7 +120,7 @@ class Acting:
         if not (sizes or self.recorded or tide):
             return np.zeros((0, ROWS, 1))
         every = (*self.recorded, *(self.followed.disturbances if sizes else ()))
-        motion, theta = self.followed.motion, self.followed.theta(beta)
+        motion, theta = self.followed.motion, self.followed.sets.theta(beta)
         r = by_step(motion.to_cm(theta))
         total = motion.nothing
         if tide:

@@ -136,10 +136,6 @@ class Followed:
             by_theta[:, :, PER_BODY * i : PER_BODY * (i + 1)] = own
         return self.motion.R_WB @ (by_theta @ self.sets.base.theta_of)
 
-    def theta(self, beta: Float[np.ndarray, " beta"]) -> Float[np.ndarray, "bodies 10"]:
-        """Bodies that have these base parameters."""
-        return (self.sets.base.theta_of @ beta).reshape(-1, PER_BODY)
-
 
 def at_nodes(x: Float[np.ndarray, "steps 3 ..."]) -> Float[np.ndarray, "nodes ..."]:
     """What holds from each node on."""

@@ -297,7 +297,8 @@ def unseen_part(robot: Robot, sets: MinimalSets) -> Float[np.ndarray, " theta"]:
         sets: its minimal sets.
     """
     bodies = _flat(robot) if robot.motion == "planar" else robot.theta
-    return bodies.ravel() - sets.base.theta_of @ sets.beta(robot.theta)
+    beta = sets.beta(robot.theta)
+    return bodies.ravel() + sets.rotors - sets.base.theta_of @ beta
 
 
 def _flat(robot: Robot) -> Float[np.ndarray, "bodies 10"]:

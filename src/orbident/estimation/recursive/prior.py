@@ -8,6 +8,7 @@ from scipy.linalg import solve_triangular
 
 from orbident.errors import InputError
 from orbident.model.minimal_sets import minimal_sets
+from orbident.model.rotor_momentum import rotor_deviations
 from orbident.robot.description import Robot
 from orbident.robot.parameters import INERTIA, MASS, PER_BODY
 
@@ -78,5 +79,7 @@ def cad_covariance(robot: Robot, uncertainty: float) -> Float[np.ndarray, "beta 
     # A body's trace is twice its second moment, m l^2.
     size = np.sqrt(trace / 2 / np.where(m > 0, m, 1.0))[:, None]
     powers = np.array([0] + [1] * 3 + [2] * (PER_BODY - 4))
-    T = minimal_sets(robot).base.T * (uncertainty * m[:, None] * size**powers).ravel()
-    return T @ T.T
+    T = minimal_sets(robot).base.T
+    of_bodies = T * (uncertainty * m[:, None] * size**powers).ravel()
+    of_rotors = T @ rotor_deviations(robot).reshape(-1, T.shape[1]).T
+    return of_bodies @ of_bodies.T + of_rotors @ of_rotors.T
