@@ -12,6 +12,7 @@ from orbident.report.parameter_section import mass_rows, routes_left_out
 
 TITLES = {
     "base": "base parameters: what free floating can identify",
+    "links": "links: base parameters without the motors' rotors that are declared",
     "phi": "phi: what the velocity of S shows",
     "pi": "pi: what the angular momentum shows",
 }
@@ -50,6 +51,8 @@ def _everything(result: Any) -> list[str]:
     lines = []
     for name, title in TITLES.items():
         found = getattr(result, name)
+        if not found.names:
+            continue
         rows = parameter_rows(found, range(len(found.names)))
         whole = (f"{parameter_line(row):75} {row.note}" for row in rows)
         lines += ["", title, HEAD, *whole]

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 from operator import attrgetter
 from typing import Annotated, Any, Literal
 
+import numpy as np
 from pydantic import (
     AfterValidator,
     Field,
@@ -23,7 +24,7 @@ from orbident.estimation.extent import RecordedMotion
 from orbident.estimation.linear_fits import Fits, InitialMomentum
 from orbident.estimation.parameter_table import short_table
 from orbident.estimation.provided import provided
-from orbident.estimation.quantities import Identified, fields_as
+from orbident.estimation.quantities import EstimatedSet, Identified, fields_as
 from orbident.estimation.sensitivity_table import SensitivityTable
 from orbident.estimation.signals import Signals, sensor_of
 from orbident.files.json_parts import (
@@ -39,9 +40,12 @@ from orbident.files.json_parts import (
 )
 from orbident.files.schema_parts import WrongValueError
 from orbident.gaussian import NINETY_FIVE
+from orbident.model.formulas import formulas_of
+from orbident.model.minimal_sets import minimal_sets
 from orbident.model.reconstruction import Dynamics, reconstructed
+from orbident.model.rotor_momentum import rotor_deviations
 from orbident.preprocessing.delays import Delay
-from orbident.robot.description import Robot
+from orbident.robot.description import NO_ROTOR, Robot
 
 SCHEMA = "orbident/result/2"
 
@@ -55,6 +59,9 @@ FIRST = (
 OWN = ("biases", "disturbances", "clocks", "rejected", "origins")
 """What each of several recordings has for itself, by names that then begin with its own
 name."""
+
+ROUNDING = 1e-9
+"""A coefficient this small beside the largest is rounding."""
 
 EQUATIONS = (
     "gyro",
@@ -252,6 +259,27 @@ class Result(BesideParameters, Identified):
             MissingLibraryError: pandas is not installed.
         """
         return self.base.to_frame()
+
+    @property
+    def links(self) -> EstimatedSet:
+        """The base parameters that declared rotors are in, of the links alone.
+
+        The rotors are taken out, and their tolerance is in the deviations.
+        """
+        sets, base = minimal_sets(self.robot), self.base
+        T = sets.base.T
+        rotors = T @ sets.rotors
+        off = T @ rotor_deviations(self.robot).reshape(-1, T.shape[1]).T
+        declared = dict.fromkeys(self.robot.rotors, NO_ROTOR)
+        words = formulas_of(replace(self.robot, rotors=declared), sets).base
+        has = np.flatnonzero(np.abs(rotors) > ROUNDING * np.abs(rotors).max())
+        return EstimatedSet(
+            names=tuple(words.names[k] for k in has),
+            formulas=tuple(words.formulas[k] for k in has),
+            values=(base.values - rotors)[has],
+            std=np.hypot(base.std, np.linalg.norm(off, axis=1))[has],
+            nominal=(base.nominal - rotors)[has],
+        )
 
     def with_causes(self) -> "Result":
         """The result with the likely cause of a refusal as the first of its checks.

@@ -137,7 +137,7 @@ THINNEST = 1e-4
 
 
 class PhysicalBodies(NamedTuple):
-    """A `theta` of bodies that can exist, with declared rotors as momentum sees them."""
+    """A `theta` of possible bodies, with declared rotors as momentum sees them."""
 
     theta: Float[np.ndarray, "bodies 10"]
     deviation: float

@@ -1,15 +1,15 @@
 """Motors' rotors behind gears: what momentum sees of them, and what it does not.
 
-A rotor of inertia `J` turns `N qd` about the axis `a` of its joint, beside the body that
-carries it, which has its mass and its inertia at rest. It adds `N J qd a` to the
+A rotor of inertia `J` turns `N qd` about the axis `a` of its joint, beside the body
+that carries it, which has its mass and its inertia at rest. It adds `N J qd a` to the
 momentum and, at a rate `w` of that body,
 
     1/2 J (N qd)^2 + N J qd a . w
 
 to the kinetic energy. Bodies without rotors, of which the driven one has `N J a a^T`
 more inertia and the carrying one as much less, have the same momentum. Their energy
-lacks `1/2 N (N - 1) J qd^2`: a constant in the joint's own entry of `H+`. Momentum shows
-`I_p + I_c` and `I_c + N J` of the two bodies about the axis, and no more.
+lacks `1/2 N (N - 1) J qd^2`: a constant in the joint's own entry of `H+`. Of the two
+bodies momentum shows `I_p + I_c` and `I_c + N J` about the axis, and no more.
 """
 
 from typing import NamedTuple

@@ -23,6 +23,7 @@ from orbident.report.page import Chart, Section
 
 TITLES = {
     "base": "Base parameters: what free floating can identify",
+    "links": "Links: base parameters without the motors' rotors that are declared",
     "phi": "phi: what the velocity of S shows",
     "pi": "pi: what the angular momentum shows",
 }
@@ -73,7 +74,7 @@ def parameters(result: Result, known_as: str) -> Section | None:
             f"differ most from {known_as}; all are below it, folded.",
         )
         tables += [_table("All base parameters", base, known_as)]
-    for name in ("phi", "pi"):
+    for name in ("links", "phi", "pi"):
         tables += [_table(TITLES[name], getattr(result, name), known_as)]
     return Section(
         name="parameters",

@@ -233,8 +233,8 @@ class Robot:
     """Joints that follow others; where a recording measures them, it counts."""
     wheels: tuple[Wheel, ...] = ()
     rotors: Mapping[str, GearedRotor] = field(default_factory=dict)
-    """The rotors of joints' motors, by joint, no part of `theta`; a joint that turns and
-    is absent may have one."""
+    """The rotors of joints' motors, by joint, no part of `theta`; a joint that turns
+    and is absent may have one."""
     thrusters: tuple[Thruster, ...] = ()
     torquers: tuple[Torquer, ...] = ()
     structure: Mapping[str, Structure] = field(default_factory=dict)
