@@ -99,7 +99,8 @@ def _robot(calls: Calls, robot: Robot, random: np.random.Generator) -> tuple[Any
         np.array([joint.p_PJ for joint in joints]),
     )
     axes = random.standard_normal((wheels, 3))
-    return tree, calls.make("Robot", tree, robot.theta.copy(), axes, np.ones(wheels))
+    theta, armature = robot.theta.copy(), np.ones(len(robot.joints))
+    return tree, calls.make("Robot", tree, theta, armature, axes, np.ones(wheels))
 
 
 def _rigid_bodies(

@@ -95,7 +95,8 @@ def _deviations(known: Any) -> list[float | None]:
 
 
 def _lines(robot: Any, document: dict[str, Any]) -> list[str]:
-    from orbident.cli.robot_tree import wheel_words
+    from orbident.cli.robot_tree import rotor_words, wheel_words
+    from orbident.robot.description import NO_ROTOR
 
     count = document["count"]
     lines = [
@@ -105,7 +106,8 @@ def _lines(robot: Any, document: dict[str, Any]) -> list[str]:
     ]
     for joint, body in zip(robot.joints, robot.bodies[1:], strict=True):
         parent = robot.bodies[joint.parent]
-        lines.append(f"joint   {joint.name}: {joint.kind}, {parent} -> {body}")
+        rotor = rotor_words(robot.rotors.get(joint.name, NO_ROTOR))
+        lines.append(f"joint   {joint.name}: {joint.kind}, {parent} -> {body}{rotor}")
     lines += [f"wheel   {wheel.name}: {wheel_words(wheel)}" for wheel in robot.wheels]
     titles = {
         "base": f"{count['base']} free-flying base parameters, nominal values: "

@@ -57,7 +57,8 @@ def positive_energy(problem: MomentumProblem, base: Known) -> Iterator[Check]:
         "do not trust" if certain else "with care",
         f"a motion of the joints would have negative energy (moment {least:.2g} +- "
         f"{std:.2g} kg m^2), so no robot has such parameters",
-        "check the signs of wheels, joints and gyro, and --initial-momentum"
+        "check the signs of wheels, joints and gyro, --initial-momentum, and motors "
+        "behind gears (rotors)"
         if certain
         else "record a longer or richer motion",
         float(least),

@@ -15,7 +15,9 @@ With `r` from the CM, `u` and `a` velocity and acceleration relative to the base
 mass elements of the links (on the base `u = a = 0`), and `|x|^2 = integral |x|^2 dm`,
 Cauchy and Schwarz give
 
-    |D'| <= 2 |r| |u|,    |g'| <= |r| |a|,    min eig D >= min eig I_base, about its CM.
+    |D'| <= 2 |r| |u|,    |g'| <= |r| |a|,    min eig D >= min eig I_base, about its CM,
+
+and motors' rotors add `N J qd` along the axes of their joints to `g`.
 
 The norms follow from the largest joint rates and accelerations, from the base to the
 tips. So `w` between two samples is within `h/2 max|w'|` of one of them.
@@ -29,6 +31,7 @@ from jaxtyping import Float
 from orbident.errors import InputError
 from orbident.excitation.conditions import Conditions, Limits
 from orbident.excitation.joint_limits import JointMotions
+from orbident.model.rotor_momentum import rotors_of
 from orbident.model.wheel_arrays import wheels_of
 from orbident.robot.description import Robot
 from orbident.robot.parameters import (
@@ -69,11 +72,15 @@ class BaseExtremes(NamedTuple):
 
 
 class _Norms(NamedTuple):
-    """Root integrals over the mass of the links."""
+    """Root integrals over the mass of the links, and what the motors' rotors have."""
 
     r: float
     u: float
     a: float
+    h: float
+    """Momentum of the rotors, N m s."""
+    n: float
+    """Its rate, N m."""
 
 
 def extremes_of(trajectory: Trajectory) -> Extremes:
@@ -111,12 +118,12 @@ def base_extremes_of(
     spin = motion.qd_rw[0] + wheels.free * (wheels.axes.T @ motion.w[0])
     h_rw = float(np.linalg.norm(wheels.A_rw @ spin))
     sampled = float(np.linalg.norm(motion.w, axis=1).max())
-    rate = (h_cm + norms.r * norms.u + h_rw) / least
+    rate = (h_cm + norms.r * norms.u + norms.h + h_rw) / least
     planar = robot.motion == "planar"
     change = np.inf
     for _ in range(3):
         # In the plane R_0^T h_cm is constant.
-        torque = (0.0 if planar else h_cm) * rate + norms.r * norms.a
+        torque = (0.0 if planar else h_cm) * rate + norms.r * norms.a + norms.n
         change = (torque + 2 * norms.r * norms.u * rate) / least
         rate = min(rate, sampled + change * t[1] / 2)
     half = np.abs(motion.attitude @ motion.attitude[0])
@@ -159,10 +166,15 @@ def _norms(robot: Robot, joints: Extremes) -> _Norms:
     root, d, v, a, w, alpha = np.sqrt(m), d[1:], v[1:], a[1:], w[1:], alpha[1:]
     # |c| <= sqrt(m_links) |r| / M takes r from the base's CM to that of the system.
     to_cm = 1 + m.sum() / robot.mass
+    # The axes of a rotor turn with the body that carries it.
+    NJ = np.abs(rotors_of(robot).momentum)
+    carrier = np.append(0.0, w)[[joint.parent for joint in robot.joints]]
     return _Norms(
         r=float(np.linalg.norm(root * d + spread) * to_cm),
         u=float(np.linalg.norm(root * v + spread * w)),
         a=float(np.linalg.norm(root * a + spread * (alpha + w**2))),
+        h=float(NJ @ joints.velocity),
+        n=float(NJ @ (joints.acceleration + carrier * joints.velocity)),
     )
 
 

@@ -10,8 +10,13 @@ import numpy as np
 from jaxtyping import Float
 from scipy.sparse import csr_array, hstack
 
+from orbident.files.names import listed
 from orbident.model.minimal_sets import MinimalSets
-from orbident.model.rotor_momentum import geared_joints, rotor_directions
+from orbident.model.rotor_momentum import (
+    geared_joints,
+    rotor_directions,
+    undeclared_rotors,
+)
 from orbident.robot.description import Robot
 from orbident.robot.parameters import PER_BODY, SYMBOLS
 from orbident.threads import one_blas_thread
@@ -129,6 +134,13 @@ def not_identifiable(robot: Robot, sets: MinimalSets) -> list[str]:
             "the scale of pi, and so the total mass: without a reaction wheel the "
             "momentum equation has no known term; declare the robot's wheels, or "
             "record its thrusters or magnetic torquers"
+        )
+    names = undeclared_rotors(robot)
+    if names:
+        sentences.append(
+            f"the rotors of geared motors, if {listed(names)} have any: momentum shows "
+            "gear times inertia, rotor(joint), only together with the link that the "
+            "joint moves; say under 'rotors' what they are, or 'none'"
         )
     T = sets.base.T
     seen = np.sum(np.linalg.qr(T.T)[0] ** 2, axis=1)
