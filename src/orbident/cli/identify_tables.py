@@ -48,6 +48,8 @@ def summary(result: Any, out: Path | None, everything: bool) -> list[str | DataT
 
 
 def _everything(result: Any) -> list[str]:
+    from orbident.model.rotor_momentum import IN_FORMULAS, geared_joints
+
     lines = []
     for name, title in TITLES.items():
         found = getattr(result, name)
@@ -56,6 +58,8 @@ def _everything(result: Any) -> list[str]:
         rows = parameter_rows(found, range(len(found.names)))
         whole = (f"{parameter_line(row):75} {row.note}" for row in rows)
         lines += ["", title, HEAD, *whole]
+    if geared_joints(result.robot):
+        lines += ["", IN_FORMULAS]
     lines += _masses(result)
     lines += _sensors(result)
     lines += _calibration(result)

@@ -20,8 +20,10 @@ from orbident.errors import InputError
 from orbident.estimation.result import Result
 from orbident.identified.physical import physical_bodies
 from orbident.identified.urdf_export import links_of
+from orbident.model.minimal_sets import minimal_sets
 from orbident.model.rotor_momentum import (
     lacking_rotors,
+    rotor_deviations,
     rotors_of,
     theta_with_rotors,
 )
@@ -127,6 +129,12 @@ def _of_links(robot: Robot, joint: WheelJoint) -> Float[np.ndarray, "10"]:
     return theta
 
 
+NO_ARMATURE = (
+    "bodies hold the declared rotors as momentum sees them, but joints lack "
+    "gear (gear - 1) times their inertia, for which this format has no place"
+)
+"""What is said of rotors in such a format."""
+
 FEATURE_POINT = "feature_point"
 """The name of S in a file for another tool."""
 
@@ -169,11 +177,13 @@ class ExportedRobot(NamedTuple):
     """How far the base parameters were moved so that bodies can exist, in sigmas."""
 
 
-def exported_robot(result: Result) -> ExportedRobot:
+def exported_robot(result: Result, without_rotors: bool = False) -> ExportedRobot:
     """Bodies that have the identified parameters, nearest to the nominal ones.
 
     Args:
         result: complete and not rejected.
+        without_rotors: whether bodies are to exist without the declared rotors of
+            motors, or with them as momentum sees them.
 
     Raises:
         NoBodiesError: no bodies that can exist have the identified parameters within
@@ -183,15 +193,20 @@ def exported_robot(result: Result) -> ExportedRobot:
     """
     robot = result.robot
     rotors = rotor_bodies(robot)
-    bodies = physical_bodies(result, parts_of_base(robot, rotors))
+    apart, covariance = parts_of_base(robot, rotors), result.base_covariance
+    geared = theta_with_rotors(robot) - robot.theta
+    if without_rotors:
+        T = minimal_sets(robot).base.T
+        off = T @ rotor_deviations(robot).reshape(-1, geared.size).T
+        apart, covariance = apart + geared, covariance + off @ off.T
+    bodies = physical_bodies(result, apart, covariance)
     if bodies is None:
         raise NoBodiesError(
             "no bodies that can exist have the identified parameters within their "
             "95 % region; check the robot's geometry and structure, or record a richer "
             "trajectory"
         )
-    links = robot.theta + bodies.theta - theta_with_rotors(robot)
-    made = replace(robot, theta=links)
+    made = replace(robot, theta=bodies.theta - geared)
     return ExportedRobot(made, mechanism_of(made, rotors), bodies.deviation)
 
 
@@ -227,7 +242,7 @@ def mechanism_of(robot: Robot, rotors: tuple[RotorBody, ...]) -> Mechanism:
         robot.couplings,
         armature,
         lacking_rotors(robot),
-        lacking_rotors(robot, armature=False),
+        lacking_rotors(robot, NO_ARMATURE),
     )
 
 

@@ -25,6 +25,7 @@ from orbident.robot.tree import LinkTree, link_tree
 from orbident.robot.urdf import read_urdf
 
 PLACE = "exported URDF"
+NO_ROTORS = "the declared rotors of motors are in the robot file alone, not in bodies"
 SAME = 1e-9
 """Relative difference of base parameters that are the same but for rounding."""
 
@@ -85,7 +86,8 @@ def exported_urdf(robot: Robot, theta: Float[np.ndarray, "bodies 10"]) -> str:
 
     Args:
         robot: loaded from a URDF.
-        theta: of bodies that can exist, without their rotors too.
+        theta: of bodies that can exist, without the rotors of wheels too; those of
+            geared motors are not in it.
 
     Raises:
         InputError: the robot was not loaded from a URDF, or what was written does not
@@ -107,7 +109,7 @@ def exported_urdf(robot: Robot, theta: Float[np.ndarray, "bodies 10"]) -> str:
         carries = name in robot.bodies
         theta_link = own[robot.bodies.index(name)] if carries else np.zeros(PER_BODY)
         link.insert(0, _inertial(theta_link))
-    if lacks := lacking_rotors(robot, armature=False):
+    if lacks := lacking_rotors(robot, NO_ROTORS):
         root.insert(0, comment(lacks))
     ET.indent(root)
     text = ET.tostring(root, encoding="unicode", xml_declaration=True) + "\n"

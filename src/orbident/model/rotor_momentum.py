@@ -22,6 +22,13 @@ from orbident.robot.description import NO_ROTOR, Robot
 from orbident.robot.parameters import INERTIA, INERTIA_ENTRIES
 
 
+IN_FORMULAS = (
+    "rotor(joint): its gear's ratio times the inertia of its motor's rotor, about the "
+    "joint's axis; zero without a gear"
+)
+"""What formulas mean by it."""
+
+
 class RotorArrays(NamedTuple):
     """The rotors of all joints that the robot file declares; zero where it does not."""
 
@@ -87,12 +94,12 @@ def geared_joints(robot: Robot) -> list[str]:
     ]
 
 
-def lacking_rotors(robot: Robot, armature: bool = True) -> str:
+def lacking_rotors(robot: Robot, without: str = "") -> str:
     """What is said of a model that lacks rotors; nothing where it has all.
 
     Args:
         robot: whose model it is.
-        armature: whether it has that of the declared rotors.
+        without: what is said if the robot has rotors that are declared.
     """
     words, names = [], undeclared_rotors(robot)
     if names:
@@ -100,9 +107,6 @@ def lacking_rotors(robot: Robot, armature: bool = True) -> str:
             f"motors' rotors are not in the inertia of {listed(names)}, which lacks "
             "gear^2 times theirs if they are geared: see 'rotors' in the robot file"
         )
-    if not armature and rotors_of(robot).armature.any():
-        words.append(
-            "bodies hold the declared rotors as momentum sees them, but joints lack "
-            "gear (gear - 1) times their inertia, which this format has no place for"
-        )
-    return "; ".join(words)
+    if rotors_of(robot).momentum.any():
+        words.append(without)
+    return "; ".join(filter(None, words))

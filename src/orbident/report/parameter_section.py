@@ -18,6 +18,7 @@ from orbident.estimation.quantities import EstimatedSet, MassRoutes
 from orbident.estimation.result import Result
 from orbident.estimation.sensitivity_table import SensitivityTable
 from orbident.gaussian import NINETY_FIVE
+from orbident.model.rotor_momentum import IN_FORMULAS, geared_joints
 from orbident.report.charts import heat_map, interval_list
 from orbident.report.page import Chart, Section
 
@@ -68,6 +69,8 @@ def parameters(result: Result, known_as: str) -> Section | None:
     shown = most_different(base, MOST)
     tables = [_table(TITLES["base"], base, known_as, shown, folded=False)]
     words = tuple(text.format(known_as=known_as) for text in WORDS)
+    if geared_joints(result.robot):
+        words += (f"In formulas, {IN_FORMULAS}.",)
     if len(shown) < len(base.names):
         words += (
             f"The first table has the mass and the {len(shown) - 1} parameters that "
