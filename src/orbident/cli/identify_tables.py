@@ -8,6 +8,7 @@ from typing import Any
 
 from orbident.data_table import DataTable, Numeric
 from orbident.estimation.parameter_table import HEAD, parameter_line, parameter_rows
+from orbident.model.rotor_momentum import IN_FORMULAS, geared_joints
 from orbident.report.parameter_section import mass_rows, routes_left_out
 
 TITLES = {
@@ -48,8 +49,6 @@ def summary(result: Any, out: Path | None, everything: bool) -> list[str | DataT
 
 
 def _everything(result: Any) -> list[str]:
-    from orbident.model.rotor_momentum import IN_FORMULAS, geared_joints
-
     lines = []
     for name, title in TITLES.items():
         found = getattr(result, name)

@@ -21,7 +21,6 @@ from orbident.files.names import listed
 from orbident.robot.description import NO_ROTOR, Robot
 from orbident.robot.parameters import INERTIA, INERTIA_ENTRIES
 
-
 IN_FORMULAS = (
     "rotor(joint): its gear's ratio times the inertia of its motor's rotor, about the "
     "joint's axis; zero without a gear"
