@@ -135,6 +135,10 @@ NO_ARMATURE = (
 )
 """What is said of rotors in such a format."""
 
+WITH_ROTORS = (
+    ", or export a .urdf: thin links cannot hold what motors' rotors add to momentum"
+)
+
 FEATURE_POINT = "feature_point"
 """The name of S in a file for another tool."""
 
@@ -201,10 +205,11 @@ def exported_robot(result: Result, without_rotors: bool = False) -> ExportedRobo
         apart, covariance = apart + geared, covariance + off @ off.T
     bodies = physical_bodies(result, apart, covariance)
     if bodies is None:
+        thin = geared.any() and not without_rotors
         raise NoBodiesError(
             "no bodies that can exist have the identified parameters within their "
             "95 % region; check the robot's geometry and structure, or record a richer "
-            "trajectory"
+            "trajectory" + (WITH_ROTORS if thin else "")
         )
     made = replace(robot, theta=bodies.theta - geared)
     return ExportedRobot(made, mechanism_of(made, rotors), bodies.deviation)
