@@ -269,7 +269,7 @@ class Result(BesideParameters, Identified):
         sets, base = minimal_sets(self.robot), self.base
         T = sets.base.T
         rotors = T @ sets.rotors
-        off = T @ rotor_deviations(self.robot).reshape(-1, T.shape[1]).T
+        off = T @ rotor_deviations(self.robot)
         declared = dict.fromkeys(self.robot.rotors, NO_ROTOR)
         words = formulas_of(replace(self.robot, rotors=declared), sets).base
         has = np.flatnonzero(np.abs(rotors) > ROUNDING * np.abs(rotors).max())

@@ -200,8 +200,7 @@ def exported_robot(result: Result, without_rotors: bool = False) -> ExportedRobo
     apart, covariance = parts_of_base(robot, rotors), result.base_covariance
     geared = theta_with_rotors(robot) - robot.theta
     if without_rotors:
-        T = minimal_sets(robot).base.T
-        off = T @ rotor_deviations(robot).reshape(-1, geared.size).T
+        off = minimal_sets(robot).base.T @ rotor_deviations(robot)
         apart, covariance = apart + geared, covariance + off @ off.T
     bodies = physical_bodies(result, apart, covariance)
     if bodies is None:

@@ -353,7 +353,7 @@ def pinocchio_model(result: Result) -> Any:
         ends = (np.array([x]) for x in (np.inf, speed, low, high))
         parent = moving[joint.parent]
         moving.append(model.addJoint(parent, kind(joint.axis), at, joint.name, *ends))
-    model.armature[-len(robot.joints) :] = robot.armature
+    model.armature[model.nv - len(robot.joints) :] = robot.armature
     for index, name, theta in zip(moving, robot.bodies, robot.theta, strict=True):
         inertia = pin.Inertia.FromDynamicParameters(theta)
         model.appendBodyToJoint(index, inertia, pin.SE3.Identity())

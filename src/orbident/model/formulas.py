@@ -51,9 +51,9 @@ def formulas_of(robot: Robot, sets: MinimalSets) -> SetFormulas:
     rotors = geared_joints(robot)
     standard = [f"{symbol}({body})" for body in robot.bodies for symbol in SYMBOLS]
     standard += [f"rotor({name})" for name in rotors]
-    of_rotors = rotor_directions(robot).reshape(len(robot.joints), -1)
     at = [robot.joint_names.index(name) for name in rotors]
-    T = csr_array(np.hstack([sets.base.T, sets.base.T @ of_rotors[at].T]))
+    of_rotors = sets.base.T @ rotor_directions(robot)[at].T
+    T = csr_array(np.hstack([sets.base.T, of_rotors]))
     sigmas, iotas = sets.base.sigmas, sets.iotas
     names = ["M", *_numbered("sigma", sigmas), *_numbered("iota", iotas)]
     base = combinations(T, standard)

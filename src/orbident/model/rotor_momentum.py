@@ -46,14 +46,14 @@ def rotors_of(robot: Robot) -> RotorArrays:
     return RotorArrays(N * J, N * (N - 1) * J, tolerance)
 
 
-def rotor_directions(robot: Robot) -> Float[np.ndarray, "joints bodies 10"]:
-    """How `theta` changes by the `N J` of each joint that turns."""
+def rotor_directions(robot: Robot) -> Float[np.ndarray, "joints theta"]:
+    """How the flat `theta` changes by the `N J` of each joint that turns."""
     directions = np.zeros((len(robot.joints), *robot.theta.shape))
     for k, joint in enumerate(robot.joints):
         if joint.kind == "revolute":
             directions[k, k + 1, INERTIA] = _square(joint.axis)
             directions[k, joint.parent, INERTIA] = -_square(joint.R_PJ @ joint.axis)
-    return directions
+    return directions.reshape(len(robot.joints), robot.theta.size)
 
 
 def _square(a: Float[np.ndarray, "3"]) -> Float[np.ndarray, "6"]:
@@ -63,14 +63,14 @@ def _square(a: Float[np.ndarray, "3"]) -> Float[np.ndarray, "6"]:
 
 def theta_with_rotors(robot: Robot) -> Float[np.ndarray, "bodies 10"]:
     """The `theta` of bodies without rotors that have the robot's momentum."""
-    momentum = rotors_of(robot).momentum
-    return robot.theta + np.tensordot(momentum, rotor_directions(robot), 1)
+    added = rotors_of(robot).momentum @ rotor_directions(robot)
+    return robot.theta + added.reshape(robot.theta.shape)
 
 
-def rotor_deviations(robot: Robot) -> Float[np.ndarray, "joints bodies 10"]:
-    """By how much each declared rotor's tolerance changes `theta_with_rotors`."""
+def rotor_deviations(robot: Robot) -> Float[np.ndarray, "theta joints"]:
+    """By how much each declared rotor's tolerance changes what it adds to `theta`."""
     momentum, _, tolerance = rotors_of(robot)
-    return (momentum * tolerance)[:, None, None] * rotor_directions(robot)
+    return rotor_directions(robot).T * (momentum * tolerance)
 
 
 def undeclared_rotors(robot: Robot) -> tuple[str, ...]:

@@ -47,9 +47,9 @@ def test_their_momentum_is_that_of_other_links(robot):
     rank = np.linalg.matrix_rank(at.A.reshape(3 * SAMPLES, -1))
     for k, direction in enumerate(rotor_directions(robot)):
         column = qd[:, k, None] * poses(robot, q).field_w[:, k]
-        found = at.A @ direction.ravel()
+        found = at.A @ direction
         np.testing.assert_allclose(found, column, rtol=0, atol=10 * ROUNDING)
-        assert not np.any(at.P @ direction.ravel())
+        assert not np.any(at.P @ direction)
         both = np.column_stack([at.A.reshape(3 * SAMPLES, -1), column.ravel()])
         assert np.linalg.matrix_rank(both) == rank
 

@@ -81,5 +81,5 @@ def cad_covariance(robot: Robot, uncertainty: float) -> Float[np.ndarray, "beta 
     powers = np.array([0] + [1] * 3 + [2] * (PER_BODY - 4))
     T = minimal_sets(robot).base.T
     of_bodies = T * (uncertainty * m[:, None] * size**powers).ravel()
-    of_rotors = T @ rotor_deviations(robot).reshape(-1, T.shape[1]).T
+    of_rotors = T @ rotor_deviations(robot)
     return of_bodies @ of_bodies.T + of_rotors @ of_rotors.T
