@@ -13,6 +13,7 @@ from typing import NamedTuple
 import mujoco
 import numpy as np
 import pytest
+from acting_in_mujoco import Torque
 from mujoco_flights import Flight
 from mujoco_model import mujoco_model, rotor_name
 from random_motions import random_motion
@@ -38,6 +39,8 @@ TOLERANCE = 0.2
 """So well rotors are known."""
 
 SEEDS = 20
+
+NOTHING = Torque(np.zeros(3))
 
 
 def with_rotors(robot: Robot, seed: int) -> Robot:
@@ -94,7 +97,7 @@ def test_simulated_as_mujoco_flies_them():
     robot = with_rotors(random_robot(5, (0, 1), base=20.0), 5)
     robot = replace(robot, sensors=declared_sensors({"rate": 10.0}))
     motion = random_motion(robot, 5, 10.0, SPEED, "turning")
-    t, true = Flight(robot, motion, lambda _, __: None).flown
+    t, true = Flight(robot, motion, NOTHING).flown
     start = BaseState(true.gyro[0], true.attitude[0], np.zeros(3), np.zeros(0))
     for plant, expected in ((robot, True), (replace(robot, rotors={}), False)):
         ours = free_floating(plant, motion.for_robot(robot).motion, t, start, 1e-10)
@@ -129,7 +132,7 @@ def found(name: str, seed: int, declared: bool) -> tuple[Result, Found]:
     }
     plant = replace(said, rotors=rotors)
     motion = random_motion(plant, seed, 60.0, SPEED, "turning")
-    recording = Flight(plant, motion, lambda _, __: None).recorded(seed)
+    recording = Flight(plant, motion, NOTHING).recorded(seed)
     cad = 1 + 0.1 * random.uniform(-1, 1, (len(said.bodies), 1))
     known = replace(
         said, theta=cad * said.theta, rotors=said.rotors if declared else {}

@@ -204,11 +204,11 @@ def exported_robot(result: Result, without_rotors: bool = False) -> ExportedRobo
         apart, covariance = apart + geared, covariance + off @ off.T
     bodies = physical_bodies(result, apart, covariance)
     if bodies is None:
-        thin = geared.any() and not without_rotors
+        held = geared.any() and not without_rotors
         raise NoBodiesError(
             "no bodies that can exist have the identified parameters within their "
-            "95 % region; check the robot's geometry and structure, or record a richer "
-            "trajectory" + (WITH_ROTORS if thin else "")
+            "95 % region; check the robot's geometry, structure and rotors, or record "
+            "a richer trajectory" + (WITH_ROTORS if held else "")
         )
     made = replace(robot, theta=bodies.theta - geared)
     return ExportedRobot(made, mechanism_of(made, rotors), bodies.deviation)

@@ -29,7 +29,7 @@ from orbident.identified.exported_robot import (
     exported_robot,
     unused,
 )
-from orbident.identified.urdf_export import comment
+from orbident.identified.urdf_export import add_comment
 from orbident.model.rotor_momentum import theta_with_rotors
 from orbident.robot.description import Joint, Robot
 from orbident.robot.formats.urdf_text import roll_pitch_yaw
@@ -51,8 +51,7 @@ def mjcf(robot: Mechanism) -> str:
     hinge.
     """
     root = ET.Element("mujoco", model=robot.name)
-    if robot.lacks:
-        root.append(comment(robot.lacks))
+    add_comment(root, robot.lacks)
     # Neither may MuJoCo repair an inertia nor weigh a shape.
     ET.SubElement(
         root,
@@ -146,8 +145,7 @@ def sdf(robot: Mechanism) -> str:
     frame. The base is free, in the plane too: no joint of the format holds it there.
     """
     root = ET.Element("sdf", version=VERSION)
-    if robot.lacks_without_armature:
-        root.append(comment(robot.lacks_without_armature))
+    add_comment(root, robot.lacks_without_armature)
     model = ET.SubElement(root, "model", name=robot.name)
     R, p = [np.eye(3)], [np.zeros(3)]
     for joint in robot.joints:

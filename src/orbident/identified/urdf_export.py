@@ -109,17 +109,18 @@ def exported_urdf(robot: Robot, theta: Float[np.ndarray, "bodies 10"]) -> str:
         carries = name in robot.bodies
         theta_link = own[robot.bodies.index(name)] if carries else np.zeros(PER_BODY)
         link.insert(0, _inertial(theta_link))
-    if lacks := lacking_rotors(robot, NO_ROTORS):
-        root.insert(0, comment(lacks))
+    add_comment(root, lacking_rotors(robot, NO_ROTORS))
     ET.indent(root)
     text = ET.tostring(root, encoding="unicode", xml_declaration=True) + "\n"
     _check_read_back(robot, theta, text)
     return text
 
 
-def comment(words: str) -> ET.Element:
-    """A comment in a model's XML, which may have no two hyphens."""
-    return ET.Comment(f" {words.replace('--', '- -')} ")
+def add_comment(root: ET.Element, words: str) -> None:
+    """Begin a model's XML with a comment, if there is something to say."""
+    if words:
+        # XML allows no two hyphens there.
+        root.insert(0, ET.Comment(f" {words.replace('--', '- -')} "))
 
 
 def _inertial(theta_i: Float[np.ndarray, "10"]) -> ET.Element:

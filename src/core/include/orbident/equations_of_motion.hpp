@@ -9,10 +9,10 @@
 //        | 0     D_q^T D_qq  0    |      only the force M w x v_cm.
 //        | 0     A_rw^T 0    I_rw |
 //
-// A rotor of inertia J that turns N times as fast as joint k, about the same axis a, adds N J qd_k a
-// to the momentum and 1/2 J (N qd_k)^2 + N J qd_k a . w to the energy, w the rate of the body that
-// carries it. So has theta with N J a a^T more in the driven body and less in the carrying one, but
-// for 1/2 N (N - 1) J qd_k^2: a constant on the diagonal of D_qq, and nothing in c+.
+// A rotor of inertia J that turns N times as fast as joint k, about the same axis a, adds N J qd_k
+// a to the momentum and 1/2 J (N qd_k)^2 + N J qd_k a . w to the energy, w the rate of the body
+// that carries it. So has theta with N J a a^T more in the driven body and less in the carrying
+// one, but for 1/2 N (N - 1) J qd_k^2: a constant on the diagonal of D_qq, and nothing in c+.
 #pragma once
 
 #include "orbident/inertia.hpp"
