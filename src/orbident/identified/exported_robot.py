@@ -54,7 +54,7 @@ class WheelJoint(NamedTuple):
     """Where its joint is from S, base axes, m."""
 
 
-class RotorBody(NamedTuple):
+class WheelBody(NamedTuple):
     """A wheel as a body that turns about its axis through its origin."""
 
     name: str
@@ -80,7 +80,7 @@ def wheel_joints(robot: Robot) -> dict[int, WheelJoint]:
     return found
 
 
-def rotor_bodies(robot: Robot) -> tuple[RotorBody, ...]:
+def wheel_bodies(robot: Robot) -> tuple[WheelBody, ...]:
     """The robot's wheels, in their order, as bodies that can exist.
 
     Raises:
@@ -88,35 +88,35 @@ def rotor_bodies(robot: Robot) -> tuple[RotorBody, ...]:
     """
     joints = wheel_joints(robot)
     return tuple(
-        _rotor_body(robot, wheel, joints.get(k)) for k, wheel in enumerate(robot.wheels)
+        _wheel_body(robot, wheel, joints.get(k)) for k, wheel in enumerate(robot.wheels)
     )
 
 
 def parts_of_base(
-    robot: Robot, rotors: tuple[RotorBody, ...]
+    robot: Robot, wheels: tuple[WheelBody, ...]
 ) -> Float[np.ndarray, "bodies 10"]:
-    """What the rotors add to each body's `theta`: to the base alone."""
+    """What the wheels add to each body's `theta`: to the base alone."""
     parts = np.zeros_like(robot.theta)
-    for rotor in rotors:
-        parts[0] += transformed(rotor.theta, np.eye(3), rotor.p)
+    for wheel in wheels:
+        parts[0] += transformed(wheel.theta, np.eye(3), wheel.p)
     return parts
 
 
-def _rotor_body(robot: Robot, wheel: Wheel, joint: WheelJoint | None) -> RotorBody:
+def _wheel_body(robot: Robot, wheel: Wheel, joint: WheelJoint | None) -> WheelBody:
     theta = np.zeros(PER_BODY) if joint is None else _of_links(robot, joint)
-    # What a URDF says of a rotor need not be possible.
+    # What a URDF says of a wheel need not be possible.
     if joint is not None and theta[MASS] > 0:
         faults = nonphysical(wheel.name, theta[MASS], inertia_about_com(theta))
         if not faults:
-            return RotorBody(joint.root, joint.p, theta)
+            return WheelBody(joint.root, joint.p, theta)
     m = robot.theta[0, MASS]
     at_com = robot.theta[0, FIRST_MOMENT] / m if m > 0 else np.zeros(3)
     ball = from_mass_com_inertia(
         LIGHT * robot.mass, np.zeros(3), wheel.inertia * np.eye(3)
     )
     if joint is None:
-        return RotorBody(f"{wheel.name}_rotor", at_com, ball)
-    return RotorBody(joint.root, joint.p, ball)
+        return WheelBody(f"{wheel.name}_rotor", at_com, ball)
+    return WheelBody(joint.root, joint.p, ball)
 
 
 def _of_links(robot: Robot, joint: WheelJoint) -> Float[np.ndarray, "10"]:
@@ -196,8 +196,8 @@ def exported_robot(result: Result, without_rotors: bool = False) -> ExportedRobo
             from a URDF, or cvxpy is not installed.
     """
     robot = result.robot
-    rotors = rotor_bodies(robot)
-    apart, covariance = parts_of_base(robot, rotors), result.base_covariance
+    wheels = wheel_bodies(robot)
+    apart, covariance = parts_of_base(robot, wheels), result.base_covariance
     geared = theta_with_rotors(robot) - robot.theta
     if without_rotors:
         off = minimal_sets(robot).base.T @ rotor_deviations(robot)
@@ -211,15 +211,15 @@ def exported_robot(result: Result, without_rotors: bool = False) -> ExportedRobo
             "a richer trajectory" + (WITH_ROTORS if held else "")
         )
     made = replace(robot, theta=bodies.theta - geared)
-    return ExportedRobot(made, mechanism_of(made, rotors), bodies.deviation)
+    return ExportedRobot(made, mechanism_of(made, wheels), bodies.deviation)
 
 
-def mechanism_of(robot: Robot, rotors: tuple[RotorBody, ...]) -> Mechanism:
+def mechanism_of(robot: Robot, wheels: tuple[WheelBody, ...]) -> Mechanism:
     """The robot with its wheels apart.
 
     Args:
         robot: whose base can exist without its wheels, with its motors' rotors apart.
-        rotors: its wheels, in their order.
+        wheels: its wheels, in their order.
     """
     p = robot.feature_point
     bodies, names = list(robot.bodies), list(robot.joint_names)
@@ -227,14 +227,14 @@ def mechanism_of(robot: Robot, rotors: tuple[RotorBody, ...]) -> Mechanism:
         replace(joint, p_PJ=joint.p_PJ + p) if joint.parent == 0 else joint
         for joint in robot.joints
     ]
-    theta = theta_with_rotors(robot) - parts_of_base(robot, rotors)
+    theta = theta_with_rotors(robot) - parts_of_base(robot, wheels)
     theta[0] = transformed(theta[0], np.eye(3), p)
-    for wheel, rotor in zip(robot.wheels, rotors, strict=True):
-        bodies.append(unused(rotor.name, bodies))
+    for wheel, body in zip(robot.wheels, wheels, strict=True):
+        bodies.append(unused(body.name, bodies))
         names.append(unused(wheel.name, names))
-        at = Joint(names[-1], "revolute", 0, wheel.axis, np.eye(3), rotor.p + p)
+        at = Joint(names[-1], "revolute", 0, wheel.axis, np.eye(3), body.p + p)
         joints.append(at)
-    theta = np.vstack([theta, *(rotor.theta for rotor in rotors)])
+    theta = np.vstack([theta, *(wheel.theta for wheel in wheels)])
     tree = tuple(bodies), tuple(joints), theta
     armature = np.zeros(len(joints))
     armature[: len(robot.joints)] = rotors_of(robot).armature

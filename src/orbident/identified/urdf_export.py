@@ -36,7 +36,7 @@ class Links(NamedTuple):
     tree: LinkTree
     placements: dict[str, Placement]
     """Where each link is in its body; the base's frame is the base link's, not at S."""
-    rotors: frozenset[str]
+    wheels: frozenset[str]
     """Links that turn with a wheel."""
 
 
@@ -59,19 +59,19 @@ def links_of(robot: Robot) -> Links:
         for joint in below
         if joint.name in held
     ]
-    rotors = [link for root in roots for link in fused(tree, root).placements]
-    return Links(tree, fused(tree, held=held).placements, frozenset(rotors))
+    wheels = [link for root in roots for link in fused(tree, root).placements]
+    return Links(tree, fused(tree, held=held).placements, frozenset(wheels))
 
 
-def rotor_parts(robot: Robot) -> Float[np.ndarray, "bodies 10"]:
-    """What the rotors that are links of their own add to each body's `theta`.
+def wheel_parts(robot: Robot) -> Float[np.ndarray, "bodies 10"]:
+    """What the wheels that are links of their own add to each body's `theta`.
 
     Raises:
         InputError: the robot was not loaded from a URDF.
     """
     links = links_of(robot)
     parts = np.zeros_like(robot.theta)
-    for name in links.rotors:
+    for name in links.wheels:
         at = links.placements[name]
         p = at.p - robot.feature_point
         parts[at.body] += transformed(links.tree.links[name].theta, at.R, p)
@@ -82,26 +82,26 @@ def exported_urdf(robot: Robot, theta: Float[np.ndarray, "bodies 10"]) -> str:
     """The robot's URDF with the inertias of `theta`.
 
     Links that are fixed to a body lose theirs, become massless. The
-    rotors that are links of their own keep theirs, which `theta` has in it.
+    wheels that are links of their own keep theirs, which `theta` has in it.
 
     Args:
         robot: loaded from a URDF.
-        theta: of bodies that can exist, without the rotors of wheels too; those of
-            geared motors are not in it.
+        theta: of bodies that can exist, without their wheels too; the rotors of geared
+            motors are not in it.
 
     Raises:
         InputError: the robot was not loaded from a URDF, or what was written does not
             read back with the same base parameters.
     """
     links = links_of(robot)
-    own = theta - rotor_parts(robot)
+    own = theta - wheel_parts(robot)
     own[0] = transformed(own[0], np.eye(3), robot.feature_point)
     root = ET.fromstring(
         robot.urdf, ET.XMLParser(target=ET.TreeBuilder(insert_comments=True))
     )
     for link in root.findall("link"):
         name = link.get("name", "")
-        if name not in links.placements or name in links.rotors:
+        if name not in links.placements or name in links.wheels:
             continue
         for inertial in link.findall("inertial"):
             link.remove(inertial)

@@ -20,7 +20,7 @@ from orbident.robot.body_schema import tree_of_bodies, tree_of_table
 from orbident.robot.couplings import couplings_of
 from orbident.robot.description import Joint, Robot, Wheel
 from orbident.robot.formats.model_file import KINDS, SUFFIXES, as_urdf, read_model
-from orbident.robot.fusing import Bodies, about_feature_point, fused, rotor
+from orbident.robot.fusing import Bodies, about_feature_point, fused, wheel_on_joint
 from orbident.robot.geared_rotors import proposed_rotors, rotors_by_joint
 from orbident.robot.oddities import contradictions, nonphysical
 from orbident.robot.schema import BODIES, LimitEntry, RobotFile, WheelEntry
@@ -121,7 +121,7 @@ def _wheels(
             raise InputError(
                 f"{where}: joint '{entry.joint}' is a wheel twice; keep one"
             )
-        found = rotor(tree, entry.joint, where, entry.inertia)
+        found = wheel_on_joint(tree, entry.joint, where, entry.inertia)
         wheels.append(Wheel(entry.label, found.axis, found.inertia, entry.mode))
         warnings += found.warnings
     return tuple(wheels), warnings

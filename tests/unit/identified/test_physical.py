@@ -15,7 +15,7 @@ from orbident.errors import InputError
 from orbident.estimation.identify import identify
 from orbident.estimation.result import Result
 from orbident.identified.physical import PhysicalBodies, physical_bodies
-from orbident.identified.urdf_export import exported_urdf, rotor_parts
+from orbident.identified.urdf_export import exported_urdf, wheel_parts
 from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.description import Robot
 from orbident.robot.parameters import inertia_matrix
@@ -127,7 +127,7 @@ def test_refusals(found, monkeypatch):
     with pytest.raises(InputError, match=r"1 of 18 .*\(iota_12\)"):
         bodies_of(with_base(found, unknown, found.base.std), rotors)
     with pytest.raises(InputError, match="not loaded from a URDF"):
-        rotor_parts(replace(found.robot, urdf=""))
+        wheel_parts(replace(found.robot, urdf=""))
 
     monkeypatch.setitem(sys.modules, "cvxpy", None)
     with pytest.raises(InputError, match=r'needs cvxpy: .* "orbident\[export\]"'):
@@ -165,7 +165,7 @@ def weighed(link: ET.Element) -> float:
 
 def test_the_base_exists_without_its_rotors(servicer):
     """Rotors that are bodies of their own are not for the base to make up for."""
-    parts = rotor_parts(servicer)
+    parts = wheel_parts(servicer)
     assert parts[0, 0] == 3.0
     assert not parts[1:].any()
     text = exported_urdf(servicer, servicer.theta)
