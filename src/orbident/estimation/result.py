@@ -43,7 +43,7 @@ from orbident.gaussian import NINETY_FIVE
 from orbident.model.formulas import formulas_of
 from orbident.model.minimal_sets import minimal_sets
 from orbident.model.reconstruction import Dynamics, reconstructed
-from orbident.model.rotor_momentum import rotor_deviations
+from orbident.model.rotor_momentum import rotor_deviations, rotor_parts
 from orbident.preprocessing.delays import Delay
 from orbident.robot.description import NO_ROTOR, Robot
 
@@ -267,12 +267,13 @@ class Result(BesideParameters, Identified):
         The rotors are taken out, and their tolerance is in the deviations.
         """
         sets, base = minimal_sets(self.robot), self.base
-        T = sets.base.T
-        rotors = T @ sets.rotors
-        off = T @ rotor_deviations(self.robot)
+        each, off = (
+            sets.base.T @ part(self.robot) for part in (rotor_parts, rotor_deviations)
+        )
+        rotors, size = each.sum(axis=1), np.abs(each).max(axis=1, initial=0.0)
         declared = dict.fromkeys(self.robot.rotors, NO_ROTOR)
         words = formulas_of(replace(self.robot, rotors=declared), sets).base
-        has = np.flatnonzero(np.abs(rotors) > ROUNDING * np.abs(rotors).max())
+        has = np.flatnonzero(size > ROUNDING * size.max())
         return EstimatedSet(
             names=tuple(words.names[k] for k in has),
             formulas=tuple(words.formulas[k] for k in has),

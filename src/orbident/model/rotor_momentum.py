@@ -61,16 +61,19 @@ def _square(a: Float[np.ndarray, "3"]) -> Float[np.ndarray, "6"]:
     return np.array([a[i] * a[j] for i, j in INERTIA_ENTRIES])
 
 
-def theta_with_rotors(robot: Robot) -> Float[np.ndarray, "bodies 10"]:
-    """The `theta` of bodies without rotors that have the robot's momentum."""
-    added = rotors_of(robot).momentum @ rotor_directions(robot)
-    return robot.theta + added.reshape(robot.theta.shape)
+def rotor_parts(robot: Robot) -> Float[np.ndarray, "theta joints"]:
+    """What each declared rotor adds to the flat `theta` in all that is momentum."""
+    return rotor_directions(robot).T * rotors_of(robot).momentum
 
 
 def rotor_deviations(robot: Robot) -> Float[np.ndarray, "theta joints"]:
-    """By how much each declared rotor's tolerance changes what it adds to `theta`."""
-    momentum, _, tolerance = rotors_of(robot)
-    return rotor_directions(robot).T * (momentum * tolerance)
+    """The standard deviations of what each declared rotor adds."""
+    return rotor_parts(robot) * rotors_of(robot).tolerance
+
+
+def theta_with_rotors(robot: Robot) -> Float[np.ndarray, "bodies 10"]:
+    """The `theta` of bodies without rotors that have the robot's momentum."""
+    return robot.theta + rotor_parts(robot).sum(axis=1).reshape(robot.theta.shape)
 
 
 def undeclared_rotors(robot: Robot) -> tuple[str, ...]:

@@ -45,7 +45,7 @@ def rotors_by_joint(
         InputError: there is no such joint, it slides, or a rotor has another axis than
             those of a body whose products of inertia are known to be zero.
     """
-    if EVERY in given:
+    if given == {EVERY: NO_ROTOR}:
         return dict.fromkeys([joint.name for joint in joints], NO_ROTOR)
     at = {joint.name: k for k, joint in enumerate(joints)}
     for name, rotor in given.items():

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from made_results import exact_result
 from random_robots import random_robot, random_wheels
 
 from orbident.model.formulas import formulas_of, not_identifiable
@@ -98,3 +99,17 @@ def test_who_may_have_one(robot):
     assert undeclared_rotors(follows) == ("joint1", "joint2")
     none = dict.fromkeys(robot.joint_names, NO_ROTOR)
     assert lacking_rotors(replace(robot, rotors=none)) == ""
+
+
+def test_links_alone_are_less_sure():
+    """A rotor is taken out, its tolerance put in: where two cancel too."""
+    plain = replace(load_robot("paper-spatial"), rotors={})
+    robot = replace(plain, rotors={"joint2": ROTOR, "joint3": ROTOR})
+    result = exact_result(robot)
+    links, own = result.links, minimal_sets(plain).beta(robot.theta)
+    at = [result.base.names.index(name) for name in links.names]
+    np.testing.assert_allclose(links.values, own[at], rtol=1e-12)
+    both = links.formulas.index("4 m(link3) + Iyy(link2)")
+    off = ROTOR.tolerance * ROTOR.gear * ROTOR.inertia
+    assert links.std[both] == pytest.approx(np.sqrt(2) * off)
+    assert not exact_result(plain).links.names

@@ -42,6 +42,7 @@ SLIDES = robot(link("base"), link("a"), joint("slide", "base", "a", kind="prisma
         ("rotors: {joint1: {gear: 9, inertia: -1}}", ARM, "-1; give zero or more"),
         ("rotors: {joint1: {gear: 9}}", ARM, "inertia: this key is missing"),
         ("rotors: {joint1: {ratio: 9}}", ARM, "unknown key 'ratio'"),
+        ('rotors: {"*": {gear: 9, inertia: 1}}', ARM, "rotors: no joint '[*]'"),
         ("rotors: 160", ARM, "rotors: found 160; give names and their entries"),
         (
             "rotors: {slide: {gear: 9, inertia: 1}}",
