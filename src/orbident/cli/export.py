@@ -190,14 +190,8 @@ def write_model(output: Any, result: Any, out: Path) -> None:
         *filter(None, (lacks,)),
     )
     masses = dict(zip(robot.bodies, robot.theta[:, 0].tolist(), strict=True))
-    output.write_json(
-        {
-            "file": str(out),
-            "deviation": made.deviation,
-            "masses": masses,
-            "lacks": lacks,
-        }
-    )
+    told = {"deviation": made.deviation, "masses": masses, "lacks": lacks}
+    output.write_json({"file": str(out), **told})
 
 
 def _model_text(made: Any, suffix: str) -> tuple[str, str]:

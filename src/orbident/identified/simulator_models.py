@@ -229,14 +229,13 @@ def basilisk_script(made: ExportedRobot) -> str:
         InputError: an arm branches, or has joints that turn and joints that slide.
     """
     robot = made.robot
-    theta = theta_with_rotors(robot)
-    hub = transformed(theta[0], np.eye(3), robot.feature_point)
+    hub = transformed(theta_with_rotors(robot)[0], np.eye(3), robot.feature_point)
     wheels = [
         {"name": w.name, "axis": w.axis.tolist(), "inertia": float(w.inertia)}
         for w in robot.wheels
     ]
     arms = [
-        [_link(made, k, theta[k + 1]) for k in _arm(robot, first)]
+        [_link(made, k) for k in _arm(robot, first)]
         for first, joint in enumerate(robot.joints)
         if joint.parent == 0
     ]
@@ -283,9 +282,7 @@ def _arm(robot: Robot, first: int) -> Iterator[int]:
         at = beyond[0]
 
 
-def _link(
-    made: ExportedRobot, k: int, theta: Float[np.ndarray, "10"]
-) -> dict[str, Any]:
+def _link(made: ExportedRobot, k: int) -> dict[str, Any]:
     joint = made.mechanism.joints[k]
     return {
         "joint": joint.name,
@@ -293,7 +290,7 @@ def _link(
         "position": joint.p_PJ.tolist(),
         "rotation": joint.R_PJ.tolist(),
         "axis": joint.axis.tolist(),
-        **_mass(theta),
+        **_mass(made.mechanism.theta[k + 1]),
     }
 
 
