@@ -12,9 +12,9 @@ PACKAGE = ROOT / "src/orbident"
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
     "files": 321,
-    "lines": 56_386,
+    "lines": 56_431,
     "files of estimation": 67,
-    "lines of estimation": 10_413,
+    "lines of estimation": 10_458,
     "files with one user": 69,
     "imports below each other": 30,
     "numbers without a reason": 69,
