@@ -7,9 +7,9 @@ import pytest
 from manoeuvres import dual_arm, excitation
 
 from orbident.estimation.identify import identify
-from orbident.estimation.recursive.changes import Detector
 from orbident.estimation.recursive.filter import Extended
 from orbident.estimation.recursive.given import given_of
+from orbident.estimation.recursive.history import Detector
 from orbident.estimation.recursive.prior import cad_prior
 from orbident.preprocessing.samples import samples_of
 from orbident.simulation.simulate import simulate

@@ -12,16 +12,14 @@ from one_state import only_state
 from pinocchio_model import PinocchioRobot, pinocchio_model
 from random_robots import random_parents, random_robot
 
-from orbident.model.inertia import (
+from orbident.model.kinematics import (
     Inertia,
     Masses,
+    MomentumRegressors,
+    Poses,
     carried_about_S,
     inertia_at,
     masses_about_S,
-)
-from orbident.model.kinematics import (
-    MomentumRegressors,
-    Poses,
     momentum_regressors,
     point_jacobian,
     poses,

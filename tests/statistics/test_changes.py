@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from orbident.estimation.recursion import History
+from orbident.estimation.estimate import History
 from orbident.estimation.recursive.history import recursive_history
 from orbident.model.minimal_sets import minimal_sets
 from orbident.preprocessing.samples import samples_of

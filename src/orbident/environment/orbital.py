@@ -31,7 +31,7 @@ from orbident.environment.motion import (
     by_step,
     heavy_bodies,
 )
-from orbident.model.inertia import inertia
+from orbident.model.kinematics import inertia
 from orbident.model.minimal_sets import conserved_axes
 from orbident.model.rotations import rotate, rotate_back
 from orbident.orbits.earth import MU

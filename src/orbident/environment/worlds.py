@@ -19,8 +19,8 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from orbident.model.inertia import inertia_at
-from orbident.model.wheel_arrays import wheels_of
+from orbident.model.core_robot import wheels_of
+from orbident.model.kinematics import inertia_at
 from orbident.orbits.earth import MU, R_E
 from orbident.robot.description import Robot
 from orbident.robot.may_act import MayAct

@@ -13,9 +13,9 @@ from orbident.choices import InitialMomentum, Method
 from orbident.errors import InputError
 from orbident.estimation.criteria import judge
 from orbident.estimation.estimate import Estimate, Estimator, Progress, Solved
-from orbident.estimation.least_squares import LeastSquares
-from orbident.estimation.mass_routes import BURN, is_a_mass
+from orbident.estimation.least_squares import LeastSquares, Structured
 from orbident.estimation.output_error.estimator import OutputError
+from orbident.estimation.parameter_checks import BURN, is_a_mass
 from orbident.estimation.pushes import with_push
 from orbident.estimation.quantities import Quantity
 from orbident.estimation.recursive.history import Recursive
@@ -29,7 +29,6 @@ from orbident.estimation.several import (
     solved_together,
 )
 from orbident.estimation.solve import solve
-from orbident.estimation.structured import Structured
 from orbident.estimation.weigh import Weighing, weigh
 from orbident.recordings.long_recording import LARGE, LongRecording
 from orbident.recordings.recording import Recording

@@ -11,30 +11,26 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 from orbident import _core
-from orbident.estimation.clocks import base_clocks
-from orbident.estimation.extent import Extent
-from orbident.estimation.kept_pieces import KeptPieces, Piece
 from orbident.estimation.linear_fits import (
     Factors,
     InitialMomentum,
     LinearEquations,
-    fit,
 )
-from orbident.estimation.momentum_problem import MomentumProblem
+from orbident.estimation.momentum_problem import MomentumProblem, momentum_problem
 from orbident.estimation.recursive.given import packed_piece, trusted
-from orbident.estimation.stretches import (
+from orbident.files.kept_pieces import KeptPieces, Piece
+from orbident.preprocessing.delays import corrections
+from orbident.preprocessing.extent import Extent
+from orbident.preprocessing.origins import RUNNING
+from orbident.preprocessing.samples import samples_of
+from orbident.preprocessing.screening import cleaned
+from orbident.preprocessing.smoothing import LONGEST, Settings
+from orbident.preprocessing.stretches import (
     Part,
     Stretches,
     smoothed_rate,
     some_rows,
 )
-from orbident.model.minimal_sets import minimal_sets
-from orbident.model.regularity import check_regular
-from orbident.preprocessing.delays import corrections
-from orbident.preprocessing.origins import RUNNING
-from orbident.preprocessing.samples import samples_of
-from orbident.preprocessing.screening import cleaned, screened
-from orbident.preprocessing.smoothing import LONGEST, Settings
 from orbident.recordings.long_recording import LongRecording
 from orbident.recordings.no_measurements import NO_SENSORS
 from orbident.robot.description import Robot
@@ -52,28 +48,15 @@ def digest_of(
     Raises:
         InputError: as `momentum_problem`.
     """
-    check_regular(robot)
-    clean = screened(robot, recording.digest.with_joints_of(robot))
-    heads = {name.partition(".")[0] for name in clean.recording.columns}
+    heads = {name.partition(".")[0] for name in recording.digest.columns}
     if heads & {"thruster", *NO_SENSORS}:
         return None
-    sets = minimal_sets(robot)
-    clocks = base_clocks(robot, clean.recording)
-    settings = Settings(LONGEST)
-    samples = samples_of(robot, clean.recording, corrections(clocks), settings)
-    if any(origin & RUNNING for origin in samples.origins.values()):
-        return None
-    return MomentumProblem(
-        robot,
-        sets,
-        clean.recording,
-        {},
-        clean.notes,
-        clocks,
-        samples,
-        initial_momentum,
-        fit(robot, sets, samples, initial_momentum, lambda _: None),
+    problem = momentum_problem(
+        robot, recording.digest, initial_momentum, lambda _: None, Settings(LONGEST)
     )
+    if any(origin & RUNNING for origin in problem.samples.origins.values()):
+        return None
+    return problem
 
 
 def whole(

@@ -9,9 +9,6 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident import _core
-from orbident.estimation.clocks import base_clocks
-from orbident.estimation.extent import Extent
-from orbident.estimation.kept_pieces import KeptPieces
 from orbident.estimation.linear_fits import (
     Fits,
     InitialMomentum,
@@ -20,11 +17,14 @@ from orbident.estimation.linear_fits import (
     rest_std,
 )
 from orbident.estimation.mass import Mass, mass_of
+from orbident.files.kept_pieces import KeptPieces
 from orbident.model.minimal_sets import MinimalSets, minimal_sets
 from orbident.model.regularity import check_regular
-from orbident.preprocessing.delays import Delay, corrections
+from orbident.preprocessing.delays import Delay, base_clocks, corrections
+from orbident.preprocessing.extent import Extent
 from orbident.preprocessing.samples import Samples, samples_of
 from orbident.preprocessing.screening import screened
+from orbident.preprocessing.smoothing import Settings
 from orbident.recordings.long_recording import LARGE
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
@@ -144,6 +144,7 @@ def momentum_problem(
     recording: Recording,
     initial_momentum: InitialMomentum,
     progress: Callable[[float], object],
+    settings: Settings | None = None,
 ) -> MomentumProblem:
     """Screen a recording, settle its clocks, and derive what it lacks.
 
@@ -152,6 +153,7 @@ def momentum_problem(
         recording: of the free-floating robot.
         initial_momentum: what is known of the momentum.
         progress: is called with the fraction of the samples that is done.
+        settings: how its columns are smoothed, where it is a digest.
 
     Returns:
         The problem, on the clock of the attitude that the gyro shows.
@@ -164,9 +166,11 @@ def momentum_problem(
     clean = screened(robot, recording.with_joints_of(robot))
     sets = minimal_sets(robot)
     clocks = base_clocks(robot, clean.recording)
-    samples = samples_of(robot, clean.recording, corrections(clocks))
+    samples = samples_of(robot, clean.recording, corrections(clocks), settings)
     fits = fit(robot, sets, samples, initial_momentum, progress)
-    problem = MomentumProblem(
+    if recording.t.size >= LARGE:
+        _core.give_back_memory()
+    return MomentumProblem(
         robot,
         sets,
         clean.recording,
@@ -177,9 +181,6 @@ def momentum_problem(
         initial_momentum,
         fits,
     )
-    if recording.t.size >= LARGE:
-        _core.give_back_memory()
-    return problem
 
 
 def on_clocks(problem: MomentumProblem, clocks: Mapping[str, Delay]) -> MomentumProblem:

@@ -16,15 +16,12 @@ from pydantic import (
 from typing_extensions import TypedDict
 
 from orbident.errors import InputError
-from orbident.estimation.budget import Budget
+from orbident.estimation.budget import Budget, SensitivityTable
 from orbident.estimation.checks import Check, Level, worst
 from orbident.estimation.estimate import BesideParameters, Solved
-from orbident.estimation.extent import RecordedMotion
 from orbident.estimation.linear_fits import Fits, InitialMomentum
-from orbident.estimation.parameter_table import short_table
 from orbident.estimation.provided import provided
-from orbident.estimation.quantities import Identified, fields_as
-from orbident.estimation.sensitivity_table import SensitivityTable
+from orbident.estimation.quantities import Identified, fields_as, short_table
 from orbident.estimation.signals import Signals, sensor_of
 from orbident.files.json_parts import (
     Computed,
@@ -41,6 +38,7 @@ from orbident.files.schema_parts import WrongValueError
 from orbident.gaussian import NINETY_FIVE
 from orbident.model.reconstruction import Dynamics, reconstructed
 from orbident.preprocessing.delays import Delay
+from orbident.preprocessing.extent import RecordedMotion
 from orbident.robot.description import Robot
 
 SCHEMA = "orbident/result/2"

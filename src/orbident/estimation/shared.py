@@ -1,4 +1,10 @@
-"""What recordings of one robot share, as data: equations without their own unknowns."""
+"""What recordings of one robot have in common, and what each says of it, as data.
+
+Base parameters and the errors of instruments are the same in all recordings; momentum,
+attitudes, biases and what acts from outside are each one's own. A recording's equations
+without its own unknowns, `R x = z` of `x = [beta | errors]`, are all that another one
+needs: with them beside its own it is fitted as if both were fitted at once.
+"""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -39,8 +45,21 @@ class Shared(NamedTuple):
         )
         known = np.zeros((m, rows.shape[1]))
         np.fill_diagonal(known, [1 / each.std for each in more])
-        return _triangular(np.vstack([known, rows]))[m : rows.shape[1] - 1, m:]
+        return triangular(np.vstack([known, rows]))[m : rows.shape[1] - 1, m:]
 
 
-def _triangular(rows: Float[np.ndarray, "rows n"]) -> Float[np.ndarray, "_ n"]:
+def together(parts: Sequence[Shared]) -> Shared:
+    """What several recordings say.
+
+    Args:
+        parts: what each of them says; the last was linearised nearest to the truth.
+    """
+    errors = {each.name: each for part in parts for each in part.errors}
+    every = tuple(errors.values())
+    rows = np.vstack([part.over(every) for part in parts])
+    return Shared(parts[-1].beta, every, triangular(rows)[: rows.shape[1] - 1])
+
+
+def triangular(rows: Float[np.ndarray, "rows n"]) -> Float[np.ndarray, "_ n"]:
+    """The triangular factor of these rows."""
     return np.asarray(np.linalg.qr(rows, mode="r"))

@@ -8,9 +8,9 @@ from scipy.optimize import root_scalar
 from scipy.special import ndtr, ndtri
 
 from orbident.errors import InputError
+from orbident.estimation.base_parameters import EstimatedParameters, Known
 from orbident.estimation.clock_search import MOST, Evidence, evidence
 from orbident.estimation.estimate import Estimate, Estimator, Progress, Solved
-from orbident.estimation.found import EstimatedParameters, Known
 from orbident.estimation.least_squares import LeastSquares
 from orbident.estimation.linear_fits import InitialMomentum
 from orbident.estimation.long_problem import digest_of, whole

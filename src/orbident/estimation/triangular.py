@@ -10,6 +10,8 @@ import numpy as np
 from jaxtyping import Bool, Float
 from scipy.linalg import get_lapack_funcs
 
+from orbident.errors import InputError
+
 # Singular values of the factor with unit columns: what the motion never shows comes
 # out at 1e-16 to 1e-14, and what it does show is worth reporting with its error.
 RANK = 1e-12
@@ -148,3 +150,17 @@ def condition_numbers(factor: Float[np.ndarray, "n n"]) -> tuple[float, float]:
     if not norms.all():
         return float("inf"), float("inf")
     return float(np.linalg.cond(factor)), float(np.linalg.cond(factor / norms))
+
+
+def check_finite(*numbers: np.ndarray | float) -> None:
+    """Refuse equations that are not finite.
+
+    Raises:
+        InputError: a number is infinite or none.
+    """
+    if not all(np.isfinite(each).all() for each in numbers):
+        raise InputError(
+            "what the sensors should show overflows, so nothing can be fitted to it; "
+            "check the units of the recording (s, rad, rad/s, m) and of the robot's "
+            "masses and inertias (kg, kg m^2)"
+        )

@@ -29,7 +29,7 @@ from jaxtyping import Float
 from orbident.errors import InputError
 from orbident.excitation.conditions import Conditions, Limits
 from orbident.excitation.joint_limits import JointMotions
-from orbident.model.wheel_arrays import wheels_of
+from orbident.model.core_robot import wheels_of
 from orbident.robot.description import Robot
 from orbident.robot.parameters import (
     FIRST_MOMENT,

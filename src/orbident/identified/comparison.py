@@ -10,8 +10,8 @@ from typing import Any, Literal
 import numpy as np
 
 from orbident.errors import InputError
-from orbident.estimation.criteria import VAGUE
 from orbident.estimation.levels import ChiSquare
+from orbident.estimation.parameter_checks import VAGUE
 from orbident.estimation.result import Result
 from orbident.files.names import joined, suggestion
 from orbident.identified.difference import (

@@ -10,8 +10,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from jaxtyping import Float, Inexact, Int
 
-from orbident.estimation.criteria import VAGUE
 from orbident.estimation.levels import ChiSquare
+from orbident.estimation.parameter_checks import VAGUE
 from orbident.estimation.quantities import Parameters, Quantity
 from orbident.files.json_parts import nulled
 from orbident.gaussian import NINETY_FIVE

@@ -17,10 +17,10 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident import _core
-from orbident.estimation.recursion import Change
-from orbident.estimation.recursive.changes import Detector
+from orbident.estimation.estimate import Change
 from orbident.estimation.recursive.filter import Extended
 from orbident.estimation.recursive.given import declared_noise
+from orbident.estimation.recursive.history import Detector
 from orbident.estimation.recursive.prior import (
     UNCERTAINTY,
     GaussianPrior,

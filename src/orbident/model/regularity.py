@@ -11,7 +11,7 @@ from orbident.errors import InputError
 from orbident.files.names import joined
 from orbident.model.core_robot import KEPT
 from orbident.model.equations_of_motion import equations_of_motion, movable
-from orbident.model.inertia import carried_about_S, inertia_at
+from orbident.model.kinematics import carried_about_S, inertia_at
 from orbident.robot.description import Robot
 
 SINGULAR = 1e-12

@@ -18,8 +18,8 @@ from orbident import _core
 from orbident.data_table import DataTable, Numeric, table_of
 from orbident.errors import InputError
 from orbident.estimation.checks import Check
+from orbident.estimation.levels import LOW, low_frequencies
 from orbident.estimation.output_error.sensors import COMPONENTS
-from orbident.estimation.whiteness import LOW, low_frequencies
 from orbident.noise.noise_model import (
     FEWEST,
     MARKOV,

@@ -1,6 +1,7 @@
 """Attitude and rate of the base at the rows of a recording.
 
-The rate of the base from its attitude alone.
+The rate may come from the attitude alone; noise of measured wheel speeds adds to what
+they predict of it.
 """
 
 from typing import NamedTuple
@@ -11,6 +12,9 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
 from orbident.gaussian import white_std_of
+from orbident.model.core_robot import wheels_of
+from orbident.model.kinematics import inertia_at
+from orbident.model.minimal_sets import conserved_axes
 from orbident.preprocessing.attitude_fusion import (
     GyroNoise,
     fuse_attitude,
@@ -20,6 +24,7 @@ from orbident.preprocessing.histories import Columns
 from orbident.preprocessing.origins import Origin
 from orbident.preprocessing.smoothing import Settings, fits_of, smooth_rates
 from orbident.recordings.recording import Recording
+from orbident.robot.description import Robot
 from orbident.robot.sensor_schema import Sampled, SensorsSpec
 
 
@@ -201,3 +206,21 @@ def _scatter(
     if both.sum() < 2:
         return LEAST_STD
     return max(float(white_std_of(between, 1)), LEAST_STD)
+
+
+def momentum_noise(robot: Robot) -> Float[np.ndarray, "3 wheels"]:
+    """A root of the covariance of `h_rw`, N m s, by the declared tachometers."""
+    wheels = robot.sensors.wheels
+    return wheels_of(robot).A_rw * ((wheels and wheels.tachometer) or 0.0)
+
+
+def rate_noise(robot: Robot) -> float:
+    """Std of the predicted base rate, rad/s: `dw = -D^-1 dh_rw` (Eq. 3).
+
+    Root mean square of the axes about which momentum is conserved, with the nominal
+    inertia at zero joint positions.
+    """
+    axes = list(conserved_axes(robot)[0])
+    D = inertia_at(robot, np.zeros(len(robot.joints))).D[np.ix_(axes, axes)]
+    dw = np.linalg.solve(D, momentum_noise(robot)[axes])
+    return float(np.linalg.norm(dw) / np.sqrt(len(axes)))

@@ -12,10 +12,9 @@ from jaxtyping import Float
 from orbident.errors import InputError
 from orbident.estimation.result import Result
 from orbident.identified.prediction import predict
-from orbident.model.inertia import inertia
-from orbident.model.kinematics import poses
+from orbident.model.core_robot import wheels_of
+from orbident.model.kinematics import inertia, poses
 from orbident.model.rotations import axis_rotation, quaternion_matrix, rotate
-from orbident.model.wheel_arrays import wheels_of
 from orbident.preprocessing.samples import Batch, samples_of
 from orbident.preprocessing.screening import cleaned
 from orbident.preprocessing.smoothing import Settings

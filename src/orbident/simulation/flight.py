@@ -12,10 +12,9 @@ from jaxtyping import Bool, Float
 
 from orbident import _core
 from orbident.errors import InputError
-from orbident.model.core_robot import core_robot
+from orbident.model.core_robot import core_robot, wheels_of
 from orbident.model.equations_of_motion import movable
 from orbident.model.regularity import check_regular
-from orbident.model.wheel_arrays import wheels_of
 from orbident.robot.description import Robot
 from orbident.robot.parameters import inertia_about_com
 from orbident.simulation.control_laws import (

@@ -18,10 +18,9 @@ from jaxtyping import Float
 
 from orbident import _core
 from orbident.errors import InputError
-from orbident.model.core_robot import core_robot
-from orbident.model.inertia import inertia_at
+from orbident.model.core_robot import core_robot, wheels_of
+from orbident.model.kinematics import inertia_at
 from orbident.model.rotations import quaternion_matrix, rotate, rotate_back
-from orbident.model.wheel_arrays import wheels_of
 from orbident.robot.description import Robot
 from orbident.threads import processors
 

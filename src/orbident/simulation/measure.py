@@ -13,9 +13,8 @@ from jaxtyping import Float
 
 from orbident import _core
 from orbident.errors import InputError
-from orbident.model.core_robot import core_robot
+from orbident.model.core_robot import core_robot, wheels_of
 from orbident.model.equations_of_motion import equations_of_motion, movable
-from orbident.model.wheel_arrays import wheels_of
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.robot.sensor_schema import EncoderSpec, Sampled, SensorsSpec

@@ -7,9 +7,9 @@ import pytest
 from small_problems import noisy, small_recording, small_robot
 
 from orbident.estimation import clock_search as module
+from orbident.estimation.base_parameters import Known
 from orbident.estimation.clock_search import evidence
 from orbident.estimation.estimate import Estimate
-from orbident.estimation.found import Known
 from orbident.estimation.least_squares import LeastSquares
 from orbident.estimation.momentum_problem import MomentumProblem, momentum_problem
 from orbident.estimation.output_error.estimator import OutputError

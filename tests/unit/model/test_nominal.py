@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 from random_robots import random_robot
 
+from orbident.model.formulas import nominal_parameters
 from orbident.model.minimal_sets import minimal_sets
-from orbident.model.nominal import nominal_parameters
 from orbident.robot.robot_file import load_robot
 
 TURNED = """<robot name="turned">

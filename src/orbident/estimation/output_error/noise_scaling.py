@@ -8,13 +8,21 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from orbident import _core
+from orbident.estimation.estimate import whiteness
 from orbident.estimation.output_error.problem import Problem
-from orbident.estimation.output_error.sensors import at_level, innovated, some_of
+from orbident.estimation.output_error.sensors import (
+    Sensors,
+    at_level,
+    innovated,
+    some_of,
+)
 from orbident.estimation.output_error.shooting import TURN_AND_BIASES
 from orbident.estimation.output_error.solver import solved
+from orbident.estimation.signals import Signal, Signals
 from orbident.estimation.solution import BySensor, Convergence, Solution, Unknowns
 from orbident.gaussian import OF_MEDIAN
 from orbident.recordings.long_recording import LARGE
+from orbident.robot.description import Robot
 
 HUBER = 4.0
 """Residuals beyond so many deviations count less (Huber, 1964)."""
@@ -55,9 +63,7 @@ class Whitened(NamedTuple):
     @property
     def whiteness(self) -> float:
         """Correlation of neighbours: 0 for white noise."""
-        power = np.sum(self.values**2)
-        between = np.sum(self.values[:-1] * self.values[1:])
-        return float(between / power) if power else 0.0
+        return whiteness(self.values)
 
 
 def whitened(
@@ -249,3 +255,50 @@ def _unknowns(problem: Problem, state: Unknowns) -> Mapping[str, float]:
         else share
         for name in names
     }
+
+
+UNITS = {
+    "gyro": "rad/s",
+    "accelerometer": "m/s^2",
+    "attitude": "rad",
+    "position": "m",
+    "velocity": "m/s",
+}
+JOINT_UNITS = {"revolute": "rad", "prismatic": "m"}
+
+
+def sensor_signals(
+    robot: Robot, problem: Problem, sensors: Sensors, found: Fitted
+) -> Signals:
+    """What maximum likelihood predicts that every sensor shows.
+
+    Args:
+        robot: the names and units of its joints.
+        problem: all equations.
+        sensors: with the noise that was assumed.
+        found: residuals, and the noise that they show.
+    """
+    signals = []
+    for name, weights in problem.weights.items():
+        seen, counts = that_count(weights)
+        std = sensors.by_name[name].std * found.levels[name]
+        error = of_axes(some_of(found.residuals[name], seen), counts) * std
+        if name == "attitude":
+            measured = error
+        else:
+            measured = of_axes(some_of(problem.samples[name], seen), counts)
+        labels = robot.joint_names if name == "joints" else tuple("xyz")
+        kinds = [JOINT_UNITS[joint.kind] for joint in robot.joints]
+        units = kinds if name == "joints" else 3 * [UNITS[name]]
+        signals.append(
+            Signal(
+                name=name,
+                axes=tuple(np.array(labels, dtype=object)[counts]),
+                units=tuple(np.array(units, dtype=object)[counts]),
+                t=some_of(problem.t, seen),
+                measured=measured,
+                predicted=measured - error,
+                std=std,
+            )
+        )
+    return tuple(signals)

@@ -44,9 +44,8 @@ from orbident.estimation.solution import (
     Unknowns,
 )
 from orbident.estimation.unknowns import Unknown
-from orbident.model.core_robot import core_tree
+from orbident.model.core_robot import core_tree, wheels_of
 from orbident.model.minimal_sets import MinimalSets
-from orbident.model.wheel_arrays import wheels_of
 from orbident.preprocessing.samples import Samples
 from orbident.robot.description import Robot
 from orbident.robot.parameters import (

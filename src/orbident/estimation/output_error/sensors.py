@@ -15,10 +15,10 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
 from orbident import _core
-from orbident.estimation.tachometers import rate_noise
 from orbident.files.bounds import TOGETHER
 from orbident.gaussian import noisiest_std
 from orbident.model.minimal_sets import conserved_axes
+from orbident.preprocessing.base_motion import rate_noise
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.robot.sensor_schema import WHITE, Coloured

@@ -10,7 +10,6 @@ from jaxtyping import Float
 from scipy.linalg import solve_triangular
 
 from orbident.estimation.output_error.problem import Problem, linear
-from orbident.estimation.overflow import check_finite
 from orbident.estimation.solution import (
     SMALL,
     BySensor,
@@ -21,7 +20,7 @@ from orbident.estimation.solution import (
     Step,
     Unknowns,
 )
-from orbident.estimation.triangular import fold
+from orbident.estimation.triangular import check_finite, fold
 from orbident.recordings.long_recording import LARGE
 
 STEPS = 20

@@ -15,9 +15,9 @@ from jaxtyping import Float, Int, Shaped
 from scipy.linalg import solve_triangular
 
 from orbident import _core
-from orbident.estimation.overflow import check_finite
 from orbident.estimation.recursive.given import Noise
 from orbident.estimation.recursive.prior import GaussianPrior, factor_of
+from orbident.estimation.triangular import check_finite
 from orbident.model.core_robot import core_robot
 from orbident.model.minimal_sets import MinimalSets, minimal_sets
 from orbident.model.reconstruction import root_of

@@ -10,16 +10,16 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.errors import InputError
-from orbident.estimation.kept_pieces import Piece
 from orbident.estimation.linear_fits import fit
 from orbident.estimation.momentum_problem import MomentumProblem
-from orbident.estimation.stretches import rate_scatter, smoothed_rate
-from orbident.estimation.tachometers import rate_noise
+from orbident.files.kept_pieces import Piece
+from orbident.model.core_robot import wheels_of
 from orbident.model.minimal_sets import minimal_sets
-from orbident.model.wheel_arrays import wheels_of
+from orbident.preprocessing.base_motion import rate_noise
 from orbident.preprocessing.origins import ENCODED, Origin
 from orbident.preprocessing.samples import Samples
 from orbident.preprocessing.smoothing import Settings
+from orbident.preprocessing.stretches import rate_scatter, smoothed_rate
 from orbident.robot.description import Robot
 from orbident.robot.sensor_schema import (
     AccelerometerSpec,

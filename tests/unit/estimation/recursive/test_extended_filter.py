@@ -11,10 +11,13 @@ from random_robots import random_robot, random_wheels
 from recorded_samples import stream
 
 from orbident.errors import InputError
-from orbident.estimation.recursive.changes import Detector
 from orbident.estimation.recursive.filter import Extended, Sample, State
 from orbident.estimation.recursive.given import Noise, given_of, noise_of
-from orbident.estimation.recursive.history import filter_history, recursive_history
+from orbident.estimation.recursive.history import (
+    Detector,
+    filter_history,
+    recursive_history,
+)
 from orbident.estimation.recursive.prior import cad_prior, prior_from
 from orbident.model.minimal_sets import MinimalSets, minimal_sets
 from orbident.preprocessing.samples import samples_of
