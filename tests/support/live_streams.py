@@ -6,12 +6,12 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
+from captured_bodies import CapturedBody, holding, truth_through_change
 from random_motions import random_motion
 
 from orbident.live.sources import VELOCITY, needed_columns
 from orbident.robot.description import Robot
 from orbident.robot.robot_file import load_robot
-from orbident.simulation.capture import CapturedBody, holding, truth_through_change
 from orbident.simulation.simulate import made_along, sample_times
 
 NAME, DURATION, RATE = "paper-spatial", 30.0, 20.0

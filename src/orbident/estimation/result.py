@@ -22,7 +22,7 @@ from orbident.estimation.estimate import BesideParameters, Solved
 from orbident.estimation.linear_fits import Fits, InitialMomentum
 from orbident.estimation.provided import provided
 from orbident.estimation.quantities import Identified, fields_as, short_table
-from orbident.estimation.signals import Signals, sensor_of
+from orbident.estimation.signals import SIGNAL_UNITS, Signals, sensor_of
 from orbident.files.json_parts import (
     Computed,
     Count,
@@ -54,20 +54,10 @@ OWN = ("biases", "disturbances", "clocks", "rejected", "origins")
 """What each of several recordings has for itself, by names that then begin with its own
 name."""
 
-EQUATIONS = (
-    "gyro",
-    "accelerometer",
-    "attitude",
-    "position",
-    "velocity",
-    "joints",
-    "momentum",
-)
-
 
 def _equation(name: str) -> str:
-    if sensor_of(name) not in EQUATIONS:
-        raise WrongValueError(f"one of {', '.join(EQUATIONS)} is expected")
+    if sensor_of(name) not in SIGNAL_UNITS:
+        raise WrongValueError(f"one of {', '.join(SIGNAL_UNITS)} is expected")
     return name
 
 

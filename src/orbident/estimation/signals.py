@@ -20,6 +20,17 @@ from orbident.model.minimal_sets import MinimalSets
 from orbident.preprocessing.samples import Samples
 from orbident.robot.description import Robot
 
+SIGNAL_UNITS = {
+    "gyro": "rad/s",
+    "accelerometer": "m/s^2",
+    "attitude": "rad",
+    "position": "m",
+    "velocity": "m/s",
+    "joints": "rad or m",
+    "momentum": "N m s",
+}
+"""Of what may be predicted, by sensor or equation."""
+
 
 class Signal(NamedTuple):
     """One sensor, or one equation, at its own times.
@@ -95,14 +106,14 @@ def equation_signals(
         momenta.append(_sides(h[batch.turning], free, pi))
         velocities.append(_sides(v[batch.moving], v.shape[2] - 1 - phi.size, phi))
     signals = []
-    for name, unit, axes, seen, sides in (
-        ("momentum", "N m s", regressors.momentum_axes, turning, momenta),
-        ("velocity", "m/s", regressors.velocity_axes, moving, velocities),
+    for name, axes, seen, sides in (
+        ("momentum", regressors.momentum_axes, turning, momenta),
+        ("velocity", regressors.velocity_axes, moving, velocities),
     ):
         at = np.concatenate(seen)
         if at.any():
             labels = tuple("xyz"[k] for k in axes)
-            signals.append(_fitted(name, labels, unit, samples.t[at], sides))
+            signals.append(_fitted(name, labels, samples.t[at], sides))
     return tuple(signals)
 
 
@@ -126,7 +137,6 @@ def _sides(
 def _fitted(
     name: str,
     axes: tuple[str, ...],
-    unit: str,
     t: Float[np.ndarray, " n"],
     batches: list[_Sides],
 ) -> Signal:
@@ -139,4 +149,5 @@ def _fitted(
     n = np.linalg.lstsq(N.reshape(-1, free), off)[0] if free else np.zeros(0)
     measured = known - N @ n
     std = float(np.sqrt(np.mean((measured - predicted) ** 2)))
-    return Signal(name, axes, len(axes) * (unit,), t, measured, predicted, std)
+    units = len(axes) * (SIGNAL_UNITS[name],)
+    return Signal(name, axes, units, t, measured, predicted, std)

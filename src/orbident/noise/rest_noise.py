@@ -20,6 +20,7 @@ from orbident.errors import InputError
 from orbident.estimation.checks import Check
 from orbident.estimation.levels import LOW, low_frequencies
 from orbident.estimation.output_error.sensors import COMPONENTS
+from orbident.estimation.signals import SIGNAL_UNITS
 from orbident.noise.noise_model import (
     FEWEST,
     MARKOV,
@@ -170,12 +171,8 @@ def low_power(model: NoiseModel) -> float:
     return float(np.mean(power[:low]) / np.mean(power))
 
 
-UNITS = {
-    "gyro": "rad/s",
-    "accelerometer": "m/s^2",
-    "attitude": "rad",
-    "position": "m",
-}
+SENSORS = ("gyro", "accelerometer", "attitude", "position")
+"""Those that show noise at rest."""
 
 
 @dataclass(frozen=True)
@@ -212,7 +209,7 @@ class AxisNoise:
 
     def unit(self, parameter: str) -> str:
         """The unit of a parameter of the model."""
-        unit = UNITS[self.sensor]
+        unit = SIGNAL_UNITS[self.sensor]
         if parameter == "correlation_time":
             return "s"
         return f"{unit}/sqrt(s)" if parameter == "random_walk" else unit
@@ -230,7 +227,7 @@ def rest_noise(recording: Recording) -> tuple[AxisNoise, ...]:
     check_joints(recording)
     found = [
         _axis_noise(recording, sensor, axis, t, x)
-        for sensor in UNITS
+        for sensor in SENSORS
         if recording.has(*(f"{sensor}.{k}" for k in COMPONENTS[sensor]))
         for axis, t, x in _axes(recording, sensor)
     ]
@@ -293,7 +290,7 @@ def sensor_section(found: tuple[AxisNoise, ...]) -> dict[str, dict[str, Any]]:
     geometric mean.
     """
     section: dict[str, dict[str, Any]] = {}
-    for sensor in UNITS:
+    for sensor in SENSORS:
         axes = {each.axis: each for each in found if each.sensor == sensor}
         if axes:
             kind = type(UNDECLARED[sensor])

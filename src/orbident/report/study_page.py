@@ -12,6 +12,7 @@ import numpy as np
 
 from orbident.estimation.checks import Check, worst
 from orbident.estimation.result import Result
+from orbident.estimation.signals import SIGNAL_UNITS
 from orbident.files.text import write_text
 from orbident.identified.run_folder import REPORT
 from orbident.preprocessing.low_pass import CutOff
@@ -198,9 +199,6 @@ SPECTRUM_HEIGHT = 380
 FAINTEST = 1e-300
 """Zero, of a joint that stands still, has no logarithm."""
 
-UNITS = {"gyro": "rad/s", "position": "m"}
-"""Units by the beginning of a signal's name; all other signals are angles."""
-
 
 def cut_offs(found: Mapping[str, CutOff]) -> Section | None:
     """A chart a signal; None where nothing was filtered.
@@ -229,8 +227,8 @@ def cut_offs(found: Mapping[str, CutOff]) -> Section | None:
 
 
 def unit_of_signal(signal: str) -> str:
-    """The unit of the signal's samples."""
-    return UNITS.get(signal.split(".", 1)[0], "rad")
+    """The unit of the signal's samples: of joints and wheels, of an angle."""
+    return SIGNAL_UNITS.get(signal.split(".", 1)[0], "rad")
 
 
 def drawn_cut_off(cut_off: CutOff, title: str, unit: str) -> Drawing:

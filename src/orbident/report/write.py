@@ -11,7 +11,7 @@ from pathlib import Path
 from orbident.data_table import Numeric, table_of
 from orbident.errors import InputError
 from orbident.estimation.result import Result
-from orbident.estimation.signals import Signals
+from orbident.estimation.signals import SIGNAL_UNITS, Signals
 from orbident.files.text import write_text
 from orbident.identified.run_folder import HISTORY, REPORT, VALIDATION
 from orbident.preprocessing.origins import SMOOTHED, WORDS
@@ -140,9 +140,6 @@ SPECTRA = (
 )
 
 
-UNITS = {"gyro": "rad/s", "velocity": "m/s"}
-
-
 def read_validation(path: Path) -> Section | None:
     """The scores that `validate` has left; None where there are none.
 
@@ -164,13 +161,13 @@ def validation(scores: dict) -> Section:
     """The verdict, and the errors beside what was expected of them."""
     rows = (
         (
-            f"{name}, {unit}",
+            f"{name}, {SIGNAL_UNITS[name]}",
             Numeric(scores["rms"].get(name)),
             Numeric(_percent(scores["nrmse"].get(name))),
             Numeric(scores["predicted_std"].get(name)),
             Numeric(scores["noise"].get(name)),
         )
-        for name, unit in UNITS.items()
+        for name in ("gyro", "velocity")
     )
     origin = "which was not used to identify"
     if scores.get("used"):

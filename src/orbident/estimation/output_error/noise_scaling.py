@@ -18,11 +18,12 @@ from orbident.estimation.output_error.sensors import (
 )
 from orbident.estimation.output_error.shooting import TURN_AND_BIASES
 from orbident.estimation.output_error.solver import solved
-from orbident.estimation.signals import Signal, Signals
+from orbident.estimation.signals import SIGNAL_UNITS, Signal, Signals
 from orbident.estimation.solution import BySensor, Convergence, Solution, Unknowns
 from orbident.gaussian import OF_MEDIAN
 from orbident.recordings.long_recording import LARGE
 from orbident.robot.description import Robot
+from orbident.robot.units import POSITION_OF, unit_of
 
 HUBER = 4.0
 """Residuals beyond so many deviations count less (Huber, 1964)."""
@@ -257,16 +258,6 @@ def _unknowns(problem: Problem, state: Unknowns) -> Mapping[str, float]:
     }
 
 
-UNITS = {
-    "gyro": "rad/s",
-    "accelerometer": "m/s^2",
-    "attitude": "rad",
-    "position": "m",
-    "velocity": "m/s",
-}
-JOINT_UNITS = {"revolute": "rad", "prismatic": "m"}
-
-
 def sensor_signals(
     robot: Robot, problem: Problem, sensors: Sensors, found: Fitted
 ) -> Signals:
@@ -288,8 +279,8 @@ def sensor_signals(
         else:
             measured = of_axes(some_of(problem.samples[name], seen), counts)
         labels = robot.joint_names if name == "joints" else tuple("xyz")
-        kinds = [JOINT_UNITS[joint.kind] for joint in robot.joints]
-        units = kinds if name == "joints" else 3 * [UNITS[name]]
+        kinds = [unit_of(POSITION_OF[joint.kind]) for joint in robot.joints]
+        units = kinds if name == "joints" else 3 * [SIGNAL_UNITS[name]]
         signals.append(
             Signal(
                 name=name,
