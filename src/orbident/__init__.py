@@ -13,7 +13,7 @@ oi.validate(result, oi.read_recording("other.csv"))
 import importlib
 from typing import TYPE_CHECKING, Any
 
-from orbident.estimation.provided import provide
+from orbident.extras import provide
 
 if TYPE_CHECKING:
     from orbident.errors import InputError as InputError

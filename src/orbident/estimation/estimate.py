@@ -21,9 +21,8 @@ from orbident.estimation.momentum_problem import (
     OutsideMomentum,
 )
 from orbident.estimation.quantities import Quantity
-from orbident.estimation.shared import Shared
 from orbident.estimation.signals import Signals
-from orbident.estimation.solution import Convergence, Solution
+from orbident.estimation.solution import Convergence, Shared, Solution
 from orbident.estimation.unknowns import CalibrationFit, DisturbanceFit, Sensitivity
 from orbident.files.json_parts import Keyed, NullableNumber, NumberOrNone, Unwritten
 from orbident.files.schema_parts import WrongValueError

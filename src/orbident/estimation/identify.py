@@ -64,13 +64,13 @@ def estimator_of(method: str | Estimator) -> Estimator:
 
 
 Opened = Recording | LongRecording
-Given = Recording | LongRecording | str | Path
+RecordingLike = Recording | LongRecording | str | Path
 
 
 @one_blas_thread
 def identify(
     robot: Robot | str | Path,
-    recording: Given | Sequence[Given],
+    recording: RecordingLike | Sequence[RecordingLike],
     method: Method | Estimator = "maximum-likelihood",
     initial_momentum: InitialMomentum = "unknown",
     burn: Recording | None = None,
@@ -153,8 +153,10 @@ def _part(progress: Progress, k: int, recordings: int) -> Progress:
     return lambda done: progress((k + done) / recordings / 2)
 
 
-def _recordings(given: Given | Sequence[Given], estimator: Estimator) -> list[Opened]:
-    several = [given] if isinstance(given, Given) else given
+def _recordings(
+    given: RecordingLike | Sequence[RecordingLike], estimator: Estimator
+) -> list[Opened]:
+    several = [given] if isinstance(given, RecordingLike) else given
     if not several:
         raise InputError("no recording is given; name at least one")
     return [

@@ -28,11 +28,10 @@ from orbident.estimation.estimate import (
 )
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.quantities import Quantity
-from orbident.estimation.recursive.filter import Extended, State
-from orbident.estimation.recursive.given import none_complete, pieces_of
-from orbident.estimation.recursive.prior import GaussianPrior
+from orbident.estimation.recursive.filter import Extended, GaussianPrior, State
+from orbident.estimation.recursive.filter_input import none_complete, pieces_of
 from orbident.estimation.solution import SMALL, Step
-from orbident.files.kept_pieces import Piece
+from orbident.preprocessing.stretches import Piece
 
 
 @dataclass(frozen=True)

@@ -20,9 +20,9 @@ from orbident.estimation.budget import Budget, SensitivityTable
 from orbident.estimation.checks import Check, Level, worst
 from orbident.estimation.estimate import BesideParameters, Solved
 from orbident.estimation.linear_fits import Fits, InitialMomentum
-from orbident.estimation.provided import provided
 from orbident.estimation.quantities import Identified, fields_as, short_table
 from orbident.estimation.signals import SIGNAL_UNITS, Signals, sensor_of
+from orbident.extras import provided
 from orbident.files.json_parts import (
     Computed,
     Count,

@@ -1,7 +1,7 @@
 """Several recordings of one robot, identified as one.
 
 Every recording is first identified by itself. Where all show the same robot, each is
-fitted again beside what the others say (`shared.py`), one after another:
+fitted again beside what the others say (`solution.py`), one after another:
 the last of these fits has seen all of them.
 
 One result of several recordings: what is each one's own begins with its name.
@@ -22,8 +22,8 @@ from orbident.estimation.estimate import Progress, Solved
 from orbident.estimation.levels import ChiSquare, chi_square, limit
 from orbident.estimation.output_error.estimator import OutputError
 from orbident.estimation.result import OWN, Residual, Result
-from orbident.estimation.shared import Shared, together
 from orbident.estimation.signals import Signals
+from orbident.estimation.solution import Shared, together
 from orbident.files.names import listed
 from orbident.recordings.recording import Recording
 

@@ -13,8 +13,12 @@ from orbident.estimation.clock_search import MOST, Evidence, evidence
 from orbident.estimation.estimate import Estimate, Estimator, Progress, Solved
 from orbident.estimation.least_squares import LeastSquares
 from orbident.estimation.linear_fits import InitialMomentum
-from orbident.estimation.long_problem import digest_of, whole
-from orbident.estimation.momentum_problem import MomentumProblem, momentum_problem
+from orbident.estimation.momentum_problem import (
+    MomentumProblem,
+    digest_of,
+    momentum_problem,
+    whole,
+)
 from orbident.estimation.obstacles import obstacles
 from orbident.estimation.output_error.estimator import OutputError
 from orbident.estimation.quantities import Quantity

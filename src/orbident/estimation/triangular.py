@@ -37,6 +37,11 @@ def fold(
     return factor
 
 
+def triangular_factor(rows: Float[np.ndarray, "rows n"]) -> Float[np.ndarray, "_ n"]:
+    """The triangular factor of some rows: `R^T R = rows^T rows`."""
+    return np.asarray(np.linalg.qr(rows, mode="r"))
+
+
 class LinearFit(NamedTuple):
     """A linear least-squares estimate, and what the rows could not tell."""
 
@@ -138,7 +143,7 @@ def _explained_freed(R: Float[np.ndarray, "all all"], layout: Layout) -> float:
     own = np.arange(layout.nuisances, layout.nuisances + layout.parameters)
     rest = np.setdiff1d(np.arange(layout.columns), own)
     order = [*rest[:-1], *own, rest[-1]]
-    z = np.asarray(np.linalg.qr(R[:, order], mode="r"))[:, -1]
+    z = triangular_factor(R[:, order])[:, -1]
     return float(np.linalg.norm(z[len(rest) - 1 : -1]))
 
 

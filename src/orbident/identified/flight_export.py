@@ -20,16 +20,16 @@ from jaxtyping import Float
 from orbident import _core
 from orbident.errors import InputError
 from orbident.estimation.linear_fits import known_momentum
-from orbident.estimation.recursive.filter import Extended
-from orbident.estimation.recursive.given import given_of
-from orbident.estimation.recursive.history import Detector, filter_history
-from orbident.estimation.recursive.prior import (
+from orbident.estimation.recursive.filter import (
     UNCERTAINTY,
+    Extended,
     GaussianPrior,
     cad_covariance,
     cad_prior,
     factor_of,
 )
+from orbident.estimation.recursive.filter_input import filter_input_of
+from orbident.estimation.recursive.history import Detector, filter_history
 from orbident.estimation.result import Result
 from orbident.files.folder_replacing import replacing_files
 from orbident.model.formulas import formulas_of
@@ -257,7 +257,7 @@ def export_flight(
             written.
     """
     check_empty(folder, force)
-    given = given_of(robot, samples)
+    given = filter_input_of(robot, samples)
     kalman = Extended.of(robot, given.noise)
     detector = Detector(kalman.rows, samples=given.t.size)
     seen = filter_history(robot, kalman, detector, given, h_cm)

@@ -96,7 +96,7 @@ POSITION_OF = {"revolute": "angle", "prismatic": "length"}
 """The dimension of a joint's position, by its kind."""
 
 
-def unit_of(dimension: str) -> str:
+def si_unit(dimension: str) -> str:
     """The SI unit, such as `rad`."""
     return next(iter(UNITS[dimension]))
 

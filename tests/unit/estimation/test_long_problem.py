@@ -15,8 +15,7 @@ import pytest
 from orbident.estimation.identify import identify
 from orbident.estimation.least_squares import LeastSquares, Structured
 from orbident.estimation.linear_fits import Fits, fit
-from orbident.estimation.long_problem import digest_of, whole
-from orbident.estimation.momentum_problem import MomentumProblem
+from orbident.estimation.momentum_problem import MomentumProblem, digest_of, whole
 from orbident.estimation.solve import solve
 from orbident.preprocessing.delays import Delay
 from orbident.preprocessing.samples import samples_of

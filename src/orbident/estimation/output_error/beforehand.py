@@ -1,6 +1,6 @@
 """What is known beforehand of the unknowns that all segments have in common.
 
-And what a recording says of them to another one (`shared.py`).
+And what a recording says of them to another one (`solution.py`).
 """
 
 from collections.abc import Sequence
@@ -15,14 +15,15 @@ from orbident.estimation.output_error.problem import (
     Problem,
     common_factor,
 )
-from orbident.estimation.shared import Shared, triangular
 from orbident.estimation.solution import (
     NO_EQUATIONS,
     OUTSIDE,
     Outside,
     Prior,
+    Shared,
     Solution,
 )
+from orbident.estimation.triangular import triangular_factor
 from orbident.estimation.unknowns import Unknown
 from orbident.model.minimal_sets import MinimalSets
 from orbident.preprocessing.samples import Samples
@@ -109,6 +110,6 @@ def shared_of(problem: Problem, solution: Solution) -> Shared:
     std[shared] = np.inf
     alone = prior._replace(std=std, others=NO_EQUATIONS)
     factor = alone.added(common, state)
-    left = triangular(factor[:, [*own, *shared, -1]])[len(own) : -1, len(own) :]
+    left = triangular_factor(factor[:, [*own, *shared, -1]])[len(own) : -1, len(own) :]
     left[:, -1] += left[:, :-1] @ state.common[shared]
     return Shared(state.beta, errors, left)

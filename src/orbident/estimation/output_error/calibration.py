@@ -14,7 +14,7 @@ from orbident.estimation.unknowns import Unknown
 from orbident.model.minimal_sets import conserved_axes
 from orbident.robot.description import Joint, Robot
 from orbident.robot.tolerances import CALIBRATION_KINDS
-from orbident.robot.units import OF_A_JOINT, POSITION_OF, unit_of
+from orbident.robot.units import OF_A_JOINT, POSITION_OF, si_unit
 
 NOTHING_FREE: Mapping[str, float] = {}
 
@@ -70,7 +70,7 @@ def _errors(
             dimension = POSITION_OF[joint.kind]
         if joint is not None and tolerance == DOUBLES_ZERO[joint.kind]:
             doubled = int(np.argmax(np.abs(joint.R_PJ @ joint.axis)))
-        family, unit = kind.family.format(name), unit_of(dimension)
+        family, unit = kind.family.format(name), si_unit(dimension)
         yield (
             [Unknown(each, family, unit, own, 0.0) for each in kind.names(name)],
             doubled,

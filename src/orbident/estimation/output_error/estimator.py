@@ -57,8 +57,7 @@ from orbident.estimation.output_error.problem import (
 from orbident.estimation.output_error.sensors import Sensors, sensors_of
 from orbident.estimation.output_error.solver import STEPS
 from orbident.estimation.output_error.taken_for_zero import sensitivity
-from orbident.estimation.shared import Shared
-from orbident.estimation.solution import OUTSIDE, Solution, Unknowns
+from orbident.estimation.solution import OUTSIDE, Shared, Solution, Unknowns
 from orbident.estimation.unknowns import CalibrationFit
 from orbident.model.minimal_sets import conserved_axes
 from orbident.preprocessing.delays import delays

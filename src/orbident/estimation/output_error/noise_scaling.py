@@ -7,7 +7,6 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float
 
-from orbident import _core
 from orbident.estimation.estimate import whiteness
 from orbident.estimation.output_error.problem import Problem
 from orbident.estimation.output_error.sensors import (
@@ -21,9 +20,9 @@ from orbident.estimation.output_error.solver import solved
 from orbident.estimation.signals import SIGNAL_UNITS, Signal, Signals
 from orbident.estimation.solution import BySensor, Convergence, Solution, Unknowns
 from orbident.gaussian import OF_MEDIAN
-from orbident.recordings.long_recording import LARGE
+from orbident.recordings.long_recording import spare_memory
 from orbident.robot.description import Robot
-from orbident.robot.units import POSITION_OF, unit_of
+from orbident.robot.units import POSITION_OF, si_unit
 
 HUBER = 4.0
 """Residuals beyond so many deviations count less (Huber, 1964)."""
@@ -166,8 +165,7 @@ def fitted(
     most = 1 if hasty else LOST
     taken: Convergence = ()
     while True:
-        if problem.t.size >= LARGE:
-            _core.give_back_memory()
+        spare_memory(problem.t.size)
         rounds += 1
         taken += tuple(step._replace(round=rounds) for step in solution.convergence)
         lost = 0 if solution.converged else lost + 1
@@ -187,12 +185,10 @@ def fitted(
         state, prior = solution.state, solution.prior
         # Its rows take as much memory as those of the next one.
         del solution
-        if problem.t.size >= LARGE:
-            _core.give_back_memory()
+        spare_memory(problem.t.size)
         solution = solved(problem, used, prior, state, progress, steps)
     del used
-    if problem.t.size >= LARGE:
-        _core.give_back_memory()
+    spare_memory(problem.t.size)
     residuals = {
         name: _over_noise(problem, solution, name, before[name])
         * (before[name] / level)
@@ -279,7 +275,7 @@ def sensor_signals(
         else:
             measured = of_axes(some_of(problem.samples[name], seen), counts)
         labels = robot.joint_names if name == "joints" else tuple("xyz")
-        kinds = [unit_of(POSITION_OF[joint.kind]) for joint in robot.joints]
+        kinds = [si_unit(POSITION_OF[joint.kind]) for joint in robot.joints]
         units = kinds if name == "joints" else 3 * [SIGNAL_UNITS[name]]
         signals.append(
             Signal(

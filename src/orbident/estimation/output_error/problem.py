@@ -19,12 +19,11 @@ from jaxtyping import Bool, Float
 from scipy.spatial.transform import Rotation, Slerp
 
 from orbident import _core
-from orbident.estimation.output_error.acting import Acting
+from orbident.estimation.output_error.acting import Acting, Followed
 from orbident.estimation.output_error.calibration import (
     NOTHING_FREE,
     calibrations_of,
 )
-from orbident.estimation.output_error.followed import Followed
 from orbident.estimation.output_error.sensors import (
     Lasting,
     Sensors,

@@ -35,13 +35,14 @@ from orbident.estimation.estimate import (
 )
 from orbident.estimation.levels import LEVELS
 from orbident.estimation.momentum_problem import MomentumProblem
-from orbident.estimation.recursive.filter import Extended, State
-from orbident.estimation.recursive.given import Given, given_of
-from orbident.estimation.recursive.prior import (
+from orbident.estimation.recursive.filter import (
     UNCERTAINTY,
+    Extended,
+    State,
     cad_covariance,
     cad_prior,
 )
+from orbident.estimation.recursive.filter_input import FilterInput, filter_input_of
 from orbident.preprocessing.samples import Samples
 from orbident.robot.description import Robot
 
@@ -159,7 +160,7 @@ def recursive_history(
     Raises:
         InputError: no sample is complete.
     """
-    given = given_of(robot, samples)
+    given = filter_input_of(robot, samples)
     prior, t = cad_prior(robot), given.t
     kalman = Extended.of(robot, given.noise)
     detector = Detector(kalman.rows, false_alarms=false_alarms, samples=t.size)
@@ -192,7 +193,7 @@ def filter_history(
     robot: Robot,
     kalman: Extended,
     detector: Detector,
-    given: Given,
+    given: FilterInput,
     h_cm: Float[np.ndarray, "3"] | None,
     progress: Callable[[float], object] = lambda _: None,
 ) -> FilterHistory:
