@@ -52,7 +52,7 @@ def judge(solved: Solved, masses: dict[str, Quantity]) -> Judgement:
     problem, hindered, estimate, shown, _ = solved
     robot = problem.robot
     names = {check.name for check in hindered}
-    found, none = estimate.found, not hindered
+    found, none = estimate.parameters, not hindered
     pi = found.pi.determined & (not names & {"scale", "at rest"})
     phi = found.phi.determined & ("velocity of S" not in names)
     base = found.base.determined & none

@@ -138,7 +138,7 @@ class BesideParameters:
 class Estimate(BesideParameters):
     """The parameters, and what the residuals say of them."""
 
-    found: EstimatedParameters
+    parameters: EstimatedParameters
     """`pi`, `phi` and base parameters."""
     mass: Quantity
     """kg."""
@@ -212,7 +212,7 @@ def estimate_of_beta(
         linear = problem.linear_mass
         masses["Eq. 32"] = Quantity(linear.value, linear.std)
     return Estimate(
-        found=parameters_of_beta(problem.robot, problem.sets, beta),
+        parameters=parameters_of_beta(problem.robot, problem.sets, beta),
         mass=mass,
         masses={**masses, route: mass},
         rms=rms,

@@ -50,7 +50,7 @@ class LeastSquares:
         M = Quantity(mass.value, mass.std)
         progress(1.0)
         return Estimate(
-            found=parameters_of_fits(problem.sets, problem.fits, mass),
+            parameters=parameters_of_fits(problem.sets, problem.fits, mass),
             mass=M,
             masses={"Eq. 32": M},
             rms=rms_of_equations(problem),

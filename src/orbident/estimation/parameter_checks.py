@@ -207,10 +207,8 @@ def _energy(
     """Matrices of the kinetic energy, in the axes in which momentum is conserved."""
     robot, sets = problem.robot, problem.sets
     theta = (sets.base.theta_of @ beta).reshape(robot.theta.shape)
-    axes = list(sets.regressors.momentum_axes)
     at = inertia(replace(robot, theta=theta), q)
-    D, D_q = at.D[:, axes][:, :, axes], at.D_q[:, axes]
-    return np.block([[D, D_q], [np.swapaxes(D_q, 1, 2), at.D_qq]])
+    return at.energy(sets.regressors.momentum_axes)
 
 
 def possible_numbers(estimate: Estimate) -> Iterator[Check]:
@@ -218,7 +216,7 @@ def possible_numbers(estimate: Estimate) -> Iterator[Check]:
 
     A recursion whose samples tell no scale has none.
     """
-    found, M = estimate.found, estimate.mass
+    found, M = estimate.parameters, estimate.mass
     numbers = [np.array([M.value, M.std])] + [
         x[known.determined]
         for known in (found.pi, found.phi, found.base)

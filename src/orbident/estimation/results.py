@@ -109,7 +109,7 @@ def _identified(
     judgement: Judgement,
     masses: dict[str, Quantity],
 ) -> Identified:
-    words, found = formulas_of(problem.robot, problem.sets), estimate.found
+    words, found = formulas_of(problem.robot, problem.sets), estimate.parameters
     cad = nominal_parameters(problem.robot, problem.sets)
     determined = np.outer(judgement.base, judgement.base)
     both = np.concatenate([judgement.pi, judgement.phi])
@@ -248,7 +248,7 @@ def _budget(
         tuple(name for each in found for name in each.names),
         problem.robot,
         problem.sets,
-        estimate.found.base.values,
+        estimate.parameters.base.values,
         np.isfinite(np.concatenate([each.values for each in found])),
     )
 
@@ -267,8 +267,8 @@ def _signals(problem: MomentumProblem, estimate: Estimate) -> Callable[[], Signa
         problem.sets,
         problem.samples,
         problem.initial_momentum,
-        pi=estimate.found.pi.values,
-        phi=estimate.found.phi.values,
+        pi=estimate.parameters.pi.values,
+        phi=estimate.parameters.phi.values,
     )
 
 

@@ -95,7 +95,7 @@ def _differ(solved: Sequence[Solved]) -> ChiSquare:
     """
     problem = solved[0].problem
     exact = np.diag(exact_std(problem.robot, problem.sets) ** 2)
-    bases = [each.estimate.found.base for each in solved]
+    bases = [each.estimate.parameters.base for each in solved]
     # Parameters have units: unit deviations while inverting.
     std = np.min([np.sqrt(np.diag(b.covariance + exact)) for b in bases], axis=0)
     (mean, P), *others = (

@@ -56,7 +56,7 @@ def widened(estimate: Estimate, shown: Estimate, whole: bool) -> Estimate:
         whole: whether of the same samples; where of a part of them, the method's own
             variance and the whole square count.
     """
-    mine, theirs = estimate.found, shown.found
+    mine, theirs = estimate.parameters, shown.parameters
     both = np.concatenate([_off(mine.pi, theirs.pi), _off(mine.phi, theirs.phi)])
     least = shown if whole else estimate
     part = 1.0
@@ -76,11 +76,11 @@ def widened(estimate: Estimate, shown: Estimate, whole: bool) -> Estimate:
     mass, routes = Quantity(M, std), list(estimate.masses)
     return replace(
         estimate,
-        found=EstimatedParameters(
-            known(mine.pi, theirs.pi, least.found.pi),
-            known(mine.phi, theirs.phi, least.found.phi),
-            known(mine.base, theirs.base, least.found.base),
-            least.found.covariance + part * np.outer(both, both),
+        parameters=EstimatedParameters(
+            known(mine.pi, theirs.pi, least.parameters.pi),
+            known(mine.phi, theirs.phi, least.parameters.phi),
+            known(mine.base, theirs.base, least.parameters.base),
+            least.parameters.covariance + part * np.outer(both, both),
         ),
         mass=mass,
         masses={**estimate.masses, routes[-1]: mass},
@@ -194,7 +194,7 @@ def solved_by(
     if given is not None:
         problem = problem.without(given)
     estimate = estimator.estimate(problem, progress)
-    off = difference(estimate.found.base, shown.found.base)
+    off = difference(estimate.parameters.base, shown.parameters.base)
     return Solved(problem, [], widened(estimate, shown, whole), shown, off)
 
 

@@ -8,6 +8,7 @@ momentum about the system CM is
     h_rs = A theta - (S theta) x (P theta) / M.
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -110,6 +111,12 @@ class Inertia(NamedTuple):
     J_cm: Float[np.ndarray, "n 3 joints"]
     """Velocity of the CM relative to S is `w x r_cm + J_cm qd`."""
 
+    def energy(self, axes: Sequence[int]) -> Float[np.ndarray, "n all all"]:
+        """`[[D, D_q], [D_q^T, D_qq]]` (Eq. 6), over `[w, qd]`; `w` in these axes."""
+        which = list(axes)
+        D, D_q = self.D[:, which][:, :, which], self.D_q[:, which]
+        return np.block([[D, D_q], [np.swapaxes(D_q, 1, 2), self.D_qq]])
+
 
 def inertia(robot: Robot, q: Float[np.ndarray, "n joints"]) -> Inertia:
     """The matrices of `robot.theta` at the joint positions `q` (rad or m)."""
@@ -129,11 +136,6 @@ class Masses(NamedTuple):
     m: Float[np.ndarray, "n bodies"]
     s: Float[np.ndarray, "n bodies 3"]
     J: Float[np.ndarray, "n bodies 3 3"]
-
-
-def masses_about_S(robot: Robot, q: Float[np.ndarray, "n joints"]) -> Masses:
-    """Each body's `theta_i`, moved from its body frame to S and base axes."""
-    return Masses(*_core.masses(core_robot(robot), np.ascontiguousarray(q), False))
 
 
 def carried_about_S(robot: Robot, q: Float[np.ndarray, "n joints"]) -> Masses:

@@ -237,4 +237,4 @@ def _judged(solved: Solved, name: str) -> Result:
 
 def _reading(estimate: Estimate, table: PaperParameters) -> TableReading:
     M = estimate.mass.value, estimate.mass.std
-    return TableReading.of(estimate.found, M, table)
+    return TableReading.of(estimate.parameters, M, table)

@@ -148,7 +148,7 @@ def test_structured_equations_go_on_from_stretch_to_stretch(
 ):
     at_once = in_stretches(robot, recording, ROWS)
     one, other = (
-        Structured().estimate(each, lambda _: None).found.base
+        Structured().estimate(each, lambda _: None).parameters.base
         for each in (problem, at_once)
     )
     std = np.sqrt(np.diag(other.covariance))

@@ -123,7 +123,7 @@ def test_keeping_the_structure_makes_nothing_less_sure(robot):
     estimate = beta_of_fits(robot, problem.sets, problem.fits)
     found = parameters_of_beta(robot, problem.sets, estimate)
     together, alone = (
-        np.sqrt(np.diag(each.pi.covariance)) for each in (found, apart.found)
+        np.sqrt(np.diag(each.pi.covariance)) for each in (found, apart.parameters)
     )
     # The covariances are taken at slightly different estimates.
     assert estimate.mass[1] == pytest.approx(apart.mass.std, rel=1e-3)

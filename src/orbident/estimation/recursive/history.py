@@ -257,11 +257,11 @@ class Recursive:
         )
         rms = rms_of_equations(problem)
         estimate = estimate_of_beta(problem, last, "recursion", rms, goodness)
-        base = estimate.found.base
+        base = estimate.parameters.base
         learnt = base._replace(determined=base.determined & history.determined)
         return replace(
             estimate,
-            found=estimate.found._replace(base=learnt),
+            parameters=estimate.parameters._replace(base=learnt),
             biases=biases_of_sensors(problem, history.biases),
             history=history,
         )
