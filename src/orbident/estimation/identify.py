@@ -1,6 +1,6 @@
 """The main job: from a robot and a recording to every free-flying parameter.
 
-The methods of identification, by name: a new one is a file, and a word here.
+Methods have names here: a new one is a file, and a word in this one.
 """
 
 import time

@@ -1,11 +1,10 @@
 """Where the likelihood is largest: the unknowns there, and the equations about them.
 
-How a search converged: its cost, and its steps, which become small.
-
-What recordings of one robot have in common: base parameters and errors of instruments.
-Momentum, attitudes, biases and what acts from outside are each one's own. Equations of
-a recording without its own unknowns, `R x = z` of `x = [beta | errors]`, are all that
-another one needs: with them it is fitted as if both were fitted at once.
+A search has converged when its steps became small. What recordings of one robot have
+in common is base parameters and errors of instruments; momentum, attitudes, biases and
+what acts from outside are each one's own. Equations of a recording without its own
+unknowns, `R x = z` of `x = [beta | errors]`, are all that another one needs: with them
+it is fitted as if both were fitted at once.
 """
 
 from collections.abc import Mapping, Sequence

@@ -1,6 +1,4 @@
-"""The total mass from a thruster burn: Eq. 40 over all samples and axes.
-
-A thruster burn with locked joints, as rows that are linear in 1/M.
+"""The total mass from a thruster burn with locked joints, as rows linear in 1/M.
 
 The CM answers the thrusters (Eqs. 33 to 36), and S turns with the base about it
 (Eq. 38). With `J` the integral of `R_0 F`, and `c` from S to the CM in base axes:
@@ -8,7 +6,8 @@ The CM answers the thrusters (Eqs. 33 to 36), and S turns with the base about it
     r_S = r_0 + v_0 t + (1/M) integral of J - R_0 c
     v_S = v_0 + (1/M) J - R_0 (w x c)
 
-Joints are locked, so `c` is a constant: an unknown as `r_0` and `v_0` are.
+Joints are locked, so `c` is a constant: an unknown as `r_0` and `v_0` are. Eq. 40
+solves them over all samples and axes.
 """
 
 from collections.abc import Sequence

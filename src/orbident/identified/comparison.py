@@ -1,6 +1,6 @@
 """What was captured, or let go: two results of one robot, before and after.
 
-Why a comparison has no number, or a doubtful one, in words that say what to do.
+Where a comparison has no number, or a doubtful one, words say why and what to do.
 """
 
 from collections.abc import Mapping

@@ -1,6 +1,6 @@
 """The velocity of S at the rows of a recording.
 
-The velocity of S from what an accelerometer at S felt.
+It is declared, or follows from what an accelerometer at S felt.
 """
 
 from collections.abc import Mapping

@@ -1,6 +1,7 @@
 """What is recorded of the wrenches that act on the base, in one form.
 
-Where the Earth, the air, the sun and the magnetic field are, seen from the base.
+Of what surrounds the base, the directions to the Earth, the air, the sun and the
+magnetic field are known in its axes.
 """
 
 from collections.abc import Iterator, Mapping, Sequence

@@ -1,6 +1,6 @@
 """Pieces of charts: data as plotly takes it, arrays in it, colours by their role.
 
-The samples that a picture shows: extremes of every column of pixels.
+Of long recordings a picture shows the extremes of every column of pixels.
 """
 
 import base64

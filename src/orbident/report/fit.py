@@ -1,6 +1,6 @@
 """What was measured against what is predicted, and what is left.
 
-Are residuals white? Their correlation in time, and their spectrum.
+Whether what is left is white, its correlation in time and its spectrum show.
 """
 
 from collections.abc import Iterator

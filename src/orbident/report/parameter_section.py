@@ -1,6 +1,6 @@
 """The parameters with their intervals, beside what CAD says of them.
 
-What errors of instruments would shift them: a picture of the sensitivity table.
+A picture of the sensitivity table shows what errors of instruments would shift them.
 """
 
 from collections.abc import Iterable, Iterator

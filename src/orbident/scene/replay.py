@@ -1,7 +1,7 @@
-"""A recorded motion, and beside it the motion that an identified model predicts.
+"""Where everything is over time: bodies, wheels, the system CM and momentum.
 
-Where everything is over time: bodies, wheels, the system CM and momentum; and how a
-free-floating base answers when joints are moved by hand.
+The motion is a recorded one, beside it the one that an identified model predicts, or
+that of a free-floating base that answers when joints are moved by hand.
 """
 
 from typing import NamedTuple

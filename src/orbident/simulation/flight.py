@@ -1,7 +1,7 @@
 """A free-flying motion: where it starts, its steps in the core, and what it was.
 
-Can this robot be flown like this? Refused in one line if not. The core integrates by
-RK4 steps of given lengths.
+What cannot be flown is refused in one line. The core integrates by RK4 steps of given
+lengths.
 """
 
 from collections.abc import Callable, Sequence

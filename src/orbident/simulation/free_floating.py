@@ -1,13 +1,11 @@
 """Free-floating motion (Eqs. 2, 3, 17, 18): momentum conserved by construction.
 
-The one differential equation of free floating: the attitude of the base.
-
 Momentum conservation makes the base rate an algebraic function of time and attitude,
 
     w = E(t) R_0^T h_cm - b(t).
 
 `E` and `b` do not depend on the attitude, so they are known for all times at once;
-only the quaternion is integrated.
+only the quaternion is integrated, by the one differential equation of free floating.
 """
 
 from collections.abc import Callable

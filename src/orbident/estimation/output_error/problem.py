@@ -5,8 +5,7 @@ all have in common, `g = [outside | beta | calibration]`. The core linearises in
 after interval and eliminates what belongs to one of them alone, from both ends of the
 recording to a boundary in its middle, the meeting one.
 
-The part of the nominal bodies of which no motion shows anything.
-
+The part of the nominal bodies of which no motion shows anything is taken as declared.
 It has no momentum in the geometry that is declared. With joints elsewhere it has, by
 the product of its own size and the change of geometry.
 """

@@ -1,9 +1,8 @@
 """What every sensor showed, at its own times, and how far it is to be trusted.
 
-Noise of attitude and position that lasts, as the core takes it.
-
-Its parts at each boundary are unknowns, and inside an interval samples are whitened by
-their filter (`lasting_noise.hpp`), so that intervals stay coupled by boundaries alone.
+The core takes noise of attitude and position that lasts: its parts at each boundary
+are unknowns, and inside an interval samples are whitened by their filter
+(`lasting_noise.hpp`), so that intervals stay coupled by boundaries alone.
 """
 
 from collections.abc import Mapping

@@ -1,6 +1,7 @@
 """What every entry of a topic map has: a topic, its clock, and what is taken.
 
-Rows of unit quaternions, scalar last, in plain NumPy.
+What is taken may have to be turned: rows of unit quaternions, scalar last, in plain
+NumPy.
 """
 
 from abc import abstractmethod

@@ -1,6 +1,6 @@
-"""What numbers of a table can fill: a vector or one column, and its units.
+"""What numbers of a table can fill, a vector or one column, and in which units.
 
-How a map names the numbers that a column is made of, and units that it can declare.
+A map names the numbers that a column is made of, and declares their units.
 """
 
 import math
