@@ -65,6 +65,7 @@ def estimator_of(method: str | Estimator) -> Estimator:
 
 Opened = Recording | LongRecording
 RecordingLike = Recording | LongRecording | str | Path
+"""A recording, or the file that it is in."""
 
 
 @one_blas_thread

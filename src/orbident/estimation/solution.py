@@ -59,6 +59,7 @@ class Outside(NamedTuple):
 
 
 OUTSIDE = 3 * len(Outside._fields)
+"""How many numbers they are."""
 
 
 class Unknowns(NamedTuple):

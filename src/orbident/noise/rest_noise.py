@@ -42,6 +42,7 @@ OUTLYING = 6.0
 """Deviations: noise is beyond them once in half a thousand million samples."""
 
 ROUNDING = 1e-14
+"""Relative; of double precision, some operations on."""
 
 ROUNDS = 4
 """Rounds that leave out outlying samples: after a jump there is always another."""

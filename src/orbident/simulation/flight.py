@@ -99,6 +99,7 @@ class FreeFlying(NamedTuple):
 
 
 ROUNDING = 1e-12
+"""Relative; a base that is all wheels has inertia zero but for this."""
 
 
 def check_flight(

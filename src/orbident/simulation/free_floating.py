@@ -23,6 +23,7 @@ from orbident.robot.description import Robot
 from orbident.threads import processors
 
 MOST_SUBSTEPS = 256
+"""Between two samples; a base that needs more turns too fast for them."""
 
 
 class RateLaw(NamedTuple):
@@ -127,6 +128,7 @@ def float_attitude(
 
 
 OUT_OF_PLANE = 1e-9
+"""m/s, rad/s, or of a quaternion: so much is not rounding."""
 
 JointState = tuple[
     Float[np.ndarray, "n joints"],

@@ -35,6 +35,7 @@ from orbident.simulation.outside import Path, Wrenches, outside_of
 from orbident.trajectories.environment import Environment
 
 MOST_STEPS = 2**19
+"""Of RK4; a motion that needs more does not settle."""
 
 
 def free_flying(

@@ -31,6 +31,7 @@ LEAST = 1e-3
 """Noise is not found to be smaller by more than this at once."""
 
 ROUNDS = 6
+"""The most solutions, each with the weights that the one before it asks for."""
 
 TAKEN = 0.5
 """The most of a sensor's noise that unknowns take up: what is less was not there."""

@@ -57,6 +57,7 @@ STEP = 1 / 16
 """rad of nutation: steps of RK4 so large are wrong by 1e-8 rad."""
 
 MOST_SUBSTEPS = 32
+"""Between two samples: enough for a nutation of 2 rad."""
 
 
 class JointHistory(NamedTuple):
