@@ -17,7 +17,7 @@ from scipy.optimize import least_squares
 
 from orbident.estimation.linear_fits import Fits
 from orbident.estimation.mass import Mass, product_forms
-from orbident.estimation.triangular import UNSEEN, LinearFit, check_finite
+from orbident.estimation.triangular import UNDETERMINED, LinearFit, check_finite
 from orbident.model.kinematics import inertia_at
 from orbident.model.minimal_sets import MinimalSets
 from orbident.robot.description import Robot
@@ -149,7 +149,7 @@ def _base(
     J = np.vstack([dM, dsigma, diota])
     C = block_diag(pi.covariance, phi.covariance)
     unseen = np.abs(dg[own] @ phi.hidden).max(axis=1, initial=0.0)
-    needs_unknown = unseen > UNSEEN * np.abs(dg).max(initial=0.0)
+    needs_unknown = unseen > UNDETERMINED * np.abs(dg).max(initial=0.0)
     iotas = pi.determined[own] & ~needs_unknown
     return Known(
         values=values,
@@ -173,7 +173,7 @@ def parameters_of_beta(
         before = np.einsum("ij,j,ij->i", J, prior, J)
         sure = np.diag(covariance) < (UNSURE / WIDE) ** 2 * before
         unseen = np.linalg.norm(J @ hidden, axis=1)
-        sure &= unseen <= UNSEEN * np.linalg.norm(J * scale, axis=1)
+        sure &= unseen <= UNDETERMINED * np.linalg.norm(J * scale, axis=1)
         return Known(values, covariance, sure)
 
     J = np.vstack([dpi, dphi])

@@ -16,7 +16,7 @@ from orbident.errors import InputError
 # out at 1e-16 to 1e-14, and what it does show is worth reporting with its error.
 RANK = 1e-12
 # A parameter with this much of the unseen directions in it is not determined.
-UNSEEN = 1e-6
+UNDETERMINED = 1e-6
 # Of the right-hand side: what rounding of some thousand rows adds to a solution.
 ROUNDING = 1e-13
 # Columns that LAPACK factors at once: 16 to 32 are equally fast up to 500 columns.
@@ -123,7 +123,7 @@ def solve_factor(
     return LinearFit(
         values=solution[own],
         covariance=covariance[own, own],
-        determined=np.linalg.norm(hidden, axis=1) <= UNSEEN,
+        determined=np.linalg.norm(hidden, axis=1) <= UNDETERMINED,
         hidden=hidden / norms[own, None],
         factor=columns[own, own],
         target=z[own],

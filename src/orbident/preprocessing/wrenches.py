@@ -82,7 +82,7 @@ def _by_orbit(
         wind = arc.wind(t)
         speed = np.linalg.norm(wind, axis=1, keepdims=True)
         inertial = {
-            "nadir": -arc.place(t),
+            "nadir": -arc.position(t),
             "flow": -speed * wind / np.mean(speed**2),
         }
         if orbit.epoch is not None:

@@ -23,7 +23,7 @@ from orbident.robot.description import Robot
 MATTERS = 1e-3
 """Of the time from row to row: a wheel of 100 rad/s turns 1 mrad in 1e-4 of 0.1 s."""
 
-SEEN = 100_000
+FIRST = 100_000
 """Times that are looked at: the first ones tell it."""
 
 UNEVEN = 0.1
@@ -36,7 +36,7 @@ def float32_step(t: Float[np.ndarray, " samples"]) -> float:
     Args:
         t: times, s, in any order.
     """
-    t = t[:SEEN]
+    t = t[:FIRST]
     if not np.array_equal(t, t.astype(np.float32)):
         return 0.0
     step, steps = float(np.spacing(np.float32(np.abs(t).max()))), np.diff(t)

@@ -33,7 +33,7 @@ from orbident.report.charts import (
 )
 from orbident.report.drawing import Drawing, drawn, kept
 from orbident.report.page import Chart, Picture, Section, page, short, verdict_of
-from orbident.report.write import sections_of, seen
+from orbident.report.write import sections_of, signals_to_show
 from orbident.studies.control import ControlStudy
 from orbident.studies.paper_tables import PaperRow
 from orbident.studies.planar_run import PaperFigure
@@ -156,7 +156,7 @@ def write_study_report(done: Study, result: Result, title: str, folder: Path) ->
         InputError: nothing can be written there.
     """
     first = own_sections(done, folder)
-    signals = seen(result)
+    signals = signals_to_show(result)
     verdict = verdict_of(result)
     level = "trust" if done.trusted else "do not trust"
     reason = f"the study's aim is {'' if done.trusted else 'not '}met"

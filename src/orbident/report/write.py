@@ -237,7 +237,7 @@ def report_page(
         replay: of the motion, where the folder keeps it.
         validated: how it predicted another recording, if it did.
     """
-    sections = sections_of(result, seen(result), trail)
+    sections = sections_of(result, signals_to_show(result), trail)
     if validated is not None:
         sections.insert(1, validated)
     return page(
@@ -248,7 +248,7 @@ def report_page(
     )
 
 
-def seen(result: Result) -> Signals:
+def signals_to_show(result: Result) -> Signals:
     """The signals of which there are enough samples to look at."""
     return tuple(signal for signal in result.signals() if signal.t.size >= FEWEST)
 
@@ -263,7 +263,7 @@ def sections_of(
 
     Args:
         result: of an identification.
-        signals: `seen` of it.
+        signals: `signals_to_show` of it.
         trail: of a recursive one.
         known_as: what the robot's own inertia is.
     """

@@ -96,7 +96,7 @@ def cad_covariance(robot: Robot, uncertainty: float) -> Float[np.ndarray, "beta 
     return T @ T.T
 
 
-NOTHING_GIVEN = np.zeros(3)
+NO_MOMENTUM = np.zeros(3)
 """Nothing acted from outside."""
 
 
@@ -118,7 +118,7 @@ class Sample(NamedTuple):
     """Velocity of S, inertial axes, m/s."""
     w_smooth: Shaped[np.ndarray, "3"]
     """The rate with less noise, where regressors are evaluated; or the gyro again."""
-    h_given: Shaped[np.ndarray, "3"] = NOTHING_GIVEN
+    h_given: Shaped[np.ndarray, "3"] = NO_MOMENTUM
     """Angular momentum that was given from outside so far, inertial axes, N m s."""
 
 
