@@ -26,7 +26,7 @@ from orbident.files.json_parts import JsonPart, NullableNumber, held_as
 from orbident.model.minimal_sets import conserved_axes
 from orbident.preprocessing.base_motion import base_motion, same_sign
 from orbident.preprocessing.delays import delays
-from orbident.preprocessing.point_velocity import (
+from orbident.preprocessing.integrals import (
     bias_response,
     velocity_from_accelerometer,
 )

@@ -1,9 +1,11 @@
-"""Attitude and rate of the base at the rows of a recording.
+"""Attitude and rate of the base, and the velocity of S, at the rows of a recording.
 
-The rate may come from the attitude alone; noise of measured wheel speeds adds to what
-they predict of it.
+The rate may come from the attitude alone, and the velocity from positions or from what
+an accelerometer at S felt. Noise of measured wheel speeds adds to what they predict of
+the rate.
 """
 
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -15,13 +17,15 @@ from orbident.gaussian import white_std_of
 from orbident.model.core_robot import wheels_of
 from orbident.model.kinematics import inertia_at
 from orbident.model.minimal_sets import conserved_axes
-from orbident.preprocessing.attitude_fusion import (
-    GyroNoise,
-    fuse_attitude,
-    integrate_gyro,
-)
+from orbident.preprocessing.attitude_fusion import GyroNoise, fuse_attitude
 from orbident.preprocessing.histories import Columns
+from orbident.preprocessing.integrals import (
+    integrate_gyro,
+    velocity_from_accelerometer,
+    velocity_from_increments,
+)
 from orbident.preprocessing.origins import Origin
+from orbident.preprocessing.rates import at_times
 from orbident.preprocessing.smoothing import Settings, fits_of, smooth_rates
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
@@ -206,6 +210,71 @@ def _scatter(
     if both.sum() < 2:
         return LEAST_STD
     return max(float(white_std_of(between, 1)), LEAST_STD)
+
+
+class PointVelocity(NamedTuple):
+    """Columns; empty where they cannot be had."""
+
+    v_S: Columns
+    """Inertial axes, m/s; but for a constant where it is derived from forces."""
+    origin: Origin
+
+
+def point_velocity(
+    recording: Recording,
+    x_WB: Columns,
+    delays: Mapping[str, float],
+    settings: Settings,
+) -> PointVelocity:
+    """Velocities as measured; or from positions, or from an accelerometer.
+
+    Args:
+        recording: of any sensors.
+        x_WB: attitude of the base at every row.
+        delays: by sensor, s.
+        settings: of the whole recording.
+
+    Raises:
+        InputError: a column has too few samples.
+    """
+    if recording.has("velocity.x", "velocity.y", "velocity.z"):
+        return PointVelocity(_measured(recording, delays["position"]), Origin.MEASURED)
+    if recording.has("position.x", "position.y", "position.z"):
+        at = recording.t + delays["position"]
+        label = f"{recording.source}: position"
+        t, r_S = recording.t, recording.vector("position")
+        fits = settings.smoothers("position", lambda: fits_of(t, r_S, name=label))
+        rate = smooth_rates(t, r_S, at, label, fits).rate
+        return PointVelocity(tuple(rate.T), Origin.SMOOTHED_POSITIONS)
+    for sensor, how in (
+        ("accelerometer", Origin.INTEGRATED_ACCELEROMETER),
+        ("velocity_increment", Origin.SUMMED_INCREMENTS),
+    ):
+        if recording.has(*(f"{sensor}.{k}" for k in "xyz")):
+            return _felt(recording, np.column_stack(x_WB), sensor, how)
+    return PointVelocity((), Origin.MISSING)
+
+
+def _measured(recording: Recording, late: float) -> Columns:
+    columns = tuple(recording.column(f"velocity.{k}") for k in "xyz")
+    if not late:
+        return columns
+    t, label = recording.t, f"{recording.source}: velocity"
+    return tuple(at_times(t, column, t + late, label) for column in columns)
+
+
+def _felt(
+    recording: Recording, x_WB: Float[np.ndarray, "n 4"], sensor: str, how: Origin
+) -> PointVelocity:
+    known = np.isfinite(x_WB).all(axis=1)
+    t, x, felt = recording.t[known], x_WB[known], recording.vector(sensor)[known]
+    if sensor == "accelerometer":
+        v = velocity_from_accelerometer(t, x, felt, recording.source)
+    else:
+        v = velocity_from_increments(x, felt)
+    columns = np.full((3, known.size), np.nan)
+    columns[:, known] = v.T
+    return PointVelocity(tuple(columns), how)
 
 
 def momentum_noise(robot: Robot) -> Float[np.ndarray, "3 wheels"]:

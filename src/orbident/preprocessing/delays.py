@@ -20,10 +20,9 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
 from orbident.files.json_parts import NullableNumber, NullableStd
-from orbident.preprocessing.attitude_fusion import integrate_gyro
 from orbident.preprocessing.base_motion import AXES as GYRO
 from orbident.preprocessing.base_motion import QUATERNION as ATTITUDE
-from orbident.preprocessing.point_velocity import gyro_response
+from orbident.preprocessing.integrals import gyro_response, integrate_gyro
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 

@@ -7,11 +7,11 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float
 
-from orbident.preprocessing.base_motion import base_motion
+from orbident.preprocessing.base_motion import base_motion, point_velocity
 from orbident.preprocessing.delays import delays
 from orbident.preprocessing.histories import Columns, Histories, histories
+from orbident.preprocessing.integrals import bias_response
 from orbident.preprocessing.origins import BIASED, Origin
-from orbident.preprocessing.point_velocity import bias_response, point_velocity
 from orbident.preprocessing.smoothing import Settings
 from orbident.preprocessing.wrenches import (
     RecordedWrench,
