@@ -16,10 +16,7 @@ from orbident.estimation.base_parameters import (
 from orbident.estimation.budget import ErrorSources
 from orbident.estimation.checks import Check
 from orbident.estimation.levels import ChiSquare
-from orbident.estimation.momentum_problem import (
-    MomentumProblem,
-    OutsideMomentum,
-)
+from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.quantities import Quantity
 from orbident.estimation.signals import Signals
 from orbident.estimation.solution import Convergence, Shared, Solution
@@ -27,6 +24,7 @@ from orbident.estimation.unknowns import CalibrationFit, DisturbanceFit, Sensiti
 from orbident.files.json_parts import Keyed, NullableNumber, NumberOrNone, Unwritten
 from orbident.files.schema_parts import WrongValueError
 from orbident.preprocessing.origins import Origin
+from orbident.preprocessing.samples import OutsideMomentum
 
 Progress = Callable[[float], object]
 """Is called with the fraction of the work that is done."""

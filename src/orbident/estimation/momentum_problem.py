@@ -30,7 +30,7 @@ from orbident.model.regularity import check_regular
 from orbident.preprocessing.delays import Delay, base_clocks, corrections
 from orbident.preprocessing.extent import Extent
 from orbident.preprocessing.origins import RUNNING
-from orbident.preprocessing.samples import Samples, samples_of
+from orbident.preprocessing.samples import OutsideMomentum, Samples, samples_of
 from orbident.preprocessing.screening import cleaned, screened
 from orbident.preprocessing.smoothing import LONGEST, Settings
 from orbident.preprocessing.stretches import (
@@ -50,17 +50,6 @@ from orbident.robot.description import Robot
 
 ROUNDING = 1e-7
 """Residuals over the signal: what integration and float32 leave."""
-
-
-class OutsideMomentum(NamedTuple):
-    """What acted from outside has given to the momenta since the first row."""
-
-    t: Float[np.ndarray, " nodes"]
-    """s."""
-    h: Float[np.ndarray, "nodes 3"]
-    """To the angular momentum about the system CM, inertial axes, N m s."""
-    v: Float[np.ndarray, "nodes 3"]
-    """To the velocity of the system CM, inertial axes, m/s."""
 
 
 @dataclass(frozen=True)
@@ -132,7 +121,7 @@ class MomentumProblem:
 
     def without(self, given: OutsideMomentum) -> "MomentumProblem":
         """The problem of the same motion, without what acts from outside."""
-        samples = self.samples.without(given.t, given.h, given.v)
+        samples = self.samples.without(given)
         fits = fit(
             self.robot, self.sets, samples, self.initial_momentum, lambda _: None
         )

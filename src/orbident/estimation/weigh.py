@@ -83,7 +83,7 @@ def burn_of(robot: Robot, recording: Recording, late: float) -> Burn:
             not known together.
     """
     pushes = _pushes(robot, recording)
-    recording.vector("attitude", "xyzw")
+    recording.vector("attitude")
     base = base_motion(recording, robot.sensors, late, Settings())
     label = f"{recording.source}: attitude"
     x_WB = fill(recording.t, same_sign(np.column_stack(base.x_WB)), label)
@@ -273,7 +273,7 @@ def weigh(robot: Robot, recording: Recording) -> Weighing:
     recording = recording.with_joints_of(robot)
     recording.check_thrusters(robot)
     _check_locked(robot, recording)
-    found = [s for s in SIGNALS if recording.has(*(f"{s}.{k}" for k in "xyz"))]
+    found = [s for s in SIGNALS if recording.has_vector(s)]
     if not found:
         raise InputError(
             f"{recording.source}: has neither position.x .y .z nor velocity.x .y .z of "

@@ -19,7 +19,6 @@ from orbident.data_table import DataTable, Numeric, table_of
 from orbident.errors import InputError
 from orbident.estimation.checks import Check
 from orbident.estimation.levels import LOW, low_frequencies
-from orbident.estimation.output_error.sensors import COMPONENTS
 from orbident.estimation.signals import SIGNAL_UNITS
 from orbident.noise.noise_model import (
     FEWEST,
@@ -229,7 +228,7 @@ def rest_noise(recording: Recording) -> tuple[AxisNoise, ...]:
     found = [
         _axis_noise(recording, sensor, axis, t, x)
         for sensor in SENSORS
-        if recording.has(*(f"{sensor}.{k}" for k in COMPONENTS[sensor]))
+        if recording.has_vector(sensor)
         for axis, t, x in _axes(recording, sensor)
     ]
     if not found:
@@ -244,7 +243,7 @@ def rest_noise(recording: Recording) -> tuple[AxisNoise, ...]:
 def _axes(
     recording: Recording, sensor: str
 ) -> Iterator[tuple[str, Float[np.ndarray, " n"], Float[np.ndarray, " n"]]]:
-    table = recording.vector(sensor, COMPONENTS[sensor])
+    table = recording.vector(sensor)
     seen = np.isfinite(table).all(axis=1)
     t, table = recording.t[seen], table[seen]
     if not len(table):

@@ -27,6 +27,7 @@ from orbident.preprocessing.integrals import (
 from orbident.preprocessing.origins import Origin
 from orbident.preprocessing.rates import at_times
 from orbident.preprocessing.smoothing import Settings, fits_of, smooth_rates
+from orbident.recordings.columns import vector_columns
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.robot.sensor_schema import Sampled, SensorsSpec
@@ -83,9 +84,6 @@ def same_sign(x: Float[np.ndarray, "n 4"]) -> Float[np.ndarray, "n 4"]:
     return turned
 
 
-AXES = ("gyro.x", "gyro.y", "gyro.z")
-QUATERNION = ("attitude.x", "attitude.y", "attitude.z", "attitude.w")
-
 UNTURNED = np.array([0.0, 0.0, 0.0, 1.0])
 
 LEAST_N = 1e-9
@@ -122,19 +120,18 @@ def base_motion(
     Raises:
         InputError: there is neither, or too few samples.
     """
-    gyro, attitude = (_recorded(recording, names) for names in (AXES, QUATERNION))
+    both = vector_columns("gyro"), vector_columns("attitude")
+    gyro, attitude = (_recorded(recording, names) for names in both)
     if gyro and not attitude:
         w = recording.vector("gyro")
         x = integrate_gyro(recording.t, w, UNTURNED, recording.source)
         how = {"attitude": Origin.INTEGRATED_GYRO, "base_rate": Origin.MEASURED}
         return BaseMotion(tuple(w.T), tuple(x.T), how)
     if attitude and not gyro:
-        fixes = recording.vector("attitude", "xyzw")
+        fixes = recording.vector("attitude")
         x, w = attitude_rates(recording.t, fixes, recording.source, settings)
         return BaseMotion(tuple(w.T), tuple(x.T), _both(Origin.SMOOTHED_ATTITUDE))
-    w, fixes = (
-        tuple(recording.column(name) for name in names) for names in (AXES, QUATERNION)
-    )
+    w, fixes = (tuple(recording.column(name) for name in names) for names in both)
     if not late and not settings.once("sparse", lambda: _sparse(w, fixes)):
         return BaseMotion(w, fixes, _both(Origin.MEASURED))
     return _fused(recording, sensors, late)
@@ -160,7 +157,7 @@ def _sparse(w: Columns, fixes: Columns) -> bool:
 
 def _fused(recording: Recording, sensors: SensorsSpec, late: float) -> BaseMotion:
     t, w = recording.t, recording.vector("gyro")
-    fixes = recording.vector("attitude", "xyzw")
+    fixes = recording.vector("attitude")
     by_gyro = integrate_gyro(t, w, UNTURNED, recording.source)
     if late:
         fixes = _caught_up(t, fixes, by_gyro, late)
@@ -237,9 +234,9 @@ def point_velocity(
     Raises:
         InputError: a column has too few samples.
     """
-    if recording.has("velocity.x", "velocity.y", "velocity.z"):
+    if recording.has_vector("velocity"):
         return PointVelocity(_measured(recording, delays["position"]), Origin.MEASURED)
-    if recording.has("position.x", "position.y", "position.z"):
+    if recording.has_vector("position"):
         at = recording.t + delays["position"]
         label = f"{recording.source}: position"
         t, r_S = recording.t, recording.vector("position")
@@ -250,13 +247,13 @@ def point_velocity(
         ("accelerometer", Origin.INTEGRATED_ACCELEROMETER),
         ("velocity_increment", Origin.SUMMED_INCREMENTS),
     ):
-        if recording.has(*(f"{sensor}.{k}" for k in "xyz")):
+        if recording.has_vector(sensor):
             return _felt(recording, np.column_stack(x_WB), sensor, how)
     return PointVelocity((), Origin.MISSING)
 
 
 def _measured(recording: Recording, late: float) -> Columns:
-    columns = tuple(recording.column(f"velocity.{k}") for k in "xyz")
+    columns = tuple(recording.column(name) for name in vector_columns("velocity"))
     if not late:
         return columns
     t, label = recording.t, f"{recording.source}: velocity"

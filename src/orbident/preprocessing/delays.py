@@ -20,9 +20,8 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
 from orbident.files.json_parts import NullableNumber, NullableStd
-from orbident.preprocessing.base_motion import AXES as GYRO
-from orbident.preprocessing.base_motion import QUATERNION as ATTITUDE
 from orbident.preprocessing.integrals import gyro_response, integrate_gyro
+from orbident.recordings.columns import vector_columns
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 
@@ -241,13 +240,14 @@ def base_clocks(robot: Robot, recording: Recording) -> dict[str, Delay]:
 
     What the robot file declares as latency is no error of a clock.
     """
-    if not recording.has(*GYRO, *ATTITUDE):
+    gyro, attitude = vector_columns("gyro"), vector_columns("attitude")
+    if not recording.has(*gyro, *attitude):
         return {}
-    seen = _seen([recording.column(name) for name in GYRO])
+    seen = _seen([recording.column(name) for name in gyro])
     rows = _middle(seen & _unbroken(recording.t, seen), MOST)
     w, fixes = (
         np.column_stack([recording.column(name)[rows] for name in names])
-        for names in (GYRO, ATTITUDE)
+        for names in (gyro, attitude)
     )
     declared = delays(robot, recording, {})["attitude"]
     delay = attitude_delay(recording.t[rows], w, fixes, declared)

@@ -47,9 +47,8 @@ def surroundings(robot: Robot, recording: Recording, x_WB: Columns) -> Surroundi
     """
     found: dict[str, Float[np.ndarray, "samples 3"]] = {}
     for name in NAMES:
-        columns = [f"{name}.{axis}" for axis in "xyz"]
-        if recording.has(*columns):
-            shown = np.column_stack([recording.column(each) for each in columns])
+        if recording.has_vector(name):
+            shown = recording.vector(name)
             known = np.isfinite(shown).all(axis=1)
             if known.any():
                 _check(f"{recording.source}: columns '{name}.x .y .z'", name, shown)
@@ -70,7 +69,7 @@ def _by_orbit(
     orbit, t = robot.orbit, recording.t
     if orbit is None or not names:
         return {}
-    if not recording.has(*(f"attitude.{axis}" for axis in "xyzw")):
+    if not recording.has_vector("attitude"):
         raise InputError(
             f"{recording.source}: the robot file gives an orbit, and without "
             "attitude.x to .w nobody knows where the Earth is, seen from the base; add "
@@ -255,10 +254,9 @@ def _net(recording: Recording) -> Iterator[RecordedWrench]:
 
 
 def _vector(recording: Recording, name: str) -> Float[np.ndarray, "samples 3"] | None:
-    columns = [f"{name}.{axis}" for axis in "xyz"]
-    if not recording.has(*columns):
+    if not recording.has_vector(name):
         return None
-    return np.column_stack([_held(recording.column(each)) for each in columns])
+    return np.column_stack([_held(column) for column in recording.vector(name).T])
 
 
 def _held(shown: Float[np.ndarray, " samples"]) -> Float[np.ndarray, " samples"]:

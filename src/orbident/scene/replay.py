@@ -182,7 +182,7 @@ def _measured(
         r_S = _integral(t, v_S)
     else:
         r_S, v_S = _about_resting_cm(robot, batch)
-    if recording.has(*(f"position.{k}" for k in "xyz")):
+    if recording.has_vector("position"):
         position = recording.vector("position")
         seen = np.isfinite(position).all(axis=1)
         if seen.any():

@@ -15,6 +15,7 @@ from orbident import _core
 from orbident.errors import InputError
 from orbident.model.core_robot import core_robot, wheels_of
 from orbident.model.equations_of_motion import movable
+from orbident.recordings.columns import vector_columns
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.robot.sensor_schema import EncoderSpec, Sampled, SensorsSpec
@@ -121,8 +122,7 @@ class Truth(NamedTuple):
             columns[f"wheel.{name}.speed"] = self.qd_rw[:, k]
         for name in ("gyro", "accelerometer", "attitude", "position", "velocity"):
             vector = getattr(self, name)
-            for k, component in enumerate("xyzw"[: vector.shape[1]]):
-                columns[f"{name}.{component}"] = vector[:, k]
+            columns |= zip(vector_columns(name), vector.T, strict=True)
         return columns
 
 

@@ -30,13 +30,12 @@ from orbident.environment.motion import (
 from orbident.environment.orbital import GravityGradient
 from orbident.environment.worlds import scale_of, what_may_act
 from orbident.errors import InputError
-from orbident.estimation.momentum_problem import OutsideMomentum
 from orbident.estimation.output_error.shooting import Intervals, with_middles
 from orbident.estimation.unknowns import Unknown
 from orbident.files.bounds import TOGETHER
 from orbident.model.minimal_sets import MinimalSets
 from orbident.preprocessing.histories import Columns
-from orbident.preprocessing.samples import Samples
+from orbident.preprocessing.samples import OutsideMomentum, Samples
 from orbident.preprocessing.wrenches import RecordedWrench
 from orbident.robot.description import MomentumWalk, Robot
 from orbident.robot.may_act import MayAct

@@ -31,7 +31,7 @@ from orbident.estimation.estimate import (
     estimate_of_beta,
 )
 from orbident.estimation.levels import ChiSquare
-from orbident.estimation.momentum_problem import MomentumProblem, OutsideMomentum
+from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.output_error.acting import LONGEST
 from orbident.estimation.output_error.beforehand import (
     first_momentum,
@@ -61,6 +61,7 @@ from orbident.estimation.solution import OUTSIDE, Shared, Solution, Unknowns
 from orbident.estimation.unknowns import CalibrationFit
 from orbident.model.minimal_sets import conserved_axes
 from orbident.preprocessing.delays import delays
+from orbident.preprocessing.samples import OutsideMomentum
 from orbident.recordings.long_recording import LARGE
 from orbident.robot.description import Robot
 

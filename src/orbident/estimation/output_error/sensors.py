@@ -18,20 +18,16 @@ from orbident.files.bounds import TOGETHER
 from orbident.gaussian import noisiest_std
 from orbident.model.minimal_sets import conserved_axes
 from orbident.preprocessing.base_motion import rate_noise
+from orbident.recordings.columns import VECTORS
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.robot.sensor_schema import WHITE, Coloured
 
 COMPONENTS = {
-    "gyro": "xyz",
-    "accelerometer": "xyz",
-    "attitude": "xyzw",
-    "position": "xyz",
-    "velocity": "xyz",
+    name: VECTORS[name][0]
+    for name in ("gyro", "accelerometer", "attitude", "position", "velocity")
 }
 """Components of the base's sensors; encoders are not among them."""
-
-INCREMENTS = tuple(f"velocity_increment.{k}" for k in "xyz")
 
 CLOCKS = {"velocity": "position"}
 """Sensors that share another's clock."""
@@ -78,9 +74,9 @@ def sensors_of(
         behind: by sensor, by how much its times are behind, s.
     """
     tables = {
-        sensor: recording.vector(sensor, components)
-        for sensor, components in COMPONENTS.items()
-        if recording.has(*(f"{sensor}.{k}" for k in components))
+        sensor: recording.vector(sensor)
+        for sensor in COMPONENTS
+        if recording.has_vector(sensor)
     }
     joints, encoders = robot.joint_names, robot.sensors.joints
     exact = any(recording.has(f"joint.{name}.velocity") for name in joints) and not (
@@ -97,7 +93,7 @@ def sensors_of(
             late = behind[CLOCKS.get(name, name)]
             times[name] = some_of(recording.t, seen) - late
             samples[name] = some_of(table, seen)
-    if recording.has(*INCREMENTS) and "gyro" in samples:
+    if recording.has_vector("velocity_increment") and "gyro" in samples:
         felt = _felt(recording, times["gyro"], samples["gyro"], behind["accelerometer"])
         times["accelerometer"], samples["accelerometer"] = felt
     t = np.unique(np.concatenate(list(times.values())))
