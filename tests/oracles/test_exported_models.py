@@ -25,10 +25,10 @@ from orbident.errors import InputError
 from orbident.estimation.result import Result
 from orbident.identified.exported_robot import Mechanism, exported_robot
 from orbident.identified.simulator_models import basilisk_script, mjcf, sdf
+from orbident.model.core_robot import wheels_of
 from orbident.model.equations_of_motion import movable
-from orbident.model.inertia import inertia_at
+from orbident.model.kinematics import inertia_at
 from orbident.model.reconstruction import Dynamics
-from orbident.model.wheel_arrays import wheels_of
 from orbident.robot.description import NO_ROTOR, GearedRotor, Robot
 from orbident.robot.parameters import inertia_about_com
 from orbident.robot.robot_file import load_robot

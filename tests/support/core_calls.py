@@ -11,9 +11,8 @@ from segments import segment_of
 
 from orbident import _core
 from orbident.estimation.output_error.problem import SENSORS
-from orbident.estimation.recursive.filter import Extended
-from orbident.estimation.recursive.given import declared_noise
-from orbident.estimation.recursive.prior import cad_prior
+from orbident.estimation.recursive.filter import Extended, cad_prior
+from orbident.estimation.recursive.filter_input import declared_noise
 from orbident.robot.description import Robot
 from orbident.robot.sensor_schema import declared_sensors
 

@@ -250,6 +250,11 @@ def path_of(folder: Path, chunk: range) -> Path:
     return folder / ROWS / f"{chunk.start:08}.parquet"
 
 
+def done_chunks(campaign: Campaign, folder: Path) -> list[range]:
+    """The chunks whose rows are there."""
+    return [each for each in campaign.spec.chunks if path_of(folder, each).exists()]
+
+
 def schema_of(campaign: Campaign) -> pa.Schema:
     """The columns, the same in every chunk.
 
@@ -314,8 +319,7 @@ def read_rows(
     schema = schema_of(campaign)
     tables = [
         read_chunk(campaign, folder, chunk, schema, columns)
-        for chunk in campaign.spec.chunks
-        if path_of(folder, chunk).exists()
+        for chunk in done_chunks(campaign, folder)
     ]
     empty = schema.empty_table().select(columns or schema.names)
     return pa.concat_tables([empty, *tables]).combine_chunks()

@@ -7,7 +7,7 @@ from textwrap import wrap
 from typing import Any
 
 from orbident.data_table import DataTable, Numeric
-from orbident.estimation.parameter_table import HEAD, parameter_line, parameter_rows
+from orbident.estimation.quantities import HEAD, parameter_line, parameter_rows
 from orbident.model.rotor_momentum import IN_FORMULAS, geared_joints
 from orbident.report.parameter_section import mass_rows, routes_left_out
 

@@ -31,9 +31,12 @@ def inspect(
     """Show a robot, and what a recording of it can identify."""
     from orbident.cli.identify_tables import budget_lines
     from orbident.cli.output import Output, progress
-    from orbident.model.formulas import formulas_of, not_identifiable
+    from orbident.model.formulas import (
+        formulas_of,
+        nominal_parameters,
+        not_identifiable,
+    )
     from orbident.model.minimal_sets import minimal_sets
-    from orbident.model.nominal import nominal_parameters
     from orbident.model.regularity import check_regular
     from orbident.robot.robot_file import load_robot
 

@@ -17,16 +17,18 @@ from pydantic import (
 from typing_extensions import TypedDict
 
 from orbident.errors import InputError
-from orbident.estimation.budget import Budget
+from orbident.estimation.budget import Budget, SensitivityTable
 from orbident.estimation.checks import Check, Level, worst
 from orbident.estimation.estimate import BesideParameters, Solved
-from orbident.estimation.extent import RecordedMotion
 from orbident.estimation.linear_fits import Fits, InitialMomentum
-from orbident.estimation.parameter_table import short_table
-from orbident.estimation.provided import provided
-from orbident.estimation.quantities import EstimatedSet, Identified, fields_as
-from orbident.estimation.sensitivity_table import SensitivityTable
-from orbident.estimation.signals import Signals, sensor_of
+from orbident.estimation.quantities import (
+    EstimatedSet,
+    Identified,
+    fields_as,
+    short_table,
+)
+from orbident.estimation.signals import SIGNAL_UNITS, Signals, sensor_of
+from orbident.extras import provided
 from orbident.files.json_parts import (
     Computed,
     Count,
@@ -45,6 +47,7 @@ from orbident.model.minimal_sets import minimal_sets
 from orbident.model.reconstruction import Dynamics, reconstructed
 from orbident.model.rotor_momentum import rotor_deviations, rotor_parts
 from orbident.preprocessing.delays import Delay
+from orbident.preprocessing.extent import RecordedMotion
 from orbident.robot.description import NO_ROTOR, Robot
 
 SCHEMA = "orbident/result/2"
@@ -63,20 +66,10 @@ name."""
 ROUNDING = 1e-9
 """A coefficient this small beside the largest is rounding."""
 
-EQUATIONS = (
-    "gyro",
-    "accelerometer",
-    "attitude",
-    "position",
-    "velocity",
-    "joints",
-    "momentum",
-)
-
 
 def _equation(name: str) -> str:
-    if sensor_of(name) not in EQUATIONS:
-        raise WrongValueError(f"one of {', '.join(EQUATIONS)} is expected")
+    if sensor_of(name) not in SIGNAL_UNITS:
+        raise WrongValueError(f"one of {', '.join(SIGNAL_UNITS)} is expected")
     return name
 
 

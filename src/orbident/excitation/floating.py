@@ -13,11 +13,10 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident import _core
-from orbident.model.core_robot import core_robot
-from orbident.model.inertia import Inertia, inertia, inertia_at
+from orbident.model.core_robot import Wheels, core_robot, wheels_of
+from orbident.model.kinematics import Inertia, inertia, inertia_at
 from orbident.model.minimal_sets import MinimalSets
 from orbident.model.rotations import quaternion_matrix, rotate
-from orbident.model.wheel_arrays import Wheels, wheels_of
 from orbident.robot.description import Robot
 from orbident.threads import processors
 from orbident.trajectories.trajectory import InitialState

@@ -31,8 +31,8 @@ from jaxtyping import Float
 from orbident.errors import InputError
 from orbident.excitation.conditions import Conditions, Limits
 from orbident.excitation.joint_limits import JointMotions
+from orbident.model.core_robot import wheels_of
 from orbident.model.rotor_momentum import rotors_of
-from orbident.model.wheel_arrays import wheels_of
 from orbident.robot.description import Robot
 from orbident.robot.parameters import (
     FIRST_MOMENT,

@@ -34,7 +34,7 @@ from orbident.environment.worlds import (
     scale_of,
     what_may_act,
 )
-from orbident.estimation.output_error.followed import at_nodes
+from orbident.estimation.output_error.acting import at_nodes
 from orbident.excitation.floating import (
     Gradient,
     NodalMotion,

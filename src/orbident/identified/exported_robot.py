@@ -1,11 +1,10 @@
 """The identified robot as other tools want it: bodies that can exist, wheels apart.
 
-Reaction wheels as bodies of their own, for tools whose wheels are bodies.
-
-A robot counts its wheels in the base (Eq. 5). A wheel that is a joint of the URDF has
-the mass and the place that its links have there. Of a wheel that is only declared the
-polar inertia is known, and nothing else matters: it is taken as a ball with this
-inertia, at the CM of the nominal base, so that the base loses little else.
+A robot counts its wheels in the base (Eq. 5); other tools' wheels are bodies. A wheel
+that is a joint of the URDF has the mass and the place that its links have there. Of a
+wheel that is only declared the polar inertia is known, and nothing else matters: it is
+taken as a ball with this inertia, at the CM of the nominal base, so that the base loses
+little else.
 """
 
 from collections.abc import Collection

@@ -1,6 +1,7 @@
-"""Identified parameters as CSV, LaTeX or MATLAB's version 5, with their covariances.
+"""An identified robot in files of numbers, for other programs.
 
-`H+` and the Jacobians of an identified robot in one configuration, as JSON.
+Parameters are CSV, LaTeX or MATLAB's version 5, with their covariances; `H+` and the
+Jacobians in one configuration are JSON.
 """
 
 import csv

@@ -37,6 +37,7 @@ SMALLEST = 1e-3
 ROOM = 1.05
 """So much further from the equations than need be may the nearest matrices lie."""
 TOLERANCE = 1e-10
+"""Of the solver: feasibility, and the gap to the least cost."""
 
 
 def nearest_to_one(
@@ -130,6 +131,7 @@ def _cvxpy() -> ModuleType:
 
 
 CONFIDENCE = 0.95
+"""Of the ellipsoid about the identified parameters where bodies are sought."""
 LIGHTEST = 1e-6
 """A nominal body counts as no less than this part of the robot's mass."""
 THINNEST = 1e-4

@@ -1,6 +1,7 @@
 """What is recorded of the wrenches that act on the base, in one form.
 
-Where the Earth, the air, the sun and the magnetic field are, seen from the base.
+Of what surrounds the base, the directions to the Earth, the air, the sun and the
+magnetic field are known in its axes.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -46,9 +47,8 @@ def surroundings(robot: Robot, recording: Recording, x_WB: Columns) -> Surroundi
     """
     found: dict[str, Float[np.ndarray, "samples 3"]] = {}
     for name in NAMES:
-        columns = [f"{name}.{axis}" for axis in "xyz"]
-        if recording.has(*columns):
-            shown = np.column_stack([recording.column(each) for each in columns])
+        if recording.has_vector(name):
+            shown = recording.vector(name)
             known = np.isfinite(shown).all(axis=1)
             if known.any():
                 _check(f"{recording.source}: columns '{name}.x .y .z'", name, shown)
@@ -69,7 +69,7 @@ def _by_orbit(
     orbit, t = robot.orbit, recording.t
     if orbit is None or not names:
         return {}
-    if not recording.has(*(f"attitude.{axis}" for axis in "xyzw")):
+    if not recording.has_vector("attitude"):
         raise InputError(
             f"{recording.source}: the robot file gives an orbit, and without "
             "attitude.x to .w nobody knows where the Earth is, seen from the base; add "
@@ -81,7 +81,7 @@ def _by_orbit(
         wind = arc.wind(t)
         speed = np.linalg.norm(wind, axis=1, keepdims=True)
         inertial = {
-            "nadir": -arc.place(t),
+            "nadir": -arc.position(t),
             "flow": -speed * wind / np.mean(speed**2),
         }
         if orbit.epoch is not None:
@@ -254,10 +254,9 @@ def _net(recording: Recording) -> Iterator[RecordedWrench]:
 
 
 def _vector(recording: Recording, name: str) -> Float[np.ndarray, "samples 3"] | None:
-    columns = [f"{name}.{axis}" for axis in "xyz"]
-    if not recording.has(*columns):
+    if not recording.has_vector(name):
         return None
-    return np.column_stack([_held(recording.column(each)) for each in columns])
+    return np.column_stack([_held(column) for column in recording.vector(name).T])
 
 
 def _held(shown: Float[np.ndarray, " samples"]) -> Float[np.ndarray, " samples"]:

@@ -1,6 +1,6 @@
 """The parameters with their intervals, beside what CAD says of them.
 
-What errors of instruments would shift them: a picture of the sensitivity table.
+A picture of the sensitivity table shows what errors of instruments would shift them.
 """
 
 from collections.abc import Iterable, Iterator
@@ -10,13 +10,14 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from orbident.data_table import DataTable, Interval, Numeric, TableRow
-from orbident.estimation.parameter_table import (
+from orbident.estimation.budget import SensitivityTable
+from orbident.estimation.quantities import (
+    EstimatedSet,
+    MassRoutes,
     most_different,
     parameter_rows,
 )
-from orbident.estimation.quantities import EstimatedSet, MassRoutes
 from orbident.estimation.result import Result
-from orbident.estimation.sensitivity_table import SensitivityTable
 from orbident.gaussian import NINETY_FIVE
 from orbident.model.rotor_momentum import IN_FORMULAS, geared_joints
 from orbident.report.charts import heat_map, interval_list

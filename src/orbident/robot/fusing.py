@@ -1,6 +1,6 @@
 """A tree of links to a tree of bodies: what fixed joints hold is one body.
 
-URDF joints that a robot file declares to be reaction wheels.
+Joints that a robot file declares to be reaction wheels are rotors of their body.
 """
 
 from collections.abc import Iterator

@@ -11,12 +11,15 @@ from orbident.files.names import quoted, suggestion
 from orbident.files.schema_parts import MappingSchema, WrongValueError
 from orbident.robot.description import Joint
 from orbident.robot.tolerances import CALIBRATION_KINDS, Tolerances
-from orbident.robot.units import at_least_zero, measure_of
+from orbident.robot.units import (
+    OF_A_JOINT,
+    POSITION_OF,
+    at_least_zero,
+    measure_of,
+)
 
 EVERY = "*"
 """Instead of a joint's name: what is said of all of them."""
-
-EITHER = "angle or length"
 
 USUAL_OF_SLIDES = 1e-4
 """m: where a sliding joint's encoder shows zero."""
@@ -24,12 +27,10 @@ USUAL_OF_SLIDES = 1e-4
 EXACT = "exact"
 """In place of all tolerances."""
 
-_ZERO_OF = {"revolute": "angle", "prismatic": "length"}
-
 
 def _zero(value: object) -> object:
     """An angle or a length; it is converted when the joint's kind is known."""
-    at_least_zero(value, EITHER)
+    at_least_zero(value, OF_A_JOINT)
     return value
 
 
@@ -46,7 +47,10 @@ def _sections() -> dict[str, Any]:
         section, _, key = kind.entry.partition(".")
         either: Any = Annotated[Any, BeforeValidator(_zero)]
         read: Any = Annotated[float | None, measure_of(kind.dimension)]
-        sections[section][key] = (either if kind.dimension == EITHER else read, None)
+        sections[section][key] = (
+            either if kind.dimension == OF_A_JOINT else read,
+            None,
+        )
     found: dict[str, Any] = {}
     for section, keys in sections.items():
         if "" in keys:
@@ -87,7 +91,7 @@ class TolerancesEntry(
             section, _, key = kind.entry.partition(".")
             if section == "joints":
                 stds = {name: getattr(entry, key, None) for name, entry in own.items()}
-                if kind.dimension == EITHER:
+                if kind.dimension == OF_A_JOINT:
                     stds = {x.name: _zero_of(x, stds[x.name], place) for x in joints}
                 found[tolerance] = {
                     name: kind.usual if std is None else std
@@ -103,7 +107,7 @@ def _zero_of(joint: Joint, zero: object, place: str) -> float | None:
     if zero is None:
         return None if joint.kind == "revolute" else USUAL_OF_SLIDES
     try:
-        return at_least_zero(zero, _ZERO_OF[joint.kind])
+        return at_least_zero(zero, POSITION_OF[joint.kind])
     except WrongValueError as error:
         raise InputError(
             f"{place}: tolerances.joints: the zero of {joint.kind} joint "

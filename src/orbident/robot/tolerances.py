@@ -8,6 +8,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from typing import Any, NamedTuple
 
+from orbident.robot.units import OF_A_JOINT
+
 
 class CalibrationKind(NamedTuple):
     """One kind of error."""
@@ -23,6 +25,13 @@ class CalibrationKind(NamedTuple):
     usual: float = 0.0
     """Standard deviation where a robot file says nothing, SI; zero of what a file knows
     or a calibration finds. Sources: docs/robot-file.md."""
+    of_all: str = ""
+    """What those of all joints or wheels are called, where they are one family."""
+
+    @property
+    def family(self) -> str:
+        """Of its errors, with `{}` where each joint has one of its own."""
+        return self.of_all or self.name
 
     def names(self, of: str = "") -> tuple[str, ...]:
         """Names of the errors: of one joint or wheel where they have one each."""
@@ -30,13 +39,13 @@ class CalibrationKind(NamedTuple):
         return tuple(f"{name}.{axis}" for axis in "xyz") if self.by_axis else (name,)
 
 
-def _of_each_joint(*kind: Any, usual: float = 0.0) -> Any:
-    kinds = {"kind": CalibrationKind(*kind, usual=usual)}
+def _of_each_joint(*kind: Any, **more: Any) -> Any:
+    kinds = {"kind": CalibrationKind(*kind, **more)}
     return field(default_factory=dict, metadata=kinds)
 
 
-def _of_all(*kind: Any, usual: float = 0.0) -> Any:
-    return field(default=0.0, metadata={"kind": CalibrationKind(*kind, usual=usual)})
+def _of_all(*kind: Any, **more: Any) -> Any:
+    return field(default=0.0, metadata={"kind": CalibrationKind(*kind, **more)})
 
 
 @dataclass(frozen=True)
@@ -47,15 +56,17 @@ class Tolerances:
     """
 
     joint_zero: Mapping[str, float] = _of_each_joint(
-        "joint.{}.zero", "joints.zero", "angle or length", usual=1e-3
+        *("joint.{}.zero", "joints.zero", OF_A_JOINT), usual=1e-3, of_all="joint zeros"
     )
     """Angle or position where the encoder shows zero, by joint, rad or m."""
     joint_scale: Mapping[str, float] = _of_each_joint(
-        "joint.{}.scale", "joints.scale", "share", usual=1e-4
+        *("joint.{}.scale", "joints.scale", "share"), usual=1e-4, of_all="joint scales"
     )
     """Scale of the encoder by joint, relative."""
     wheel_inertia: float = _of_all(
-        "wheel.{}.inertia", "wheels.inertia", "share", usual=2e-3
+        *("wheel.{}.inertia", "wheels.inertia", "share"),
+        usual=2e-3,
+        of_all="wheel inertias",
     )
     """Polar moment of inertia of each wheel, relative."""
     feature_point: float = _of_all("feature_point", "feature_point", "length", True)

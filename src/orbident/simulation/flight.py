@@ -1,7 +1,7 @@
 """A free-flying motion: where it starts, its steps in the core, and what it was.
 
-Can this robot be flown like this? Refused in one line if not. The core integrates by
-RK4 steps of given lengths.
+What cannot be flown is refused in one line. The core integrates by RK4 steps of given
+lengths.
 """
 
 from collections.abc import Callable, Sequence
@@ -12,10 +12,9 @@ from jaxtyping import Bool, Float
 
 from orbident import _core
 from orbident.errors import InputError
-from orbident.model.core_robot import core_robot
+from orbident.model.core_robot import core_robot, wheels_of
 from orbident.model.equations_of_motion import movable
 from orbident.model.regularity import check_regular
-from orbident.model.wheel_arrays import wheels_of
 from orbident.robot.description import Robot
 from orbident.robot.parameters import inertia_about_com
 from orbident.simulation.control_laws import (
@@ -100,6 +99,7 @@ class FreeFlying(NamedTuple):
 
 
 ROUNDING = 1e-12
+"""Relative; a base that is all wheels has inertia zero but for this."""
 
 
 def check_flight(

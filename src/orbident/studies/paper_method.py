@@ -27,9 +27,8 @@ from orbident.estimation.results import result_of
 from orbident.estimation.triangular import condition_numbers
 from orbident.model.minimal_sets import minimal_sets
 from orbident.model.paper_bases import Columns, PaperBasis, paper_basis
-from orbident.preprocessing.attitude_fusion import integrate_gyro
+from orbident.preprocessing.integrals import integrate_gyro, velocity_from_accelerometer
 from orbident.preprocessing.low_pass import CutOff, choose_cut_off, low_pass
-from orbident.preprocessing.point_velocity import velocity_from_accelerometer
 from orbident.preprocessing.rates import spline_rates
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot

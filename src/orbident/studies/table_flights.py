@@ -10,9 +10,13 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
+from orbident.estimation.base_parameters import (
+    EstimatedParameters,
+    parameters_of_beta,
+    prior_std,
+)
 from orbident.estimation.criteria import judge
 from orbident.estimation.estimate import Estimate, Solved
-from orbident.estimation.found import EstimatedParameters, found_beta, prior_std
 from orbident.estimation.least_squares import LeastSquares
 from orbident.estimation.momentum_problem import momentum_problem
 from orbident.estimation.obstacles import obstacles
@@ -203,7 +207,9 @@ def read_table(
     plain = estimate_of(without.solution, prior_std(robot, sets))
     readings = {
         PAPER: _reading(paper, table),
-        WITHOUT: TableReading.of(found_beta(robot, sets, plain), plain.mass, table),
+        WITHOUT: TableReading.of(
+            parameters_of_beta(robot, sets, plain), plain.mass, table
+        ),
         WITH: _reading(estimate, table),
     }
     result = _judged(solved, "maximum-likelihood")
@@ -231,4 +237,4 @@ def _judged(solved: Solved, name: str) -> Result:
 
 def _reading(estimate: Estimate, table: PaperParameters) -> TableReading:
     M = estimate.mass.value, estimate.mass.std
-    return TableReading.of(estimate.found, M, table)
+    return TableReading.of(estimate.parameters, M, table)

@@ -1,7 +1,7 @@
-"""Which page belongs to what the user names, and what it shows.
+"""Pages: joints moved by hand with a base that answers, or a motion that is played.
 
-A robot whose joints are moved by hand, and whose base answers; or a motion to be
-played, with what a model predicted beside it.
+Beside a motion stands what a model predicted. Which page belongs to what the user
+names is decided here too.
 """
 
 from collections.abc import Callable

@@ -7,10 +7,10 @@ import pytest
 from random_motions import random_motion
 
 import orbident as oi
+from orbident.estimation.base_parameters import Known
 from orbident.estimation.checks import Check
-from orbident.estimation.found import Known
-from orbident.estimation.kinetic_energy import positive_energy
 from orbident.estimation.momentum_problem import MomentumProblem, momentum_problem
+from orbident.estimation.parameter_checks import positive_energy
 from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.description import GearedRotor
 

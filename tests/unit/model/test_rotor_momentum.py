@@ -8,8 +8,7 @@ from made_results import exact_result
 from random_robots import random_robot, random_wheels
 
 from orbident.model.formulas import formulas_of, not_identifiable
-from orbident.model.inertia import inertia
-from orbident.model.kinematics import momentum_regressors, poses
+from orbident.model.kinematics import inertia, momentum_regressors, poses
 from orbident.model.minimal_sets import minimal_sets
 from orbident.model.rotor_momentum import (
     lacking_rotors,

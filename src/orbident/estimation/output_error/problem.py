@@ -5,8 +5,7 @@ all have in common, `g = [outside | beta | calibration]`. The core linearises in
 after interval and eliminates what belongs to one of them alone, from both ends of the
 recording to a boundary in its middle, the meeting one.
 
-The part of the nominal bodies of which no motion shows anything.
-
+The part of the nominal bodies of which no motion shows anything is taken as declared.
 It has no momentum in the geometry that is declared. With joints elsewhere it has, by
 the product of its own size and the change of geometry.
 """
@@ -19,12 +18,11 @@ from jaxtyping import Bool, Float
 from scipy.spatial.transform import Rotation, Slerp
 
 from orbident import _core
-from orbident.estimation.output_error.acting import Acting
+from orbident.estimation.output_error.acting import Acting, Followed
 from orbident.estimation.output_error.calibration import (
     NOTHING_FREE,
     calibrations_of,
 )
-from orbident.estimation.output_error.followed import Followed
 from orbident.estimation.output_error.sensors import (
     Lasting,
     Sensors,
@@ -44,9 +42,8 @@ from orbident.estimation.solution import (
     Unknowns,
 )
 from orbident.estimation.unknowns import Unknown
-from orbident.model.core_robot import core_tree
+from orbident.model.core_robot import core_tree, wheels_of
 from orbident.model.minimal_sets import MinimalSets
-from orbident.model.wheel_arrays import wheels_of
 from orbident.preprocessing.samples import Samples
 from orbident.robot.description import Robot
 from orbident.robot.parameters import (

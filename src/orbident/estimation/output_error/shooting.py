@@ -14,11 +14,11 @@ from orbident.estimation.output_error.sensors import (
     first_lasting,
     some_of,
 )
-from orbident.estimation.tachometers import momentum_noise
 from orbident.gaussian import noisiest_std
-from orbident.model.inertia import inertia_at
+from orbident.model.core_robot import wheels_of
+from orbident.model.kinematics import inertia_at
 from orbident.model.minimal_sets import conserved_axes
-from orbident.model.wheel_arrays import wheels_of
+from orbident.preprocessing.base_motion import momentum_noise
 from orbident.preprocessing.histories import Columns
 from orbident.preprocessing.origins import Origin
 from orbident.preprocessing.samples import Samples
@@ -57,6 +57,7 @@ STEP = 1 / 16
 """rad of nutation: steps of RK4 so large are wrong by 1e-8 rad."""
 
 MOST_SUBSTEPS = 32
+"""Between two samples: enough for a nutation of 2 rad."""
 
 
 class JointHistory(NamedTuple):

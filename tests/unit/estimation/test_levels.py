@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from orbident.estimation.whiteness import low_frequencies
+from orbident.estimation.levels import low_frequencies
 
 N = 2000
 T = np.arange(N) / 10

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from orbident.estimation.kept_pieces import KeptPieces, Piece
+from orbident.preprocessing.stretches import KeptPieces, Piece
 
 
 class Worked:

@@ -1,22 +1,53 @@
-"""The velocity of S at the rows of a recording.
-
-The velocity of S from what an accelerometer at S felt.
-"""
-
-from collections.abc import Mapping
-from typing import NamedTuple
+"""Integrals of what gyro and accelerometer felt, and what their errors make of them."""
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
+from orbident import _core
 from orbident.errors import InputError
-from orbident.preprocessing.histories import Columns
-from orbident.preprocessing.origins import Origin
-from orbident.preprocessing.rates import at_times
-from orbident.preprocessing.smoothing import Settings, fits_of, smooth_rates
-from orbident.recordings.recording import Recording
+
+GAUSS = np.sqrt(3) / 6
+"""The part of a step from its middle to each of the two Gauss points."""
+
+
+def integrate_gyro(
+    t: Float[np.ndarray, " n"],
+    w: Float[np.ndarray, "n 3"],
+    x_start: Float[np.ndarray, "4"],
+    source: str = "recording",
+) -> Float[np.ndarray, "n 4"]:
+    """The attitude whose rate is the cubic spline through the gyro's samples.
+
+    By the fourth-order Magnus expansion (Iserles et al. 2000), from one row to the
+    next, with `w_1`, `w_2` at the two Gauss points of the step `h`:
+
+        x(t + h) = x(t) (x) exp(h/2 (w_1 + w_2) + sqrt(3)/12 h^2 w_1 x w_2)
+
+    Args:
+        t: times, s.
+        w: angular rate of the base, base axes, rad/s; NaN where there is no sample.
+        x_start: attitude at the gyro's first sample, unit quaternion, scalar last.
+        source: where the samples came from, for messages.
+
+    Returns:
+        Unit quaternions; NaN before the first and after the last sample.
+
+    Raises:
+        InputError: the gyro has fewer than four samples.
+    """
+    measured = np.asarray(np.isfinite(w).all(axis=1))
+    if measured.sum() < 4:
+        raise InputError(
+            f"{source}: gyro has {measured.sum()} samples; give at least 4"
+        )
+    rate = CubicSpline(t[measured], w[measured])
+    inside = span_of(measured)
+    h = np.diff(t[inside])
+    middle = t[inside][:-1] + h / 2
+    w_1, w_2 = rate(middle - GAUSS * h), rate(middle + GAUSS * h)
+    return with_nan_outside(_core.integrate_rate(x_start, h, w_1, w_2), inside, t.size)
 
 
 def velocity_from_accelerometer(
@@ -117,66 +148,14 @@ def _integral(
     return integrals.T
 
 
-class PointVelocity(NamedTuple):
-    """Columns; empty where they cannot be had."""
-
-    v_S: Columns
-    """Inertial axes, m/s; but for a constant where it is derived from forces."""
-    origin: Origin
+def span_of(measured: Bool[np.ndarray, " n"]) -> slice:
+    """The rows from the first with a sample to the last."""
+    first, last = np.flatnonzero(measured)[[0, -1]]
+    return slice(first, last + 1)
 
 
-def point_velocity(
-    recording: Recording,
-    x_WB: Columns,
-    delays: Mapping[str, float],
-    settings: Settings,
-) -> PointVelocity:
-    """Velocities as measured; or from positions, or from an accelerometer.
-
-    Args:
-        recording: of any sensors.
-        x_WB: attitude of the base at every row.
-        delays: by sensor, s.
-        settings: of the whole recording.
-
-    Raises:
-        InputError: a column has too few samples.
-    """
-    if recording.has("velocity.x", "velocity.y", "velocity.z"):
-        return PointVelocity(_measured(recording, delays["position"]), Origin.MEASURED)
-    if recording.has("position.x", "position.y", "position.z"):
-        at = recording.t + delays["position"]
-        label = f"{recording.source}: position"
-        t, r_S = recording.t, recording.vector("position")
-        fits = settings.smoothers("position", lambda: fits_of(t, r_S, name=label))
-        rate = smooth_rates(t, r_S, at, label, fits).rate
-        return PointVelocity(tuple(rate.T), Origin.SMOOTHED_POSITIONS)
-    for sensor, how in (
-        ("accelerometer", Origin.INTEGRATED_ACCELEROMETER),
-        ("velocity_increment", Origin.SUMMED_INCREMENTS),
-    ):
-        if recording.has(*(f"{sensor}.{k}" for k in "xyz")):
-            return _felt(recording, np.column_stack(x_WB), sensor, how)
-    return PointVelocity((), Origin.MISSING)
-
-
-def _measured(recording: Recording, late: float) -> Columns:
-    columns = tuple(recording.column(f"velocity.{k}") for k in "xyz")
-    if not late:
-        return columns
-    t, label = recording.t, f"{recording.source}: velocity"
-    return tuple(at_times(t, column, t + late, label) for column in columns)
-
-
-def _felt(
-    recording: Recording, x_WB: Float[np.ndarray, "n 4"], sensor: str, how: Origin
-) -> PointVelocity:
-    known = np.isfinite(x_WB).all(axis=1)
-    t, x, felt = recording.t[known], x_WB[known], recording.vector(sensor)[known]
-    if sensor == "accelerometer":
-        v = velocity_from_accelerometer(t, x, felt, recording.source)
-    else:
-        v = velocity_from_increments(x, felt)
-    columns = np.full((3, known.size), np.nan)
-    columns[:, known] = v.T
-    return PointVelocity(tuple(columns), how)
+def with_nan_outside(values: np.ndarray, where: slice, rows: int) -> np.ndarray:
+    """All rows: these values where they are known, NaN elsewhere."""
+    every = np.full((rows, values.shape[1]), np.nan)
+    every[where] = values
+    return every

@@ -13,12 +13,10 @@ import numpy as np
 import pytest
 
 from orbident.estimation.identify import identify
-from orbident.estimation.least_squares import LeastSquares
+from orbident.estimation.least_squares import LeastSquares, Structured
 from orbident.estimation.linear_fits import Fits, fit
-from orbident.estimation.long_problem import digest_of, whole
-from orbident.estimation.momentum_problem import MomentumProblem
+from orbident.estimation.momentum_problem import MomentumProblem, digest_of, whole
 from orbident.estimation.solve import solve
-from orbident.estimation.structured import Structured
 from orbident.preprocessing.delays import Delay
 from orbident.preprocessing.samples import samples_of
 from orbident.preprocessing.screening import screened
@@ -150,7 +148,7 @@ def test_structured_equations_go_on_from_stretch_to_stretch(
 ):
     at_once = in_stretches(robot, recording, ROWS)
     one, other = (
-        Structured().estimate(each, lambda _: None).found.base
+        Structured().estimate(each, lambda _: None).parameters.base
         for each in (problem, at_once)
     )
     std = np.sqrt(np.diag(other.covariance))

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 import orbident as oi
-from orbident.estimation.found import (
+from orbident.estimation.base_parameters import (
     WIDE,
     BetaEstimate,
-    found_beta,
     hidden_of,
+    parameters_of_beta,
     prior_std,
 )
 from orbident.model.minimal_sets import minimal_sets
@@ -37,7 +37,7 @@ def test_hidden_directions_are_the_null_space():
 def test_sure_parameters_are_determined():
     sets = minimal_sets(ROBOT)
     scale = prior_std(ROBOT, sets) / WIDE
-    found = found_beta(ROBOT, sets, estimate(1e-3 * scale))
+    found = parameters_of_beta(ROBOT, sets, estimate(1e-3 * scale))
     pi, phi = sets.pi_and_phi(sets.beta(ROBOT.theta))
     for known, expected in ((found.pi, pi), (found.phi, phi)):
         np.testing.assert_array_equal(known.values, expected)
@@ -52,7 +52,7 @@ def test_sure_parameters_are_determined():
 
 def test_as_unsure_as_the_prior_is_not_determined():
     sets = minimal_sets(ROBOT)
-    found = found_beta(ROBOT, sets, estimate(prior_std(ROBOT, sets)))
+    found = parameters_of_beta(ROBOT, sets, estimate(prior_std(ROBOT, sets)))
     for known in (found.pi, found.phi, found.base):
         assert not known.determined.any()
 
@@ -63,6 +63,6 @@ def test_what_is_hidden_is_not_determined_however_small_its_deviation(k: int):
     scale = prior_std(ROBOT, sets)
     hidden = np.zeros((scale.size, 1))
     hidden[k] = scale[k]
-    found = found_beta(ROBOT, sets, estimate(1e-9 * scale, hidden))
+    found = parameters_of_beta(ROBOT, sets, estimate(1e-9 * scale, hidden))
     np.testing.assert_array_equal(found.base.determined, np.arange(scale.size) != k)
     assert not found.pi.determined.all()

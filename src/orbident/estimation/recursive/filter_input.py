@@ -1,7 +1,4 @@
-"""What the filter takes from a recording: its samples, and their noise.
-
-What the sensors' noise is, sample by sample.
-"""
+"""What the filter takes from a recording: its samples, and the noise of each."""
 
 from collections.abc import Callable, Iterator
 from typing import NamedTuple
@@ -10,16 +7,21 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.errors import InputError
-from orbident.estimation.kept_pieces import Piece
 from orbident.estimation.linear_fits import fit
 from orbident.estimation.momentum_problem import MomentumProblem
-from orbident.estimation.stretches import rate_scatter, smoothed_rate
-from orbident.estimation.tachometers import rate_noise
+from orbident.model.core_robot import wheels_of
 from orbident.model.minimal_sets import minimal_sets
-from orbident.model.wheel_arrays import wheels_of
+from orbident.preprocessing.base_motion import rate_noise
 from orbident.preprocessing.origins import ENCODED, Origin
 from orbident.preprocessing.samples import Samples
 from orbident.preprocessing.smoothing import Settings
+from orbident.preprocessing.stretches import (
+    Piece,
+    packed_piece,
+    rate_scatter,
+    smoothed_rate,
+    trusted,
+)
 from orbident.robot.description import Robot
 from orbident.robot.sensor_schema import (
     AccelerometerSpec,
@@ -199,15 +201,7 @@ def _left_over(robot: Robot, samples: Samples) -> float:
     return max(fits.phi.rms, LEAST)
 
 
-ENDS = 0.5
-"""s: so near to the ends of a recording a smoothed rate is ten times as wrong."""
-
-
-PACKED = 4096
-"""Samples that are packed at once: all of them at once take their memory four times."""
-
-
-class Given(NamedTuple):
+class FilterInput(NamedTuple):
     """A recording, as the filter takes it: at least one sample, all complete."""
 
     t: Float[np.ndarray, " n"]
@@ -224,7 +218,7 @@ class Pieces(NamedTuple):
     """From the first one each time; some may be empty."""
 
 
-def given_of(robot: Robot, samples: Samples) -> Given:
+def filter_input_of(robot: Robot, samples: Samples) -> FilterInput:
     """All samples that are as good as they are said to be.
 
     Raises:
@@ -235,7 +229,7 @@ def given_of(robot: Robot, samples: Samples) -> Given:
     noise = noise_of(robot, samples, rate_scatter(samples, settings))
     if not t.size:
         raise none_complete(samples.source)
-    return Given(t, every, noise)
+    return FilterInput(t, every, noise)
 
 
 def none_complete(source: str) -> InputError:
@@ -254,44 +248,7 @@ def pieces_of(problem: MomentumProblem) -> Pieces:
     """
     robot, samples, kept = problem.robot, problem.samples, problem.pieces
     if kept is None:
-        given = given_of(robot, samples)
+        given = filter_input_of(robot, samples)
         return Pieces(given.noise, lambda: iter([Piece(given.t, given.samples)]))
     noise = noise_of(robot, samples, rate_scatter(samples, Settings()))
     return Pieces(noise, lambda: ahead(kept()))
-
-
-def packed_piece(
-    samples: Samples,
-    rate: Float[np.ndarray, "samples 3"],
-    times: tuple[float, float],
-) -> Piece:
-    """The samples that are complete and as good as they are said to be, one a row.
-
-    Args:
-        samples: consecutive ones.
-        rate: the smoothed base rate, rad/s.
-        times: between these they are that good, s.
-    """
-    good = np.isfinite(rate).all(axis=1)
-    good &= (samples.t >= times[0]) & (samples.t <= times[1])
-    kept, tables = [], []
-    for k, at in enumerate(samples.batches(PACKED)):
-        own = slice(k * PACKED, (k + 1) * PACKED)
-        complete = at.turning & good[own]
-        v_S = np.where(at.moving[:, None], at.v_S, np.nan)
-        every = [at.q, at.qd, at.w, at.x_WB, at.qd_rw, v_S, rate[own], at.h_given]
-        kept.append(samples.t[own][complete])
-        tables.append(np.hstack(every)[complete])
-    return Piece(np.concatenate(kept), np.concatenate(tables))
-
-
-def trusted(samples: Samples) -> tuple[float, float]:
-    """First and last time at which rates are as good as they are said to be, s.
-
-    Args:
-        samples: of the whole recording, or of a digest of it.
-    """
-    start, end = float(samples.t[0]), float(samples.t[-1])
-    derived = samples.origins["joint_rates"] & ENCODED
-    margin = ENDS if derived and end - start > 4 * ENDS else 0.0
-    return start + margin, end - margin

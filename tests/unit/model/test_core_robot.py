@@ -1,7 +1,7 @@
 import numpy as np
 from random_robots import random_robot, random_wheels
 
-from orbident.model.wheel_arrays import wheels_of
+from orbident.model.core_robot import wheels_of
 
 
 def test_columns_of_A_rw_are_axes_times_inertias():

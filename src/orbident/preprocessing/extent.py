@@ -1,6 +1,6 @@
-"""How far all moved, gathered stretch by stretch.
+"""How far and how fast all moved: whether a recording excites what it should tell.
 
-How far and how fast all moved: whether a recording excites what it should tell.
+A long recording is gathered stretch by stretch.
 """
 
 from collections.abc import Sequence

@@ -4,17 +4,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from random_motions import random_motion
-
-from orbident.errors import InputError
-from orbident.robot.parameters import inertia_about_com
-from orbident.robot.robot_file import load_robot
-from orbident.simulation.capture import (
+from captured_bodies import (
     CapturedBody,
     holding,
     simulate_change,
     truth_through_change,
 )
+from random_motions import random_motion
+
+from orbident.errors import InputError
+from orbident.robot.parameters import inertia_about_com
+from orbident.robot.robot_file import load_robot
 from orbident.simulation.free_floating import BaseState, free_floating
 from orbident.simulation.measure import truth_of
 from orbident.simulation.simulate import float_along, sample_times

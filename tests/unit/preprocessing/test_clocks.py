@@ -8,8 +8,7 @@ from random_motions import random_motion
 from scipy.interpolate import CubicSpline
 
 import orbident as oi
-from orbident.estimation.clocks import clocks_in_words
-from orbident.preprocessing.delays import Delay, corrections, delay_of
+from orbident.preprocessing.delays import Delay, clocks_in_words, corrections, delay_of
 from orbident.robot.description import Robot
 from orbident.robot.robot_file import load_robot
 from orbident.simulation.simulate import simulate

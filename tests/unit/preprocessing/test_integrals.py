@@ -3,7 +3,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from orbident.errors import InputError
-from orbident.preprocessing.point_velocity import (
+from orbident.preprocessing.integrals import (
     bias_response,
     velocity_from_accelerometer,
     velocity_from_increments,
