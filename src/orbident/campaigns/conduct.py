@@ -33,13 +33,13 @@ from orbident.campaigns.folder import (
     path_of,
     read_chunk,
     schema_of,
-    versions,
     working,
     write_rows,
 )
 from orbident.errors import InputError
 from orbident.estimation.identify import identify
 from orbident.estimation.result import Result
+from orbident.estimation.results import versions
 from orbident.files.replacing import writing
 from orbident.files.text import read_text, sha256, write_text
 from orbident.model.minimal_sets import minimal_sets

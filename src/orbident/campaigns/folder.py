@@ -13,7 +13,6 @@ import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +25,7 @@ from orbident.campaigns.case import Case, Subject
 from orbident.campaigns.spec import PAPER, RobotEntry, Spec, SpecFile, load_spec
 from orbident.errors import InputError
 from orbident.estimation.checks import LEVELS
+from orbident.estimation.results import versions
 from orbident.files.folder_replacing import finish, replacing_files
 from orbident.files.names import quoted
 from orbident.files.replacing import locked, replacing, writing
@@ -154,11 +154,6 @@ def check_versions(folder: Path, found: Mapping[str, str], who: str = "this") ->
 
 
 _SCHEMA = "orbident/campaign-folder/1"
-
-
-def versions() -> dict[str, str]:
-    """The versions of the libraries that compute in this process."""
-    return {name: version(name) for name in ("orbident", "numpy", "scipy")}
 
 
 def _manifest(folder: Path) -> dict[str, Any]:

@@ -86,7 +86,7 @@ def result_of(
         },
         samples=problem.fits.samples,
         elapsed_s=elapsed_s,
-        versions=_versions(),
+        versions=versions(),
         fits=problem.fits,
         motion=motion_of(
             problem.robot,
@@ -284,5 +284,6 @@ def _condition(fits: Fits) -> dict[str, float]:
 
 
 @cache
-def _versions() -> dict[str, str]:
+def versions() -> dict[str, str]:
+    """The versions of the libraries that compute in this process."""
     return {name: version(name) for name in ("orbident", "numpy", "scipy")}

@@ -22,6 +22,7 @@ from orbident.preprocessing.integrals import (
     bias_response,
     integrate_gyro,
     span_of,
+    start_of_gyro,
     with_nan_outside,
 )
 from orbident.robot.sensor_schema import GyroSpec
@@ -120,16 +121,7 @@ def _fused(
         fused = Rotation.from_rotvec(mean[:, :3]) * Rotation.from_quat(x)
         return _FusionPass(fused.as_quat(), variance, bias + mean[:, 3:])
 
-    found = about(_start(t, w, fixes, fixed), np.zeros(3))
+    found = about(start_of_gyro(t, w, fixes, fixed), np.zeros(3))
     for _ in range(ROUNDS - 1):
         found = about(found.x_WB[0], found.bias.mean(axis=0))
     return found
-
-
-def _start(
-    t: np.ndarray, w: np.ndarray, fixes: np.ndarray, fixed: np.ndarray
-) -> np.ndarray:
-    """Where the gyro must start to pass through the first fix."""
-    k = int(fixed.argmax())
-    x = Rotation.from_quat(integrate_gyro(t, w, np.array([0.0, 0.0, 0.0, 1.0]))[k])
-    return (Rotation.from_quat(fixes[k]) * x.inv()).as_quat()

@@ -17,6 +17,7 @@ from orbident.gaussian import white_std_of
 from orbident.model.core_robot import wheels_of
 from orbident.model.kinematics import inertia_at
 from orbident.model.minimal_sets import conserved_axes
+from orbident.model.rotations import UNTURNED
 from orbident.preprocessing.attitude_fusion import GyroNoise, fuse_attitude
 from orbident.preprocessing.histories import Columns
 from orbident.preprocessing.integrals import (
@@ -83,8 +84,6 @@ def same_sign(x: Float[np.ndarray, "n 4"]) -> Float[np.ndarray, "n 4"]:
     turned[valid] *= signs[: valid.sum(), None]
     return turned
 
-
-UNTURNED = np.array([0.0, 0.0, 0.0, 1.0])
 
 LEAST_N = 1e-9
 """rad/sqrt(s)."""

@@ -20,7 +20,11 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
 from orbident.files.json_parts import NullableNumber, NullableStd
-from orbident.preprocessing.integrals import gyro_response, integrate_gyro
+from orbident.preprocessing.integrals import (
+    gyro_response,
+    integrate_gyro,
+    start_of_gyro,
+)
 from orbident.recordings.columns import vector_columns
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
@@ -154,7 +158,7 @@ def attitude_delay(
     if measured.sum() < FEWEST or (measured & fixed).sum() < FEWEST:
         return None
     rate = CubicSpline(t[measured], w[measured], extrapolate=False)
-    start, bias, late = _start(t, w, fixes, fixed), np.zeros(3), declared
+    start, bias, late = start_of_gyro(t, w, fixes, fixed), np.zeros(3), declared
     found = before = None
     for _ in range(ROUNDS):
         x = integrate_gyro(t, w - bias, start)
@@ -180,19 +184,6 @@ def attitude_delay(
     if found is None or before is None:
         return None
     return delay_of(late - declared, found.std, found.change, before, found.after)
-
-
-def _start(
-    t: Float[np.ndarray, " n"],
-    w: Float[np.ndarray, "n 3"],
-    fixes: Float[np.ndarray, "n 4"],
-    fixed: Bool[np.ndarray, " n"],
-) -> Float[np.ndarray, "4"]:
-    """Where the gyro must start to pass through the first fix after it."""
-    x = integrate_gyro(t, w, np.array([0.0, 0.0, 0.0, 1.0]))
-    k = int((fixed & np.isfinite(x).all(axis=1)).argmax())
-    R_fix, R_k = Rotation.from_quat(fixes[k]), Rotation.from_quat(x[k])
-    return (R_fix * R_k.inv()).as_quat()
 
 
 class _DelayStep(NamedTuple):

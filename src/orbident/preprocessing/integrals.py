@@ -7,6 +7,7 @@ from scipy.spatial.transform import Rotation
 
 from orbident import _core
 from orbident.errors import InputError
+from orbident.model.rotations import UNTURNED
 
 GAUSS = np.sqrt(3) / 6
 """The part of a step from its middle to each of the two Gauss points."""
@@ -48,6 +49,18 @@ def integrate_gyro(
     middle = t[inside][:-1] + h / 2
     w_1, w_2 = rate(middle - GAUSS * h), rate(middle + GAUSS * h)
     return with_nan_outside(_core.integrate_rate(x_start, h, w_1, w_2), inside, t.size)
+
+
+def start_of_gyro(
+    t: Float[np.ndarray, " n"],
+    w: Float[np.ndarray, "n 3"],
+    fixes: Float[np.ndarray, "n 4"],
+    fixed: Bool[np.ndarray, " n"],
+) -> Float[np.ndarray, "4"]:
+    """Where the gyro must start to pass through the first fix within its samples."""
+    x = integrate_gyro(t, w, UNTURNED)
+    k = int((fixed & np.isfinite(x).all(axis=1)).argmax())
+    return (Rotation.from_quat(fixes[k]) * Rotation.from_quat(x[k]).inv()).as_quat()
 
 
 def velocity_from_accelerometer(

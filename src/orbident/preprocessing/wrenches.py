@@ -13,10 +13,9 @@ from jaxtyping import Float
 from orbident.errors import InputError
 from orbident.model.rotations import quaternion_matrix, rotate_back
 from orbident.preprocessing.histories import Columns
+from orbident.recordings.no_measurements import SURROUNDINGS
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot, Thruster
-
-NAMES = ("nadir", "flow", "sun", "field")
 
 GROUND = 6.35e6
 """m: less than the Earth's radius at its poles."""
@@ -46,7 +45,7 @@ def surroundings(robot: Robot, recording: Recording, x_WB: Columns) -> Surroundi
             not known at these times.
     """
     found: dict[str, Float[np.ndarray, "samples 3"]] = {}
-    for name in NAMES:
+    for name in SURROUNDINGS:
         if recording.has_vector(name):
             shown = recording.vector(name)
             known = np.isfinite(shown).all(axis=1)
@@ -56,7 +55,7 @@ def surroundings(robot: Robot, recording: Recording, x_WB: Columns) -> Surroundi
                 found[name] = np.column_stack(
                     [np.interp(t, t[known], x[known]) for x in shown.T]
                 )
-    missing = [name for name in NAMES if name not in found]
+    missing = [name for name in SURROUNDINGS if name not in found]
     around = {**found, **_by_orbit(robot, recording, x_WB, missing)}
     # There is no sun in the Earth's shadow.
     return {name: vectors for name, vectors in around.items() if vectors.any()}
