@@ -114,6 +114,25 @@ def test_compare(orbident, table_5):
     assert "predicted standard deviations" in words
 
 
+def test_how_large_a_table_a_motion_needs(orbident, table_5):
+    ran = orbident(
+        *("excite", "cepheus-like", "-o", "made.yaml", "--starts", 1),
+        *("--limit", "table=1x1.1"),
+    ).done()
+    assert "m of a table" in ran.out
+    made = load_trajectory("made.yaml").design
+    assert made is not None
+    width, depth = made["proven"]["table"]
+    assert width < 1.0
+    assert depth < 1.1
+    inspected = orbident("inspect", "cepheus-like", "--trajectory", table_5).done()
+    assert "needs 1.298 x 1.298 m of a table" in inspected.out
+    compared = orbident(
+        *("excite", "cepheus-like", "--compare", "made.yaml", "--json", "-"),
+    ).done()
+    assert compared.json["trajectories"][0]["table"] == [width, depth]
+
+
 def test_sample_as_a_table(orbident, table_5):
     orbident("sample", table_5, "-o", "table.csv", "--rate", 10).done()
     with Path("table.csv").open() as file:
@@ -163,6 +182,10 @@ def test_sample_for_ros(orbident, table_5):
             ["base_rate=x"],
         ),
         (["cepheus-like", "-o", "made.yaml", "--limit", "base_rate=0"], ["base rate"]),
+        (["cepheus-like", "-o", "made.yaml", "--limit", "table=1"], ["WIDTHxDEPTH"]),
+        (["cepheus-like", "-o", "made.yaml", "--limit", "table=1xm"], ["'table=1xm'"]),
+        (["cepheus-like", "-o", "made.yaml", "--limit", "table=1x0"], ["table depth"]),
+        (["paper-spatial", "-o", "made.yaml", "--limit", "table=1x1"], ["in space"]),
         (["cepheus-like", "--compare", "missing.yaml"], ["missing.yaml"]),
         (["paper-spatial", "--compare", "table5.yaml"], ["joint3"]),
     ],

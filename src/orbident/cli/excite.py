@@ -82,8 +82,9 @@ Limit = Annotated[
     typer.Option(
         "--limit",
         metavar="NAME=VALUE",
-        help="Add a limit, in SI; may be given several "
-        f"times. NAME is one of {', '.join(LIMITS)}.",
+        help="Add a limit, in SI; may be given several times. NAME is one of "
+        f"{', '.join(LIMITS)}, or table, whose VALUE is a width and a depth such as "
+        "1.2x0.8.",
     ),
 ]
 Compare = Annotated[
@@ -192,7 +193,7 @@ def _conditions(
     wanted: tuple[float | None, int | None],
     like: Path | None,
     like_paper: bool,
-    limits: dict[str, float],
+    limits: dict[str, Any],
 ) -> tuple[Any, Any]:
     """What to keep to, and the paper's case where it is meant."""
     from dataclasses import replace
@@ -226,18 +227,19 @@ def _conditions(
     ), None
 
 
-def _limits(entries: list[str]) -> dict[str, float]:
+def _limits(entries: list[str]) -> dict[str, Any]:
     limits = {}
     for entry in entries:
         name, _, value = entry.partition("=")
         try:
-            number = float(value)
+            numbers = [float(each) for each in value.split("x")]
         except ValueError:
-            number = float("nan")
-        if name not in LIMITS or number != number:
+            numbers = []
+        expected = 2 if name == "table" else 1
+        if name not in (*LIMITS, "table") or len(numbers) != expected:
             raise InputError(
                 f"--limit: found '{entry}'; give NAME=VALUE with a number in SI and "
-                f"NAME one of {', '.join(LIMITS)}"
+                f"NAME one of {', '.join(LIMITS)}, or table=WIDTHxDEPTH in m"
             )
-        limits[name] = number
+        limits[name] = tuple(numbers) if name == "table" else numbers[0]
     return limits

@@ -178,7 +178,7 @@ def _space(
         for nodes in (steps // COARSER, steps, FINER * steps)
     )
     free = {k: robot.joint_names[k] for k in problem.motions.coupled.free}
-    middle = inner_point(many, given.limits, free)
+    middle = problem.gentlest(more, inner_point(many, given.limits, free))
     return SearchSpace(problem, (few, more, many), middle)
 
 
@@ -249,6 +249,9 @@ def _margins(robot: Robot, given: Conditions, proven: Proven) -> dict[str, Any]:
         limit = limits.base_rate if name == "rate" else getattr(limits, name)
         of_base[name] = _finite(getattr(base, name))
         of_base[f"{name}_limit"] = _finite(limit)
+    if base.table:
+        of_base["table"] = [_finite(side) for side in base.table]
+        of_base["table_limit"] = [_finite(side) for side in limits.table]
     return {"amplitude_kept": proven.share, "proven": {"joints": entries, **of_base}}
 
 

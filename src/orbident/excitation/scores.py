@@ -17,7 +17,7 @@ from orbident.excitation.criterion import (
     spectrum_of,
 )
 from orbident.excitation.floating import craft_of, was_at_rest
-from orbident.excitation.guarantee import floated
+from orbident.excitation.guarantee import floated, smallest_table
 from orbident.excitation.information import (
     Information,
     Sensing,
@@ -166,6 +166,8 @@ class Scorecard(NamedTuple):
     nominal: Float[np.ndarray, " parameters"]
     deviations: Float[np.ndarray, "trajectories parameters"]
     """Predicted standard deviations; NaN where not all is determined."""
+    tables: tuple[tuple[float, float] | None, ...]
+    """As of `smallest_table`."""
 
 
 def compare_trajectories(
@@ -186,10 +188,12 @@ def compare_trajectories(
     names = ["M"]
     names += [f"pi_{i + 1}" for i in range(pi.size)]
     names += [f"phi_{i + 1}" for i in range(phi.size)]
-    scores, deviations = [], []
+    scores, deviations, tables = [], [], []
     for trajectory in trajectories:
         ordered = trajectory.for_robot(robot)
-        score = scores_of(robot, ordered, floated(robot, ordered), basis)
+        motion = floated(robot, ordered)
+        score = scores_of(robot, ordered, motion, basis)
+        tables.append(smallest_table(robot, ordered, motion))
         scores.append(score)
         std = score.deviations
         deviations.append(
@@ -203,4 +207,5 @@ def compare_trajectories(
         parameters=tuple(names),
         nominal=np.concatenate([[robot.mass], pi, phi]),
         deviations=np.array(deviations),
+        tables=tuple(tables),
     )
