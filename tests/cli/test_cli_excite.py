@@ -1,6 +1,7 @@
 """`orbident excite` and `orbident sample`."""
 
 import csv
+import json
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -133,6 +134,26 @@ def test_how_large_a_table_a_motion_needs(orbident, table_5):
     assert compared.json["trajectories"][0]["table"] == [width, depth]
 
 
+def test_motions_of_several_recordings(orbident):
+    """One name stands for all of them: they are written, and scored together."""
+    made = ("excite", "cepheus-like", "--recordings", 2, "-o", "two.yaml")
+    fast = ("--starts", 1, "--duration", 10, "--harmonics", 3)
+    ran = orbident(*made, *fast, "--json", "two.json").done()
+    assert "recording 2 of 2; scores are of all until here together" in ran.out
+    first, second = json.loads(Path("two.json").read_text())["recordings"]
+    assert [each["trajectory"] for each in (first, second)] == [
+        "two-1.yaml",
+        "two-2.yaml",
+    ]
+    compared = orbident(
+        *("excite", "cepheus-like", "--compare", "two.yaml", "--json", "-")
+    ).done()
+    (together,) = compared.json["trajectories"]
+    assert together["source"] == "two-1.yaml to two-2.yaml"
+    assert together["scores"]["d"] == pytest.approx(second["value"], rel=1e-9)
+    orbident(*made, *fast).refused("two-1.yaml", "exists already")
+
+
 def test_sample_as_a_table(orbident, table_5):
     orbident("sample", table_5, "-o", "table.csv", "--rate", 10).done()
     with Path("table.csv").open() as file:
@@ -187,6 +208,11 @@ def test_sample_for_ros(orbident, table_5):
         (["cepheus-like", "-o", "made.yaml", "--limit", "table=1x0"], ["table depth"]),
         (["paper-spatial", "-o", "made.yaml", "--limit", "table=1x1"], ["in space"]),
         (["cepheus-like", "--compare", "missing.yaml"], ["missing.yaml"]),
+        (["cepheus-like", "-o", "m.yaml", "--recordings", 0], ["--recordings"]),
+        (
+            ["cepheus-like", "--like-paper", "-o", "m.yaml", "--recordings", 2],
+            ["condition numbers do not add up"],
+        ),
         (["paper-spatial", "--compare", "table5.yaml"], ["joint3"]),
     ],
 )

@@ -126,7 +126,15 @@ def designed(found: Any, paper: Any, at_rest: bool) -> list[Any]:
     return [*lines, *proof, *known]
 
 
-def written(found: Any, paper: Any, out: Path) -> dict[str, Any]:
+def together(number: int, recordings: int) -> list[str]:
+    """What the scores of one of several motions are of."""
+    if recordings == 1:
+        return []
+    scores = "" if number == 1 else "; scores are of all until here together"
+    return ["", f"recording {number} of {recordings}{scores}"]
+
+
+def written(found: Any, out: Path, paper: Any) -> dict[str, Any]:
     """The same as JSON."""
     document = {"trajectory": str(out), "duration": found.duration, **found.design}
     if paper is not None:

@@ -94,6 +94,8 @@ class DesignProblem:
     sensing: Sensing | None
     """None for the objective cond."""
     at_rest: bool
+    known: Float[np.ndarray, "unknowns unknowns"] | float
+    """Information that other recordings give; zero without any."""
 
     @property
     def limited(self) -> tuple[str, ...]:
@@ -197,7 +199,7 @@ class DesignProblem:
             add_Y_hat(f, by_rows, pi_of, axes, self.at_rest)
         else:
             information = Information(self.sensing, motion, self.at_rest)
-            spectrum = spectrum_of(information.F)
+            spectrum = spectrum_of(information.F + self.known)
             value = log_criterion(self.objective, spectrum.l, p)
             information.add(f, by_matrix(spectrum, value.by_l))
         return (value.smooth, value.exact), f
@@ -292,7 +294,11 @@ class DesignProblem:
 
 
 def problem_for(
-    robot: Robot, given: Conditions, objective: Objective, uncertainty: float
+    robot: Robot,
+    given: Conditions,
+    objective: Objective,
+    uncertainty: float,
+    known: Float[np.ndarray, "unknowns unknowns"] | float = 0.0,
 ) -> DesignProblem:
     """What is minimised, for the nominal robot and those that could be the true one.
 
@@ -301,6 +307,7 @@ def problem_for(
         given: the conditions, with a number of harmonics.
         objective: which criterion.
         uncertainty: as of `plausible_robots`.
+        known: information that other recordings give, of the nominal robot.
 
     Raises:
         InputError: the objective needs sensors that the robot file does not have.
@@ -327,6 +334,7 @@ def problem_for(
         basis=given.basis or basis_of(robot, sets),
         sensing=None if objective == "cond" else sensing_of(robot, sets),
         at_rest=at_rest,
+        known=known,
     )
 
 
