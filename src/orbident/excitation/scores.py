@@ -72,9 +72,7 @@ class CriterionValues(NamedTuple):
 
 
 def scores_of(
-    robot: Robot,
-    flown: Sequence[Flown],
-    basis: Basis | None = None,
+    robot: Robot, flown: Sequence[Flown], basis: Basis | None = None
 ) -> CriterionValues:
     """Score a motion by every criterion, or the motions of several recordings together.
 
@@ -91,13 +89,9 @@ def scores_of(
     sets = minimal_sets(robot)
     seen = [_seen(robot, sets, *each) for each in flown]
     regressors, basis = sets.regressors, basis or basis_of(robot, sets)
-    Y, W = (
-        np.concatenate(rows)
-        for rows in (
-            [Y_hat(m, basis.pi_of, regressors.momentum_axes, rest) for m, rest in seen],
-            [W_hat(m, basis.phi_of, regressors.velocity_axes) for m, _ in seen],
-        )
-    )
+    h, v = regressors.momentum_axes, regressors.velocity_axes
+    Y = np.concatenate([Y_hat(m, basis.pi_of, h, at_rest) for m, at_rest in seen])
+    W = np.concatenate([W_hat(m, basis.phi_of, v) for m, _ in seen])
     sensing = sensing_of(robot, sets) if weights_of(robot.sensors) else None
     F = None if sensing is None else _sum(sensing, seen)
     F = None if F is None or not _determined(F) else F
