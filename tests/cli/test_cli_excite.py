@@ -209,6 +209,8 @@ def test_sample_for_ros(orbident, table_5):
         (["paper-spatial", "-o", "made.yaml", "--limit", "table=1x1"], ["in space"]),
         (["cepheus-like", "--compare", "missing.yaml"], ["missing.yaml"]),
         (["cepheus-like", "-o", "m.yaml", "--recordings", 0], ["--recordings"]),
+        (["cepheus-like", "-o", "m.yaml", "--recordings", 1e9], ["--recordings"]),
+        (["cepheus-like", "-o", "m.yaml", "--recordings", 101], ["--recordings"]),
         (
             ["cepheus-like", "--like-paper", "-o", "m.yaml", "--recordings", 2],
             ["condition numbers do not add up"],

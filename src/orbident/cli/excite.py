@@ -23,6 +23,7 @@ from orbident.errors import InputError
 
 DURATION = 60.0
 LIMITS = ("acceleration", "base_rate", "excursion", "wheel_speed")
+MOST_RECORDINGS = 100  # a day in a laboratory
 
 
 Out = Annotated[
@@ -60,6 +61,7 @@ Recordings = Annotated[
         help="Design so many motions of this duration, for as many recordings that "
         "are identified together.",
         min=1,
+        max=MOST_RECORDINGS,
     ),
 ]
 Starts = Annotated[
@@ -160,9 +162,8 @@ def excite(
     )
     from orbident.excitation.floating import was_at_rest
 
-    effort = {"starts": starts, "budget": budget, "seed": seed}
-    asked = {"objective": objective, "uncertainty": uncertainty, **effort}
-    made = _designed(described, places, given, asked)
+    asked = {"objective": objective, "starts": starts, "budget": budget, "seed": seed}
+    made = _designed(described, places, given, asked | {"uncertainty": uncertainty})
     last = made[-1]
     output.warn(design_doubts(last))
     if was_interrupted(last):
