@@ -11,13 +11,13 @@ PACKAGE = ROOT / "src/orbident"
 
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
-    "files": 319,
-    "lines": 55_871,
+    "files": 320,
+    "lines": 56_441,
     "files of estimation": 67,
-    "lines of estimation": 10_382,
-    "files with one user": 70,
-    "imports below each other": 31,
-    "numbers without a reason": 70,
+    "lines of estimation": 10_384,
+    "files with one user": 69,
+    "imports below each other": 30,
+    "numbers without a reason": 69,
 }
 
 

@@ -11,15 +11,10 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from orbident.estimation.criteria import judge
-from orbident.estimation.estimate import Estimate, Solved
-from orbident.estimation.found import EstimatedParameters
+from orbident.estimation.estimate import Estimate
 from orbident.estimation.least_squares import LeastSquares
-from orbident.estimation.momentum_problem import momentum_problem
-from orbident.estimation.obstacles import obstacles
 from orbident.estimation.output_error.estimator import OutputError
 from orbident.estimation.result import Result
-from orbident.estimation.results import result_of
 from orbident.estimation.solve import solve
 from orbident.model.inertia import inertia_at
 from orbident.recordings.recording import Recording
@@ -31,7 +26,13 @@ from orbident.simulation.flight import FreeFlying, standing
 from orbident.simulation.free_floating import BaseState
 from orbident.simulation.free_flying import free_flying
 from orbident.studies import paper_tables
-from orbident.studies.paper_method import Filters, PaperParameters, from_mocap
+from orbident.studies.paper_method import (
+    Filters,
+    PaperParameters,
+    from_mocap,
+    judged,
+    paper_fits,
+)
 from orbident.studies.planar import FOLLOWING, planar_robot, planar_trajectory
 from orbident.trajectories.environment import Environment
 from orbident.trajectories.trajectory import Trajectory
@@ -192,15 +193,15 @@ class TableReading(NamedTuple):
     std: Float[np.ndarray, " parameters"]
 
     @classmethod
-    def of(
-        cls, found: EstimatedParameters, M: tuple[float, float], table: PaperParameters
-    ) -> "TableReading":
+    def of(cls, estimate: Estimate, table: PaperParameters) -> "TableReading":
         """The found sets in the basis of the table."""
+        found, M = estimate.found, estimate.mass
         pi, phi = table.basis.pi(found.pi.values), table.basis.phi(found.phi.values)
         C_pi = table.basis.pi_of_pi @ found.pi.covariance @ table.basis.pi_of_pi.T
         C_phi = table.basis.phi_of_phi @ found.phi.covariance @ table.basis.phi_of_phi.T
         variances = np.concatenate([np.diag(C_pi), np.diag(C_phi)])
-        return cls(np.array([*pi, *phi, M[0]]), np.array([*np.sqrt(variances), M[1]]))
+        std = np.array([*np.sqrt(variances), M.std])
+        return cls(np.array([*pi, *phi, M.value]), std)
 
 
 class TableRun(NamedTuple):
@@ -230,14 +231,14 @@ def read_table(
         table: of Table 6.
         filters: of the paper's method.
     """
-    paper, paper_result = _by_paper(robot, from_mocap(robot, recordings[0], filters))
+    paper = paper_fits(robot, from_mocap(robot, recordings[0], filters), "at-rest")
     both = [
         solve(robot, each, "at-rest", OutputError(), lambda _: None)
         for each in recordings
     ]
-    estimates = paper, *(each.estimate for each in both)
-    readings = (_reading(each, table) for each in estimates)
-    first, second = (_judged(each, "maximum-likelihood") for each in both)
+    readings = (TableReading.of(each.estimate, table) for each in (paper, *both))
+    paper_result = judged(paper, LeastSquares.name)
+    first, second = (judged(each, OutputError.name) for each in both)
     rejected = paper_result.status == "rejected"
     return TableRun(
         recordings[1],
@@ -245,24 +246,3 @@ def read_table(
         (first, second),
         paper_result.warnings[0] if rejected else "",
     )
-
-
-def _by_paper(robot: Robot, recording: Recording) -> tuple[Estimate, Result]:
-    """The linear fits of filtered signals, and what is thought of them."""
-    problem = momentum_problem(robot, recording, "at-rest", lambda _: None)
-    estimate = LeastSquares().estimate(problem, lambda _: None)
-    solved = Solved(problem, obstacles(problem), estimate, None)
-    return estimate, _judged(solved, "least-squares")
-
-
-def _judged(solved: Solved, name: str) -> Result:
-    masses = dict(solved.estimate.masses)
-    judgement = judge(solved, masses)
-    return result_of(
-        solved.problem, name, solved.estimate, judgement, masses, None, 0.0
-    )
-
-
-def _reading(estimate: Estimate, table: PaperParameters) -> TableReading:
-    M = estimate.mass.value, estimate.mass.std
-    return TableReading.of(estimate.found, M, table)
