@@ -121,4 +121,7 @@ def test_what_a_designed_motion_promises_is_realised(name, capsys):
         print(f"  pi {of_pi:.3f}, base parameters whitened {of_all:.3f}")
         print(f"  promised over deviation {np.round(promised / deviation, 2)}")
     assert promised == pytest.approx(deviation, rel=0.05)
+    # So many numbers are known to 2 % by 200 recordings. Those of `pi` go together,
+    # and are known to some 4 %.
     assert of_all == pytest.approx(1.0, abs=0.05)
+    assert of_pi == pytest.approx(1.0, abs=0.1)
