@@ -68,7 +68,7 @@ ELBOW_FILM = {"c": 2e-3, "c_r": 0.0}
 """N s/m and N m s: some percent of the momentum in half a minute."""
 SLOW_TORQUE = {"std": 1e-4, "correlation_time": 200.0}
 """N m and s: a hose that pulls. A Gauss-Markov process is never smooth: one that lasts
-20 s swings faster than what a table's torques are known for, and is another world."""
+20 s swings faster than what may act on a table, and is another world."""
 
 DESIGNED = Path(__file__).with_name("table_motion.yaml")
 """The best motion of a minute's search, by `design_excitation(robot, conditions=given,
