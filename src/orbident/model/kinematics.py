@@ -35,6 +35,10 @@ class Poses(NamedTuple):
     field_w: Float[np.ndarray, "n joints 3"]
     field_u: Float[np.ndarray, "n joints 3"]
 
+    def arm(self, body: int, p: Float[np.ndarray, "3"]) -> Float[np.ndarray, "n 3"]:
+        """From S to the point `p` of a body, its frame, m; base axes."""
+        return self.d[:, body] + self.R[:, body] @ p
+
 
 def poses(robot: Robot, q: Float[np.ndarray, "n joints"]) -> Poses:
     """Forward kinematics at the joint positions `q` (rad or m)."""
@@ -59,7 +63,7 @@ def point_jacobian(
         Rows: linear velocity relative to S, then angular velocity, base axes.
     """
     at = poses(robot, q[None])
-    r = at.d[0, body] + at.R[0, body] @ p
+    r = at.arm(body, p)[0]
     carries = carrying_joints(robot, body)[:, None]
     linear = carries * (at.field_u[0] + np.cross(at.field_w[0], r))
     angular = carries * at.field_w[0]

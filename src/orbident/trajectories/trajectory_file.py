@@ -112,6 +112,29 @@ def load_trajectory(path: str | os.PathLike[str]) -> Trajectory:
     )
 
 
+def numbered(path: Path, recordings: int) -> list[Path]:
+    """Where the trajectories of so many recordings are: `a-1.yaml`, `a-2.yaml` ..
+
+    Of one recording it is `a.yaml` itself.
+    """
+    if recordings == 1:
+        return [path]
+    return [path.with_stem(f"{path.stem}-{k}") for k in range(1, recordings + 1)]
+
+
+def load_experiment(path: Path) -> list[Trajectory]:
+    """Read a trajectory file, or those of several recordings that `excite` numbered.
+
+    Raises:
+        InputError: as of `load_trajectory`.
+    """
+    first = path.with_stem(f"{path.stem}-1")
+    if path.exists() or not first.exists():
+        return [load_trajectory(path)]
+    recordings = (load_trajectory(first).design or {}).get("recordings", 1)
+    return [load_trajectory(each) for each in numbered(path, max(recordings, 2))]
+
+
 def save_trajectory(trajectory: Trajectory, path: str | os.PathLike[str]) -> None:
     """Writes a trajectory file; loading it gives the same numbers to the bit.
 
