@@ -195,7 +195,7 @@ class TableReading(NamedTuple):
     @classmethod
     def of(cls, estimate: Estimate, table: PaperParameters) -> "TableReading":
         """The found sets in the basis of the table."""
-        found, M = estimate.found, estimate.mass
+        found, M = estimate.parameters, estimate.mass
         pi, phi = table.basis.pi(found.pi.values), table.basis.phi(found.phi.values)
         C_pi = table.basis.pi_of_pi @ found.pi.covariance @ table.basis.pi_of_pi.T
         C_phi = table.basis.phi_of_phi @ found.phi.covariance @ table.basis.phi_of_phi.T
