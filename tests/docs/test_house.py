@@ -12,7 +12,7 @@ PACKAGE = ROOT / "src/orbident"
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
     "files": 320,
-    "lines": 56_441,
+    "lines": 56_450,
     "files of estimation": 67,
     "lines of estimation": 10_384,
     "files with one user": 69,
