@@ -152,6 +152,12 @@ def test_motions_of_several_recordings(orbident):
     assert together["source"] == "two-1.yaml to two-2.yaml"
     assert together["scores"]["d"] == pytest.approx(second["value"], rel=1e-9)
     orbident(*made, *fast).refused("two-1.yaml", "exists already")
+    text = Path("two-1.yaml").read_text()
+    for wrong in ("recordings: 1", "recordings: [2]", "recordings: 1000000000"):
+        Path("two-1.yaml").write_text(text.replace("recordings: 2", wrong))
+        orbident("excite", "cepheus-like", "--compare", "two.yaml").refused(
+            "two.yaml", "not one of several"
+        )
 
 
 def test_sample_as_a_table(orbident, table_5):

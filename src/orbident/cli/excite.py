@@ -20,10 +20,10 @@ from orbident.cli.excite_tables import (
 )
 from orbident.cli.options import Force, Json, Quiet, RobotName
 from orbident.errors import InputError
+from orbident.files.bounds import MOST_RECORDINGS
 
 DURATION = 60.0
 LIMITS = ("acceleration", "base_rate", "excursion", "wheel_speed")
-MOST_RECORDINGS = 100  # a day in a laboratory
 
 
 Out = Annotated[

@@ -10,6 +10,7 @@ import yaml
 from pydantic import Field, model_validator
 
 from orbident.errors import InputError
+from orbident.files.bounds import MOST_RECORDINGS
 from orbident.files.schema_parts import (
     MappingSchema,
     Number,
@@ -126,13 +127,18 @@ def load_experiment(path: Path) -> list[Trajectory]:
     """Read a trajectory file, or those of several recordings that `excite` numbered.
 
     Raises:
-        InputError: as of `load_trajectory`.
+        InputError: as of `load_trajectory`, or a file is not one of several.
     """
     first = path.with_stem(f"{path.stem}-1")
     if path.exists() or not first.exists():
         return [load_trajectory(path)]
-    recordings = (load_trajectory(first).design or {}).get("recordings", 1)
-    return [load_trajectory(each) for each in numbered(path, max(recordings, 2))]
+    recordings = (load_trajectory(first).design or {}).get("recordings")
+    if not isinstance(recordings, int) or not 2 <= recordings <= MOST_RECORDINGS:
+        raise InputError(
+            f"{path}: no such file, and {first} is not one of several that excite "
+            "--recordings made; give a trajectory file"
+        )
+    return [load_trajectory(each) for each in numbered(path, recordings)]
 
 
 def save_trajectory(trajectory: Trajectory, path: str | os.PathLike[str]) -> None:
