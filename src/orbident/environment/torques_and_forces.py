@@ -25,7 +25,6 @@ orthonormal; Karhunen 1947). The first `WAVES` of them leave out a part of
 `1 / (pi^2 WAVES)` of its variance. Such a force acts through the system CM.
 """
 
-import math
 from collections.abc import Iterator, Sequence
 
 import numpy as np
@@ -42,12 +41,11 @@ from orbident.model.rotations import rotate
 WAVES = 24
 """So a walk's deviation is wrong by a fifth of a percent."""
 
-PER_SWING = 4
-"""Times for each that it is correlated, at which its covariance is decomposed."""
+TIMES = 64
+"""Times at which the covariance of what swings slowly is decomposed."""
 
-SWINGS = 48.0
-"""Times that it is correlated in a recording, at most: some 100 shapes. On a table,
-where what swings for 6 s may act, that is a recording of a minute and a half."""
+SWINGS = 12.0
+"""Times that it is correlated in a recording, at most: some 24 shapes."""
 
 SMALL = 3e-3
 """Shapes that are smaller than this part of the largest are left out: they move the
@@ -253,7 +251,7 @@ def slow_shapes(motion: RobotMotion, group: str) -> Float[np.ndarray, "nodes sha
     shortest = shortest or SHORTEST[world_of(motion.robot)]
     start, end = motion.t[0], motion.t[-1]
     lasts = max(shortest / np.pi, (end - start) / SWINGS)
-    times = np.linspace(start, end, PER_SWING * math.ceil((end - start) / lasts) + 1)
+    times = np.linspace(start, end, TIMES)
     K = _covariance(times, times, lasts)
     values, V = np.linalg.eigh(K)
     large = np.flatnonzero(values > SMALL**2 * values[-1])[::-1]
