@@ -11,13 +11,13 @@ PACKAGE = ROOT / "src/orbident"
 
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
-    "files": 321,
-    "lines": 56_431,
-    "files of estimation": 67,
-    "lines of estimation": 10_458,
-    "files with one user": 69,
-    "imports below each other": 30,
-    "numbers without a reason": 69,
+    "files": 298,
+    "lines": 56_663,
+    "files of estimation": 45,
+    "lines of estimation": 9_787,
+    "files with one user": 64,
+    "imports below each other": 29,
+    "numbers without a reason": 39,
 }
 
 
