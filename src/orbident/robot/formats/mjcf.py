@@ -4,8 +4,10 @@ import os
 import re
 import warnings
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import chdir
 from dataclasses import replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -24,7 +26,7 @@ _FREE, _BALL, _SLIDE = 0, 1, 2
 """Of `mjtJoint`."""
 
 
-_NAN = re.compile(r"""=\s*(["'])[\s\d.eE+-]*\bnan\b""", re.IGNORECASE)
+_NAN = re.compile(r"""=\s*(["'])(?:[\s\d.eE+-]|\binf\b)*\bnan\b""", re.IGNORECASE)
 """Among numbers. MuJoCo prints a warning of it past Python, and goes on."""
 
 _SECONDS, _MEGABYTES = 3, 800
@@ -83,8 +85,14 @@ def compiled_mjcf(place: str) -> str:
     api: Any = mujoco
     try:
         # MuJoCo warns of what troubles a simulation; inertias are judged elsewhere.
-        with warnings.catch_warnings(action="ignore"):
-            spec = api.MjSpec.from_file(place)
+        # It also writes them into a file of the working directory.
+        path = str(Path(place).absolute())
+        with (
+            warnings.catch_warnings(action="ignore"),
+            TemporaryDirectory() as elsewhere,
+            chdir(elsewhere),
+        ):
+            spec = api.MjSpec.from_file(path)
             ties = [_Tie(each) for each in spec.equalities if each.active]
             gears = _gears(api, spec)
             _leave_inertias_alone(spec)
