@@ -12,9 +12,9 @@ PACKAGE = ROOT / "src/orbident"
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
     "files": 298,
-    "lines": 56_671,
+    "lines": 56_684,
     "files of estimation": 45,
-    "lines of estimation": 9_787,
+    "lines of estimation": 9_788,
     "files with one user": 64,
     "imports below each other": 29,
     "numbers without a reason": 39,

@@ -213,7 +213,8 @@ def _links_alone(problem: MomentumProblem, base: Known) -> Iterator[Check]:
             "with care",
             "without the motors' rotors that are declared, links would have negative "
             f"energy (moment {least.moment:.2g} +- {least.std:.2g} kg m^2)",
-            "correct rotors in the robot file: they are not as large",
+            "correct rotors in the robot file: they are not as large, or turn the "
+            "other way (a gear below zero)",
             least.moment,
             -CERTAIN * least.std,
         )

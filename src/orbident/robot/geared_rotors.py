@@ -1,5 +1,6 @@
 """The motors' rotors of a robot file, joint by joint, and what a model says of them."""
 
+import json
 from collections.abc import Collection, Mapping, Sequence
 from typing import Annotated
 
@@ -91,7 +92,9 @@ def proposed_rotors(
         inertia = f"{armature / gear**2:.4g}" if gear and armature else "?"
         if armature and gear is None:
             inertia = f"{armature:.4g} / gear^2"
-        words.append(f"{joint.name}: {{gear: {ratio}, inertia: {inertia}}}")
+        # Quoted where YAML would read something else.
+        name = joint.name if joint.name.isidentifier() else json.dumps(joint.name)
+        words.append(f"{name}: {{gear: {ratio}, inertia: {inertia}}}")
     if not words:
         return []
     return [

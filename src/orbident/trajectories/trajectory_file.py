@@ -117,9 +117,14 @@ def numbered(path: Path, recordings: int) -> list[Path]:
     """Where the trajectories of so many recordings are: `a-1.yaml`, `a-2.yaml` ..
 
     Of one recording it is `a.yaml` itself.
+
+    Raises:
+        InputError: the path is a folder's.
     """
     if recordings == 1:
         return [path]
+    if path.is_dir():
+        raise InputError(f"{path}: is a folder; give the name of a trajectory file")
     return [path.with_stem(f"{path.stem}-{k}") for k in range(1, recordings + 1)]
 
 
@@ -129,8 +134,8 @@ def load_experiment(path: Path) -> list[Trajectory]:
     Raises:
         InputError: as of `load_trajectory`, or a file is not one of several.
     """
-    first = path.with_stem(f"{path.stem}-1")
-    if path.exists() or not first.exists():
+    first = path if path.exists() else path.with_stem(f"{path.stem}-1")
+    if first == path or not first.exists():
         return [load_trajectory(path)]
     recordings = (load_trajectory(first).design or {}).get("recordings")
     if not isinstance(recordings, int) or not 2 <= recordings <= MOST_RECORDINGS:
