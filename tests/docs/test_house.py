@@ -12,7 +12,7 @@ PACKAGE = ROOT / "src/orbident"
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
     "files": 298,
-    "lines": 56_684,
+    "lines": 56_685,
     "files of estimation": 45,
     "lines of estimation": 9_788,
     "files with one user": 64,

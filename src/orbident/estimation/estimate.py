@@ -65,7 +65,7 @@ class History(NamedTuple):
     nothing tells the scale."""
     scale: bool
     """Whether the wheels' momentum told the scale of `pi`. Where it did not, `beta`,
-    `pi` and `M` are NaN, and no change can be told."""
+    `pi` and `M` are NaN, and no change of the robot can be found."""
     declared: bool
     """Whether the noise of all sensors is, that the innovations are whitened with."""
     biases: dict[str, dict[str, float]]

@@ -97,7 +97,7 @@ LOW = 0.05
 """Part of all frequencies that counts as low: below 0.25 to 2.5 Hz at 10 to 100 Hz."""
 
 FEWEST = 8
-"""Low frequencies that can be told from chance."""
+"""A test of whiteness needs so many low frequencies, at least."""
 
 OUTLYING = 4.0
 """Deviations at which residuals are cut off, as maximum likelihood weighs them."""

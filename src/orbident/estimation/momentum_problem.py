@@ -342,7 +342,7 @@ class _Seen(NamedTuple):
         )
 
     def rejected_by_column(self) -> dict[str, dict[str, int]]:
-        """The same of each column."""
+        """How many samples were left out of each column, by reason."""
         found: dict[str, dict[str, int]] = {}
         for (column, reason), count in self.rejected.items():
             found.setdefault(column, {})[reason] = count

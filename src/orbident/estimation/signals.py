@@ -29,7 +29,7 @@ SIGNAL_UNITS = {
     "joints": "rad or m",
     "momentum": "N m s",
 }
-"""Of what may be predicted, by sensor or equation."""
+"""The units of the signals that may be predicted, by sensor or equation."""
 
 
 class Signal(NamedTuple):

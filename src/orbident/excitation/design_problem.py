@@ -62,7 +62,8 @@ WELL_INSIDE = 0.8
 """Square of the share of a limit that leaves room for a motion to search from."""
 
 MOST_STEPS_INSIDE = 30
-"""Of a descent to such a motion; it took 10 to 20 where there was one."""
+"""The most steps of a descent to a motion inside the limits; it took 10 to 20 where
+there was one."""
 
 LIMITS_POWER = 2000.0
 """Power of the mean that stands for the largest use of a limit: it is 0.5 % above it at

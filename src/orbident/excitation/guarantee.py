@@ -103,7 +103,7 @@ class _Norms(NamedTuple):
     h: float
     """Momentum of the rotors, N m s."""
     n: float
-    """Its rate, N m."""
+    """Rate of the rotors' momentum, N m."""
 
 
 def extremes_of(trajectory: Trajectory) -> Extremes:

@@ -166,7 +166,7 @@ class Mechanism(NamedTuple):
     lacks: str
     """What is said of motors' rotors that are not in it."""
     lacks_without_armature: str
-    """The same of a format that has no place for `armature`."""
+    """What a format that has no place for `armature` says of rotors, instead."""
 
 
 class ExportedRobot(NamedTuple):

@@ -58,7 +58,10 @@ def momentum_conserved(robot, trajectory, t):
 
     def rate(time, _):
         p, v, first, moved, r, rd, rates = cm(time)
-        cross = lambda a, b: a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]  # noqa: E731
+
+        def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+            return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
+
         # About S, relative to the base; then about the CM.
         h = cross(p, m[:, None] * v + moved) + cross(first, v) + I_zz * rates
         D = m * (p**2).sum(axis=-1) + 2 * (p * first).sum(axis=-1) + I_zz

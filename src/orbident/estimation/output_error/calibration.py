@@ -22,7 +22,7 @@ ALL = range(3)
 """Axes; an error that has none is on the first."""
 
 DOUBLES_ZERO = {"prismatic": "joint_place", "revolute": "joint_direction"}
-"""By the kind of a joint, which error along its axis is one of its zero."""
+"""By the kind of a joint, the error that, along its axis, is an error of its zero."""
 
 
 def calibrations_of(
