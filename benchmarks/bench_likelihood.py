@@ -7,10 +7,9 @@ import pytest
 from manoeuvres import dual_arm, excitation
 
 from orbident.estimation.identify import identify
-from orbident.estimation.recursive.changes import Detector
-from orbident.estimation.recursive.filter import Extended
-from orbident.estimation.recursive.given import given_of
-from orbident.estimation.recursive.prior import cad_prior
+from orbident.estimation.recursive.filter import Extended, cad_prior
+from orbident.estimation.recursive.filter_input import filter_input_of
+from orbident.estimation.recursive.history import Detector
 from orbident.preprocessing.samples import samples_of
 from orbident.simulation.simulate import simulate
 from orbident.studies.spatial import spatial_robot, spatial_trajectory
@@ -93,7 +92,7 @@ def recursion(benchmark, record, robot, recording) -> float:
 
     The means before and after the filter hands over to `beta` are in `extra_info`.
     """
-    t, every, noise = given_of(robot, samples_of(robot, recording))
+    t, every, noise = filter_input_of(robot, samples_of(robot, recording))
     kalman = Extended.of(robot, noise)
     watch = Detector(kalman.rows, samples=t.size).start()
     state = kalman.begun(cad_prior(robot), every[0], None).core

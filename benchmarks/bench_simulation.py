@@ -10,9 +10,9 @@ import pytest
 from mujoco_runs import Drive, Flight, Prescribed, Servoed
 from scipy.integrate import solve_ivp
 
-from orbident.model.inertia import inertia_at
+from orbident.model.core_robot import wheels_of
+from orbident.model.kinematics import inertia_at
 from orbident.model.rotations import quaternion_matrix, quaternion_rate
-from orbident.model.wheel_arrays import wheels_of
 from orbident.simulation.free_floating import BaseState, FreeFloating, free_floating
 from orbident.simulation.simulate import sample_times
 from orbident.studies.paper_tables import SPATIAL_DURATION, SPATIAL_RATE

@@ -12,7 +12,7 @@ from typing import NamedTuple, Protocol
 import mujoco
 import mujoco.rollout
 import numpy as np
-from mujoco_model import WHEEL_MASS, give_inertia, wheel_inertia
+from mujoco_model import WHEEL_MASS, about_axis, give_inertia
 
 from orbident.robot.description import Robot
 from orbident.robot.parameters import from_mass_com_inertia
@@ -64,7 +64,7 @@ def floating_model(robot: Robot, armature: float) -> mujoco.MjModel:
     theta_0 = robot.theta[0]
     com = theta_0[1:4] / theta_0[0]
     for wheel in robot.wheels:
-        I = wheel_inertia(wheel)
+        I = about_axis(wheel.inertia, wheel.axis)
         theta_0 = theta_0 - from_mass_com_inertia(WHEEL_MASS, com, I)
         body = base.add_body(name=wheel.name, pos=com)
         body.add_joint(name=wheel.name, type=hinge, axis=wheel.axis, armature=armature)

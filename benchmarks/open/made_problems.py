@@ -14,8 +14,8 @@ import numpy as np
 from problem_folder import DESCRIPTION, TRUTH, digest, mean_square, parameters_of
 
 from orbident.excitation.bound import cramer_rao
-from orbident.model.inertia import inertia_at
-from orbident.model.wheel_arrays import wheels_of
+from orbident.model.core_robot import wheels_of
+from orbident.model.kinematics import inertia_at
 from orbident.recordings.recording import Recording
 from orbident.recordings.tables import write_recording
 from orbident.robot.description import Robot

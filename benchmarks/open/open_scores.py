@@ -8,9 +8,9 @@ from answers import Answer
 from problem_folder import Problem
 
 from orbident.identified.prediction import momentum_terms
+from orbident.model.core_robot import wheels_of
 from orbident.model.minimal_sets import minimal_sets
 from orbident.model.rotations import quaternion_matrix, rotate
-from orbident.model.wheel_arrays import wheels_of
 from orbident.preprocessing.samples import samples_of
 
 NORMAL = 1.96

@@ -18,7 +18,7 @@ import numpy as np
 from Basilisk.architecture import messaging, sysModel
 from scipy.spatial.transform import Rotation
 
-from orbident.model.inertia import inertia_at
+from orbident.model.kinematics import inertia_at
 from orbident.robot.description import Robot
 
 BANDWIDTH, DAMPING = 0.3, 0.8

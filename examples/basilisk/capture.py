@@ -22,15 +22,22 @@ from mass_properties import MassProperties
 from scipy.spatial.transform import Rotation
 
 from orbident.robot.description import Robot
-from orbident.robot.parameters import FIRST_MOMENT, MASS, inertia_about_com
+from orbident.robot.parameters import (
+    FIRST_MOMENT,
+    MASS,
+    from_mass_com_inertia,
+    inertia_about_com,
+)
 from orbident.robot.robot_file import load_robot
-from orbident.simulation.capture import CapturedBody, holding
 
 HERE = Path(__file__).parent
 RATE = 20.0
 STEPS = 10
 """Steps of the dynamics in each sample."""
-TARGET = CapturedBody(12.0, np.array([0.9, 0.05, 0.0]), np.diag([0.4, 0.5, 0.6]))
+TARGET = from_mass_com_inertia(
+    12.0, np.array([0.9, 0.05, 0.0]), np.diag([0.4, 0.5, 0.6])
+)
+"""In the frame of the last link, to which it is attached."""
 HEAVIER = 1.1
 """The hub is so much heavier than CAD says."""
 CAPTURE, END = 40.0, 90.0
@@ -134,7 +141,8 @@ def run(by_cad: bool = False) -> Found:
     simulation.ConfigureStopTime(macros.sec2nano(CAPTURE))
     simulation.ExecuteSimulation()
     before = [e for e in filter_.events if e.kind == "estimate"][-1]
-    held = holding(cad, TARGET).theta
+    held = cad.theta.copy()
+    held[-1] += TARGET
     held[0] *= HEAVIER
     _set_links(links, cad, held)
     simulation.ConfigureStopTime(macros.sec2nano(END))

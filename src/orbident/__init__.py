@@ -13,16 +13,16 @@ oi.validate(result, oi.read_recording("other.csv"))
 import importlib
 from typing import TYPE_CHECKING, Any
 
-from orbident.estimation.provided import provide
+from orbident.extras import provide
 
 if TYPE_CHECKING:
     from orbident.errors import InputError as InputError
     from orbident.estimation.identify import identify as identify
     from orbident.estimation.least_squares import LeastSquares as LeastSquares
+    from orbident.estimation.least_squares import Structured as Structured
     from orbident.estimation.output_error.estimator import OutputError as OutputError
     from orbident.estimation.recursive.history import Recursive as Recursive
     from orbident.estimation.result import Result as Result
-    from orbident.estimation.structured import Structured as Structured
     from orbident.estimation.weigh import Weighing as Weighing
     from orbident.estimation.weigh import weigh as weigh
     from orbident.excitation.design import design_excitation as design_excitation
@@ -66,7 +66,7 @@ _PUBLIC = {
     "Recursive": "orbident.estimation.recursive.history",
     "Result": "orbident.estimation.result",
     "Robot": "orbident.robot.description",
-    "Structured": "orbident.estimation.structured",
+    "Structured": "orbident.estimation.least_squares",
     "Surveyed": "orbident.recordings.topics.survey",
     "Trajectory": "orbident.trajectories.trajectory",
     "Validation": "orbident.identified.validate",

@@ -1,8 +1,14 @@
-"""Libraries that an extra of this package installs, and the refusal without them."""
+"""What is imported when it is first used: libraries of an extra, and layers above.
 
-from collections.abc import Iterator
+A library may be missing, which is said with the extra that installs it. What a layer
+above makes of a result is registered by name, so that no layer imports one above it.
+"""
+
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from importlib import import_module
 from importlib.util import find_spec
+from typing import Any
 
 from orbident.errors import InputError
 
@@ -42,3 +48,22 @@ def require_library(library: str) -> None:
     """
     if find_spec(library) is None:
         raise ModuleNotFoundError(name=library)
+
+
+_PLACES: dict[str, str] = {}
+
+
+def provide(name: str, place: str) -> None:
+    """Register a function of a result; its module is imported when it is first used.
+
+    Args:
+        name: by which a result asks for it.
+        place: `module:function`.
+    """
+    _PLACES[name] = place
+
+
+def provided(name: str) -> Callable[..., Any]:
+    """The function that was registered by this name."""
+    module, _, function = _PLACES[name].partition(":")
+    return getattr(import_module(module), function)

@@ -1,6 +1,7 @@
 """`orbident excite` and `orbident sample`."""
 
 import csv
+import json
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -114,6 +115,51 @@ def test_compare(orbident, table_5):
     assert "predicted standard deviations" in words
 
 
+def test_how_large_a_table_a_motion_needs(orbident, table_5):
+    ran = orbident(
+        *("excite", "cepheus-like", "-o", "made.yaml", "--starts", 1),
+        *("--limit", "table=1x1.1"),
+    ).done()
+    assert "m of a table" in ran.out
+    made = load_trajectory("made.yaml").design
+    assert made is not None
+    width, depth = made["proven"]["table"]
+    assert width < 1.0
+    assert depth < 1.1
+    inspected = orbident("inspect", "cepheus-like", "--trajectory", table_5).done()
+    assert "needs 1.298 x 1.298 m of a table" in inspected.out
+    compared = orbident(
+        *("excite", "cepheus-like", "--compare", "made.yaml", "--json", "-"),
+    ).done()
+    assert compared.json["trajectories"][0]["table"] == [width, depth]
+
+
+def test_motions_of_several_recordings(orbident):
+    """One name stands for all of them: they are written, and scored together."""
+    made = ("excite", "cepheus-like", "--recordings", 2, "-o", "two.yaml")
+    fast = ("--starts", 1, "--duration", 10, "--harmonics", 3)
+    ran = orbident(*made, *fast, "--json", "two.json").done()
+    assert "recording 2 of 2; scores are of all until here together" in ran.out
+    first, second = json.loads(Path("two.json").read_text())["recordings"]
+    assert [each["trajectory"] for each in (first, second)] == [
+        "two-1.yaml",
+        "two-2.yaml",
+    ]
+    compared = orbident(
+        *("excite", "cepheus-like", "--compare", "two.yaml", "--json", "-")
+    ).done()
+    (together,) = compared.json["trajectories"]
+    assert together["source"] == "two-1.yaml to two-2.yaml"
+    assert together["scores"]["d"] == pytest.approx(second["value"], rel=1e-9)
+    orbident(*made, *fast).refused("two-1.yaml", "exists already")
+    text = Path("two-1.yaml").read_text()
+    for wrong in ("recordings: 1", "recordings: [2]", "recordings: 1000000000"):
+        Path("two-1.yaml").write_text(text.replace("recordings: 2", wrong))
+        orbident("excite", "cepheus-like", "--compare", "two.yaml").refused(
+            "two.yaml", "not one of several"
+        )
+
+
 def test_sample_as_a_table(orbident, table_5):
     orbident("sample", table_5, "-o", "table.csv", "--rate", 10).done()
     with Path("table.csv").open() as file:
@@ -163,7 +209,18 @@ def test_sample_for_ros(orbident, table_5):
             ["base_rate=x"],
         ),
         (["cepheus-like", "-o", "made.yaml", "--limit", "base_rate=0"], ["base rate"]),
+        (["cepheus-like", "-o", "made.yaml", "--limit", "table=1"], ["WIDTHxDEPTH"]),
+        (["cepheus-like", "-o", "made.yaml", "--limit", "table=1xm"], ["'table=1xm'"]),
+        (["cepheus-like", "-o", "made.yaml", "--limit", "table=1x0"], ["table depth"]),
+        (["paper-spatial", "-o", "made.yaml", "--limit", "table=1x1"], ["in space"]),
         (["cepheus-like", "--compare", "missing.yaml"], ["missing.yaml"]),
+        (["cepheus-like", "-o", "m.yaml", "--recordings", 0], ["--recordings"]),
+        (["cepheus-like", "-o", "m.yaml", "--recordings", 1e9], ["--recordings"]),
+        (["cepheus-like", "-o", "m.yaml", "--recordings", 101], ["--recordings"]),
+        (
+            ["cepheus-like", "--like-paper", "-o", "m.yaml", "--recordings", 2],
+            ["condition numbers do not add up"],
+        ),
         (["paper-spatial", "--compare", "table5.yaml"], ["joint3"]),
     ],
 )

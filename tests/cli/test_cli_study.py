@@ -168,16 +168,17 @@ def test_wrong_usage(orbident: Orbident, arguments: tuple[str, ...], words: str)
 
 @pytest.mark.long
 def test_table(orbident: Orbident):
-    """A minute; whether it is trusted is a matter of what acts, not of the command."""
-    ran = orbident("study", "table", "--seed", 1, "-o", "kept", "--json", "study.json")
-    assert ran.status in (0, 1)
-    for words in ("likelihood without (%)", "what acted", "pull.x", "written: kept"):
+    """Half a minute."""
+    ran = orbident(
+        *("study", "table", "--seed", 1, "-o", "kept", "--json", "study.json")
+    ).done()
+    for words in ("worst parameter", "What acted", "pull.x", "written: kept"):
         assert words in ran.out
     kept = {path.name for path in Path("kept").iterdir()}
     assert kept == CONTROL_FILES | {"cut_offs"}
     assert "A real table" in Path("kept/report.html").read_text()
     study = json.loads(Path("study.json").read_text())
-    paper, mine = (study["by_method"][name][-1] for name in ("paper", "with"))
-    assert abs(paper["error_percent"]) > 20 > 2 > abs(mine["error_percent"])
+    paper, ours = (study["by_method"][name][-1] for name in ("paper", "ours"))
+    assert abs(paper["error_percent"]) > 20 > 5 > abs(ours["error_percent"])
     # The environment is kept with the trajectory.
     assert "film_drag" in Path("kept/trajectory.yaml").read_text()

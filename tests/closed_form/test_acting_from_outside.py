@@ -19,7 +19,7 @@ from random_robots import (
 
 from orbident.errors import InputError
 from orbident.model.equations_of_motion import equations_of_motion
-from orbident.model.inertia import inertia
+from orbident.model.kinematics import inertia
 from orbident.robot.description import Robot
 from orbident.simulation import outside
 from orbident.simulation.control_laws import Driven, Hold, thrust_columns

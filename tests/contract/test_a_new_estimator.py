@@ -4,10 +4,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from orbident.estimation.base_parameters import beta_of_fits
 from orbident.estimation.estimate import Estimate, Progress, estimate_of_beta
 from orbident.estimation.identify import identify
 from orbident.estimation.momentum_problem import MomentumProblem
-from orbident.estimation.nonlinear_fit import beta_of_fits
 from orbident.model.minimal_sets import minimal_sets
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot

@@ -12,11 +12,10 @@ import pytest
 from made_results import exact_result
 
 from orbident.errors import InputError
-from orbident.estimation.budget import Budget
+from orbident.estimation.budget import Budget, SensitivityTable
 from orbident.estimation.checks import Check
 from orbident.estimation.quantities import MassRoutes, Quantity, TotalMass
 from orbident.estimation.result import Result
-from orbident.estimation.sensitivity_table import SensitivityTable
 from orbident.estimation.solution import Step
 from orbident.estimation.unknowns import CalibrationFit, DisturbanceFit
 from orbident.files.json_parts import Keyed, NullableTable, as_computed

@@ -252,7 +252,7 @@ def test_noise_shows_in_the_deviations(
         estimates.append(estimator.estimate(problem, lambda _: None))
         results.append(identify(robot, spoiled, method))
     for name in ("pi", "phi", "base"):
-        small, large = (getattr(estimate.found, name) for estimate in estimates)
+        small, large = (getattr(estimate.parameters, name) for estimate in estimates)
         # A search ends within a hundredth of a deviation, weights within 5 %.
         part = 1e-3 if method == "least-squares" else 0.02
         one, ten = (np.sqrt(np.diag(each.covariance)) for each in (small, large))

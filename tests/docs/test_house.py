@@ -11,13 +11,13 @@ PACKAGE = ROOT / "src/orbident"
 
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
-    "files": 319,
-    "lines": 55_871,
-    "files of estimation": 67,
-    "lines of estimation": 10_382,
-    "files with one user": 70,
-    "imports below each other": 31,
-    "numbers without a reason": 70,
+    "files": 298,
+    "lines": 56_685,
+    "files of estimation": 45,
+    "lines of estimation": 9_788,
+    "files with one user": 64,
+    "imports below each other": 29,
+    "numbers without a reason": 39,
 }
 
 

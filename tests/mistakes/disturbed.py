@@ -11,9 +11,9 @@ from typing import NamedTuple
 import numpy as np
 from recordings import Clean
 
-from orbident.model.inertia import inertia
+from orbident.model.core_robot import wheels_of
+from orbident.model.kinematics import inertia
 from orbident.model.rotations import quaternion_matrix, quaternion_rate
-from orbident.model.wheel_arrays import wheels_of
 from orbident.simulation.measure import Truth
 
 STEP = 0.05

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+from captured_bodies import CapturedBody, holding, truth_through_change
 from drawn import Kind, Random, between, direction, either, middle
 from mistake import Mistake
 from recordings import Clean
@@ -18,7 +19,6 @@ from wrong_motions import (
 )
 from wrong_sensors import flexible
 
-from orbident.simulation.capture import CapturedBody, holding, truth_through_change
 from orbident.trajectories.trajectory import Trajectory
 
 CHANGED = "chang*|captur*|releas*"

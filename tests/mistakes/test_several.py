@@ -12,8 +12,7 @@ from several_flights import flights_of, recorded, with_payload
 
 import orbident as oi
 from orbident.errors import InputError
-from orbident.estimation.output_error.sharing import together
-from orbident.estimation.shared import Shared
+from orbident.estimation.solution import Shared, together
 from orbident.estimation.unknowns import Unknown
 
 TABLE = "table 3"

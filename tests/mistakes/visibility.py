@@ -16,9 +16,9 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 from spoiled import Spoil, Spoiled
 
-from orbident.model.inertia import inertia_at
+from orbident.model.core_robot import wheels_of
+from orbident.model.kinematics import inertia_at
 from orbident.model.minimal_sets import minimal_sets
-from orbident.model.wheel_arrays import wheels_of
 from orbident.robot.description import Robot
 from orbident.robot.parameters import PER_BODY
 from orbident.simulation.free_floating import BaseState, JointState, free_floating

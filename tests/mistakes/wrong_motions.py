@@ -4,13 +4,13 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
+from captured_bodies import truth_through_change
 from disturbed import NOTHING, Now, Push, Wrench, pushed
 from recordings import Clean, motion_of
 from spoiled import Spoil, Spoiled, spoiled
 
 from orbident.robot.description import Joint, Robot
 from orbident.robot.parameters import PER_BODY, from_mass_com_inertia, transformed
-from orbident.simulation.capture import truth_through_change
 from orbident.simulation.free_floating import JointMotion, JointState
 from orbident.trajectories.trajectory import Trajectory
 

@@ -1,7 +1,8 @@
 """Robots that MuJoCo flies while something acts on them, and what their sensors show.
 
-MuJoCo integrates every body and wheel. Joints and wheels are servoed: computed torques
-that know nothing of what acts, and a PD law that holds against it.
+MuJoCo integrates every body, wheel and rotor. Joints and wheels are servoed: computed
+torques that know nothing of what acts, and a PD law that holds against it. A rotor is
+held to its joint's rate times its gear by what acts between bodies of the robot.
 """
 
 # MuJoCo is compiled, and its stubs do not say what it exports.
@@ -13,7 +14,7 @@ from functools import cached_property
 import mujoco
 import numpy as np
 from acting_in_mujoco import Acts, Capture, Stage
-from mujoco_model import PLANE, mujoco_model
+from mujoco_model import PLANE, mujoco_model, rotor_name
 
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
@@ -79,7 +80,11 @@ class _Plant:
             theta = acts.onto(robot.theta, robot.bodies)
             self.after = _embodied(replace(robot, theta=theta), flight.dt)
         self.data = mujoco.MjData(self.model)
-        model, names = self.model, (*robot.joint_names, *robot.wheel_names)
+        geared = {k: r for k, r in robot.rotors.items() if r.inertia}
+        self.gear = np.array([rotor.gear for rotor in geared.values()])
+        self.geared = [robot.joint_names.index(name) for name in geared]
+        model, rotors = self.model, map(rotor_name, geared)
+        names = (*robot.joint_names, *robot.wheel_names, *rotors)
         self.driven = np.array([model.joint(name).dofadr[0] for name in names])
         self.places = np.array([model.joint(name).qposadr[0] for name in names])
         if self.planar:
@@ -103,7 +108,7 @@ class _Plant:
         data, initial = self.data, self.flight.motion.initial
         q, qd, _ = (history[0] for history in self.commanded)
         data.qpos[self.places[: q.size]] = q
-        data.qvel[self.driven] = np.append(qd, self.speeds[0])
+        data.qvel[self.driven] = [*qd, *self.speeds[0], *self.gear * qd[self.geared]]
         if self.planar:
             x, y, z, w = initial.attitude
             assert x == y == 0.0
@@ -141,11 +146,15 @@ class _Plant:
         node = round(data.time * 2 / self.flight.dt)
         q, qd, qdd = (history[node] for history in self.commanded)
         left, driven, n = self.left, self.driven, q.size
+        wheels = n + self.speeds.shape[1]
         rate = data.qvel[driven]
         a = np.zeros(model.nv)
         a[driven[:n]] = qdd + KD * (qd - rate[:n])
         a[driven[:n]] += KP * (q - data.qpos[self.places[:n]])
-        a[driven[n:]] = self.slopes[node] + WHEEL_KD * (self.speeds[node] - rate[n:])
+        off = self.speeds[node] - rate[n:wheels]
+        a[driven[n:wheels]] = self.slopes[node] + WHEEL_KD * off
+        slip = self.gear * rate[self.geared] - rate[wheels:]
+        a[driven[wheels:]] = self.gear * a[driven[self.geared]] + WHEEL_KD * slip
         mujoco.mj_fullM(model, data, self.M)
         M, bias = self.M, data.qfrc_bias
         force = -bias[left] - M[np.ix_(left, driven)] @ a[driven]
@@ -158,7 +167,8 @@ class _Plant:
     def row(self) -> tuple[np.ndarray | float, ...]:
         """Time, and what is true at it, in the order of `Truth`."""
         data, joints = self.data, len(self.flight.robot.joints)
-        x, v = data.qpos[self.places], data.qvel[self.driven]
+        shown = joints + self.speeds.shape[1]
+        x, v = data.qpos[self.places][:shown], data.qvel[self.driven][:shown]
         felt = np.zeros(3)
         if self.planar:
             px, py, turn = data.qpos[self.left]

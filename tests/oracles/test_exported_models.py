@@ -25,16 +25,16 @@ from orbident.errors import InputError
 from orbident.estimation.result import Result
 from orbident.identified.exported_robot import Mechanism, exported_robot
 from orbident.identified.simulator_models import basilisk_script, mjcf, sdf
+from orbident.model.core_robot import wheels_of
 from orbident.model.equations_of_motion import movable
-from orbident.model.inertia import inertia_at
+from orbident.model.kinematics import inertia_at
 from orbident.model.reconstruction import Dynamics
-from orbident.model.wheel_arrays import wheels_of
-from orbident.robot.description import Robot
+from orbident.robot.description import NO_ROTOR, GearedRotor, Robot
 from orbident.robot.parameters import inertia_about_com
 from orbident.robot.robot_file import load_robot
 from orbident.studies.control import off_by
 
-ROBOTS = ("paper-spatial", "cepheus-like", "dual-arm", "rotor-links")
+ROBOTS = ("paper-spatial", "cepheus-like", "dual-arm", "rotor-links", "geared")
 
 STATES = 5
 
@@ -66,6 +66,11 @@ class State(NamedTuple):
 def case(request: pytest.FixtureRequest, tmp_path_factory) -> Case:
     if request.param == "rotor-links":
         true = load_servicer(tmp_path_factory.mktemp("servicer"))
+    elif request.param == "geared":
+        motors = GearedRotor(160.0, 1e-4), GearedRotor(-100.0, 1e-4), NO_ROTOR
+        true = load_robot("paper-spatial")
+        rotors = dict(zip(true.joint_names, motors, strict=True))
+        true = replace(true, rotors=rotors)
     else:
         true = load_robot(request.param)
     result = replace(exact_result(true), robot=off_by(true, 0.2, seed=1))
@@ -142,7 +147,11 @@ def test_sdf(case, states):
     """Its links, joints and poses make the same model; S is a frame."""
     text = sdf(case.mechanism)
     planar = case.result.robot.motion == "planar"
-    check_by_pinocchio(case, states, model_of_sdf(text, planar))
+    model = model_of_sdf(text, planar)
+    # The format has no place for it, which the file says.
+    assert case.mechanism.armature.any() == ("has no place" in text)
+    model.armature[-len(case.joints) :] = case.mechanism.armature
+    check_by_pinocchio(case, states, model)
     frame = ET.fromstring(text).find(".//frame[@name='feature_point']/pose")
     assert numbers(frame)[:3] == pytest.approx(case.result.robot.feature_point)
 

@@ -19,8 +19,8 @@ from obvious_momentum import quaternion_rotation
 from random_robots import DUAL_ARM, random_quaternion, random_robot, random_wheels
 from scipy.interpolate import CubicHermiteSpline
 
-from orbident.model.inertia import inertia_at
-from orbident.model.wheel_arrays import wheels_of
+from orbident.model.core_robot import wheels_of
+from orbident.model.kinematics import inertia_at
 from orbident.robot.description import Robot
 from orbident.simulation.free_floating import BaseState, FreeFloating, free_floating
 

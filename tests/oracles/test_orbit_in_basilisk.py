@@ -238,7 +238,7 @@ def test_a_spacecraft_without_arms_flies_as_ours_does():
         )
 
     mine, alone = ours(acts), ours({})
-    place = Orbit(ORBIT).arc(0.0, 600.0).place(flown.t)
+    place = Orbit(ORBIT).arc(0.0, 600.0).position(flown.t)
     off = np.abs(flown.seen.r_CN_N - place).max()
     moved = np.abs(flown.seen.omega_BN_B - alone.w).max()
     rate = np.abs(flown.seen.omega_BN_B - mine.w).max()

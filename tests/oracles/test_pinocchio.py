@@ -12,16 +12,15 @@ from one_state import only_state
 from pinocchio_model import PinocchioRobot, pinocchio_model
 from random_robots import random_parents, random_robot
 
-from orbident.model.inertia import (
+from orbident import _core
+from orbident.model.core_robot import core_robot
+from orbident.model.kinematics import (
     Inertia,
     Masses,
-    carried_about_S,
-    inertia_at,
-    masses_about_S,
-)
-from orbident.model.kinematics import (
     MomentumRegressors,
     Poses,
+    carried_about_S,
+    inertia_at,
     momentum_regressors,
     point_jacobian,
     poses,
@@ -63,7 +62,7 @@ def ours_of(robot: Robot, q: np.ndarray, qd: np.ndarray, w: np.ndarray) -> Ours:
     """One state, without the leading axis of the states."""
     return Ours(
         only_state(poses(robot, q[None])),
-        only_state(masses_about_S(robot, q[None])),
+        only_state(Masses(*_core.masses(core_robot(robot), q[None], False))),
         only_state(carried_about_S(robot, q[None])),
         inertia_at(robot, q),
         only_state(momentum_regressors(robot, q[None], qd[None], w[None])),

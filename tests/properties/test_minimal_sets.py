@@ -166,6 +166,8 @@ def check_formulas(robot: Robot, sets: MinimalSets):
         for body, row in zip(robot.bodies, robot.theta, strict=True)
         for symbol, number in zip(symbols, row, strict=True)
     }
+    # Their joints may have motors behind gears; these have none.
+    values |= {f"rotor({name})": 0.0 for name in robot.joint_names}
     beta, phi = sets.beta(robot.theta), sets.phi(robot.theta)
     values |= zip(formulas.base.names, beta.tolist(), strict=True)
     values |= zip(formulas.phi.names, phi.tolist(), strict=True)

@@ -11,8 +11,7 @@ from obvious_momentum import body_motion, system_motion
 from one_state import only_state
 from random_robots import random_robot
 
-from orbident.model.inertia import inertia_at
-from orbident.model.kinematics import momentum_regressors, poses
+from orbident.model.kinematics import inertia_at, momentum_regressors, poses
 from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.description import Robot
 

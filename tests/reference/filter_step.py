@@ -13,7 +13,7 @@ from scipy.linalg import block_diag
 from scipy.spatial.transform import Rotation
 
 from orbident.estimation.recursive.filter import Sample, State
-from orbident.estimation.recursive.given import Noise
+from orbident.estimation.recursive.filter_input import Noise
 from orbident.model.minimal_sets import MinimalSets, minimal_sets
 from orbident.robot.description import Robot
 from orbident.robot.parameters import cross_matrix

@@ -11,13 +11,13 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from captured_bodies import CapturedBody, holding, truth_through_change
 
-from orbident.estimation.recursion import History
+from orbident.estimation.estimate import History
 from orbident.estimation.recursive.history import recursive_history
 from orbident.model.minimal_sets import minimal_sets
 from orbident.preprocessing.samples import samples_of
 from orbident.robot.description import Robot
-from orbident.simulation.capture import CapturedBody, holding, truth_through_change
 from orbident.simulation.free_floating import FreeFloating
 from orbident.simulation.measure import measure, measure_truth
 from orbident.simulation.simulate import float_along, sample_times

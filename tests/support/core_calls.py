@@ -11,9 +11,8 @@ from segments import segment_of
 
 from orbident import _core
 from orbident.estimation.output_error.problem import SENSORS
-from orbident.estimation.recursive.filter import Extended
-from orbident.estimation.recursive.given import declared_noise
-from orbident.estimation.recursive.prior import cad_prior
+from orbident.estimation.recursive.filter import Extended, cad_prior
+from orbident.estimation.recursive.filter_input import declared_noise
 from orbident.robot.description import Robot
 from orbident.robot.sensor_schema import declared_sensors
 
@@ -99,7 +98,8 @@ def _robot(calls: Calls, robot: Robot, random: np.random.Generator) -> tuple[Any
         np.array([joint.p_PJ for joint in joints]),
     )
     axes = random.standard_normal((wheels, 3))
-    return tree, calls.make("Robot", tree, robot.theta.copy(), axes, np.ones(wheels))
+    theta, armature = robot.theta.copy(), np.ones(len(robot.joints))
+    return tree, calls.make("Robot", tree, theta, armature, axes, np.ones(wheels))
 
 
 def _rigid_bodies(

@@ -6,12 +6,13 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
+from captured_bodies import CapturedBody, holding, truth_through_change
 from random_motions import random_motion
 
-from orbident.live.sources import VELOCITY, needed_columns
+from orbident.live.sources import needed_columns
+from orbident.recordings.columns import vector_columns
 from orbident.robot.description import Robot
 from orbident.robot.robot_file import load_robot
-from orbident.simulation.capture import CapturedBody, holding, truth_through_change
 from orbident.simulation.simulate import made_along, sample_times
 
 NAME, DURATION, RATE = "paper-spatial", 30.0, 20.0
@@ -45,7 +46,7 @@ def flown(
     walk = robot().sensors.of("gyro").white_std()
     std = {"gyro": walk * np.sqrt(rate), "velocity": VELOCITY_STD, "joint": 2.5e-5}
     columns, exact = {"t": t}, true.columns(robot())
-    for name in (*needed_columns(robot())[1:], *VELOCITY):
+    for name in (*needed_columns(robot())[1:], *vector_columns("velocity")):
         noise = std.get(name.split(".")[0], 0.0) * random.standard_normal(t.size)
         columns[name] = exact[name] + noise
     return columns

@@ -7,9 +7,8 @@ import numpy as np
 from orbident.estimation.checks import Check
 from orbident.estimation.quantities import NO_ROUTES, BaseSet, EstimatedSet, TotalMass
 from orbident.estimation.result import Result
-from orbident.model.formulas import formulas_of
+from orbident.model.formulas import formulas_of, nominal_parameters
 from orbident.model.minimal_sets import minimal_sets
-from orbident.model.nominal import nominal_parameters
 from orbident.robot.description import Robot, Structure
 
 REFUSED = Check("scale", "do not trust", "mass: no scale", "spin a wheel up")

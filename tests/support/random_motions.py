@@ -6,8 +6,8 @@ from typing import Literal
 
 import numpy as np
 
-from orbident.model.inertia import inertia_at
-from orbident.model.wheel_arrays import wheels_of
+from orbident.model.core_robot import wheels_of
+from orbident.model.kinematics import inertia_at
 from orbident.robot.description import Robot
 from orbident.trajectories.trajectory import InitialState, Trajectory
 

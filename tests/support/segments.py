@@ -9,11 +9,10 @@ from random_robots import random_start, random_swing
 from orbident import _core
 from orbident.estimation.output_error.problem import NO_ROWS, NOTHING, SENSORS
 from orbident.estimation.solution import OUTSIDE, Linear, Unknowns
-from orbident.model.core_robot import core_tree
-from orbident.model.inertia import inertia_at
+from orbident.model.core_robot import core_tree, wheels_of
+from orbident.model.kinematics import inertia_at
 from orbident.model.minimal_sets import minimal_sets
 from orbident.model.rotations import quaternion_matrix
-from orbident.model.wheel_arrays import wheels_of
 from orbident.robot.description import Robot
 from orbident.simulation.free_floating import free_floating
 from orbident.simulation.measure import accelerations
@@ -137,8 +136,8 @@ def segment_of(
         first=np.ones(9 + 2 * joints),
         corrections=np.ones(2 * joints),
         walk=np.ones(9),
-        with_law=np.zeros(0),
-        laws=np.zeros((0, 3 + robot.theta.size)),
+        passive=np.zeros(0),
+        laws=np.zeros((0, 4 + robot.theta.size)),
         slack=np.ones(intervals),
     )
     common = np.concatenate([*outside, sets.beta(robot.theta)])

@@ -8,8 +8,8 @@ import numpy as np
 import report_runs
 
 import orbident as oi
+from orbident.estimation.budget import SensitivityTable
 from orbident.estimation.quantities import Quantity
-from orbident.estimation.sensitivity_table import SensitivityTable
 
 LINES, LONGEST = 24, 1500
 """A terminal's screen, and what a notebook's cell shows without scrolling."""

@@ -11,9 +11,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from orbident.model.core_robot import wheels_of
 from orbident.model.minimal_sets import MinimalSets, minimal_sets
 from orbident.model.rotations import quaternion_matrix
-from orbident.model.wheel_arrays import wheels_of
 from orbident.preprocessing.samples import samples_of
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot

@@ -32,13 +32,17 @@ OwnedTree make_tree(const Array& parent, const Array& revolute, const Array& axi
   return tree;
 }
 
-OwnedRobot make_robot(const OwnedTree& tree, const Array& theta, const Array& axes,
-                      const Array& inertia) {
+OwnedRobot make_robot(const OwnedTree& tree, const Array& theta, const Array& armature,
+                      const Array& axes, const Array& inertia) {
   const std::int64_t bodies = tree.view().bodies();
   const auto body = input<2>("theta", theta, {bodies, PER_BODY});
+  const auto rotor = input<1>("armature", armature, {bodies - 1});
   const auto inertias = input<1>("wheel_inertia", inertia, {ANY});
   const auto axis = input<2>("wheel_axis", axes, {inertias.size(0), 3});
-  OwnedRobot robot{tree, {body.data(), body.data() + bodies * PER_BODY}, {}};
+  OwnedRobot robot{tree,
+                   {body.data(), body.data() + bodies * PER_BODY},
+                   {rotor.data(), rotor.data() + bodies - 1},
+                   {}};
   for (std::ptrdiff_t k = 0; k < inertias.size(0); ++k)
     robot.wheels.push_back(
         {Eigen::Map<const Vector3<double>>(axis.data() + 3 * k), inertias.data()[k]});
@@ -144,8 +148,7 @@ auto inertia(const OwnedRobot& owned, const Array& q_, int threads) {
         joint_columns(robot.tree, at.field, at.carried, at.momentum,
                       Rows3<double>(D_q.data() + 3 * K * k, 3, K),
                       Rows3<double>(J_cm.data() + 3 * K * k, 3, K));
-        joint_inertia(robot.tree, at.field, at.momentum, all.M,
-                      Square<double>(D_qq.data() + K * K * k, K, K));
+        joint_block(robot, at, Square<double>(D_qq.data() + K * K * k, K, K));
       }
     });
   }
@@ -244,9 +247,9 @@ void bind_dynamics(nb::module_& m) {
       .def(nb::new_(&make_tree), nb::arg("parent"), nb::arg("revolute"), nb::arg("axis"),
            nb::arg("R_PJ"), nb::arg("p_PJ"))
       .def_prop_ro("joints", [](const OwnedTree& tree) { return tree.joints.size(); });
-  nb::class_<OwnedRobot>(m, "Robot", "A tree with its inertia theta and its reaction wheels.")
-      .def(nb::new_(&make_robot), nb::arg("tree"), nb::arg("theta"), nb::arg("wheel_axis"),
-           nb::arg("wheel_inertia"));
+  nb::class_<OwnedRobot>(m, "Robot", "A tree with its inertia theta, motors' rotors and wheels.")
+      .def(nb::new_(&make_robot), nb::arg("tree"), nb::arg("theta"), nb::arg("armature"),
+           nb::arg("wheel_axis"), nb::arg("wheel_inertia"));
   m.def("poses", &poses, nb::arg("tree"), nb::arg("q"), nb::arg("threads") = 1,
         "R_Bi and p_SBi of all bodies and the motion (w, u at S) of each joint at unit rate; base "
         "axes.");

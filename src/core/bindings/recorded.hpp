@@ -1,6 +1,7 @@
 // A recording cut into shooting intervals, checked and owned.
 #pragma once
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -45,7 +46,7 @@ struct OwnedRecorded {
   std::vector<In<2>> samples;
   In<1> first, corrections, walk;
   int lasting;
-  std::vector<JointEquation> equations;
+  std::vector<Spring> springs;
   In<2> laws;
   In<1> slack;
 
@@ -76,8 +77,8 @@ struct OwnedRecorded {
     all.wheels = static_cast<int>(A_rw.size(0));
     all.A_rw = A_rw.data();
     all.lasting = lasting;
-    all.equation = equations.data();
-    all.equations = static_cast<int>(equations.size());
+    all.spring = springs.data();
+    all.springs = static_cast<int>(springs.size());
     all.slack = slack.data();
     all.first = first.data();
     all.prior = corrections.data();
@@ -98,8 +99,8 @@ inline OwnedRecorded make_recorded(
     const std::vector<Array>& q, const std::vector<Array>& q_slope, const std::vector<Array>& qd,
     const std::vector<Array>& qdd, const Array& A_rw_, const std::vector<Array>& qd_rw,
     const std::vector<Array>& qdd_rw, const std::vector<Array>& samples, const Array& first,
-    const Array& corrections, const Array& walk, const Array& with_law_,
-    const Array& laws_, const Array& slack) {
+    const Array& corrections, const Array& walk, const Array& passive_, const Array& laws_,
+    const Array& slack) {
   const std::int64_t K = tree.view().joints;
   const auto A_rw = input<2>("A_rw", A_rw_, {ANY, 3});
   const std::int64_t W = A_rw.size(0);
@@ -149,14 +150,21 @@ inline OwnedRecorded make_recorded(
                     {},
                     {},
                     input<1>("slack", slack, {static_cast<std::int64_t>(edge.size()) - 1})};
-  const auto with_law =
-      whole_numbers("with_law", input<1>("with_law", with_law_, {ANY}), static_cast<double>(K));
-  const std::int64_t E = static_cast<std::int64_t>(with_law.size());
-  all.laws = input<2>("laws", laws_, {E, 3 + PER_BODY * (K + 1)});
-  for (std::int64_t e = 0; e < E; ++e) {
-    const double* law = all.laws.data() + e * all.laws.size(1);
-    if (!(law[2] > 0.0)) throw nb::value_error("laws: a density is not above zero");
-    all.equations.push_back({with_law[static_cast<std::size_t>(e)], law[0], law[1], law[2], law + 3});
+  const auto passive =
+      whole_numbers("passive", input<1>("passive", passive_, {ANY}), static_cast<double>(K));
+  all.laws = input<2>(
+      "laws", laws_, {static_cast<std::int64_t>(passive.size()), 4 + PER_BODY * (K + 1)});
+  for (std::size_t e = 0; e < passive.size(); ++e) {
+    const double* law = all.laws.data() + static_cast<std::ptrdiff_t>(e) * all.laws.size(1);
+    const auto at = std::find(all.corrected.begin(), all.corrected.end(), passive[e]);
+    if (at == all.corrected.end()) throw nb::value_error("passive: a joint has no corrections");
+    if (!(law[2] > 0.0 && law[3] > 0.0)) throw nb::value_error("laws: a walk is not above zero");
+    all.springs.push_back({passive[e],
+                           static_cast<int>(at - all.corrected.begin()),
+                           law[0],
+                           law[1],
+                           {law[2], law[3]},
+                           law + 4});
   }
   if (samples.size() != SENSORS) throw nb::value_error("samples: give one array a sensor");
   for (std::size_t k = 0; k < SENSORS; ++k) {

@@ -17,10 +17,11 @@ struct OwnedTree {
 
 struct OwnedRobot {
   OwnedTree tree;
-  std::vector<double> theta;
+  std::vector<double> theta, armature;
   std::vector<Wheel> wheels;
   Robot view() const {
-    return {tree.view(), theta.data(), wheels.data(), static_cast<int>(wheels.size())};
+    return {tree.view(), theta.data(), armature.data(), wheels.data(),
+            static_cast<int>(wheels.size())};
   }
 };
 

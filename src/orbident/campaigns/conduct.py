@@ -29,16 +29,17 @@ from orbident.campaigns.folder import (
     Row,
     arrow_table,
     check_versions,
+    done_chunks,
     path_of,
     read_chunk,
     schema_of,
-    versions,
     working,
     write_rows,
 )
 from orbident.errors import InputError
 from orbident.estimation.identify import identify
 from orbident.estimation.result import Result
+from orbident.estimation.results import versions
 from orbident.files.replacing import writing
 from orbident.files.text import read_text, sha256, write_text
 from orbident.model.minimal_sets import minimal_sets
@@ -242,13 +243,13 @@ def conduct(
     schema = schema_of(campaign)
     with working(folder):
         # That rows cannot be used is said before others are made for hours.
-        for chunk in campaign.spec.chunks:
-            if path_of(folder, chunk).exists():
-                read_chunk(campaign, folder, chunk, schema)
+        for chunk in done_chunks(campaign, folder):
+            read_chunk(campaign, folder, chunk, schema)
         done = campaign_progress(campaign, folder)
         progress(done)
         work = partial(run_chunk, campaign)
-        missing = _missing(campaign, folder)
+        every = campaign.spec.chunks
+        missing = (each for each in every if not path_of(folder, each).exists())
         kept = f"what is done is kept in {folder}: "
         with closing(computed(executors, work, missing, kept)) as made:
             for runs, future in made:
@@ -263,7 +264,7 @@ def conduct(
 
 def campaign_progress(campaign: Campaign, folder: Path) -> Done:
     """How far a campaign is, whoever runs it."""
-    done = [chunk for chunk in campaign.spec.chunks if path_of(folder, chunk).exists()]
+    done = done_chunks(campaign, folder)
     failed = sum(1 for _ in failed_runs(folder))
     return Done(sum(map(len, done)), campaign.spec.runs, failed)
 
@@ -290,12 +291,6 @@ def reason_in(path: Path) -> str:
 def failure_of(folder: Path, k: int) -> Path:
     """Where it is said why run `k` could not be made."""
     return folder / FAILED / f"{k}.json"
-
-
-def _missing(campaign: Campaign, folder: Path) -> Iterator[range]:
-    for chunk in campaign.spec.chunks:
-        if not path_of(folder, chunk).exists():
-            yield chunk
 
 
 def _result(future: Future[Chunk]) -> Chunk:

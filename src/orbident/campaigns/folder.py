@@ -13,7 +13,6 @@ import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +25,7 @@ from orbident.campaigns.case import Case, Subject
 from orbident.campaigns.spec import PAPER, RobotEntry, Spec, SpecFile, load_spec
 from orbident.errors import InputError
 from orbident.estimation.checks import LEVELS
+from orbident.estimation.results import versions
 from orbident.files.folder_replacing import finish, replacing_files
 from orbident.files.names import quoted
 from orbident.files.replacing import locked, replacing, writing
@@ -156,11 +156,6 @@ def check_versions(folder: Path, found: Mapping[str, str], who: str = "this") ->
 _SCHEMA = "orbident/campaign-folder/1"
 
 
-def versions() -> dict[str, str]:
-    """The versions of the libraries that compute in this process."""
-    return {name: version(name) for name in ("orbident", "numpy", "scipy")}
-
-
 def _manifest(folder: Path) -> dict[str, Any]:
     path = folder / MANIFEST
     if not path.is_file():
@@ -250,6 +245,11 @@ def path_of(folder: Path, chunk: range) -> Path:
     return folder / ROWS / f"{chunk.start:08}.parquet"
 
 
+def done_chunks(campaign: Campaign, folder: Path) -> list[range]:
+    """The chunks whose rows are there."""
+    return [each for each in campaign.spec.chunks if path_of(folder, each).exists()]
+
+
 def schema_of(campaign: Campaign) -> pa.Schema:
     """The columns, the same in every chunk.
 
@@ -314,8 +314,7 @@ def read_rows(
     schema = schema_of(campaign)
     tables = [
         read_chunk(campaign, folder, chunk, schema, columns)
-        for chunk in campaign.spec.chunks
-        if path_of(folder, chunk).exists()
+        for chunk in done_chunks(campaign, folder)
     ]
     empty = schema.empty_table().select(columns or schema.names)
     return pa.concat_tables([empty, *tables]).combine_chunks()

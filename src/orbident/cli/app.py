@@ -100,6 +100,7 @@ def _watch(numbers: int, ended: threading.Event, interruption: Interruption) -> 
 
 
 WRONG_INPUT = 2
+"""What argparse ends with too."""
 INTERNAL_ERROR = 70
 """EX_SOFTWARE of sysexits.h; a result that must not be trusted is 1."""
 

@@ -1,6 +1,7 @@
 """`orbident excite ROBOT -o TRAJ`, and `orbident excite ROBOT --compare TRAJ`."""
 
 import sys
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -13,18 +14,26 @@ from orbident.cli.excite_tables import (
     design_doubts,
     designed,
     excites_all,
+    together,
     was_interrupted,
     written,
 )
 from orbident.cli.options import Force, Json, Quiet, RobotName
 from orbident.errors import InputError
+from orbident.files.bounds import MOST_RECORDINGS
 
 DURATION = 60.0
 LIMITS = ("acceleration", "base_rate", "excursion", "wheel_speed")
 
 
 Out = Annotated[
-    Path | None, typer.Option("-o", metavar="TRAJ", help="The trajectory file.")
+    Path | None,
+    typer.Option(
+        "-o",
+        metavar="TRAJ",
+        help="The trajectory file; with --recordings 3, a.yaml stands for a-1.yaml, "
+        "a-2.yaml and a-3.yaml.",
+    ),
 ]
 Duration = Annotated[
     float | None, typer.Option(help="Duration of the motion, s (default 60).")
@@ -44,6 +53,15 @@ Criterion = Annotated[
         "geometric mean, root mean square or largest standard deviation of all "
         "parameters. The default is d where the robot file declares sensors, and cond "
         "otherwise or with --like-paper."
+    ),
+]
+Recordings = Annotated[
+    int,
+    typer.Option(
+        help="Design so many motions of this duration, for as many recordings that "
+        "are identified together.",
+        min=1,
+        max=MOST_RECORDINGS,
     ),
 ]
 Starts = Annotated[
@@ -82,8 +100,9 @@ Limit = Annotated[
     typer.Option(
         "--limit",
         metavar="NAME=VALUE",
-        help="Add a limit, in SI; may be given several "
-        f"times. NAME is one of {', '.join(LIMITS)}.",
+        help="Add a limit, in SI; may be given several times. NAME is one of "
+        f"{', '.join(LIMITS)}, or table, whose VALUE is a width and a depth such as "
+        "1.2x0.8.",
     ),
 ]
 Compare = Annotated[
@@ -91,8 +110,8 @@ Compare = Annotated[
     typer.Option(
         "--compare",
         metavar="TRAJ",
-        help="Score this trajectory instead of designing one; may be given "
-        "several times.",
+        help="Score this trajectory instead of designing one, or those of several "
+        "recordings together; may be given several times.",
     ),
 ]
 Seed = Annotated[int, typer.Option(help="Random seed of the starts.", min=0)]
@@ -104,6 +123,7 @@ def excite(
     duration: Duration = None,
     harmonics: Harmonics = None,
     objective: Criterion = None,
+    recordings: Recordings = 1,
     starts: Starts = None,
     budget: Budget = None,
     uncertainty: Uncertainty = 0.0,
@@ -121,9 +141,10 @@ def excite(
     Limits of positions and rates hold at all times, between samples too. With
     --compare, motions that exist are scored instead.
     """
-    from orbident.cli.output import Output, progress
+    from orbident.cli.output import Output
     from orbident.files.replacing import check_free
     from orbident.robot.robot_file import load_robot
+    from orbident.trajectories.trajectory_file import numbered
 
     output = Output(json, quiet)
     if compare:
@@ -131,57 +152,71 @@ def excite(
         return
     if out is None:
         raise InputError("-o is missing; say where the trajectory is to be written")
-    check_free(out, force)
+    places = numbered(out, recordings)
+    for place in places:
+        check_free(place, force)
     described = load_robot(robot)
     limits = _limits(limit or [])
     given, paper = _conditions(
         described, (duration, harmonics), like, like_paper, limits
     )
-    from orbident.excitation.design import design_excitation
     from orbident.excitation.floating import was_at_rest
-    from orbident.trajectories.trajectory_file import save_trajectory
 
-    with progress("preparing") as show:
-        found = design_excitation(
-            described,
-            objective=objective,
-            starts=starts,
-            budget=budget,
-            uncertainty=uncertainty,
-            seed=seed,
-            conditions=given,
-            progress=lambda found: show(
-                found.fraction, f"start {found.starts}, best {found.best:.4g}"
-            ),
-        )
-    save_trajectory(found, out)
-    trusted = excites_all(found)
-    output.warn(design_doubts(found))
-    if was_interrupted(found):
+    asked = {"objective": objective, "starts": starts, "budget": budget, "seed": seed}
+    made = _designed(described, places, given, asked | {"uncertainty": uncertainty})
+    last = made[-1]
+    output.warn(design_doubts(last))
+    if was_interrupted(last):
         output.warn([INTERRUPTED])
     at_rest = was_at_rest(described, given.initial, given.start)
-    output.say(*designed(found, paper, at_rest), f"written: {out}")
-    output.write_json(written(found, paper, out))
-    if was_interrupted(found):
+    for number, (found, place) in enumerate(zip(made, places, strict=False), 1):
+        output.say(*together(number, recordings))
+        output.say(*designed(found, paper, at_rest), f"written: {place}")
+    documents = list(map(partial(written, paper=paper), made, places))
+    output.write_json(documents[0] if recordings == 1 else {"recordings": documents})
+    if was_interrupted(last):
         sys.stdout.flush()
         raise KeyboardInterrupt
-    if not trusted:
+    if not excites_all(last):
         raise typer.Exit(1)
+
+
+def _designed(
+    robot: Any, places: list[Path], given: Any, asked: dict[str, Any]
+) -> list[Any]:
+    """The trajectories, each written as soon as it is found."""
+    from orbident.cli.output import progress
+    from orbident.excitation.design import design_recordings
+    from orbident.trajectories.trajectory_file import save_trajectory
+
+    made = []
+    with progress("preparing") as show:
+
+        def report(found: Any) -> None:
+            fraction = (len(made) + found.fraction) / len(places)
+            show(fraction, f"start {found.starts}, best {found.best:.4g}")
+
+        for found in design_recordings(
+            robot, len(places), given, progress=report, **asked
+        ):
+            save_trajectory(found, places[len(made)])
+            made.append(found)
+    return made
 
 
 def _compare(robot: Any, paths: list[Path], like_paper: bool, output: Any) -> None:
     from orbident.cli.output import progress
     from orbident.excitation.scores import compare_trajectories
-    from orbident.trajectories.trajectory_file import load_trajectory
+    from orbident.trajectories.trajectory_file import load_experiment
 
     basis = None
     if like_paper:
         from orbident.studies.spatial import paper_case
 
         basis = paper_case(robot).conditions.basis
-    trajectories = [load_trajectory(path) for path in paths]
+    experiments = [load_experiment(path) for path in paths]
     with progress("comparing"):
-        found = compare_trajectories(robot, trajectories, basis)
+        found = compare_trajectories(robot, experiments, basis)
     tables, document = compared(found)
     output.say(*tables)
     output.write_json(document)
@@ -192,7 +227,7 @@ def _conditions(
     wanted: tuple[float | None, int | None],
     like: Path | None,
     like_paper: bool,
-    limits: dict[str, float],
+    limits: dict[str, Any],
 ) -> tuple[Any, Any]:
     """What to keep to, and the paper's case where it is meant."""
     from dataclasses import replace
@@ -226,18 +261,19 @@ def _conditions(
     ), None
 
 
-def _limits(entries: list[str]) -> dict[str, float]:
+def _limits(entries: list[str]) -> dict[str, Any]:
     limits = {}
     for entry in entries:
         name, _, value = entry.partition("=")
         try:
-            number = float(value)
+            numbers = [float(each) for each in value.split("x")]
         except ValueError:
-            number = float("nan")
-        if name not in LIMITS or number != number:
+            numbers = []
+        expected = 2 if name == "table" else 1
+        if name not in (*LIMITS, "table") or len(numbers) != expected:
             raise InputError(
                 f"--limit: found '{entry}'; give NAME=VALUE with a number in SI and "
-                f"NAME one of {', '.join(LIMITS)}"
+                f"NAME one of {', '.join(LIMITS)}, or table=WIDTHxDEPTH in m"
             )
-        limits[name] = number
+        limits[name] = tuple(numbers) if name == "table" else numbers[0]
     return limits

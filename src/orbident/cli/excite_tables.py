@@ -119,12 +119,22 @@ def designed(found: Any, paper: Any, at_rest: bool) -> list[Any]:
         f"{_number(proven['excursion'])} rad; wheels {_number(proven['wheel_speed'])} "
         "rad/s"
     )
+    if proven.get("table"):
+        base += f"; {table_words(proven['table'])}"
     proof = ["", "proven for all times, with nominal inertia:", table, base]
     known = [KNOWN_AT_REST] if at_rest else []
     return [*lines, *proof, *known]
 
 
-def written(found: Any, paper: Any, out: Path) -> dict[str, Any]:
+def together(number: int, recordings: int) -> list[str]:
+    """What the scores of one of several motions are of."""
+    if recordings == 1:
+        return []
+    scores = "" if number == 1 else "; scores are of all until here together"
+    return ["", f"recording {number} of {recordings}{scores}"]
+
+
+def written(found: Any, out: Path, paper: Any) -> dict[str, Any]:
     """The same as JSON."""
     document = {"trajectory": str(out), "duration": found.duration, **found.design}
     if paper is not None:
@@ -143,6 +153,8 @@ def compared(found: Any) -> tuple[list[Any], dict[str, Any]]:
         (words, *(Numeric(_finite(getattr(s, key)), ".4g") for s in found.scores))
         for key, words in shown.items()
     )
+    sizes = [size_of(sides) for sides in found.tables if sides]
+    rows = [*rows, *([("table, m", *sizes)] if sizes else [])]
     criteria = table_of("", ("criterion", *found.sources), rows)
     rows = (
         (
@@ -159,9 +171,10 @@ def compared(found: Any) -> tuple[list[Any], dict[str, Any]]:
                 "source": source,
                 "scores": {key: _finite(getattr(score, key)) for key in shown},
                 "std": [_finite(float(std)) for std in deviations],
+                "table": sides and [_finite(side) for side in sides],
             }
-            for source, score, deviations in zip(
-                found.sources, found.scores, found.deviations, strict=True
+            for source, score, deviations, sides in zip(
+                found.sources, found.scores, found.deviations, found.tables, strict=True
             )
         ],
         "parameters": list(found.parameters),
@@ -170,6 +183,17 @@ def compared(found: Any) -> tuple[list[Any], dict[str, Any]]:
     title = "predicted standard deviations (Cramer-Rao):"
     first = f"compared {len(found.sources)} trajectories"
     return [first, "", criteria, "", title, parameters], document
+
+
+def table_words(sides: Any) -> str:
+    """How large a table a motion needs; S and the arm stay on it."""
+    return f"needs {size_of(sides)} m of a table"
+
+
+def size_of(sides: Any) -> str:
+    """Width and depth, m."""
+    width, depth = sides
+    return f"{_number(width)} x {_number(depth)}"
 
 
 def _number(value: float | None) -> str:

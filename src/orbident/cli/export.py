@@ -172,40 +172,42 @@ def write_model(output: Any, result: Any, out: Path) -> None:
     from orbident.files.text import write_text
     from orbident.identified.exported_robot import NoBodiesError, exported_robot
 
+    suffix = out.suffix.lower()
     try:
-        made = exported_robot(result)
+        made = exported_robot(result, without_rotors=suffix == ".urdf")
     except NoBodiesError as refusal:
         output.warn([f"{out} is not written: {refusal}"])
         raise typer.Exit(1) from refusal
-    write_text(out, _model_text(made, out.suffix.lower()))
+    text, lacks = _model_text(made, suffix)
+    write_text(out, text)
     robot, moved = made.robot, "exactly as identified"
     if made.deviation:
         moved = f"moved by {made.deviation:.2g} sigma in all, so that bodies can exist"
     output.say(
-        f"written: {out}: {MODELS[out.suffix.lower()]}, {len(robot.bodies)} bodies, "
+        f"written: {out}: {MODELS[suffix]}, {len(robot.bodies)} bodies, "
         f"base parameters {moved}",
         "directions that free floating cannot observe stay as close to CAD as possible",
+        *filter(None, (lacks,)),
     )
     masses = dict(zip(robot.bodies, robot.theta[:, 0].tolist(), strict=True))
-    output.write_json({"file": str(out), "deviation": made.deviation, "masses": masses})
+    told = {"deviation": made.deviation, "masses": masses, "lacks": lacks}
+    output.write_json({"file": str(out), **told})
 
 
-def _model_text(made: Any, suffix: str) -> str:
+def _model_text(made: Any, suffix: str) -> tuple[str, str]:
+    """The file, and what is said of motors' rotors that are not in it."""
+    from orbident.identified.simulator_models import basilisk_script, mjcf, sdf
+    from orbident.identified.urdf_export import NO_ROTORS, exported_urdf
+    from orbident.model.rotor_momentum import lacking_rotors
+
     if suffix == ".urdf":
-        from orbident.identified.urdf_export import exported_urdf
-
-        return exported_urdf(made.robot, made.robot.theta)
+        text = exported_urdf(made.robot, made.robot.theta)
+        return text, lacking_rotors(made.robot, NO_ROTORS)
     if suffix == ".xml":
-        from orbident.identified.simulator_models import mjcf
-
-        return mjcf(made.mechanism)
+        return mjcf(made.mechanism), made.mechanism.lacks
     if suffix == ".sdf":
-        from orbident.identified.simulator_models import sdf
-
-        return sdf(made.mechanism)
-    from orbident.identified.simulator_models import basilisk_script
-
-    return basilisk_script(made)
+        return sdf(made.mechanism), made.mechanism.lacks_without_armature
+    return basilisk_script(made), made.mechanism.lacks_without_armature
 
 
 def write_matrices(output: Any, result: Any, out: Path, q: list[float]) -> None:
@@ -217,7 +219,10 @@ def write_matrices(output: Any, result: Any, out: Path, q: list[float]) -> None:
 
     document = matrices_at(result, q)
     write_text(out, dumps(document, indent=1, allow_nan=False) + "\n")
-    output.say(f"written: {out}: H+ over {', '.join(document['speeds'])}")
+    output.say(
+        f"written: {out}: H+ over {', '.join(document['speeds'])}",
+        *filter(None, (document["lacks"],)),
+    )
     output.write_json({"file": str(out)})
 
 

@@ -7,11 +7,13 @@ from textwrap import wrap
 from typing import Any
 
 from orbident.data_table import DataTable, Numeric
-from orbident.estimation.parameter_table import HEAD, parameter_line, parameter_rows
+from orbident.estimation.quantities import HEAD, parameter_line, parameter_rows
+from orbident.model.rotor_momentum import IN_FORMULAS, geared_joints
 from orbident.report.parameter_section import mass_rows, routes_left_out
 
 TITLES = {
     "base": "base parameters: what free floating can identify",
+    "links": "links: base parameters without the motors' rotors that are declared",
     "phi": "phi: what the velocity of S shows",
     "pi": "pi: what the angular momentum shows",
 }
@@ -50,9 +52,13 @@ def _everything(result: Any) -> list[str]:
     lines = []
     for name, title in TITLES.items():
         found = getattr(result, name)
+        if not found.names:
+            continue
         rows = parameter_rows(found, range(len(found.names)))
         whole = (f"{parameter_line(row):75} {row.note}" for row in rows)
         lines += ["", title, HEAD, *whole]
+    if geared_joints(result.robot):
+        lines += ["", IN_FORMULAS]
     lines += _masses(result)
     lines += _sensors(result)
     lines += _calibration(result)

@@ -1,5 +1,6 @@
 """`orbident inspect ROBOT`."""
 
+from math import inf
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -31,9 +32,12 @@ def inspect(
     """Show a robot, and what a recording of it can identify."""
     from orbident.cli.identify_tables import budget_lines
     from orbident.cli.output import Output, progress
-    from orbident.model.formulas import formulas_of, not_identifiable
+    from orbident.model.formulas import (
+        formulas_of,
+        nominal_parameters,
+        not_identifiable,
+    )
     from orbident.model.minimal_sets import minimal_sets
-    from orbident.model.nominal import nominal_parameters
     from orbident.model.regularity import check_regular
     from orbident.robot.robot_file import load_robot
 
@@ -44,9 +48,9 @@ def inspect(
         sets = minimal_sets(described)
         words = formulas_of(described, sets)
         unidentifiable = not_identifiable(described, sets)
-        bound = budget = None
+        bound = budget = table = None
         if trajectory is not None:
-            bound = _bound(described, trajectory, initial_momentum)
+            bound, table = _bound(described, trajectory, initial_momentum)
             budget = bound.budget()
     cad = nominal_parameters(described, sets)
     found = {
@@ -72,6 +76,8 @@ def inspect(
             document[name]["bound"] = _deviations(getattr(bound.parameters, name))
     if budget is not None:
         document["budget"] = budget.to_json()
+    if table is not None:
+        document["table"] = [float(side) if side < inf else None for side in table]
     document["unidentifiable"] = unidentifiable
     document["warnings"] = list(described.warnings)
     output.say(*_lines(described, document), *budget_lines(budget))
@@ -79,10 +85,14 @@ def inspect(
 
 
 def _bound(robot: Any, trajectory: Path, initial_momentum: InitialMomentum) -> Any:
+    """The bound, and the smallest table."""
     from orbident.excitation.bound import bound_of
+    from orbident.excitation.guarantee import floated, smallest_table
     from orbident.trajectories.trajectory_file import load_trajectory
 
-    return bound_of(robot, load_trajectory(trajectory), initial_momentum)
+    motion = load_trajectory(trajectory).for_robot(robot)
+    table = smallest_table(robot, motion, floated(robot, motion))
+    return bound_of(robot, motion, initial_momentum), table
 
 
 def _deviations(known: Any) -> list[float | None]:
@@ -95,7 +105,9 @@ def _deviations(known: Any) -> list[float | None]:
 
 
 def _lines(robot: Any, document: dict[str, Any]) -> list[str]:
-    from orbident.cli.robot_tree import wheel_words
+    from orbident.cli.excite_tables import table_words
+    from orbident.cli.robot_tree import rotor_words, wheel_words
+    from orbident.robot.description import NO_ROTOR
 
     count = document["count"]
     lines = [
@@ -105,8 +117,11 @@ def _lines(robot: Any, document: dict[str, Any]) -> list[str]:
     ]
     for joint, body in zip(robot.joints, robot.bodies[1:], strict=True):
         parent = robot.bodies[joint.parent]
-        lines.append(f"joint   {joint.name}: {joint.kind}, {parent} -> {body}")
+        rotor = rotor_words(robot.rotors.get(joint.name, NO_ROTOR))
+        lines.append(f"joint   {joint.name}: {joint.kind}, {parent} -> {body}{rotor}")
     lines += [f"wheel   {wheel.name}: {wheel_words(wheel)}" for wheel in robot.wheels]
+    if document.get("table"):
+        lines.append(f"motion  {table_words(document['table'])}")
     titles = {
         "base": f"{count['base']} free-flying base parameters, nominal values: "
         "M, kg; sigma, kg m; iota, kg m^2",

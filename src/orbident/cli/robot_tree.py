@@ -6,7 +6,14 @@ from typing import Any
 import numpy as np
 from rich.tree import Tree
 
-from orbident.robot.description import Coupling, Joint, Robot, Wheel
+from orbident.robot.description import (
+    NO_ROTOR,
+    Coupling,
+    GearedRotor,
+    Joint,
+    Robot,
+    Wheel,
+)
 from orbident.robot.formats.urdf_text import roll_pitch_yaw
 from orbident.robot.parameters import (
     FIRST_MOMENT,
@@ -33,6 +40,7 @@ def robot_tree(robot: Robot) -> Tree:
     follows = {each.follower: _coupling_words(each) for each in robot.couplings}
     for k, joint in enumerate(robot.joints, start=1):
         how = _joint_words(joint) + follows.get(joint.name, "")
+        how += rotor_words(robot.rotors.get(joint.name, NO_ROTOR))
         words = f"{joint.name}  {how}\n{robot.bodies[k]}  "
         nodes.append(nodes[joint.parent].add(words + _body_words(robot, k)))
     for wheel in robot.wheels:
@@ -48,6 +56,14 @@ def robot_tree(robot: Robot) -> Tree:
 def wheel_words(wheel: Wheel) -> str:
     """Its inertia, its axis and its mode."""
     return f"{wheel.inertia:.4g} kg m^2 about {_vector(wheel.axis)}, {wheel.mode}"
+
+
+def rotor_words(rotor: GearedRotor) -> str:
+    """What turns behind a gear, with its tolerance; nothing where nothing does."""
+    if not rotor.inertia:
+        return ""
+    sure = f"{100 * rotor.tolerance:.3g} %"
+    return f", rotor {rotor.inertia:.4g} kg m^2 +- {sure} behind {rotor.gear:.4g}"
 
 
 def sensor_lines(robot: Robot) -> Iterator[str]:

@@ -24,7 +24,7 @@ from orbident.estimation.checks import Check
 from orbident.estimation.clock_search import WORTH, misfit
 from orbident.estimation.estimate import Estimate, Solved
 from orbident.estimation.momentum_problem import MomentumProblem
-from orbident.estimation.residual_checks import NOISY
+from orbident.estimation.residual_checks import NOISY, residual_checks
 from orbident.recordings.recording import float32_step
 from orbident.threads import one_blas_thread
 
@@ -115,6 +115,10 @@ def _by_trials(
         if corrected and before - now > MOST * (before - best.misfit):
             best = best._replace(cause=f"{corrected.cause}, and {best.cause}")
         yield _explained(best, before)
+        return
+    residuals = residual_checks(solved.problem, shown)
+    if all(check.level != "do not trust" for check in residuals):
+        # Nothing is left to explain: the numbers themselves say what is wrong.
         return
     falls = before - best.misfit if best else -np.inf
     # Then no event is left to explain, though the residuals may not be white.

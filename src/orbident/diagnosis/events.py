@@ -121,7 +121,7 @@ def _differ(one: Trial, other: Trial) -> bool:
     """Whether base parameters of two parts are those of different robots."""
     assert one.estimate is not None
     assert other.estimate is not None
-    a, b = one.estimate.found.base, other.estimate.found.base
+    a, b = one.estimate.parameters.base, other.estimate.parameters.base
     both = np.flatnonzero(a.determined & b.determined)
     C = (a.covariance + b.covariance)[np.ix_(both, both)]
     # With their correlations: all may share a doubt about the scale.

@@ -14,8 +14,8 @@ from orbident.diagnosis.trial import Trial
 from orbident.estimation.linear_fits import rows_of
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.unknowns import Score
+from orbident.model.core_robot import wheels_of
 from orbident.model.minimal_sets import conserved_axes
-from orbident.model.wheel_arrays import wheels_of
 from orbident.robot.description import Wheel
 
 SMALL = 1e-4

@@ -126,7 +126,7 @@ class RobotMotion:
 
     def arm(self, body: int, p: Float[np.ndarray, "3"]) -> Vectors:
         """From S to the point `p` of a body, its frame, m; base axes."""
-        return self.poses.d[:, body] + self.poses.R[:, body] @ p
+        return self.poses.arm(body, p)
 
     def point(self, body: int, p: Float[np.ndarray, "3"]) -> PointMotion:
         """How a point moves that is fixed in a body, at `p` of its frame, m."""

@@ -31,7 +31,7 @@ from orbident.environment.motion import (
     by_step,
     heavy_bodies,
 )
-from orbident.model.inertia import inertia
+from orbident.model.kinematics import inertia
 from orbident.model.minimal_sets import conserved_axes
 from orbident.model.rotations import rotate, rotate_back
 from orbident.orbits.earth import MU
@@ -50,7 +50,7 @@ class GravityGradient(Agent):
         """A force and a moment on each body."""
         if not (world.environment.gravity_gradient and world.arc):
             return
-        tide, n = _tide(world.arc.place(motion.t))
+        tide, n = _tide(world.arc.position(motion.t))
         r_cm = motion.to_cm(motion.robot.theta)
         for i, m, com in heavy_bodies(motion.robot):
             r = motion.in_inertial(motion.arm(i, com)) - r_cm
@@ -175,7 +175,7 @@ def seen_from_base(
     if world.arc is not None:
         wind = world.arc.wind(t)
         flow = -wind / np.linalg.norm(wind, axis=1, keepdims=True)
-        shown |= {"nadir": -world.arc.place(t), "flow": flow}
+        shown |= {"nadir": -world.arc.position(t), "flow": flow}
         shown["field"] = world.arc.field(t)
     if world.environment.solar_pressure is not None:
         shown["sun"] = world.sun(t)

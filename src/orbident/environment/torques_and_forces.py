@@ -34,7 +34,7 @@ from scipy.integrate import cumulative_simpson
 from orbident.environment.agent import AXES, Agent, Disturbance, Named, World
 from orbident.environment.motion import Load, RobotMotion, Vectors, by_step
 from orbident.environment.worlds import SHORTEST, world_of
-from orbident.model.inertia import inertia
+from orbident.model.kinematics import inertia
 from orbident.model.minimal_sets import conserved_axes
 from orbident.model.rotations import rotate
 

@@ -19,8 +19,8 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from orbident.model.inertia import inertia_at
-from orbident.model.wheel_arrays import wheels_of
+from orbident.model.core_robot import wheels_of
+from orbident.model.kinematics import inertia_at
 from orbident.orbits.earth import MU, R_E
 from orbident.robot.description import Robot
 from orbident.robot.may_act import MayAct
@@ -169,7 +169,7 @@ def _in_orbit(robot: Robot, scale: Scale) -> dict[str, float]:
     assert robot.orbit is not None
     start = np.array([scale.start])
     arc = robot.orbit.arc(scale.start, scale.start + scale.duration)
-    R = float(np.linalg.norm(arc.place(start)))
+    R = float(np.linalg.norm(arc.position(start)))
     tide, L = MU / R**3, radius_of_gyration(robot)
     heights, densities = np.array(THIN_AIR).T
     rho = np.exp(np.interp(R - R_E, heights, np.log(densities)))

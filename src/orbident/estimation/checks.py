@@ -2,12 +2,12 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, get_args
 
 from orbident.files.json_parts import JsonPart, NullableNumber
 
 Level = Literal["trust", "with care", "do not trust"]
-LEVELS: tuple[Level, ...] = ("trust", "with care", "do not trust")
+LEVELS: tuple[Level, ...] = get_args(Level)
 """The levels, from the best to the worst."""
 
 

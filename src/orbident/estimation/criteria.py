@@ -1,7 +1,4 @@
-"""May the numbers be trusted? Every rule of acceptance is one check.
-
-Whether a fit's weights, from the residuals of the fit before, have settled.
-"""
+"""May the numbers be trusted? Every rule of acceptance is one check."""
 
 from collections.abc import Iterator
 from typing import NamedTuple
@@ -12,22 +9,23 @@ from jaxtyping import Bool
 from orbident.environment.agents import IN_WORDS, PUSH, SLOW
 from orbident.estimation.checks import Check, Level
 from orbident.estimation.estimate import Estimate, Solved
-from orbident.estimation.kinetic_energy import positive_energy
-from orbident.estimation.mass_routes import agreement_of_routes, beside_nominal
 from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.obstacles import surprise
 from orbident.estimation.output_error.acting import LONGEST
+from orbident.estimation.parameter_checks import (
+    agreement_of_routes,
+    beside_nominal,
+    mass_checks,
+    positive_energy,
+    possible_numbers,
+)
 from orbident.estimation.quantities import Quantity
-from orbident.estimation.recursive.changes import changes_in_words
+from orbident.estimation.recursive.history import changes_in_words
 from orbident.estimation.residual_checks import CAUSES, residual_checks
 from orbident.files.names import joined, listed
 
 # Deviations between two estimates of the same recording that are no chance.
 FAR = 3.0
-# Forms of Eq. 32 that differ by more than this do not measure one mass.
-SPREAD = 0.5
-# A mass counts as determined if its deviation is below this part of it.
-VAGUE = 0.3
 # So many neighbours are named; more are given by the first and the last.
 LISTED = 20
 # So many sizes of what acts from outside are written out.
@@ -54,7 +52,7 @@ def judge(solved: Solved, masses: dict[str, Quantity]) -> Judgement:
     problem, hindered, estimate, shown, _ = solved
     robot = problem.robot
     names = {check.name for check in hindered}
-    found, none = estimate.found, not hindered
+    found, none = estimate.parameters, not hindered
     pi = found.pi.determined & (not names & {"scale", "at rest"})
     phi = found.phi.determined & ("velocity of S" not in names)
     base = found.base.determined & none
@@ -70,7 +68,7 @@ def judge(solved: Solved, masses: dict[str, Quantity]) -> Judgement:
             *unsettled_weights(shown or estimate),
             *residual_checks(problem, shown or estimate),
             *_agreement(solved),
-            *_mass(problem, estimate, shown or estimate),
+            *mass_checks(problem, estimate, shown or estimate),
             *positive_energy(problem, found.base),
             *_changes(estimate),
             *_disturbances(estimate, problem),
@@ -79,7 +77,7 @@ def judge(solved: Solved, masses: dict[str, Quantity]) -> Judgement:
             *_what_may_act(shown or estimate, problem),
             *agreement_of_routes(masses),
             *beside_nominal(estimate.mass, robot.mass, len(robot.wheels)),
-            *_possible_numbers(estimate),
+            *possible_numbers(estimate),
         ]
     return Judgement(tuple(checks), pi, phi, base)
 
@@ -106,25 +104,6 @@ def _determined(
         reason, remedy = "the motion does not excite them", "record a richer trajectory"
     words = f"{names} not determined: {reason}"
     yield Check(f"{name} determined", "with care", words, remedy)
-
-
-def _possible_numbers(estimate: Estimate) -> Iterator[Check]:
-    """Whether what is determined has a value, and the mass is one.
-
-    A recursion whose samples tell no scale has none.
-    """
-    found, M = estimate.found, estimate.mass
-    numbers = [np.array([M.value, M.std])] + [
-        x[known.determined]
-        for known in (found.pi, found.phi, found.base)
-        for x in (known.values, np.diag(known.covariance))
-    ]
-    finite = np.isfinite(np.concatenate(numbers)).all()
-    reason = "what was found is no number: too few samples count, or they overflow"
-    if finite:
-        reason = f"mass: found {M.value:.4g} kg, which no robot has"
-    if not (finite and M.value > 0):
-        yield Check("possible numbers", "do not trust", reason, CAUSES)
 
 
 def _convergence(estimate: Estimate, shown: Estimate | None) -> Iterator[Check]:
@@ -154,76 +133,6 @@ def _agreement(solved: Solved) -> Iterator[Check]:
         "maximum-likelihood for narrower ones"
     )
     yield Check("agreement", level, reason, remedy if far else "", off, FAR)
-
-
-def _mass(
-    problem: MomentumProblem, estimate: Estimate, shown: Estimate
-) -> Iterator[Check]:
-    """Whether the mass is determined, and its forms of Eq. 32 agree."""
-    M, std = estimate.mass.value, estimate.mass.std
-    level: Level
-    yield from _forms(problem, shown)
-    if estimate is not shown:
-        # Its deviations hold how far it is from what the sensors show.
-        level, remedy = "with care", "identify by maximum-likelihood"
-    else:
-        level = "do not trust"
-        remedy = "record a richer or longer motion, with more momentum in the wheels"
-    history = estimate.history
-    if not M > 0:
-        found = "nothing tells it" if np.isnan(M) else f"found {M:.4g} kg, below zero"
-        remedy = "record a longer motion, with more momentum in the wheels"
-        yield Check("mass", "do not trust", f"mass: {found}", remedy)
-    elif history is not None and not history.determined[0]:
-        yield Check(
-            "mass",
-            level,
-            "mass: the recursion has learnt hardly more of it than the nominal value "
-            "that it starts from",
-            remedy,
-        )
-    elif not std < VAGUE * M:
-        yield Check(
-            "mass",
-            level,
-            f"mass: found {M:.4g} kg with a standard deviation of {std:.2g} kg",
-            remedy,
-            std / M,
-            VAGUE,
-        )
-
-
-def _forms(problem: MomentumProblem, estimate: Estimate) -> Iterator[Check]:
-    """Whether the forms of Eq. 32 give one mass.
-
-    They may differ because linear fits with white noise are poor; where residuals over
-    declared noise say that the equations hold, they do not count.
-    """
-    goodness = estimate.goodness
-    if problem.samples.unknown_thrust or (goodness is not None and goodness.declared):
-        return
-    mass = problem.linear_mass
-    if mass.value > 0 and mass.spread < SPREAD:
-        return
-    if len(mass.forms) == 0:
-        if goodness is None:
-            yield Check(
-                "Eq. 32",
-                "do not trust",
-                "mass: no form of Eq. 32 is determined",
-                "weigh the robot with a thruster burn (Eq. 40), or see the warnings "
-                "above",
-            )
-        return
-    yield Check(
-        "Eq. 32",
-        "do not trust",
-        f"mass: the forms of Eq. 32 give {mass.values.min():.4g} to "
-        f"{mass.values.max():.4g} kg",
-        CAUSES,
-        mass.spread,
-        SPREAD,
-    )
 
 
 def _changes(estimate: Estimate) -> Iterator[Check]:

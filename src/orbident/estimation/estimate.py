@@ -5,29 +5,71 @@ from dataclasses import dataclass, field
 from typing import Annotated, NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 from pydantic import AfterValidator
 
+from orbident.estimation.base_parameters import (
+    BetaEstimate,
+    EstimatedParameters,
+    parameters_of_beta,
+)
 from orbident.estimation.budget import ErrorSources
 from orbident.estimation.checks import Check
-from orbident.estimation.found import BetaEstimate, EstimatedParameters, found_beta
 from orbident.estimation.levels import ChiSquare
-from orbident.estimation.momentum_problem import (
-    MomentumProblem,
-    OutsideMomentum,
-)
+from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.quantities import Quantity
-from orbident.estimation.recursion import History
-from orbident.estimation.shared import Shared
 from orbident.estimation.signals import Signals
-from orbident.estimation.solution import Convergence, Solution
+from orbident.estimation.solution import Convergence, Shared, Solution
 from orbident.estimation.unknowns import CalibrationFit, DisturbanceFit, Sensitivity
 from orbident.files.json_parts import Keyed, NullableNumber, NumberOrNone, Unwritten
 from orbident.files.schema_parts import WrongValueError
 from orbident.preprocessing.origins import Origin
+from orbident.preprocessing.samples import OutsideMomentum
 
 Progress = Callable[[float], object]
 """Is called with the fraction of the work that is done."""
+
+
+class Change(NamedTuple):
+    """A change that was found."""
+
+    t: float
+    """When it was found, s."""
+    onset: float
+    """The first sample that shows it, most likely, s."""
+    statistic: float
+    """`g`, over its threshold."""
+    confidence: float
+    """One less the probability that a run without any change shows this much."""
+
+
+class History(NamedTuple):
+    """One row a sample that counted."""
+
+    t: Float[np.ndarray, " n"]
+    beta: Float[np.ndarray, "n beta"]
+    std: Float[np.ndarray, "n beta"]
+    pi: Float[np.ndarray, "n pi"]
+    phi: Float[np.ndarray, "n phi"]
+    M: Float[np.ndarray, " n"]
+    nis: Float[np.ndarray, " n"]
+    """Normalised innovation squared: chi-square with `dof` degrees of freedom."""
+    dof: Float[np.ndarray, " n"]
+    statistic: Float[np.ndarray, " n"]
+    """The detector's statistic over its threshold."""
+    changes: tuple[Change, ...]
+    covariance: Float[np.ndarray, "beta beta"]
+    """The covariance of the last `beta`."""
+    determined: Bool[np.ndarray, " beta"]
+    """Whether the samples, and not the prior, tell the last `beta`: without a wheel
+    nothing tells the scale."""
+    scale: bool
+    """Whether the wheels' momentum told the scale of `pi`. Where it did not, `beta`,
+    `pi` and `M` are NaN, and no change of the robot can be found."""
+    declared: bool
+    """Whether the noise of all sensors is, that the innovations are whitened with."""
+    biases: dict[str, dict[str, float]]
+    """Biases of the sensors at the end: `value` and `std`."""
 
 
 class SensorFit(NamedTuple):
@@ -94,7 +136,7 @@ class BesideParameters:
 class Estimate(BesideParameters):
     """The parameters, and what the residuals say of them."""
 
-    found: EstimatedParameters
+    parameters: EstimatedParameters
     """`pi`, `phi` and base parameters."""
     mass: Quantity
     """kg."""
@@ -168,7 +210,7 @@ def estimate_of_beta(
         linear = problem.linear_mass
         masses["Eq. 32"] = Quantity(linear.value, linear.std)
     return Estimate(
-        found=found_beta(problem.robot, problem.sets, beta),
+        parameters=parameters_of_beta(problem.robot, problem.sets, beta),
         mass=mass,
         masses={**masses, route: mass},
         rms=rms,

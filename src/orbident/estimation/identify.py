@@ -1,6 +1,6 @@
 """The main job: from a robot and a recording to every free-flying parameter.
 
-The methods of identification, by name: a new one is a file, and a word here.
+Methods have names here: a new one is a file, and a word in this one.
 """
 
 import time
@@ -13,9 +13,9 @@ from orbident.choices import InitialMomentum, Method
 from orbident.errors import InputError
 from orbident.estimation.criteria import judge
 from orbident.estimation.estimate import Estimate, Estimator, Progress, Solved
-from orbident.estimation.least_squares import LeastSquares
-from orbident.estimation.mass_routes import BURN, is_a_mass
+from orbident.estimation.least_squares import LeastSquares, Structured
 from orbident.estimation.output_error.estimator import OutputError
+from orbident.estimation.parameter_checks import BURN, is_a_mass
 from orbident.estimation.pushes import with_push
 from orbident.estimation.quantities import Quantity
 from orbident.estimation.recursive.history import Recursive
@@ -29,7 +29,6 @@ from orbident.estimation.several import (
     solved_together,
 )
 from orbident.estimation.solve import solve
-from orbident.estimation.structured import Structured
 from orbident.estimation.weigh import Weighing, weigh
 from orbident.recordings.long_recording import LARGE, LongRecording
 from orbident.recordings.recording import Recording
@@ -65,13 +64,14 @@ def estimator_of(method: str | Estimator) -> Estimator:
 
 
 Opened = Recording | LongRecording
-Given = Recording | LongRecording | str | Path
+RecordingLike = Recording | LongRecording | str | Path
+"""A recording, or the file that it is in."""
 
 
 @one_blas_thread
 def identify(
     robot: Robot | str | Path,
-    recording: Given | Sequence[Given],
+    recording: RecordingLike | Sequence[RecordingLike],
     method: Method | Estimator = "maximum-likelihood",
     initial_momentum: InitialMomentum = "unknown",
     burn: Recording | None = None,
@@ -159,8 +159,10 @@ def _part(progress: Progress, k: int, recordings: int) -> Progress:
     return lambda done: progress((k + done) / recordings / 2)
 
 
-def _recordings(given: Given | Sequence[Given], estimator: Estimator) -> list[Opened]:
-    several = [given] if isinstance(given, Given) else given
+def _recordings(
+    given: RecordingLike | Sequence[RecordingLike], estimator: Estimator
+) -> list[Opened]:
+    several = [given] if isinstance(given, RecordingLike) else given
     if not several:
         raise InputError("no recording is given; name at least one")
     return [

@@ -19,10 +19,10 @@ from jaxtyping import Bool, Float
 from orbident.choices import InitialMomentum
 from orbident.errors import InputError
 from orbident.estimation.triangular import Layout, LinearFit, fold, solve_factor
-from orbident.model.inertia import inertia_at
+from orbident.model.core_robot import Wheels, wheels_of
+from orbident.model.kinematics import inertia_at
 from orbident.model.minimal_sets import MinimalSets, Regressors
 from orbident.model.rotations import quaternion_matrix
-from orbident.model.wheel_arrays import Wheels, wheels_of
 from orbident.preprocessing.samples import Batch, Samples
 from orbident.robot.description import Robot
 

@@ -15,7 +15,7 @@ import numpy as np
 from jaxtyping import Float
 from scipy.linalg import null_space, qr
 
-from orbident.estimation.triangular import UNSEEN, LinearFit
+from orbident.estimation.triangular import UNDETERMINED, LinearFit
 from orbident.model.minimal_sets import MinimalSets
 
 # Directions of the combined covariance below this fraction of the largest are
@@ -150,12 +150,14 @@ def _orthogonal(
     used = hidden[sizes > FLOOR * sizes.max(initial=0.0)]
     if len(used) == 0:
         return np.eye(hidden.shape[1])
-    basis = null_space(used / np.linalg.norm(used, axis=1, keepdims=True), rcond=UNSEEN)
+    basis = null_space(
+        used / np.linalg.norm(used, axis=1, keepdims=True), rcond=UNDETERMINED
+    )
     # One where each is chosen, zero at the other choices: as few terms as there can be.
     *_, order = qr(basis.T, mode="r", pivoting=True)
     chosen = np.sort(order[: basis.shape[1]])
     sparse = np.linalg.solve(basis[chosen].T, basis.T)
-    return np.where(np.abs(sparse) > UNSEEN, sparse, 0.0)
+    return np.where(np.abs(sparse) > UNDETERMINED, sparse, 0.0)
 
 
 def _weights(

@@ -3,9 +3,8 @@
 import numpy as np
 
 from orbident.estimation.checks import Check
-from orbident.estimation.clocks import NAMES
 from orbident.estimation.momentum_problem import MomentumProblem
-from orbident.preprocessing.delays import LONGEST
+from orbident.preprocessing.delays import LONGEST, NAMES
 
 # The known term of the momentum equation, nuisance apart, beside the whole of it:
 # zero but for rounding.

@@ -24,7 +24,7 @@ from orbident.estimation.output_error.acting import LONGEST
 from orbident.estimation.output_error.estimator import OutputError
 from orbident.estimation.output_error.hypotheses import FEW_STEPS
 from orbident.estimation.solve import in_whole, solved_by
-from orbident.model.wheel_arrays import wheels_of
+from orbident.model.core_robot import wheels_of
 
 RANK = 1e-9
 """Part of the largest singular value below which columns are dependent."""

@@ -7,11 +7,10 @@ import numpy as np
 
 from orbident.estimation.checks import Check, Level
 from orbident.estimation.estimate import Estimate
-from orbident.estimation.levels import limit
+from orbident.estimation.levels import limit, low_frequencies
 from orbident.estimation.momentum_problem import ROUNDING, MomentumProblem
 from orbident.estimation.output_error.disturbance_sizes import TOLD
 from orbident.estimation.signals import Signal
-from orbident.estimation.whiteness import low_frequencies
 
 # Std of residuals over the declared noise: chi-square of its square is worth a word.
 NOISY = 1.5

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 from operator import attrgetter
 from typing import Annotated, Any, Literal
 
+import numpy as np
 from pydantic import (
     AfterValidator,
     Field,
@@ -16,16 +17,18 @@ from pydantic import (
 from typing_extensions import TypedDict
 
 from orbident.errors import InputError
-from orbident.estimation.budget import Budget
+from orbident.estimation.budget import Budget, SensitivityTable
 from orbident.estimation.checks import Check, Level, worst
 from orbident.estimation.estimate import BesideParameters, Solved
-from orbident.estimation.extent import RecordedMotion
 from orbident.estimation.linear_fits import Fits, InitialMomentum
-from orbident.estimation.parameter_table import short_table
-from orbident.estimation.provided import provided
-from orbident.estimation.quantities import Identified, fields_as
-from orbident.estimation.sensitivity_table import SensitivityTable
-from orbident.estimation.signals import Signals, sensor_of
+from orbident.estimation.quantities import (
+    EstimatedSet,
+    Identified,
+    fields_as,
+    short_table,
+)
+from orbident.estimation.signals import SIGNAL_UNITS, Signals, sensor_of
+from orbident.extras import provided
 from orbident.files.json_parts import (
     Computed,
     Count,
@@ -39,9 +42,13 @@ from orbident.files.json_parts import (
 )
 from orbident.files.schema_parts import WrongValueError
 from orbident.gaussian import NINETY_FIVE
+from orbident.model.formulas import formulas_of
+from orbident.model.minimal_sets import minimal_sets
 from orbident.model.reconstruction import Dynamics, reconstructed
+from orbident.model.rotor_momentum import rotor_deviations, rotor_parts
 from orbident.preprocessing.delays import Delay
-from orbident.robot.description import Robot
+from orbident.preprocessing.extent import RecordedMotion
+from orbident.robot.description import NO_ROTOR, Robot
 
 SCHEMA = "orbident/result/2"
 
@@ -56,20 +63,13 @@ OWN = ("biases", "disturbances", "clocks", "rejected", "origins")
 """What each of several recordings has for itself, by names that then begin with its own
 name."""
 
-EQUATIONS = (
-    "gyro",
-    "accelerometer",
-    "attitude",
-    "position",
-    "velocity",
-    "joints",
-    "momentum",
-)
+ROUNDING = 1e-9
+"""A coefficient this small beside the largest is rounding."""
 
 
 def _equation(name: str) -> str:
-    if sensor_of(name) not in EQUATIONS:
-        raise WrongValueError(f"one of {', '.join(EQUATIONS)} is expected")
+    if sensor_of(name) not in SIGNAL_UNITS:
+        raise WrongValueError(f"one of {', '.join(SIGNAL_UNITS)} is expected")
     return name
 
 
@@ -252,6 +252,28 @@ class Result(BesideParameters, Identified):
             MissingLibraryError: pandas is not installed.
         """
         return self.base.to_frame()
+
+    @property
+    def links(self) -> EstimatedSet:
+        """The base parameters that declared rotors are in, of the links alone.
+
+        The rotors are taken out, and their tolerance is in the deviations.
+        """
+        sets, base = minimal_sets(self.robot), self.base
+        each, off = (
+            sets.base.T @ part(self.robot) for part in (rotor_parts, rotor_deviations)
+        )
+        rotors, size = each.sum(axis=1), np.abs(each).max(axis=1, initial=0.0)
+        declared = dict.fromkeys(self.robot.rotors, NO_ROTOR)
+        words = formulas_of(replace(self.robot, rotors=declared), sets).base
+        has = np.flatnonzero(size > ROUNDING * size.max())
+        return EstimatedSet(
+            names=tuple(words.names[k] for k in has),
+            formulas=tuple(words.formulas[k] for k in has),
+            values=(base.values - rotors)[has],
+            std=np.hypot(base.std, np.linalg.norm(off, axis=1))[has],
+            nominal=(base.nominal - rotors)[has],
+        )
 
     def with_causes(self) -> "Result":
         """The result with the likely cause of a refusal as the first of its checks.

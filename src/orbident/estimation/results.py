@@ -8,17 +8,14 @@ from importlib.metadata import version
 import numpy as np
 from jaxtyping import Bool, Float
 
-from orbident.estimation.budget import Budget, budget_of
+from orbident.estimation.base_parameters import Known
+from orbident.estimation.budget import Budget, SensitivityTable, budget_of
 from orbident.estimation.clock_search import CLOCK
-from orbident.estimation.clocks import clocks_in_words
 from orbident.estimation.criteria import Judgement
 from orbident.estimation.estimate import BesideParameters, Estimate
-from orbident.estimation.extent import Extent, motion_of
-from orbident.estimation.found import Known
 from orbident.estimation.linear_fits import Fits
-from orbident.estimation.mass_routes import is_a_mass, sigmas_apart
 from orbident.estimation.momentum_problem import MomentumProblem
-from orbident.estimation.predicted import equation_signals
+from orbident.estimation.parameter_checks import is_a_mass, sigmas_apart
 from orbident.estimation.quantities import (
     NO_ROUTES,
     BaseSet,
@@ -30,14 +27,20 @@ from orbident.estimation.quantities import (
     fields_as,
 )
 from orbident.estimation.result import Residual, Result, SensorResidual
-from orbident.estimation.sensitivity_table import SensitivityTable
-from orbident.estimation.signals import Signals
+from orbident.estimation.signals import Signals, equation_signals
 from orbident.estimation.triangular import condition_numbers
 from orbident.estimation.unknowns import CalibrationFit
 from orbident.estimation.weigh import Weighing
 from orbident.files.json_parts import as_computed, nulled
-from orbident.model.formulas import Formulas, SetFormulas, formulas_of, mass_forms
-from orbident.model.nominal import nominal_parameters
+from orbident.model.formulas import (
+    Formulas,
+    SetFormulas,
+    formulas_of,
+    mass_forms,
+    nominal_parameters,
+)
+from orbident.preprocessing.delays import clocks_in_words
+from orbident.preprocessing.extent import Extent, motion_of
 from orbident.preprocessing.origins import origin_in_words
 from orbident.preprocessing.screening import rejected_in_words
 
@@ -83,7 +86,7 @@ def result_of(
         },
         samples=problem.fits.samples,
         elapsed_s=elapsed_s,
-        versions=_versions(),
+        versions=versions(),
         fits=problem.fits,
         motion=motion_of(
             problem.robot,
@@ -106,7 +109,7 @@ def _identified(
     judgement: Judgement,
     masses: dict[str, Quantity],
 ) -> Identified:
-    words, found = formulas_of(problem.robot, problem.sets), estimate.found
+    words, found = formulas_of(problem.robot, problem.sets), estimate.parameters
     cad = nominal_parameters(problem.robot, problem.sets)
     determined = np.outer(judgement.base, judgement.base)
     both = np.concatenate([judgement.pi, judgement.phi])
@@ -245,7 +248,7 @@ def _budget(
         tuple(name for each in found for name in each.names),
         problem.robot,
         problem.sets,
-        estimate.found.base.values,
+        estimate.parameters.base.values,
         np.isfinite(np.concatenate([each.values for each in found])),
     )
 
@@ -264,8 +267,8 @@ def _signals(problem: MomentumProblem, estimate: Estimate) -> Callable[[], Signa
         problem.sets,
         problem.samples,
         problem.initial_momentum,
-        pi=estimate.found.pi.values,
-        phi=estimate.found.phi.values,
+        pi=estimate.parameters.pi.values,
+        phi=estimate.parameters.phi.values,
     )
 
 
@@ -281,5 +284,6 @@ def _condition(fits: Fits) -> dict[str, float]:
 
 
 @cache
-def _versions() -> dict[str, str]:
+def versions() -> dict[str, str]:
+    """The versions of the libraries that compute in this process."""
     return {name: version(name) for name in ("orbident", "numpy", "scipy")}

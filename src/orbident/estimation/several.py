@@ -1,7 +1,7 @@
 """Several recordings of one robot, identified as one.
 
 Every recording is first identified by itself. Where all show the same robot, each is
-fitted again beside what the others say (`output_error/shared.py`), one after another:
+fitted again beside what the others say (`solution.py`), one after another:
 the last of these fits has seen all of them.
 
 One result of several recordings: what is each one's own begins with its name.
@@ -16,15 +16,14 @@ from typing import TypeVar
 import numpy as np
 
 from orbident.errors import InputError
+from orbident.estimation.base_parameters import exact_std
 from orbident.estimation.checks import Check
 from orbident.estimation.estimate import Progress, Solved
-from orbident.estimation.found import exact_std
 from orbident.estimation.levels import ChiSquare, chi_square, limit
 from orbident.estimation.output_error.estimator import OutputError
-from orbident.estimation.output_error.sharing import together
 from orbident.estimation.result import OWN, Residual, Result
-from orbident.estimation.shared import Shared
 from orbident.estimation.signals import Signals
+from orbident.estimation.solution import Shared, together
 from orbident.files.names import listed
 from orbident.recordings.recording import Recording
 
@@ -96,7 +95,7 @@ def _differ(solved: Sequence[Solved]) -> ChiSquare:
     """
     problem = solved[0].problem
     exact = np.diag(exact_std(problem.robot, problem.sets) ** 2)
-    bases = [each.estimate.found.base for each in solved]
+    bases = [each.estimate.parameters.base for each in solved]
     # Parameters have units: unit deviations while inverting.
     std = np.min([np.sqrt(np.diag(b.covariance + exact)) for b in bases], axis=0)
     (mean, P), *others = (

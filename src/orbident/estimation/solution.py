@@ -1,9 +1,13 @@
 """Where the likelihood is largest: the unknowns there, and the equations about them.
 
-How a search converged: its cost, and its steps, which become small.
+A search has converged when its steps became small. What recordings of one robot have
+in common is base parameters and errors of instruments; momentum, attitudes, biases and
+what acts from outside are each one's own. Equations of a recording without its own
+unknowns, `R x = z` of `x = [beta | errors]`, are all that another one needs: with them
+it is fitted as if both were fitted at once.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -11,7 +15,8 @@ from jaxtyping import Float
 from scipy.linalg import solve_triangular
 
 from orbident import _core
-from orbident.estimation.triangular import fold
+from orbident.estimation.triangular import fold, triangular_factor
+from orbident.estimation.unknowns import Unknown
 from orbident.files.json_parts import Count, Keyed, NullableNumber
 
 SMALL = 1e-2
@@ -54,6 +59,7 @@ class Outside(NamedTuple):
 
 
 OUTSIDE = 3 * len(Outside._fields)
+"""How many numbers they are."""
 
 
 class Unknowns(NamedTuple):
@@ -244,3 +250,48 @@ class Solution(NamedTuple):
         factor[n:, n:] = self.prior.added(self.linear.common, self.state)
         root = solve_triangular(factor[:-1, :-1], np.eye(len(factor) - 1))
         return np.asarray(root @ root.T)
+
+
+class Shared(NamedTuple):
+    """Whitened equations of `beta` and of errors of instruments, to first order."""
+
+    beta: Float[np.ndarray, " beta"]
+    """Near where they were linearised."""
+    errors: tuple[Unknown, ...]
+    """Those that have a tolerance, which is not among the equations."""
+    equations: Float[np.ndarray, "rows columns"]
+    """`[R, z]` over `[beta | errors]`."""
+
+    def over(self, errors: Sequence[Unknown]) -> Float[np.ndarray, "rows columns"]:
+        """The equations over `beta` and these errors; all others are eliminated."""
+        wanted = {each.name for each in errors}
+        more = [each for each in self.errors if each.name not in wanted]
+        n, m = self.beta.size, len(more)
+        of_error = {
+            each.name: column
+            for each, column in zip(self.errors, self.equations[:, n:-1].T, strict=True)
+        }
+        none = np.zeros(len(self.equations))
+        rows = np.column_stack(
+            [
+                *(of_error[each.name] for each in more),
+                self.equations[:, :n],
+                *(of_error.get(each.name, none) for each in errors),
+                self.equations[:, -1],
+            ]
+        )
+        known = np.zeros((m, rows.shape[1]))
+        np.fill_diagonal(known, [1 / each.std for each in more])
+        return triangular_factor(np.vstack([known, rows]))[m : rows.shape[1] - 1, m:]
+
+
+def together(parts: Sequence[Shared]) -> Shared:
+    """What several recordings say.
+
+    Args:
+        parts: what each of them says; the last was linearised nearest to the truth.
+    """
+    errors = {each.name: each for part in parts for each in part.errors}
+    every = tuple(errors.values())
+    rows = np.vstack([part.over(every) for part in parts])
+    return Shared(parts[-1].beta, every, triangular_factor(rows)[: rows.shape[1] - 1])

@@ -8,13 +8,17 @@ from scipy.optimize import root_scalar
 from scipy.special import ndtr, ndtri
 
 from orbident.errors import InputError
+from orbident.estimation.base_parameters import EstimatedParameters, Known
 from orbident.estimation.clock_search import MOST, Evidence, evidence
 from orbident.estimation.estimate import Estimate, Estimator, Progress, Solved
-from orbident.estimation.found import EstimatedParameters, Known
 from orbident.estimation.least_squares import LeastSquares
 from orbident.estimation.linear_fits import InitialMomentum
-from orbident.estimation.long_problem import digest_of, whole
-from orbident.estimation.momentum_problem import MomentumProblem, momentum_problem
+from orbident.estimation.momentum_problem import (
+    MomentumProblem,
+    digest_of,
+    momentum_problem,
+    whole,
+)
 from orbident.estimation.obstacles import obstacles
 from orbident.estimation.output_error.estimator import OutputError
 from orbident.estimation.quantities import Quantity
@@ -52,7 +56,7 @@ def widened(estimate: Estimate, shown: Estimate, whole: bool) -> Estimate:
         whole: whether of the same samples; where of a part of them, the method's own
             variance and the whole square count.
     """
-    mine, theirs = estimate.found, shown.found
+    mine, theirs = estimate.parameters, shown.parameters
     both = np.concatenate([_off(mine.pi, theirs.pi), _off(mine.phi, theirs.phi)])
     least = shown if whole else estimate
     part = 1.0
@@ -72,11 +76,11 @@ def widened(estimate: Estimate, shown: Estimate, whole: bool) -> Estimate:
     mass, routes = Quantity(M, std), list(estimate.masses)
     return replace(
         estimate,
-        found=EstimatedParameters(
-            known(mine.pi, theirs.pi, least.found.pi),
-            known(mine.phi, theirs.phi, least.found.phi),
-            known(mine.base, theirs.base, least.found.base),
-            least.found.covariance + part * np.outer(both, both),
+        parameters=EstimatedParameters(
+            known(mine.pi, theirs.pi, least.parameters.pi),
+            known(mine.phi, theirs.phi, least.parameters.phi),
+            known(mine.base, theirs.base, least.parameters.base),
+            least.parameters.covariance + part * np.outer(both, both),
         ),
         mass=mass,
         masses={**estimate.masses, routes[-1]: mass},
@@ -190,7 +194,7 @@ def solved_by(
     if given is not None:
         problem = problem.without(given)
     estimate = estimator.estimate(problem, progress)
-    off = difference(estimate.found.base, shown.found.base)
+    off = difference(estimate.parameters.base, shown.parameters.base)
     return Solved(problem, [], widened(estimate, shown, whole), shown, off)
 
 

@@ -10,11 +10,13 @@ import numpy as np
 from jaxtyping import Bool, Float
 from scipy.linalg import get_lapack_funcs
 
+from orbident.errors import InputError
+
 # Singular values of the factor with unit columns: what the motion never shows comes
 # out at 1e-16 to 1e-14, and what it does show is worth reporting with its error.
 RANK = 1e-12
 # A parameter with this much of the unseen directions in it is not determined.
-UNSEEN = 1e-6
+UNDETERMINED = 1e-6
 # Of the right-hand side: what rounding of some thousand rows adds to a solution.
 ROUNDING = 1e-13
 # Columns that LAPACK factors at once: 16 to 32 are equally fast up to 500 columns.
@@ -33,6 +35,11 @@ def fold(
     """
     factor, _, _, _ = _tpqrt(0, min(BLOCK, len(R)), R, rows)
     return factor
+
+
+def triangular_factor(rows: Float[np.ndarray, "rows n"]) -> Float[np.ndarray, "_ n"]:
+    """The triangular factor of some rows: `R^T R = rows^T rows`."""
+    return np.asarray(np.linalg.qr(rows, mode="r"))
 
 
 class LinearFit(NamedTuple):
@@ -116,7 +123,7 @@ def solve_factor(
     return LinearFit(
         values=solution[own],
         covariance=covariance[own, own],
-        determined=np.linalg.norm(hidden, axis=1) <= UNSEEN,
+        determined=np.linalg.norm(hidden, axis=1) <= UNDETERMINED,
         hidden=hidden / norms[own, None],
         factor=columns[own, own],
         target=z[own],
@@ -136,7 +143,7 @@ def _explained_freed(R: Float[np.ndarray, "all all"], layout: Layout) -> float:
     own = np.arange(layout.nuisances, layout.nuisances + layout.parameters)
     rest = np.setdiff1d(np.arange(layout.columns), own)
     order = [*rest[:-1], *own, rest[-1]]
-    z = np.asarray(np.linalg.qr(R[:, order], mode="r"))[:, -1]
+    z = triangular_factor(R[:, order])[:, -1]
     return float(np.linalg.norm(z[len(rest) - 1 : -1]))
 
 
@@ -148,3 +155,17 @@ def condition_numbers(factor: Float[np.ndarray, "n n"]) -> tuple[float, float]:
     if not norms.all():
         return float("inf"), float("inf")
     return float(np.linalg.cond(factor)), float(np.linalg.cond(factor / norms))
+
+
+def check_finite(*numbers: np.ndarray | float) -> None:
+    """Refuse equations that are not finite.
+
+    Raises:
+        InputError: a number is infinite or none.
+    """
+    if not all(np.isfinite(each).all() for each in numbers):
+        raise InputError(
+            "what the sensors should show overflows, so nothing can be fitted to it; "
+            "check the units of the recording (s, rad, rad/s, m) and of the robot's "
+            "masses and inertias (kg, kg m^2)"
+        )

@@ -1,6 +1,4 @@
-"""The total mass from a thruster burn: Eq. 40 over all samples and axes.
-
-A thruster burn with locked joints, as rows that are linear in 1/M.
+"""The total mass from a thruster burn with locked joints, as rows linear in 1/M.
 
 The CM answers the thrusters (Eqs. 33 to 36), and S turns with the base about it
 (Eq. 38). With `J` the integral of `R_0 F`, and `c` from S to the CM in base axes:
@@ -8,7 +6,8 @@ The CM answers the thrusters (Eqs. 33 to 36), and S turns with the base about it
     r_S = r_0 + v_0 t + (1/M) integral of J - R_0 c
     v_S = v_0 + (1/M) J - R_0 (w x c)
 
-Joints are locked, so `c` is a constant: an unknown as `r_0` and `v_0` are.
+Joints are locked, so `c` is a constant: an unknown as `r_0` and `v_0` are. Eq. 40
+solves them over all samples and axes.
 """
 
 from collections.abc import Sequence
@@ -27,7 +26,7 @@ from orbident.files.json_parts import JsonPart, NullableNumber, held_as
 from orbident.model.minimal_sets import conserved_axes
 from orbident.preprocessing.base_motion import base_motion, same_sign
 from orbident.preprocessing.delays import delays
-from orbident.preprocessing.point_velocity import (
+from orbident.preprocessing.integrals import (
     bias_response,
     velocity_from_accelerometer,
 )
@@ -84,7 +83,7 @@ def burn_of(robot: Robot, recording: Recording, late: float) -> Burn:
             not known together.
     """
     pushes = _pushes(robot, recording)
-    recording.vector("attitude", "xyzw")
+    recording.vector("attitude")
     base = base_motion(recording, robot.sensors, late, Settings())
     label = f"{recording.source}: attitude"
     x_WB = fill(recording.t, same_sign(np.column_stack(base.x_WB)), label)
@@ -274,7 +273,7 @@ def weigh(robot: Robot, recording: Recording) -> Weighing:
     recording = recording.with_joints_of(robot)
     recording.check_thrusters(robot)
     _check_locked(robot, recording)
-    found = [s for s in SIGNALS if recording.has(*(f"{s}.{k}" for k in "xyz"))]
+    found = [s for s in SIGNALS if recording.has_vector(s)]
     if not found:
         raise InputError(
             f"{recording.source}: has neither position.x .y .z nor velocity.x .y .z of "

@@ -12,8 +12,12 @@ from typing import NamedTuple
 import numpy as np
 
 from orbident.errors import InputError
+from orbident.estimation.base_parameters import (
+    EstimatedParameters,
+    parameters_of_beta,
+    prior_std,
+)
 from orbident.estimation.budget import Budget, budget_of
-from orbident.estimation.found import EstimatedParameters, found_beta, prior_std
 from orbident.estimation.linear_fits import InitialMomentum, rest_std
 from orbident.estimation.output_error.beforehand import prior_of
 from orbident.estimation.output_error.covariance_parts import covariance_parts
@@ -26,9 +30,9 @@ from orbident.estimation.output_error.problem import (
 )
 from orbident.estimation.output_error.sensors import Sensors, sensors_of
 from orbident.estimation.output_error.solver import solution_at
+from orbident.model.core_robot import wheels_of
 from orbident.model.formulas import formulas_of
 from orbident.model.minimal_sets import minimal_sets
-from orbident.model.wheel_arrays import wheels_of
 from orbident.preprocessing.delays import SENSORS
 from orbident.preprocessing.origins import Origin
 from orbident.preprocessing.samples import Samples
@@ -100,7 +104,9 @@ def bound_of(
     )
     there = linear(problem, problem.weights, state)
     solution = solution_at(state, there, prior, problem.weights, True, there.cost)
-    found = found_beta(robot, sets, estimate_of(solution, prior_std(robot, sets)))
+    found = parameters_of_beta(
+        robot, sets, estimate_of(solution, prior_std(robot, sets))
+    )
 
     def budget() -> Budget:
         words, known = formulas_of(robot, sets), (found.base, found.phi, found.pi)

@@ -8,7 +8,9 @@ from jaxtyping import Float
 from orbident.errors import InputError
 from orbident.excitation.criterion import Basis
 from orbident.excitation.floating import usual_initial
+from orbident.excitation.table_points import points_on_table
 from orbident.files.bounds import LARGEST, SHORTEST, SMALLEST
+from orbident.model.kinematics import inertia
 from orbident.robot.couplings import coupled_joints
 from orbident.robot.description import Robot
 from orbident.trajectories.trajectory import InitialState, Trajectory
@@ -20,6 +22,15 @@ YEAR = 3.2e7
 
 MOST_HARMONICS = 100
 """The paper has three. With 40, one start of a search takes minutes."""
+
+SIDES = "table width", "table depth"
+"""Names of its sides along x and y."""
+
+FOLDED = 0.9
+"""Share of a table on which an arm turns that has room left to move in."""
+
+POSES = 1000
+"""So many are drawn to find how an arm folds: with seven joints within a tenth."""
 
 CROWDED = 0.01
 """Share of its range: a joint that is closer to a stop has no room to move in."""
@@ -41,6 +52,8 @@ class Limits:
     """Angle of the base from its first attitude, rad."""
     wheel_speed: float = INFINITE
     """Speed of every wheel relative to the base, rad/s."""
+    table: tuple[float, float] = (INFINITE, INFINITE)
+    """Sides of the table along x and y, inertial axes, m."""
 
 
 def limits_of(
@@ -49,6 +62,7 @@ def limits_of(
     base_rate: float = INFINITE,
     excursion: float = INFINITE,
     wheel_speed: float = INFINITE,
+    table: tuple[float, float] = (INFINITE, INFINITE),
 ) -> Limits:
     """The limits in the robot file and its URDF, and those that neither can state.
 
@@ -60,10 +74,13 @@ def limits_of(
         base_rate: norm of the base's angular velocity, rad/s.
         excursion: angle of the base from its first attitude, rad.
         wheel_speed: of every wheel relative to the base, rad/s.
+        table: its sides along x and y, on which S, the joints' origins and the tips
+            of the last links stay, m.
 
     Raises:
         InputError: the robot has no joints, a joint has no velocity limit, a limit
-            is not above zero, or those of joints that follow leave no motion.
+            is not above zero, those of joints that follow leave no motion, or the
+            robot is on no table.
     """
     if not robot.joints:
         raise InputError(
@@ -81,6 +98,7 @@ def limits_of(
         "base rate": base_rate,
         "excursion": excursion,
         "wheel speed": wheel_speed,
+        **dict(zip(SIDES, table, strict=True)),
     }
     for name, value in further.items():
         if not (SMALLEST <= value <= LARGEST or value == INFINITE):
@@ -89,6 +107,10 @@ def limits_of(
                 f", and at most {LARGEST:g}"
             )
     free = (-INFINITE, INFINITE)
+    if robot.motion != "planar" and min(table) < INFINITE:
+        raise InputError(
+            f"{robot.name}: table limit: the robot flies in space; leave the limit out"
+        )
     limits = Limits(
         # With one stop, a turn from it is as far as a motion needs.
         position=np.array(
@@ -99,6 +121,7 @@ def limits_of(
         base_rate=float(base_rate),
         excursion=float(excursion),
         wheel_speed=float(wheel_speed),
+        table=table,
     )
     _narrow(robot, limits)
     return limits
@@ -169,7 +192,7 @@ def conditions_for(
     """The usual conditions: from rest at q = 0 to rest at q = 0, in the limits.
 
     A joint that cannot stand at zero, or at the end of its range only, starts and ends
-    in the middle of it.
+    in the middle of it. On a limited table the arm starts and ends folded.
 
     Args:
         robot: with its limits.
@@ -184,7 +207,10 @@ def conditions_for(
     """
     limits = limits_of(robot) if limits is None else limits
     if like is None:
-        start = end = _following(robot, _usual_ends(limits))
+        usual = _usual_ends(limits)
+        if min(limits.table) < INFINITE:
+            usual[:, 0] = _folded(robot, limits)
+        start = end = _following(robot, usual)
         initial = usual_initial(robot, start)
     else:
         like = like.for_robot(robot)
@@ -210,3 +236,21 @@ def _usual_ends(limits: Limits) -> Float[np.ndarray, "joints 3"]:
     crowded = np.minimum(-lower, upper) < CROWDED * (upper - lower)
     ends[crowded, 0] = limits.position[crowded].mean(axis=1)
     return ends
+
+
+def _folded(robot: Robot, limits: Limits) -> Float[np.ndarray, " joints"]:
+    """Where all stays on the table as the robot turns, farthest from joints' stops.
+
+    Where nothing does, joints are as the robot turns on the smallest circle.
+    """
+    lower, upper = np.clip(limits.position, -np.pi, np.pi).T
+    share = np.random.default_rng(0).uniform(CROWDED, 1 - CROWDED, (POSES, len(lower)))
+    free, lead, offset = coupled_joints(robot)
+    q = (lower + share * (upper - lower))[:, free] @ lead.T + offset
+    points = points_on_table(
+        robot, q, np.tile(np.eye(3), (POSES, 1, 1)), -inertia(robot, q).r_cm
+    )
+    circle = 2 * np.linalg.norm(points, axis=2).max(axis=1)
+    fits = circle < FOLDED * min(limits.table)
+    from_stops = (0.5 - np.abs(share - 0.5))[:, free].min(axis=1)
+    return q[np.where(fits, from_stops, -circle).argmax()]

@@ -1,21 +1,22 @@
 """The exciting trajectory of a robot: conditions, search, guarantee, scores."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
+from jaxtyping import Float
 
 from orbident.errors import InputError
 from orbident.excitation.conditions import Conditions, conditions_for
 from orbident.excitation.criterion import OBJECTIVES, Objective
 from orbident.excitation.design_problem import problem_for
-from orbident.excitation.guarantee import Proven, proven_within
+from orbident.excitation.guarantee import Proven, floated, proven_within
 from orbident.excitation.information import weights_of
 from orbident.excitation.joint_limits import check_ends, inner_point, polytope_of
 from orbident.excitation.outside_changes import anything_may_act
-from orbident.excitation.scores import CriterionValues, scores_of
+from orbident.excitation.scores import CriterionValues, Flown, information_of, scores_of
 from orbident.excitation.search import (
     Effort,
     Feasible,
@@ -84,6 +85,7 @@ def design_excitation(
     uncertainty: float = 0.0,
     seed: int = 0,
     conditions: Conditions | None = None,
+    beside: Sequence[Trajectory] = (),
     progress: Callable[[Progress], object] = lambda _: None,
 ) -> Trajectory:
     """Design a trajectory of Eq. 41 that excites all parameters.
@@ -106,6 +108,8 @@ def design_excitation(
             plausible robots counts.
         seed: of the random starts.
         conditions: instead of duration and harmonics.
+        beside: motions that are recorded too: parameters are common, and momentum,
+            biases and what acts are each recording's own. Scores are of all together.
         progress: is called after each descent.
 
     Returns:
@@ -120,9 +124,14 @@ def design_excitation(
     began = time.perf_counter()
     given = conditions or conditions_for(robot, duration, harmonics)
     objective = objective or usual_objective(robot, given)
+    if beside:
+        _check_adds_up(objective)
+    ordered = [each.for_robot(robot) for each in beside]
+    flown = [(each, floated(robot, each)) for each in ordered]
+    known = information_of(robot, flown) if flown else 0.0
     check_ends(robot.joint_names, given.limits, given.start, given.end)
     spaces = [
-        _space(robot, replace(given, harmonics=number), objective, uncertainty)
+        _space(robot, replace(given, harmonics=number), objective, uncertainty, known)
         for number in harmonics_tried(robot, given, objective)
     ]
     effort = Effort(
@@ -134,7 +143,7 @@ def design_excitation(
     )
     searched = search(spaces, effort, seed, progress)
     optima, random = (
-        _judged(robot, given, objective, found[:JUDGED])
+        _judged(robot, given, objective, flown, found[:JUDGED])
         for found in (searched.optima, sorted(searched.random, key=lambda f: f.value))
     )
     by_chance = min(random, key=lambda each: each.value)
@@ -155,6 +164,58 @@ def design_excitation(
     return replace(best.proven.trajectory, design=made)
 
 
+def _check_adds_up(objective: Objective) -> None:
+    if objective == "cond":
+        raise InputError(
+            "several recordings: condition numbers do not add up; use the objective d, "
+            "a or e"
+        )
+
+
+def design_recordings(
+    robot: Robot,
+    recordings: int,
+    conditions: Conditions,
+    objective: Objective | None = None,
+    budget: float | None = None,
+    **others: Any,
+) -> Iterator[Trajectory]:
+    """Design a motion for each of several recordings, the best beside those before it.
+
+    An interrupt ends it: the motion that was searched is the last.
+
+    Args:
+        robot: as of `design_excitation`.
+        recordings: how many, one or more.
+        conditions: of each of them.
+        objective: as of `design_excitation`.
+        budget: seconds for all of them.
+        others: as of `design_excitation`.
+
+    Raises:
+        InputError: as of `design_excitation`.
+    """
+    objective = objective or usual_objective(robot, conditions)
+    if recordings > 1:
+        _check_adds_up(objective)
+    share = None if budget is None else budget / recordings
+    made: list[Trajectory] = []
+    while len(made) < recordings:
+        found = design_excitation(
+            robot,
+            objective=objective,
+            budget=share,
+            conditions=conditions,
+            beside=made,
+            **others,
+        )
+        design = {"recordings": recordings, **(found.design or {})}
+        made.append(replace(found, design=design))
+        yield made[-1]
+        if design["interrupted"]:
+            return
+
+
 def harmonics_tried(
     robot: Robot, given: Conditions, objective: Objective
 ) -> tuple[int, ...]:
@@ -169,16 +230,20 @@ def harmonics_tried(
 
 
 def _space(
-    robot: Robot, given: Conditions, objective: Objective, uncertainty: float
+    robot: Robot,
+    given: Conditions,
+    objective: Objective,
+    uncertainty: float,
+    known: Float[np.ndarray, "unknowns unknowns"] | float,
 ) -> SearchSpace:
-    problem = problem_for(robot, given, objective, uncertainty)
+    problem = problem_for(robot, given, objective, uncertainty, known)
     steps = max(LIMIT_STEPS, LIMIT_STEPS_A_PERIOD * problem.motions.harmonics)
     few, more, many = (
         polytope_of(problem.motions.resampled(nodes + 1), given.limits)
         for nodes in (steps // COARSER, steps, FINER * steps)
     )
     free = {k: robot.joint_names[k] for k in problem.motions.coupled.free}
-    middle = inner_point(many, given.limits, free)
+    middle = problem.gentlest(more, inner_point(many, given.limits, free))
     return SearchSpace(problem, (few, more, many), middle)
 
 
@@ -194,13 +259,16 @@ def _judged(
     robot: Robot,
     given: Conditions,
     objective: Objective,
+    flown: list[Flown],
     candidates: list[Feasible],
 ) -> list[Judged]:
     """What motions are worth when they are made small enough for their limits."""
     judged = []
     for (problem, _, middle), _, y in candidates:
         proven = proven_within(robot, given, problem.motions, middle, y)
-        scores = scores_of(robot, proven.trajectory, proven.motion, given.basis)
+        scores = scores_of(
+            robot, [*flown, (proven.trajectory, proven.motion)], given.basis
+        )
         value = getattr(scores, "cond_Y" if objective == "cond" else objective)
         there = problem.evaluate(middle + proven.share * (y - middle), 1.0)
         judged.append(
@@ -249,6 +317,9 @@ def _margins(robot: Robot, given: Conditions, proven: Proven) -> dict[str, Any]:
         limit = limits.base_rate if name == "rate" else getattr(limits, name)
         of_base[name] = _finite(getattr(base, name))
         of_base[f"{name}_limit"] = _finite(limit)
+    if base.table:
+        of_base["table"] = [_finite(side) for side in base.table]
+        of_base["table_limit"] = [_finite(side) for side in limits.table]
     return {"amplitude_kept": proven.share, "proven": {"joints": entries, **of_base}}
 
 

@@ -9,8 +9,9 @@ from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
+from scipy.optimize import minimize
 
-from orbident.excitation.conditions import Conditions, Limits
+from orbident.excitation.conditions import SIDES, Conditions, Limits
 from orbident.excitation.criterion import (
     Basis,
     Objective,
@@ -32,7 +33,8 @@ from orbident.excitation.floating import (
     was_at_rest,
 )
 from orbident.excitation.information import Information, Sensing, sensing_of
-from orbident.excitation.joint_limits import JointMotions, joint_motions
+from orbident.excitation.joint_limits import JointMotions, Polytope, joint_motions
+from orbident.excitation.table_points import add_points, points_on_table
 from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.couplings import coupled_joints
 from orbident.robot.description import Robot
@@ -50,8 +52,18 @@ FINER_FOR_SENSORS = 4
 STEP_ANGLE = 0.3
 """Turn of the base, or of its nutation, in a step, rad: RK4 is wrong by 2e-5 rad."""
 
+OFF_THE_EDGE = STEP_ANGLE**2 / 8
+"""Share of a table that is kept free: on a circle, a point goes so far beyond nodes."""
+
 MOST_STEPS = 8192
 """More would need minutes a start; what is then wrong shows in the final score."""
+
+WELL_INSIDE = 0.8
+"""Square of the share of a limit that leaves room for a motion to search from."""
+
+MOST_STEPS_INSIDE = 30
+"""The most steps of a descent to a motion inside the limits; it took 10 to 20 where
+there was one."""
 
 LIMITS_POWER = 2000.0
 """Power of the mean that stands for the largest use of a limit: it is 0.5 % above it at
@@ -83,6 +95,8 @@ class DesignProblem:
     sensing: Sensing | None
     """None for the objective cond."""
     at_rest: bool
+    known: Float[np.ndarray, "unknowns unknowns"] | float
+    """Information that other recordings give; zero without any."""
 
     @property
     def limited(self) -> tuple[str, ...]:
@@ -92,6 +106,7 @@ class DesignProblem:
             "excursion": self.limits.excursion < np.pi,
             "wheel speed": self.limits.wheel_speed < np.inf
             and self.crafts[0].wheels.free.size > 0,
+            **{name: self.limits.table[k] < np.inf for k, name in enumerate(SIDES)},
         }
         return tuple(name for name, there in finite.items() if there)
 
@@ -113,14 +128,59 @@ class DesignProblem:
             share * self._pulled_back(craft, q, qd, f)
             for share, craft, f in zip(shares, self.crafts, gradients, strict=True)
         )
-        used = [self._used(name, q, qd, motions) for name in self.limited]
-        return Candidate(
-            worst,
-            np.asarray(gradient),
-            float(exact.max()),
-            np.array([value for value, _ in used]),
-            np.reshape([by_y for _, by_y in used], (len(used), *y.shape)),
+        used, by_y = self._all_used(q, qd, motions)
+        return Candidate(worst, np.asarray(gradient), float(exact.max()), used, by_y)
+
+    def gentlest(
+        self, polytope: Polytope, middle: Float[np.ndarray, "free m"]
+    ) -> Float[np.ndarray, "free m"]:
+        """A motion that is well inside the limits of the base, or as far as can be.
+
+        Args:
+            polytope: the joint limits.
+            middle: a motion inside them; it is returned where the base allows it.
+        """
+        shape, step = middle.shape, 2 * float(self.motions.t[1])
+
+        def used(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+            q, qd = self.motions.along(x[:-1].reshape(shape))
+            motions = [craft.along(q, qd, step) for craft in self.crafts]
+            values, by_y = self._all_used(q, qd, motions)
+            return values, by_y.reshape(len(values), middle.size)
+
+        # Without a series, joints go straight from end to end: often they rest.
+        inside = [
+            np.append(y.ravel(), 0.0)
+            for y in (middle, np.zeros(shape))
+            if polytope.slack(y).min() > 0
+        ]
+        for x in inside:
+            x[-1] = used(x)[0].max(initial=0.0)
+            if x[-1] < 1:
+                return x[:-1].reshape(shape)
+        start = min(inside, key=lambda x: x[-1])
+        rows, room = polytope.rows, polytope.room.ravel()
+        room = room - polytope.slack(start[:-1].reshape(shape)).min() / 2
+
+        def slacks(x: np.ndarray) -> np.ndarray:
+            return np.concatenate([x[-1] - used(x)[0], room - rows @ x[:-1]])
+
+        def slack_gradients(x: np.ndarray) -> np.ndarray:
+            by_y = np.concatenate([-used(x)[1], -rows])
+            least = np.arange(len(by_y)) < len(self.limited)
+            return np.column_stack([by_y, least])
+
+        # Minimise s, which all that is used is below.
+        found = minimize(
+            lambda x: (x[-1], np.append(np.zeros(x.size - 1), 1.0)),
+            start,
+            jac=True,
+            method="SLSQP",
+            bounds=[(None, None)] * middle.size + [(WELL_INSIDE, None)],
+            options={"maxiter": MOST_STEPS_INSIDE},
+            constraints={"type": "ineq", "fun": slacks, "jac": slack_gradients},
         )
+        return found.x[:-1].reshape(shape)
 
     def _criterion(
         self, motion: NodalMotion, p: float
@@ -140,7 +200,7 @@ class DesignProblem:
             add_Y_hat(f, by_rows, pi_of, axes, self.at_rest)
         else:
             information = Information(self.sensing, motion, self.at_rest)
-            spectrum = spectrum_of(information.F)
+            spectrum = spectrum_of(information.F + self.known)
             value = log_criterion(self.objective, spectrum.l, p)
             information.add(f, by_matrix(spectrum, value.by_l))
         return (value.smooth, value.exact), f
@@ -158,6 +218,19 @@ class DesignProblem:
     ) -> Float[np.ndarray, "free m"]:
         return self.motions.pull_back(*craft.pull_back(q, qd, f))
 
+    def _all_used(
+        self,
+        q: Float[np.ndarray, "nodes joints"],
+        qd: Float[np.ndarray, "nodes joints"],
+        motions: list[NodalMotion],
+    ) -> tuple[Float[np.ndarray, " limits"], Float[np.ndarray, "limits free m"]]:
+        used = [self._used(name, q, qd, motions) for name in self.limited]
+        shape = len(used), len(self.motions.scale), self.motions.basis[0].shape[1]
+        return (
+            np.array([value for value, _ in used]),
+            np.reshape([by_y for _, by_y in used], shape),
+        )
+
     def _used(
         self,
         name: str,
@@ -168,6 +241,11 @@ class DesignProblem:
         """The largest square of the share of a limit, of all robots; its gradient."""
         uses = np.array([self._use(name, motion) for motion in motions])
         most, shares = smooth_maximum(uses, LIMITS_POWER)
+        if name in SIDES:
+            # Where on the table the robot begins is free.
+            least, of_least = smooth_maximum(-uses, LIMITS_POWER)
+            size = most + least
+            most, shares = size**2, 2 * size * (shares - of_least)
         shape = len(self.motions.scale), self.motions.basis[0].shape[1]
         gradient = np.zeros(shape)
         for craft, motion, by_use in zip(self.crafts, motions, shares, strict=True):
@@ -177,11 +255,18 @@ class DesignProblem:
         return most, gradient
 
     def _use(self, name: str, motion: NodalMotion) -> Float[np.ndarray, "n uses"]:
-        """The square of the share of a limit, node by node."""
+        """The square of the share of a limit, node by node.
+
+        Of a table, where each point is, over its side.
+        """
         if name == "base rate":
             return (motion.w**2).sum(axis=1, keepdims=True) / self.limits.base_rate**2
         if name == "wheel speed":
             return (motion.qd_rw / self.limits.wheel_speed) ** 2
+        if name in SIDES:
+            axis, robot = SIDES.index(name), motion.craft.robot
+            points = points_on_table(robot, motion.q, motion.R, motion.r_S)
+            return points[:, :, axis] / self._side(axis)
         # sin^2 of half the angle: (3 - tr R_0^T R) / 4.
         trace = np.einsum("ij,nij->n", motion.R[0], motion.R)[:, None]
         return (3 - trace) / 4 / np.sin(self.limits.excursion / 2) ** 2
@@ -196,13 +281,25 @@ class DesignProblem:
             by_speed = by_use * 2 * motion.qd_rw / self.limits.wheel_speed**2
             wheels = self.crafts[0].wheels
             f.w -= (by_speed * wheels.free) @ wheels.axes.T
+        elif name in SIDES:
+            axis = SIDES.index(name)
+            by_points = np.zeros((*by_use.shape, len(SIDES)))
+            by_points[:, :, axis] = by_use / self._side(axis)
+            add_points(f, by_points)
         else:
             scale = 4 * np.sin(self.limits.excursion / 2) ** 2
             f.R -= by_use[:, :, None] * motion.R[0] / scale
 
+    def _side(self, axis: int) -> float:
+        return self.limits.table[axis] * (1 - OFF_THE_EDGE)
+
 
 def problem_for(
-    robot: Robot, given: Conditions, objective: Objective, uncertainty: float
+    robot: Robot,
+    given: Conditions,
+    objective: Objective,
+    uncertainty: float,
+    known: Float[np.ndarray, "unknowns unknowns"] | float = 0.0,
 ) -> DesignProblem:
     """What is minimised, for the nominal robot and those that could be the true one.
 
@@ -211,6 +308,7 @@ def problem_for(
         given: the conditions, with a number of harmonics.
         objective: which criterion.
         uncertainty: as of `plausible_robots`.
+        known: information that other recordings give, of the nominal robot.
 
     Raises:
         InputError: the objective needs sensors that the robot file does not have.
@@ -237,6 +335,7 @@ def problem_for(
         basis=given.basis or basis_of(robot, sets),
         sensing=None if objective == "cond" else sensing_of(robot, sets),
         at_rest=at_rest,
+        known=known,
     )
 
 
@@ -248,6 +347,11 @@ def steps_for(robot: Robot, given: Conditions, objective: Objective) -> int:
     assert given.harmonics is not None
     sets = minimal_sets(robot)
     turned = nutation(robot, given.initial, given.start) * given.duration
+    if min(given.limits.table) < np.inf:
+        # In the plane points go round with the base and the joints.
+        rates = given.limits.velocity[coupled_joints(robot).free]
+        spin = np.abs(given.initial.angular_velocity[2])
+        turned = float(spin + rates.sum()) * given.duration
     # Twice as many rows as unknowns: fewer would let rounding excite them.
     pis, betas = sets.pi_of_beta.shape
     unknowns = pis if objective == "cond" else betas

@@ -13,11 +13,10 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident import _core
-from orbident.model.core_robot import core_robot
-from orbident.model.inertia import Inertia, inertia, inertia_at
+from orbident.model.core_robot import Wheels, core_robot, wheels_of
+from orbident.model.kinematics import Inertia, inertia, inertia_at, momentum_regressors
 from orbident.model.minimal_sets import MinimalSets
 from orbident.model.rotations import quaternion_matrix, rotate
-from orbident.model.wheel_arrays import Wheels, wheels_of
 from orbident.robot.description import Robot
 from orbident.threads import processors
 from orbident.trajectories.trajectory import InitialState
@@ -53,6 +52,12 @@ class NodalMotion:
     def v_S(self) -> Float[np.ndarray, "n 3"]:
         """The velocity of S, inertial axes, m/s."""
         return self.craft.velocity + self._v_from_cm - self._v_from_cm[0]
+
+    @property
+    def r_S(self) -> Float[np.ndarray, "n 3"]:
+        """From where S is at first, inertial axes, m."""
+        t, r_cm = self.dt * np.arange(len(self.w)), rotate(self.R, self.r_cm)
+        return np.outer(t, self.v_cm) + r_cm[0] - r_cm
 
     @property
     def v_cm(self) -> Float[np.ndarray, "3"]:
@@ -306,7 +311,10 @@ def spun_up(
     """
     initial = InitialState(wheel_speed=wheel_speed)
     w, _ = momentum_at_start(robot, initial, start, at_rest=True)
-    return InitialState(w, wheel_speed=wheel_speed)
+    # The CM stays where it is, so S moves where the base turns.
+    q, qd, _ = start.T[:, None]
+    p = momentum_regressors(robot, q, qd, w[None]).P[0] @ robot.theta.ravel()
+    return InitialState(w, velocity=-p / robot.mass, wheel_speed=wheel_speed)
 
 
 def was_at_rest(

@@ -15,10 +15,19 @@ With `r` from the CM, `u` and `a` velocity and acceleration relative to the base
 mass elements of the links (on the base `u = a = 0`), and `|x|^2 = integral |x|^2 dm`,
 Cauchy and Schwarz give
 
-    |D'| <= 2 |r| |u|,    |g'| <= |r| |a|,    min eig D >= min eig I_base, about its CM.
+    |D'| <= 2 |r| |u|,    |g'| <= |r| |a|,    min eig D >= min eig I_base, about its CM,
+
+and motors' rotors add `N J qd` along the axes of their joints to `g`.
 
 The norms follow from the largest joint rates and accelerations, from the base to the
 tips. So `w` between two samples is within `h/2 max|w'|` of one of them.
+
+Table: a point at `D` from the base's CM with velocity `V` and acceleration `A` relative
+to the base has, seen from the CM of a robot whose links have the share `s` of the mass,
+
+    |x''| <= (1 + s) (|w'| D + |w|^2 D + 2 |w| V + A),
+
+and is between two samples within `h^2/8 max|x''|` of the straight line.
 """
 
 from typing import NamedTuple
@@ -26,10 +35,14 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
+from orbident.environment.motion import heavy_bodies
 from orbident.errors import InputError
-from orbident.excitation.conditions import Conditions, Limits
+from orbident.excitation.conditions import SIDES, Conditions, Limits
 from orbident.excitation.joint_limits import JointMotions
-from orbident.model.wheel_arrays import wheels_of
+from orbident.excitation.table_points import points_on_table
+from orbident.model.core_robot import wheels_of
+from orbident.model.rotations import quaternion_matrix
+from orbident.model.rotor_momentum import rotors_of
 from orbident.robot.description import Robot
 from orbident.robot.parameters import (
     FIRST_MOMENT,
@@ -66,14 +79,31 @@ class BaseExtremes(NamedTuple):
     """Angle from the first attitude, rad; at most pi."""
     wheel_speed: float
     """Speed of the fastest wheel, rad/s."""
+    table: tuple[float, float] | None
+    """Sides of the smallest table along x and y, m; None in space."""
+
+
+class _Carried(NamedTuple):
+    """Bounds of how each body's origin moves relative to the base."""
+
+    d: Float[np.ndarray, " bodies"]
+    """Distance from the base's CM."""
+    v: Float[np.ndarray, " bodies"]
+    a: Float[np.ndarray, " bodies"]
+    w: Float[np.ndarray, " bodies"]
+    alpha: Float[np.ndarray, " bodies"]
 
 
 class _Norms(NamedTuple):
-    """Root integrals over the mass of the links."""
+    """Root integrals over the mass of the links, and what the motors' rotors have."""
 
     r: float
     u: float
     a: float
+    h: float
+    """Momentum of the rotors, N m s."""
+    n: float
+    """Rate of the rotors' momentum, N m."""
 
 
 def extremes_of(trajectory: Trajectory) -> Extremes:
@@ -102,21 +132,23 @@ def base_extremes_of(
         joints: proven extremes of the same motion.
     """
     t = motion.t
+    planar = robot.motion == "planar"
+    table = (np.inf, np.inf) if planar else None
     least = _least_inertia(robot)
     if least <= LEAST_INERTIA:
-        return BaseExtremes(np.inf, np.inf, np.inf)
-    norms = _norms(robot, joints)
+        return BaseExtremes(np.inf, np.inf, np.inf, table)
+    carried = _carried(robot, joints)
+    norms = _norms(robot, joints, carried)
     h_cm = float(np.linalg.norm(motion.h_cm))
     wheels = wheels_of(robot)
     spin = motion.qd_rw[0] + wheels.free * (wheels.axes.T @ motion.w[0])
     h_rw = float(np.linalg.norm(wheels.A_rw @ spin))
     sampled = float(np.linalg.norm(motion.w, axis=1).max())
-    rate = (h_cm + norms.r * norms.u + h_rw) / least
-    planar = robot.motion == "planar"
+    rate = (h_cm + norms.r * norms.u + norms.h + h_rw) / least
     change = np.inf
     for _ in range(3):
         # In the plane R_0^T h_cm is constant.
-        torque = (0.0 if planar else h_cm) * rate + norms.r * norms.a
+        torque = (0.0 if planar else h_cm) * rate + norms.r * norms.a + norms.n
         change = (torque + 2 * norms.r * norms.u * rate) / least
         rate = min(rate, sampled + change * t[1] / 2)
     half = np.abs(motion.attitude @ motion.attitude[0])
@@ -124,9 +156,31 @@ def base_extremes_of(
     excursion = turned + rate * t[1] / 2 + motion.attitude_error
     free_change = change * t[1] / 2 if wheels.free.any() else 0.0
     fastest = float(np.abs(motion.qd_rw).max(initial=0.0))
+    if planar:
+        table = _smallest_table(robot, motion, carried, float(rate), float(change))
     return BaseExtremes(
-        float(rate), float(min(excursion, np.pi)), float(fastest + free_change)
+        float(rate), float(min(excursion, np.pi)), float(fastest + free_change), table
     )
+
+
+def _smallest_table(
+    robot: Robot, motion: FreeFloating, carried: _Carried, rate: float, change: float
+) -> tuple[float, float]:
+    points = points_on_table(
+        robot, motion.q, quaternion_matrix(motion.attitude), motion.r_S
+    )
+    # No point of a body, nor its CM, is farther from its origin than a tip.
+    reaches = np.zeros(len(robot.bodies))
+    for body, _, com in heavy_bodies(robot):
+        reaches[body] = 2 * np.linalg.norm(com)
+    d, v, a, w, alpha = carried
+    D, V = d + reaches, v + w * reaches
+    A = a + (alpha + w**2) * reaches
+    share = 1 + np.abs(robot.theta[1:, MASS]).sum() / robot.mass
+    bent = share * float(((change + rate**2) * D + 2 * rate * V + A).max())
+    beyond = bent * motion.t[1] ** 2 / 8 + 2 * motion.attitude_error * D.max()
+    width, depth = np.ptp(points, axis=(0, 1)) + 2 * beyond
+    return float(width), float(depth)
 
 
 def _least_inertia(robot: Robot) -> float:
@@ -138,7 +192,7 @@ def _least_inertia(robot: Robot) -> float:
     return float(I[2, 2] if robot.motion == "planar" else np.linalg.eigvalsh(I)[0])
 
 
-def _norms(robot: Robot, joints: Extremes) -> _Norms:
+def _carried(robot: Robot, joints: Extremes) -> _Carried:
     """Recursively from the base: each body's largest rates and accelerations."""
     d, v, a, w, alpha = np.zeros((5, len(robot.bodies)))
     com = robot.theta[0, FIRST_MOMENT] / robot.theta[0, MASS]
@@ -155,14 +209,23 @@ def _norms(robot: Robot, joints: Extremes) -> _Norms:
         a[k + 1] += slides * (acceleration + 2 * w[j] * rate)
         w[k + 1] = w[j] + (not slides) * rate
         alpha[k + 1] = alpha[j] + (not slides) * (acceleration + w[j] * rate)
+    return _Carried(d, v, a, w, alpha)
+
+
+def _norms(robot: Robot, joints: Extremes, carried: _Carried) -> _Norms:
     m, spread = np.abs(robot.theta[1:, MASS]), _spread(robot.theta[1:])
-    root, d, v, a, w, alpha = np.sqrt(m), d[1:], v[1:], a[1:], w[1:], alpha[1:]
+    root, (d, v, a, w, alpha) = np.sqrt(m), (each[1:] for each in carried)
     # |c| <= sqrt(m_links) |r| / M takes r from the base's CM to that of the system.
     to_cm = 1 + m.sum() / robot.mass
+    # The axes of a rotor turn with the body that carries it.
+    NJ = np.abs(rotors_of(robot).momentum)
+    carrier = np.append(0.0, w)[[joint.parent for joint in robot.joints]]
     return _Norms(
         r=float(np.linalg.norm(root * d + spread) * to_cm),
         u=float(np.linalg.norm(root * v + spread * w)),
         a=float(np.linalg.norm(root * a + spread * (alpha + w**2))),
+        h=float(NJ @ joints.velocity),
+        n=float(NJ @ (joints.acceleration + carrier * joints.velocity)),
     )
 
 
@@ -234,6 +297,22 @@ def proven_within(
     raise InputError(f"limits: {broken}; raise the limit, or give more time")
 
 
+def smallest_table(
+    robot: Robot, trajectory: Trajectory, motion: FreeFloating
+) -> tuple[float, float] | None:
+    """Sides along x and y of the smallest table that holds a motion, m.
+
+    Args:
+        robot: with its nominal inertia.
+        trajectory: for this robot, rows in its order.
+        motion: `floated` along it.
+
+    Returns:
+        None in space, and infinite where nothing can be proven.
+    """
+    return base_extremes_of(robot, motion, extremes_of(trajectory)).table
+
+
 def floated(robot: Robot, trajectory: Trajectory) -> FreeFloating:
     """The motion that the trajectory makes, at times close to each other.
 
@@ -275,6 +354,7 @@ def _broken_by_base(base: BaseExtremes, limits: Limits) -> str:
         ("base rate", base.rate, limits.base_rate),
         ("excursion", base.excursion, limits.excursion),
         ("wheel speed", base.wheel_speed, limits.wheel_speed),
+        *zip(SIDES, base.table or (), limits.table, strict=False),
     ):
         # An excursion of pi is as far as there is.
         if found > limit and not (name == "excursion" and limit >= np.pi):

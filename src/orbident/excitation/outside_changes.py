@@ -34,7 +34,7 @@ from orbident.environment.worlds import (
     scale_of,
     what_may_act,
 )
-from orbident.estimation.output_error.followed import at_nodes
+from orbident.estimation.output_error.acting import at_nodes
 from orbident.excitation.floating import (
     Gradient,
     NodalMotion,
@@ -42,6 +42,7 @@ from orbident.excitation.floating import (
     running_integral,
     running_integral_transposed,
 )
+from orbident.excitation.table_points import add_point
 from orbident.model.kinematics import carrying_joints
 from orbident.model.rotations import rotate, rotate_back
 from orbident.robot.description import Robot
@@ -209,14 +210,9 @@ class OutsideChanges:
     ) -> None:
         """From the gradients by where a pad is from the CM, and how far it turned."""
         at, R = self._at, f.motion.R
-        arm, fields = at.arm(body, pad), at.poses
-        f.R += by_x[:, :, None] * (arm - f.motion.r_cm)[:, None]
+        add_point(f, at.poses, (body, pad), by_x)
         f.R += by_angle[:, None, None] / 2 * (R @ cross_matrix(UP))
-        by_arm = rotate_back(R, by_x)
-        f.r_cm -= by_arm
-        moved = fields.field_u + np.cross(fields.field_w, arm[:, None])
-        by_q = np.einsum("nki,ni->nk", moved, by_arm)
-        by_q += by_angle[:, None] * fields.field_w[:, :, 2]
+        by_q = by_angle[:, None] * at.poses.field_w[:, :, 2]
         f.q += carrying_joints(at.robot, body) * by_q
 
 
@@ -268,8 +264,7 @@ def _robot_motion(motion: NodalMotion, scale: Scale) -> RobotMotion:
     """The motion as what acts from outside knows it, with what may act on it."""
     robot = motion.craft.robot
     t = motion.dt * np.arange(len(motion.w))
-    r_cm = rotate(motion.R, motion.r_cm)
-    S = PointMotion(np.outer(t, motion.v_cm) + r_cm[0] - r_cm, motion.v_S)
+    S = PointMotion(motion.r_S, motion.v_S)
     return RobotMotion(
         robot,
         t,

@@ -16,15 +16,15 @@ from orbident.excitation.criterion import (
     log_criterion,
     spectrum_of,
 )
-from orbident.excitation.floating import craft_of, was_at_rest
-from orbident.excitation.guarantee import floated
+from orbident.excitation.floating import NodalMotion, craft_of, was_at_rest
+from orbident.excitation.guarantee import floated, smallest_table
 from orbident.excitation.information import (
     Information,
     Sensing,
     sensing_of,
     weights_of,
 )
-from orbident.model.minimal_sets import minimal_sets
+from orbident.model.minimal_sets import MinimalSets, minimal_sets
 from orbident.robot.description import Robot
 from orbident.simulation.free_floating import FreeFloating
 from orbident.trajectories.trajectory import Trajectory
@@ -34,6 +34,10 @@ DETERMINED = 1e-13
 
 EVERY = 4
 """So many samples of a motion are one of its score."""
+
+
+Flown = tuple[Trajectory, FreeFloating]
+"""A trajectory for a robot, rows in its order, and the motion along it."""
 
 
 class Bounds(NamedTuple):
@@ -68,43 +72,34 @@ class CriterionValues(NamedTuple):
 
 
 def scores_of(
-    robot: Robot,
-    trajectory: Trajectory,
-    motion: FreeFloating,
-    basis: Basis | None = None,
+    robot: Robot, flown: Sequence[Flown], basis: Basis | None = None
 ) -> CriterionValues:
-    """Score a trajectory by every criterion.
+    """Score a motion by every criterion, or the motions of several recordings together.
+
+    Parameters are common to all recordings, and all else is each one's own.
 
     d, a and e are of the free-flying base parameters, in units in which random motion
     shows all alike; so they depend on no choice of basis.
 
     Args:
         robot: with its nominal inertia.
-        trajectory: for this robot, rows in its order.
-        motion: along it, at times that are evenly spaced.
+        flown: of each recording, with the motion at times that are evenly spaced.
         basis: of the condition numbers; the automatic one by default.
     """
     sets = minimal_sets(robot)
-    at_rest = was_at_rest(robot, trajectory.initial, trajectory.start)
-    craft = craft_of(robot, sets, trajectory.initial, trajectory.start, at_rest)
-    seen = craft.seen(
-        motion.q[::EVERY],
-        motion.qd[::EVERY],
-        motion.w[::EVERY],
-        motion.attitude[::EVERY],
-        float(motion.t[EVERY] - motion.t[0]),
-    )
+    seen = [_seen(robot, sets, *each) for each in flown]
     regressors, basis = sets.regressors, basis or basis_of(robot, sets)
-    Y = Y_hat(seen, basis.pi_of, regressors.momentum_axes, at_rest)
-    W = W_hat(seen, basis.phi_of, regressors.velocity_axes)
+    h, v = regressors.momentum_axes, regressors.velocity_axes
+    Y = np.concatenate([Y_hat(m, basis.pi_of, h, at_rest) for m, at_rest in seen])
+    W = np.concatenate([W_hat(m, basis.phi_of, v) for m, _ in seen])
     sensing = sensing_of(robot, sets) if weights_of(robot.sensors) else None
-    F = None if sensing is None else Information(sensing, seen, at_rest).F
+    F = None if sensing is None else _sum(sensing, seen)
     F = None if F is None or not _determined(F) else F
     # What only shows when coupled joints move apart has no deviation.
     whole = sensing is not None and np.ptp(sensing.beta_of.shape) == 0
     price = None
     if F is not None and sensing is not None and whole and sensing.acting:
-        alone = Information(replace(sensing, acting=False), seen, at_rest).F
+        alone = _sum(replace(sensing, acting=False), seen)
         growth = _std(sensing.beta_of, F) / _std(sensing.beta_of, alone)
         price = float(np.exp(np.log(growth).mean()))
     return CriterionValues(
@@ -120,6 +115,44 @@ def scores_of(
         if F is not None and sensing is not None and whole
         else None,
     )
+
+
+def _seen(
+    robot: Robot, sets: MinimalSets, trajectory: Trajectory, motion: FreeFloating
+) -> tuple[NodalMotion, bool]:
+    """The motion at some of its samples, and whether all was at rest before."""
+    at_rest = was_at_rest(robot, trajectory.initial, trajectory.start)
+    craft = craft_of(robot, sets, trajectory.initial, trajectory.start, at_rest)
+    seen = craft.seen(
+        motion.q[::EVERY],
+        motion.qd[::EVERY],
+        motion.w[::EVERY],
+        motion.attitude[::EVERY],
+        float(motion.t[EVERY] - motion.t[0]),
+    )
+    return seen, at_rest
+
+
+def _sum(
+    sensing: Sensing, seen: list[tuple[NodalMotion, bool]]
+) -> Float[np.ndarray, "u u"]:
+    return np.sum([Information(sensing, *each).F for each in seen], axis=0)
+
+
+def information_of(
+    robot: Robot, flown: Sequence[Flown]
+) -> Float[np.ndarray, "unknowns unknowns"]:
+    """What recordings tell of the parameters, in the units of `sensing_of`.
+
+    Args:
+        robot: with its nominal inertia.
+        flown: as of `scores_of`.
+
+    Raises:
+        InputError: the robot file has no sensor of the base's motion.
+    """
+    sets = minimal_sets(robot)
+    return _sum(sensing_of(robot, sets), [_seen(robot, sets, *each) for each in flown])
 
 
 def _condition(rows: Float[np.ndarray, "m n"]) -> float:
@@ -157,7 +190,7 @@ def _std(
 
 
 class Scorecard(NamedTuple):
-    """What each trajectory promises; the smaller, the better."""
+    """What each trajectory promises, or several together; smaller is better."""
 
     sources: tuple[str, ...]
     scores: tuple[CriterionValues, ...]
@@ -166,16 +199,20 @@ class Scorecard(NamedTuple):
     nominal: Float[np.ndarray, " parameters"]
     deviations: Float[np.ndarray, "trajectories parameters"]
     """Predicted standard deviations; NaN where not all is determined."""
+    tables: tuple[tuple[float, float] | None, ...]
+    """As of `smallest_table`."""
 
 
 def compare_trajectories(
-    robot: Robot, trajectories: Sequence[Trajectory], basis: Basis | None = None
+    robot: Robot,
+    experiments: Sequence[Sequence[Trajectory]],
+    basis: Basis | None = None,
 ) -> Scorecard:
-    """Score each trajectory, with the nominal inertia and the robot file's sensors.
+    """Score experiments, with the nominal inertia and the robot file's sensors.
 
     Args:
         robot: with its nominal inertia.
-        trajectories: each with its initial state.
+        experiments: the trajectories of each one's recordings, with initial states.
         basis: of the condition numbers; the automatic one by default.
 
     Raises:
@@ -186,10 +223,14 @@ def compare_trajectories(
     names = ["M"]
     names += [f"pi_{i + 1}" for i in range(pi.size)]
     names += [f"phi_{i + 1}" for i in range(phi.size)]
-    scores, deviations = [], []
-    for trajectory in trajectories:
-        ordered = trajectory.for_robot(robot)
-        score = scores_of(robot, ordered, floated(robot, ordered), basis)
+    scores, deviations, tables = [], [], []
+    for trajectories in experiments:
+        ordered = [each.for_robot(robot) for each in trajectories]
+        flown = [(each, floated(robot, each)) for each in ordered]
+        score = scores_of(robot, flown, basis)
+        needed = [smallest_table(robot, *each) for each in flown]
+        sides = np.array([each for each in needed if each])
+        tables.append(tuple(sides.max(axis=0).tolist()) if sides.size else None)
         scores.append(score)
         std = score.deviations
         deviations.append(
@@ -198,9 +239,15 @@ def compare_trajectories(
             else np.concatenate([[std.mass], std.pi, std.phi])
         )
     return Scorecard(
-        sources=tuple(trajectory.source for trajectory in trajectories),
+        sources=tuple(_source(each) for each in experiments),
         scores=tuple(scores),
         parameters=tuple(names),
         nominal=np.concatenate([[robot.mass], pi, phi]),
         deviations=np.array(deviations),
+        tables=tuple(tables),
     )
+
+
+def _source(trajectories: Sequence[Trajectory]) -> str:
+    first, last = trajectories[0].source, trajectories[-1].source
+    return first if len(trajectories) == 1 else f"{first} to {last}"

@@ -367,5 +367,5 @@ def _inside_base_limits(space: SearchSpace, y: Float[np.ndarray, "free m"]) -> F
     raise InputError(
         "base limits: even the gentlest joint motion exceeds the limit of "
         f"{problem.limited[worst]}, by {np.sqrt(candidate.used[worst]) - 1:.2g} "
-        "of it; raise the limit, or start with less momentum"
+        "of it; raise the limit, start with less momentum, or give other ends"
     )

@@ -22,3 +22,6 @@ SHORTEST = 1e-9
 TOGETHER = 1e-6
 """s: samples this close are of one time, as clocks and their latencies are rounded; in
 the mean no sensor's follow each other so fast."""
+
+MOST_RECORDINGS = 100
+"""Short motions that are designed together: a day in a laboratory."""

@@ -1,6 +1,6 @@
 """What was captured, or let go: two results of one robot, before and after.
 
-Why a comparison has no number, or a doubtful one, in words that say what to do.
+Where a comparison has no number, or a doubtful one, words say why and what to do.
 """
 
 from collections.abc import Mapping
@@ -10,8 +10,8 @@ from typing import Any, Literal
 import numpy as np
 
 from orbident.errors import InputError
-from orbident.estimation.criteria import VAGUE
 from orbident.estimation.levels import ChiSquare
+from orbident.estimation.parameter_checks import VAGUE
 from orbident.estimation.result import Result
 from orbident.files.names import joined, suggestion
 from orbident.identified.difference import (

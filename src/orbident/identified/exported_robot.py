@@ -1,11 +1,10 @@
 """The identified robot as other tools want it: bodies that can exist, wheels apart.
 
-Reaction wheels as bodies of their own, for tools whose wheels are bodies.
-
-A robot counts its wheels in the base (Eq. 5). A wheel that is a joint of the URDF has
-the mass and the place that its links have there. Of a wheel that is only declared the
-polar inertia is known, and nothing else matters: it is taken as a ball with this
-inertia, at the CM of the nominal base, so that the base loses little else.
+A robot counts its wheels in the base (Eq. 5); other tools' wheels are bodies. A wheel
+that is a joint of the URDF has the mass and the place that its links have there. Of a
+wheel that is only declared the polar inertia is known, and nothing else matters: it is
+taken as a ball with this inertia, at the CM of the nominal base, so that the base loses
+little else.
 """
 
 from collections.abc import Collection
@@ -20,6 +19,13 @@ from orbident.errors import InputError
 from orbident.estimation.result import Result
 from orbident.identified.physical import physical_bodies
 from orbident.identified.urdf_export import links_of
+from orbident.model.minimal_sets import minimal_sets
+from orbident.model.rotor_momentum import (
+    lacking_rotors,
+    rotor_deviations,
+    rotors_of,
+    theta_with_rotors,
+)
 from orbident.robot.description import Coupling, Joint, Robot, Wheel
 from orbident.robot.fusing import fused
 from orbident.robot.oddities import nonphysical
@@ -47,7 +53,7 @@ class WheelJoint(NamedTuple):
     """Where its joint is from S, base axes, m."""
 
 
-class RotorBody(NamedTuple):
+class WheelBody(NamedTuple):
     """A wheel as a body that turns about its axis through its origin."""
 
     name: str
@@ -73,7 +79,7 @@ def wheel_joints(robot: Robot) -> dict[int, WheelJoint]:
     return found
 
 
-def rotor_bodies(robot: Robot) -> tuple[RotorBody, ...]:
+def wheel_bodies(robot: Robot) -> tuple[WheelBody, ...]:
     """The robot's wheels, in their order, as bodies that can exist.
 
     Raises:
@@ -81,35 +87,35 @@ def rotor_bodies(robot: Robot) -> tuple[RotorBody, ...]:
     """
     joints = wheel_joints(robot)
     return tuple(
-        _rotor_body(robot, wheel, joints.get(k)) for k, wheel in enumerate(robot.wheels)
+        _wheel_body(robot, wheel, joints.get(k)) for k, wheel in enumerate(robot.wheels)
     )
 
 
 def parts_of_base(
-    robot: Robot, rotors: tuple[RotorBody, ...]
+    robot: Robot, wheels: tuple[WheelBody, ...]
 ) -> Float[np.ndarray, "bodies 10"]:
-    """What the rotors add to each body's `theta`: to the base alone."""
+    """What the wheels add to each body's `theta`: to the base alone."""
     parts = np.zeros_like(robot.theta)
-    for rotor in rotors:
-        parts[0] += transformed(rotor.theta, np.eye(3), rotor.p)
+    for wheel in wheels:
+        parts[0] += transformed(wheel.theta, np.eye(3), wheel.p)
     return parts
 
 
-def _rotor_body(robot: Robot, wheel: Wheel, joint: WheelJoint | None) -> RotorBody:
+def _wheel_body(robot: Robot, wheel: Wheel, joint: WheelJoint | None) -> WheelBody:
     theta = np.zeros(PER_BODY) if joint is None else _of_links(robot, joint)
-    # What a URDF says of a rotor need not be possible.
+    # What a URDF says of a wheel need not be possible.
     if joint is not None and theta[MASS] > 0:
         faults = nonphysical(wheel.name, theta[MASS], inertia_about_com(theta))
         if not faults:
-            return RotorBody(joint.root, joint.p, theta)
+            return WheelBody(joint.root, joint.p, theta)
     m = robot.theta[0, MASS]
     at_com = robot.theta[0, FIRST_MOMENT] / m if m > 0 else np.zeros(3)
     ball = from_mass_com_inertia(
         LIGHT * robot.mass, np.zeros(3), wheel.inertia * np.eye(3)
     )
     if joint is None:
-        return RotorBody(f"{wheel.name}_rotor", at_com, ball)
-    return RotorBody(joint.root, joint.p, ball)
+        return WheelBody(f"{wheel.name}_rotor", at_com, ball)
+    return WheelBody(joint.root, joint.p, ball)
 
 
 def _of_links(robot: Robot, joint: WheelJoint) -> Float[np.ndarray, "10"]:
@@ -121,6 +127,16 @@ def _of_links(robot: Robot, joint: WheelJoint) -> Float[np.ndarray, "10"]:
         theta += transformed(links.tree.links[name].theta, at.R, p)
     return theta
 
+
+NO_ARMATURE = (
+    "bodies hold the declared rotors as momentum sees them, but joints lack "
+    "gear (gear - 1) times their inertia, for which this format has no place"
+)
+"""What is said of rotors in such a format."""
+
+WITH_ROTORS = (
+    ", or export a .urdf: thin links cannot hold what motors' rotors add to momentum"
+)
 
 FEATURE_POINT = "feature_point"
 """The name of S in a file for another tool."""
@@ -145,24 +161,32 @@ class Mechanism(NamedTuple):
     feature_point: Float[np.ndarray, "3"]
     """S in the base's frame, m."""
     couplings: tuple[Coupling, ...]
+    armature: Float[np.ndarray, " joints"]
+    """What declared rotors add to each joint's own inertia beside `theta`, kg m^2."""
+    lacks: str
+    """What is said of motors' rotors that are not in it."""
+    lacks_without_armature: str
+    """What a format that has no place for `armature` says of rotors, instead."""
 
 
 class ExportedRobot(NamedTuple):
     """The identified robot, in both ways to count its wheels."""
 
     robot: Robot
-    """Wheels are counted in the base."""
+    """Wheels are counted in the base; motors' rotors that are declared are apart."""
     mechanism: Mechanism
     """Wheels are bodies."""
     deviation: float
     """How far the base parameters were moved so that bodies can exist, in sigmas."""
 
 
-def exported_robot(result: Result) -> ExportedRobot:
+def exported_robot(result: Result, without_rotors: bool = False) -> ExportedRobot:
     """Bodies that have the identified parameters, nearest to the nominal ones.
 
     Args:
         result: complete and not rejected.
+        without_rotors: whether bodies are to exist without the declared rotors of
+            motors, or with them as momentum sees them.
 
     Raises:
         NoBodiesError: no bodies that can exist have the identified parameters within
@@ -171,24 +195,30 @@ def exported_robot(result: Result) -> ExportedRobot:
             from a URDF, or cvxpy is not installed.
     """
     robot = result.robot
-    rotors = rotor_bodies(robot)
-    bodies = physical_bodies(result, parts_of_base(robot, rotors))
+    wheels = wheel_bodies(robot)
+    apart, covariance = parts_of_base(robot, wheels), result.base_covariance
+    geared = theta_with_rotors(robot) - robot.theta
+    if without_rotors:
+        off = minimal_sets(robot).base.T @ rotor_deviations(robot)
+        apart, covariance = apart + geared, covariance + off @ off.T
+    bodies = physical_bodies(result, apart, covariance)
     if bodies is None:
+        held = geared.any() and not without_rotors
         raise NoBodiesError(
             "no bodies that can exist have the identified parameters within their "
-            "95 % region; check the robot's geometry and structure, or record a richer "
-            "trajectory"
+            "95 % region; check the robot's geometry, structure and rotors, or record "
+            "a richer trajectory" + (WITH_ROTORS if held else "")
         )
-    made = replace(robot, theta=bodies.theta)
-    return ExportedRobot(made, mechanism_of(made, rotors), bodies.deviation)
+    made = replace(robot, theta=bodies.theta - geared)
+    return ExportedRobot(made, mechanism_of(made, wheels), bodies.deviation)
 
 
-def mechanism_of(robot: Robot, rotors: tuple[RotorBody, ...]) -> Mechanism:
+def mechanism_of(robot: Robot, wheels: tuple[WheelBody, ...]) -> Mechanism:
     """The robot with its wheels apart.
 
     Args:
-        robot: whose base can exist without its wheels.
-        rotors: its wheels, in their order.
+        robot: whose base can exist without its wheels, with its motors' rotors apart.
+        wheels: its wheels, in their order.
     """
     p = robot.feature_point
     bodies, names = list(robot.bodies), list(robot.joint_names)
@@ -196,16 +226,27 @@ def mechanism_of(robot: Robot, rotors: tuple[RotorBody, ...]) -> Mechanism:
         replace(joint, p_PJ=joint.p_PJ + p) if joint.parent == 0 else joint
         for joint in robot.joints
     ]
-    theta = robot.theta - parts_of_base(robot, rotors)
+    theta = theta_with_rotors(robot) - parts_of_base(robot, wheels)
     theta[0] = transformed(theta[0], np.eye(3), p)
-    for wheel, rotor in zip(robot.wheels, rotors, strict=True):
-        bodies.append(unused(rotor.name, bodies))
+    for wheel, body in zip(robot.wheels, wheels, strict=True):
+        bodies.append(unused(body.name, bodies))
         names.append(unused(wheel.name, names))
-        at = Joint(names[-1], "revolute", 0, wheel.axis, np.eye(3), rotor.p + p)
+        at = Joint(names[-1], "revolute", 0, wheel.axis, np.eye(3), body.p + p)
         joints.append(at)
-    theta = np.vstack([theta, *(rotor.theta for rotor in rotors)])
+    theta = np.vstack([theta, *(wheel.theta for wheel in wheels)])
     tree = tuple(bodies), tuple(joints), theta
-    return Mechanism(robot.name, robot.motion, *tree, p, robot.couplings)
+    armature = np.zeros(len(joints))
+    armature[: len(robot.joints)] = rotors_of(robot).armature
+    return Mechanism(
+        robot.name,
+        robot.motion,
+        *tree,
+        p,
+        robot.couplings,
+        armature,
+        lacking_rotors(robot),
+        lacking_rotors(robot, NO_ARMATURE),
+    )
 
 
 def unused(name: str, taken: Collection[str]) -> str:

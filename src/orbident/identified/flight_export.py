@@ -19,25 +19,23 @@ from jaxtyping import Float
 
 from orbident import _core
 from orbident.errors import InputError
-from orbident.estimation.clocks import base_clocks
 from orbident.estimation.linear_fits import known_momentum
-from orbident.estimation.recursive.changes import Detector
-from orbident.estimation.recursive.filter import Extended
-from orbident.estimation.recursive.given import given_of
-from orbident.estimation.recursive.history import filter_history
-from orbident.estimation.recursive.prior import (
+from orbident.estimation.recursive.filter import (
     UNCERTAINTY,
+    Extended,
     GaussianPrior,
     cad_covariance,
     cad_prior,
     factor_of,
 )
+from orbident.estimation.recursive.filter_input import filter_input_of
+from orbident.estimation.recursive.history import Detector, filter_history
 from orbident.estimation.result import Result
 from orbident.files.folder_replacing import replacing_files
 from orbident.model.formulas import formulas_of
 from orbident.model.minimal_sets import minimal_sets
 from orbident.model.regularity import check_regular
-from orbident.preprocessing.delays import corrections
+from orbident.preprocessing.delays import base_clocks, corrections
 from orbident.preprocessing.samples import Samples, samples_of
 from orbident.preprocessing.screening import screened
 from orbident.recordings.recording import Recording
@@ -259,7 +257,7 @@ def export_flight(
             written.
     """
     check_empty(folder, force)
-    given = given_of(robot, samples)
+    given = filter_input_of(robot, samples)
     kalman = Extended.of(robot, given.noise)
     detector = Detector(kalman.rows, samples=given.t.size)
     seen = filter_history(robot, kalman, detector, given, h_cm)

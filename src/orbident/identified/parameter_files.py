@@ -1,6 +1,7 @@
-"""Identified parameters as CSV, LaTeX or MATLAB's version 5, with their covariances.
+"""An identified robot in files of numbers, for other programs.
 
-`H+` and the Jacobians of an identified robot in one configuration, as JSON.
+Parameters are CSV, LaTeX or MATLAB's version 5, with their covariances; `H+` and the
+Jacobians in one configuration are JSON.
 """
 
 import csv
@@ -20,6 +21,7 @@ from orbident.estimation.result import Result
 from orbident.files.json_parts import nulled
 from orbident.files.names import listed, quoted
 from orbident.files.replacing import replacing
+from orbident.model.rotor_momentum import lacking_rotors
 
 COLUMNS = ("set", "parameter", "estimate", "std", "nominal", "unit", "formula")
 """The columns of the CSV file, in SI; numbers that are not determined are empty."""
@@ -125,6 +127,7 @@ def matrices_at(result: Result, q: Sequence[float]) -> dict[str, Any]:
             *robot.joint_names,
             *robot.wheel_names,
         ],
+        "lacks": lacking_rotors(robot),
         "H_plus": _rows(model.H_plus(at)),
         "H_plus_std": _rows(model.H_plus_std(at)),
         "jacobians": {

@@ -22,6 +22,7 @@ from orbident.estimation.result import Result
 from orbident.extras import extra
 from orbident.model.minimal_sets import minimal_sets
 from orbident.model.reconstruction import check_known, root_of
+from orbident.model.rotor_momentum import theta_with_rotors
 from orbident.robot.description import Robot
 from orbident.robot.parameters import (
     FIRST_MOMENT,
@@ -36,6 +37,7 @@ SMALLEST = 1e-3
 ROOM = 1.05
 """So much further from the equations than need be may the nearest matrices lie."""
 TOLERANCE = 1e-10
+"""Of the solver: feasibility, and the gap to the least cost."""
 
 
 def nearest_to_one(
@@ -129,6 +131,7 @@ def _cvxpy() -> ModuleType:
 
 
 CONFIDENCE = 0.95
+"""Of the ellipsoid about the identified parameters where bodies are sought."""
 LIGHTEST = 1e-6
 """A nominal body counts as no less than this part of the robot's mass."""
 THINNEST = 1e-4
@@ -136,7 +139,7 @@ THINNEST = 1e-4
 
 
 class PhysicalBodies(NamedTuple):
-    """A `theta` of bodies that can exist."""
+    """A `theta` of possible bodies, with declared rotors as momentum sees them."""
 
     theta: Float[np.ndarray, "bodies 10"]
     deviation: float
@@ -144,17 +147,20 @@ class PhysicalBodies(NamedTuple):
 
 
 def physical_bodies(
-    result: Result, rotors: Float[np.ndarray, "bodies 10"]
+    result: Result,
+    apart: Float[np.ndarray, "bodies 10"],
+    covariance: Float[np.ndarray, "beta beta"],
 ) -> PhysicalBodies | None:
     """The bodies nearest to the nominal ones that have the identified parameters.
 
     Args:
         result: complete and not rejected.
-        rotors: the part of each body that is known and stays as it is; the rest is to
-            exist without it.
+        apart: the part of each body that is known and stays as it is, wheels and the
+            like; the rest is to exist without it.
+        covariance: of the base parameters and of what is known.
 
     Returns:
-        The bodies, rotors included; None where there are none within the 95 % region
+        The bodies, with what is apart; None where there are none within the 95 % region
         of the identified `beta`.
 
     Raises:
@@ -163,12 +169,12 @@ def physical_bodies(
     result.check_accepted()
     robot, beta = result.robot, result.base.values
     check_known(robot, beta)
-    met = _equations(robot, beta, rotors)
-    found = _exactly(met) or _within_covariance(result, met)
+    met = _equations(robot, beta, apart)
+    found = _exactly(met) or _within_covariance(covariance, met)
     if found is None or np.linalg.eigvalsh(found[0]).min() <= 0:
         return None
     X, deviation = found
-    theta = (met.theta_of_X @ X.ravel()).reshape(-1, PER_BODY) + rotors
+    theta = (met.theta_of_X @ X.ravel()).reshape(-1, PER_BODY) + apart
     known = np.delete(np.arange(theta.size), robot.free_parameters)
     theta.ravel()[known] = 0.0
     return PhysicalBodies(theta, deviation)
@@ -187,14 +193,14 @@ class _Equations(NamedTuple):
 def _equations(
     robot: Robot,
     beta: Float[np.ndarray, " beta"],
-    rotors: Float[np.ndarray, "bodies 10"],
+    apart: Float[np.ndarray, "bodies 10"],
 ) -> _Equations:
     """`T theta = beta`, and zeros where `structure` has them."""
     zero = np.delete(np.eye(robot.theta.size), robot.free_parameters, axis=0)
     C = np.vstack([minimal_sets(robot).base.T, zero])
-    theta_of_X = _theta_of_X(_nominal(robot, robot.theta - rotors))
+    theta_of_X = _theta_of_X(_nominal(robot, theta_with_rotors(robot) - apart))
     A = C @ theta_of_X
-    b = np.concatenate([beta, np.zeros(len(zero))]) - C @ rotors.ravel()
+    b = np.concatenate([beta, np.zeros(len(zero))]) - C @ apart.ravel()
     scale = np.linalg.norm(A, axis=1)
     return _Equations(A / scale[:, None], b / scale, scale, theta_of_X)
 
@@ -209,11 +215,11 @@ def _exactly(met: _Equations) -> tuple[Float[np.ndarray, "bodies 4 4"], float] |
 
 
 def _within_covariance(
-    result: Result, met: _Equations
+    covariance: Float[np.ndarray, "beta beta"], met: _Equations
 ) -> tuple[Float[np.ndarray, "bodies 4 4"], float] | None:
-    size = result.base.values.size
+    size = len(covariance)
     root = np.zeros((met.b.size, size))
-    root[:size] = root_of(result.base_covariance) / met.scale[:size, None]
+    root[:size] = root_of(covariance) / met.scale[:size, None]
     if not np.isfinite(root).all():
         return None
     most = float(np.sqrt(chdtri(size, 1 - CONFIDENCE)))

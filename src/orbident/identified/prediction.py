@@ -26,10 +26,10 @@ from scipy.interpolate import CubicSpline
 from orbident.errors import InputError
 from orbident.estimation.result import Result
 from orbident.files.names import joined
+from orbident.model.core_robot import wheels_of
 from orbident.model.minimal_sets import MinimalSets, Regressors, minimal_sets
 from orbident.model.reconstruction import root_of
 from orbident.model.rotations import quaternion_matrix, rotate
-from orbident.model.wheel_arrays import wheels_of
 from orbident.preprocessing.delays import corrections
 from orbident.preprocessing.samples import Batch, samples_of
 from orbident.preprocessing.screening import cleaned

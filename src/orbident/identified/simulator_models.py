@@ -29,6 +29,8 @@ from orbident.identified.exported_robot import (
     exported_robot,
     unused,
 )
+from orbident.identified.urdf_export import add_comment
+from orbident.model.rotor_momentum import theta_with_rotors
 from orbident.robot.description import Joint, Robot
 from orbident.robot.formats.urdf_text import roll_pitch_yaw
 from orbident.robot.parameters import (
@@ -49,6 +51,7 @@ def mjcf(robot: Mechanism) -> str:
     hinge.
     """
     root = ET.Element("mujoco", model=robot.name)
+    add_comment(root, robot.lacks)
     # Neither may MuJoCo repair an inertia nor weigh a shape.
     ET.SubElement(
         root,
@@ -64,10 +67,10 @@ def mjcf(robot: Mechanism) -> str:
     _add_inertial(base, robot.theta[0])
     ET.SubElement(base, "site", name=FEATURE_POINT, pos=_text(robot.feature_point))
     bodies = [base]
-    for name, joint, theta in zip(
-        robot.bodies[1:], robot.joints, robot.theta[1:], strict=True
+    for name, joint, theta, armature in zip(
+        robot.bodies[1:], robot.joints, robot.theta[1:], robot.armature, strict=True
     ):
-        bodies.append(_body(bodies[joint.parent], name, joint))
+        bodies.append(_body(bodies[joint.parent], name, joint, float(armature)))
         _add_inertial(bodies[-1], theta)
     for follower, leader, factor, offset in robot.couplings:
         ET.SubElement(
@@ -95,7 +98,7 @@ def _add_root_joints(base: ET.Element, robot: Mechanism) -> None:
         ET.SubElement(base, "joint", name=free, type=kind, axis=axis)
 
 
-def _body(parent: ET.Element, name: str, joint: Joint) -> ET.Element:
+def _body(parent: ET.Element, name: str, joint: Joint, armature: float) -> ET.Element:
     x = _scalar_first(Rotation.from_matrix(joint.R_PJ).as_quat())
     body = ET.SubElement(parent, "body", name=name, pos=_text(joint.p_PJ), quat=x)
     about = ET.SubElement(
@@ -103,6 +106,8 @@ def _body(parent: ET.Element, name: str, joint: Joint) -> ET.Element:
     )
     if joint.position is not None:
         about.set("range", _text(joint.within(LARGEST)))
+    if armature:
+        about.set("armature", repr(armature))
     return body
 
 
@@ -140,6 +145,7 @@ def sdf(robot: Mechanism) -> str:
     frame. The base is free, in the plane too: no joint of the format holds it there.
     """
     root = ET.Element("sdf", version=VERSION)
+    add_comment(root, robot.lacks_without_armature)
     model = ET.SubElement(root, "model", name=robot.name)
     R, p = [np.eye(3)], [np.zeros(3)]
     for joint in robot.joints:
@@ -223,7 +229,7 @@ def basilisk_script(made: ExportedRobot) -> str:
         InputError: an arm branches, or has joints that turn and joints that slide.
     """
     robot = made.robot
-    hub = transformed(robot.theta[0], np.eye(3), robot.feature_point)
+    hub = transformed(theta_with_rotors(robot)[0], np.eye(3), robot.feature_point)
     wheels = [
         {"name": w.name, "axis": w.axis.tolist(), "inertia": float(w.inertia)}
         for w in robot.wheels
@@ -241,6 +247,8 @@ def basilisk_script(made: ExportedRobot) -> str:
         "FEATURE_POINT": robot.feature_point.tolist(),
     }
     lines = [f"{key} = {pformat(x, sort_dicts=False)}" for key, x in data.items()]
+    if lacks := made.mechanism.lacks_without_armature:
+        lines.insert(0, f"# {lacks}.")
     code = files("orbident.identified").joinpath("template/basilisk.txt").read_text()
     # A name may hold quotes.
     name = "".join(c for c in robot.name if c.isalnum() or c in " -_.")
@@ -282,7 +290,7 @@ def _link(made: ExportedRobot, k: int) -> dict[str, Any]:
         "position": joint.p_PJ.tolist(),
         "rotation": joint.R_PJ.tolist(),
         "axis": joint.axis.tolist(),
-        **_mass(made.robot.theta[k + 1]),
+        **_mass(made.mechanism.theta[k + 1]),
     }
 
 
@@ -340,6 +348,7 @@ def pinocchio_model(result: Result) -> Any:
         ends = (np.array([x]) for x in (np.inf, speed, low, high))
         parent = moving[joint.parent]
         moving.append(model.addJoint(parent, kind(joint.axis), at, joint.name, *ends))
+    model.armature[model.nv - len(robot.joints) :] = robot.armature
     for index, name, theta in zip(moving, robot.bodies, robot.theta, strict=True):
         inertia = pin.Inertia.FromDynamicParameters(theta)
         model.appendBodyToJoint(index, inertia, pin.SE3.Identity())

@@ -1,8 +1,7 @@
 """A difference of base parameters, explained by one body that joined another.
 
-What joined a body of the robot: mass, CM and inertia from ten parameters.
-
-Whether a body can have an inertia, within what is known of it.
+Mass, CM and inertia of what joined follow from ten parameters. Not every inertia is
+that of a body, within what is known of it.
 """
 
 from typing import Any, NamedTuple
@@ -10,8 +9,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from jaxtyping import Float, Inexact, Int
 
-from orbident.estimation.criteria import VAGUE
 from orbident.estimation.levels import ChiSquare
+from orbident.estimation.parameter_checks import VAGUE
 from orbident.estimation.quantities import Parameters, Quantity
 from orbident.files.json_parts import nulled
 from orbident.gaussian import NINETY_FIVE

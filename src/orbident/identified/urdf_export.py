@@ -9,6 +9,7 @@ from jaxtyping import Float
 from orbident.errors import InputError
 from orbident.files.schema_parts import validated
 from orbident.model.minimal_sets import minimal_sets
+from orbident.model.rotor_momentum import lacking_rotors
 from orbident.robot.description import Robot
 from orbident.robot.fusing import Placement, fused
 from orbident.robot.parameters import (
@@ -24,6 +25,7 @@ from orbident.robot.tree import LinkTree, link_tree
 from orbident.robot.urdf import read_urdf
 
 PLACE = "exported URDF"
+NO_ROTORS = "the declared rotors of motors are in the robot file alone, not in bodies"
 SAME = 1e-9
 """Relative difference of base parameters that are the same but for rounding."""
 
@@ -34,7 +36,7 @@ class Links(NamedTuple):
     tree: LinkTree
     placements: dict[str, Placement]
     """Where each link is in its body; the base's frame is the base link's, not at S."""
-    rotors: frozenset[str]
+    wheels: frozenset[str]
     """Links that turn with a wheel."""
 
 
@@ -57,19 +59,19 @@ def links_of(robot: Robot) -> Links:
         for joint in below
         if joint.name in held
     ]
-    rotors = [link for root in roots for link in fused(tree, root).placements]
-    return Links(tree, fused(tree, held=held).placements, frozenset(rotors))
+    wheels = [link for root in roots for link in fused(tree, root).placements]
+    return Links(tree, fused(tree, held=held).placements, frozenset(wheels))
 
 
-def rotor_parts(robot: Robot) -> Float[np.ndarray, "bodies 10"]:
-    """What the rotors that are links of their own add to each body's `theta`.
+def wheel_parts(robot: Robot) -> Float[np.ndarray, "bodies 10"]:
+    """What the wheels that are links of their own add to each body's `theta`.
 
     Raises:
         InputError: the robot was not loaded from a URDF.
     """
     links = links_of(robot)
     parts = np.zeros_like(robot.theta)
-    for name in links.rotors:
+    for name in links.wheels:
         at = links.placements[name]
         p = at.p - robot.feature_point
         parts[at.body] += transformed(links.tree.links[name].theta, at.R, p)
@@ -80,25 +82,26 @@ def exported_urdf(robot: Robot, theta: Float[np.ndarray, "bodies 10"]) -> str:
     """The robot's URDF with the inertias of `theta`.
 
     Links that are fixed to a body lose theirs, become massless. The
-    rotors that are links of their own keep theirs, which `theta` has in it.
+    wheels that are links of their own keep theirs, which `theta` has in it.
 
     Args:
         robot: loaded from a URDF.
-        theta: of bodies that can exist, without their rotors too.
+        theta: of bodies that can exist, without their wheels too; the rotors of geared
+            motors are not in it.
 
     Raises:
         InputError: the robot was not loaded from a URDF, or what was written does not
             read back with the same base parameters.
     """
     links = links_of(robot)
-    own = theta - rotor_parts(robot)
+    own = theta - wheel_parts(robot)
     own[0] = transformed(own[0], np.eye(3), robot.feature_point)
     root = ET.fromstring(
         robot.urdf, ET.XMLParser(target=ET.TreeBuilder(insert_comments=True))
     )
     for link in root.findall("link"):
         name = link.get("name", "")
-        if name not in links.placements or name in links.rotors:
+        if name not in links.placements or name in links.wheels:
             continue
         for inertial in link.findall("inertial"):
             link.remove(inertial)
@@ -106,10 +109,18 @@ def exported_urdf(robot: Robot, theta: Float[np.ndarray, "bodies 10"]) -> str:
         carries = name in robot.bodies
         theta_link = own[robot.bodies.index(name)] if carries else np.zeros(PER_BODY)
         link.insert(0, _inertial(theta_link))
+    add_comment(root, lacking_rotors(robot, NO_ROTORS))
     ET.indent(root)
     text = ET.tostring(root, encoding="unicode", xml_declaration=True) + "\n"
     _check_read_back(robot, theta, text)
     return text
+
+
+def add_comment(root: ET.Element, words: str) -> None:
+    """Begin a model's XML with a comment, if there is something to say."""
+    if words:
+        # XML allows no two hyphens there.
+        root.insert(0, ET.Comment(f" {words.replace('--', '- -')} "))
 
 
 def _inertial(theta_i: Float[np.ndarray, "10"]) -> ET.Element:

@@ -14,7 +14,7 @@ import numpy as np
 from jaxtyping import Float
 from pydantic import Field
 
-from orbident.estimation.found import exact_std
+from orbident.estimation.base_parameters import exact_std
 from orbident.estimation.identify import identify
 from orbident.estimation.levels import chi_square
 from orbident.estimation.result import Result

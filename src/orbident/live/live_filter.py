@@ -17,17 +17,17 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident import _core
-from orbident.estimation.recursion import Change
-from orbident.estimation.recursive.changes import Detector
-from orbident.estimation.recursive.filter import Extended
-from orbident.estimation.recursive.given import declared_noise
-from orbident.estimation.recursive.prior import (
+from orbident.estimation.estimate import Change
+from orbident.estimation.recursive.filter import (
     UNCERTAINTY,
+    Extended,
     GaussianPrior,
     cad_covariance,
     cad_prior,
     factor_of,
 )
+from orbident.estimation.recursive.filter_input import declared_noise
+from orbident.estimation.recursive.history import Detector
 from orbident.identified.flight_export import robot_header
 from orbident.live.rate_smoothing import HALF, ready, smoothed_at, still_needed
 from orbident.live.sources import complete

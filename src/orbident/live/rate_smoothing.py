@@ -15,6 +15,7 @@ REACH = HALF + 0.5e-6
 """s: times have microseconds, so that rounding does not decide which samples count."""
 
 DEGREE = 4
+"""Of the polynomial, in time."""
 
 HANKEL = np.add.outer(np.arange(DEGREE + 1), np.arange(DEGREE + 1))
 """Which power's sum stands where in the normal equations."""

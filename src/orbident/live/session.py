@@ -18,8 +18,8 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from orbident._core import Watch
 from orbident.errors import InputError
-from orbident.estimation.recursive.given import declared_noise
-from orbident.estimation.recursive.prior import cad_prior
+from orbident.estimation.recursive.filter import cad_prior
+from orbident.estimation.recursive.filter_input import declared_noise
 from orbident.files.replacing import replacing
 from orbident.live.live_filter import (
     Carried,

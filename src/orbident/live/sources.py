@@ -20,26 +20,21 @@ from jaxtyping import Bool, Float
 
 from orbident.errors import InputError
 from orbident.files.names import listed
-from orbident.recordings.columns import VECTORS, meaning
+from orbident.recordings.columns import meaning, vector_columns
 from orbident.robot.description import Robot
 
-VELOCITY = tuple(f"velocity.{axis}" for axis in "xyz")
 LONGEST = 2**16
 """Bytes of a line: a stream without line ends would fill the memory."""
 
 
 def needed_columns(robot: Robot) -> tuple[str, ...]:
     """The columns of a complete sample but for its velocity, `t` first."""
-    vectors = {
-        name: [f"{name}.{axis}" for axis in VECTORS[name][0]]
-        for name in ("gyro", "attitude")
-    }
     return (
         "t",
         *(f"joint.{name}.position" for name in robot.joint_names),
         *(f"joint.{name}.velocity" for name in robot.joint_names),
-        *vectors["gyro"],
-        *vectors["attitude"],
+        *vector_columns("gyro"),
+        *vector_columns("attitude"),
         *(f"wheel.{name}.speed" for name in robot.wheel_names),
     )
 
@@ -78,9 +73,9 @@ class Lines:
         """
         self._source = source
         self._needed = needed_columns(robot)
-        first = 1 + 2 * len(robot.joints)
         # The gyro once more: nothing here smooths it without looking ahead.
-        self._columns = (*self._needed, *VELOCITY, *self._needed[first : first + 3])
+        more = (*vector_columns("velocity"), *vector_columns("gyro"))
+        self._columns = (*self._needed, *more)
         self._cells = 0
         self._places: list[int] = []
         self.known = False

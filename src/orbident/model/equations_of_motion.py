@@ -16,8 +16,7 @@ from orbident import _core
 from orbident.errors import InputError
 from orbident.files.names import suggestion
 from orbident.model.core_robot import core_robot
-from orbident.model.inertia import inertia_at
-from orbident.model.kinematics import point_jacobian
+from orbident.model.kinematics import inertia_at, point_jacobian
 from orbident.robot.description import Robot
 from orbident.robot.parameters import cross_matrix
 from orbident.threads import processors

@@ -10,9 +10,15 @@ import numpy as np
 from jaxtyping import Float
 from scipy.sparse import csr_array, hstack
 
+from orbident.files.names import listed
 from orbident.model.minimal_sets import MinimalSets
+from orbident.model.rotor_momentum import (
+    geared_joints,
+    rotor_directions,
+    undeclared_rotors,
+)
 from orbident.robot.description import Robot
-from orbident.robot.parameters import PER_BODY, SYMBOLS
+from orbident.robot.parameters import FIRST_MOMENT, INERTIA, MASS, PER_BODY, SYMBOLS
 from orbident.threads import one_blas_thread
 
 # A coefficient this small beside the largest of its formula is rounding.
@@ -37,16 +43,23 @@ class SetFormulas(NamedTuple):
 def formulas_of(robot: Robot, sets: MinimalSets) -> SetFormulas:
     """Formulas over `m(body)`, `mx(body)` ... `Izz(body)`, largest coefficient first.
 
-    First moments are `mx = m cx`; inertias are about the body-frame origin. The
-    products in `pi` are over `sigma_1 ..` of the base parameters and `M`.
+    First moments are `mx = m cx`; inertias are about the body-frame origin. Where the
+    motor of a joint is geared, or may be, `rotor(joint)` is its gear's ratio times the
+    inertia of its rotor. The products in `pi` are over `sigma_1 ..` of the base
+    parameters and `M`.
     """
+    rotors = geared_joints(robot)
     standard = [f"{symbol}({body})" for body in robot.bodies for symbol in SYMBOLS]
+    standard += [f"rotor({name})" for name in rotors]
+    at = [robot.joint_names.index(name) for name in rotors]
+    of_rotors = sets.base.T @ rotor_directions(robot)[at].T
+    T = csr_array(np.hstack([sets.base.T, of_rotors]))
     sigmas, iotas = sets.base.sigmas, sets.iotas
     names = ["M", *_numbered("sigma", sigmas), *_numbered("iota", iotas)]
-    base = combinations(sets.base.T, standard)
+    base = combinations(T, standard)
     phi = tuple(_quotient(formula) for formula in base[1 : 1 + sigmas])
     products = [_product(names[1 + a], names[1 + b]) for a, b in sets.pairs]
-    linear = csr_array(sets.pi_of_beta) @ csr_array(sets.base.T)
+    linear = csr_array(sets.pi_of_beta) @ T
     both = csr_array(hstack([linear, sets.pi_of_products]))
     pi = combinations(both, [*standard, *products])
     return SetFormulas(
@@ -122,6 +135,13 @@ def not_identifiable(robot: Robot, sets: MinimalSets) -> list[str]:
             "momentum equation has no known term; declare the robot's wheels, or "
             "record its thrusters or magnetic torquers"
         )
+    names = undeclared_rotors(robot)
+    if names:
+        sentences.append(
+            f"the rotors of geared motors, if {listed(names)} have any: momentum shows "
+            "gear times inertia, rotor(joint), only together with the link that the "
+            "joint moves; say under 'rotors' what they are, or 'none'"
+        )
     T = sets.base.T
     seen = np.sum(np.linalg.qr(T.T)[0] ** 2, axis=1)
     never = np.linalg.norm(T, axis=0) <= NEVER
@@ -140,3 +160,54 @@ def not_identifiable(robot: Robot, sets: MinimalSets) -> list[str]:
 
 def _listed(which: np.ndarray) -> str:
     return ", ".join(SYMBOLS[k] for k in np.flatnonzero(which))
+
+
+ROUNDING = 1e-10
+"""Over the size of the terms of a sum: a smaller sum is zero. A URDF writes a right
+angle as 1.57079632679, which is off by 5e-12."""
+
+MOMENTS = np.array([4, 6, 9])
+"""Where `theta_i` holds `Ixx`, `Iyy` and `Izz`."""
+
+
+class Nominal(NamedTuple):
+    """The minimal sets of the nominal inertia; what is rounding of zero is zero."""
+
+    base: Float[np.ndarray, " beta"]
+    phi: Float[np.ndarray, " phi"]
+    pi: Float[np.ndarray, " pi"]
+
+
+def nominal_parameters(robot: Robot, sets: MinimalSets) -> Nominal:
+    """The minimal sets of a robot's nominal `theta`.
+
+    Args:
+        robot: with its nominal inertia.
+        sets: its minimal sets.
+    """
+    theta, size = robot.theta, _size(robot.theta)
+    T = np.abs(sets.base.T)
+    M, sigma, _ = sets.split(T @ size.ravel())
+    a, b = sets.pairs.T
+    size_pi = np.abs(sets.pi_of_beta) @ (T @ size.ravel())
+    size_pi += abs(sets.pi_of_products) @ (sigma[a] * sigma[b] / M)
+    return Nominal(
+        base=_rounded(sets.beta(theta), T @ size.ravel()),
+        phi=_rounded(sets.phi(theta), sigma / M),
+        pi=_rounded(sets.pi(theta), size_pi),
+    )
+
+
+def _size(theta: Float[np.ndarray, "bodies 10"]) -> Float[np.ndarray, "bodies 10"]:
+    """How large each of a body's parameters could be: `|m c|^2 <= m tr(I) / 2`."""
+    m, trace = theta[:, MASS], np.abs(theta[:, MOMENTS]).sum(axis=1)
+    size = np.abs(theta)
+    size[:, FIRST_MOMENT] += np.sqrt(np.abs(m) * trace)[:, None]
+    size[:, INERTIA] += trace[:, None]
+    return size
+
+
+def _rounded(
+    values: Float[np.ndarray, " n"], size: Float[np.ndarray, " n"]
+) -> Float[np.ndarray, " n"]:
+    return np.where(np.abs(values) > ROUNDING * size, values, 0.0)

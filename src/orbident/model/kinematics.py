@@ -8,13 +8,14 @@ momentum about the system CM is
     h_rs = A theta - (S theta) x (P theta) / M.
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 
 from orbident import _core
-from orbident.model.core_robot import core_tree
+from orbident.model.core_robot import core_robot, core_tree
 from orbident.robot.description import Robot
 from orbident.robot.parameters import cross_matrix
 from orbident.threads import processors
@@ -33,6 +34,10 @@ class Poses(NamedTuple):
     """`p_SBi`, m."""
     field_w: Float[np.ndarray, "n joints 3"]
     field_u: Float[np.ndarray, "n joints 3"]
+
+    def arm(self, body: int, p: Float[np.ndarray, "3"]) -> Float[np.ndarray, "n 3"]:
+        """From S to the point `p` of a body, its frame, m; base axes."""
+        return self.d[:, body] + self.R[:, body] @ p
 
 
 def poses(robot: Robot, q: Float[np.ndarray, "n joints"]) -> Poses:
@@ -58,7 +63,7 @@ def point_jacobian(
         Rows: linear velocity relative to S, then angular velocity, base axes.
     """
     at = poses(robot, q[None])
-    r = at.d[0, body] + at.R[0, body] @ p
+    r = at.arm(body, p)[0]
     carries = carrying_joints(robot, body)[:, None]
     linear = carries * (at.field_u[0] + np.cross(at.field_w[0], r))
     angular = carries * at.field_w[0]
@@ -93,3 +98,50 @@ def momentum_regressors(
     return MomentumRegressors(
         *_core.momentum(core_tree(robot), *state, threads=processors())
     )
+
+
+class Inertia(NamedTuple):
+    """The inertia of the system at some configurations, base axes.
+
+    `h_rs = D w + D_q qd` about the system CM (Eq. 3); kinetic energy about the CM
+    `1/2 w D w + w D_q qd + 1/2 qd D_qq qd` (Eq. 6, wheels apart).
+    """
+
+    D: Float[np.ndarray, "n 3 3"]
+    D_q: Float[np.ndarray, "n 3 joints"]
+    D_qq: Float[np.ndarray, "n joints joints"]
+    r_cm: Float[np.ndarray, "n 3"]
+    """Vector from S to the system CM, m."""
+    J_cm: Float[np.ndarray, "n 3 joints"]
+    """Velocity of the CM relative to S is `w x r_cm + J_cm qd`."""
+
+    def energy(self, axes: Sequence[int]) -> Float[np.ndarray, "n all all"]:
+        """`[[D, D_q], [D_q^T, D_qq]]` (Eq. 6), over `[w, qd]`; `w` in these axes."""
+        which = list(axes)
+        D, D_q = self.D[:, which][:, :, which], self.D_q[:, which]
+        return np.block([[D, D_q], [np.swapaxes(D_q, 1, 2), self.D_qq]])
+
+
+def inertia(robot: Robot, q: Float[np.ndarray, "n joints"]) -> Inertia:
+    """The matrices of `robot.theta` at the joint positions `q` (rad or m)."""
+    return Inertia(
+        *_core.inertia(core_robot(robot), np.ascontiguousarray(q), processors())
+    )
+
+
+def inertia_at(robot: Robot, q: Float[np.ndarray, " joints"]) -> Inertia:
+    """The same at one configuration; no leading axis."""
+    return Inertia(*(part[0] for part in inertia(robot, q[None])))
+
+
+class Masses(NamedTuple):
+    """Mass, first moment and inertia of some bodies about S, base axes."""
+
+    m: Float[np.ndarray, "n bodies"]
+    s: Float[np.ndarray, "n bodies 3"]
+    J: Float[np.ndarray, "n bodies 3 3"]
+
+
+def carried_about_S(robot: Robot, q: Float[np.ndarray, "n joints"]) -> Masses:
+    """The composite of each body: itself and all bodies that it carries."""
+    return Masses(*_core.masses(core_robot(robot), np.ascontiguousarray(q), True))

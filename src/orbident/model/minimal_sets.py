@@ -27,6 +27,7 @@ from orbident.errors import InputError
 from orbident.model.core_robot import core_tree
 from orbident.model.dependencies import Columns, dependencies, independent_columns
 from orbident.model.kinematics import MomentumRegressors, momentum_regressors
+from orbident.model.rotor_momentum import theta_with_rotors
 from orbident.robot.description import Robot
 from orbident.robot.parameters import MASS, PER_BODY
 from orbident.threads import one_blas_thread, processors
@@ -111,6 +112,8 @@ class MinimalSets:
     """Sparse, a `scipy.sparse.csr_array`: most products have a `pi` of their own."""
     pairs: Int[np.ndarray, "pairs 2"]
     """Which two `sigma`, `a` and `b`, each product is of."""
+    rotors: Float[np.ndarray, " theta"]
+    """What the robot's declared rotors add to `theta` in all that is momentum."""
 
     def __repr__(self) -> str:
         """How many parameters each set has."""
@@ -126,8 +129,12 @@ class MinimalSets:
         return self.base.T.shape[0] - 1 - self.base.sigmas
 
     def beta(self, theta: Float[np.ndarray, "bodies 10"]) -> Float[np.ndarray, " beta"]:
-        """The free-flying base parameters `[M, sigma, iota]`."""
-        return self.base.T @ theta.ravel()
+        """The free-flying base parameters `[M, sigma, iota]`, with declared rotors."""
+        return self.base.T @ (theta.ravel() + self.rotors)
+
+    def theta(self, beta: Float[np.ndarray, " beta"]) -> Float[np.ndarray, "bodies 10"]:
+        """Bodies that have these base parameters, their declared rotors apart."""
+        return (self.base.theta_of @ beta - self.rotors).reshape(-1, PER_BODY)
 
     def phi(self, theta: Float[np.ndarray, "bodies 10"]) -> Float[np.ndarray, " phi"]:
         """`sigma / M`: what the velocity of S depends on (Eq. 29)."""
@@ -229,6 +236,7 @@ def minimal_sets(robot: Robot) -> MinimalSets:
         pi_of_beta=pi_of_beta,
         pi_of_products=pi_of_products,
         pairs=pairs,
+        rotors=(theta_with_rotors(robot) - robot.theta).ravel(),
     )
 
 

@@ -18,6 +18,7 @@ from orbident.model.rotations import axis_rotation
 # Two bases of one space agree to rounding, others not at all.
 SAME_SPACE = 1e-8
 SAMPLES = 64
+"""Random ones: far more equations than the paper has parameters."""
 
 
 class PaperColumns(NamedTuple):

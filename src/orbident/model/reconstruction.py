@@ -27,8 +27,8 @@ from orbident.model.equations_of_motion import (
 from orbident.model.formulas import formulas_of
 from orbident.model.minimal_sets import minimal_sets
 from orbident.model.regularity import check_definite
+from orbident.model.rotor_momentum import lacking_rotors, rotors_of
 from orbident.robot.description import Robot
-from orbident.robot.parameters import PER_BODY
 
 TILT = [3, 4]
 """The rates about x and y among the speeds, whose rows no planar motion shows."""
@@ -51,17 +51,22 @@ class Dynamics:
     def __repr__(self) -> str:
         """What it is of, over which speeds, and what it gives."""
         robot = self.robot
-        return (
+        lines = [
             f"dynamics of {robot.name}, {robot.mass:.6g} kg, over v_cm, w, "
-            f"{len(robot.joints)} joints and {len(robot.wheels)} wheels\n"
+            f"{len(robot.joints)} joints and {len(robot.wheels)} wheels",
+            lacking_rotors(robot),
             "H_plus(q), c_plus(q, v), equations(q, v), jacobian(q, body, point), "
-            "generalised_forces(q, joint_torques, wheel_torques)"
-        )
+            "generalised_forces(q, joint_torques, wheel_torques)",
+        ]
+        return "\n".join(filter(None, lines))
 
     def H_plus(
         self, q: Float[np.ndarray, "*n joints"]
     ) -> Float[np.ndarray, "*n speeds speeds"]:
         """The system inertia matrix `H+` (Eq. 14).
+
+        A joint's own entry has `gear^2` times the inertia of its motor's rotor only
+        where the robot file declares it.
 
         Args:
             q: joint positions, rad or m.
@@ -241,7 +246,11 @@ class Dynamics:
             return H_std[0], c_std[0]
         theta_of = minimal_sets(self.robot).base.theta_of
         directions = (theta_of @ self.root).T.reshape(-1, *self.robot.theta.shape)
-        return deviations(self.robot, directions, q, v)
+        H_std, c_std = deviations(self.robot, directions, q, v)
+        _, armature, tolerance = rotors_of(self.robot)
+        own = np.arange(6, 6 + self._joints)
+        H_std[:, own, own] = np.hypot(H_std[:, own, own], tolerance * armature)
+        return H_std, c_std
 
     def _shown(self, entries: Any, rows: int) -> Any:
         """The entries, with NaN for what a planar motion does not determine."""
@@ -269,8 +278,7 @@ def reconstructed(
             mechanism has such parameters: its mass matrix is not positive definite.
     """
     check_known(robot, beta)
-    theta = (minimal_sets(robot).base.theta_of @ beta).reshape(-1, PER_BODY)
-    same_momentum = replace(robot, theta=theta)
+    same_momentum = replace(robot, theta=minimal_sets(robot).theta(beta))
     check_definite(same_momentum)
     return Dynamics(same_momentum, root_of(covariance))
 

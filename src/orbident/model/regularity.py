@@ -11,7 +11,7 @@ from orbident.errors import InputError
 from orbident.files.names import joined
 from orbident.model.core_robot import KEPT
 from orbident.model.equations_of_motion import equations_of_motion, movable
-from orbident.model.inertia import carried_about_S, inertia_at
+from orbident.model.kinematics import carried_about_S, inertia
 from orbident.robot.description import Robot
 
 SINGULAR = 1e-12
@@ -30,10 +30,8 @@ def check_regular(robot: Robot) -> None:
         InputError: some motion of base and joints moves no mass at all.
     """
     q = np.random.default_rng(0).standard_normal(len(robot.joints))
-    at = inertia_at(robot, q)
     free = [2] if robot.motion == "planar" else [0, 1, 2]
-    D, D_q = at.D[np.ix_(free, free)], at.D_q[free]
-    H = np.block([[D, D_q], [D_q.T, at.D_qq]])
+    H = inertia(robot, q[None]).energy(free)[0]
     names = [f"the base about {'xyz'[k]}" for k in free]
     names += [f"joint '{name}'" for name in robot.joint_names]
     base, carried = _sizes(robot, q)

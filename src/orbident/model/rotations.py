@@ -5,6 +5,9 @@ from jaxtyping import Float
 
 from orbident.robot.parameters import cross_matrix
 
+UNTURNED = np.array([0.0, 0.0, 0.0, 1.0])
+"""The quaternion of no rotation."""
+
 
 def rotate(
     R: Float[np.ndarray, "*#n 3 m"], v: Float[np.ndarray, "*#n m"]

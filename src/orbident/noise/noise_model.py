@@ -42,7 +42,7 @@ MOST = 300.0
 """Half of the longest interval of a logarithm: where samples say nothing, any number
 may be true."""
 
-SEEN = 1e-6
+LEAST_INFORMATION = 1e-6
 """Least information of a logarithm: with less its deviation is unknown."""
 
 MARKOV, WALK = ("markov_std", "correlation_time"), ("random_walk",)
@@ -125,7 +125,7 @@ def noise_model(
     logs = likelihood.logs(ratios)
     misfit, innovations = likelihood(logs)
     information, V = np.linalg.eigh(_hessian(lambda x: likelihood(x)[0], logs) / 2)
-    std = np.sqrt(np.sum(V**2 / np.maximum(information, SEEN), axis=1))
+    std = np.sqrt(np.sum(V**2 / np.maximum(information, LEAST_INFORMATION), axis=1))
     levels = {
         name: Level(float(np.exp(value)), float(each))
         for name, value, each in zip(names, logs, std, strict=True)

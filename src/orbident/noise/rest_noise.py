@@ -18,8 +18,8 @@ from orbident import _core
 from orbident.data_table import DataTable, Numeric, table_of
 from orbident.errors import InputError
 from orbident.estimation.checks import Check
-from orbident.estimation.output_error.sensors import COMPONENTS
-from orbident.estimation.whiteness import LOW, low_frequencies
+from orbident.estimation.levels import LOW, low_frequencies
+from orbident.estimation.signals import SIGNAL_UNITS
 from orbident.noise.noise_model import (
     FEWEST,
     MARKOV,
@@ -41,6 +41,7 @@ OUTLYING = 6.0
 """Deviations: noise is beyond them once in half a thousand million samples."""
 
 ROUNDING = 1e-14
+"""Relative; of double precision, some operations on."""
 
 ROUNDS = 4
 """Rounds that leave out outlying samples: after a jump there is always another."""
@@ -170,12 +171,8 @@ def low_power(model: NoiseModel) -> float:
     return float(np.mean(power[:low]) / np.mean(power))
 
 
-UNITS = {
-    "gyro": "rad/s",
-    "accelerometer": "m/s^2",
-    "attitude": "rad",
-    "position": "m",
-}
+SENSORS = ("gyro", "accelerometer", "attitude", "position")
+"""Those that show noise at rest."""
 
 
 @dataclass(frozen=True)
@@ -212,7 +209,7 @@ class AxisNoise:
 
     def unit(self, parameter: str) -> str:
         """The unit of a parameter of the model."""
-        unit = UNITS[self.sensor]
+        unit = SIGNAL_UNITS[self.sensor]
         if parameter == "correlation_time":
             return "s"
         return f"{unit}/sqrt(s)" if parameter == "random_walk" else unit
@@ -230,8 +227,8 @@ def rest_noise(recording: Recording) -> tuple[AxisNoise, ...]:
     check_joints(recording)
     found = [
         _axis_noise(recording, sensor, axis, t, x)
-        for sensor in UNITS
-        if recording.has(*(f"{sensor}.{k}" for k in COMPONENTS[sensor]))
+        for sensor in SENSORS
+        if recording.has_vector(sensor)
         for axis, t, x in _axes(recording, sensor)
     ]
     if not found:
@@ -246,7 +243,7 @@ def rest_noise(recording: Recording) -> tuple[AxisNoise, ...]:
 def _axes(
     recording: Recording, sensor: str
 ) -> Iterator[tuple[str, Float[np.ndarray, " n"], Float[np.ndarray, " n"]]]:
-    table = recording.vector(sensor, COMPONENTS[sensor])
+    table = recording.vector(sensor)
     seen = np.isfinite(table).all(axis=1)
     t, table = recording.t[seen], table[seen]
     if not len(table):
@@ -293,7 +290,7 @@ def sensor_section(found: tuple[AxisNoise, ...]) -> dict[str, dict[str, Any]]:
     geometric mean.
     """
     section: dict[str, dict[str, Any]] = {}
-    for sensor in UNITS:
+    for sensor in SENSORS:
         axes = {each.axis: each for each in found if each.sensor == sensor}
         if axes:
             kind = type(UNDECLARED[sensor])

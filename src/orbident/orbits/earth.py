@@ -29,6 +29,7 @@ R_E = 6378137.0
 """Radius of the Earth at the equator, m."""
 
 J2 = 1.08262668e-3
+"""How flat its field is: the second zonal harmonic."""
 
 AXIS = np.array([0.0, 0.0, 1.0])
 

@@ -266,7 +266,7 @@ class Arc:
     """Times every ten seconds, s, beyond both ends."""
     epoch: datetime | None
 
-    def place(self, t: Float[np.ndarray, " n"]) -> Vectors:
+    def position(self, t: Float[np.ndarray, " n"]) -> Vectors:
         """From the middle of the Earth, m."""
         return np.asarray(self.path(t))
 
@@ -286,7 +286,7 @@ class Arc:
                 "the orbit"
             )
         sun = to_the_sun(self.epoch, t)
-        return sunlit(self.place(t), sun)[:, None] * sun
+        return sunlit(self.position(t), sun)[:, None] * sun
 
     def field(self, t: Float[np.ndarray, " n"]) -> Vectors:
         """The magnetic field, T: IGRF's, or that of a dipole without an epoch.
@@ -302,7 +302,7 @@ class Arc:
         # Late, as in `_arc`: it takes long to load, and few robots are in orbit.
         from scipy.interpolate import CubicSpline
 
-        r = self.place(self.grid)
+        r = self.position(self.grid)
         if self.epoch is None:
             return CubicSpline(self.grid, dipole_field(r))
         return CubicSpline(self.grid, reference_field(self.epoch, self.grid, r))

@@ -13,13 +13,18 @@ it (Rauch, Tung, Striebel 1965). All is repeated about what was found, for large
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Bool, Float
-from scipy.interpolate import CubicSpline
+from jaxtyping import Float
 from scipy.spatial.transform import Rotation
 
 from orbident import _core
 from orbident.errors import InputError
-from orbident.preprocessing.point_velocity import bias_response
+from orbident.preprocessing.integrals import (
+    bias_response,
+    integrate_gyro,
+    span_of,
+    start_of_gyro,
+    with_nan_outside,
+)
 from orbident.robot.sensor_schema import GyroSpec
 
 ROUNDS = 3
@@ -27,9 +32,6 @@ ROUNDS = 3
 
 UNKNOWN_ATTITUDE = np.pi
 """Std of `phi` beforehand, rad."""
-
-GAUSS = np.sqrt(3) / 6
-"""The part of a step from its middle to each of the two Gauss points."""
 
 
 class GyroNoise(NamedTuple):
@@ -50,44 +52,6 @@ class Fused(NamedTuple):
     bias: Float[np.ndarray, "n 3"]
     """Bias of the gyro, base axes, rad/s."""
     bias_std: Float[np.ndarray, "n 3"]
-
-
-def integrate_gyro(
-    t: Float[np.ndarray, " n"],
-    w: Float[np.ndarray, "n 3"],
-    x_start: Float[np.ndarray, "4"],
-    source: str = "recording",
-) -> Float[np.ndarray, "n 4"]:
-    """The attitude whose rate is the cubic spline through the gyro's samples.
-
-    By the fourth-order Magnus expansion (Iserles et al. 2000), from one row to the
-    next, with `w_1`, `w_2` at the two Gauss points of the step `h`:
-
-        x(t + h) = x(t) (x) exp(h/2 (w_1 + w_2) + sqrt(3)/12 h^2 w_1 x w_2)
-
-    Args:
-        t: times, s.
-        w: angular rate of the base, base axes, rad/s; NaN where there is no sample.
-        x_start: attitude at the gyro's first sample, unit quaternion, scalar last.
-        source: where the samples came from, for messages.
-
-    Returns:
-        Unit quaternions; NaN before the first and after the last sample.
-
-    Raises:
-        InputError: the gyro has fewer than four samples.
-    """
-    measured = np.asarray(np.isfinite(w).all(axis=1))
-    if measured.sum() < 4:
-        raise InputError(
-            f"{source}: gyro has {measured.sum()} samples; give at least 4"
-        )
-    rate = CubicSpline(t[measured], w[measured])
-    inside = _span(measured)
-    h = np.diff(t[inside])
-    middle = t[inside][:-1] + h / 2
-    w_1, w_2 = rate(middle - GAUSS * h), rate(middle + GAUSS * h)
-    return _placed(_core.integrate_rate(x_start, h, w_1, w_2), inside, t.size)
 
 
 def fuse_attitude(
@@ -114,17 +78,17 @@ def fuse_attitude(
     measured, fixed = (np.asarray(np.isfinite(x).all(axis=1)) for x in (w, fixes))
     if not measured.any():
         raise InputError(f"{source}: gyro has no samples; give at least 4")
-    inside = _span(measured)
+    inside = span_of(measured)
     if not fixed[inside].any():
         raise InputError(
             f"{source}: attitude has no samples while the gyro has; give both"
         )
     found = _fused(t[inside], w[inside], fixes[inside], fixed[inside], gyro, std)
     return Fused(
-        x_WB=_placed(found.x_WB, inside, t.size),
-        std=_placed(np.sqrt(found.variance[:, :3]), inside, t.size),
-        bias=_placed(found.bias, inside, t.size),
-        bias_std=_placed(np.sqrt(found.variance[:, 3:]), inside, t.size),
+        x_WB=with_nan_outside(found.x_WB, inside, t.size),
+        std=with_nan_outside(np.sqrt(found.variance[:, :3]), inside, t.size),
+        bias=with_nan_outside(found.bias, inside, t.size),
+        bias_std=with_nan_outside(np.sqrt(found.variance[:, 3:]), inside, t.size),
     )
 
 
@@ -157,28 +121,7 @@ def _fused(
         fused = Rotation.from_rotvec(mean[:, :3]) * Rotation.from_quat(x)
         return _FusionPass(fused.as_quat(), variance, bias + mean[:, 3:])
 
-    found = about(_start(t, w, fixes, fixed), np.zeros(3))
+    found = about(start_of_gyro(t, w, fixes, fixed), np.zeros(3))
     for _ in range(ROUNDS - 1):
         found = about(found.x_WB[0], found.bias.mean(axis=0))
     return found
-
-
-def _start(
-    t: np.ndarray, w: np.ndarray, fixes: np.ndarray, fixed: np.ndarray
-) -> np.ndarray:
-    """Where the gyro must start to pass through the first fix."""
-    k = int(fixed.argmax())
-    x = Rotation.from_quat(integrate_gyro(t, w, np.array([0.0, 0.0, 0.0, 1.0]))[k])
-    return (Rotation.from_quat(fixes[k]) * x.inv()).as_quat()
-
-
-def _span(measured: Bool[np.ndarray, " n"]) -> slice:
-    """The rows from the first with a sample to the last."""
-    first, last = np.flatnonzero(measured)[[0, -1]]
-    return slice(first, last + 1)
-
-
-def _placed(values: np.ndarray, where: slice, rows: int) -> np.ndarray:
-    placed = np.full((rows, values.shape[1]), np.nan)
-    placed[where] = values
-    return placed

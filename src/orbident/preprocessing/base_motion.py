@@ -1,8 +1,11 @@
-"""Attitude and rate of the base at the rows of a recording.
+"""Attitude and rate of the base, and the velocity of S, at the rows of a recording.
 
-The rate of the base from its attitude alone.
+The rate may come from the attitude alone, and the velocity from positions or from what
+an accelerometer at S felt. Noise of measured wheel speeds adds to what they predict of
+the rate.
 """
 
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -11,15 +14,23 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
 from orbident.gaussian import white_std_of
-from orbident.preprocessing.attitude_fusion import (
-    GyroNoise,
-    fuse_attitude,
-    integrate_gyro,
-)
+from orbident.model.core_robot import wheels_of
+from orbident.model.kinematics import inertia_at
+from orbident.model.minimal_sets import conserved_axes
+from orbident.model.rotations import UNTURNED
+from orbident.preprocessing.attitude_fusion import GyroNoise, fuse_attitude
 from orbident.preprocessing.histories import Columns
+from orbident.preprocessing.integrals import (
+    integrate_gyro,
+    velocity_from_accelerometer,
+    velocity_from_increments,
+)
 from orbident.preprocessing.origins import Origin
+from orbident.preprocessing.rates import at_times
 from orbident.preprocessing.smoothing import Settings, fits_of, smooth_rates
+from orbident.recordings.columns import vector_columns
 from orbident.recordings.recording import Recording
+from orbident.robot.description import Robot
 from orbident.robot.sensor_schema import Sampled, SensorsSpec
 
 
@@ -74,11 +85,6 @@ def same_sign(x: Float[np.ndarray, "n 4"]) -> Float[np.ndarray, "n 4"]:
     return turned
 
 
-AXES = ("gyro.x", "gyro.y", "gyro.z")
-QUATERNION = ("attitude.x", "attitude.y", "attitude.z", "attitude.w")
-
-UNTURNED = np.array([0.0, 0.0, 0.0, 1.0])
-
 LEAST_N = 1e-9
 """rad/sqrt(s)."""
 
@@ -113,19 +119,18 @@ def base_motion(
     Raises:
         InputError: there is neither, or too few samples.
     """
-    gyro, attitude = (_recorded(recording, names) for names in (AXES, QUATERNION))
+    both = vector_columns("gyro"), vector_columns("attitude")
+    gyro, attitude = (_recorded(recording, names) for names in both)
     if gyro and not attitude:
         w = recording.vector("gyro")
         x = integrate_gyro(recording.t, w, UNTURNED, recording.source)
         how = {"attitude": Origin.INTEGRATED_GYRO, "base_rate": Origin.MEASURED}
         return BaseMotion(tuple(w.T), tuple(x.T), how)
     if attitude and not gyro:
-        fixes = recording.vector("attitude", "xyzw")
+        fixes = recording.vector("attitude")
         x, w = attitude_rates(recording.t, fixes, recording.source, settings)
         return BaseMotion(tuple(w.T), tuple(x.T), _both(Origin.SMOOTHED_ATTITUDE))
-    w, fixes = (
-        tuple(recording.column(name) for name in names) for names in (AXES, QUATERNION)
-    )
+    w, fixes = (tuple(recording.column(name) for name in names) for names in both)
     if not late and not settings.once("sparse", lambda: _sparse(w, fixes)):
         return BaseMotion(w, fixes, _both(Origin.MEASURED))
     return _fused(recording, sensors, late)
@@ -151,7 +156,7 @@ def _sparse(w: Columns, fixes: Columns) -> bool:
 
 def _fused(recording: Recording, sensors: SensorsSpec, late: float) -> BaseMotion:
     t, w = recording.t, recording.vector("gyro")
-    fixes = recording.vector("attitude", "xyzw")
+    fixes = recording.vector("attitude")
     by_gyro = integrate_gyro(t, w, UNTURNED, recording.source)
     if late:
         fixes = _caught_up(t, fixes, by_gyro, late)
@@ -201,3 +206,86 @@ def _scatter(
     if both.sum() < 2:
         return LEAST_STD
     return max(float(white_std_of(between, 1)), LEAST_STD)
+
+
+class PointVelocity(NamedTuple):
+    """Columns; empty where they cannot be had."""
+
+    v_S: Columns
+    """Inertial axes, m/s; but for a constant where it is derived from forces."""
+    origin: Origin
+
+
+def point_velocity(
+    recording: Recording,
+    x_WB: Columns,
+    delays: Mapping[str, float],
+    settings: Settings,
+) -> PointVelocity:
+    """Velocities as measured; or from positions, or from an accelerometer.
+
+    Args:
+        recording: of any sensors.
+        x_WB: attitude of the base at every row.
+        delays: by sensor, s.
+        settings: of the whole recording.
+
+    Raises:
+        InputError: a column has too few samples.
+    """
+    if recording.has_vector("velocity"):
+        return PointVelocity(_measured(recording, delays["position"]), Origin.MEASURED)
+    if recording.has_vector("position"):
+        at = recording.t + delays["position"]
+        label = f"{recording.source}: position"
+        t, r_S = recording.t, recording.vector("position")
+        fits = settings.smoothers("position", lambda: fits_of(t, r_S, name=label))
+        rate = smooth_rates(t, r_S, at, label, fits).rate
+        return PointVelocity(tuple(rate.T), Origin.SMOOTHED_POSITIONS)
+    for sensor, how in (
+        ("accelerometer", Origin.INTEGRATED_ACCELEROMETER),
+        ("velocity_increment", Origin.SUMMED_INCREMENTS),
+    ):
+        if recording.has_vector(sensor):
+            return _felt(recording, np.column_stack(x_WB), sensor, how)
+    return PointVelocity((), Origin.MISSING)
+
+
+def _measured(recording: Recording, late: float) -> Columns:
+    columns = tuple(recording.column(name) for name in vector_columns("velocity"))
+    if not late:
+        return columns
+    t, label = recording.t, f"{recording.source}: velocity"
+    return tuple(at_times(t, column, t + late, label) for column in columns)
+
+
+def _felt(
+    recording: Recording, x_WB: Float[np.ndarray, "n 4"], sensor: str, how: Origin
+) -> PointVelocity:
+    known = np.isfinite(x_WB).all(axis=1)
+    t, x, felt = recording.t[known], x_WB[known], recording.vector(sensor)[known]
+    if sensor == "accelerometer":
+        v = velocity_from_accelerometer(t, x, felt, recording.source)
+    else:
+        v = velocity_from_increments(x, felt)
+    columns = np.full((3, known.size), np.nan)
+    columns[:, known] = v.T
+    return PointVelocity(tuple(columns), how)
+
+
+def momentum_noise(robot: Robot) -> Float[np.ndarray, "3 wheels"]:
+    """A root of the covariance of `h_rw`, N m s, by the declared tachometers."""
+    wheels = robot.sensors.wheels
+    return wheels_of(robot).A_rw * ((wheels and wheels.tachometer) or 0.0)
+
+
+def rate_noise(robot: Robot) -> float:
+    """Std of the predicted base rate, rad/s: `dw = -D^-1 dh_rw` (Eq. 3).
+
+    Root mean square of the axes about which momentum is conserved, with the nominal
+    inertia at zero joint positions.
+    """
+    axes = list(conserved_axes(robot)[0])
+    D = inertia_at(robot, np.zeros(len(robot.joints))).D[np.ix_(axes, axes)]
+    dw = np.linalg.solve(D, momentum_noise(robot)[axes])
+    return float(np.linalg.norm(dw) / np.sqrt(len(axes)))

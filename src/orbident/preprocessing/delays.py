@@ -10,7 +10,7 @@ and misalignment `E`, which would pass for a delay, and the delay `l`. It is rep
 with what was found.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Annotated, NamedTuple
 
 import numpy as np
@@ -20,8 +20,12 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
 from orbident.files.json_parts import NullableNumber, NullableStd
-from orbident.preprocessing.attitude_fusion import integrate_gyro
-from orbident.preprocessing.point_velocity import gyro_response
+from orbident.preprocessing.integrals import (
+    gyro_response,
+    integrate_gyro,
+    start_of_gyro,
+)
+from orbident.recordings.columns import vector_columns
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 
@@ -154,7 +158,7 @@ def attitude_delay(
     if measured.sum() < FEWEST or (measured & fixed).sum() < FEWEST:
         return None
     rate = CubicSpline(t[measured], w[measured], extrapolate=False)
-    start, bias, late = _start(t, w, fixes, fixed), np.zeros(3), declared
+    start, bias, late = start_of_gyro(t, w, fixes, fixed), np.zeros(3), declared
     found = before = None
     for _ in range(ROUNDS):
         x = integrate_gyro(t, w - bias, start)
@@ -180,19 +184,6 @@ def attitude_delay(
     if found is None or before is None:
         return None
     return delay_of(late - declared, found.std, found.change, before, found.after)
-
-
-def _start(
-    t: Float[np.ndarray, " n"],
-    w: Float[np.ndarray, "n 3"],
-    fixes: Float[np.ndarray, "n 4"],
-    fixed: Bool[np.ndarray, " n"],
-) -> Float[np.ndarray, "4"]:
-    """Where the gyro must start to pass through the first fix after it."""
-    x = integrate_gyro(t, w, np.array([0.0, 0.0, 0.0, 1.0]))
-    k = int((fixed & np.isfinite(x).all(axis=1)).argmax())
-    R_fix, R_k = Rotation.from_quat(fixes[k]), Rotation.from_quat(x[k])
-    return (R_fix * R_k.inv()).as_quat()
 
 
 class _DelayStep(NamedTuple):
@@ -226,3 +217,73 @@ def _solve(
         before=float(np.hypot(after, R[-2, -1])),
         after=after,
     )
+
+
+MOST = 2**13
+"""Samples; the middle of a longer recording is enough."""
+
+GAP = 10.0
+"""Times the usual step from sample to sample."""
+
+
+def base_clocks(robot: Robot, recording: Recording) -> dict[str, Delay]:
+    """That of the attitude against the gyro's, where there are both.
+
+    What the robot file declares as latency is no error of a clock.
+    """
+    gyro, attitude = vector_columns("gyro"), vector_columns("attitude")
+    if not recording.has(*gyro, *attitude):
+        return {}
+    seen = _seen([recording.column(name) for name in gyro])
+    rows = _middle(seen & _unbroken(recording.t, seen), MOST)
+    w, fixes = (
+        np.column_stack([recording.column(name)[rows] for name in names])
+        for names in (gyro, attitude)
+    )
+    declared = delays(robot, recording, {})["attitude"]
+    delay = attitude_delay(recording.t[rows], w, fixes, declared)
+    return {} if delay is None else {"attitude": delay}
+
+
+NAMES = {"joints": "joints and wheels", "attitude": "attitude and position"}
+"""What shares a clock."""
+
+
+def clocks_in_words(clocks: Mapping[str, Delay]) -> tuple[str, ...]:
+    """What was corrected."""
+    return tuple(
+        f"the clock of {NAMES[sensor]} is {1e3 * delay.late:.2f} +- "
+        f"{1e3 * delay.std:.2g} ms behind that of the base rate: corrected"
+        for sensor, delay in clocks.items()
+        if delay.believed
+    )
+
+
+def _seen(columns: Sequence[Float[np.ndarray, " n"]]) -> Bool[np.ndarray, " n"]:
+    """Rows on which all have a sample."""
+    return np.logical_and.reduce([~np.isnan(column) for column in columns])
+
+
+def _unbroken(
+    t: Float[np.ndarray, " n"], seen: Bool[np.ndarray, " n"]
+) -> Bool[np.ndarray, " n"]:
+    """The longest stretch without a gap that integration cannot bridge."""
+    if not seen.any():
+        return seen
+    steps = np.diff(t[seen], prepend=t[seen][0])
+    stretch = np.cumsum(steps > GAP * np.median(steps))
+    longest = np.zeros_like(seen)
+    longest[seen] = stretch == np.argmax(np.bincount(stretch))
+    return longest
+
+
+def _middle(seen: Bool[np.ndarray, " n"], most: int) -> slice:
+    """Rows in the middle, of which at most so many are seen."""
+    rows = np.flatnonzero(seen)
+    inner = rows[_inner(rows.size, most)]
+    return slice(inner[0], inner[-1] + 1) if inner.size else np.s_[:]
+
+
+def _inner(count: int, most: int) -> slice:
+    start = max(count - most, 0) // 2
+    return slice(start, start + most)

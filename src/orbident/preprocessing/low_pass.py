@@ -1,6 +1,6 @@
 """Zero-phase low-pass filters that do not hold on to the first sample.
 
-Where a low-pass filter should cut: its signal passes, its noise does not.
+Such a filter should cut where its signal passes and its noise does not.
 """
 
 from typing import NamedTuple

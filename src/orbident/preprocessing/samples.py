@@ -7,11 +7,11 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float
 
-from orbident.preprocessing.base_motion import base_motion
+from orbident.preprocessing.base_motion import base_motion, point_velocity
 from orbident.preprocessing.delays import delays
 from orbident.preprocessing.histories import Columns, Histories, histories
+from orbident.preprocessing.integrals import bias_response
 from orbident.preprocessing.origins import BIASED, Origin
-from orbident.preprocessing.point_velocity import bias_response, point_velocity
 from orbident.preprocessing.smoothing import Settings
 from orbident.preprocessing.wrenches import (
     RecordedWrench,
@@ -41,6 +41,17 @@ class Batch(NamedTuple):
     """Whether the velocity of S was measured too."""
     h_given: Float[np.ndarray, "n 3"]
     """What acted from outside has given to the angular momentum, N m s."""
+
+
+class OutsideMomentum(NamedTuple):
+    """What acted from outside has given to the momenta since the first row."""
+
+    t: Float[np.ndarray, " nodes"]
+    """s."""
+    h: Float[np.ndarray, "nodes 3"]
+    """To the angular momentum about the system CM, inertial axes, N m s."""
+    v: Float[np.ndarray, "nodes 3"]
+    """To the velocity of the system CM, inertial axes, m/s."""
 
 
 @dataclass(frozen=True)
@@ -125,31 +136,23 @@ class Samples:
         """Whether thrust acts of whose momentum nothing is known yet."""
         return bool(self.wrenches) and not self.h_given
 
-    def without(
-        self,
-        t: Float[np.ndarray, " nodes"],
-        h: Float[np.ndarray, "nodes 3"],
-        v: Float[np.ndarray, "nodes 3"],
-    ) -> "Samples":
+    def without(self, given: OutsideMomentum) -> "Samples":
         """The samples of the same motion without what acts from outside.
 
         Those while something pushes are left out.
-
-        Args:
-            t: times at which it is known what was given, s.
-            h: to the angular momentum about the CM until then, inertial axes, N m s.
-            v: to the velocity of the CM, m/s.
         """
 
         def at_samples(x: Float[np.ndarray, "nodes 3"]) -> Columns:
-            return tuple(np.interp(self.t, t, column) for column in x.T)
+            return tuple(np.interp(self.t, given.t, column) for column in x.T)
 
         begin, end = self.pushed or (np.inf, -np.inf)
         # How a push acts while it lasts is known in outline only.
         lasting = (self.t >= begin) & (self.t <= end)
         w = tuple(np.where(lasting, np.nan, column) for column in self.w)
-        v_S = (own - more for own, more in zip(self.v_S, at_samples(v), strict=False))
-        return replace(self, w=w, v_S=tuple(v_S), h_given=at_samples(h))
+        v_S = (
+            own - more for own, more in zip(self.v_S, at_samples(given.v), strict=False)
+        )
+        return replace(self, w=w, v_S=tuple(v_S), h_given=at_samples(given.h))
 
     @property
     def biased(self) -> bool:

@@ -312,10 +312,9 @@ def _check_alive(robot: Robot, recording: Recording) -> None:
 
 
 def _check_in_plane(robot: Robot, recording: Recording) -> None:
-    names = [f"attitude.{k}" for k in "xyzw"]
-    if robot.motion != "planar" or not recording.has(*names):
+    if robot.motion != "planar" or not recording.has_vector("attitude"):
         return
-    x, y, z, w = (recording.column(name) for name in names)
+    x, y, z, w = recording.vector("attitude").T
     # The sine of the angle between the base's z axis and the inertial one.
     sine = 2 * np.sqrt((x**2 + y**2) * (z**2 + w**2))
     known = sine[~np.isnan(sine)]

@@ -1,6 +1,7 @@
 """What is recorded of the wrenches that act on the base, in one form.
 
-Where the Earth, the air, the sun and the magnetic field are, seen from the base.
+Of what surrounds the base, the directions to the Earth, the air, the sun and the
+magnetic field are known in its axes.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -12,10 +13,9 @@ from jaxtyping import Float
 from orbident.errors import InputError
 from orbident.model.rotations import quaternion_matrix, rotate_back
 from orbident.preprocessing.histories import Columns
+from orbident.recordings.no_measurements import SURROUNDINGS
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot, Thruster
-
-NAMES = ("nadir", "flow", "sun", "field")
 
 GROUND = 6.35e6
 """m: less than the Earth's radius at its poles."""
@@ -45,10 +45,9 @@ def surroundings(robot: Robot, recording: Recording, x_WB: Columns) -> Surroundi
             not known at these times.
     """
     found: dict[str, Float[np.ndarray, "samples 3"]] = {}
-    for name in NAMES:
-        columns = [f"{name}.{axis}" for axis in "xyz"]
-        if recording.has(*columns):
-            shown = np.column_stack([recording.column(each) for each in columns])
+    for name in SURROUNDINGS:
+        if recording.has_vector(name):
+            shown = recording.vector(name)
             known = np.isfinite(shown).all(axis=1)
             if known.any():
                 _check(f"{recording.source}: columns '{name}.x .y .z'", name, shown)
@@ -56,7 +55,7 @@ def surroundings(robot: Robot, recording: Recording, x_WB: Columns) -> Surroundi
                 found[name] = np.column_stack(
                     [np.interp(t, t[known], x[known]) for x in shown.T]
                 )
-    missing = [name for name in NAMES if name not in found]
+    missing = [name for name in SURROUNDINGS if name not in found]
     around = {**found, **_by_orbit(robot, recording, x_WB, missing)}
     # There is no sun in the Earth's shadow.
     return {name: vectors for name, vectors in around.items() if vectors.any()}
@@ -69,7 +68,7 @@ def _by_orbit(
     orbit, t = robot.orbit, recording.t
     if orbit is None or not names:
         return {}
-    if not recording.has(*(f"attitude.{axis}" for axis in "xyzw")):
+    if not recording.has_vector("attitude"):
         raise InputError(
             f"{recording.source}: the robot file gives an orbit, and without "
             "attitude.x to .w nobody knows where the Earth is, seen from the base; add "
@@ -81,7 +80,7 @@ def _by_orbit(
         wind = arc.wind(t)
         speed = np.linalg.norm(wind, axis=1, keepdims=True)
         inertial = {
-            "nadir": -arc.place(t),
+            "nadir": -arc.position(t),
             "flow": -speed * wind / np.mean(speed**2),
         }
         if orbit.epoch is not None:
@@ -254,10 +253,9 @@ def _net(recording: Recording) -> Iterator[RecordedWrench]:
 
 
 def _vector(recording: Recording, name: str) -> Float[np.ndarray, "samples 3"] | None:
-    columns = [f"{name}.{axis}" for axis in "xyz"]
-    if not recording.has(*columns):
+    if not recording.has_vector(name):
         return None
-    return np.column_stack([_held(recording.column(each)) for each in columns])
+    return np.column_stack([_held(column) for column in recording.vector(name).T])
 
 
 def _held(shown: Float[np.ndarray, " samples"]) -> Float[np.ndarray, " samples"]:

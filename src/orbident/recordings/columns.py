@@ -54,6 +54,11 @@ _ALTERNATIVES = [
 _PATTERN = re.compile("|".join(_ALTERNATIVES))
 
 
+def vector_columns(name: str) -> tuple[str, ...]:
+    """The columns of one of `VECTORS`, in their order."""
+    return tuple(f"{name}.{k}" for k in VECTORS[name][0])
+
+
 def is_known(column: str) -> bool:
     """Whether the column has a meaning here; any other is carried along unused."""
     return column == "t" or _PATTERN.fullmatch(column) is not None

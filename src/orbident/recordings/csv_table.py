@@ -24,6 +24,7 @@ from orbident.recordings.columns import check_names, is_known
 from orbident.robot.units import UNITS
 
 _HEAD_BYTES = 1 << 20
+"""Where the header is looked for, and what separates columns."""
 _HEAD_LINES = 256
 """What stands above the rows is shorter: an export of LabVIEW has some twenty."""
 _SEPARATORS = ("\t", ";", ",", " ")
@@ -252,6 +253,7 @@ def split_name(name: str) -> tuple[str, str]:
 
 
 _BLOCK_BYTES = 1 << 20
+"""What is parsed at once."""
 # Arrow trims blanks around numbers, but not before it compares with these.
 _EMPTY = ["nan", "NaN", *(" " * width for width in range(33))]
 _CELL = re.compile(

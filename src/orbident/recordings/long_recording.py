@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float
 
+from orbident import _core
 from orbident.recordings.columns import is_known
 from orbident.recordings.recording import Recording, check_cut, within
 
@@ -31,6 +32,12 @@ FARTHEST = 2**16
 """and at most, however long a sensor has no samples."""
 
 Columns = Mapping[str, np.ndarray]
+
+
+def spare_memory(rows: int) -> None:
+    """Give what is no longer used back to the system, where there are many rows."""
+    if rows >= LARGE:
+        _core.give_back_memory()
 
 
 class Stretch(NamedTuple):

@@ -11,10 +11,10 @@ from jaxtyping import Bool, Float
 
 from orbident.recordings.columns import VECTORS, is_known
 
-NO_SENSORS = {
-    *("force", "torque", "thruster", "torquer"),
-    *("nadir", "flow", "sun", "field"),
-}
+SURROUNDINGS = ("nadir", "flow", "sun", "field")
+"""Vectors of what is around the base."""
+
+NO_SENSORS = {"force", "torque", "thruster", "torquer", *SURROUNDINGS}
 """Columns of what acts: it may change at once, and is not measured on the robot."""
 
 POSES = {"attitude", "position"}

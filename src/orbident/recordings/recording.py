@@ -13,17 +13,19 @@ from orbident.errors import InputError
 from orbident.files.bounds import FAINTEST, LARGEST, SHORTEST, TOGETHER
 from orbident.files.names import closest, listed
 from orbident.recordings.columns import (
+    VECTORS,
     columns_in_words,
     is_known,
     meaning,
     part_of,
+    vector_columns,
 )
 from orbident.robot.description import Robot
 
 MATTERS = 1e-3
 """Of the time from row to row: a wheel of 100 rad/s turns 1 mrad in 1e-4 of 0.1 s."""
 
-SEEN = 100_000
+FIRST = 100_000
 """Times that are looked at: the first ones tell it."""
 
 UNEVEN = 0.1
@@ -36,15 +38,13 @@ def float32_step(t: Float[np.ndarray, " samples"]) -> float:
     Args:
         t: times, s, in any order.
     """
-    t = t[:SEEN]
+    t = t[:FIRST]
     if not np.array_equal(t, t.astype(np.float32)):
         return 0.0
     step, steps = float(np.spacing(np.float32(np.abs(t).max()))), np.diff(t)
     uneven = np.mean(steps != np.median(steps)) > UNEVEN
     return step if uneven and step > MATTERS * np.mean(np.abs(steps)) else 0.0
 
-
-QUATERNION = ("attitude.x", "attitude.y", "attitude.z", "attitude.w")
 
 QUATERNION_TOLERANCE = 0.01
 """Loggers that print few digits stay well inside; another convention does not."""
@@ -84,11 +84,12 @@ class Recording:
         _check_time(self.source, t)
         for name, values in columns.items():
             _check_column(self.source, name, values, t.size)
-        if columns.keys() >= set(QUATERNION):
-            zero = np.logical_and.reduce([columns[name] == 0 for name in QUATERNION])
+        attitude = vector_columns("attitude")
+        if columns.keys() >= set(attitude):
+            zero = np.logical_and.reduce([columns[name] == 0 for name in attitude])
             if zero.any() and not zero.all():
                 # So a tracker writes that it sees nothing.
-                for name in QUATERNION:
+                for name in attitude:
                     column = np.where(zero, np.nan, columns[name])
                     columns[name] = _as_column(self.source, name, column)
                 note = (
@@ -96,7 +97,7 @@ class Recording:
                     f"at t = {t[zero.argmax()]:g} s"
                 )
                 object.__setattr__(self, "notes", (*self.notes, note))
-            _check_attitude(self.source, [columns[name] for name in QUATERNION])
+            _check_attitude(self.source, [columns[name] for name in attitude])
         object.__setattr__(self, "columns", columns)
         for name, values in columns.items():
             _check_size(self.source, name, values)
@@ -136,6 +137,10 @@ class Recording:
         """Whether every one of these columns is there."""
         return all(name in self.columns for name in names)
 
+    def has_vector(self, name: str) -> bool:
+        """Whether all components of a sensor are there."""
+        return self.has(*vector_columns(name))
+
     def column(self, name: str) -> Float[np.ndarray, " samples"]:
         """One column, without a copy.
 
@@ -157,18 +162,19 @@ class Recording:
         )
 
     def vector(
-        self, prefix: str, components: str = "xyz"
+        self, prefix: str, components: str | None = None
     ) -> Float[np.ndarray, "samples K"]:
         """A sensor's components side by side (a copy), e.g. `vector("gyro")`.
 
         Args:
             prefix: What stands before the dot.
-            components: `"xyz"`, or `"xyzw"` for the attitude.
+            components: those that are wanted, in this order; all by default.
 
         Raises:
             InputError: A component is missing.
         """
-        return np.column_stack([self.column(f"{prefix}.{k}") for k in components])
+        which = components or VECTORS.get(prefix, ("xyz",))[0]
+        return np.column_stack([self.column(f"{prefix}.{k}") for k in which])
 
     def with_joints_of(self, robot: Robot) -> "Recording":
         """The recording with all joints of a robot.

@@ -187,6 +187,7 @@ def _row_groups(
 SUFFIXES = (".csv", ".parquet")
 
 _BLOCK_ROWS = 65_536
+"""What is written at once: a row group of Parquet."""
 
 
 def open_recording(path: str | os.PathLike[str]) -> Recording | LongRecording:

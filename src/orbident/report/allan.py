@@ -28,6 +28,7 @@ from orbident.report.charts import (
 from orbident.report.page import Chart, Section, Verdict, page
 
 PER_DECADE = 10
+"""Points of a chart."""
 
 WORDS = (
     "The noise of every axis at rest, by maximum likelihood; a part that lasts is "

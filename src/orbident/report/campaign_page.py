@@ -1,6 +1,6 @@
 """The report of a campaign: how good each method's estimates and intervals are.
 
-Charts of a campaign: histograms, normal plots, what errors depend on.
+Its charts are histograms, normal plots, and what errors depend on.
 """
 
 from collections import Counter

@@ -1,6 +1,6 @@
 """Pieces of charts: data as plotly takes it, arrays in it, colours by their role.
 
-The samples that a picture shows: extremes of every column of pixels.
+Of long recordings a picture shows the extremes of every column of pixels.
 """
 
 import base64
@@ -65,15 +65,7 @@ def numbers(x: np.ndarray, kind: str = "<f8") -> dict[str, str]:
 
 def line(x: np.ndarray, y: np.ndarray, color: str, **more: Any) -> Trace:
     """A curve through all points."""
-    return {
-        "type": "scatter",
-        "mode": "lines",
-        "x": x,
-        "y": y,
-        "line": {"color": color, "width": 1.2},
-        "showlegend": "name" in more,
-        **more,
-    }
+    return _scatter("lines", x, y, {"line": {"color": color, "width": 1.2}}, more)
 
 
 def history(t: np.ndarray, x: np.ndarray, color: str, **more: Any) -> Trace:
@@ -84,27 +76,26 @@ def history(t: np.ndarray, x: np.ndarray, color: str, **more: Any) -> Trace:
 
 def points(x: np.ndarray, y: np.ndarray, color: str, **more: Any) -> Trace:
     """A dot a point."""
-    return {
-        "type": "scatter",
-        "mode": "markers",
-        "x": x,
-        "y": y,
-        "marker": {"color": color, "size": 4},
-        "showlegend": "name" in more,
-        **more,
-    }
+    return _scatter("markers", x, y, {"marker": {"color": color, "size": 4}}, more)
 
 
 def _intervals(x: np.ndarray, half: np.ndarray) -> Trace:
-    return {
-        "type": "scatter",
-        "mode": "markers",
-        "x": x,
-        "y": list(range(len(x))),
+    style = {
         "error_x": {"array": half, "color": PREDICTED, "thickness": 1.5},
         "marker": {"color": PREDICTED, "size": 7},
-        "showlegend": False,
     }
+    return _scatter("markers", x, list(range(len(x))), style, {})
+
+
+def _scatter(
+    mode: str,
+    x: np.ndarray,
+    y: np.ndarray | list[int],
+    style: Mapping[str, Any],
+    more: Mapping[str, Any],
+) -> Trace:
+    legend = {"showlegend": "name" in more}
+    return {"type": "scatter", "mode": mode, "x": x, "y": y, **style, **legend, **more}
 
 
 def stacked(panels: Sequence[Panel], x_title: str, **x: Any) -> Figure:

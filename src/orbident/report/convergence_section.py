@@ -225,17 +225,15 @@ def _course(trail: Trail, k: int) -> list[Trace]:
     shown = extremes(trail.t, trail.values[:, k])
     t, value = trail.t[shown], trail.values[shown, k]
     half = NINETY_FIVE * trail.std[shown, k]
-    band = {
-        "type": "scatter",
-        "x": np.concatenate([t, t[::-1]]),
-        "y": np.concatenate([value + half, (value - half)[::-1]]),
-        "fill": "toself",
-        "fillcolor": BAND,
-        "line": {"width": 0},
-        "mode": "lines",
-        "hoverinfo": "skip",
-        "showlegend": False,
-    }
+    band = line(
+        np.concatenate([t, t[::-1]]),
+        np.concatenate([value + half, (value - half)[::-1]]),
+        BAND,
+        fill="toself",
+        fillcolor=BAND,
+        line={"width": 0},
+        hoverinfo="skip",
+    )
     return [band, line(t, value, PREDICTED)]
 
 

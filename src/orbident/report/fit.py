@@ -1,6 +1,6 @@
 """What was measured against what is predicted, and what is left.
 
-Are residuals white? Their correlation in time, and their spectrum.
+Whether what is left is white, its correlation in time and its spectrum show.
 """
 
 from collections.abc import Iterator
@@ -11,7 +11,7 @@ from jaxtyping import Float
 
 from orbident.data_table import DataTable, Numeric, table_of
 from orbident.estimation.result import Result
-from orbident.estimation.signals import Signal, Signals, sensor_of
+from orbident.estimation.signals import SIGNAL_UNITS, Signal, Signals, sensor_of
 from orbident.gaussian import NINETY_FIVE
 from orbident.report.charts import (
     ERROR,
@@ -33,16 +33,6 @@ EQUATIONS = (
     "(Eq. 24), and velocity of S beside that of the system CM (Eq. 31), base axes."
 )
 ATTITUDE = " For attitude, the rotation from predicted to measured is shown."
-
-UNITS = {
-    "gyro": "rad/s",
-    "accelerometer": "m/s²",
-    "attitude": "rad",
-    "position": "m",
-    "velocity": "m/s",
-    "joints": "rad or m",
-    "momentum": "N m s",
-}
 
 
 def fits(result: Result, signals: Signals) -> Section | None:
@@ -94,7 +84,7 @@ def _tables(result: Result) -> Iterator[DataTable]:
 
 def _unit_of(name: str) -> str:
     """The unit of a sensor, or of one of its axes."""
-    return UNITS[sensor_of(name).split(".")[0]]
+    return _unit(SIGNAL_UNITS[sensor_of(name).split(".")[0]])
 
 
 def charts_of(signal: Signal) -> Iterator[Chart]:

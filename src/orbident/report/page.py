@@ -1,9 +1,7 @@
 """A report as one HTML file that needs nothing else, no network either.
 
-What a report is made of: sections of words, tables and charts. Numbers have as many
-digits as the deviation leaves, and no more.
-
-What a report says first: may the result be used, and why.
+It says first whether the result may be used, and why. Then come sections of words,
+tables and charts. Numbers have as many digits as the deviation leaves, and no more.
 """
 
 import base64

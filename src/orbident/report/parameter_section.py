@@ -1,6 +1,6 @@
 """The parameters with their intervals, beside what CAD says of them.
 
-What errors of instruments would shift them: a picture of the sensitivity table.
+A picture of the sensitivity table shows what errors of instruments would shift them.
 """
 
 from collections.abc import Iterable, Iterator
@@ -10,19 +10,22 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from orbident.data_table import DataTable, Interval, Numeric, TableRow
-from orbident.estimation.parameter_table import (
+from orbident.estimation.budget import SensitivityTable
+from orbident.estimation.quantities import (
+    EstimatedSet,
+    MassRoutes,
     most_different,
     parameter_rows,
 )
-from orbident.estimation.quantities import EstimatedSet, MassRoutes
 from orbident.estimation.result import Result
-from orbident.estimation.sensitivity_table import SensitivityTable
 from orbident.gaussian import NINETY_FIVE
+from orbident.model.rotor_momentum import IN_FORMULAS, geared_joints
 from orbident.report.charts import heat_map, interval_list
 from orbident.report.page import Chart, Section
 
 TITLES = {
     "base": "Base parameters: what free floating can identify",
+    "links": "Links: base parameters without the motors' rotors that are declared",
     "phi": "phi: what the velocity of S shows",
     "pi": "pi: what the angular momentum shows",
 }
@@ -67,13 +70,15 @@ def parameters(result: Result, known_as: str) -> Section | None:
     shown = most_different(base, MOST)
     tables = [_table(TITLES["base"], base, known_as, shown, folded=False)]
     words = tuple(text.format(known_as=known_as) for text in WORDS)
+    if geared_joints(result.robot):
+        words += (f"In formulas, {IN_FORMULAS}.",)
     if len(shown) < len(base.names):
         words += (
             f"The first table has the mass and the {len(shown) - 1} parameters that "
             f"differ most from {known_as}; all are below it, folded.",
         )
         tables += [_table("All base parameters", base, known_as)]
-    for name in ("phi", "pi"):
+    for name in ("links", "phi", "pi"):
         tables += [_table(TITLES[name], getattr(result, name), known_as)]
     return Section(
         name="parameters",

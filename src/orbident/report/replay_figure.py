@@ -24,6 +24,7 @@ from orbident.scene.scene import Scene, scene_of
 from orbident.scene.shapes import Shape, box
 
 FRAMES = 40
+"""Of the animation."""
 MOST_VERTICES = 60
 """Most vertices of a shape; a finer one is shown as the box around it."""
 

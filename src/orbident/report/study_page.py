@@ -12,6 +12,7 @@ import numpy as np
 
 from orbident.estimation.checks import Check, worst
 from orbident.estimation.result import Result
+from orbident.estimation.signals import SIGNAL_UNITS
 from orbident.files.text import write_text
 from orbident.identified.run_folder import REPORT
 from orbident.preprocessing.low_pass import CutOff
@@ -32,7 +33,7 @@ from orbident.report.charts import (
 )
 from orbident.report.drawing import Drawing, drawn, kept
 from orbident.report.page import Chart, Picture, Section, page, short, verdict_of
-from orbident.report.write import sections_of, seen
+from orbident.report.write import sections_of, signals_to_show
 from orbident.studies.control import ControlStudy
 from orbident.studies.paper_tables import PaperRow
 from orbident.studies.planar_run import PaperFigure
@@ -155,7 +156,7 @@ def write_study_report(done: Study, result: Result, title: str, folder: Path) ->
         InputError: nothing can be written there.
     """
     first = own_sections(done, folder)
-    signals = seen(result)
+    signals = signals_to_show(result)
     verdict = verdict_of(result)
     level = "trust" if done.trusted else "do not trust"
     reason = f"the study's aim is {'' if done.trusted else 'not '}met"
@@ -198,9 +199,6 @@ SPECTRUM_HEIGHT = 380
 FAINTEST = 1e-300
 """Zero, of a joint that stands still, has no logarithm."""
 
-UNITS = {"gyro": "rad/s", "position": "m"}
-"""Units by the beginning of a signal's name; all other signals are angles."""
-
 
 def cut_offs(found: Mapping[str, CutOff]) -> Section | None:
     """A chart a signal; None where nothing was filtered.
@@ -229,8 +227,8 @@ def cut_offs(found: Mapping[str, CutOff]) -> Section | None:
 
 
 def unit_of_signal(signal: str) -> str:
-    """The unit of the signal's samples."""
-    return UNITS.get(signal.split(".", 1)[0], "rad")
+    """The unit of the signal's samples: of joints and wheels, of an angle."""
+    return SIGNAL_UNITS.get(signal.split(".", 1)[0], "rad")
 
 
 def drawn_cut_off(cut_off: CutOff, title: str, unit: str) -> Drawing:

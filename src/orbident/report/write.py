@@ -11,7 +11,7 @@ from pathlib import Path
 from orbident.data_table import Numeric, table_of
 from orbident.errors import InputError
 from orbident.estimation.result import Result
-from orbident.estimation.signals import Signals
+from orbident.estimation.signals import SIGNAL_UNITS, Signals
 from orbident.files.text import write_text
 from orbident.identified.run_folder import HISTORY, REPORT, VALIDATION
 from orbident.preprocessing.origins import SMOOTHED, WORDS
@@ -140,9 +140,6 @@ SPECTRA = (
 )
 
 
-UNITS = {"gyro": "rad/s", "velocity": "m/s"}
-
-
 def read_validation(path: Path) -> Section | None:
     """The scores that `validate` has left; None where there are none.
 
@@ -164,13 +161,13 @@ def validation(scores: dict) -> Section:
     """The verdict, and the errors beside what was expected of them."""
     rows = (
         (
-            f"{name}, {unit}",
+            f"{name}, {SIGNAL_UNITS[name]}",
             Numeric(scores["rms"].get(name)),
             Numeric(_percent(scores["nrmse"].get(name))),
             Numeric(scores["predicted_std"].get(name)),
             Numeric(scores["noise"].get(name)),
         )
-        for name, unit in UNITS.items()
+        for name in ("gyro", "velocity")
     )
     origin = "which was not used to identify"
     if scores.get("used"):
@@ -240,7 +237,7 @@ def report_page(
         replay: of the motion, where the folder keeps it.
         validated: how it predicted another recording, if it did.
     """
-    sections = sections_of(result, seen(result), trail)
+    sections = sections_of(result, signals_to_show(result), trail)
     if validated is not None:
         sections.insert(1, validated)
     return page(
@@ -251,7 +248,7 @@ def report_page(
     )
 
 
-def seen(result: Result) -> Signals:
+def signals_to_show(result: Result) -> Signals:
     """The signals of which there are enough samples to look at."""
     return tuple(signal for signal in result.signals() if signal.t.size >= FEWEST)
 
@@ -266,7 +263,7 @@ def sections_of(
 
     Args:
         result: of an identification.
-        signals: `seen` of it.
+        signals: `signals_to_show` of it.
         trail: of a recursive one.
         known_as: what the robot's own inertia is.
     """

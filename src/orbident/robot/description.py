@@ -9,10 +9,13 @@ import numpy as np
 from jaxtyping import Float
 from pydantic import BeforeValidator, PlainValidator
 
+from orbident.files.bounds import SMALLEST
 from orbident.files.names import counted
 from orbident.files.schema_parts import (
     Name,
     Positive,
+    WrongValueError,
+    finite_number,
     finite_vector,
     keys_of,
     nonzero_vector,
@@ -103,6 +106,34 @@ class Wheel:
     """Held at its relative speed in free flight, or motor off without friction."""
 
 
+def _ratio(value: object) -> float:
+    ratio = finite_number(value)
+    if abs(ratio) < SMALLEST:
+        raise WrongValueError(
+            "give how many times as fast as its joint the rotor turns"
+        )
+    return ratio
+
+
+class GearedRotor(NamedTuple):
+    """The rotor of a joint's motor, on the body that carries the joint.
+
+    Its mass and its inertia at rest are counted in that body.
+    """
+
+    gear: Annotated[float, BeforeValidator(_ratio)]
+    """Its rate beside that body over the joint's; negative where it turns against."""
+    inertia: Annotated[float, measure_of("inertia")]
+    """About its axis, which is parallel to the joint's, kg m^2."""
+    tolerance: Share = 0.1
+    """Relative standard deviation of its inertia. What else turns with it, such as a
+    brake or the gear's first stage, is seldom in a data sheet."""
+
+
+NO_ROTOR = GearedRotor(1.0, 0.0, 0.0)
+"""Of a joint without a gear, whose rotor is part of the body that it moves."""
+
+
 @dataclass(frozen=True)
 class Thruster:
     """A thruster on the base."""
@@ -151,6 +182,11 @@ Stillness = Annotated[AtRest, keys_of(AtRest), BeforeValidator(_at_rest)]
 """As a robot file has it: its sizes, or `exact`."""
 
 
+DAMPING_STD = 1.0
+"""Standard deviation of a passive joint's damping, relative: it may as well be nothing
+or twice as much."""
+
+
 class Passive(NamedTuple):
     """A joint on a spring that nobody measures: a panel, a boom, fuel as a pendulum.
 
@@ -161,7 +197,7 @@ class Passive(NamedTuple):
     frequency: Rate
     """`f`, at which it swings where the body that carries it is held, Hz."""
     damping: Share = 0.01
-    """`zeta`, over critical damping; it may as well be nothing or twice as much."""
+    """`zeta`, over critical damping."""
     tolerance: Share = 0.2
     """Standard deviation of the frequency, relative."""
     inertia: Share = 0.1
@@ -219,6 +255,9 @@ class Robot:
     couplings: tuple[Coupling, ...] = ()
     """Joints that follow others; where a recording measures them, it counts."""
     wheels: tuple[Wheel, ...] = ()
+    rotors: Mapping[str, GearedRotor] = field(default_factory=dict)
+    """The rotors of joints' motors, by joint, no part of `theta`; a joint that turns
+    and is absent may have one."""
     thrusters: tuple[Thruster, ...] = ()
     torquers: tuple[Torquer, ...] = ()
     structure: Mapping[str, Structure] = field(default_factory=dict)

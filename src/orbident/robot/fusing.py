@@ -1,6 +1,6 @@
 """A tree of links to a tree of bodies: what fixed joints hold is one body.
 
-URDF joints that a robot file declares to be reaction wheels.
+Joints that a robot file declares to be reaction wheels are rotors of their body.
 """
 
 from collections.abc import Iterator
@@ -134,7 +134,7 @@ BALANCE = 1e-6
 
 
 @dataclass(frozen=True)
-class Rotor:
+class UrdfWheel:
     """A wheel's mechanics, read from the URDF."""
 
     axis: Float[np.ndarray, "3"]
@@ -144,9 +144,9 @@ class Rotor:
     warnings: tuple[str, ...]
 
 
-def rotor(
+def wheel_on_joint(
     tree: LinkTree, joint_name: str, where: str, declared: float | None = None
-) -> Rotor:
+) -> UrdfWheel:
     """The rotor on a URDF joint.
 
     Args:
@@ -203,7 +203,7 @@ def rotor(
             "'inertia' in the robot file"
         )
     axis = on_base.R @ joint.R @ joint.axis
-    return Rotor(axis, inertia, _imbalance(joint, theta, inertia))
+    return UrdfWheel(axis, inertia, _imbalance(joint, theta, inertia))
 
 
 def _imbalance(

@@ -97,7 +97,7 @@ _TAIL = """
 # disturbances: []
 
 # What else may stand here is in the reference "The robot file": what is known of bodies
-# (structure), thrusters, calibration errors (tolerances).
+# (structure), motors behind gears (rotors), thrusters, calibration errors (tolerances).
 """
 
 

@@ -1,7 +1,6 @@
 """What is odd about a robot, in words: what its file may have forgotten or slipped.
 
-Whether an inertia can belong to a body, and whether it contradicts what is declared to
-be known of the body.
+Inertias may be those of no body, or contradict what is declared to be known of one.
 """
 
 from collections.abc import Iterator, Mapping

@@ -18,9 +18,10 @@ from orbident.files.yaml_mapping import read_yaml_mapping
 from orbident.orbits.orbit import Ephemeris, Orbit
 from orbident.robot.body_schema import tree_of_bodies, tree_of_table
 from orbident.robot.couplings import couplings_of
-from orbident.robot.description import Joint, Robot, Wheel
+from orbident.robot.description import DAMPING_STD, Joint, Robot, Wheel
 from orbident.robot.formats.model_file import KINDS, SUFFIXES, as_urdf, read_model
-from orbident.robot.fusing import Bodies, about_feature_point, fused, rotor
+from orbident.robot.fusing import Bodies, about_feature_point, fused, wheel_on_joint
+from orbident.robot.geared_rotors import proposed_rotors, rotors_by_joint
 from orbident.robot.oddities import contradictions, nonphysical
 from orbident.robot.schema import BODIES, LimitEntry, RobotFile, WheelEntry
 from orbident.robot.tree import LinkTree, link_tree
@@ -59,6 +60,9 @@ def assembled(
     couplings, uncoupled = couplings_of(urdf, [joint.name for joint in bodies.joints])
     _require_bodies("pads", file.pads, bodies, place)
     _require_joints("passive", file.passive, bodies.joints, place)
+    rotors = rotors_by_joint(
+        file.rotors, bodies.joints, bodies.names, file.structure, place
+    )
     return Robot(
         name=file.name or urdf.name,
         motion=file.motion,
@@ -68,6 +72,7 @@ def assembled(
         feature_point=feature_point,
         couplings=couplings,
         wheels=wheels,
+        rotors=rotors,
         thrusters=file.thrusters,
         torquers=file.torquers,
         pads=_pads(file, bodies),
@@ -78,13 +83,18 @@ def assembled(
         orbit=orbit,
         structure=file.structure,
         sensors=file.sensors,
-        tolerances=file.tolerances.in_si(bodies.joints, place),
+        tolerances=replace(
+            file.tolerances.in_si(bodies.joints, place),
+            joint_frequency={n: each.tolerance for n, each in file.passive.items()},
+            joint_damping=dict.fromkeys(file.passive, DAMPING_STD),
+        ),
         warnings=(
             *urdf.warnings,
             *_on_a_table(urdf, file),
             *_nonphysical_links(tree, bodies),
             *wheel_warnings,
             *uncoupled,
+            *proposed_rotors(urdf, bodies.joints, rotors),
             *contradictions(bodies.names, bodies.theta, file.structure),
         ),
         document=document,
@@ -117,7 +127,7 @@ def _wheels(
             raise InputError(
                 f"{where}: joint '{entry.joint}' is a wheel twice; keep one"
             )
-        found = rotor(tree, entry.joint, where, entry.inertia)
+        found = wheel_on_joint(tree, entry.joint, where, entry.inertia)
         wheels.append(Wheel(entry.label, found.axis, found.inertia, entry.mode))
         warnings += found.warnings
     return tuple(wheels), warnings

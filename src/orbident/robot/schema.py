@@ -32,6 +32,7 @@ from orbident.robot.description import (
     Thruster,
     Torquer,
 )
+from orbident.robot.geared_rotors import RotorSection
 from orbident.robot.may_act import MayAct, may_act
 from orbident.robot.orbit_schema import OrbitEntry
 from orbident.robot.sensor_schema import SensorsSpec
@@ -124,6 +125,7 @@ class RobotFile(MappingSchema):
     motion: Literal["spatial", "planar"] = "spatial"
     feature_point: Vector3 = (0.0, 0.0, 0.0)
     wheels: tuple[WheelEntry, ...] = ()
+    rotors: RotorSection = Field(default_factory=dict)
     thrusters: tuple[Annotated[Thruster, keys_of(Thruster)], ...] = ()
     torquers: tuple[Annotated[Torquer, keys_of(Torquer)], ...] = ()
     pads: dict[str, Vector3] = Field(default_factory=dict)

@@ -1,27 +1,4 @@
-"""The sensors of a robot: what its file says of them, and of what size their noise is.
-
-What the noise of attitude and position has beside white noise.
-
-The cameras of motion capture and the markers that they see are not white: their errors
-last. Each axis has two processes of its own, and all are independent. A first-order
-Gauss-Markov process has a standard deviation `s` and a correlation time `T`:
-
-    cov(x(t), x(t + tau)) = s^2 exp(-|tau| / T)
-
-A random walk has a density `q`, and is zero at the first sample:
-
-    var(x(t)) = q^2 t
-
-How the bias of a gyro or an accelerometer wanders, from what its data sheet gives.
-
-A data sheet's bias instability `B` is the coefficient of flicker noise, whose Allan
-deviation is flat, `sqrt(2 ln 2 / pi) B = 0.664 B` (IEEE Std 952, C.1.3). Flicker noise
-has no finite-dimensional model. A first-order Gauss-Markov process (C.1.5) with
-standard deviation `s` and correlation time `T` has an Allan deviation that peaks at
-`0.617 s`; with the same peak, `s = 0.664 B / 0.617 = 1.076 B`. For times short beside
-`T` its increments have the variance `2 s^2 (1 - exp(-dt/T)) = (2 s^2 / T) dt`: it is a
-random walk of `s sqrt(2 / T)` per square root of a second.
-"""
+"""The sensors of a robot: what its file says of them, and how large their noise is."""
 
 import math
 from collections.abc import Mapping
@@ -59,7 +36,18 @@ from orbident.robot.units import (
 
 
 class Coloured(NamedTuple):
-    """The parts of noise that are not white, by axis; zero where there are none."""
+    """The parts of noise that are not white, by axis; zero where there are none.
+
+    The errors of motion capture's cameras and of the markers that they see last. Each
+    axis has two processes of its own, and all are independent. A first-order
+    Gauss-Markov process has a standard deviation `s` and a correlation time `T`:
+
+        cov(x(t), x(t + tau)) = s^2 exp(-|tau| / T)
+
+    A random walk has a density `q`, and is zero at the first sample:
+
+        var(x(t)) = q^2 t
+    """
 
     markov_std: Float[np.ndarray, "3"]
     """`s`, m or rad."""
@@ -147,7 +135,17 @@ MARKOV_PEAK = 0.617364
 
 
 class InertialSpec(Sampled):
-    """What gyros and accelerometers share."""
+    """What gyros and accelerometers share.
+
+    A data sheet's bias instability `B` is the coefficient of flicker noise, whose Allan
+    deviation is flat, `sqrt(2 ln 2 / pi) B = 0.664 B` (IEEE Std 952, C.1.3). Flicker
+    noise has no finite-dimensional model. A first-order Gauss-Markov process (C.1.5)
+    with standard deviation `s` and correlation time `T` has an Allan deviation that
+    peaks at `0.617 s`; with the same peak, `s = 0.664 B / 0.617 = 1.076 B`. For times
+    short beside `T` its increments have the variance
+    `2 s^2 (1 - exp(-dt/T)) = (2 s^2 / T) dt`: it is a random walk of `s sqrt(2 / T)`
+    per square root of a second.
+    """
 
     NOISES = ("white_noise", "bias_instability", "turn_on_bias")
     UNKNOWN_BIAS: ClassVar[float]

@@ -11,12 +11,18 @@ from orbident.files.names import quoted, suggestion
 from orbident.files.schema_parts import MappingSchema, WrongValueError
 from orbident.robot.description import Joint
 from orbident.robot.tolerances import CALIBRATION_KINDS, Tolerances
-from orbident.robot.units import at_least_zero, measure_of
+from orbident.robot.units import (
+    OF_A_JOINT,
+    POSITION_OF,
+    at_least_zero,
+    measure_of,
+)
+
+DECLARED = {name: kind for name, kind in CALIBRATION_KINDS.items() if kind.entry}
+"""The kinds of errors that have a tolerance among those of a robot file."""
 
 EVERY = "*"
 """Instead of a joint's name: what is said of all of them."""
-
-EITHER = "angle or length"
 
 USUAL_OF_SLIDES = 1e-4
 """m: where a sliding joint's encoder shows zero."""
@@ -24,12 +30,10 @@ USUAL_OF_SLIDES = 1e-4
 EXACT = "exact"
 """In place of all tolerances."""
 
-_ZERO_OF = {"revolute": "angle", "prismatic": "length"}
-
 
 def _zero(value: object) -> object:
     """An angle or a length; it is converted when the joint's kind is known."""
-    at_least_zero(value, EITHER)
+    at_least_zero(value, OF_A_JOINT)
     return value
 
 
@@ -42,11 +46,14 @@ def _by_joint(value: object) -> object:
 def _sections() -> dict[str, Any]:
     """The keys of the section, and what may stand there."""
     sections: dict[str, dict[str, Any]] = defaultdict(dict)
-    for kind in CALIBRATION_KINDS.values():
+    for kind in DECLARED.values():
         section, _, key = kind.entry.partition(".")
         either: Any = Annotated[Any, BeforeValidator(_zero)]
         read: Any = Annotated[float | None, measure_of(kind.dimension)]
-        sections[section][key] = (either if kind.dimension == EITHER else read, None)
+        sections[section][key] = (
+            either if kind.dimension == OF_A_JOINT else read,
+            None,
+        )
     found: dict[str, Any] = {}
     for section, keys in sections.items():
         if "" in keys:
@@ -83,11 +90,11 @@ class TolerancesEntry(
         every = given["joints"].get(EVERY)
         own = {each.name: given["joints"].get(each.name, every) for each in joints}
         found: dict[str, Any] = {}
-        for tolerance, kind in CALIBRATION_KINDS.items():
+        for tolerance, kind in DECLARED.items():
             section, _, key = kind.entry.partition(".")
             if section == "joints":
                 stds = {name: getattr(entry, key, None) for name, entry in own.items()}
-                if kind.dimension == EITHER:
+                if kind.dimension == OF_A_JOINT:
                     stds = {x.name: _zero_of(x, stds[x.name], place) for x in joints}
                 found[tolerance] = {
                     name: kind.usual if std is None else std
@@ -103,7 +110,7 @@ def _zero_of(joint: Joint, zero: object, place: str) -> float | None:
     if zero is None:
         return None if joint.kind == "revolute" else USUAL_OF_SLIDES
     try:
-        return at_least_zero(zero, _ZERO_OF[joint.kind])
+        return at_least_zero(zero, POSITION_OF[joint.kind])
     except WrongValueError as error:
         raise InputError(
             f"{place}: tolerances.joints: the zero of {joint.kind} joint "
@@ -117,7 +124,7 @@ def _or_exact(given: object) -> object:
     if given != EXACT:
         return given
     zeros: dict[str, Any] = defaultdict(dict)
-    for kind in CALIBRATION_KINDS.values():
+    for kind in DECLARED.values():
         section, _, key = kind.entry.partition(".")
         if key:
             zeros[section][key] = 0.0

@@ -8,6 +8,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from typing import Any, NamedTuple
 
+from orbident.robot.units import OF_A_JOINT
+
+
+SPRINGS = "springs"
+"""What is unknown of joints that nobody measures."""
+
 
 class CalibrationKind(NamedTuple):
     """One kind of error."""
@@ -15,7 +21,8 @@ class CalibrationKind(NamedTuple):
     name: str
     """Of its errors, with `{}` in the place of a joint or a wheel."""
     entry: str
-    """Of its tolerance in a robot file: section and key."""
+    """Of its tolerance in a robot file: section and key; empty of what is declared with
+    a passive joint."""
     dimension: str
     """Of the error, as `units` has it."""
     by_axis: bool = False
@@ -23,6 +30,13 @@ class CalibrationKind(NamedTuple):
     usual: float = 0.0
     """Standard deviation where a robot file says nothing, SI; zero of what a file knows
     or a calibration finds. Sources: docs/robot-file.md."""
+    of_all: str = ""
+    """What those of all joints or wheels are called, where they are one family."""
+
+    @property
+    def family(self) -> str:
+        """Of its errors, with `{}` where each joint has one of its own."""
+        return self.of_all or self.name
 
     def names(self, of: str = "") -> tuple[str, ...]:
         """Names of the errors: of one joint or wheel where they have one each."""
@@ -30,13 +44,13 @@ class CalibrationKind(NamedTuple):
         return tuple(f"{name}.{axis}" for axis in "xyz") if self.by_axis else (name,)
 
 
-def _of_each_joint(*kind: Any, usual: float = 0.0) -> Any:
-    kinds = {"kind": CalibrationKind(*kind, usual=usual)}
+def _of_each_joint(*kind: Any, **more: Any) -> Any:
+    kinds = {"kind": CalibrationKind(*kind, **more)}
     return field(default_factory=dict, metadata=kinds)
 
 
-def _of_all(*kind: Any, usual: float = 0.0) -> Any:
-    return field(default=0.0, metadata={"kind": CalibrationKind(*kind, usual=usual)})
+def _of_all(*kind: Any, **more: Any) -> Any:
+    return field(default=0.0, metadata={"kind": CalibrationKind(*kind, **more)})
 
 
 @dataclass(frozen=True)
@@ -47,15 +61,17 @@ class Tolerances:
     """
 
     joint_zero: Mapping[str, float] = _of_each_joint(
-        "joint.{}.zero", "joints.zero", "angle or length", usual=1e-3
+        *("joint.{}.zero", "joints.zero", OF_A_JOINT), usual=1e-3, of_all="joint zeros"
     )
     """Angle or position where the encoder shows zero, by joint, rad or m."""
     joint_scale: Mapping[str, float] = _of_each_joint(
-        "joint.{}.scale", "joints.scale", "share", usual=1e-4
+        *("joint.{}.scale", "joints.scale", "share"), usual=1e-4, of_all="joint scales"
     )
     """Scale of the encoder by joint, relative."""
     wheel_inertia: float = _of_all(
-        "wheel.{}.inertia", "wheels.inertia", "share", usual=2e-3
+        *("wheel.{}.inertia", "wheels.inertia", "share"),
+        usual=2e-3,
+        of_all="wheel inertias",
     )
     """Polar moment of inertia of each wheel, relative."""
     feature_point: float = _of_all("feature_point", "feature_point", "length", True)
@@ -90,6 +106,14 @@ class Tolerances:
         "joint.{}.direction", "joints.direction", "angle", True
     )
     """Direction of a joint's axis about each of its parent's axes, by joint, rad."""
+    joint_frequency: Mapping[str, float] = _of_each_joint(
+        *("joint.{}.frequency", "", "share"), of_all=SPRINGS
+    )
+    """Frequency of each passive joint, relative."""
+    joint_damping: Mapping[str, float] = _of_each_joint(
+        *("joint.{}.damping", "", "share"), of_all=SPRINGS
+    )
+    """Damping of each passive joint, relative."""
 
 
 CALIBRATION_KINDS: dict[str, CalibrationKind] = {

@@ -87,7 +87,18 @@ UNITS: dict[str, dict[str, float]] = {
 UNITS["acceleration or slope"] = UNITS["acceleration"] | {
     unit: STANDARD_GRAVITY * angle for unit, angle in UNITS["angle"].items()
 }
-UNITS["angle or length"] = UNITS["angle"] | UNITS["length"]
+OF_A_JOINT = "angle or length"
+"""The dimension of a position of a joint that may be of either kind."""
+
+UNITS[OF_A_JOINT] = UNITS["angle"] | UNITS["length"]
+
+POSITION_OF = {"revolute": "angle", "prismatic": "length"}
+"""The dimension of a joint's position, by its kind."""
+
+
+def si_unit(dimension: str) -> str:
+    """The SI unit, such as `rad`."""
+    return next(iter(UNITS[dimension]))
 
 
 def quantity(given: object, dimension: str) -> float:

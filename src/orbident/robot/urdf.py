@@ -67,6 +67,10 @@ class UrdfJoint:
     position: tuple[float, float] | None = None
     velocity: float | None = None
     mimic: Mimic | None = None
+    gear: float | None = None
+    """How many times as fast as it its motor turns; None where that is not said."""
+    armature: float = 0.0
+    """What its motor's rotor adds to its inertia, kg m^2."""
 
 
 @dataclass(frozen=True)
@@ -133,6 +137,8 @@ def _joint(joint: ET.Element, place: str, warnings: list[str]) -> UrdfJoint:
         position=_position_limits(joint, f"{place}: {where}", warnings),
         velocity=_velocity_limit(joint, f"{place}: {where}", warnings),
         mimic=_mimic(joint),
+        gear=_first(joint, "motor", "gear"),
+        armature=_first(joint, "motor", "armature") or 0.0,
     )
 
 
@@ -178,15 +184,15 @@ def rotation_of(rpy: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3 3"]:
     return np.array(R)
 
 
-def _limit(joint: ET.Element, attribute: str) -> float | None:
-    numbers = _numbers(joint, "limit", attribute, ())
+def _first(joint: ET.Element, tag: str, attribute: str) -> float | None:
+    numbers = _numbers(joint, tag, attribute, ())
     return numbers[0] if numbers else None
 
 
 def _position_limits(
     joint: ET.Element, where: str, warnings: list[str]
 ) -> tuple[float, float] | None:
-    ends = _limit(joint, "lower"), _limit(joint, "upper")
+    ends = _first(joint, "limit", "lower"), _first(joint, "limit", "upper")
     if joint.attrib["type"] not in {"revolute", "prismatic"} or ends == (None, None):
         return None
     # The URDF format's default for one missing end is zero.
@@ -211,7 +217,7 @@ def _unbounded(limit: float) -> float:
 
 
 def _velocity_limit(joint: ET.Element, where: str, warnings: list[str]) -> float | None:
-    velocity = _limit(joint, "velocity")
+    velocity = _first(joint, "limit", "velocity")
     if velocity is None or math.isinf(_unbounded(velocity)):
         return None
     if velocity < 0:

@@ -28,7 +28,8 @@ def checked_xml(text: str, place: str) -> ET.Element:
     """A `<robot>` with only what inertial parameters depend on.
 
     Links keep `<inertial>`, joints keep parent, child, origin, axis, limit and
-    mimic. Visuals and collisions go, so that no mesh is ever looked for.
+    mimic, and get a `<motor>` of what is said of theirs. Visuals and collisions go, so
+    that no mesh is ever looked for.
 
     Args:
         text: the URDF.
@@ -64,7 +65,41 @@ def checked_xml(text: str, place: str) -> ET.Element:
                     + suggestion(leader, joint_names, "joints")
                 )
             mimic.set("joint", leader)
+        clean[-1].append(_motor(joint, name, root.findall("transmission")))
     return clean
+
+
+def _motor(
+    joint: ET.Element, name: str, transmissions: Iterable[ET.Element]
+) -> ET.Element:
+    """The gear and the armature of a joint's motor, where the file has them.
+
+    They are proposals, so that what is no number is not refused.
+    """
+    said = {"armature": [each.get("armature", "") for each in joint.iter("dynamics")]}
+    said["gear"] = [
+        reduction.text or ""
+        for transmission in transmissions
+        if [each.get("name") for each in transmission.findall("joint")] == [name]
+        for reduction in transmission.iter("mechanicalReduction")
+    ]
+    motor = ET.Element("motor")
+    for key, texts in said.items():
+        if len(texts) == 1 and (number := _number(texts[0])):
+            motor.set(key, repr(number))
+    # Nearly all files write 1 where nothing is known of a gear.
+    if float(motor.get("gear", 1.0)) == 1.0:
+        motor.attrib.pop("gear", None)
+    return motor
+
+
+def _number(text: str) -> float:
+    """A number of a size that a motor may have; zero where it is none."""
+    try:
+        number = float(text)
+    except ValueError:
+        return 0.0
+    return number if SMALLEST <= abs(number) <= LARGEST else 0.0
 
 
 def parsed_xml(text: str, place: str) -> ET.Element:

@@ -19,7 +19,7 @@ from orbident.estimation.result import Result
 from orbident.estimation.signals import Signal, Signals
 from orbident.files.replacing import replacing
 from orbident.model.kinematics import poses
-from orbident.model.rotations import quaternion_matrix, rotate
+from orbident.model.rotations import UNTURNED, quaternion_matrix, rotate
 from orbident.recordings.bags.libraries import McapWriter, Stores, get_typestore
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
@@ -171,7 +171,7 @@ def _write_once(log: MessageLog, result: Result, start: int) -> None:
 
 def _write_static(log: MessageLog, robot: Robot, name: str, start: int) -> None:
     base = _frame(name, robot.bodies[0])
-    at = robot.feature_point, np.array([0.0, 0.0, 0.0, 1.0])
+    at = robot.feature_point, UNTURNED
     S = _transform(start, base, _frame(name, FEATURE_FRAME), *at)
     log.write("/tf_static", message("tf2_msgs/TFMessage", [S]), start)
 

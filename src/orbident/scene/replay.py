@@ -1,7 +1,7 @@
-"""A recorded motion, and beside it the motion that an identified model predicts.
+"""Where everything is over time: bodies, wheels, the system CM and momentum.
 
-Where everything is over time: bodies, wheels, the system CM and momentum; and how a
-free-floating base answers when joints are moved by hand.
+The motion is a recorded one, beside it the one that an identified model predicts, or
+that of a free-floating base that answers when joints are moved by hand.
 """
 
 from typing import NamedTuple
@@ -12,10 +12,9 @@ from jaxtyping import Float
 from orbident.errors import InputError
 from orbident.estimation.result import Result
 from orbident.identified.prediction import predict
-from orbident.model.inertia import inertia
-from orbident.model.kinematics import poses
+from orbident.model.core_robot import wheels_of
+from orbident.model.kinematics import inertia, poses
 from orbident.model.rotations import axis_rotation, quaternion_matrix, rotate
-from orbident.model.wheel_arrays import wheels_of
 from orbident.preprocessing.samples import Batch, samples_of
 from orbident.preprocessing.screening import cleaned
 from orbident.preprocessing.smoothing import Settings
@@ -183,7 +182,7 @@ def _measured(
         r_S = _integral(t, v_S)
     else:
         r_S, v_S = _about_resting_cm(robot, batch)
-    if recording.has(*(f"position.{k}" for k in "xyz")):
+    if recording.has_vector("position"):
         position = recording.vector("position")
         seen = np.isfinite(position).all(axis=1)
         if seen.any():

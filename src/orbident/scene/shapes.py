@@ -1,8 +1,7 @@
 """Triangles and their colour: all that a picture of a robot is made of.
 
-Shapes for bodies that a URDF does not show: boxes and rods where things are.
-
-What a URDF shows of its links.
+They are what a URDF shows of its links, and boxes and rods for bodies that it does not
+show.
 """
 
 import math

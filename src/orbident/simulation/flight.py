@@ -1,7 +1,7 @@
 """A free-flying motion: where it starts, its steps in the core, and what it was.
 
-Can this robot be flown like this? Refused in one line if not. The core integrates by
-RK4 steps of given lengths.
+What cannot be flown is refused in one line. The core integrates by RK4 steps of given
+lengths.
 """
 
 from collections.abc import Callable, Sequence
@@ -12,10 +12,10 @@ from jaxtyping import Bool, Float
 
 from orbident import _core
 from orbident.errors import InputError
-from orbident.model.core_robot import core_robot
+from orbident.model.core_robot import core_robot, wheels_of
 from orbident.model.equations_of_motion import movable
 from orbident.model.regularity import check_regular
-from orbident.model.wheel_arrays import wheels_of
+from orbident.model.rotations import UNTURNED
 from orbident.robot.description import Robot
 from orbident.robot.parameters import inertia_about_com
 from orbident.simulation.control_laws import (
@@ -100,6 +100,7 @@ class FreeFlying(NamedTuple):
 
 
 ROUNDING = 1e-12
+"""Relative; a base that is all wheels has inertia zero but for this."""
 
 
 def check_flight(
@@ -216,8 +217,6 @@ def _check_size(robot: Robot, what: str, found: tuple[int, ...], count: int) -> 
 STEPS = 4096
 """Steps whose commands are in memory at once."""
 
-LEVEL = np.array([0.0, 0.0, 0.0, 1.0])
-
 
 class WrenchPoint(NamedTuple):
     """Where a wrench acts, as long as the flight lasts."""
@@ -293,7 +292,7 @@ def vehicle_of(
     """The robot with its laws; a law of another kind has zero gains."""
     K, W = len(robot.joints), len(robot.wheels)
     pd, speed = JointPD(np.zeros(K), np.zeros(K)), WheelSpeed(np.zeros(W), np.zeros(W))
-    hold = AttitudeHold(0.0, 0.0, LEVEL, np.zeros((W, 3)))
+    hold = AttitudeHold(0.0, 0.0, UNTURNED, np.zeros((W, 3)))
     pd = joints if isinstance(joints, JointPD) else pd
     speed = wheels if isinstance(wheels, WheelSpeed) else speed
     hold = wheels if isinstance(wheels, AttitudeHold) else hold

@@ -1,13 +1,11 @@
 """Free-floating motion (Eqs. 2, 3, 17, 18): momentum conserved by construction.
 
-The one differential equation of free floating: the attitude of the base.
-
 Momentum conservation makes the base rate an algebraic function of time and attitude,
 
     w = E(t) R_0^T h_cm - b(t).
 
 `E` and `b` do not depend on the attitude, so they are known for all times at once;
-only the quaternion is integrated.
+only the quaternion is integrated, by the one differential equation of free floating.
 """
 
 from collections.abc import Callable
@@ -18,14 +16,14 @@ from jaxtyping import Float
 
 from orbident import _core
 from orbident.errors import InputError
-from orbident.model.core_robot import core_robot
-from orbident.model.inertia import inertia_at
+from orbident.model.core_robot import core_robot, wheels_of
+from orbident.model.kinematics import inertia_at
 from orbident.model.rotations import quaternion_matrix, rotate, rotate_back
-from orbident.model.wheel_arrays import wheels_of
 from orbident.robot.description import Robot
 from orbident.threads import processors
 
 MOST_SUBSTEPS = 256
+"""Between two samples; a base that needs more turns too fast for them."""
 
 
 class RateLaw(NamedTuple):
@@ -130,6 +128,7 @@ def float_attitude(
 
 
 OUT_OF_PLANE = 1e-9
+"""m/s, rad/s, or of a quaternion: so much is not rounding."""
 
 JointState = tuple[
     Float[np.ndarray, "n joints"],

@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident.errors import InputError
-from orbident.model.inertia import inertia_at
+from orbident.model.kinematics import inertia_at
 from orbident.model.rotations import quaternion_matrix, rotate_back, rotation_angle
 from orbident.robot.description import Robot
 from orbident.simulation.control_laws import (
@@ -35,6 +35,7 @@ from orbident.simulation.outside import Path, Wrenches, outside_of
 from orbident.trajectories.environment import Environment
 
 MOST_STEPS = 2**19
+"""Of RK4; a motion that needs more does not settle."""
 
 
 def free_flying(

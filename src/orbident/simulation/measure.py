@@ -13,9 +13,9 @@ from jaxtyping import Float
 
 from orbident import _core
 from orbident.errors import InputError
-from orbident.model.core_robot import core_robot
-from orbident.model.equations_of_motion import equations_of_motion, movable
-from orbident.model.wheel_arrays import wheels_of
+from orbident.model.core_robot import core_robot, wheels_of
+from orbident.model.equations_of_motion import movable
+from orbident.recordings.columns import vector_columns
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.robot.sensor_schema import EncoderSpec, Sampled, SensorsSpec
@@ -34,42 +34,6 @@ from orbident.simulation.sensor import (
 )
 from orbident.threads import processors
 from orbident.trajectories.trajectory import Trajectory
-
-
-def forward_dynamics(
-    robot: Robot,
-    q: Float[np.ndarray, "n joints"],
-    v: Float[np.ndarray, "n speeds"],
-    Q: Float[np.ndarray, "n speeds"],
-) -> Float[np.ndarray, "n speeds"]:
-    """`v' = H+^-1 (Q - c+)`; in the plane, of what can move.
-
-    Args:
-        robot: its `theta` decides.
-        q: joint positions, rad or m.
-        v: generalised speeds, base axes.
-        Q: generalised forces, base axes.
-    """
-    free = movable(robot).astype(float)
-    return hybrid_dynamics(robot, q, v, Q, np.zeros_like(v), free)[0]
-
-
-def inverse_dynamics(
-    robot: Robot,
-    q: Float[np.ndarray, "n joints"],
-    v: Float[np.ndarray, "n speeds"],
-    vd: Float[np.ndarray, "n speeds"],
-) -> Float[np.ndarray, "n speeds"]:
-    """`Q = H+ v' + c+`: what it takes; in the plane, with what the plane bears.
-
-    Args:
-        robot: its `theta` decides.
-        q: joint positions, rad or m.
-        v: generalised speeds, base axes.
-        vd: their derivatives.
-    """
-    at = equations_of_motion(robot, q, v)
-    return np.einsum("nij,nj->ni", at.H, vd) + at.c
 
 
 def hybrid_dynamics(
@@ -158,8 +122,7 @@ class Truth(NamedTuple):
             columns[f"wheel.{name}.speed"] = self.qd_rw[:, k]
         for name in ("gyro", "accelerometer", "attitude", "position", "velocity"):
             vector = getattr(self, name)
-            for k, component in enumerate("xyzw"[: vector.shape[1]]):
-                columns[f"{name}.{component}"] = vector[:, k]
+            columns |= zip(vector_columns(name), vector.T, strict=True)
         return columns
 
 

@@ -158,6 +158,7 @@ def quantised(x: Float[np.ndarray, "*n"], step: float) -> Float[np.ndarray, "*n"
 
 
 _ROUNDING = 1e-6
+"""Relative: times in files have so many digits."""
 
 Reading = Callable[
     [Float[np.ndarray, "n true"], float, np.random.Generator],

@@ -12,6 +12,7 @@ from orbident.environment.agent import World
 from orbident.environment.orbital import seen_from_base
 from orbident.errors import InputError
 from orbident.model.regularity import check_regular
+from orbident.recordings.columns import vector_columns
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.simulation.control_laws import Driven, thrust_columns
@@ -235,12 +236,11 @@ def motion_recording(robot: Robot, motion: FreeFloating | FreeFlying) -> Recordi
     for k, name in enumerate(robot.wheel_names):
         columns[f"wheel.{name}.speed"] = motion.qd_rw[:, k]
     vectors = {
-        "gyro": (motion.w, "xyz"),
-        "attitude": (motion.attitude, "xyzw"),
-        "position": (motion.r_S, "xyz"),
-        "velocity": (motion.v_S, "xyz"),
+        "gyro": motion.w,
+        "attitude": motion.attitude,
+        "position": motion.r_S,
+        "velocity": motion.v_S,
     }
-    for sensor, (values, components) in vectors.items():
-        for k, component in enumerate(components):
-            columns[f"{sensor}.{component}"] = values[:, k]
+    for sensor, values in vectors.items():
+        columns |= zip(vector_columns(sensor), values.T, strict=True)
     return Recording(motion.t, columns, source=f"simulation of {robot.name}")

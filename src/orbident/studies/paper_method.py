@@ -27,9 +27,8 @@ from orbident.estimation.results import result_of
 from orbident.estimation.triangular import condition_numbers
 from orbident.model.minimal_sets import minimal_sets
 from orbident.model.paper_bases import Columns, PaperBasis, paper_basis
-from orbident.preprocessing.attitude_fusion import integrate_gyro
+from orbident.preprocessing.integrals import integrate_gyro, velocity_from_accelerometer
 from orbident.preprocessing.low_pass import CutOff, choose_cut_off, low_pass
-from orbident.preprocessing.point_velocity import velocity_from_accelerometer
 from orbident.preprocessing.rates import spline_rates
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
@@ -188,13 +187,32 @@ def paper_method(
         initial_momentum: as `identify` has it.
     """
     started = time.perf_counter()
+    solved = paper_fits(robot, recording, initial_momentum)
+    return judged(solved, LeastSquares.name, time.perf_counter() - started)
+
+
+def paper_fits(
+    robot: Robot, recording: Recording, initial_momentum: InitialMomentum
+) -> Solved:
+    """The linear fits of `paper_method`, before they are judged."""
     problem = momentum_problem(robot, recording, initial_momentum, lambda _: None)
-    method = LeastSquares()
-    estimate = method.estimate(problem, lambda _: None)
-    masses = dict(estimate.masses)
-    judgement = judge(Solved(problem, obstacles(problem), estimate, None), masses)
-    elapsed = time.perf_counter() - started
-    return result_of(problem, method.name, estimate, judgement, masses, None, elapsed)
+    estimate = LeastSquares().estimate(problem, lambda _: None)
+    return Solved(problem, obstacles(problem), estimate, None)
+
+
+def judged(solved: Solved, method: str, elapsed: float = 0.0) -> Result:
+    """The result of an estimate.
+
+    Args:
+        solved: the estimate and its problem.
+        method: its name.
+        elapsed: the time that it took, s.
+    """
+    masses = dict(solved.estimate.masses)
+    judgement = judge(solved, masses)
+    return result_of(
+        solved.problem, method, solved.estimate, judgement, masses, None, elapsed
+    )
 
 
 STRETCH = 1.0

@@ -1,8 +1,8 @@
-"""Section 5 on a real table, run: the paper's method beside maximum likelihood."""
+"""Section 5 on a real table, run: the paper's motion and method beside ours."""
 
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,18 +16,17 @@ from orbident.model.paper_bases import planar_columns
 from orbident.preprocessing.low_pass import CutOff
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
-from orbident.simulation.flight import FreeFlying
 from orbident.studies import paper_tables
 from orbident.studies.paper_method import Filters, PaperParameters
-from orbident.studies.planar import measured_record, planar_trajectory
+from orbident.studies.planar import measured_record
 from orbident.studies.table_flights import (
+    OURS,
     PAPER,
     WITH,
-    WITHOUT,
     TableRun,
     fly_table,
     read_table,
-    table_environment,
+    table_motions,
     table_robot,
     truly_acting,
 )
@@ -38,7 +37,7 @@ FAR = 5.0
 
 
 class MethodParameter(NamedTuple):
-    """A parameter as one way of reading has it."""
+    """A parameter as one way has it."""
 
     name: str
     true: float
@@ -54,6 +53,11 @@ class MethodParameter(NamedTuple):
         return 100 * (self.estimate / self.true - 1)
 
     @property
+    def std_percent(self) -> float:
+        """Deviation of the estimate, of its true value."""
+        return abs(100 * self.std / self.true)
+
+    @property
     def sigmas(self) -> float:
         """The error in deviations of the estimate."""
         return (self.estimate - self.true) / self.std
@@ -66,7 +70,7 @@ class MethodParameter(NamedTuple):
 
 
 class Acted(NamedTuple):
-    """A disturbance, as it was and as the first result has it; SI."""
+    """A disturbance, as it was and as the first result of our motion has it; SI."""
 
     name: str
     unit: str
@@ -82,31 +86,33 @@ class Acted(NamedTuple):
 
 @dataclass(frozen=True)
 class TableStudy:
-    """What a tilted, uneven table with an air film does to three ways of reading."""
+    """What a real table does to the paper's motion and method, and to ours."""
 
     methods: Mapping[str, tuple[MethodParameter, ...]]
-    """`paper`, maximum likelihood `without` what acts, and `with` it."""
+    """The paper's motion by the `paper`'s method, `with` maximum likelihood, and a
+    motion of `ours` by it."""
     acted: tuple[Acted, ...]
-    """What the first result says that acted."""
+    """What the first result of our motion says that acted, where it is constant."""
     refused: str
     """Why the paper's method refuses the first recording; empty where it does not."""
     trajectory: Trajectory
+    """Our motion."""
     recording: Recording
-    """The recording of the first seed."""
+    """Its recording of the first seed."""
     result: Result
-    """Maximum likelihood's result with what acts, of the first seed."""
+    """Maximum likelihood's result of it."""
     cut_offs: Mapping[str, CutOff]
     """Cut-offs of the filters of the paper's method, by signal."""
     seeds: int
     rejected: int
-    """Seeds whose maximum likelihood result was refused."""
+    """Seeds of which a result of maximum likelihood was refused."""
     elapsed_s: float
 
     @property
     def trusted(self) -> bool:
         """Whether no result was refused, and the first is right within deviations."""
-        far = max(abs(row.sigmas) for row in self.methods[WITH])
-        return not self.rejected and far < FAR
+        rows = [*self.methods[WITH], *self.methods[OURS]]
+        return not self.rejected and max(abs(row.sigmas) for row in rows) < FAR
 
     def to_json(self) -> dict[str, Any]:
         """As `study --json` gives it."""
@@ -129,11 +135,11 @@ def run_table(
     progress: Callable[[float], object] = lambda _: None,
     executors: Executors = InThisProcess,
 ) -> TableStudy:
-    """Fly once, measure with each seed, read each recording in three ways.
+    """Fly both motions with each seed, and read their recordings.
 
     Args:
-        seeds: runs with other noise of encoders and motion capture; the flight is the
-            same.
+        seeds: runs with another slow torque, and other noise of encoders and motion
+            capture.
         first_seed: of them.
         progress: is called with the fraction done.
         executors: where all seeds but the first are run.
@@ -144,11 +150,10 @@ def run_table(
     check_seeds(seeds)
     started = time.perf_counter()
     robot = table_robot()
-    trajectory = replace(planar_trajectory(robot), environment=table_environment(robot))
-    flight = fly_table(robot, trajectory)
+    motions = table_motions(robot)
     noisy = _NoisyTable(
         robot,
-        flight,
+        motions,
         PaperParameters.of(robot, planar_columns(paper_tables.PLANAR_JOINT1)),
         Filters(),
     )
@@ -160,13 +165,13 @@ def run_table(
     return TableStudy(
         methods={
             name: _rows(first, name, table, over)
-            for name, over in zip((PAPER, WITHOUT, WITH), rms, strict=True)
+            for name, over in zip((PAPER, WITH, OURS), rms, strict=True)
         },
-        acted=_acted(robot, flight, first.result),
+        acted=_acted(robot, motions[1], first.results[1]),
         refused=first.refused,
-        trajectory=trajectory,
+        trajectory=motions[1],
         recording=first.recording,
-        result=first.result,
+        result=first.results[1],
         cut_offs=noisy.filters.cut_offs,
         seeds=seeds,
         rejected=int(errors.runs[:, 0].sum()),
@@ -175,16 +180,19 @@ def run_table(
 
 
 class _NoisyTable(NamedTuple):
-    """The same flight, measured anew with every seed."""
+    """The same motions, flown and measured anew with every seed."""
 
     robot: Robot
-    flight: FreeFlying
+    motions: tuple[Trajectory, Trajectory]
     table: PaperParameters
     filters: Filters
 
     def run(self, seed: int) -> TableRun:
-        recording = measured_record(self.robot, self.flight, seed)
-        return read_table(self.robot, recording, self.table, self.filters)
+        paper, ours = (
+            measured_record(self.robot, fly_table(self.robot, each, seed), seed)
+            for each in self.motions
+        )
+        return read_table(self.robot, (paper, ours), self.table, self.filters)
 
     def quantities(self, seed: int) -> Float[np.ndarray, " quantities"]:
         return self.quantities_of(self.run(seed))
@@ -193,7 +201,8 @@ class _NoisyTable(NamedTuple):
         """Whether it is refused, then the errors of each way of reading."""
         readings = run.readings.values()
         errors = (self.table.errors(reading.values) for reading in readings)
-        return np.concatenate([[run.result.status == "rejected"], *errors])
+        rejected = any(result.status == "rejected" for result in run.results)
+        return np.concatenate([[rejected], *errors])
 
 
 def _rows(
@@ -210,9 +219,10 @@ def _rows(
     )
 
 
-def _acted(robot: Robot, flight: FreeFlying, result: Result) -> tuple[Acted, ...]:
-    true = truly_acting(robot, flight)
+def _acted(robot: Robot, motion: Trajectory, result: Result) -> tuple[Acted, ...]:
+    true = truly_acting(robot, motion)
     return tuple(
-        Acted(name, fit.unit, float(true.get(name, 0.0)), fit.value, fit.std)
+        Acted(name, fit.unit, float(true[name]), fit.value, fit.std)
         for name, fit in result.disturbances.items()
+        if name in true
     )

@@ -16,7 +16,7 @@ from orbident.campaigns.executors import Executors, InThisProcess
 from orbident.campaigns.seeds import Errors, Series, check_seeds, over_seeds
 from orbident.choices import StudyNoise
 from orbident.errors import InputError
-from orbident.estimation.found import EstimatedParameters
+from orbident.estimation.base_parameters import EstimatedParameters
 from orbident.estimation.identify import Method, identify
 from orbident.estimation.least_squares import LeastSquares
 from orbident.estimation.result import Result

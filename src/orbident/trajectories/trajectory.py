@@ -20,6 +20,7 @@ from orbident.threads import processors
 from orbident.trajectories.environment import Environment
 
 DEGREE = 5
+"""Of the polynomial that meets the ends."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,6 +116,7 @@ QUATERNION_TOLERANCE = 0.1
 """Printed quaternions are rounded: that of Table 3 has norm 1.0024."""
 
 _ROUNDING = 1e-9
+"""Part of the duration by which a time may lie outside."""
 
 
 @dataclass(frozen=True, eq=False)

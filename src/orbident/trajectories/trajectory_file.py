@@ -10,6 +10,7 @@ import yaml
 from pydantic import Field, model_validator
 
 from orbident.errors import InputError
+from orbident.files.bounds import MOST_RECORDINGS
 from orbident.files.schema_parts import (
     MappingSchema,
     Number,
@@ -110,6 +111,39 @@ def load_trajectory(path: str | os.PathLike[str]) -> Trajectory:
         design=file.design,
         source=str(path),
     )
+
+
+def numbered(path: Path, recordings: int) -> list[Path]:
+    """Where the trajectories of so many recordings are: `a-1.yaml`, `a-2.yaml` ..
+
+    Of one recording it is `a.yaml` itself.
+
+    Raises:
+        InputError: the path is a folder's.
+    """
+    if recordings == 1:
+        return [path]
+    if path.is_dir():
+        raise InputError(f"{path}: is a folder; give the name of a trajectory file")
+    return [path.with_stem(f"{path.stem}-{k}") for k in range(1, recordings + 1)]
+
+
+def load_experiment(path: Path) -> list[Trajectory]:
+    """Read a trajectory file, or those of several recordings that `excite` numbered.
+
+    Raises:
+        InputError: as of `load_trajectory`, or a file is not one of several.
+    """
+    first = path if path.exists() else path.with_stem(f"{path.stem}-1")
+    if first == path or not first.exists():
+        return [load_trajectory(path)]
+    recordings = (load_trajectory(first).design or {}).get("recordings")
+    if not isinstance(recordings, int) or not 2 <= recordings <= MOST_RECORDINGS:
+        raise InputError(
+            f"{path}: no such file, and {first} is not one of several that excite "
+            "--recordings made; give a trajectory file"
+        )
+    return [load_trajectory(each) for each in numbered(path, recordings)]
 
 
 def save_trajectory(trajectory: Trajectory, path: str | os.PathLike[str]) -> None:

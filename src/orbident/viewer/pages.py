@@ -1,7 +1,7 @@
-"""Which page belongs to what the user names, and what it shows.
+"""Pages: joints moved by hand with a base that answers, or a motion that is played.
 
-A robot whose joints are moved by hand, and whose base answers; or a motion to be
-played, with what a model predicted beside it.
+Beside a motion stands what a model predicted. Which page belongs to what the user
+names is decided here too.
 """
 
 from collections.abc import Callable
@@ -16,6 +16,7 @@ from orbident.errors import InputError
 from orbident.estimation.result import Result
 from orbident.identified.run_folder import load_result
 from orbident.model.regularity import check_regular
+from orbident.model.rotations import UNTURNED
 from orbident.recordings.tables import read_recording
 from orbident.robot.description import Joint, Robot
 from orbident.robot.robot_file import load_robot
@@ -35,7 +36,6 @@ from orbident.viewer.stage import TOTAL, Arrows, DrawnRobot, Floor, Plot, headin
 
 FREE = np.pi
 """How far a slider goes where the joint has no stops, rad or m."""
-UNTURNED = np.array([0.0, 0.0, 0.0, 1.0])
 
 
 class SlidersPage:

@@ -1,10 +1,7 @@
-"""What stands around the robot: floor, light and camera.
+"""What a page shows: the robot of a scene, what stands around it, and plots beside it.
 
-A scene's robot on the page.
-
-The system CM and the momentum vectors at it.
-
-Plots over time with a line where the page is.
+Around it are floor, light and camera, the system CM and the momentum vectors at it.
+Plots over time have a line where the page is.
 """
 
 import html

@@ -22,7 +22,7 @@ from orbident.environment.worlds import (
     what_may_act,
     world_of,
 )
-from orbident.model.inertia import inertia_at
+from orbident.model.kinematics import inertia_at
 from orbident.orbits.earth import MU, R_E
 from orbident.orbits.orbit import Elements, Orbit
 from orbident.robot.description import MomentumWalk, Robot

@@ -7,9 +7,9 @@ import pytest
 from small_problems import noisy, small_recording, small_robot
 
 from orbident.estimation import clock_search as module
+from orbident.estimation.base_parameters import Known
 from orbident.estimation.clock_search import evidence
 from orbident.estimation.estimate import Estimate
-from orbident.estimation.found import Known
 from orbident.estimation.least_squares import LeastSquares
 from orbident.estimation.momentum_problem import MomentumProblem, momentum_problem
 from orbident.estimation.output_error.estimator import OutputError
@@ -35,12 +35,12 @@ def shown(problem: MomentumProblem) -> Estimate:
 
 
 def sets_of(estimate: Estimate) -> tuple[Known, Known, Known]:
-    return estimate.found.pi, estimate.found.phi, estimate.found.base
+    return estimate.parameters.pi, estimate.parameters.phi, estimate.parameters.base
 
 
 def off_by(estimate: Estimate, problem: MomentumProblem, deviations: float) -> Estimate:
     """Every base parameter is off by so many deviations, and so is all that follows."""
-    found = estimate.found
+    found = estimate.parameters
     std = np.sqrt(np.diag(found.base.covariance))
     beta = found.base.values + deviations * std
     pi, phi = problem.sets.pi_and_phi(beta)
@@ -50,7 +50,7 @@ def off_by(estimate: Estimate, problem: MomentumProblem, deviations: float) -> E
         base=found.base._replace(values=beta),
     )
     mass = Quantity(float(beta[0]), estimate.mass.std)
-    return replace(estimate, found=moved, mass=mass)
+    return replace(estimate, parameters=moved, mass=mass)
 
 
 def test_an_estimate_that_agrees_keeps_its_variance(shown):
@@ -59,20 +59,20 @@ def test_an_estimate_that_agrees_keeps_its_variance(shown):
         np.testing.assert_array_equal(one.values, other.values)
         np.testing.assert_array_equal(one.covariance, other.covariance)
     assert same.mass == shown.mass
-    assert difference(shown.found.base, shown.found.base) == 0
+    assert difference(shown.parameters.base, shown.parameters.base) == 0
 
 
 def test_an_estimate_that_is_off_has_its_distance_in_its_deviations(problem, shown):
     """Beside its own variance, where the sensors' is of a part."""
-    sure = shown.found._replace(
+    sure = shown.parameters._replace(
         **{
             name: known._replace(covariance=known.covariance / 4)
             for name, known in zip(("pi", "phi", "base"), sets_of(shown), strict=True)
         },
-        covariance=shown.found.covariance / 4,
+        covariance=shown.parameters.covariance / 4,
     )
     mass = Quantity(shown.mass.value, shown.mass.std / 2)
-    mine = off_by(replace(shown, found=sure, mass=mass), problem, 3.0)
+    mine = off_by(replace(shown, parameters=sure, mass=mass), problem, 3.0)
     wide = widened(mine, shown, False)
     for now, before, there in zip(
         sets_of(wide), sets_of(mine), sets_of(shown), strict=True
@@ -85,7 +85,7 @@ def test_an_estimate_that_is_off_has_its_distance_in_its_deviations(problem, sho
             rtol=1e-12,
         )
         check_semidefinite(now.covariance)
-    assert difference(mine.found.base, shown.found.base) == pytest.approx(3.0)
+    assert difference(mine.parameters.base, shown.parameters.base) == pytest.approx(3.0)
     assert wide.mass.std == pytest.approx(
         np.hypot(mine.mass.std, mine.mass.value - shown.mass.value)
     )
@@ -95,14 +95,14 @@ def test_an_estimate_that_is_off_has_its_distance_in_its_deviations(problem, sho
 def test_intervals_of_what_is_off_hold_as_much_as_they_say(problem, shown, deviations):
     """Maximum likelihood's errors, drawn, beside estimates that are off from it."""
     rng = np.random.default_rng(0)
-    base = shown.found.base
+    base = shown.parameters.base
     std = np.sqrt(np.diag(base.covariance))
     mine = off_by(shown, problem, 0.0)
     off = deviations * std * rng.normal(size=std.size)
-    moved = mine.found.base._replace(values=base.values + off)
+    moved = mine.parameters.base._replace(values=base.values + off)
     wide = widened(
-        replace(mine, found=mine.found._replace(base=moved)), shown, True
-    ).found.base
+        replace(mine, parameters=mine.parameters._replace(base=moved)), shown, True
+    ).parameters.base
     true = base.values + std * rng.normal(size=(20_000, std.size))
     half = 1.959964 * np.sqrt(np.diag(wide.covariance))
     held = np.mean(np.abs(true - moved.values) < half)
@@ -118,7 +118,7 @@ def test_all_descriptions_are_as_sure(problem, shown):
     assert wide.mass.std == pytest.approx(np.sqrt(base.covariance[0, 0]))
     *_, last = wide.masses.values()
     assert last == wide.mass
-    n, both = pi.values.size, wide.found.covariance
+    n, both = pi.values.size, wide.parameters.covariance
     # The blocks were products of the same matrices.
     np.testing.assert_allclose(both[:n, :n], pi.covariance, rtol=1e-9)
     np.testing.assert_allclose(both[n:, n:], phi.covariance, rtol=1e-9)
@@ -135,12 +135,12 @@ def check_semidefinite(C: np.ndarray) -> None:
 
 def test_what_is_not_determined_widens_nothing(problem, shown):
     mine = off_by(shown, problem, 3.0)
-    base = mine.found.base._replace(
-        determined=np.arange(mine.found.base.values.size) > 0
+    base = mine.parameters.base._replace(
+        determined=np.arange(mine.parameters.base.values.size) > 0
     )
-    mine = replace(mine, found=mine.found._replace(base=base))
-    wide = widened(mine, shown, True).found.base
-    before = shown.found.base.covariance
+    mine = replace(mine, parameters=mine.parameters._replace(base=base))
+    wide = widened(mine, shown, True).parameters.base
+    before = shown.parameters.base.covariance
     assert wide.covariance[0, 0] == before[0, 0]
     assert (np.diag(wide.covariance)[1:] > 5 * np.diag(before)[1:]).all()
     assert not wide.determined[0]

@@ -7,10 +7,12 @@ import pytest
 from random_motions import random_motion
 
 import orbident as oi
+from orbident.estimation.base_parameters import Known
 from orbident.estimation.checks import Check
-from orbident.estimation.found import Known
-from orbident.estimation.kinetic_energy import positive_energy
 from orbident.estimation.momentum_problem import MomentumProblem, momentum_problem
+from orbident.estimation.parameter_checks import positive_energy
+from orbident.model.minimal_sets import minimal_sets
+from orbident.robot.description import GearedRotor
 
 
 @pytest.fixture(scope="module", params=["paper-spatial", "cepheus-like"])
@@ -41,6 +43,17 @@ def test_negative_inertia_is_refused(problem: MomentumProblem):
     found = check(problem, -10.0, 1e-3)
     assert found.level == "do not trust"
     assert found.statistic < found.limit < 0
+
+
+def test_rotors_that_are_too_large(problem: MomentumProblem):
+    """The momentum of one is a part of the last link's, or many times it."""
+    robot, beta = problem.robot, problem.sets.beta(problem.robot.theta)
+    known = Known(beta, 1e-12 * np.eye(beta.size), np.ones(beta.size, dtype=bool))
+    for part, levels in ((0.01, ["trust"]), (10.0, ["trust", "with care"])):
+        rotor = GearedRotor(100.0, part * float(beta[-1]) / 100.0)
+        geared = replace(robot, rotors={robot.joint_names[-1]: rotor})
+        seen = replace(problem, robot=geared, sets=minimal_sets(geared))
+        assert [each.level for each in positive_energy(seen, known)] == levels
 
 
 def test_within_its_deviation_it_is_doubtful(problem: MomentumProblem):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from orbident.estimation.mass import mass_of
-from orbident.estimation.mass_routes import (
+from orbident.estimation.parameter_checks import (
     agreement_of_routes,
     beside_nominal,
     is_a_mass,

@@ -10,11 +10,11 @@ from random_motions import random_motion
 import orbident as oi
 from orbident.estimation.criteria import judge
 from orbident.estimation.estimate import Solved
-from orbident.estimation.extent import Extent, motion_of
 from orbident.estimation.least_squares import LeastSquares
 from orbident.estimation.linear_fits import fit
 from orbident.estimation.momentum_problem import MomentumProblem, momentum_problem
 from orbident.estimation.obstacles import obstacles
+from orbident.preprocessing.extent import Extent, motion_of
 from orbident.preprocessing.samples import samples_of
 from orbident.preprocessing.screening import screened
 

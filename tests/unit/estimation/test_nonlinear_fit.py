@@ -9,14 +9,18 @@ from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
 import orbident as oi
-from orbident.estimation.found import WIDE, found_beta, prior_std
+from orbident.estimation.base_parameters import (
+    WIDE,
+    beta_of_fits,
+    parameters_of_beta,
+    prior_std,
+)
 from orbident.estimation.least_squares import LeastSquares
 from orbident.estimation.linear_fits import Fits, fit
 from orbident.estimation.momentum_problem import momentum_problem
-from orbident.estimation.nonlinear_fit import beta_of_fits
 from orbident.model import minimal_sets as model
+from orbident.model.core_robot import wheels_of
 from orbident.model.minimal_sets import minimal_sets
-from orbident.model.wheel_arrays import wheels_of
 from orbident.preprocessing.samples import Samples, samples_of
 from orbident.robot.description import Robot
 
@@ -117,9 +121,9 @@ def test_keeping_the_structure_makes_nothing_less_sure(robot):
     problem = momentum_problem(robot, recording, "unknown", lambda _: None)
     apart = LeastSquares().estimate(problem, lambda _: None)
     estimate = beta_of_fits(robot, problem.sets, problem.fits)
-    found = found_beta(robot, problem.sets, estimate)
+    found = parameters_of_beta(robot, problem.sets, estimate)
     together, alone = (
-        np.sqrt(np.diag(each.pi.covariance)) for each in (found, apart.found)
+        np.sqrt(np.diag(each.pi.covariance)) for each in (found, apart.parameters)
     )
     # The covariances are taken at slightly different estimates.
     assert estimate.mass[1] == pytest.approx(apart.mass.std, rel=1e-3)

@@ -50,8 +50,8 @@ def test_a_mass_that_is_none(problem, estimate, mass, words):
 
 
 def test_a_parameter_that_is_none(problem, estimate):
-    found = estimate.found
+    found = estimate.parameters
     lost = found.pi._replace(values=np.full_like(found.pi.values, np.nan))
-    changed = replace(estimate, found=found._replace(pi=lost))
+    changed = replace(estimate, parameters=found._replace(pi=lost))
     (reason,) = refused(problem, changed)
     assert "is no number" in reason

@@ -6,8 +6,12 @@ import numpy as np
 import pytest
 from made_results import REFUSED, exact_result, made_result, without
 
-from orbident.estimation.parameter_table import MOST, most_different, short_table
-from orbident.estimation.quantities import EstimatedSet
+from orbident.estimation.quantities import (
+    MOST,
+    EstimatedSet,
+    most_different,
+    short_table,
+)
 from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.robot_file import load_robot
 

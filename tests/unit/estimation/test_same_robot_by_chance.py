@@ -5,9 +5,9 @@ import pytest
 from scipy.stats import chi2
 from small_problems import small_recording, small_robot
 
+from orbident.estimation.base_parameters import BetaEstimate
 from orbident.estimation.checks import Check
 from orbident.estimation.estimate import Solved, estimate_of_beta
-from orbident.estimation.found import BetaEstimate
 from orbident.estimation.levels import LEVELS, ChiSquare, chi_square, limit
 from orbident.estimation.momentum_problem import MomentumProblem, momentum_problem
 from orbident.estimation.several import agreement

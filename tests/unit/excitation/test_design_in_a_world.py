@@ -27,7 +27,7 @@ def in_its_world(robot):
 def scored(robot, trajectory):
     """Its scores in that world, and the geometric mean of the bound's deviations."""
     there = in_its_world(robot)
-    score = scores_of(there, trajectory, floated(there, trajectory))
+    score = scores_of(there, [(trajectory, floated(there, trajectory))])
     at_rest = was_at_rest(robot, trajectory.initial, trajectory.start)
     bound = cramer_rao(there, trajectory, "at-rest" if at_rest else "unknown")
     std = np.sqrt(np.diag(bound.base.covariance))
@@ -68,7 +68,7 @@ def test_the_bound_agrees(request, name):
     robot = request.getfixturevalue(name)
     trajectory = paper_case(robot).trajectory
     score, _ = scored(robot, trajectory)
-    alone = scores_of(robot, trajectory, floated(robot, trajectory))
+    alone = scores_of(robot, [(trajectory, floated(robot, trajectory))])
     assert (score.d or 0) > (alone.d or np.inf)
     assert alone.price is None
     there = in_its_world(robot)

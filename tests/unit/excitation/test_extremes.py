@@ -1,9 +1,12 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from random_motions import random_motion
 from random_robots import random_planar_robot, random_robot, random_wheels
 
 from orbident.excitation.guarantee import NODES, base_extremes_of, extremes_of, floated
+from orbident.robot.description import GearedRotor
 from orbident.simulation.free_floating import BaseState, free_floating
 from orbident.trajectories.trajectory import Trajectory
 
@@ -45,6 +48,11 @@ CASES = {
     "revolute": random_robot(0, (0, 1, 0), wheels=random_wheels(0, ("held",)), base=5),
     "prismatic": random_robot(1, (0, 1), (1,), random_wheels(1, ("free",)), base=5),
     "planar": random_planar_robot(2, (0, 1)),
+    # Rotors with more momentum than the links.
+    "geared": replace(
+        random_robot(3, (0, 1), wheels=random_wheels(0, ("held",)), base=20),
+        rotors={"joint1": GearedRotor(160, 0.05), "joint2": GearedRotor(-100, 0.1)},
+    ),
 }
 
 

@@ -8,7 +8,7 @@ from random_motions import random_motion
 from random_robots import random_robot, random_wheels
 
 from orbident.excitation.floating import NodalMotion, craft_of, was_at_rest
-from orbident.model.inertia import inertia
+from orbident.model.kinematics import inertia
 from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.description import Robot
 from orbident.robot.robot_file import load_robot

@@ -8,10 +8,10 @@ import pytest
 from orbident.errors import InputError
 from orbident.excitation.floating import craft_of
 from orbident.excitation.information import Information, sensing_of
-from orbident.model.inertia import inertia
+from orbident.model.core_robot import wheels_of
+from orbident.model.kinematics import inertia
 from orbident.model.minimal_sets import minimal_sets
 from orbident.model.rotations import quaternion_matrix
-from orbident.model.wheel_arrays import wheels_of
 from orbident.robot.sensor_schema import SensorsSpec
 from orbident.simulation.free_floating import BaseState, free_floating
 

@@ -12,10 +12,10 @@ from orbident.excitation.conditions import conditions_for
 from orbident.excitation.design_problem import problem_for
 from orbident.excitation.floating import craft_of, was_at_rest
 from orbident.excitation.information import Information, sensing_of
-from orbident.model.inertia import inertia
+from orbident.model.core_robot import wheels_of
+from orbident.model.kinematics import inertia
 from orbident.model.minimal_sets import minimal_sets
 from orbident.model.rotations import quaternion_matrix
-from orbident.model.wheel_arrays import wheels_of
 from orbident.robot.may_act import MayAct
 from orbident.simulation.free_floating import BaseState, free_floating
 from orbident.studies.spatial import paper_case

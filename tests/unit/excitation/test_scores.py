@@ -11,13 +11,13 @@ from orbident.studies.spatial import paper_case
 
 @pytest.fixture(scope="module")
 def spatial(servicer):
-    return compare_trajectories(servicer, [paper_case(servicer).trajectory])
+    return compare_trajectories(servicer, [[paper_case(servicer).trajectory]])
 
 
 def test_table_2_in_the_papers_basis(servicer):
     case = paper_case(servicer)
     scores = compare_trajectories(
-        servicer, [case.trajectory], case.conditions.basis
+        servicer, [[case.trajectory]], case.conditions.basis
     ).scores[0]
     # As the study prints them, at 20 Hz; here at 12.5 Hz.
     assert scores.cond_Y == pytest.approx(38.7, abs=0.05)
@@ -28,7 +28,7 @@ def test_table_5_in_the_papers_basis(emulator):
     """86 with Eq. 45's momentum and the stand-in's inertia."""
     case = paper_case(emulator)
     scores = compare_trajectories(
-        emulator, [case.trajectory], case.conditions.basis
+        emulator, [[case.trajectory]], case.conditions.basis
     ).scores[0]
     assert scores.cond_Y == pytest.approx(86, abs=0.5)
     assert case.quoted == 153

@@ -14,14 +14,18 @@ from servicer import load_servicer
 from orbident.errors import InputError
 from orbident.estimation.identify import identify
 from orbident.estimation.result import Result
-from orbident.identified.physical import physical_bodies
-from orbident.identified.urdf_export import exported_urdf, rotor_parts
+from orbident.identified.physical import PhysicalBodies, physical_bodies
+from orbident.identified.urdf_export import exported_urdf, wheel_parts
 from orbident.model.minimal_sets import minimal_sets
 from orbident.robot.description import Robot
 from orbident.robot.parameters import inertia_matrix
 from orbident.robot.robot_file import load_robot
 from orbident.simulation.simulate import simulate
 from orbident.studies.control import off_by
+
+
+def bodies_of(result: Result, apart: np.ndarray) -> PhysicalBodies | None:
+    return physical_bodies(result, apart, result.base_covariance)
 
 
 @pytest.fixture(scope="module")
@@ -57,7 +61,7 @@ def beta_error(robot: Robot, theta: np.ndarray, beta: np.ndarray) -> float:
 
 def test_exact_parameters_are_met_exactly(found):
     robot, beta = found.robot, found.base.values
-    bodies = physical_bodies(found, np.zeros_like(robot.theta))
+    bodies = bodies_of(found, np.zeros_like(robot.theta))
     assert bodies is not None
     assert bodies.deviation == 0.0
     assert beta_error(robot, bodies.theta, beta) < 1e-12
@@ -72,7 +76,7 @@ def test_the_nominal_bodies_are_nearest_to_themselves(found):
     robot = load_robot("paper-spatial")
     true = minimal_sets(robot).beta(robot.theta)
     itself = with_base(replace(found, robot=robot), true, 0 * true)
-    bodies = physical_bodies(itself, np.zeros_like(robot.theta))
+    bodies = bodies_of(itself, np.zeros_like(robot.theta))
     assert bodies is not None
     # The divergence is flat at its least: 1e-10 of it is 1e-5 of the bodies.
     np.testing.assert_allclose(bodies.theta, robot.theta, rtol=1e-4, atol=1e-4)
@@ -87,7 +91,7 @@ def test_units_and_frames_do_not_matter(found):
         replace(found, robot=heavier), 10 * found.base.values, 10 * found.base.std
     )
     rotors = np.zeros_like(robot.theta)
-    light, heavy = (physical_bodies(each, rotors) for each in (found, scaled))
+    light, heavy = (bodies_of(each, rotors) for each in (found, scaled))
     assert light is not None
     assert heavy is not None
     np.testing.assert_allclose(heavy.theta, 10 * light.theta, rtol=1e-4, atol=1e-4)
@@ -104,30 +108,30 @@ def test_impossible_parameters_move_within_their_deviations(found):
     std = 1e-4 * np.abs(values)
 
     std[which] = 0.4
-    bodies = physical_bodies(with_base(found, values, std), 0 * found.robot.theta)
+    bodies = bodies_of(with_base(found, values, std), 0 * found.robot.theta)
     assert bodies is not None
     # 0.5 of 0.4, and a little more: bodies keep a part of their nominal thickness.
     assert bodies.deviation == pytest.approx(1.25, rel=0.1)
     assert min(map(smallest_eigenvalue, bodies.theta)) > 0
     std[which] = 0.01
-    assert physical_bodies(with_base(found, values, std), 0 * bodies.theta) is None
+    assert bodies_of(with_base(found, values, std), 0 * bodies.theta) is None
 
 
 def test_refusals(found, monkeypatch):
     rotors = np.zeros_like(found.robot.theta)
     rejected = replace(found, checks=(REFUSED,))
     with pytest.raises(InputError, match=r"is rejected, .*: mass: no scale; spin"):
-        physical_bodies(rejected, rotors)
+        bodies_of(rejected, rotors)
     unknown = found.base.values.copy()
     unknown[-1] = np.nan
     with pytest.raises(InputError, match=r"1 of 18 .*\(iota_12\)"):
-        physical_bodies(with_base(found, unknown, found.base.std), rotors)
+        bodies_of(with_base(found, unknown, found.base.std), rotors)
     with pytest.raises(InputError, match="not loaded from a URDF"):
-        rotor_parts(replace(found.robot, urdf=""))
+        wheel_parts(replace(found.robot, urdf=""))
 
     monkeypatch.setitem(sys.modules, "cvxpy", None)
     with pytest.raises(InputError, match=r'needs cvxpy: .* "orbident\[export\]"'):
-        physical_bodies(found, rotors)
+        bodies_of(found, rotors)
 
 
 @pytest.fixture
@@ -161,7 +165,7 @@ def weighed(link: ET.Element) -> float:
 
 def test_the_base_exists_without_its_rotors(servicer):
     """Rotors that are bodies of their own are not for the base to make up for."""
-    parts = rotor_parts(servicer)
+    parts = wheel_parts(servicer)
     assert parts[0, 0] == 3.0
     assert not parts[1:].any()
     text = exported_urdf(servicer, servicer.theta)

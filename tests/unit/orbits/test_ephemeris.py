@@ -28,7 +28,7 @@ def test_it_says_what_its_own_reader_says(tmp_path: Path, kind: str, system: str
         1e3 * theirs(zero + TimeDelta(each, format="sec")).position for each in t
     ]
     # Cubics through states a minute apart: 0.068^4 / 384 of the radius.
-    np.testing.assert_allclose(ours.place(t), expected, atol=0.5)
+    np.testing.assert_allclose(ours.position(t), expected, atol=0.5)
 
 
 def test_it_is_the_orbit_that_it_was_written_from(tmp_path: Path):
@@ -37,7 +37,7 @@ def test_it_is_the_orbit_that_it_was_written_from(tmp_path: Path):
     found = Orbit(read_oem(path, EPOCH), EPOCH).arc(0.0, 1200.0)
     t = np.linspace(0.0, 1200.0, 333)
     expected = Orbit(Elements(6.8e6, 0.9, 0.01, perigee=0.3), EPOCH).arc(0.0, 1200.0)
-    np.testing.assert_allclose(found.place(t), expected.place(t), atol=0.5)
+    np.testing.assert_allclose(found.position(t), expected.position(t), atol=0.5)
     np.testing.assert_allclose(found.wind(t), expected.wind(t), atol=0.05)
 
 

@@ -66,6 +66,6 @@ def test_an_orbit_over_the_pole_has_a_field():
     epoch = datetime(2024, 1, 1, tzinfo=UTC)
     t = np.linspace(0.0, 5800.0, 777)
     arc = Orbit(polar, epoch).arc(0.0, 5800.0)
-    direct = reference_field(epoch, t, arc.place(t))
+    direct = reference_field(epoch, t, arc.position(t))
     # A millionth of the field, whose waves take seven minutes and more.
     np.testing.assert_allclose(arc.field(t), direct, atol=1e-10)

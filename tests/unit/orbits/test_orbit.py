@@ -14,7 +14,7 @@ R = 6778137.0
 def test_a_circle_begins_above_its_node_and_goes_east():
     arc = Orbit(Elements(R, 0.0)).arc(0.0, 1500.0)
     # A quarter of 92.6 minutes.
-    start, later = arc.place(np.array([0.0, 1388.0]))
+    start, later = arc.position(np.array([0.0, 1388.0]))
     np.testing.assert_allclose(start, [R, 0, 0], atol=1e-6)
     np.testing.assert_allclose(later / R, [0, 1, 0], atol=5e-3)
     # The air turns with the Earth: 494 m/s at that height.
@@ -25,7 +25,7 @@ def test_a_circle_begins_above_its_node_and_goes_east():
 
 def test_a_polar_orbit_goes_over_the_pole():
     arc = Orbit(Elements(R, np.pi / 2)).arc(0.0, 1500.0)
-    _, later = arc.place(np.array([0.0, 1388.0]))
+    _, later = arc.position(np.array([0.0, 1388.0]))
     np.testing.assert_allclose(later / R, [0, 0, 1], atol=5e-3)
 
 
@@ -34,7 +34,7 @@ def test_an_arc_is_exact_between_its_grid_points():
     t = np.linspace(-100.0, 3000.0, 1003)
     x, arc = orbit.states(t), Orbit(orbit).arc(-100.0, 3000.0)
     # Ten seconds are 0.011 rad: 0.011^4 / 384 of the radius, a third of a millimetre.
-    np.testing.assert_allclose(arc.place(t), x[:, :3], atol=1e-3)
+    np.testing.assert_allclose(arc.position(t), x[:, :3], atol=1e-3)
     wind = x[:, 3:] - np.cross([0, 0, 7.2921159e-5], x[:, :3])
     np.testing.assert_allclose(arc.wind(t), wind, atol=1e-3)
 

@@ -9,8 +9,8 @@ from orbident.errors import InputError
 from orbident.preprocessing.attitude_fusion import (
     GyroNoise,
     fuse_attitude,
-    integrate_gyro,
 )
+from orbident.preprocessing.integrals import integrate_gyro
 from orbident.robot.robot_file import load_robot
 from orbident.simulation.sensor import gaussian
 from orbident.simulation.simulate import simulate

@@ -10,8 +10,8 @@ import report_runs
 from matplotlib.figure import Figure
 
 from orbident.errors import InputError
+from orbident.estimation.budget import SensitivityTable
 from orbident.estimation.result import Result
-from orbident.estimation.sensitivity_table import SensitivityTable
 from orbident.estimation.solution import Step
 from orbident.report.fit import autocorrelation, spectrum
 

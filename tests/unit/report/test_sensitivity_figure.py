@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from made_results import exact_result
 
+from orbident.estimation.budget import SensitivityTable
 from orbident.estimation.result import Result
-from orbident.estimation.sensitivity_table import SensitivityTable
 from orbident.report.parameter_section import READABLE, error_in_words, sensitivities
 from orbident.robot.robot_file import load_robot
 

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from clean_recordings import clean_space
 
-from orbident.estimation.recursive.given import noise_of
+from orbident.estimation.recursive.filter_input import noise_of
 from orbident.preprocessing.base_motion import _gyro_noise
 from orbident.preprocessing.samples import samples_of
 from orbident.robot.sensor_schema import GyroSpec

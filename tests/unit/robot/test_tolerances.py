@@ -1,4 +1,6 @@
 import math
+from dataclasses import make_dataclass, replace
+from pathlib import Path
 
 import pytest
 from urdf_texts import ARM
@@ -6,7 +8,11 @@ from urdf_texts import ARM
 from orbident.errors import InputError
 from orbident.estimation.output_error.calibration import calibrations_of
 from orbident.robot.robot_file import load_robot
-from orbident.robot.tolerances import CALIBRATION_KINDS, Tolerances
+from orbident.robot.tolerances import (
+    CALIBRATION_KINDS,
+    CalibrationKind,
+    Tolerances,
+)
 
 SLIDING = ARM.replace('type="continuous"', 'type="prismatic"').replace(
     'type="revolute"', 'type="prismatic"'
@@ -128,3 +134,28 @@ def test_the_kinds_are_those_of_the_unknowns_in_their_order():
     assert unknowns
     for each in unknowns:
         assert names[int(each.place)] == each.name
+
+
+def test_a_new_kind_of_error_is_one_row(monkeypatch):
+    """Its equations are the core's; its unknowns follow from the row."""
+    robot = load_robot("paper-spatial")
+    kind = CalibrationKind("wheel.{}.axis", "wheels.axis", "angle", by_axis=True)
+    monkeypatch.setitem(CALIBRATION_KINDS, "wheel_axis", kind)
+    more = make_dataclass(
+        "More", [("wheel_axis", float, 2e-3)], bases=(Tolerances,), frozen=True
+    )
+    robot = replace(robot, tolerances=more(**vars(robot.tolerances)))
+    every = calibrations_of(robot, {"gyro"}, {"wheel.rw_x.axis": 1e-2})
+    new = {each.name: each for each in every if ".axis." in each.name}
+    assert list(new)[:3] == [f"wheel.rw_x.axis.{axis}" for axis in "xyz"]
+    assert {each.unit for each in new.values()} == {"rad"}
+    assert new["wheel.rw_x.axis.y"].std == 1e-2
+    assert new["wheel.rw_z.axis.y"].std == 2e-3
+
+
+def test_every_kind_has_a_row_in_the_documentation():
+    page = (Path(__file__).parents[3] / "docs/robot-file.md").read_text("utf-8")
+    rows = [line for line in page.splitlines() if line.startswith("| `")]
+    for kind in CALIBRATION_KINDS.values():
+        section, _, key = kind.entry.partition(".")
+        assert any(row.startswith(f"| `{section}") and key in row for row in rows)

@@ -3,13 +3,9 @@
 import numpy as np
 from random_robots import random_planar_robot, random_robot, random_wheels
 
-from orbident.model.equations_of_motion import equations_of_motion
+from orbident.model.equations_of_motion import equations_of_motion, movable
 from orbident.robot.description import Robot, Wheel
-from orbident.simulation.measure import (
-    forward_dynamics,
-    hybrid_dynamics,
-    inverse_dynamics,
-)
+from orbident.simulation.measure import hybrid_dynamics
 
 PARENTS = (0, 1, 0)
 ROBOT = random_robot(1, PARENTS, (2,), random_wheels(2, ("held", "free")))
@@ -24,6 +20,18 @@ def some_state(robot):
     n = 6 + len(robot.joints) + len(robot.wheels)
     q = RANDOM.standard_normal((1, len(robot.joints)))
     return q, RANDOM.standard_normal((1, n)), RANDOM.standard_normal((1, n))
+
+
+def forward_dynamics(robot, q, v, Q):
+    """`v' = H+^-1 (Q - c+)`; in the plane, of what can move."""
+    free = movable(robot).astype(float)
+    return hybrid_dynamics(robot, q, v, Q, np.zeros_like(v), free)[0]
+
+
+def inverse_dynamics(robot, q, v, vd):
+    """`Q = H+ v' + c+`: what it takes; in the plane, with what the plane bears."""
+    at = equations_of_motion(robot, q, v)
+    return np.einsum("nij,nj->ni", at.H, vd) + at.c
 
 
 def energy(robot: Robot, q: np.ndarray, v: np.ndarray) -> float:

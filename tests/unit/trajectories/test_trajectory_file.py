@@ -10,7 +10,12 @@ from hypothesis.extra.numpy import arrays
 from orbident.errors import InputError
 from orbident.files.bounds import LARGEST, SMALLEST
 from orbident.trajectories.trajectory import InitialState, Trajectory
-from orbident.trajectories.trajectory_file import load_trajectory, save_trajectory
+from orbident.trajectories.trajectory_file import (
+    load_experiment,
+    load_trajectory,
+    numbered,
+    save_trajectory,
+)
 
 HEAD = "schema: orbident/trajectory/1\n"
 SMALL = HEAD + "duration: 2\njoints: {j: {a: [1], b: [2]}}\n"
@@ -208,3 +213,11 @@ def test_places_refused(tmp_path):
         save_trajectory(trajectory, tmp_path / "nowhere" / "traj.yaml")
     with pytest.raises(InputError, match="is a folder"):
         save_trajectory(trajectory, tmp_path)
+
+
+@pytest.mark.parametrize("path", [".", "/", ""])
+def test_a_folder_is_no_trajectory_file(path: str):
+    with pytest.raises(InputError, match="is a folder; give"):
+        load_experiment(Path(path))
+    with pytest.raises(InputError, match="is a folder; give the name"):
+        numbered(Path(path), 2)

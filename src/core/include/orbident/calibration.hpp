@@ -9,7 +9,7 @@
 //   position        shown (1 + p) times the position
 //   clocks          what joints and wheels, the attitude sensor or the tracker show is l old: to
 //                   first order in l, q = q_shown + l qd_shown, and what is shown is x - l x'
-//   springs         those of joint_equations.hpp: their rate and their damping, relative
+//   springs         those of passive_joints.hpp: their rate and their damping, relative
 //
 // m turns the base's axes into the instrument's: a vector along the axis, of length
 // 2 sin(angle / 2), as r is.
@@ -42,6 +42,7 @@ struct CalibrationPlaces {
   int position_clock() const { return attitude_clock() + 1; }
   int place() const { return position_clock() + 1; }
   int direction() const { return place() + 3 * joints; }
+  bool is_geometry(int at) const { return place() <= at && at < spring(); }
   int spring() const { return direction() + 3 * joints; }
   int damper() const { return spring() + joints; }
   int count() const { return damper() + joints; }
@@ -127,16 +128,10 @@ inline void add_joint(const TermsMemory& memory, int k, double x, double v, doub
   for (int r = 0; r < BY_ROWS; ++r) column[r * stride] += change[r];
 }
 
-// What encoders and wheels show at a node.
-struct Shown {
-  const double *q, *qd, *qdd;
-  const double *qd_rw, *qdd_rw;
-};
-
 // Changes of the terms at a node with zeros, scales, clock and geometry of joints, and with the
 // wheels' inertia; A_rw: a_i I_i, three numbers each.
 inline void write_calibrations(const Tree& tree, const IntervalColumns& columns,
-                               const Calibration& calibration, const Shown& shown,
+                               const Calibration& calibration, const JointState& shown,
                                const double* A_rw, const TermsMemory& memory, double* by) {
   const CalibrationPlaces& places = calibration.places;
   const int n = columns.count();

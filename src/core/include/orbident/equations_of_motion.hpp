@@ -8,6 +8,11 @@
 //        | 0     D     D_q   A_rw |      about S; the system CM is at rest, and its own motion adds
 //        | 0     D_q^T D_qq  0    |      only the force M w x v_cm.
 //        | 0     A_rw^T 0    I_rw |
+//
+// A rotor of inertia J that turns N times as fast as joint k, about the same axis a, adds N J qd_k
+// a to the momentum and 1/2 J (N qd_k)^2 + N J qd_k a . w to the energy, w the rate of the body
+// that carries it. So has theta with N J a a^T more in the driven body and less in the carrying
+// one, but for 1/2 N (N - 1) J qd_k^2: a constant on the diagonal of D_qq, and nothing in c+.
 #pragma once
 
 #include "orbident/inertia.hpp"
@@ -22,7 +27,8 @@ struct Wheel {
 // What the equations of motion need of a robot; views of constant tables.
 struct Robot {
   Tree tree;
-  const Real* theta;  // bodies x 10
+  const Real* theta;     // bodies x 10
+  const Real* armature;  // joints: what their motors' rotors add to D_qq beside theta, kg m^2
   const Wheel* wheel;
   int wheels;
   int speeds() const { return 6 + tree.joints + wheels; }
@@ -60,6 +66,13 @@ void configure(const Robot& robot, const T* q, Bodies<T>& at) {
   finish(robot, at);
 }
 
+// D_qq at a configured state, with the rotors.
+template <class T, class Matrix>
+void joint_block(const Robot& robot, const Bodies<T>& at, Matrix&& D_qq) {
+  joint_inertia(robot.tree, at.field, at.momentum, at.carried[0].m, D_qq);
+  for (int k = 0; k < robot.tree.joints; ++k) D_qq(k, k) += T(robot.armature[k]);
+}
+
 // H+ at a configured state.
 template <class T>
 void mass_matrix(const Robot& robot, const Bodies<T>& at, Square<T> H) {
@@ -73,7 +86,7 @@ void mass_matrix(const Robot& robot, const Bodies<T>& at, Square<T> H) {
     H.template block<3, 1>(3, 6 + k) = D_q;
     H.template block<1, 3>(6 + k, 3) = D_q.transpose();
   }
-  joint_inertia(robot.tree, at.field, at.momentum, all.M, H.block(6, 6, joints, joints));
+  joint_block(robot, at, H.block(6, 6, joints, joints));
   for (int k = 0; k < robot.wheels; ++k) {
     const Vector3<T> A_rw = (robot.wheel[k].axis * robot.wheel[k].inertia).template cast<T>();
     H.template block<3, 1>(3, 6 + joints + k) = A_rw;

@@ -37,7 +37,11 @@ constexpr FilterModel model_of(const orbident_robot& robot, const Joint* joints,
                                  robot.sigmas,
                                  robot.iotas};
   const Tree tree{joints, robot.joints};
-  return {{{tree, nullptr, wheels, robot.wheels}, sets, view(robot.theta_of_beta), axes, noise},
+  return {{{tree, nullptr, nullptr, wheels, robot.wheels},
+           sets,
+           view(robot.theta_of_beta),
+           axes,
+           noise},
           of_beta};
 }
 

@@ -2,7 +2,7 @@
 // linearised, and the table they grow in.
 #pragma once
 
-#include "orbident/joint_equations.hpp"
+#include "orbident/joint_momenta.hpp"
 #include "orbident/householder.hpp"
 #include "orbident/joint_history.hpp"
 #include "orbident/whitening.hpp"
@@ -24,7 +24,23 @@ struct Sensed {
   }
 };
 
+// Of what walks, over its density; an interval of one row lasts no time.
+inline double walked(double duration) {
+  constexpr double MOMENT = 1e-3;
+  return std::sqrt(std::max(duration, MOMENT));
+}
+
 constexpr int TRACKERS = 2;  // attitude and position: their noise may last
+
+// What holds a joint that nobody measures.
+struct Spring {
+  int joint;
+  int correction;         // which of the joints with corrections it is
+  double square;          // r^2, rad^2/s^2
+  double damping;         // d, 1/s
+  double walk[2];         // what else moves its position and rate, per square root of a second
+  const double* carried;  // I by each entry of theta
+};
 
 struct Recorded {
   Tree tree;
@@ -40,9 +56,9 @@ struct Recorded {
   int intervals;
   JointHistory history;
   const double* A_rw;  // wheels x 3: a_i I_i, base axes
-  const JointEquation* equation;  // of joints on springs that nobody measures
-  int equations;
-  const double* slack;  // intervals: by how much more than elsewhere they may fail
+  const Spring* spring;
+  int springs;
+  const double* slack;  // intervals: by how much more springs' joints walk there
   // At 2 rows - 1 nodes: every row, and half-way between.
   Acting acting;
   Sensed gyro, accelerometer, attitude, joints, position, velocity;
@@ -52,6 +68,11 @@ struct Recorded {
   const double* prior;  // of corrections anywhere
   const double* walk;   // of turn and biases, per square root of a second
 
+  bool passive(int joint) const {
+    for (int k = 0; k < springs; ++k)
+      if (spring[k].joint == joint) return true;
+    return false;
+  }
   int corrections() const { return BIASES + lasting; }  // where they begin in z
   int local() const { return corrections() + 2 * columns.corrected; }
   int common() const { return columns.common(); }
@@ -69,10 +90,26 @@ struct LinearisedAt {
   Calibration calibration;
 };
 
+// Passive joints at a node; passive_joints.hpp.
+struct PassiveNode {
+  double *q, *qd, *qdd, *p, *p_rate;  // passive joints each
+  double *UH, *A;
+};
+
+struct PassiveMemory {
+  DirectionPlaces places;
+  JointMomentaMemory at;
+  Motion<double>* geometry;  // fields of the calibrations of geometry
+  const int *displaced, *place;  // their joints and their places
+  double *inertia, *U, *H, *L, *C, *K, *last;
+  double* rates;        // of RK4: 8 x passive joints
+  JointNode joints[2];  // half-way through a step, and at its end
+};
+
 struct IntervalMemory {
   TermsMemory terms;
-  JointMemory own;       // of the joints' own equations
-  JointState shown[3];   // at a node and the two after it
+  PassiveMemory own;
+  JointState after[2];   // what joints show at the two nodes after one
   int knot = 0;          // the last one before a node
   JointNode node[3];
   BaseNode base[3];

@@ -1,15 +1,29 @@
-"""What is known of the unknowns that all segments of a recording have in common."""
+"""What is known beforehand of the unknowns that all segments have in common.
+
+And what a recording says of them to another one (`solution.py`).
+"""
 
 from collections.abc import Sequence
 
 import numpy as np
 from jaxtyping import Float
 
-from orbident.estimation.found import prior_std
+from orbident.estimation.base_parameters import prior_std
 from orbident.estimation.linear_fits import Fits, InitialMomentum, known_momentum
-from orbident.estimation.output_error.problem import NOTHING
-from orbident.estimation.shared import Shared
-from orbident.estimation.solution import OUTSIDE, Outside, Prior
+from orbident.estimation.output_error.problem import (
+    NOTHING,
+    Problem,
+    common_factor,
+)
+from orbident.estimation.solution import (
+    NO_EQUATIONS,
+    OUTSIDE,
+    Outside,
+    Prior,
+    Shared,
+    Solution,
+)
+from orbident.estimation.triangular import triangular_factor
 from orbident.estimation.unknowns import Unknown
 from orbident.model.springs import carried_inertia
 from orbident.model.minimal_sets import MinimalSets
@@ -89,3 +103,25 @@ def with_others(prior: Prior, others: Shared, calibrations: Sequence[Unknown]) -
     """Add what other recordings of the robot say of `beta` and its instruments."""
     rows = others.over(calibrations)
     return prior._replace(others=np.hstack([np.zeros((len(rows), OUTSIDE)), rows]))
+
+
+def shared_of(problem: Problem, solution: Solution) -> Shared:
+    """What a recording says of what it shares, its own unknowns eliminated.
+
+    Args:
+        problem: a recording's equations.
+        solution: of these.
+    """
+    state, prior, errors = solution.state, solution.prior, problem.declared
+    common = common_factor(problem, solution.weights, state)
+    first = OUTSIDE + state.beta.size + len(errors)
+    shared = np.arange(OUTSIDE, first)
+    own = [*range(OUTSIDE), *range(first, state.common.size)]
+    # What is known of the shared ones beforehand is known once, not in each recording.
+    std = prior.std.copy()
+    std[shared] = np.inf
+    alone = prior._replace(std=std, others=NO_EQUATIONS)
+    factor = alone.added(common, state)
+    left = triangular_factor(factor[:, [*own, *shared, -1]])[len(own) : -1, len(own) :]
+    left[:, -1] += left[:, :-1] @ state.common[shared]
+    return Shared(state.beta, errors, left)

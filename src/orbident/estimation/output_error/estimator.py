@@ -17,6 +17,12 @@ from jaxtyping import Float
 from orbident import _core
 from orbident.environment.agents import NEEDS, SLOW, WALKS
 from orbident.errors import InputError
+from orbident.estimation.base_parameters import (
+    BetaEstimate,
+    beta_of_fits,
+    hidden_of,
+    prior_std,
+)
 from orbident.estimation.estimate import (
     Estimate,
     Goodness,
@@ -24,14 +30,13 @@ from orbident.estimation.estimate import (
     SensorFit,
     estimate_of_beta,
 )
-from orbident.estimation.found import BetaEstimate, hidden_of, prior_std
 from orbident.estimation.levels import ChiSquare
-from orbident.estimation.momentum_problem import MomentumProblem, OutsideMomentum
-from orbident.estimation.nonlinear_fit import beta_of_fits
+from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.output_error.acting import LONGEST
 from orbident.estimation.output_error.beforehand import (
     first_momentum,
     prior_of,
+    shared_of,
     with_others,
 )
 from orbident.estimation.output_error.covariance_parts import covariance_parts
@@ -43,23 +48,21 @@ from orbident.estimation.output_error.disturbance_sizes import (
 )
 from orbident.estimation.output_error.hypotheses import Search, fit_in_world
 from orbident.estimation.output_error.joint_laws import memories
-from orbident.estimation.output_error.noise_scaling import Fitted
+from orbident.estimation.output_error.noise_scaling import Fitted, sensor_signals
 from orbident.estimation.output_error.problem import (
     Problem,
     linear,
     problem_of,
     start_of,
 )
-from orbident.estimation.output_error.sensitivity import sensitivity
 from orbident.estimation.output_error.sensors import Sensors, sensors_of
-from orbident.estimation.output_error.sharing import shared_of
 from orbident.estimation.output_error.solver import STEPS, solved
-from orbident.estimation.predicted import sensor_signals
-from orbident.estimation.shared import Shared
-from orbident.estimation.solution import OUTSIDE, Solution, Unknowns
+from orbident.estimation.output_error.taken_for_zero import sensitivity
+from orbident.estimation.solution import OUTSIDE, Shared, Solution, Unknowns
 from orbident.estimation.unknowns import CalibrationFit
 from orbident.model.minimal_sets import conserved_axes
 from orbident.preprocessing.delays import delays
+from orbident.preprocessing.samples import OutsideMomentum
 from orbident.recordings.long_recording import LARGE
 from orbident.robot.description import Robot
 
@@ -166,11 +169,20 @@ class OutputError:
         ]
         for memory in memories(robot, float(np.ptp(equations.t))):
             part = following(memory)
+            here = start_of(part, samples, outside, beta)
             ends = [
-                solved(part, part.weights, prior, start, step, self.steps)
+                solved(
+                    part,
+                    part.weights,
+                    prior,
+                    here._replace(common=start.common),
+                    step,
+                    self.steps,
+                )
                 for start in starts
             ]
-            starts = [min(ends, key=lambda end: end.cost).state]
+            best = min(ends, key=lambda end: end.cost)
+            starts = [starts[0]._replace(common=best.state.common)]
         at_hand = []
         # Those of many samples are as good as they will be, and equations take long.
         if equations.t.size >= LARGE:

@@ -7,14 +7,22 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float
 
-from orbident import _core
+from orbident.estimation.estimate import whiteness
 from orbident.estimation.output_error.problem import Problem
-from orbident.estimation.output_error.sensors import at_level, innovated, some_of
+from orbident.estimation.output_error.sensors import (
+    Sensors,
+    at_level,
+    innovated,
+    some_of,
+)
 from orbident.estimation.output_error.shooting import TURN_AND_BIASES
 from orbident.estimation.output_error.solver import solved
+from orbident.estimation.signals import SIGNAL_UNITS, Signal, Signals
 from orbident.estimation.solution import BySensor, Convergence, Solution, Unknowns
 from orbident.gaussian import OF_MEDIAN
-from orbident.recordings.long_recording import LARGE
+from orbident.recordings.long_recording import spare_memory
+from orbident.robot.description import Robot
+from orbident.robot.units import POSITION_OF, si_unit
 
 HUBER = 4.0
 """Residuals beyond so many deviations count less (Huber, 1964)."""
@@ -23,6 +31,7 @@ LEAST = 1e-3
 """Noise is not found to be smaller by more than this at once."""
 
 ROUNDS = 6
+"""The most solutions, each with the weights that the one before it asks for."""
 
 TAKEN = 0.5
 """The most of a sensor's noise that unknowns take up: what is less was not there."""
@@ -55,9 +64,7 @@ class Whitened(NamedTuple):
     @property
     def whiteness(self) -> float:
         """Correlation of neighbours: 0 for white noise."""
-        power = np.sum(self.values**2)
-        between = np.sum(self.values[:-1] * self.values[1:])
-        return float(between / power) if power else 0.0
+        return whiteness(self.values)
 
 
 def whitened(
@@ -159,8 +166,7 @@ def fitted(
     most = 1 if hasty else LOST
     taken: Convergence = ()
     while True:
-        if problem.t.size >= LARGE:
-            _core.give_back_memory()
+        spare_memory(problem.t.size)
         rounds += 1
         taken += tuple(step._replace(round=rounds) for step in solution.convergence)
         lost = 0 if solution.converged else lost + 1
@@ -180,12 +186,10 @@ def fitted(
         state, prior = solution.state, solution.prior
         # Its rows take as much memory as those of the next one.
         del solution
-        if problem.t.size >= LARGE:
-            _core.give_back_memory()
+        spare_memory(problem.t.size)
         solution = solved(problem, used, prior, state, progress, steps)
     del used
-    if problem.t.size >= LARGE:
-        _core.give_back_memory()
+    spare_memory(problem.t.size)
     residuals = {
         name: _over_noise(problem, solution, name, before[name])
         * (before[name] / level)
@@ -249,3 +253,40 @@ def _unknowns(problem: Problem, state: Unknowns) -> Mapping[str, float]:
         else share
         for name in names
     }
+
+
+def sensor_signals(
+    robot: Robot, problem: Problem, sensors: Sensors, found: Fitted
+) -> Signals:
+    """What maximum likelihood predicts that every sensor shows.
+
+    Args:
+        robot: the names and units of its joints.
+        problem: all equations.
+        sensors: with the noise that was assumed.
+        found: residuals, and the noise that they show.
+    """
+    signals = []
+    for name, weights in problem.weights.items():
+        seen, counts = that_count(weights)
+        std = sensors.by_name[name].std * found.levels[name]
+        error = of_axes(some_of(found.residuals[name], seen), counts) * std
+        if name == "attitude":
+            measured = error
+        else:
+            measured = of_axes(some_of(problem.samples[name], seen), counts)
+        labels = robot.joint_names if name == "joints" else tuple("xyz")
+        kinds = [si_unit(POSITION_OF[joint.kind]) for joint in robot.joints]
+        units = kinds if name == "joints" else 3 * [SIGNAL_UNITS[name]]
+        signals.append(
+            Signal(
+                name=name,
+                axes=tuple(np.array(labels, dtype=object)[counts]),
+                units=tuple(np.array(units, dtype=object)[counts]),
+                t=some_of(problem.t, seen),
+                measured=measured,
+                predicted=measured - error,
+                std=std,
+            )
+        )
+    return tuple(signals)

@@ -5,8 +5,7 @@ all have in common, `g = [outside | beta | calibration]`. The core linearises in
 after interval and eliminates what belongs to one of them alone, from both ends of the
 recording to a boundary in its middle, the meeting one.
 
-The part of the nominal bodies of which no motion shows anything.
-
+The part of the nominal bodies of which no motion shows anything is taken as declared.
 It has no momentum in the geometry that is declared. With joints elsewhere it has, by
 the product of its own size and the change of geometry.
 """
@@ -19,12 +18,11 @@ from jaxtyping import Bool, Float
 from scipy.spatial.transform import Rotation, Slerp
 
 from orbident import _core
-from orbident.estimation.output_error.acting import Acting
+from orbident.estimation.output_error.acting import Acting, Followed
 from orbident.estimation.output_error.calibration import (
     NOTHING_FREE,
     calibrations_of,
 )
-from orbident.estimation.output_error.followed import Followed
 from orbident.estimation.output_error.joint_laws import joint_laws
 from orbident.estimation.output_error.sensors import (
     Lasting,
@@ -45,9 +43,8 @@ from orbident.estimation.solution import (
     Unknowns,
 )
 from orbident.estimation.unknowns import Unknown
-from orbident.model.core_robot import core_tree
+from orbident.model.core_robot import core_tree, wheels_of
 from orbident.model.minimal_sets import MinimalSets
-from orbident.model.wheel_arrays import wheels_of
 from orbident.preprocessing.samples import Samples
 from orbident.robot.description import Robot
 from orbident.robot.parameters import (
@@ -180,9 +177,9 @@ def problem_of(
         free: standard deviations beforehand in place of tolerances, by family; SI.
         memory: after so long, s, the state of a passive joint is anew unknown.
     """
-    intervals = intervals_of(robot, samples, sensors)
+    intervals = intervals_of(samples, sensors, memory)
     lasting = lasting_noise(robot, sensors)
-    free_to_vary = looseness(robot, samples, sensors, lasting)
+    loose = looseness(robot, samples, sensors, lasting)
     history = intervals.history
     last = np.arange(intervals.t.size) == intervals.t.size - 1
     pushed = _during(samples.pushed, intervals.t)
@@ -220,7 +217,7 @@ def problem_of(
         qd_rw=history.qd_rw,
         qdd_rw=history.qdd_rw,
         samples=[_without_nan(seen.get(name, _none(name))) for name in SENSORS],
-        **free_to_vary._asdict(),
+        **loose._asdict(),
         **joint_laws(robot, intervals.boundaries, memory)._asdict(),
     )
     followed = Followed(robot, sets, samples, intervals)
@@ -235,7 +232,7 @@ def problem_of(
         intervals.boundaries,
         seen,
         weights,
-        free_to_vary,
+        loose,
         lasting,
         (*calibrations_of(robot, sensors.by_name, free), *gains),
         acting,
@@ -301,7 +298,8 @@ def unseen_part(robot: Robot, sets: MinimalSets) -> Float[np.ndarray, " theta"]:
         sets: its minimal sets.
     """
     bodies = _flat(robot) if robot.motion == "planar" else robot.theta
-    return bodies.ravel() - sets.base.theta_of @ sets.beta(robot.theta)
+    beta = sets.beta(robot.theta)
+    return bodies.ravel() + sets.rotors - sets.base.theta_of @ beta
 
 
 def _flat(robot: Robot) -> Float[np.ndarray, "bodies 10"]:

@@ -1,9 +1,8 @@
 """What every sensor showed, at its own times, and how far it is to be trusted.
 
-Noise of attitude and position that lasts, as the core takes it.
-
-Its parts at each boundary are unknowns, and inside an interval samples are whitened by
-their filter (`lasting_noise.hpp`), so that intervals stay coupled by boundaries alone.
+The core takes noise of attitude and position that lasts: its parts at each boundary
+are unknowns, and inside an interval samples are whitened by their filter
+(`lasting_noise.hpp`), so that intervals stay coupled by boundaries alone.
 """
 
 from collections.abc import Mapping
@@ -15,24 +14,20 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
 from orbident import _core
-from orbident.estimation.tachometers import rate_noise
 from orbident.files.bounds import TOGETHER
 from orbident.gaussian import noisiest_std
 from orbident.model.minimal_sets import conserved_axes
+from orbident.preprocessing.base_motion import rate_noise
+from orbident.recordings.columns import VECTORS
 from orbident.recordings.recording import Recording
 from orbident.robot.description import Robot
 from orbident.robot.sensor_schema import WHITE, Coloured
 
 COMPONENTS = {
-    "gyro": "xyz",
-    "accelerometer": "xyz",
-    "attitude": "xyzw",
-    "position": "xyz",
-    "velocity": "xyz",
+    name: VECTORS[name][0]
+    for name in ("gyro", "accelerometer", "attitude", "position", "velocity")
 }
 """Components of the base's sensors; encoders are not among them."""
-
-INCREMENTS = tuple(f"velocity_increment.{k}" for k in "xyz")
 
 CLOCKS = {"velocity": "position"}
 """Sensors that share another's clock."""
@@ -79,9 +74,9 @@ def sensors_of(
         behind: by sensor, by how much its times are behind, s.
     """
     tables = {
-        sensor: recording.vector(sensor, components)
-        for sensor, components in COMPONENTS.items()
-        if recording.has(*(f"{sensor}.{k}" for k in components))
+        sensor: recording.vector(sensor)
+        for sensor in COMPONENTS
+        if recording.has_vector(sensor)
     }
     joints = [name for name in robot.joint_names if name not in robot.passive]
     encoders = robot.sensors.joints
@@ -99,7 +94,7 @@ def sensors_of(
             late = behind[CLOCKS.get(name, name)]
             times[name] = some_of(recording.t, seen) - late
             samples[name] = some_of(table, seen)
-    if recording.has(*INCREMENTS) and "gyro" in samples:
+    if recording.has_vector("velocity_increment") and "gyro" in samples:
         felt = _felt(recording, times["gyro"], samples["gyro"], behind["accelerometer"])
         times["accelerometer"], samples["accelerometer"] = felt
     t = np.unique(np.concatenate(list(times.values())))

@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float, Int
 from scipy.interpolate import CubicHermiteSpline, CubicSpline
 
-from orbident.estimation.output_error.joint_laws import longest_interval
+from orbident.estimation.output_error.joint_laws import fastest
 from orbident.estimation.output_error.sensors import (
     Lasting,
     Sensors,
@@ -15,11 +15,11 @@ from orbident.estimation.output_error.sensors import (
     first_lasting,
     some_of,
 )
-from orbident.estimation.tachometers import momentum_noise
 from orbident.gaussian import noisiest_std
-from orbident.model.inertia import inertia_at
+from orbident.model.core_robot import wheels_of
+from orbident.model.kinematics import inertia_at
 from orbident.model.minimal_sets import conserved_axes
-from orbident.model.wheel_arrays import wheels_of
+from orbident.preprocessing.base_motion import momentum_noise
 from orbident.preprocessing.histories import Columns
 from orbident.preprocessing.origins import Origin
 from orbident.preprocessing.samples import Samples
@@ -60,7 +60,12 @@ UNMEASURED = 1e2
 STEP = 1 / 16
 """rad of nutation: steps of RK4 so large are wrong by 1e-8 rad."""
 
+SWING = 1 / 6
+"""rad of a passive joint whose base is held: where it swings twice as fast, as the base
+is free, steps of RK4 so large change its frequency by 1e-4."""
+
 MOST_SUBSTEPS = 32
+"""Between two samples: enough for a nutation of 2 rad."""
 
 
 class JointHistory(NamedTuple):
@@ -105,15 +110,17 @@ class Intervals(NamedTuple):
         return self.t[np.minimum(self.edges, self.t.size - 1)]
 
 
-def intervals_of(robot: Robot, samples: Samples, sensors: Sensors) -> Intervals:
-    """Cut a recording into intervals that cubics follow."""
+def intervals_of(
+    samples: Samples, sensors: Sensors, longest: float = np.inf
+) -> Intervals:
+    """Cut a recording into intervals that cubics follow, none longer than `longest`."""
     history = _history(samples)
     ends = history.t[0], np.nextafter(history.t[-1], np.inf)
     first, end = (int(row) for row in np.searchsorted(sensors.t, ends))
     t = sensors.t[first:end]
     rows = _rows_of_an_interval(history, samples.shares, t)
-    followed = longest_interval(robot) / float(np.median(np.diff(t)))
-    rows = min(rows, int(2 ** np.floor(np.log2(max(followed, 1.0)))))
+    most = longest / float(np.median(np.diff(t)))
+    rows = min(rows, int(2 ** np.floor(np.log2(np.clip(most, 1, LONG)))))
     return Intervals(slice(first, end), t, _edges(t.size, rows), history)
 
 
@@ -241,21 +248,24 @@ def _turn_walk(robot: Robot, samples: Samples) -> float:
 
 
 def substeps_of(robot: Robot, samples: Samples) -> int:
-    """How many RK4 steps a sample follow the fastest nutation; a power of two.
+    """How many RK4 steps a sample follow nutation and passive joints; a power of two.
 
-    It turns with at most `|h_cm| / D`, and its phase is wrong by the fourth power of
-    the step.
+    Nutation turns with at most `|h_cm| / D`, and its phase is wrong by the fourth power
+    of the step.
     """
+    dt = float(np.median(np.diff(samples.t)))
+    swung = 2 * np.pi * fastest(robot) * dt
+    least = int(2 ** np.ceil(np.log2(np.clip(swung / SWING, 1, MOST_SUBSTEPS))))
     if robot.motion == "planar":
-        return 1
+        return least
     D = _principal_inertias(robot)
     w, h_rw = (
         np.nanmax(np.linalg.norm(vectors, axis=1), initial=0.0)
         for vectors in (np.column_stack(samples.w), _wheels_momentum(robot, samples))
     )
     rate = w + (D[-1] * w + h_rw) / D[0]
-    turned = rate * float(np.median(np.diff(samples.t)))
-    return int(2 ** np.ceil(np.log2(np.clip(turned / STEP, 1, MOST_SUBSTEPS))))
+    turned = rate * dt
+    return max(least, int(2 ** np.ceil(np.log2(np.clip(turned / STEP, 1, MOST_SUBSTEPS)))))
 
 
 def _wheels_momentum(robot: Robot, samples: Samples) -> Float[np.ndarray, "n 3"]:

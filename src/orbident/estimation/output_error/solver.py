@@ -10,7 +10,6 @@ from jaxtyping import Float
 from scipy.linalg import solve_triangular
 
 from orbident.estimation.output_error.problem import Problem, linear
-from orbident.estimation.overflow import check_finite
 from orbident.estimation.solution import (
     SMALL,
     BySensor,
@@ -21,14 +20,16 @@ from orbident.estimation.solution import (
     Step,
     Unknowns,
 )
-from orbident.estimation.triangular import fold
+from orbident.estimation.triangular import check_finite, fold
 from orbident.recordings.long_recording import LARGE
 
 STEPS = 20
+"""The most that a search takes."""
 DAMPING = 1e-3
 """Where a step without damping did not help; relative to the information."""
 LEAST_DAMPING = 1e-6
 MOST_DAMPING = 1e9
+"""With less a step is as without; with more it is too short to change anything."""
 RAISED = 2.0
 """Times, where a step did not help; twice as much at the next."""
 

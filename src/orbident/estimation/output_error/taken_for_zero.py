@@ -8,7 +8,11 @@ unknowns `x`, are
 
 so that one linearisation gives the score of any family: the `c` of `R_c c = z` that
 leaves least, and by how much chi-square would fall. The others would change by `B c`,
-`R_x B = -R_xc`.
+`R_x B = -R_xc`; so an error `c` shifts an estimate that takes it for zero by `-B c`.
+
+An error of scale may seem likely only because it makes all momentum smaller, and with
+it the sizes `w` of what may act, which are about zero. That less of it is left to be
+explained too is not in these equations; so what `|w|^2` falls by does not count.
 """
 
 from collections.abc import Collection
@@ -21,7 +25,7 @@ from scipy.linalg import solve_triangular
 
 from orbident.estimation.output_error.problem import Problem, common_factor
 from orbident.estimation.solution import OUTSIDE, Solution
-from orbident.estimation.unknowns import Score, Unknown, score
+from orbident.estimation.unknowns import Score, Sensitivity, Unknown, score
 
 
 @dataclass(frozen=True)
@@ -83,3 +87,62 @@ class TakenForZero:
     def beta(self) -> slice:
         """Where `beta` is among the solution's unknowns."""
         return slice(OUTSIDE, OUTSIDE + self.solution.state.beta.size)
+
+
+SMALL_ERROR = {
+    "rad": ("mrad", 1e-3),
+    "m": ("mm", 1e-3),
+    "1": ("%", 1e-2),
+    "s": ("ms", 1e-3),
+}
+"""What a table counts errors in, by their SI unit."""
+
+
+def sensitivity(zeros: TakenForZero) -> Sensitivity:
+    """The effect of each calibration error that is not among a solution's unknowns.
+
+    Args:
+        zeros: of the solution.
+    """
+    names = [each.name for each in zeros.errors]
+    by, left = -zeros.shift(names), zeros.equations(names)
+    size = zeros.solution.state.common.size
+    root = solve_triangular(zeros.factor[:size, :size], np.eye(size))[zeros.beta]
+    small = [SMALL_ERROR[each.unit] for each in zeros.errors]
+    alone = [score(column[:, None], left[:, -1]) for column in left[:, :-1].T]
+    by_what_acts = _fall_of_what_acts(
+        zeros, by, np.array([each.values[0] for each in alone])
+    )
+    return Sensitivity(
+        names=tuple(names),
+        units=tuple(unit for unit, _ in small),
+        shift=by[zeros.beta] * np.array([one for _, one in small]),
+        covariance=root @ root.T,
+        alone={
+            name: each._replace(fall=each.fall - float(fallen))
+            for name, each, fallen in zip(names, alone, by_what_acts, strict=True)
+        },
+        left=left,
+    )
+
+
+def _fall_of_what_acts(
+    zeros: TakenForZero,
+    by: Float[np.ndarray, "unknowns errors"],
+    values: Float[np.ndarray, " errors"],
+) -> Float[np.ndarray, " errors"]:
+    """How much smaller what acts would be, in squared deviations, not below 0.
+
+    Args:
+        zeros: of the solution.
+        by: the change of all unknowns by each error, with the other sign.
+        values: of the errors.
+    """
+    solution, acts = zeros.solution, len(zeros.problem.expected)
+    if not acts:
+        return np.zeros(values.size)
+    here = slice(solution.state.common.size - acts, None)
+    std = solution.prior.std[here, None]
+    before = solution.state.common[here, None] / std
+    after = before - by[here] * values / std
+    return np.maximum(np.sum(before**2 - after**2, axis=0), 0.0)

@@ -1,6 +1,7 @@
 """A file of tables of any kind, open for reading.
 
-NumPy's .npz files, as one saves what Basilisk's recorders hold; nothing pickled.
+NumPy's .npz files are such files too, as one saves what Basilisk's recorders hold;
+nothing pickled is read.
 """
 
 import zipfile

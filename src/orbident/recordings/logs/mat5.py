@@ -148,8 +148,10 @@ _MATRIX, _COMPRESSED = 14, 15
 _CELL, _STRUCT, _CHAR = 1, 2, 4
 _NUMERIC = range(6, 16)
 _COMPLEX = 0x0800
+"""The flag of an array with an imaginary part."""
 _ORDERS: dict[str, Literal["little", "big"]] = {"<": "little", ">": "big"}
 _HEADER = 128
+"""Bytes before the first element."""
 _LARGEST = 2**31
 """Bytes of a variable when it is decompressed: MATLAB writes no larger one."""
 _LONGEST = 2**16

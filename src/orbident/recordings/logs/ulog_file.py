@@ -12,6 +12,7 @@ from orbident.recordings.logs.group import LogField, Tree, in_memory
 MAGIC = b"ULog\x01\x12\x35"
 _VERSIONS = (b"\x00", b"\x01")
 _HEADER_BYTES = 16
+"""Magic, version, and a time."""
 
 
 def read_ulog(path: Path, stack: ExitStack) -> Tree:

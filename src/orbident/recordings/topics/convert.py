@@ -213,6 +213,7 @@ class Emptied:
 
 
 _BLOCK_ROWS = 32_768
+"""What is written at once: a row group of Parquet."""
 _SAID_EVERY = 4096
 
 

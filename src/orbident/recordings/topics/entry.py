@@ -1,6 +1,7 @@
 """What every entry of a topic map has: a topic, its clock, and what is taken.
 
-Rows of unit quaternions, scalar last, in plain NumPy.
+What is taken may have to be turned: rows of unit quaternions, scalar last, in plain
+NumPy.
 """
 
 from abc import abstractmethod
@@ -133,7 +134,7 @@ def _rotation(value: object) -> tuple[float, ...]:
     return tuple(each / norm for each in quaternion)
 
 
-class Placed(Entry):
+class Mounted(Entry):
     """A sensor that is turned against the base, `x_BS`, and may be at S."""
 
     frame: Literal["base"] | None = None
@@ -148,7 +149,7 @@ class Placed(Entry):
         """What is taken, as `VECTORS` names it."""
 
     @model_validator(mode="after")
-    def _stated(self) -> "Placed":
+    def _stated(self) -> "Mounted":
         turned = [each for each in self.sensors if each in TURNED]
         if turned and (self.frame is None) == (self.rotation is None):
             found = "neither" if self.frame is None else "both"

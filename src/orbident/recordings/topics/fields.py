@@ -13,7 +13,7 @@ from pydantic import BeforeValidator, Field, model_validator
 from orbident.errors import InputError
 from orbident.files.schema_parts import WrongValueError
 from orbident.recordings.logs.group import Group
-from orbident.recordings.topics.entry import Entry, Extraction, Name, Placed
+from orbident.recordings.topics.entry import Entry, Extraction, Mounted, Name
 from orbident.recordings.topics.targets import (
     DIMENSIONS,
     TIMES,
@@ -96,7 +96,7 @@ def _nanoseconds(
     return np.round(values * factor).astype(np.int64)
 
 
-class Filling(Placed):
+class Filling(Mounted):
     """What fills columns with numbers: of a message, or of fields."""
 
     @property

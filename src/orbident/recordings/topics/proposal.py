@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 
 import yaml
 
-from orbident.recordings.columns import VECTORS, is_known
+from orbident.recordings.columns import VECTORS, is_known, vector_columns
 from orbident.recordings.logs.group import Group, listed_fields
 from orbident.recordings.topics.fields import missing_of
 from orbident.recordings.topics.messages import MESSAGE_TYPES, PATHS
@@ -74,8 +74,8 @@ def proposed_table(group: Group) -> Iterable[str]:
 def _known(group: Group) -> dict[str, tuple[str, str]]:
     """Columns of a recording that stand in the table under their own names."""
     found = {}
-    for name, (axes, _) in VECTORS.items():
-        parts = [f"{name}.{axis}" for axis in axes]
+    for name in VECTORS:
+        parts = vector_columns(name)
         if name in _UNITS and all(each in group.fields for each in parts):
             unit = group.unit(parts[0]) or _UNITS[name]
             found[name] = unit, f"[{', '.join(parts)}]"

@@ -49,6 +49,7 @@ def open_source(path: Path) -> AbstractContextManager[Source]:
 
 
 _EXAMPLES = 200
+"""Messages of a topic that are decoded: they show which labels it has."""
 _SAID_EVERY = 4096
 
 

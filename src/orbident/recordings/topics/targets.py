@@ -1,6 +1,6 @@
-"""What numbers of a table can fill: a vector or one column, and its units.
+"""What numbers of a table can fill, a vector or one column, and in which units.
 
-How a map names the numbers that a column is made of, and units that it can declare.
+A map names the numbers that a column is made of, and declares their units.
 """
 
 import math
@@ -22,6 +22,7 @@ from orbident.recordings.columns import (
     VECTORS,
     is_known,
     part_of,
+    vector_columns,
 )
 from orbident.recordings.topics.entry import TURNED, product
 from orbident.robot.units import UNITS
@@ -221,7 +222,7 @@ def target_of(name: str, unit: object) -> Target:
                 + ", ".join(_ATTITUDES)
             )
         width, example = _ATTITUDES[unit]
-        columns = tuple(f"attitude.{axis}" for axis in "xyzw")
+        columns = vector_columns(name)
         if unit not in DIMENSIONS["angle"]:
             return Target(name, unit, columns, width, example)
         si = DIMENSIONS["angle"][unit]
@@ -231,8 +232,7 @@ def target_of(name: str, unit: object) -> Target:
     except InputError as error:
         raise InputError(f"take: {name}: found {unit!r}; {error}") from None
     if name in VECTORS:
-        columns = tuple(f"{name}.{axis}" for axis in VECTORS[name][0])
-        example = "[x, y, z]"
+        columns, example = vector_columns(name), "[x, y, z]"
         return Target(name, found.name, columns, 3, example, found.si, found.dimension)
     return Target(name, found.name, (name,), 1, "x", found.si, found.dimension)
 

@@ -1,6 +1,6 @@
 """What one entry of the map takes from a bag, in the order in which it comes.
 
-Rows of float64 in a temporary file, read back in any order.
+It is kept as rows of float64 in a temporary file, and read back in any order.
 """
 
 import tempfile

@@ -3,9 +3,11 @@
 import os
 import re
 import warnings
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import chdir
 from dataclasses import replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -24,7 +26,7 @@ _FREE, _BALL, _SLIDE = 0, 1, 2
 """Of `mjtJoint`."""
 
 
-_NAN = re.compile(r"""=\s*(["'])[\s\d.eE+-]*\bnan\b""", re.IGNORECASE)
+_NAN = re.compile(r"""=\s*(["'])(?:[\s\d.eE+-]|\binf\b)*\bnan\b""", re.IGNORECASE)
 """Among numbers. MuJoCo prints a warning of it past Python, and goes on."""
 
 _SECONDS, _MEGABYTES = 3, 800
@@ -83,9 +85,16 @@ def compiled_mjcf(place: str) -> str:
     api: Any = mujoco
     try:
         # MuJoCo warns of what troubles a simulation; inertias are judged elsewhere.
-        with warnings.catch_warnings(action="ignore"):
-            spec = api.MjSpec.from_file(place)
+        # It also writes them into a file of the working directory.
+        path = str(Path(place).absolute())
+        with (
+            warnings.catch_warnings(action="ignore"),
+            TemporaryDirectory() as elsewhere,
+            chdir(elsewhere),
+        ):
+            spec = api.MjSpec.from_file(path)
             ties = [_Tie(each) for each in spec.equalities if each.active]
+            gears = _gears(api, spec)
             _leave_inertias_alone(spec)
             model = spec.compile()
     # What MuJoCo raises for a file has many types.
@@ -98,7 +107,7 @@ def compiled_mjcf(place: str) -> str:
         if "opening file" in said:
             cure = "put it there, or give the bodies that it weighs an <inertial>"
         raise InputError(f"{place}: MuJoCo cannot read it: {said}; {cure}") from None
-    reader = _MjcfReader(model, api.mju_quat2Mat, place)
+    reader = _MjcfReader(model, api.mju_quat2Mat, place, gears)
     tree = reader.tree(spec.modelname)
     return urdf_text(replace(tree, joints=reader.coupled(tree.joints, ties)))
 
@@ -121,6 +130,21 @@ def _leave_inertias_alone(spec: Any) -> None:
     spec.nkey = spec.nuserdata = 0
 
 
+def _gears(api: Any, spec: Any) -> dict[str, float]:
+    """The gear of each joint that one actuator drives; 1 is what nobody has said."""
+    driven = [
+        (each.target, float(each.gear[0]))
+        for each in spec.actuators
+        if each.trntype == api.mjtTrn.mjTRN_JOINT
+    ]
+    targets = [target for target, _ in driven]
+    return {
+        target: gear
+        for target, gear in driven
+        if gear not in (0.0, 1.0) and targets.count(target) == 1
+    }
+
+
 def _delete(spec: Any, elements: Any) -> None:
     for element in list(elements):
         spec.delete(element)
@@ -140,8 +164,11 @@ class _Tie:
 class _MjcfReader:
     """A compiled model's bodies, by the numbers that MuJoCo gives them."""
 
-    def __init__(self, model: Any, quat2mat: Any, place: str) -> None:
+    def __init__(
+        self, model: Any, quat2mat: Any, place: str, gears: Mapping[str, float]
+    ) -> None:
         self.model, self.quat2mat, self.place = model, quat2mat, place
+        self.gears = gears
         self.joints = [
             range(first, first + count)
             for first, count in zip(model.body_jntadr, model.body_jntnum, strict=True)
@@ -299,6 +326,8 @@ class _MjcfReader:
             p,
             axis=self.model.jnt_axis[j].copy(),
             position=(lower, upper) if limited else None,
+            gear=self.gears.get(name),
+            armature=float(self.model.dof_armature[self.model.jnt_dofadr[j]]),
         )
 
     def _link(self, body: int, anchor: Float[np.ndarray, "3"]) -> UrdfLink:

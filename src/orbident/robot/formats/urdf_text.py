@@ -25,6 +25,8 @@ def urdf_text(tree: Urdf) -> str:
         root.append(_link(link))
     for joint in tree.joints:
         root.append(_joint(joint))
+        if joint.gear is not None:
+            root.append(_transmission(joint.name, joint.gear))
     ET.indent(root)
     return ET.tostring(root, encoding="unicode") + "\n"
 
@@ -61,10 +63,22 @@ def _joint(joint: UrdfJoint) -> ET.Element:
     if not free:
         limit |= {"lower": lower, "upper": upper}
     ET.SubElement(element, "limit", {name: repr(float(x)) for name, x in limit.items()})
+    if joint.armature:
+        ET.SubElement(element, "dynamics", armature=repr(joint.armature))
     if joint.mimic is not None:
         leader, *line = joint.mimic
         line = dict(zip(("multiplier", "offset"), map(repr, line), strict=True))
         ET.SubElement(element, "mimic", {"joint": leader} | line)
+    return element
+
+
+def _transmission(joint: str, gear: float) -> ET.Element:
+    element = ET.Element("transmission", name=f"{joint}_transmission")
+    kind = "transmission_interface/SimpleTransmission"
+    ET.SubElement(element, "type").text = kind
+    ET.SubElement(element, "joint", name=joint)
+    actuator = ET.SubElement(element, "actuator", name=f"{joint}_motor")
+    ET.SubElement(actuator, "mechanicalReduction").text = repr(gear)
     return element
 
 

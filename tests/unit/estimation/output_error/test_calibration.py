@@ -18,7 +18,7 @@ from small_problems import (
     small_robot_in_space,
 )
 
-from orbident.estimation.found import prior_std
+from orbident.estimation.base_parameters import prior_std
 from orbident.estimation.output_error.calibration import calibrations_of
 from orbident.estimation.output_error.estimator import estimate_of
 from orbident.estimation.output_error.problem import linear

@@ -14,9 +14,12 @@ from small_problems import (
 )
 
 from orbident.estimation.output_error.problem import linear
-from orbident.estimation.output_error.sensitivity import SMALL_ERROR, sensitivity
 from orbident.estimation.output_error.solver import solved
-from orbident.estimation.output_error.taken_for_zero import TakenForZero
+from orbident.estimation.output_error.taken_for_zero import (
+    SMALL_ERROR,
+    TakenForZero,
+    sensitivity,
+)
 from orbident.estimation.solution import Solution
 from orbident.estimation.unknowns import score
 from orbident.model.minimal_sets import minimal_sets

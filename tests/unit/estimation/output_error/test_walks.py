@@ -12,8 +12,8 @@ from orbident.environment.motion import by_step
 from orbident.environment.torques_and_forces import WAVES
 from orbident.estimation.identify import Method, identify
 from orbident.estimation.linear_fits import InitialMomentum
+from orbident.estimation.output_error.acting import at_nodes, integral
 from orbident.estimation.output_error.disturbance_sizes import most_likely_densities
-from orbident.estimation.output_error.followed import at_nodes, integral
 from orbident.estimation.result import Result
 from orbident.model.minimal_sets import minimal_sets
 from orbident.recordings.recording import Recording

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.stats import chi2
 
-from orbident.estimation.recursion import Change
-from orbident.estimation.recursive.changes import COLOUR, Detector
+from orbident.estimation.estimate import Change
+from orbident.estimation.recursive.history import COLOUR, Detector
 
 
 def watched(detector: Detector, white: np.ndarray) -> Change | None:

@@ -11,11 +11,19 @@ from random_robots import random_robot, random_wheels
 from recorded_samples import stream
 
 from orbident.errors import InputError
-from orbident.estimation.recursive.changes import Detector
-from orbident.estimation.recursive.filter import Extended, Sample, State
-from orbident.estimation.recursive.given import Noise, given_of, noise_of
-from orbident.estimation.recursive.history import filter_history, recursive_history
-from orbident.estimation.recursive.prior import cad_prior, prior_from
+from orbident.estimation.recursive.filter import (
+    Extended,
+    Sample,
+    State,
+    cad_prior,
+    prior_from,
+)
+from orbident.estimation.recursive.filter_input import Noise, filter_input_of, noise_of
+from orbident.estimation.recursive.history import (
+    Detector,
+    filter_history,
+    recursive_history,
+)
 from orbident.model.minimal_sets import MinimalSets, minimal_sets
 from orbident.preprocessing.samples import samples_of
 from orbident.robot.description import Robot
@@ -74,7 +82,7 @@ def test_without_noise_it_finds_the_truth(
 def test_handing_over_costs_a_tenth_of_a_deviation(robot: Robot, sets: MinimalSets):
     """Against Gauss and Newton on all that the samples say of `[pi, phi]`."""
     recording = simulate(robot, random_motion(robot, duration=60.0), noise="sensors")
-    t, every, noise = given_of(robot, samples_of(robot, recording))
+    t, every, noise = filter_input_of(robot, samples_of(robot, recording))
     kalman = Extended.of(off(robot), noise)
     state = before = kalman.begun(cad_prior(off(robot)), every[0], None)
     for k in range(t.size):
@@ -99,7 +107,7 @@ def test_handing_over_costs_a_tenth_of_a_deviation(robot: Robot, sets: MinimalSe
 def test_many_samples_at_once_say_what_they_say_one_by_one(robot: Robot):
     """In blocks, and on any number of threads."""
     recording = simulate(robot, random_motion(robot, duration=60.0), noise="sensors")
-    t, every, noise = given_of(robot, samples_of(robot, recording))
+    t, every, noise = filter_input_of(robot, samples_of(robot, recording))
     # Not complete, without a velocity, and of a gyro that is dead.
     every[7], every[8, 16:19] = np.nan, np.nan
     every[20, 6:9] = every[19, 6:9]
@@ -282,7 +290,7 @@ def test_without_a_scale_all_else_is_estimated(name: str, tmp_path: Path):
     motion = random_motion(robot, duration=20.0)
     samples = samples_of(robot, simulate(robot, motion, rate=20.0, noise="sensors"))
     wrong = off(robot)
-    given = given_of(wrong, samples)
+    given = filter_input_of(wrong, samples)
     kalman = Extended.of(wrong, given.noise)
     detector = Detector(kalman.rows, samples=given.t.size)
     seen = filter_history(wrong, kalman, detector, given, None)

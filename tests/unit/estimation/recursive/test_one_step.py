@@ -21,13 +21,20 @@ from random_robots import (
 from recorded_samples import stream
 from reference.filter_step import axes_of, laws, transition, white_equations
 
-from orbident.estimation.recursive.filter import Extended, Info, Sample, State, packed
-from orbident.estimation.recursive.given import Noise, noise_of
-from orbident.estimation.recursive.prior import GaussianPrior, cad_prior
-from orbident.estimation.stretches import rate_scatter, smoothed_rate
+from orbident.estimation.recursive.filter import (
+    Extended,
+    GaussianPrior,
+    Info,
+    Sample,
+    State,
+    cad_prior,
+    packed,
+)
+from orbident.estimation.recursive.filter_input import Noise, noise_of
 from orbident.model.minimal_sets import minimal_sets
 from orbident.preprocessing.samples import samples_of
 from orbident.preprocessing.smoothing import Settings
+from orbident.preprocessing.stretches import rate_scatter, smoothed_rate
 from orbident.robot.description import Robot
 from orbident.robot.robot_file import load_robot
 from orbident.simulation.simulate import simulate

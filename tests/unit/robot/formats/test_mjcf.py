@@ -1,5 +1,6 @@
 """MJCF files: what is refused and why; what has no part in inertias does not matter."""
 
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -7,6 +8,7 @@ import pytest
 
 from orbident.errors import InputError
 from orbident.robot.description import Robot
+from orbident.robot.formats.mjcf import compiled_mjcf
 from orbident.robot.robot_file import load_robot
 
 BASE = "<freejoint/><inertial pos='0 0 0' mass='10' diaginertia='1 1 1'/>"
@@ -48,6 +50,10 @@ BAD = {
         "mass and inertia of moving bodies",
     ),
     "not a number": (servicer().replace("'1 0 0'", "'1 NaN 0'"), "found 'NaN'"),
+    "infinite, not a number": (
+        servicer().replace("'1 0 0'", "'inf 0 nan'"),
+        "found 'NaN'",
+    ),
     # MuJoCo only warns.
     "too far": (servicer().replace("'0.2 0 0'", "'1e154 0 0'"), "give at most 1e+12"),
     "no file": (servicer(before="<include file='gone.xml'/>"), "gone.xml"),
@@ -183,3 +189,12 @@ def test_inertia_from_shapes(tmp_path: Path):
     # A box: m (b^2 + c^2) / 12 with its whole lengths.
     moments = 6 / 12 * np.array([0.4**2 + 0.6**2, 0.2**2 + 0.6**2, 0.2**2 + 0.4**2])
     np.testing.assert_allclose(robot.theta[0, [4, 6, 9]], moments, rtol=1e-14)
+
+
+def test_what_mujoco_warns_of_leaves_no_file(tmp_path: Path, monkeypatch):
+    """It writes warnings into a file of the working directory."""
+    (tmp_path / "robot.xml").write_text(servicer().replace("'1 0 0'", "'1 0 nan'"))
+    monkeypatch.chdir(tmp_path)
+    with suppress(InputError):
+        compiled_mjcf("robot.xml")
+    assert [each.name for each in tmp_path.iterdir()] == ["robot.xml"]
