@@ -300,8 +300,8 @@ inline void linearise(const Recorded& recorded, const LinearisedAt& at, int inte
         act_between(at, to_stop, nodes, *stop);
         read_joints(recorded, at, interval, t + to_middle * dt, -1, t_start, duration, memory,
                     memory.own.joints[0]);
-        read_joints(recorded, at, interval, t + to_stop * dt, -1, t_start, duration, memory,
-                    memory.own.joints[1]);
+        read_joints(recorded, at, interval, t + to_stop * dt, i + 1 == steps ? r + 1 : -1, t_start,
+                    duration, memory, memory.own.joints[1]);
         step_passive(recorded, at, dt / steps, *start, *middle, *stop, memory.own);
       } else {
         set_law_between(recorded, at, to_middle, nodes, *middle);

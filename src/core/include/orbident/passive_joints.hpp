@@ -435,14 +435,16 @@ inline void show_passive(const Recorded& recorded, const BaseNode& base, JointNo
 // What passive joints add to the changes of a node's terms, in place of corrections.
 inline void add_passive(const Recorded& recorded, const TermsMemory& memory, const BaseNode& base,
                         JointNode& joints) {
-  const int P = recorded.springs, n = recorded.columns.count();
+  const IntervalColumns& c = recorded.columns;
+  const int P = recorded.springs, n = c.count();
   const OwnTable s(base.phi, 3 + 2 * P, n), dy(base.dw, 3 + P, n);
   OwnTable by(joints.by, BY_ROWS, n);
+  // By these, measured joints do not change.
+  by.middleCols(c.turn(), 3).setZero();
+  by.middleCols(c.outside(), OUTSIDE).setZero();
   for (int i = 0; i < P; ++i)
     for (int f = 0; f < 4; ++f)
-      by.col(recorded.columns.corrections() + f * recorded.columns.corrected +
-             recorded.spring[i].correction)
-          .setZero();
+      by.col(c.corrections() + f * c.corrected + recorded.spring[i].correction).setZero();
   for (int i = 0; i < P; ++i) {
     double by_q[BY_ROWS], by_qd[BY_ROWS];
     write_change(memory.by_q[recorded.spring[i].joint], by_q, 1);
