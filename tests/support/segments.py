@@ -119,6 +119,8 @@ def segment_of(
     edges = np.round(np.linspace(0, rows, intervals + 1))
     local = np.zeros((intervals + 1, 9 + 2 * joints))
     local[:, 3:9] = np.append(GYRO, ACCELEROMETER)
+    for history in (q, qd, qdd):
+        history[:, list(passive)] = 0.0
     random = np.random.default_rng(seed)
     for k in passive:
         local[:, [9 + k, 9 + joints + k]] = random.standard_normal((len(local), 2))

@@ -21,13 +21,13 @@ class OwnedJointMomenta {
   OwnedJointMomenta(const Tree& tree, int directions)
       : bodies_(tree),
         plain_(tree),
+        units_(static_cast<std::size_t>(tree.bodies())),
         numbers_(static_cast<std::size_t>(PER_BODY * tree.bodies() + 4 * tree.joints)),
         table_(static_cast<std::size_t>((3 + 2 * tree.joints) * (1 + directions))) {
     const int K = tree.joints;
     Directions* const joints = numbers_.data() + PER_BODY * tree.bodies();
-    at = {bodies_.at, plain_.at,      numbers_.data(), joints,
-          joints + K, joints + 2 * K, joints + 3 * K,  table_.data() + 3 + 2 * K,
-          table_.data()};
+    at = {bodies_.at,      plain_.at, units_.data(), numbers_.data(), joints, joints + K,
+          joints + 2 * K, joints + 3 * K, table_.data() + 3 + 2 * K, table_.data()};
   }
   OwnedJointMomenta(const OwnedJointMomenta&) = delete;
   JointMomentaMemory at;
@@ -35,6 +35,7 @@ class OwnedJointMomenta {
  private:
   BodiesMemory<Directions> bodies_;
   BodiesMemory<double> plain_;
+  std::vector<Momentum<double>> units_;
   std::vector<Directions> numbers_;
   std::vector<double> table_;
 };
@@ -94,6 +95,8 @@ class OwnedSweep {
     own.geometry = places_.fields.data();
     own.displaced = places_.displaced.data();
     own.place = places_.place.data();
+    own.m = take(rates);
+    own.D_qq = take(K * K);
     own.inertia = take(rates * rates);
     own.U = take(rates * rates);
     own.H = take(rates * states);

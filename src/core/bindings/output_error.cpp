@@ -106,8 +106,7 @@ auto joint_momenta_of(const OwnedTree& owned, const Array& theta_of_, const Arra
   const DirectionPlaces places{static_cast<int>(K), static_cast<int>(beta.size(0)), 0};
   OwnedJointMomenta memory(tree, places.count());
   differentiate_joint_momenta(tree, theta_of.view(), theta.data(), q.data(), qd.data(),
-                              Vector3<double>(w.data()), places, nullptr, nullptr, places.count(),
-                              memory.at);
+                              Vector3<double>(w.data()), places, nullptr, nullptr, memory.at);
   Out<2> table(3 + 2 * K, 1 + places.count());
   for (std::int64_t k = 0; k < 3 + 2 * K; ++k) {
     double* row = table.data() + k * (1 + places.count());

@@ -101,7 +101,7 @@ struct PassiveMemory {
   JointMomentaMemory at;
   Motion<double>* geometry;  // fields of the calibrations of geometry
   const int *displaced, *place;  // their joints and their places
-  double *inertia, *U, *H, *L, *C, *K, *last;
+  double *m, *D_qq, *inertia, *U, *H, *L, *C, *K, *last;
   double* rates;        // of RK4: 8 x passive joints
   JointNode joints[2];  // half-way through a step, and at its end
 };

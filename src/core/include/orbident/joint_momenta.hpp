@@ -60,6 +60,7 @@ struct DirectionPlaces {
 struct JointMomentaMemory {
   Bodies<Directions> at;
   Bodies<double> plain;
+  Momentum<double>* unit;              // bodies
   Directions *theta, *q, *qd, *p, *e;  // of all bodies, and of the joints
   double* slopes;                      // h, p, e: 3 + 2 joints x directions
   double* values;                      // 3 + 2 joints
@@ -91,15 +92,15 @@ inline void displace(const Tree& tree, int k, const Motion<double>& X, int direc
   }
 }
 
-// Values, and the derivatives by the first `count` directions.
-inline void differentiate_joint_momenta(const Tree& tree, const Sparse& theta_of,
-                                        const double* theta, const double* q, const double* qd,
-                                        const Vector3<double>& w, const DirectionPlaces& places,
-                                        const Motion<double>* geometry, const int* displaced_joint,
-                                        int count, JointMomentaMemory& memory) {
+// The derivatives in directions from `first` to `end`: none by beta.
+inline void differentiate_directions(const Tree& tree, const double* theta, const double* q,
+                                     const double* qd, const Vector3<double>& w,
+                                     const DirectionPlaces& places, const Motion<double>* geometry,
+                                     const int* displaced, int first, int end,
+                                     JointMomentaMemory& memory) {
   const int K = tree.joints, all = places.count();
-  for (int first = 0; first < count; first += AT_A_TIME) {
-    const int here = std::min(AT_A_TIME, count - first);
+  for (; first < end; first += AT_A_TIME) {
+    const int here = std::min(AT_A_TIME, end - first);
     for (int i = 0; i < PER_BODY * tree.bodies(); ++i) memory.theta[i] = theta[i];
     Vector3<Directions> w_at(w[0], w[1], w[2]), h;
     for (int k = 0; k < K; ++k) {
@@ -107,23 +108,18 @@ inline void differentiate_joint_momenta(const Tree& tree, const Sparse& theta_of
       memory.qd[k] = qd[k];
     }
     for (int d = 0; d < here; ++d) {
-      const int place = first + d;
-      if (place < places.qd()) {
-        w_at[place].v[d] = 1.0;
-      } else if (place < places.q()) {
-        memory.qd[place - places.qd()].v[d] = 1.0;
-      } else if (place < places.beta()) {
-        memory.q[place - places.q()].v[d] = 1.0;
-      } else if (place < places.geometry()) {
-        const int b = place - places.beta();
-        for (int x = theta_of.first[b]; x < theta_of.first[b + 1]; ++x)
-          memory.theta[theta_of.row[x]].v[d] = theta_of.value[x];
-      }
+      const int at = first + d;
+      if (at < places.qd())
+        w_at[at].v[d] = 1.0;
+      else if (at < places.q())
+        memory.qd[at - places.qd()].v[d] = 1.0;
+      else if (at < places.beta())
+        memory.q[at - places.q()].v[d] = 1.0;
     }
-    orbident::place(tree, memory.q, memory.at.pose, memory.at.field);
+    place(tree, memory.q, memory.at.pose, memory.at.field);
     for (int d = 0; d < here; ++d) {
       const int g = first + d - places.geometry();
-      if (g >= 0) displace(tree, displaced_joint[g], geometry[g], d, memory.at);
+      if (g >= 0) displace(tree, displaced[g], geometry[g], d, memory.at);
     }
     joint_momenta(tree, memory.theta, memory.qd, w_at, memory.at, h, memory.p, memory.e);
     for (int row = 0; row < 3 + 2 * K; ++row) {
@@ -133,6 +129,63 @@ inline void differentiate_joint_momenta(const Tree& tree, const Sparse& theta_of
       for (int d = 0; d < here; ++d) memory.slopes[row * all + first + d] = x.v[d];
     }
   }
+}
+
+// By a parameter of beta, from what `joint_momenta` left in `plain`: unit bodies move as theirs,
+// and the system CM moves with them.
+inline void differentiate_by_beta(const Tree& tree, const Sparse& theta_of, int b,
+                                  const DirectionPlaces& places, JointMomentaMemory& memory) {
+  const Bodies<double>& at = memory.plain;
+  const int K = tree.joints, all = places.count(), column = places.beta() + b;
+  for (int i = 0; i < tree.bodies(); ++i)
+    memory.unit[i] = {Vector3<double>::Zero(), Vector3<double>::Zero()};
+  for (int x = theta_of.first[b]; x < theta_of.first[b + 1]; ++x) {
+    const int body = theta_of.row[x] / PER_BODY;
+    const MomentsAboutS unit =
+        unit_moments(at.pose[body], at.motion[body], theta_of.row[x] % PER_BODY);
+    memory.unit[body].p += theta_of.value[x] * unit.p;
+    memory.unit[body].h += theta_of.value[x] * unit.h;
+  }
+  for (int k = K - 1; k >= 0; --k) {
+    Momentum<double>& parent = memory.unit[tree.joint[k].parent];
+    parent.p += memory.unit[k + 1].p;
+    parent.h += memory.unit[k + 1].h;
+  }
+  const Vector3<double> back = -memory.unit[0].p / at.carried[0].m;
+  const auto load_of = [&](int body) -> Momentum<double> {
+    const Mass<double>& carried = at.carried[body];
+    return {memory.unit[body].p + carried.m * back, memory.unit[body].h + carried.s.cross(back)};
+  };
+  const Momentum<double> whole = load_of(0);
+  for (int r = 0; r < 3; ++r) memory.slopes[r * all + column] = whole.h[r];
+  for (int k = 0; k < K; ++k) {
+    const Motion<double>&S = at.field[k], &V = at.motion[tree.joint[k].parent];
+    const Momentum<double> load = load_of(k + 1);
+    memory.slopes[(3 + k) * all + column] = S.w.dot(load.h) + S.u.dot(load.p);
+    memory.slopes[(3 + K + k) * all + column] =
+        V.w.cross(S.w).dot(load.h) + (V.w.cross(S.u) + V.u.cross(S.w)).dot(load.p) +
+        back.cross(S.w).dot(at.momentum[k + 1].p);
+  }
+}
+
+// Values, and all derivatives.
+inline void differentiate_joint_momenta(const Tree& tree, const Sparse& theta_of,
+                                        const double* theta, const double* q, const double* qd,
+                                        const Vector3<double>& w, const DirectionPlaces& places,
+                                        const Motion<double>* geometry, const int* displaced,
+                                        JointMomentaMemory& memory) {
+  Bodies<double>& plain = memory.plain;
+  Vector3<double> h;
+  place(tree, q, plain.pose, plain.field);
+  joint_momenta(tree, theta, qd, w, plain, h, memory.values + 3, memory.values + 3 + tree.joints);
+  carry(tree, plain.mass, plain.carried);
+  for (int b = 0; b < places.betas; ++b) differentiate_by_beta(tree, theta_of, b, places, memory);
+  const auto directions = [&](int first, int end) {
+    differentiate_directions(tree, theta, q, qd, w, places, geometry, displaced, first, end,
+                             memory);
+  };
+  directions(0, places.beta());
+  directions(places.geometry(), places.count());
 }
 
 }  // namespace orbident

@@ -99,13 +99,36 @@ struct Held {
   }
 };
 
-// The inverse of dm/dy, from slopes by w and qd; zero where the plane holds the base.
-inline void invert_inertia(const Recorded& recorded, PassiveMemory& own) {
-  const int Y = rates_of_passive(recorded), all = own.places.count();
-  OwnTable inertia(own.inertia, Y, Y), U(own.U, Y, Y);
-  const auto row_of = [&](int r) { return r < 3 ? r : 3 + recorded.spring[r - 3].joint; };
-  for (int r = 0; r < Y; ++r)
-    for (int c = 0; c < Y; ++c) inertia(r, c) = own.at.slopes[row_of(r) * all + row_of(c)];
+// The inertia of y, and its inverse: zero where the plane holds the base. Returns m without y.
+inline void invert_inertia(const Recorded& recorded, const double* theta, const double* q,
+                           const double* qd, PassiveMemory& own, double* m) {
+  const Tree& tree = recorded.tree;
+  const int Y = rates_of_passive(recorded), K = tree.joints;
+  Bodies<double>& at = own.at.plain;
+  place(tree, q, at.pose, at.field);
+  weigh(tree, theta, at.pose, at.mass);
+  carry(tree, at.mass, at.carried);
+  for (int k = 0; k < K; ++k) at.momentum[k] = momentum_of(at.carried[k + 1], at.field[k]);
+  const SystemInertia<double> all = system_inertia(at.carried[0]);
+  OwnTable D_qq(own.D_qq, K, K), inertia(own.inertia, Y, Y), U(own.U, Y, Y);
+  joint_inertia(tree, at.field, at.momentum, all.M, D_qq);
+  const auto D_q = [&](int k) -> Vector3<double> {
+    return at.momentum[k].h - all.r_cm.cross(at.momentum[k].p);
+  };
+  std::fill_n(m, Y, 0.0);
+  for (int k = 0; k < K; ++k) {
+    if (recorded.passive(k)) continue;
+    Eigen::Map<Vector3<double>>(m) += qd[k] * D_q(k);
+    for (int i = 0; i < recorded.springs; ++i) m[3 + i] += qd[k] * D_qq(recorded.spring[i].joint, k);
+  }
+  inertia.topLeftCorner<3, 3>() = all.D;
+  for (int i = 0; i < recorded.springs; ++i) {
+    const int k = recorded.spring[i].joint;
+    inertia.block<3, 1>(0, 3 + i) = D_q(k);
+    inertia.block<1, 3>(3 + i, 0) = D_q(k).transpose();
+    for (int j = 0; j < recorded.springs; ++j)
+      inertia(3 + i, 3 + j) = D_qq(k, recorded.spring[j].joint);
+  }
   const int held = recorded.planar ? 2 : 0;
   // Gauss and Jordan without pivots: it is positive definite.
   U.setIdentity();
@@ -127,33 +150,20 @@ inline void invert_inertia(const Recorded& recorded, PassiveMemory& own) {
   U.leftCols(held).setZero();
 }
 
-inline void differentiate(const Recorded& recorded, const LinearisedAt& at,
-                          const JointNode& joints, const Vector3<double>& w, int count,
-                          PassiveMemory& own) {
-  differentiate_joint_momenta(recorded.tree, recorded.theta_of, at.theta, joints.q, joints.qd, w,
-                              own.places, own.geometry, own.displaced, count, own.at);
-}
-
 // Rates y at a state, and dp/dt.
 inline void passive_rates(const Recorded& recorded, const LinearisedAt& at,
                           const Quaternion<double>& x_WB, const Vector3<double>& h_cm,
                           const double* q, const double* p, JointNode& joints, PassiveMemory& own,
                           Vector3<double>& w, double* qd, double* p_rate) {
   const int P = recorded.springs, K = recorded.tree.joints;
-  for (int i = 0; i < P; ++i) {
-    joints.q[recorded.spring[i].joint] = q[i];
-    joints.qd[recorded.spring[i].joint] = 0.0;
-  }
-  differentiate(recorded, at, joints, Vector3<double>::Zero(), own.places.q(), own);
-  invert_inertia(recorded, own);
+  double* m = own.m;
+  for (int i = 0; i < P; ++i) joints.q[recorded.spring[i].joint] = q[i];
+  invert_inertia(recorded, at.theta, joints.q, joints.qd, own, m);
   const Quaternion<double> unit = x_WB / x_WB.norm();
   const Vector3<double> h = quaternion_matrix(unit).transpose() * h_cm - joints.h_rw;
   const int Y = rates_of_passive(recorded);
   const OwnTable U(own.U, Y, Y);
-  const auto missing = [&](int r) {
-    return r < 3 ? h[r] - own.at.values[r]
-                 : p[r - 3] - own.at.values[3 + recorded.spring[r - 3].joint];
-  };
+  const auto missing = [&](int r) { return (r < 3 ? h[r] : p[r - 3]) - m[r]; };
   const auto y = [&](int r) {
     double sum = 0.0;
     for (int c = 0; c < Y; ++c) sum += U(r, c) * missing(c);
@@ -165,7 +175,6 @@ inline void passive_rates(const Recorded& recorded, const LinearisedAt& at,
   Bodies<double>& plain = own.at.plain;
   Vector3<double> all;
   double *momenta = own.at.values + 3, *e = momenta + K;
-  place(recorded.tree, joints.q, plain.pose, plain.field);
   joint_momenta(recorded.tree, at.theta, joints.qd, w, plain, all, momenta, e);
   for (int i = 0; i < P; ++i) {
     const Spring& spring = recorded.spring[i];
@@ -184,8 +193,8 @@ inline void set_passive(const Recorded& recorded, const LinearisedAt& at, Passiv
   const int all = own.places.count();
   for (int g = 0; g < own.places.geometries; ++g)
     own.geometry[g] = displacement(recorded.tree, at.calibration, own.at.plain.pose, own.place[g]);
-  differentiate(recorded, at, joints, base.w, all, own);
-  invert_inertia(recorded, own);
+  differentiate_joint_momenta(recorded.tree, recorded.theta_of, at.theta, joints.q, joints.qd,
+                              base.w, own.places, own.geometry, own.displaced, own.at);
   // Springs: dp/dt, by q and qd of their own joints, by theta and by both unknowns.
   const CalibrationPlaces& places = at.calibration.places;
   OwnTable C(own.C, Y + P, n);
@@ -305,21 +314,21 @@ inline void start_passive(const Recorded& recorded, const LinearisedAt& at, int 
     node.qd[i] = joints.qd[spring.joint] = z[c.corrected + spring.correction];
   }
   // D w = R_0^T h_cm - h_rw - D_q qd.
-  differentiate(recorded, at, joints, Vector3<double>::Zero(), own.places.q(), own);
-  const int all = own.places.count();
-  Matrix3<double> D;
-  for (int r = 0; r < 3; ++r)
-    for (int k = 0; k < 3; ++k) D(r, k) = own.at.slopes[r * all + k];
-  const Vector3<double> h_q(own.at.values);
-  set_law(recorded.planar, D, h_q + joints.h_rw, base);
+  invert_inertia(recorded, at.theta, joints.q, joints.qd, own, own.m);
+  const Bodies<double>& bodies = own.at.plain;
+  const SystemInertia<double> system = system_inertia(bodies.carried[0]);
+  Vector3<double> h_q = Vector3<double>::Zero();
+  for (int k = 0; k < recorded.tree.joints; ++k)
+    h_q += joints.qd[k] * (bodies.momentum[k].h - system.r_cm.cross(bodies.momentum[k].p));
+  set_law(recorded.planar, system.D, h_q + joints.h_rw, base);
   base.w = base.E * base.h_B - base.b;
-  place(recorded.tree, joints.q, own.at.plain.pose, own.at.plain.field);
   set_passive(recorded, at, own, joints, base);
 
   OwnTable s(base.phi, N, n);
   s.setZero();
   s.block<3, 3>(0, c.turn()).setIdentity();
   for (int i = 0; i < P; ++i) s(3 + i, c.corrections() + recorded.spring[i].correction) = 1.0;
+  const int all = own.places.count();
   // dp = dm/dy dy + dm/dq_p q - C, dy = (dw, dqd) with dw = E (rows of h), all at given qd.
   const auto slope = [&](int row, int direction) { return own.at.slopes[row * all + direction]; };
   const OwnTable C(own.C, 3 + 2 * P, n);
