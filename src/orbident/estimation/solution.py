@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 from scipy.linalg import solve_triangular
 
 from orbident import _core
@@ -98,6 +98,11 @@ class Unknowns(NamedTuple):
         own = self.common[: self.common.size - self.selected.size]
         chosen = [values.get(place, 0.0) for place in places]
         return self._replace(common=np.append(own, chosen), selected=places)
+
+    def at(self, boundaries: Bool[np.ndarray, " boundaries"]) -> "Unknowns":
+        """The state with some boundaries alone."""
+        x_WB, local = self.x_WB[boundaries], self.local[boundaries]
+        return self._replace(x_WB=x_WB, local=local)
 
     def moved(
         self, z: Float[np.ndarray, "boundaries local"], g: Float[np.ndarray, " common"]

@@ -200,6 +200,8 @@ class Passive(NamedTuple):
     """`zeta`, over critical damping."""
     tolerance: Share = 0.2
     """Standard deviation of the frequency, relative."""
+    like: Name = ""
+    """Another passive joint of one make, whose frequency and damping it has."""
     inertia: Share = 0.1
     """That of the nominal inertia of what it carries, about its axis: how far it swings
     nobody measures, and so only the CAD model tells it."""

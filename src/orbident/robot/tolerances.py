@@ -109,11 +109,11 @@ class Tolerances:
     joint_frequency: Mapping[str, float] = _of_each_joint(
         *("joint.{}.frequency", "", "share"), of_all=SPRINGS
     )
-    """Frequency of each passive joint, relative."""
+    """Frequency of each passive joint; its error is a logarithm."""
     joint_damping: Mapping[str, float] = _of_each_joint(
         *("joint.{}.damping", "", "share"), of_all=SPRINGS
     )
-    """Damping of each passive joint, relative."""
+    """Damping of each passive joint; its error is a logarithm."""
 
 
 CALIBRATION_KINDS: dict[str, CalibrationKind] = {

@@ -36,6 +36,7 @@ constexpr int TRACKERS = 2;  // attitude and position: their noise may last
 struct Spring {
   int joint;
   int correction;         // which of the joints with corrections it is
+  int like;               // the joint whose x and y it has
   double square;          // r^2, rad^2/s^2
   double damping;         // d, 1/s
   double walk[2];         // what else moves its position and rate, per square root of a second
@@ -58,7 +59,6 @@ struct Recorded {
   const double* A_rw;  // wheels x 3: a_i I_i, base axes
   const Spring* spring;
   int springs;
-  const double* slack;  // intervals: by how much more springs' joints walk there
   // At 2 rows - 1 nodes: every row, and half-way between.
   Acting acting;
   Sensed gyro, accelerometer, attitude, joints, position, velocity;

@@ -8,7 +8,7 @@
 //
 // so that the attitude and (q_p, p_p) are integrated (RK4). A spring and a damper hold each joint,
 //
-//   tau = -(1 + x)^2 r^2 I q - (1 + y) d I qd
+//   tau = -exp(2 x) r^2 I q - exp(y) d I qd
 //
 // where x and y are unknowns, and I is the inertia of all that the joint carries, about its axis,
 // linear in theta: with a stiffness in place of the rate r at which it swings, the likelihood would
@@ -91,11 +91,11 @@ inline double inertia_on(const Spring& spring, const Recorded& recorded, const d
 
 // Square rate and damping rate of a spring as they are now.
 struct Held {
-  double rate, square, damping;
+  double square, damping;
   Held(const Spring& spring, const Calibration& calibration) {
-    rate = 1 + calibration.values[calibration.places.spring() + spring.joint];
-    square = rate * rate * spring.square;
-    damping = (1 + calibration.values[calibration.places.damper() + spring.joint]) * spring.damping;
+    const double* x = calibration.values + spring.like;
+    square = std::exp(2 * x[calibration.places.spring()]) * spring.square;
+    damping = std::exp(x[calibration.places.damper()]) * spring.damping;
   }
 };
 
@@ -218,9 +218,9 @@ inline void set_passive(const Recorded& recorded, const LinearisedAt& at, Passiv
     write_known(recorded, at, own.places, joints, by, own.C + (Y + i) * n);
     for (int c = 0; c < recorded.columns.calibrations; ++c) {
       double& entry = C(Y + i, recorded.columns.calibration() + c);
-      if (at.calibration.selected[c] == places.spring() + k)
-        entry -= 2 * held.rate * spring.square * inertia * q;
-      if (at.calibration.selected[c] == places.damper() + k) entry -= spring.damping * inertia * qd;
+      if (at.calibration.selected[c] == places.spring() + spring.like)
+        entry -= 2 * held.square * inertia * q;
+      if (at.calibration.selected[c] == places.damper() + spring.like) entry -= held.damping * inertia * qd;
     }
     node.p[i] = own.at.values[3 + k];
     node.p_rate[i] = own.at.values[3 + K + k] - pulls * inertia;
@@ -469,7 +469,7 @@ inline void add_passive_continuity(const Recorded& recorded, const LinearisedAt&
                                    EquationTable& equations) {
   const IntervalColumns& c = recorded.columns;
   const double* there = at.local + (interval + 1) * recorded.local() + recorded.corrections();
-  const double root = walked(duration) * recorded.slack[interval];
+  const double root = walked(duration);
   for (int i = 0; i < recorded.springs; ++i) {
     const Spring& spring = recorded.spring[i];
     for (int f = 0; f < 2; ++f) {

@@ -13,7 +13,7 @@ import numpy as np
 from orbident.estimation.unknowns import Unknown
 from orbident.model.minimal_sets import conserved_axes
 from orbident.robot.description import Joint, Robot
-from orbident.robot.tolerances import CALIBRATION_KINDS
+from orbident.robot.tolerances import CALIBRATION_KINDS, SPRINGS
 from orbident.robot.units import OF_A_JOINT, POSITION_OF, si_unit
 
 NOTHING_FREE: Mapping[str, float] = {}
@@ -73,13 +73,16 @@ def _errors(
     for name, joint in owners.items():
         own = std.get(name, 0.0) if isinstance(std, Mapping) else std
         dimension, hidden = kind.dimension, set[int]()
+        family = kind.family.format(name)
         if joint is not None and dimension == OF_A_JOINT:
             dimension = POSITION_OF[joint.kind]
         if joint is not None and tolerance == DOUBLES_ZERO[joint.kind]:
             hidden = {int(np.argmax(np.abs(joint.R_PJ @ joint.axis)))}
-        if NEITHER_OF.get(tolerance) is (name in robot.passive):
+        if NEITHER_OF.get(tolerance) is (name in robot.passive) or (
+            family == SPRINGS and robot.passive[name].like
+        ):
             hidden = {*ALL}
-        family, unit = kind.family.format(name), si_unit(dimension)
+        unit = si_unit(dimension)
         yield (
             [Unknown(each, family, unit, own, 0.0) for each in kind.names(name)],
             hidden,

@@ -47,7 +47,7 @@ from orbident.estimation.output_error.disturbance_sizes import (
     with_densities,
 )
 from orbident.estimation.output_error.hypotheses import Search, fit_in_world
-from orbident.estimation.output_error.joint_laws import memories
+from orbident.estimation.output_error.joint_laws import LOOSE
 from orbident.estimation.output_error.noise_scaling import Fitted, sensor_signals
 from orbident.estimation.output_error.problem import (
     Problem,
@@ -65,6 +65,10 @@ from orbident.preprocessing.delays import delays
 from orbident.preprocessing.samples import OutsideMomentum
 from orbident.recordings.long_recording import LARGE
 from orbident.robot.description import Robot
+
+STEPS_OF_A_PART = 8
+"""The most for passive joints that may move nearly as they like: so many lead to what
+the next fit needs."""
 
 CLOCK_STD = 0.1
 """s: standard deviation beforehand of a clock that was corrected."""
@@ -167,22 +171,19 @@ class OutputError:
             start_of(equations, samples, outside, at)
             for at in (beta, sets.beta(robot.theta))
         ]
-        for memory in memories(robot, float(np.ptp(equations.t))):
-            part = following(memory)
-            here = start_of(part, samples, outside, beta)
+        if robot.passive:
+            parts = [following(unexplained) for unexplained in LOOSE]
             ends = [
-                solved(
-                    part,
-                    part.weights,
-                    prior,
-                    here._replace(common=start.common),
-                    step,
-                    self.steps,
-                )
-                for start in starts
+                start_of(parts[0], samples, outside, beta)._replace(common=each.common)
+                for each in starts
             ]
-            best = min(ends, key=lambda end: end.cost)
-            starts = [starts[0]._replace(common=best.state.common)]
+            for part in parts:
+                fits = [
+                    solved(part, part.weights, prior, end, step, STEPS_OF_A_PART)
+                    for end in ends
+                ]
+                ends = [min(fits, key=lambda fit: fit.cost).state]
+            starts = [ends[0].at(np.isin(parts[0].boundaries, equations.boundaries))]
         at_hand = []
         # Those of many samples are as good as they will be, and equations take long.
         if equations.t.size >= LARGE:

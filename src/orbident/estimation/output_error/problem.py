@@ -23,7 +23,11 @@ from orbident.estimation.output_error.calibration import (
     NOTHING_FREE,
     calibrations_of,
 )
-from orbident.estimation.output_error.joint_laws import joint_laws
+from orbident.estimation.output_error.joint_laws import (
+    IDEAL,
+    joint_laws,
+    longest_interval,
+)
 from orbident.estimation.output_error.sensors import (
     Lasting,
     Sensors,
@@ -165,7 +169,7 @@ def problem_of(
     samples: Samples,
     sensors: Sensors,
     free: Mapping[str, float] = NOTHING_FREE,
-    memory: float = np.inf,
+    unexplained: float = IDEAL,
 ) -> Problem:
     """The equations of a recording.
 
@@ -175,9 +179,12 @@ def problem_of(
         samples: histories of joints and wheels.
         sensors: what is predicted.
         free: standard deviations beforehand in place of tolerances, by family; SI.
-        memory: after so long, s, the state of a passive joint is anew unknown.
+        unexplained: what no spring explains moves passive joints by so much in a
+            period, rad or m.
     """
-    intervals = intervals_of(samples, sensors, memory)
+    intervals = intervals_of(
+        samples, sensors, longest_interval(robot, unexplained)
+    )
     lasting = lasting_noise(robot, sensors)
     loose = looseness(robot, samples, sensors, lasting)
     history = intervals.history
@@ -218,7 +225,7 @@ def problem_of(
         qdd_rw=history.qdd_rw,
         samples=[_without_nan(seen.get(name, _none(name))) for name in SENSORS],
         **loose._asdict(),
-        **joint_laws(robot, intervals.boundaries, memory)._asdict(),
+        **joint_laws(robot, unexplained)._asdict(),
     )
     followed = Followed(robot, sets, samples, intervals)
     acting = Acting(followed, recorded.places, followed.allowed)

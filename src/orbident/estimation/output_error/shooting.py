@@ -119,9 +119,15 @@ def intervals_of(
     first, end = (int(row) for row in np.searchsorted(sensors.t, ends))
     t = sensors.t[first:end]
     rows = _rows_of_an_interval(history, samples.shares, t)
-    most = longest / float(np.median(np.diff(t)))
-    rows = min(rows, int(2 ** np.floor(np.log2(np.clip(most, 1, LONG)))))
-    return Intervals(slice(first, end), t, _edges(t.size, rows), history)
+    edges = _edges(t.size, rows)
+    most = max(1.0, longest / float(np.median(np.diff(t))))
+    parts = np.maximum(np.ceil(np.diff(edges) / most), 1).astype(int)
+    finer = [
+        np.linspace(start, stop, n, endpoint=False).round()
+        for start, stop, n in zip(edges[:-1], edges[1:], parts, strict=True)
+    ]
+    edges = np.concatenate([*finer, edges[-1:]]).astype(int)
+    return Intervals(slice(first, end), t, edges, history)
 
 
 def _history(samples: Samples) -> JointHistory:

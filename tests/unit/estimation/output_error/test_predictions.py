@@ -176,7 +176,7 @@ def test_slopes_with_passive_joints(robot):
     """One that slides and one that turns; springs and all errors are unknowns."""
     robot = ROBOTS[robot]
     errors = random_errors(robot, 7, 0.05)
-    segment = segment_of(robot, 3, 9, 0.01, 2, errors=errors, passive=(0, 1))
+    segment = segment_of(robot, 3, 9, 0.005, 2, errors=errors, passive=(0, 1))
     joints, places = len(robot.joints), segment.recorded.places
     encoders = [0, 1, joints, joints + 1]
     errors = np.setdiff1d(np.arange(errors.vector.size), encoders)
