@@ -203,10 +203,11 @@ def estimate_of_beta(
         route: to the mass, in words.
         rms: the root mean square residual of each sensor or equation; SI.
         goodness: how large all residuals are.
-        disturbed: something was found to act, of which Eq. 32 knows nothing.
+        disturbed: something was found to act, of which Eq. 32 knows nothing, as it
+            knows nothing of joints that nobody measures.
     """
     mass, masses = Quantity(*beta.mass), dict[str, Quantity]()
-    if not (problem.samples.unknown_thrust or disturbed):
+    if not (problem.samples.unknown_thrust or disturbed or problem.robot.passive):
         linear = problem.linear_mass
         masses["Eq. 32"] = Quantity(linear.value, linear.std)
     return Estimate(

@@ -111,8 +111,8 @@ def identify(
     estimator = estimator_of(method)
     if robot.passive and not isinstance(estimator, OutputError):
         raise InputError(
-            f"joint '{next(iter(robot.passive))}' is passive, and {estimator.name} needs "
-            "all joints to be measured; use --method maximum-likelihood"
+            f"joint '{next(iter(robot.passive))}' is passive, and {estimator.name} "
+            "needs all joints to be measured; use --method maximum-likelihood"
         )
     recordings = _recordings(recording, estimator)
     _check_momentum(initial_momentum)

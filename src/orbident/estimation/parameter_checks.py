@@ -322,6 +322,8 @@ def _forms(problem: MomentumProblem, estimate: Estimate) -> Iterator[Check]:
     goodness = estimate.goodness
     if problem.samples.unknown_thrust or (goodness is not None and goodness.declared):
         return
+    if problem.robot.passive:
+        return
     mass = problem.linear_mass
     if mass.value > 0 and mass.spread < SPREAD:
         return

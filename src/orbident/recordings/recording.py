@@ -200,8 +200,9 @@ class Recording:
             own = [f"joint.{name}.{what}" for what in ("position", "velocity")]
             if any(np.nan_to_num(self.columns[x]).any() for x in own if self.has(x)):
                 raise InputError(
-                    f"{self.source}: joint '{name}' is measured, and the robot file has "
-                    "it among its passive joints, which nobody measures; leave out one"
+                    f"{self.source}: joint '{name}' is measured, and the robot file "
+                    "has it among its passive joints, which nobody measures; leave out "
+                    "one"
                 )
             added |= dict.fromkeys(own, np.zeros(self.t.size))
         whole = self.with_columns(added) if added else self

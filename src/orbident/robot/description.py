@@ -226,10 +226,12 @@ class Structure:
     """The CM lies on this axis of the body frame."""
     principal_axes: bool = False
     """The inertia has no products in body axes."""
+    massless: bool = False
+    """There is nothing: a body between two joints."""
 
     def zero_parameters(self) -> frozenset[str]:
         """The symbols of `theta_i` that this knowledge makes zero."""
-        zero = set()
+        zero = {*SYMBOLS} if self.massless else set[str]()
         if self.com_on_axis is not None:
             zero |= {"mx", "my", "mz"} - {"m" + self.com_on_axis}
         if self.principal_axes:

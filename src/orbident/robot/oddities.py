@@ -181,7 +181,7 @@ def _run(robot: Robot) -> list[str]:
 def _massless(robot: Robot) -> list[str]:
     names = [
         body for body, theta in zip(robot.bodies, robot.theta, strict=True)
-        if not theta.any()
+        if not theta.any() and not robot.structure.get(body, Structure()).massless
     ]  # fmt: skip
     if not names:
         return []
@@ -225,9 +225,10 @@ def _flat(robot: Robot) -> list[str]:
 
 
 def _without_limits(robot: Robot) -> list[str]:
+    driven = [joint for joint in robot.joints if joint.name not in robot.passive]
     unlimited = {
-        "range": [joint.name for joint in robot.joints if joint.position is None],
-        "rate": [joint.name for joint in robot.joints if joint.velocity is None],
+        "range": [joint.name for joint in driven if joint.position is None],
+        "rate": [joint.name for joint in driven if joint.velocity is None],
     }
     return [
         f"no limit of the {what}: {listed(names)}: 'excite' may move them as far or "

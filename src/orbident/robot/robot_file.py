@@ -23,6 +23,11 @@ from orbident.robot.formats.model_file import KINDS, SUFFIXES, as_urdf, read_mod
 from orbident.robot.fusing import Bodies, about_feature_point, fused, wheel_on_joint
 from orbident.robot.geared_rotors import proposed_rotors, rotors_by_joint
 from orbident.robot.oddities import contradictions, nonphysical
+from orbident.robot.passive_joints import (
+    massless_bodies,
+    passive_joints,
+    with_flexible_joints,
+)
 from orbident.robot.schema import BODIES, LimitEntry, RobotFile, WheelEntry
 from orbident.robot.tree import LinkTree, link_tree
 from orbident.robot.urdf import Urdf
@@ -59,7 +64,8 @@ def assembled(
     _require_bodies("structure", file.structure, bodies, place)
     couplings, uncoupled = couplings_of(urdf, [joint.name for joint in bodies.joints])
     _require_bodies("pads", file.pads, bodies, place)
-    _require_joints("passive", file.passive, bodies.joints, place)
+    passive = passive_joints(file.passive, file.flexible, bodies, couplings, place)
+    bodies = with_flexible_joints(bodies, file.flexible)
     rotors = rotors_by_joint(
         file.rotors, bodies.joints, bodies.names, file.structure, place
     )
@@ -78,15 +84,15 @@ def assembled(
         pads=_pads(file, bodies),
         disturbances=file.disturbances,
         momentum_walk=file.momentum_walk,
-        passive=file.passive,
+        passive=passive,
         at_rest=file.at_rest,
         orbit=orbit,
-        structure=file.structure,
+        structure={**file.structure, **massless_bodies(file.flexible)},
         sensors=file.sensors,
         tolerances=replace(
             file.tolerances.in_si(bodies.joints, place),
-            joint_frequency={n: each.tolerance for n, each in file.passive.items()},
-            joint_damping=dict.fromkeys(file.passive, DAMPING_STD),
+            joint_frequency={name: each.tolerance for name, each in passive.items()},
+            joint_damping=dict.fromkeys(passive, DAMPING_STD),
         ),
         warnings=(
             *urdf.warnings,
@@ -143,7 +149,13 @@ def _declared(entry: WheelEntry) -> Wheel:
 def _limited(
     joints: tuple[Joint, ...], limits: dict[str, LimitEntry], place: str
 ) -> tuple[Joint, ...]:
-    _require_joints("limits", limits, joints, place)
+    known = [joint.name for joint in joints]
+    for name in limits:
+        if name not in known:
+            raise InputError(
+                f"{place}: limits: no joint {name!r}; "
+                + suggestion(name, known, "joints")
+            )
     return tuple(
         replace(joint, **limits[joint.name].model_dump(exclude_none=True))
         if joint.name in limits
@@ -159,18 +171,6 @@ def _pads(file: RobotFile, bodies: Bodies) -> dict[str, Float[np.ndarray, "3"]]:
         name: np.array(at) - origin.get(name, np.zeros(3))
         for name, at in file.pads.items()
     }
-
-
-def _require_joints(
-    section: str, named: Iterable[str], joints: tuple[Joint, ...], place: str
-) -> None:
-    known = [joint.name for joint in joints]
-    for name in named:
-        if name not in known:
-            raise InputError(
-                f"{place}: {section}: no joint {name!r}; "
-                + suggestion(name, known, "joints")
-            )
 
 
 def _require_bodies(

@@ -10,7 +10,6 @@ from typing import Any, NamedTuple
 
 from orbident.robot.units import OF_A_JOINT
 
-
 SPRINGS = "springs"
 """What is unknown of joints that nobody measures."""
 

@@ -1,4 +1,4 @@
-"""The joints' momenta and the slopes of the energy, against Eq. 6 and its differences."""
+"""The joints' momenta and slopes of the energy, against Eq. 6 and differences."""
 
 import numpy as np
 import pytest
@@ -40,9 +40,7 @@ def derivative(f, x: np.ndarray) -> np.ndarray:
 
 
 @settings(max_examples=8, deadline=None)
-@given(
-    seed=st.integers(0, 2**20), joints=st.integers(1, 5), slides=st.integers(0, 31)
-)
+@given(seed=st.integers(0, 2**20), joints=st.integers(1, 5), slides=st.integers(0, 31))
 def test_momenta_and_slopes_of_the_energy(seed: int, joints: int, slides: int):
     random = np.random.default_rng(seed)
     sliding = tuple(k for k in range(joints) if slides >> k & 1)
@@ -51,7 +49,9 @@ def test_momenta_and_slopes_of_the_energy(seed: int, joints: int, slides: int):
     w = random.standard_normal(3)
 
     def found(q: np.ndarray, qd: np.ndarray, w: np.ndarray, theta: np.ndarray):
-        return _core.joint_momenta(core_tree(robot), np.eye(theta.size), theta, q, qd, w)
+        return _core.joint_momenta(
+            core_tree(robot), np.eye(theta.size), theta, q, qd, w
+        )
 
     theta = robot.theta.ravel()
     table = found(q, qd, w, theta)

@@ -182,9 +182,7 @@ def problem_of(
         unexplained: what no spring explains moves passive joints by so much in a
             period, rad or m.
     """
-    intervals = intervals_of(
-        samples, sensors, longest_interval(robot, unexplained)
-    )
+    intervals = intervals_of(samples, sensors, longest_interval(robot, unexplained))
     lasting = lasting_noise(robot, sensors)
     loose = looseness(robot, samples, sensors, lasting)
     history = intervals.history
@@ -268,7 +266,9 @@ def _none(name: str) -> Float[np.ndarray, "0 axes"]:
 def _axes(robot: Robot, sensor: str, columns: int) -> Float[np.ndarray, " axes"]:
     """1 for those in which momentum is conserved; encoders have those they are on."""
     if sensor == "joints":
-        return np.array([float(name not in robot.passive) for name in robot.joint_names])
+        return np.array(
+            [float(name not in robot.passive) for name in robot.joint_names]
+        )
     if robot.motion != "planar":
         return np.ones(3)
     turning = sensor in {"gyro", "attitude"}

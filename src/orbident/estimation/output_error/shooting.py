@@ -226,7 +226,9 @@ def looseness(
         or ("joints" in sensors.by_name and name not in samples.locked)
         for name in robot.joint_names
     ]
-    std = [UNMEASURED if name in robot.passive else ENCODERS for name in robot.joint_names]
+    std = [
+        UNMEASURED if name in robot.passive else ENCODERS for name in robot.joint_names
+    ]
     corrections = np.tile(np.array(std)[free], 2)
     noise = first_lasting(lasting, float(np.median(np.diff(sensors.t))))
     return Looseness(
@@ -271,7 +273,9 @@ def substeps_of(robot: Robot, samples: Samples) -> int:
     )
     rate = w + (D[-1] * w + h_rw) / D[0]
     turned = rate * dt
-    return max(least, int(2 ** np.ceil(np.log2(np.clip(turned / STEP, 1, MOST_SUBSTEPS)))))
+    return max(
+        least, int(2 ** np.ceil(np.log2(np.clip(turned / STEP, 1, MOST_SUBSTEPS))))
+    )
 
 
 def _wheels_momentum(robot: Robot, samples: Samples) -> Float[np.ndarray, "n 3"]:
