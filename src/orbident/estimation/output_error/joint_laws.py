@@ -16,7 +16,7 @@ IDEAL = 1e-7
 Nothing does: it keeps continuity from weighing more than rounding allows. A hundred
 times as much takes part of the place of what panels of 10 mrad show."""
 
-LOOSE = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
+LOOSE = (1.0, 3e-2, 1e-3, 3e-5, 1e-6)
 """The same in the fits before the last. Where a frequency is off, the phase is off by
 more and more periods, and the fit of a whole recording has many minima; that of joints
 which may move nearly as they like has one, and leads to the next."""
