@@ -40,6 +40,7 @@ def summary(result: Any, out: Path | None, everything: bool) -> list[str | DataT
         *result.summary(),
         "",
         *_goodness(result),
+        *_springs(result),
         *_limits(result.budget()),
         *_if_nothing_acts(result),
         *_sensitivity(result),
@@ -62,6 +63,7 @@ def _everything(result: Any) -> list[str]:
     lines += _masses(result)
     lines += _sensors(result)
     lines += _calibration(result)
+    lines += _springs(result)
     lines += _disturbances(result)
     condition = ", ".join(
         f"{name} {value:.4g}" for name, value in result.condition_number.items()
@@ -118,6 +120,15 @@ def _calibration(result: Any) -> list[str]:
         for name, fit in result.calibration.items()
     ]
     return ["", "calibration errors, SI or relative", *lines] if lines else []
+
+
+def _springs(result: Any) -> list[str]:
+    """How joints swing that nobody measures."""
+    return [
+        f"joint {name} swings at {fit.frequency:.5g} +- {fit.frequency_std:.2g} Hz, "
+        f"damped by {100 * fit.damping:.3g} +- {100 * fit.damping_std:.2g} %"
+        for name, fit in result.springs.items()
+    ]
 
 
 def _disturbances(result: Any) -> list[str]:

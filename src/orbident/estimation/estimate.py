@@ -20,7 +20,12 @@ from orbident.estimation.momentum_problem import MomentumProblem
 from orbident.estimation.quantities import Quantity
 from orbident.estimation.signals import Signals
 from orbident.estimation.solution import Convergence, Shared, Solution
-from orbident.estimation.unknowns import CalibrationFit, DisturbanceFit, Sensitivity
+from orbident.estimation.unknowns import (
+    CalibrationFit,
+    DisturbanceFit,
+    Sensitivity,
+    SpringFit,
+)
 from orbident.files.json_parts import Keyed, NullableNumber, NumberOrNone, Unwritten
 from orbident.files.schema_parts import WrongValueError
 from orbident.preprocessing.origins import Origin
@@ -121,6 +126,8 @@ class BesideParameters:
     """The biases of sensors, with their standard deviations; SI."""
     calibration: Mapping[str, Keyed[CalibrationFit]] = field(default_factory=dict)
     """The errors of instruments that have a tolerance."""
+    springs: Mapping[str, Keyed[SpringFit]] = field(default_factory=dict)
+    """How passive joints swing, by joint."""
     disturbances: Mapping[str, Keyed[DisturbanceFit]] = field(default_factory=dict)
     """What acted from outside, where the recording shows that something did."""
     allowed: Mapping[str, NullableNumber] = field(default_factory=dict)

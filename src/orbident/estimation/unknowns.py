@@ -22,6 +22,17 @@ class CalibrationFit(NamedTuple):
     """The standard deviation beforehand, as the robot file declares it."""
 
 
+class SpringFit(NamedTuple):
+    """How a passive joint swings where the body that carries it is held."""
+
+    frequency: FiniteNumber
+    """Hz."""
+    frequency_std: FiniteNumber
+    damping: FiniteNumber
+    """Over critical damping."""
+    damping_std: FiniteNumber
+
+
 class Sensitivity(NamedTuple):
     """What undeclared calibration errors would do to the base parameters."""
 

@@ -15,7 +15,7 @@ from pydantic import BeforeValidator
 from orbident.errors import InputError
 from orbident.files.names import quoted, suggestion
 from orbident.files.schema_parts import Name, WrongValueError, keys_of
-from orbident.robot.description import Coupling, Joint, Passive, Structure
+from orbident.robot.description import Coupling, Joint, Passive, Robot, Structure
 from orbident.robot.fusing import Bodies
 
 BEHIND, BETWEEN = "{}_spring", "{}_motor"
@@ -141,3 +141,23 @@ def passive_joints(
 def massless_bodies(flexible: Collection[str]) -> dict[str, Structure]:
     """What is known of the bodies before springs of flexible joints."""
     return {BETWEEN.format(name): Structure(massless=True) for name in flexible}
+
+
+def require_measured(
+    robot: Robot, what: str, instead: str = "leave 'passive' and 'flexible' out"
+) -> None:
+    """Refuse a robot with joints that nobody measures.
+
+    Args:
+        robot: of any kind.
+        what: needs all joints, in words.
+        instead: what to do, in words.
+
+    Raises:
+        InputError: it has such joints.
+    """
+    for name in robot.passive:
+        raise InputError(
+            f"{robot.name}: joint '{name}' is passive, and {what} takes joints that "
+            f"are all driven and measured; {instead}"
+        )

@@ -47,7 +47,7 @@ from orbident.estimation.output_error.disturbance_sizes import (
     with_densities,
 )
 from orbident.estimation.output_error.hypotheses import Search, fit_in_world
-from orbident.estimation.output_error.joint_laws import LOOSE
+from orbident.estimation.output_error.joint_laws import LOOSE, springs_of
 from orbident.estimation.output_error.noise_scaling import Fitted, sensor_signals
 from orbident.estimation.output_error.problem import (
     Problem,
@@ -116,6 +116,7 @@ class OutputError:
         )
         beta = estimate_of(found.solution, prior_std(robot, sets))
         by_sensor = {name: _sensor_fit(sensors, found, name) for name in found.parts}
+        calibration = _calibration(equations, found.solution)
         disturbances = identified(equations, found.solution, density_std, freed)
         return replace(
             estimate_of_beta(
@@ -135,7 +136,8 @@ class OutputError:
             rest=surprise_of_rest(equations, found.solution)
             if problem.initial_momentum == "at-rest"
             else ChiSquare(0.0, 0),
-            calibration=_calibration(equations, found.solution),
+            calibration=calibration,
+            springs=springs_of(robot, calibration),
             sensitivity=partial(sensitivity, zeros),
             sources=partial(covariance_parts, equations, found.solution),
             converged=found.solution.converged,

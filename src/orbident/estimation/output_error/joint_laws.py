@@ -3,11 +3,13 @@
 Their equations stand in `passive_joints.hpp`.
 """
 
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 
+from orbident.estimation.unknowns import CalibrationFit, SpringFit
 from orbident.model.springs import carried_inertia
 from orbident.robot.description import Robot
 
@@ -55,6 +57,23 @@ def joint_laws(robot: Robot, unexplained: float) -> JointLaws:
         for each in (names, [robot.passive[name].like or name for name in names])
     )
     return JointLaws(passive, like, laws)
+
+
+def springs_of(
+    robot: Robot, errors: Mapping[str, CalibrationFit]
+) -> dict[str, SpringFit]:
+    """How passive joints swing, from the logarithms by which they are off."""
+    found = {}
+    for name, declared in robot.passive.items():
+        rate, damping = (
+            errors[f"joint.{declared.like or name}.{what}"]
+            for what in ("frequency", "damping")
+        )
+        frequency = declared.frequency * np.exp(rate.value)
+        share = declared.damping * np.exp(damping.value - rate.value)
+        std = np.hypot(damping.std, rate.std)
+        found[name] = SpringFit(frequency, frequency * rate.std, share, share * std)
+    return found
 
 
 def longest_interval(robot: Robot, unexplained: float) -> float:
