@@ -47,7 +47,11 @@ from orbident.estimation.output_error.disturbance_sizes import (
     with_densities,
 )
 from orbident.estimation.output_error.hypotheses import Search, fit_in_world
-from orbident.estimation.output_error.joint_laws import LOOSE, springs_of
+from orbident.estimation.output_error.joint_laws import (
+    LOOSE,
+    moving_alone,
+    springs_of,
+)
 from orbident.estimation.output_error.noise_scaling import Fitted, sensor_signals
 from orbident.estimation.output_error.problem import (
     Problem,
@@ -65,10 +69,6 @@ from orbident.preprocessing.delays import delays
 from orbident.preprocessing.samples import OutsideMomentum
 from orbident.recordings.long_recording import LARGE
 from orbident.robot.description import Robot
-
-STEPS_OF_A_PART = 8
-"""The most for passive joints that may move nearly as they like: so many lead to what
-the next fit needs."""
 
 CLOCK_STD = 0.1
 """s: standard deviation beforehand of a clock that was corrected."""
@@ -179,9 +179,16 @@ class OutputError:
                 start_of(parts[0], samples, outside, beta)._replace(common=each.common)
                 for each in starts
             ]
+            # Where a joint does not move yet, nothing shows how it swings: first this.
+            ends = [
+                solved(
+                    parts[0], parts[0].weights, moving_alone(prior, end), end, step
+                ).state
+                for end in ends
+            ]
             for part in parts:
                 fits = [
-                    solved(part, part.weights, prior, end, step, STEPS_OF_A_PART)
+                    solved(part, part.weights, prior, end, step, self.steps)
                     for end in ends
                 ]
                 ends = [min(fits, key=lambda fit: fit.cost).state]

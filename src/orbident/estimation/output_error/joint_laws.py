@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
+from orbident.estimation.solution import OUTSIDE, Prior, Unknowns
 from orbident.estimation.unknowns import CalibrationFit, SpringFit
 from orbident.model.springs import carried_inertia
 from orbident.robot.description import Robot
@@ -18,7 +19,10 @@ IDEAL = 1e-7
 Nothing does: it keeps continuity from weighing more than rounding allows. A hundred
 times as much takes part of the place of what panels of 10 mrad show."""
 
-LOOSE = (1.0, 3e-2, 1e-3, 3e-5, 1e-6)
+HELD = 1e-6
+"""Relative standard deviation of what is held."""
+
+LOOSE = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
 """The same in the fits before the last. Where a frequency is off, the phase is off by
 more and more periods, and the fit of a whole recording has many minima; that of joints
 which may move nearly as they like has one, and leads to the next."""
@@ -57,6 +61,14 @@ def joint_laws(robot: Robot, unexplained: float) -> JointLaws:
         for each in (names, [robot.passive[name].like or name for name in names])
     )
     return JointLaws(passive, like, laws)
+
+
+def moving_alone(prior: Prior, at: Unknowns) -> Prior:
+    """What is known where parameters and springs are held as they are."""
+    values, std = prior.values.copy(), prior.std.copy()
+    values[OUTSIDE:] = at.common[OUTSIDE:]
+    std[OUTSIDE:] *= HELD
+    return prior._replace(values=values, std=std)
 
 
 def springs_of(
