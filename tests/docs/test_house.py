@@ -11,10 +11,10 @@ PACKAGE = ROOT / "src/orbident"
 
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
-    "files": 298,
-    "lines": 56_685,
-    "files of estimation": 45,
-    "lines of estimation": 9_788,
+    "files": 301,
+    "lines": 57_160,
+    "files of estimation": 46,
+    "lines of estimation": 10_030,
     "files with one user": 64,
     "imports below each other": 29,
     "numbers without a reason": 39,

@@ -1,7 +1,7 @@
 """Is a mass matrix one that a mechanism can have?"""
 
 from functools import lru_cache
-from itertools import chain, compress
+from itertools import chain
 from typing import NoReturn
 
 import numpy as np
@@ -12,7 +12,7 @@ from orbident.files.names import joined
 from orbident.model.core_robot import KEPT
 from orbident.model.equations_of_motion import equations_of_motion, movable
 from orbident.model.kinematics import carried_about_S, inertia
-from orbident.robot.description import Robot, Structure
+from orbident.robot.description import Robot
 
 SINGULAR = 1e-12
 """Least eigenvalue of a mass matrix with unit diagonal: real arms reach 1e-6, rounding
@@ -26,9 +26,6 @@ CONFIGURATIONS = 1024
 def check_regular(robot: Robot) -> None:
     """Refuse a robot whose nominal mass matrix is singular.
 
-    What moves a body that is known to have no mass is prescribed: a spring is behind
-    it.
-
     Raises:
         InputError: some motion of base and joints moves no mass at all.
     """
@@ -37,11 +34,8 @@ def check_regular(robot: Robot) -> None:
     H = inertia(robot, q[None]).energy(free)[0]
     names = [f"the base about {'xyz'[k]}" for k in free]
     names += [f"joint '{name}'" for name in robot.joint_names]
-    moved = [robot.structure.get(body, Structure()) for body in robot.bodies[1:]]
-    kept = np.append([True] * len(free), [not each.massless for each in moved])
-    H, names = H[np.ix_(kept, kept)], [*compress(names, kept)]
     base, carried = _sizes(robot, q)
-    sizes = np.concatenate([np.full(len(free), base), carried])[kept]
+    sizes = np.concatenate([np.full(len(free), base), carried])
     scale = np.abs(np.diag(H))
     still = scale <= SINGULAR * sizes
     if still.any():

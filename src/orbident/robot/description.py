@@ -183,8 +183,8 @@ Stillness = Annotated[AtRest, keys_of(AtRest), BeforeValidator(_at_rest)]
 
 
 DAMPING_STD = 1.0
-"""Standard deviation of a passive joint's damping, relative: it may as well be nothing
-or twice as much."""
+"""Standard deviation of the logarithm of a passive joint's damping: what is declared may
+be wrong by a factor of three."""
 
 
 class Passive(NamedTuple):
@@ -226,12 +226,10 @@ class Structure:
     """The CM lies on this axis of the body frame."""
     principal_axes: bool = False
     """The inertia has no products in body axes."""
-    massless: bool = False
-    """There is nothing: a body between two joints."""
 
     def zero_parameters(self) -> frozenset[str]:
         """The symbols of `theta_i` that this knowledge makes zero."""
-        zero = {*SYMBOLS} if self.massless else set[str]()
+        zero = set()
         if self.com_on_axis is not None:
             zero |= {"mx", "my", "mz"} - {"m" + self.com_on_axis}
         if self.principal_axes:

@@ -181,7 +181,7 @@ def _run(robot: Robot) -> list[str]:
 def _massless(robot: Robot) -> list[str]:
     names = [
         body for body, theta in zip(robot.bodies, robot.theta, strict=True)
-        if not theta.any() and not robot.structure.get(body, Structure()).massless
+        if not theta.any()
     ]  # fmt: skip
     if not names:
         return []

@@ -23,11 +23,7 @@ from orbident.robot.formats.model_file import KINDS, SUFFIXES, as_urdf, read_mod
 from orbident.robot.fusing import Bodies, about_feature_point, fused, wheel_on_joint
 from orbident.robot.geared_rotors import proposed_rotors, rotors_by_joint
 from orbident.robot.oddities import contradictions, nonphysical
-from orbident.robot.passive_joints import (
-    massless_bodies,
-    passive_joints,
-    with_flexible_joints,
-)
+from orbident.robot.passive_joints import check_passive
 from orbident.robot.schema import BODIES, LimitEntry, RobotFile, WheelEntry
 from orbident.robot.tree import LinkTree, link_tree
 from orbident.robot.urdf import Urdf
@@ -64,8 +60,7 @@ def assembled(
     _require_bodies("structure", file.structure, bodies, place)
     couplings, uncoupled = couplings_of(urdf, [joint.name for joint in bodies.joints])
     _require_bodies("pads", file.pads, bodies, place)
-    passive = passive_joints(file.passive, file.flexible, bodies, couplings, place)
-    bodies = with_flexible_joints(bodies, file.flexible)
+    check_passive(file.passive, bodies.joints, couplings, place)
     rotors = rotors_by_joint(
         file.rotors, bodies.joints, bodies.names, file.structure, place
     )
@@ -84,15 +79,15 @@ def assembled(
         pads=_pads(file, bodies),
         disturbances=file.disturbances,
         momentum_walk=file.momentum_walk,
-        passive=passive,
+        passive=file.passive,
         at_rest=file.at_rest,
         orbit=orbit,
-        structure={**file.structure, **massless_bodies(file.flexible)},
+        structure=file.structure,
         sensors=file.sensors,
         tolerances=replace(
             file.tolerances.in_si(bodies.joints, place),
-            joint_frequency={name: each.tolerance for name, each in passive.items()},
-            joint_damping=dict.fromkeys(passive, DAMPING_STD),
+            joint_frequency={n: each.tolerance for n, each in file.passive.items()},
+            joint_damping=dict.fromkeys(file.passive, DAMPING_STD),
         ),
         warnings=(
             *urdf.warnings,

@@ -28,6 +28,10 @@ more and more periods, and the fit of a whole recording has many minima; that of
 which may move nearly as they like has one, and leads to the next."""
 
 
+EXACT = CalibrationFit(0.0, 0.0, 0.0)
+"""Of what is taken as it is declared."""
+
+
 class JointLaws(NamedTuple):
     """As the core takes them."""
 
@@ -78,7 +82,7 @@ def springs_of(
     found = {}
     for name, declared in robot.passive.items():
         rate, damping = (
-            errors[f"joint.{declared.like or name}.{what}"]
+            errors.get(f"joint.{declared.like or name}.{what}", EXACT)
             for what in ("frequency", "damping")
         )
         frequency = declared.frequency * np.exp(rate.value)
