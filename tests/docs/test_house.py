@@ -12,9 +12,9 @@ PACKAGE = ROOT / "src/orbident"
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
     "files": 301,
-    "lines": 57_160,
+    "lines": 57_200,
     "files of estimation": 46,
-    "lines of estimation": 10_030,
+    "lines of estimation": 10_060,
     "files with one user": 64,
     "imports below each other": 29,
     "numbers without a reason": 39,

@@ -14,6 +14,7 @@ from orbident.estimation.obstacles import surprise
 from orbident.estimation.output_error.acting import LONGEST
 from orbident.estimation.parameter_checks import (
     agreement_of_routes,
+    alike_springs,
     beside_nominal,
     mass_checks,
     positive_energy,
@@ -70,6 +71,7 @@ def judge(solved: Solved, masses: dict[str, Quantity]) -> Judgement:
             *_agreement(solved),
             *mass_checks(problem, estimate, shown or estimate),
             *positive_energy(problem, found.base),
+            *alike_springs(estimate),
             *_changes(estimate),
             *_disturbances(estimate, problem),
             *_two_explanations(problem, shown or estimate),

@@ -7,6 +7,7 @@ kinetic energy of a robot that exists is positive.
 import math
 from collections.abc import Iterator
 from dataclasses import replace
+from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
@@ -53,6 +54,10 @@ wheel speeds in them are taken for rad/s."""
 NEAR = 1.5
 """Times that an identified mass may be off a unit's factor: CAD values are hardly
 further off."""
+
+ALIKE = 0.15
+"""Of two passive joints, the logarithm of the ratio of their frequencies: at 1 and
+0.8 Hz results hold, at equal ones they do not always."""
 
 SPREAD = 0.5
 """Forms of Eq. 32 that differ by more than this do not measure one mass."""
@@ -274,6 +279,28 @@ def possible_numbers(estimate: Estimate) -> Iterator[Check]:
         reason = f"mass: found {M.value:.4g} kg, which no robot has"
     if not (finite and M.value > 0):
         yield Check("possible numbers", "do not trust", reason, CAUSES)
+
+
+def alike_springs(estimate: Estimate) -> Iterator[Check]:
+    """Whether two passive joints swing alike.
+
+    What tells their parameters apart is bent then, and deviations are of first order:
+    of two equal panels some base parameters were five deviations off.
+    """
+    for (one, this), (two, other) in combinations(estimate.springs.items(), 2):
+        apart = abs(np.log(this.frequency / other.frequency))
+        if apart < ALIKE:
+            yield Check(
+                "alike springs",
+                "with care",
+                f"joints '{one}' and '{two}' swing at {this.frequency:.3g} and "
+                f"{other.frequency:.3g} Hz: what each of them carries is known worse "
+                "than its deviations say",
+                "measure one of them, or give the inertia of what they carry",
+                apart,
+                ALIKE,
+            )
+            return
 
 
 def mass_checks(

@@ -183,8 +183,8 @@ Stillness = Annotated[AtRest, keys_of(AtRest), BeforeValidator(_at_rest)]
 
 
 DAMPING_STD = 1.0
-"""Standard deviation of the logarithm of a passive joint's damping: what is declared may
-be wrong by a factor of three."""
+"""Standard deviation of the logarithm of a passive joint's damping: what is declared
+may be wrong by a factor of three."""
 
 
 class Passive(NamedTuple):
