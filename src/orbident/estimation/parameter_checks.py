@@ -285,18 +285,18 @@ def alike_springs(estimate: Estimate) -> Iterator[Check]:
     """Whether two passive joints swing alike.
 
     What tells their parameters apart is bent then, and deviations are of first order:
-    of two equal panels some base parameters were five deviations off.
+    of two equal panels some base parameters were twelve deviations off.
     """
     for (one, this), (two, other) in combinations(estimate.springs.items(), 2):
         apart = abs(np.log(this.frequency / other.frequency))
         if apart < ALIKE:
             yield Check(
                 "alike springs",
-                "with care",
+                "do not trust",
                 f"joints '{one}' and '{two}' swing at {this.frequency:.3g} and "
-                f"{other.frequency:.3g} Hz: what each of them carries is known worse "
-                "than its deviations say",
-                "measure one of them, or give the inertia of what they carry",
+                f"{other.frequency:.3g} Hz: what tells apart what they carry is known "
+                "far worse than deviations say",
+                "measure one of them, or take a robot where they differ by 15 %",
                 apart,
                 ALIKE,
             )
