@@ -91,8 +91,7 @@ def _of_intervals(
     lasting = (problem.lasting[:, :, [MARKOV_STD, RANDOM_WALK]] > 0).sum(axis=(1, 2))
     trackers = np.repeat([names.index(name) for name in TRACKERS], lasting)
     going_on = np.repeat([names.index(name) for name in GOING_ON], 3)
-    joints = np.full(2 * z.shape[1], names.index("joints"))
-    after_samples = np.concatenate([trackers, going_on, joints])
+    joints = names.index("joints")
     parts = np.zeros((len(names), X.shape[1], X.shape[1]))
 
     def add(rows: np.ndarray, sources: np.ndarray) -> None:
@@ -104,8 +103,10 @@ def _of_intervals(
     for k, equations in enumerate(every):
         _, columns = np.nonzero(counts[edges[k] : edges[k + 1]])
         rows = equations[:, :-1] @ np.vstack([z[k], z[k + 1], X])
-        add(rows, np.concatenate([columns // 3, after_samples]))
-    of_joints = np.full(z.shape[1] - going_on.size - trackers.size, joints[0])
+        before = np.concatenate([columns // 3, trackers, going_on])
+        # Then passive joints, and encoders.
+        add(rows, np.append(before, np.full(len(rows) - before.size, joints)))
+    of_joints = np.full(z.shape[1] - going_on.size - trackers.size, joints)
     first = z[0] / problem.loose.first[:, None]
     add(first, np.concatenate([going_on, trackers, of_joints]))
     return dict(zip(names, parts, strict=True))
