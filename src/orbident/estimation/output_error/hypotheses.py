@@ -83,16 +83,17 @@ class Search:
 
         Args:
             names: of errors of instruments.
-            near: where another fit of the recording ended. A search from there is a
-                trial, of few steps: where what is tried is right, more are not needed.
+            near: where another fit of the recording ended. A search starts from
+                there alone, and is a trial of few steps: where what is tried is
+                right, more are not needed.
         """
         more = (*self.problem.unknowns(names), *self.problem.expected)
-        starts = self.starts if near is None else (near, *self.starts)
+        starts = self.starts if near is None else (near,)
         steps = self.steps if near is None else min(self.steps, FEW_STEPS)
         prior = self.prior.extended(np.array([each.std or FREE for each in more]))
         places = np.array([each.place for each in (*self.problem.declared, *more)])
         here = self.at_hand.pop() if self.at_hand else None
-        solution = None
+        solutions = list[Solution]()
         for start in starts:
             solution = solved(
                 self.problem,
@@ -105,9 +106,9 @@ class Search:
             )
             here = None
             if solution.converged:
-                break
-        assert solution is not None
-        return solution
+                return solution
+            solutions.append(solution)
+        return min(solutions, key=lambda each: each.cost)
 
     def allowing(self, sizes: Mapping[str, float]) -> "Search":
         """The search in a world where what may act has other sizes, by family, SI."""
@@ -149,8 +150,8 @@ def fit_in_world(search: Search, excluded: Collection[str] = ()) -> WorldFit:
         search: fits the recording.
         excluded: families that are not tested.
     """
-    search = _sized(search)
-    found = expected = search.settled(search.freed)
+    search, first = _sized(search)
+    found = expected = search.settled(first)
     # In all first fits noise is that assumed, so that their costs can be compared.
     solution, cost, freed = found.solution, found.assumed, tuple[str, ...]()
     tested = search.problem.t.size <= LONGEST
@@ -169,14 +170,22 @@ def fit_in_world(search: Search, excluded: Collection[str] = ()) -> WorldFit:
     return WorldFit(search.problem, found, expected, zeros, freed)
 
 
-def _sized(search: Search) -> Search:
-    """With the most likely size of what changes slowly and may be anything."""
+def _sized(search: Search) -> tuple[Search, Callable[[], Solution]]:
+    """With the most likely size of what changes slowly and may be anything.
+
+    Returns:
+        The search, and what solves it for the first time.
+    """
     free = [name for name in SLOW if search.problem.acting.is_free(name)]
     if not free:
-        return search
+        return search, search.freed
     solution = search.freed()
+    if not solution.converged:
+        # Where there is no least cost there is no most likely size.
+        return search, lambda: solution
     sizes = {name: size_of(search.problem, solution, name) for name in free}
-    return search.allowing(sizes)
+    sized = search.allowing(sizes)
+    return sized, lambda: sized.freed(near=solution.state)
 
 
 def _zeros(problem: Problem, solution: Solution, tested: bool) -> TakenForZero:

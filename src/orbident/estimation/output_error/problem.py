@@ -190,7 +190,7 @@ def problem_of(
         if name != "joints":
             valid &= ~pushed
         seen[name] = table
-        axes = _axes(robot, name, table.shape[1]) / sensed.std
+        axes = _axes(robot, name, samples.locked) / sensed.std
         # Where all rows count alike, one is held in place of a table.
         weights[name] = (
             np.broadcast_to(axes, (valid.size, axes.size))
@@ -254,10 +254,12 @@ def _none(name: str) -> Float[np.ndarray, "0 axes"]:
     return np.zeros((0, 4 if name == "attitude" else 3))
 
 
-def _axes(robot: Robot, sensor: str, columns: int) -> Float[np.ndarray, " axes"]:
-    """1 for those in which momentum is conserved; encoders have all."""
+def _axes(
+    robot: Robot, sensor: str, locked: Collection[str]
+) -> Float[np.ndarray, " axes"]:
+    """1 for those in which momentum is conserved, and for joints that moved."""
     if sensor == "joints":
-        return np.ones(columns)
+        return np.array([float(name not in locked) for name in robot.joint_names])
     if robot.motion != "planar":
         return np.ones(3)
     turning = sensor in {"gyro", "attitude"}
