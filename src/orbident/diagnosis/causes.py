@@ -2,9 +2,11 @@
 
 from collections.abc import Callable, Iterable, Iterator
 from functools import partial
+from time import process_time
 
 import numpy as np
 
+from orbident.choices import CauseSearch
 from orbident.diagnosis.events import event
 from orbident.diagnosis.frames import beside, missing_wheel
 from orbident.diagnosis.instruments import freed, kinds
@@ -40,18 +42,34 @@ MOST = 0.5
 LIKELIEST = 3
 """So many are tried, of all that have a score."""
 
+SEARCH_ON = "the search ended after some seconds, and '--causes all' goes on"
+"""What is said where not all causes were tried."""
+
 LOST = 6
 """Trials without a least cost, after which nothing is tried any more: where many things
 are wrong, putting one of them right does not bring a fit."""
 
 
+QUICK = 4.0
+"""s of CPU after which a quick search begins no further trial: with the fit itself, and
+with the trial that is under way, an answer then takes ten at most."""
+
+
 @one_blas_thread
-def causes(solved: Solved) -> tuple[Check, ...]:
-    """What is most likely wrong with a refused recording; it takes some seconds."""
-    return tuple(_causes(solved))
+def causes(solved: Solved, search: CauseSearch = "quick") -> tuple[Check, ...]:
+    """What is most likely wrong with a refused recording; it takes some seconds.
+
+    Args:
+        solved: what the result was judged by.
+        search: whether it ends after some seconds, with the likeliest causes tried.
+    """
+    if search == "none":
+        return ()
+    end = process_time() + QUICK if search == "quick" else np.inf
+    return tuple(_causes(solved, end))
 
 
-def _causes(solved: Solved) -> Iterator[Check]:
+def _causes(solved: Solved, end: float) -> Iterator[Check]:
     problem, shown = solved.problem, solved.shown
     step = float32_step(problem.recording.t)
     if step:
@@ -84,11 +102,12 @@ def _causes(solved: Solved) -> Iterator[Check]:
             wrong.falls,
         )
     elif shown:
-        yield from _by_trials(solved, shown, conventions, jumped)
+        yield from _by_trials(solved, shown, conventions, jumped, end)
     else:
         # Without a fit nothing else can be scored.
         found = [_explained(one, now) for one in missing_wheel(problem) if one.accepted]
-        happened = event(problem) if solved.hindered and not found else None
+        hopeful = solved.hindered and not found and process_time() < end
+        happened = event(problem) if hopeful else None
         if happened is not None:
             found = [_found(happened.reason, happened.remedy)]
         yield from found
@@ -99,6 +118,7 @@ def _by_trials(
     shown: Estimate,
     conventions: list[CorrectedConvention],
     jumped: list[Trial],
+    end: float,
 ) -> Iterator[Check]:
     """What output error finds, or what may have happened."""
     now, corrected = misfit(shown), already_corrected(solved.problem)
@@ -107,7 +127,7 @@ def _by_trials(
         # Clocks seemed late because of what is looked for.
         shown, now = corrected.before.estimate, before
         solved = solved._replace(problem=corrected.recorded, shown=shown)
-    trials = [*jumped, *_tried(solved, conventions, before)]
+    trials = [*jumped, *_tried(solved, conventions, before, end)]
     if corrected and now < before:
         trials.append(Trial(corrected.cause, False, now))
     best = _best(trials)
@@ -125,7 +145,9 @@ def _by_trials(
     shrunk = best is not None and _as_noise(best.estimate) and not _as_noise(shown)
     # As an event, too, makes clocks seem late, parts are on the clocks as recorded.
     problem = corrected.recorded if corrected else solved.problem
-    happened = None if shrunk else event(problem)
+    ended = process_time() > end
+    happened = None if shrunk or ended else event(problem)
+    more = f"; {SEARCH_ON}" if ended else ""
     if happened is not None:
         yield _found(happened.reason, happened.remedy)
     elif best is not None and falls > EXPLAINS:
@@ -134,7 +156,7 @@ def _by_trials(
             f"{falls:.2g}, more than by any other cause that was tried, though the "
             "recording is still refused",
             "see whether more than one thing is wrong: with tolerances in the robot "
-            "file errors of several instruments are estimated at once",
+            f"file errors of several instruments are estimated at once{more}",
             falls,
         )
     else:
@@ -142,7 +164,7 @@ def _by_trials(
             "no part of the recording fits, and no cause that was tried explains it "
             "(perhaps something moves in the robot: a loose mass, sloshing, flexible "
             "joints)",
-            "remove what acts",
+            f"remove what acts{more}",
         )
 
 
@@ -160,11 +182,15 @@ def _explained(best: Trial, before: float) -> Check:
 
 
 def _tried(
-    solved: Solved, conventions: list[CorrectedConvention], before: float
+    solved: Solved,
+    conventions: list[CorrectedConvention],
+    before: float,
+    end: float,
 ) -> list[Trial]:
     """The plainest first: where some of these explain all, the rest need not be.
 
-    All others are tried in the order of what they would explain to first order.
+    All others are tried in the order of what they would explain to first order, until
+    the CPU's time is at its end.
     """
     problem, trials = solved.problem, list[Trial]()
     for some in (
@@ -179,7 +205,7 @@ def _tried(
     ):
         for one in some(problem):
             trials.append(_sure(one, before))
-            if sum(each.lost for each in trials) == LOST:
+            if sum(each.lost for each in trials) == LOST or process_time() > end:
                 return trials
         if any(one.accepted for one in trials):
             break
