@@ -21,7 +21,7 @@ from orbident.diagnosis.shifts import drifts, jumps, soft_joints, steps
 from orbident.diagnosis.stale import stale
 from orbident.diagnosis.suspects import score_of
 from orbident.diagnosis.suspects import tried as put_right
-from orbident.diagnosis.trial import Trial, amended_trial
+from orbident.diagnosis.trial import NONE, Rival, Trial, amended_trial
 from orbident.estimation.checks import Check
 from orbident.estimation.clock_search import WORTH, misfit
 from orbident.estimation.estimate import Estimate, Solved
@@ -45,7 +45,7 @@ LIKELIEST = 3
 SEARCH_ON = "the search ended after some seconds, and '--causes all' goes on"
 """What is said where not all causes were tried."""
 
-LOST = 6
+LOST = 3
 """Trials without a least cost, after which nothing is tried any more: where many things
 are wrong, putting one of them right does not bring a fit."""
 
@@ -169,14 +169,21 @@ def _by_trials(
 
 
 def _explained(best: Trial, before: float) -> Check:
-    """A trial that is accepted."""
+    """A trial that is accepted: the cause, if no other one may explain as much."""
     falls = before - best.misfit
-    return _found(
+    words = (
         f"{best.cause}: with that put right the recording is accepted "
-        f"(chi-square falls by {falls:.2g})",
-        "correct it, or declare its tolerance in the robot file"
-        if best.tolerable
-        else "correct it",
+        f"(chi-square falls by {falls:.2g})"
+    )
+    remedy = "correct it"
+    if best.tolerable:
+        remedy = "correct it, or declare its tolerance in the robot file"
+    if best.seen or falls > best.rival.falls + WORTH:
+        return _found(words, remedy, falls)
+    other = best.rival.cause
+    return _found(
+        f"perhaps {words}; or perhaps {other}, which may look like it",
+        f"measure which of them it is, and then {remedy}",
         falls,
     )
 
@@ -192,7 +199,7 @@ def _tried(
     All others are tried in the order of what they would explain to first order, until
     the CPU's time is at its end.
     """
-    problem, trials = solved.problem, list[Trial]()
+    problem, trials, rival = solved.problem, list[Trial](), NONE
     for some in (
         noisier_sensors,
         spikes,
@@ -205,6 +212,9 @@ def _tried(
     ):
         for one in some(problem):
             trials.append(_sure(one, before))
+            # Those of the stages that follow are less likely than what was scored.
+            rival = max(rival, one.rival)
+            trials[-1] = trials[-1]._replace(rival=rival)
             if sum(each.lost for each in trials) == LOST or process_time() > end:
                 return trials
         if any(one.accepted for one in trials):
@@ -234,13 +244,14 @@ def _likeliest(solved: Solved) -> Iterator[Trial]:
     if shown is None or shown.solution is None or shown.sensitivity is None:
         return
     price = np.log(problem.samples.t.size)
-    worth: list[tuple[float, Callable[[], Iterable[Trial]]]] = []
+    worth: list[tuple[Rival, Callable[[], Iterable[Trial]]]] = []
     table = shown.sensitivity()
     for kind in kinds(problem.robot):
         first = table.together(kind.names)
         if first.values.size:
             gain = first.fall - price * first.values.size
-            worth.append((gain, partial(freed, problem, kind)))
+            rival = Rival(gain, f"{kind} is off")
+            worth.append((rival, partial(freed, problem, kind)))
     for suspect in (
         *beside(problem),
         *steps(problem, shown),
@@ -250,11 +261,15 @@ def _likeliest(solved: Solved) -> Iterator[Trial]:
     ):
         first = score_of(problem, shown.solution, suspect)
         gain = first.fall - price * first.values.size
-        worth.append((gain, partial(put_right, problem, suspect, first, misfit(shown))))
-    worth.sort(key=lambda one: -one[0])
-    for gain, put in worth[:LIKELIEST]:
-        if gain > WORTH:
-            yield from put()
+        if first.values.size:
+            rival = Rival(gain, suspect.words(first.values))
+            put = partial(put_right, problem, suspect, first, misfit(shown))
+            worth.append((rival, put))
+    worth.sort(key=lambda one: -one[0].falls)
+    for k, (own, put) in enumerate(worth[:LIKELIEST]):
+        others = [more for more, _ in (*worth[:k], *worth[k + 1 :])]
+        if own.falls > WORTH:
+            yield from (one._replace(rival=max(others, default=NONE)) for one in put())
 
 
 def _as_noise(estimate: Estimate | None) -> bool:

@@ -52,6 +52,10 @@ class ErrorKind(NamedTuple):
     std: float
     """Beforehand; SI."""
 
+    def __str__(self) -> str:
+        named = self.names[0].split(".")
+        return self.words.format(named[1] if len(named) > 1 else "")
+
     @property
     def of_one(self) -> bool:
         """Whether they are of one instrument or joint, and not one of each."""
