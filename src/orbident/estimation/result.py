@@ -242,10 +242,13 @@ class Result(BesideParameters, Identified):
         return [head, mass, "", *short_table(self.base)]
 
     def __getstate__(self) -> dict[str, Any]:
-        """The fields, with values instead of functions that know the whole problem."""
+        """The fields, with values instead of functions that know the whole problem.
+
+        A cause that is to be kept is looked for before: `with_causes` takes seconds.
+        """
         computed = ("sensitivity", "budget", "signals")
         return {
-            **vars(self.with_causes()),
+            **vars(replace(self, solved=None)),
             **{name: as_computed(getattr(self, name)()) for name in computed},
         }
 
