@@ -26,6 +26,7 @@ from orbident.estimation.checks import Check
 from orbident.estimation.clock_search import WORTH, misfit
 from orbident.estimation.estimate import Estimate, Solved
 from orbident.estimation.momentum_problem import MomentumProblem
+from orbident.estimation.parameter_checks import MASS_BESIDE_NOMINAL, beside_nominal
 from orbident.estimation.residual_checks import NOISY, residual_checks
 from orbident.recordings.recording import float32_step
 from orbident.threads import one_blas_thread
@@ -63,7 +64,7 @@ def causes(solved: Solved, search: CauseSearch = "quick") -> tuple[Check, ...]:
         solved: what the result was judged by.
         search: whether it ends after some seconds, with the likeliest causes tried.
     """
-    if search == "none":
+    if search == "none" or any(one.name == "cause" for one in solved.hindered):
         return ()
     end = process_time() + QUICK if search == "quick" else np.inf
     return tuple(_causes(solved, end))
@@ -81,7 +82,7 @@ def _causes(solved: Solved, end: float) -> Iterator[Check]:
     for words in stale(problem.robot, problem.recording):
         yield _found(words, "record each sample once, when it is taken")
         return
-    if any(one.name == "scale" for one in solved.hindered):
+    if _of_the_scale(solved):
         # That is the cause: without a scale whatever is freed may seem to explain it.
         return
     # A jump spoils the linear equations, where it may look like a wrong sign.
@@ -94,13 +95,7 @@ def _causes(solved: Solved, end: float) -> Iterator[Check]:
     # That parameters are of a likelier sign is not enough where it can be tried.
     plain = wrong.residuals_alone > FALLS or not (shown and wrong.convention.columns)
     if wrong.falls > FALLS and plain:
-        times = f"{wrong.falls:.2g}"
-        yield _found(
-            f"{wrong.convention.cause}: with that put right the residuals of Eqs. 24 "
-            f"and 31 are {times} times smaller",
-            "correct the recording or the robot file",
-            wrong.falls,
-        )
+        yield wrong.check()
     elif shown:
         yield from _by_trials(solved, shown, conventions, jumped, end)
     else:
@@ -111,6 +106,17 @@ def _causes(solved: Solved, end: float) -> Iterator[Check]:
         if happened is not None:
             found = [_found(happened.reason, happened.remedy)]
         yield from found
+
+
+def _of_the_scale(solved: Solved) -> bool:
+    """Whether there is no scale, or a unit of the wheels' speeds explains the mass."""
+    robot, mass = solved.problem.robot, solved.estimate.mass
+    unit = beside_nominal(mass, robot.mass, len(robot.wheels))
+    wrong = [*solved.hindered, *unit]
+    return any(
+        one.level == "do not trust" and one.name in {"scale", MASS_BESIDE_NOMINAL}
+        for one in wrong
+    )
 
 
 def _by_trials(

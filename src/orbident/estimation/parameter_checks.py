@@ -54,6 +54,9 @@ NEAR = 1.5
 """Times that an identified mass may be off a unit's factor: CAD values are hardly
 further off."""
 
+MASS_BESIDE_NOMINAL = "mass beside the nominal one"
+"""The check's name."""
+
 SPREAD = 0.5
 """Forms of Eq. 32 that differ by more than this do not measure one mass."""
 
@@ -136,8 +139,8 @@ def beside_nominal(M: Quantity, nominal: float, wheels: int) -> Iterator[Check]:
     ]
     known = "wheel speeds and the wheels' inertia" if wheels else "the thrust"
     yield Check(
-        "mass beside the nominal one",
-        "with care",
+        MASS_BESIDE_NOMINAL,
+        "do not trust" if wheels and units else "with care",
         f"mass: {M.value:.4g} kg is {times:.2g} times the nominal {nominal:.4g} kg, "
         f"and only {'wheels' if wheels else 'thrust'} can say how large pi and M are",
         f"see whether wheel speeds are in {units[0]} and not in rad/s"
