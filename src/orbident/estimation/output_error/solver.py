@@ -23,6 +23,10 @@ from orbident.estimation.solution import (
 from orbident.estimation.triangular import check_finite, fold
 from orbident.recordings.long_recording import LARGE
 
+SAME = 0.01
+"""Chi-square: what differs by less is as likely. Where noise lasts, or weights depend on
+the state, the equations' solution is not quite where the cost is least."""
+
 STEPS = 20
 """The most that a search takes."""
 DAMPING = 1e-3
@@ -91,7 +95,7 @@ def solved(
             g = _damped(prior.added(there.common, moved), damping)
             moved = moved.moved(there.step(g), g)
             there, new_cost = equations_at(problem, weights, prior, moved)
-        if new_cost < cost:
+        if new_cost < cost + SAME:
             expected = change @ (2 * whole - change)
             gain = float((cost - new_cost) / expected)
             state, here, cost, raised = moved, there, new_cost, RAISED
