@@ -19,7 +19,7 @@ REQUIRED = $$($(BIN)/python -c "import functools, sys, tomllib; \
 
 demo: .venv/libraries .venv/core
 	@echo "a robot that CAD has wrong, flown and identified"
-	@$(BIN)/orbident demo -o build/demo --force
+	@$(BIN)/orbident demo --force
 	@echo
 	@echo "for the command in this shell: source $(BIN)/activate"
 

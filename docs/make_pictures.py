@@ -41,7 +41,8 @@ text { font: 16px system-ui, sans-serif; fill: #1f2328 }
 .grid { stroke: #d0d7de; fill: none }
 .seen { stroke: #57606a; fill: none } .face { fill: #57606a; fill-opacity: .13 }
 .found { stroke: #0a7d33; fill: none } .dot { fill: #0a7d33 }
-.cad { stroke: #cf222e; fill: none; stroke-dasharray: 7 4 } .true { stroke: #1f2328; fill: none }
+.cad { stroke: #cf222e; fill: none; stroke-dasharray: 7 4 }
+.true { stroke: #1f2328; fill: none }
 text.found { fill: #0a7d33; stroke: none } text.cad { fill: #cf222e; stroke: none }
 @media (prefers-color-scheme: dark) {
 .card { fill: #0d1117; stroke: #30363d } .grid { stroke: #30363d }

@@ -50,7 +50,7 @@ def demo(
     robot, lasted = flown.robot, flown.first.t[-1] - flown.first.t[0]
     output.say(
         f"the robot: {robot.name}, {len(robot.joints)} joints, {len(robot.wheels)} "
-        f"wheels; each mass, CM and inertia is {study.WRONG:.0%} off CAD, up or down",
+        f"wheels; each mass, CM and inertia is {100 * study.WRONG:g} % off CAD",
         f"its flight: {lasted:g} s, simulated, with noise, errors of instruments and a "
         f"torque of {1e3 * study.TORQUE:g} mN m",
         "identified from it, with nothing known of these but how large they usually "
@@ -120,9 +120,9 @@ def _next(out: Path) -> list[str]:
     return [
         *([f"its report: {page}{opened}"] if page.exists() else []),
         f"in 3D: orbident view {out / RUN} --recording {out / FLIGHTS[1]}",
-        "your robot: orbident check FILE, of a URDF, xacro, MJCF or SDF; what these "
+        "your robot: orbident check arm.urdf (or xacro, MJCF, SDF); what such a file "
         "cannot say is",
-        "in a robot file: orbident new robot.yaml writes one to edit",
+        "in a robot file, which orbident new robot.yaml writes for you to edit",
     ]
 
 
