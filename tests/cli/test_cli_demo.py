@@ -1,6 +1,7 @@
 """`demo`: a robot that CAD has wrong, from its flight to a report."""
 
 import json
+import sys
 import webbrowser
 from pathlib import Path
 
@@ -29,6 +30,19 @@ def test_it_is_right_where_cad_is_wrong(
     found = orbident(*words).done().json
     kept = json.loads(Path("kept/run/result.json").read_text())
     assert found["mass"] == kept["mass"]
+
+
+def test_a_terminal_with_a_display_opens_the_report(
+    orbident: Orbident, monkeypatch: pytest.MonkeyPatch
+):
+    opened = []
+    monkeypatch.setenv("DISPLAY", ":0")
+    monkeypatch.setattr(sys.stdout, "isatty", lambda: True)
+    monkeypatch.setattr(webbrowser, "open", lambda url: not opened.append(url))
+    orbident("demo", "--quiet")
+    assert opened == []
+    assert "(it is open in the browser)" in orbident("demo", "--force").out
+    assert opened == [Path("demo/run/report.html").resolve().as_uri()]
 
 
 @pytest.mark.parametrize("name", ["flight.csv", "other_flight.csv", "run/notes.txt"])

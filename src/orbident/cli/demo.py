@@ -78,7 +78,7 @@ def demo(
         "attitude",
         f"is {off['identified']:.2g} deg off as identified, {off['CAD']:.2g} by CAD",
         "",
-        *_next(out),
+        *_next(out, shown=not quiet and json != "-"),
     )
     output.write_json(
         {
@@ -111,14 +111,20 @@ def _kept(result: Any, flown: Any, out: Path, force: bool) -> tuple[list[str], A
         return keep(result, flown.robot, flown.first, out / RUN, force), result
 
 
-def _next(out: Path) -> list[str]:
-    """Where to look, and what to do with a robot of one's own."""
+def _next(out: Path, shown: bool) -> list[str]:
+    """Where to look, and what to do with a robot of one's own.
+
+    Args:
+        out: the folder.
+        shown: whether the report is to be opened.
+    """
     from orbident.identified.run_folder import REPORT
 
     page = out / RUN / REPORT
-    opened = " (it is open in the browser)" if _opened(page) else ""
+    there = page.exists()
+    opened = " (it is open in the browser)" if there and shown and _opened(page) else ""
     return [
-        *([f"its report: {page}{opened}"] if page.exists() else []),
+        *([f"its report: {page}{opened}"] if there else []),
         f"in 3D: orbident view {out / RUN} --recording {out / FLIGHTS[1]}",
         "your robot: orbident check arm.urdf (or xacro, MJCF, SDF); what such a file "
         "cannot say is",
@@ -134,6 +140,6 @@ def _opened(page: Path) -> bool:
 
     windows = {"DISPLAY", "WAYLAND_DISPLAY"} & os.environ.keys()
     seen = sys.platform in {"darwin", "win32"} or windows
-    if not (seen and sys.stdout.isatty() and page.exists()):
+    if not (seen and sys.stdout.isatty()):
         return False
     return webbrowser.open(page.resolve().as_uri())
