@@ -19,7 +19,6 @@ from orbident.estimation.quantities import most_different
 from orbident.estimation.result import Result
 from orbident.gaussian import NINETY_FIVE
 from orbident.identified.prediction import predict
-from orbident.report.charts import shortened
 from orbident.robot.description import Robot
 from orbident.robot.parameters import FIRST_MOMENT, MASS
 from orbident.scene.replay import (
@@ -35,8 +34,8 @@ FOLDER = Path(__file__).parent / "pictures"
 
 STYLE = """
 .card { fill: #ffffff; stroke: #d0d7de }
-text { font: 16px system-ui, sans-serif; fill: #1f2328 }
-.small { font-size: 14px }
+text { font: 20px system-ui, sans-serif; fill: #1f2328 }
+.small { font-size: 18px }
 .right { text-anchor: end } .middle { text-anchor: middle }
 .grid { stroke: #d0d7de; fill: none }
 .seen { stroke: #57606a; fill: none } .face { fill: #57606a; fill-opacity: .13 }
@@ -132,14 +131,16 @@ SIDES += [(1, 3, 7, 5)]
 
 
 def outline(scene: Scene, motion: MotionHistory, inertia: Robot) -> Outline:
-    """The box of the base and the line of the arm, about the system CM.
+    """The box of the base and the line of the arm, where the CM rests.
 
     Args:
         scene: of the robot, whose joints are a chain.
         motion: of it.
         inertia: the robot with the inertia that says where the CM is.
     """
-    about = centroidal_momentum(inertia, motion).r_cm
+    r_cm = centroidal_momentum(inertia, motion).r_cm
+    # All begin at one place, with their CMs where they say.
+    about = r_cm - r_cm[0]
     frames = placed(scene, motion, np.zeros_like(motion.qd_rw))
     base = np.vstack([shape.vertices for shape in scene.shapes if shape.frame == 0])
     ends = np.array([base.min(axis=0), base.max(axis=0)])
@@ -184,9 +185,9 @@ def moving(flights: DemoFlights, result: Result) -> str:
     )
     legend = [
         words(20, 32, title),
-        words(20, 60, "measured", "small"),
-        words(20, 82, "predicted by CAD, which is 10 % off", "small cad"),
-        words(20, 104, "predicted as identified from a first flight", "small found"),
+        words(20, 64, "measured", "small"),
+        words(20, 90, "predicted by CAD, which is 10 % off", "small cad"),
+        words(20, 116, "predicted as identified", "small found"),
     ]
     return picture(
         520, title, about_it, [*parts, *legend, *strip(t, angles, ends, step)]
@@ -240,14 +241,14 @@ def strip(
     step: int,
 ) -> list[str]:
     """How far the attitude is off, over time, with the time that is shown."""
-    left, right, top, bottom = 60.0, WIDTH - 70.0, 432.0, 484.0
+    left, right, top, bottom = 60.0, WIDTH - 76.0, 434.0, 484.0
     most = float(max(angle.max() for angle in angles))
     x = left + (right - left) * t / t[-1]
     parts = [
         line(np.array([[left, bottom], [right, bottom]]), "grid"),
-        words(left, 508, "0", "small middle"),
-        words(right, 508, f"{t[-1]:.0f} s", "small middle"),
-        words(left - 40, 420, "attitude off by", "small"),
+        words(left, 510, "0", "small middle"),
+        words(right, 510, f"{t[-1]:.0f} s", "small middle"),
+        words(20, 418, "attitude off by", "small"),
         words(left - 8, bottom, "0°", "small right"),
     ]
     for kind, angle, end in zip(("cad", "found"), angles, ends, strict=True):
@@ -287,8 +288,22 @@ class Scale(NamedTuple):
             ends = np.array([[self.at(x), top], [self.at(x), bottom]])
             yield line(ends, "grid")
             yield words(
-                self.at(x), bottom + 20, f"{x:+g} %" if x else "0", "small middle"
+                self.at(x), bottom + 22, f"{x:+g} %" if x else "0", "small middle"
             )
+
+
+LONGEST = 26
+"""Characters of a name that stand beside the axis."""
+
+
+def _short(formula: str) -> str:
+    """The first terms of a sum, as many as there is room for."""
+    terms = formula.split(" + ")
+    for k in range(len(terms), 1, -1):
+        text = " + ".join([*terms[:k], *["…"] * (k < len(terms))])
+        if len(text) <= LONGEST:
+            return text
+    return " + ".join([terms[0], *["…"] * (len(terms) > 1)])
 
 
 def forest(flights: DemoFlights, result: Result) -> str:
@@ -300,14 +315,14 @@ def forest(flights: DemoFlights, result: Result) -> str:
     true = percent * (flights.true_base()[rows] - base.values[rows])
     top, high = 86.0, 30.0
     bottom = top + high * len(rows) - 8
-    wide = Scale.of(np.append(off, 0.0), 10.0, 355.0, 535.0)
-    near = Scale.of(np.concatenate([half, -half, true]), 0.1, 600.0, 720.0)
+    wide = Scale.of(np.append(off, 0.0), 10.0, 290.0, 500.0)
+    near = Scale.of(np.concatenate([half, -half, true]), 0.1, 570.0, 710.0)
     title = "What one flight says, beside CAD and the truth"
     parts = [
         words(20, 32, title),
-        words(wide.at(0.0), 60, "CAD", "small cad middle"),
-        words(20, 60, "estimates and their 95 % intervals", "small found"),
-        words(near.at(0.0), 60, "closer, and the truth", "small middle"),
+        words(wide.at(0.0), 62, "CAD", "small cad middle"),
+        words(20, 62, "95 % intervals", "small found"),
+        words(near.at(0.0), 62, "closer: the truth", "small middle"),
         *wide.drawn(70, bottom),
         *near.drawn(70, bottom),
         line(np.array([[wide.at(0.0), 70], [wide.at(0.0), bottom]]), "cad", 2.0),
@@ -315,7 +330,7 @@ def forest(flights: DemoFlights, result: Result) -> str:
     said = []
     for k, row in enumerate(rows):
         y, name = top + high * k, base.names[row]
-        what = "total mass" if name == "M" else shortened(base.formulas[row])
+        what = "total mass" if name == "M" else _short(base.formulas[row])
         said.append(
             f"{what}: {off[k]:+.1f} % from CAD, {true[k]:+.2f} % from the truth"
         )

@@ -12,7 +12,7 @@ PACKAGE = ROOT / "src/orbident"
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
     "files": 301,
-    "lines": 57_110,
+    "lines": 57_108,
     "files of estimation": 45,
     "lines of estimation": 9_818,
     "files with one user": 65,
