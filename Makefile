@@ -1,5 +1,7 @@
 # The only two commands a newcomer needs: make demo, make test.
-PYTHON ?= python3.11
+# The first of these that is there; the redirection makes make ask a shell.
+PYTHON ?= $(notdir $(firstword $(foreach version,3.11 3.12 3.13, \
+	$(shell command -v python$(version) 2> /dev/null)) python3))
 BIN := .venv/bin
 # Bytecode is kept, whatever the shell's environment says: without it every start of the
 # command compiles its libraries anew, and the tests start it some hundred times.

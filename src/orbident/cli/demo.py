@@ -73,7 +73,7 @@ def demo(
     output.say(
         "",
         f"the truth: at most {away['identified']:.2g} std from what is identified, "
-        f"{away['CAD']:.2g} from CAD",
+        f"{away['CAD']:.3g} from CAD",
         "another flight, predicted from how joints and wheels move: at its end the "
         "attitude",
         f"is {off['identified']:.2g} deg off as identified, {off['CAD']:.2g} by CAD",
