@@ -11,11 +11,11 @@ PACKAGE = ROOT / "src/orbident"
 
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
-    "files": 298,
-    "lines": 56_685,
+    "files": 301,
+    "lines": 57_108,
     "files of estimation": 45,
-    "lines of estimation": 9_788,
-    "files with one user": 64,
+    "lines of estimation": 9_818,
+    "files with one user": 65,
     "imports below each other": 29,
     "numbers without a reason": 39,
 }

@@ -22,6 +22,7 @@ from orbident.robot.sensor_schema import AttitudeSpec, PositionSpec
 from orbident.simulation.sensor import read_attitude, read_position
 from orbident.simulation.simulate import simulate
 
+FIRST = ROOT / "docs" / "first-result.md"
 LIBRARY = Path(str(files("orbident.robot") / "library"))
 MS = 1_000_000
 
@@ -51,10 +52,10 @@ SERVICER = """\
 """
 
 
-def readme() -> None:
+def first_result() -> None:
     """The robot of the page's file, flown and burnt; a table's bag; a drone's log."""
     Path("servicer.urdf").write_text(SERVICER)
-    (shown,) = (b.text for b in blocks(ROOT / "README.md") if b.language == "yaml")
+    (shown,) = (b.text for b in blocks(FIRST) if b.language == "yaml")
     Path("servicer.yaml").write_text(shown)
     robot = oi.load_robot("servicer.yaml")
     for seed, name in enumerate(("flight", "other_flight", "earlier", "later")):
@@ -195,7 +196,7 @@ def repository() -> None:
 
 
 BEFORE: dict[str, Callable[[], None]] = {
-    "README.md": readme,
+    "docs/first-result.md": first_result,
     "docs/how-to/after-a-capture.md": capture,
     "docs/how-to/designing-an-excitation.md": flyer,
     "docs/how-to/files-of-other-tools.md": other_tools,
