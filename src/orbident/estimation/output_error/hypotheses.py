@@ -77,19 +77,18 @@ class Search:
         return self.steps < STEPS
 
     def freed(
-        self, names: Collection[str] = (), near: Unknowns | None = None
+        self, names: Collection[str] = (), trial: Sequence[Unknowns] = ()
     ) -> Solution:
         """The least cost with these among the unknowns too, with the assumed noise.
 
         Args:
             names: of errors of instruments.
-            near: where another fit of the recording ended. A search starts from
-                there alone, and is a trial of few steps: where what is tried is
-                right, more are not needed.
+            trial: where a search starts that is a trial, of few steps: where what is
+                tried is right, more are not needed.
         """
         more = (*self.problem.unknowns(names), *self.problem.expected)
-        starts = self.starts if near is None else (near,)
-        steps = self.steps if near is None else min(self.steps, FEW_STEPS)
+        starts = trial or self.starts
+        steps = min(self.steps, FEW_STEPS) if trial else self.steps
         prior = self.prior.extended(np.array([each.std or FREE for each in more]))
         places = np.array([each.place for each in (*self.problem.declared, *more)])
         here = self.at_hand.pop() if self.at_hand else None
@@ -186,7 +185,7 @@ def _sized(search: Search) -> tuple[Search, Callable[[], Solution]]:
         return search, lambda: solution
     sizes = {name: size_of(search.problem, solution, name) for name in free}
     sized = search.allowing(sizes)
-    return sized, lambda: sized.freed(near=solution.state)
+    return sized, lambda: sized.freed(trial=[solution.state])
 
 
 def _zeros(problem: Problem, solution: Solution, tested: bool) -> TakenForZero:
@@ -209,14 +208,16 @@ def _best(
     numbers of a family do, nothing is freed: the checks of the residuals then say what
     is wrong.
     """
-    problem, near = search.problem, zeros.solution.state
+    problem = search.problem
+    # A bad fit is near nothing.
+    near = search.starts if _bad(problem, cost) else [zeros.solution.state]
     free = {each.family for each in problem.expected if each.std == FREE}
     # Beside a slow torque that may be anything another one would follow anything.
     beside = {*excluded, *free, *(SLOW if {*SLOW, *WALKS} & free else ())}
     tried = []
     for family in _likely(_beyond(zeros, beside)):
         freed = search.allowing({family: np.inf})
-        solution = freed.freed(near=near)
+        solution = freed.freed(trial=near)
         numbers = len(problem.unknowns([family]))
         worth = solution.cost + limit("disturbance", numbers)
         if worth < cost and not _impossible(problem, solution, family):
@@ -239,7 +240,7 @@ def _best(
     }
     own = size if family in SLOW else np.inf
     sized = search.allowing({**alike, family: own})
-    return family, sized, sized.freed(near=solution.state)
+    return family, sized, sized.freed(trial=[solution.state])
 
 
 def _beyond(zeros: TakenForZero, excluded: Collection[str]) -> dict[str, float]:

@@ -24,8 +24,8 @@ from orbident.estimation.triangular import check_finite, fold
 from orbident.recordings.long_recording import LARGE
 
 SAME = 0.01
-"""Chi-square: what differs by less is as likely. Where noise lasts, or weights depend on
-the state, the equations' solution is not quite where the cost is least."""
+"""Chi-square: what differs by less is as likely. Where noise lasts, or weights depend
+on the state, the equations' solution is not quite where the cost is least."""
 
 STEPS = 20
 """The most that a search takes."""
