@@ -46,7 +46,7 @@ LIKELIEST = 3
 SEARCH_ON = "the search ended after some seconds, and '--causes all' goes on"
 """What is said where not all causes were tried."""
 
-LOST = 3
+LOST = 6
 """Trials without a least cost, after which nothing is tried any more: where many things
 are wrong, putting one of them right does not bring a fit."""
 

@@ -56,10 +56,12 @@ class CorrectedConvention(NamedTuple):
             if self.residuals_alone > FALLS
             else "the parameters are of the size that CAD has"
         )
+        # A gain leaves residuals as they are.
+        perhaps = "" if self.residuals_alone > FALLS else "perhaps "
         return Check(
             "cause",
             "do not trust",
-            f"{self.convention.cause}: with that put right {shown}",
+            f"{perhaps}{self.convention.cause}: with that put right {shown}",
             "correct the recording or the robot file",
             self.falls,
         )

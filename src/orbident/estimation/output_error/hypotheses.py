@@ -158,8 +158,7 @@ def fit_in_world(search: Search, excluded: Collection[str] = ()) -> WorldFit:
     zeros = _zeros(search.problem, solution, tested)
     while tested and len(freed) < ROUNDS:
         best = _best(search, zeros, cost, excluded)
-        # At no least cost the next test would mean nothing.
-        if best is None or not best[-1].converged:
+        if best is None:
             break
         family, search, solution = best
         freed, cost = (*freed, family), solution.cost
@@ -210,7 +209,8 @@ def _best(
     """
     problem = search.problem
     # A bad fit is near nothing.
-    near = search.starts if _bad(problem, cost) else [zeros.solution.state]
+    here = [] if _bad(problem, cost) else [zeros.solution.state]
+    near = [*here, *search.starts]
     free = {each.family for each in problem.expected if each.std == FREE}
     # Beside a slow torque that may be anything another one would follow anything.
     beside = {*excluded, *free, *(SLOW if {*SLOW, *WALKS} & free else ())}
@@ -220,7 +220,9 @@ def _best(
         solution = freed.freed(trial=near)
         numbers = len(problem.unknowns([family]))
         worth = solution.cost + limit("disturbance", numbers)
-        if worth < cost and not _impossible(problem, solution, family):
+        # Without a least cost there is nothing to compare.
+        possible = solution.converged and not _impossible(problem, solution, family)
+        if worth < cost and possible:
             tried.append((worth, family, freed, solution))
     if not tried:
         return None
