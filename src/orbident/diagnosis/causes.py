@@ -51,9 +51,9 @@ LOST = 6
 are wrong, putting one of them right does not bring a fit."""
 
 
-QUICK = 4.0
-"""s of CPU after which a quick search begins no further trial: with the fit itself, and
-with the trial that is under way, an answer then takes ten at most."""
+QUICK = 8.0
+"""s of CPU after which a quick search begins no further trial: with the fit before it an
+answer takes some ten."""
 
 
 @one_blas_thread
