@@ -134,16 +134,16 @@ struct Call {
     recorded.acting = {acting.data(), gains.data(), count, recorded.columns.beta(),
                        static_cast<int>(betas)};
   }
-  // By tracker and axis: std, time and walk of what lasts.
+  // By tracker and axis: std, time, walk and walk of the rate of what lasts.
   void colour(const Array& given) {
-    const auto all = input<3>("coloured", given, {TRACKERS, 3, 3});
+    const auto all = input<3>("coloured", given, {TRACKERS, 3, 4});
     Sensed* const trackers[TRACKERS] = {&recorded.attitude, &recorded.position};
     int place = BIASES;
     for (int k = 0; k < TRACKERS; ++k) {
       int parts = 0;
       for (int axis = 0; axis < 3; ++axis) {
-        const double* values = all.data() + 9 * k + 3 * axis;
-        coloured[k][axis] = {values[0], values[1], values[2]};
+        const double* values = all.data() + 12 * k + 4 * axis;
+        coloured[k][axis] = {values[0], values[1], values[2], values[3]};
         parts += coloured[k][axis].parts();
       }
       if (parts && !trackers[k]->values) throw nb::value_error("coloured: of an absent sensor");

@@ -81,7 +81,7 @@ def assembled(
         orbit=orbit,
         structure=file.structure,
         sensors=file.sensors,
-        tolerances=file.tolerances.in_si(bodies.joints, place),
+        tolerances=file.tolerances.in_si(bodies.joints, file.thrusters, place),
         warnings=(
             *urdf.warnings,
             *_on_a_table(urdf, file),

@@ -34,7 +34,7 @@ inline void start_lasting(const Recorded& recorded, const LinearisedAt& at, int 
 inline void end_lasting(const Recorded& recorded, const LinearisedAt& at, int interval, int end,
                         const Sensed& sensor, Whitening* whitening, EquationTable& equations) {
   if (!sensor.coloured) return;
-  // Of a part's own variance: an interval of one row lasts no time.
+  // Of a part's own variance, after a second: an interval of one row lasts no time.
   constexpr double LEAST = 1e-9;
   constexpr int PARTS = Coloured::PARTS;
   const double* there = at.local + (interval + 1) * recorded.local();
@@ -42,21 +42,30 @@ inline void end_lasting(const Recorded& recorded, const LinearisedAt& at, int in
     Whitening& filter = whitening[axis];
     const Coloured& noise = filter.coloured;
     filter.predict(recorded.t[end]);
-    const double least[PARTS] = {LEAST * noise.std * noise.std, LEAST * noise.walk * noise.walk};
-    const double* before = nullptr;
-    double root = 1.0;
-    for (int part = 0; part < PARTS; ++part) {
-      if (!noise.has(part)) continue;
+    const double least[PARTS] = {LEAST * noise.std * noise.std, LEAST * noise.walk * noise.walk,
+                                 LEAST * noise.rate_walk * noise.rate_walk,
+                                 LEAST * noise.rate_walk * noise.rate_walk};
+    // Cholesky's factor of P, row by row.
+    double L[PARTS][PARTS] = {};
+    const double* done[PARTS] = {};
+    for (int i = 0; i < PARTS; ++i) {
+      if (!noise.has(i)) continue;
       double* row = equations.empty();
-      for (int k = 0; k < equations.width; ++k) row[k] = -filter.mean[part][k];
+      for (int k = 0; k < equations.width; ++k) row[k] = -filter.mean[i][k];
       row[equations.width - 1] += there[place];
       row[equations.end + place++] -= 1.0;
-      // Cholesky's factor of P, row by row.
-      const double across = before ? filter.P[1][0] / root : 0.0;
-      for (int k = 0; before && k < equations.width; ++k) row[k] -= across * before[k];
-      root = std::sqrt(std::max(filter.P[part][part] - across * across, least[part]));
-      equations.scale(root, row);
-      before = row;
+      double left = filter.P[i][i];
+      for (int j = 0; j < i; ++j) {
+        if (!noise.has(j)) continue;
+        L[i][j] = filter.P[i][j];
+        for (int k = 0; k < j; ++k) L[i][j] -= L[i][k] * L[j][k];
+        L[i][j] /= L[j][j];
+        left -= L[i][j] * L[i][j];
+        for (int k = 0; k < equations.width; ++k) row[k] -= L[i][j] * done[j][k];
+      }
+      L[i][i] = std::sqrt(std::max(left, least[i]));
+      equations.scale(L[i][i], row);
+      done[i] = row;
     }
   }
 }

@@ -45,6 +45,7 @@ from orbident.estimation.unknowns import Unknown
 from orbident.model.core_robot import core_tree, wheels_of
 from orbident.model.minimal_sets import MinimalSets
 from orbident.preprocessing.samples import Samples
+from orbident.preprocessing.wrenches import thrust_seen
 from orbident.robot.description import Robot
 from orbident.robot.parameters import (
     FIRST_MOMENT,
@@ -218,10 +219,7 @@ def problem_of(
     )
     followed = Followed(robot, sets, samples, intervals)
     acting = Acting(followed, recorded.places, followed.allowed)
-    gains = (
-        Unknown(each.name, each.group, "1", each.std, float(recorded.places + k))
-        for k, each in enumerate(acting.recorded)
-    )
+    shown = {*sensors.by_name, *thrust_seen(samples.wrenches)}
     return Problem(
         recorded,
         intervals.t,
@@ -230,7 +228,7 @@ def problem_of(
         weights,
         loose,
         lasting,
-        (*calibrations_of(robot, sensors.by_name, free), *gains),
+        (*calibrations_of(robot, shown, free), *acting.recorded),
         acting,
     )
 
