@@ -127,7 +127,7 @@ void bind_output_error(nb::module_& m) {
         nb::arg("factor_only") = false,
         "All equations at a state, eliminated: factor, links, cost and residuals over the white "
         "noise; links and residuals are empty where the factor alone is asked for. `coloured`: of "
-        "attitude and position, by axis, what lasts: std, time and walk. "
+        "attitude and position, by axis, what lasts: std, time, walk and walk of its rate. "
         "`acting`: for each node, what acting.hpp says. `selected`: the places of the calibrations "
         "and, beyond them, of the gains that are common unknowns.");
   m.def("interval_equations", &interval_equations, nb::arg("recorded"), nb::kw_only(),

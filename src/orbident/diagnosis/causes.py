@@ -210,7 +210,7 @@ def _likeliest(solved: Solved) -> Iterator[Trial]:
     price = np.log(problem.samples.t.size)
     worth: list[tuple[float, Callable[[], Iterable[Trial]]]] = []
     table = shown.sensitivity()
-    for kind in kinds(problem.robot):
+    for kind in kinds(problem.robot, problem.samples.wrenches):
         first = table.together(kind.names)
         if first.values.size:
             gain = first.fall - price * first.values.size

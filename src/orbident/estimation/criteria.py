@@ -72,6 +72,7 @@ def judge(solved: Solved, masses: dict[str, Quantity]) -> Judgement:
             *positive_energy(problem, found.base),
             *_changes(estimate),
             *_disturbances(estimate, problem),
+            *_thrusters(shown or estimate),
             *_two_explanations(problem, shown or estimate),
             *_at_rest(shown or estimate),
             *_what_may_act(shown or estimate, problem),
@@ -207,13 +208,35 @@ def _disturbances(estimate: Estimate, problem: MomentumProblem) -> Iterator[Chec
                 f"{name} = {fit.value:.3g} +- {fit.std:.1g} {fit.unit}"
                 for name, fit in own.items()
             )
+        shift = f"{largest.shift:.2g} sigmas" if np.isfinite(largest.shift) else "much"
         more = group in estimate.unexpected or group == PUSH
         yield Check(
             f"{group} from outside",
             "with care" if more else "trust",
             f"{in_words[group]}: {sizes}; it was identified with the parameters, one "
-            f"of which would be off by {largest.shift:.2g} sigmas without it",
+            f"of which would be off by {shift} without it",
             _remedy(group) if more else "",
+        )
+
+
+def _thrusters(estimate: Estimate) -> Iterator[Check]:
+    """Thrusters whose gain is further off than it may be: dead, weak or strong ones."""
+    for name, fit in estimate.calibration.items():
+        if np.isfinite(fit.tolerance):
+            continue
+        share, subject = 1 + fit.value, name.removesuffix(".gain").replace(".", " ")
+        given = f"{share:.2f} +- {fit.std:.1g} of what is recorded"
+        does = f"gives {given}"
+        if abs(share) < FAR * fit.std:
+            does = f"gives no thrust ({given})"
+        elif share < 1:
+            does = f"is weak: it {does}"
+        yield Check(
+            name,
+            "with care",
+            f"{subject} {does}; it was identified with the parameters",
+            "look at its valve, supply and wiring, its number among the columns, and "
+            "its direction and thrust in the robot file",
         )
 
 

@@ -279,7 +279,7 @@ inline void linearise(const Recorded& recorded, const LinearisedAt& at, int inte
     std::swap(memory.velocity[0], memory.velocity[2]);
   }
   for (int k = 0; k < TRACKERS; ++k)
-    end_lasting(recorded, at, interval, end, *trackers[k], memory.whitening[k], sensed);
+    end_lasting(recorded, at, interval, end, *trackers[k], *start, memory.whitening[k], sensed);
   add_continuity(recorded, at, interval, duration, *start, continuity);
 }
 

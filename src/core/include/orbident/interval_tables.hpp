@@ -18,6 +18,7 @@ struct Sensed {
   double* residuals;         // over the white noise; null where nobody asks
   const Coloured* coloured;  // of each axis; null where the noise is white
   int lasting;               // where the first of its lasting parts is in z
+  bool turns;                // attitude: what its rate walks by is no part of z
 
   void keep(std::ptrdiff_t at, double residual) const {
     if (residuals) residuals[at] = residual;

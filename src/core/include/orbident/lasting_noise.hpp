@@ -7,6 +7,9 @@
 //   x at the next interval's start - x as the filter has it ~ N(0, P)
 //
 // This is exact: what is eliminated inside the interval is Gaussian, and linear in the samples.
+//
+// Where the rate of an attitude walks, the base turns by it: that part is zero where an interval
+// begins, and where it ends the next one's attitude has it. So it is small, however far it walks.
 #pragma once
 
 #include "orbident/interval_tables.hpp"
@@ -24,7 +27,7 @@ inline void start_lasting(const Recorded& recorded, const LinearisedAt& at, int 
     filter.width = equations.width;
     filter.start(sensor.coloured[axis], recorded.t[recorded.edge[interval]]);
     for (int part = 0; part < Coloured::PARTS; ++part) {
-      if (!filter.coloured.has(part)) continue;
+      if (!filter.coloured.has(part) || (sensor.turns && part == OFFSET)) continue;
       filter.mean[part][equations.width - 1] = here[place];
       filter.mean[part][equations.start + place++] = -1.0;
     }
@@ -32,12 +35,16 @@ inline void start_lasting(const Recorded& recorded, const LinearisedAt& at, int 
 }
 
 inline void end_lasting(const Recorded& recorded, const LinearisedAt& at, int interval, int end,
-                        const Sensed& sensor, Whitening* whitening, EquationTable& equations) {
+                        const Sensed& sensor, const BaseNode& stop, Whitening* whitening,
+                        EquationTable& equations) {
   if (!sensor.coloured) return;
   // Of a part's own variance, after a second: an interval of one row lasts no time.
   constexpr double LEAST = 1e-9;
   constexpr int PARTS = Coloured::PARTS;
   const double* there = at.local + (interval + 1) * recorded.local();
+  const IntervalColumns& c = recorded.columns;
+  const Vector3<double> off = small_rotation<double>(
+      Eigen::Map<const Quaternion<double>>(at.x_WB + 4 * (interval + 1)), stop.x_WB);
   for (int axis = 0, place = sensor.lasting; axis < 3; ++axis) {
     Whitening& filter = whitening[axis];
     const Coloured& noise = filter.coloured;
@@ -51,9 +58,15 @@ inline void end_lasting(const Recorded& recorded, const LinearisedAt& at, int in
     for (int i = 0; i < PARTS; ++i) {
       if (!noise.has(i)) continue;
       double* row = equations.empty();
-      for (int k = 0; k < equations.width; ++k) row[k] = -filter.mean[i][k];
-      row[equations.width - 1] += there[place];
-      row[equations.end + place++] -= 1.0;
+      if (sensor.turns && i == OFFSET) {
+        equations.write(c, stop.phi + axis * c.count(), 1.0, row);
+        row[equations.width - 1] = -off[axis];
+        row[equations.end + axis] = -1.0;
+      } else {
+        row[equations.width - 1] = there[place];
+        row[equations.end + place++] = -1.0;
+      }
+      for (int k = 0; k < equations.width; ++k) row[k] -= filter.mean[i][k];
       double left = filter.P[i][i];
       for (int j = 0; j < i; ++j) {
         if (!noise.has(j)) continue;

@@ -16,6 +16,8 @@
 
 namespace orbident {
 
+constexpr int OFFSET = 2;  // the part whose rate walks
+
 // The parts of an axis's noise that last; zero where there are none.
 struct Coloured {
   double std, time, walk, rate_walk;  // s, T, q, p

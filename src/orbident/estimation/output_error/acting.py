@@ -37,12 +37,12 @@ from orbident.estimation.output_error.recorded_thrust import (
 )
 from orbident.estimation.output_error.shooting import Intervals, with_middles
 from orbident.estimation.unknowns import Unknown
+from orbident.model.kinematics import first_moments
 from orbident.model.minimal_sets import MinimalSets
 from orbident.preprocessing.histories import Columns
 from orbident.preprocessing.samples import OutsideMomentum, Samples
 from orbident.robot.description import MomentumWalk, Robot
 from orbident.robot.may_act import MayAct
-from orbident.robot.parameters import FIRST_MOMENT, MASS, PER_BODY
 
 
 @dataclass(frozen=True)
@@ -137,14 +137,7 @@ class Followed:
     @cached_property
     def moments(self) -> Float[np.ndarray, "nodes 3 beta"]:
         """The first moment about S by each `beta`; inertial axes, kg m by its unit."""
-        at = self.motion.poses
-        n, bodies = at.d.shape[:2]
-        by_theta = np.zeros((n, 3, PER_BODY * bodies))
-        for i in range(bodies):
-            own = np.zeros((n, 3, PER_BODY))
-            own[:, :, MASS] = at.d[:, i]
-            own[:, :, FIRST_MOMENT] = at.R[:, i]
-            by_theta[:, :, PER_BODY * i : PER_BODY * (i + 1)] = own
+        by_theta = first_moments(self.motion.poses)
         return self.motion.R_WB @ (by_theta @ self.sets.base.theta_of)
 
 
@@ -291,7 +284,7 @@ class Acting:
         return np.concatenate([table, self._by_beta(total, r, beta[0])], axis=2)
 
     def _thrust(self, sizes: Mapping[int, float]) -> tuple[dict[int, Effect], Effect]:
-        """What is recorded to act: by each of its errors, and in all; torques as said."""
+        """What is recorded to act: by each of its errors, and all of it together."""
         thrust, total = self.followed.thrust, self.followed.motion.nothing
         errors = ThrustErrors(*(sizes.get(k, 0.0) for k in range(SHARED)))
         gains = [sizes.get(SHARED + k, 0.0) for k in range(len(self.recorded))]

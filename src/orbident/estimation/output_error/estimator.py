@@ -15,7 +15,7 @@ import numpy as np
 from jaxtyping import Float
 
 from orbident import _core
-from orbident.environment.agents import NEEDS, SLOW, WALKS
+from orbident.environment.agents import FREE, NEEDS, SLOW, WALKS
 from orbident.errors import InputError
 from orbident.estimation.base_parameters import (
     BetaEstimate,
@@ -102,7 +102,7 @@ class OutputError:
         # Without declared noise, what splines leave between samples looks slow too.
         excluded = () if search.declared == {*sensors.by_name} else SLOW
         check_disturbances_show(search.problem)
-        equations, density_std = with_densities(
+        equations, densities = with_densities(
             search.problem,
             lambda equations: replace(search, problem=equations).freed(),
         )
@@ -111,7 +111,7 @@ class OutputError:
         )
         beta = estimate_of(found.solution, prior_std(robot, sets))
         by_sensor = {name: _sensor_fit(sensors, found, name) for name in found.parts}
-        disturbances = identified(equations, found.solution, density_std, freed)
+        disturbances = identified(equations, found.solution, densities, freed)
         return replace(
             estimate_of_beta(
                 problem,
@@ -277,7 +277,9 @@ def _calibration(problem: Problem, solution: Solution) -> dict[str, CalibrationF
     std = np.sqrt(np.diag(solution.covariance))[-n:] if n else np.zeros(0)
     # Disturbances come after them.
     return {
-        each.name: CalibrationFit(float(value), float(deviation), each.std)
+        each.name: CalibrationFit(
+            float(value), float(deviation), np.nan if each.std == FREE else each.std
+        )
         for each, value, deviation in zip(problem.declared, values, std, strict=False)
     }
 

@@ -1,7 +1,8 @@
 """One engine for whatever may act on a robot, or be off, beside its parameters.
 
 What may act is among the unknowns of every fit, with a deviation beforehand
-(`environment/worlds.py`), and so are errors with a tolerance. Two squares say whether
+(`environment/worlds.py`), and so are errors with a tolerance, of which gains of thrust
+may be far larger: valves stick. Two squares say whether
 a family is what it was taken for. Of what is among the unknowns, with `x` its numbers,
 `P` their covariance beforehand and `C` that afterwards,
 
@@ -110,9 +111,26 @@ class Search:
         return solution
 
     def allowing(self, sizes: Mapping[str, float]) -> "Search":
-        """The search in a world where what may act has other sizes, by family, SI."""
-        acting = self.problem.acting.allowing(sizes)
-        return replace(self, problem=self.problem._replace(acting=acting))
+        """The search in a world where what may act has other sizes, by family, SI.
+
+        A gain may be as far off.
+        """
+        problem, prior = self.problem, self.prior
+        stds = [min(sizes.get(x.family, x.std), FREE) for x in problem.instruments]
+        instruments = tuple(
+            each._replace(std=std)
+            for each, std in zip(problem.instruments, stds, strict=True)
+        )
+        std = prior.std.copy()
+        std[std.size - len(problem.declared) :] = [x for x in stds if x]
+        acting = problem.acting.allowing(
+            {name: size for name, size in sizes.items() if name not in problem.gains}
+        )
+        return replace(
+            self,
+            problem=problem._replace(acting=acting, instruments=instruments),
+            prior=prior._replace(std=std),
+        )
 
     def settled(self, first: Callable[[], Solution]) -> Fitted:
         """Go on from a first solution, with the noise that the residuals show."""
@@ -179,6 +197,12 @@ def _sized(search: Search) -> Search:
     return search.allowing(sizes)
 
 
+def _shown(problem: Problem) -> set[str]:
+    """Families among the unknowns that may be larger than they should be."""
+    acting = {each.family for each in problem.expected}
+    return acting | {x.family for x in problem.declared if x.family in problem.gains}
+
+
 def _zeros(problem: Problem, solution: Solution, tested: bool) -> TakenForZero:
     """What is like something free is not tested: it shows as that."""
     shown = {each.family for each in problem.expected}
@@ -200,7 +224,8 @@ def _best(
     is wrong.
     """
     problem, near = search.problem, zeros.solution.state
-    free = {each.family for each in problem.expected if each.std == FREE}
+    numbers = (*problem.expected, *problem.declared)
+    free = {each.family for each in numbers if each.std == FREE}
     # Beside a slow torque that may be anything another one would follow anything.
     beside = {*excluded, *free, *(SLOW if {*SLOW, *WALKS} & free else ())}
     tried = []
@@ -220,6 +245,8 @@ def _best(
         with_it = search.freed([instrument], near)
         if with_it.cost + limit("disturbance", 1) < least:
             return None
+    if family in problem.gains:
+        return family, freed, solution
     size = size_of(freed.problem, solution, family)
     allowed = search.problem.acting.allowed
     alike = {
@@ -237,7 +264,7 @@ def _beyond(zeros: TakenForZero, excluded: Collection[str]) -> dict[str, float]:
     problem, solution = zeros.problem, zeros.solution
     squares = {
         family: surprise_of(problem, solution, family)
-        for family in {each.family for each in problem.expected} - {*excluded}
+        for family in _shown(problem) - {*excluded}
     }
     for family in {*zeros.families} - {*excluded}:
         found = zeros.score(

@@ -126,11 +126,15 @@ def solution_at(
 def equations_at(
     problem: Problem, weights: BySensor, prior: Prior, state: Unknowns
 ) -> tuple[Linear, float]:
-    """The equations at a state, and its cost: infinite where a step led too far."""
+    """The equations at a state, and its cost: infinite where a step led too far.
+
+    An attitude that is half a turn off shows no turn at all.
+    """
     with np.errstate(over="ignore", invalid="ignore"):
         there = linear(problem, weights, state)
         cost = there.cost + prior.cost(state)
-    return there, cost if np.isfinite(_size(there)) else np.inf
+    sound = np.isfinite(_size(there)) and np.diag(there.factor)[: there.local].all()
+    return there, cost if sound else np.inf
 
 
 def _size(here: Linear) -> float:
