@@ -98,8 +98,12 @@ struct Call {
       residuals.emplace_back(with_residuals ? rows : 0, owned.axes(k));
       std::fill_n(residuals[k].data(), with_residuals ? rows * owned.axes(k) : 0, 0.0);
       if (rows)
-        *sensors_of(recorded, k) = {owned.samples[k].data(), weights[k].data(),
-                                    with_residuals ? residuals[k].data() : nullptr, nullptr, 0, false};
+        *sensors_of(recorded, k) = {owned.samples[k].data(),
+                                    weights[k].data(),
+                                    with_residuals ? residuals[k].data() : nullptr,
+                                    nullptr,
+                                    0,
+                                    false};
     }
     colour(coloured_);
     const double* value = common.data() + OUTSIDE + recorded.columns.betas;
@@ -148,7 +152,11 @@ struct Call {
         coloured[k][axis] = {values[0], values[1], values[2], values[3]};
         const Coloured& own = coloured[k][axis];
         any |= own.parts() > 0;
-        parts += own.parts() - int(trackers[k]->turns && own.has(OFFSET));
+        parts += own.parts();
+        if (!trackers[k]->turns || !own.has(OFFSET)) continue;
+        if (axis < 2 || !recorded.planar)
+          throw nb::value_error("coloured: only about the vertical of a planar robot rates walk");
+        recorded.momentum = place + --parts - 1;
       }
       if (any && !trackers[k]->values) throw nb::value_error("coloured: of an absent sensor");
       trackers[k]->lasting = place;

@@ -8,8 +8,10 @@
 //
 // This is exact: what is eliminated inside the interval is Gaussian, and linear in the samples.
 //
-// Where the rate of an attitude walks, the base turns by it: that part is zero where an interval
-// begins, and where it ends the next one's attitude has it. So it is small, however far it walks.
+// Where the rate of a planar base walks, it turns by it: both parts are zero where an interval
+// begins, and where it ends the next one's attitude and momentum have them,
+//
+//   E (h at the next start - h),  turn at the next start - that at the end ~ N(0, P)
 #pragma once
 
 #include "orbident/interval_tables.hpp"
@@ -27,7 +29,7 @@ inline void start_lasting(const Recorded& recorded, const LinearisedAt& at, int 
     filter.width = equations.width;
     filter.start(sensor.coloured[axis], recorded.t[recorded.edge[interval]]);
     for (int part = 0; part < Coloured::PARTS; ++part) {
-      if (!filter.coloured.has(part) || (sensor.turns && part == OFFSET)) continue;
+      if (!filter.coloured.has(part) || (sensor.turns && part >= OFFSET)) continue;
       filter.mean[part][equations.width - 1] = here[place];
       filter.mean[part][equations.start + place++] = -1.0;
     }
@@ -62,6 +64,15 @@ inline void end_lasting(const Recorded& recorded, const LinearisedAt& at, int in
         equations.write(c, stop.phi + axis * c.count(), 1.0, row);
         row[equations.width - 1] = -off[axis];
         row[equations.end + axis] = -1.0;
+      } else if (sensor.turns && i > OFFSET) {
+        const double E = stop.E(2, 2);
+        const double* here = there - recorded.local();
+        const double walked = there[recorded.momentum] - here[recorded.momentum];
+        constexpr int D_ZZ = BY_D + 5;
+        equations.write(c, stop.by + D_ZZ * c.count(), walked * E * E, row);
+        row[equations.width - 1] = E * walked;
+        row[equations.start + recorded.momentum] += E;
+        row[equations.end + recorded.momentum] -= E;
       } else {
         row[equations.width - 1] = there[place];
         row[equations.end + place++] = -1.0;

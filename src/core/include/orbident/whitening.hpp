@@ -20,7 +20,7 @@ constexpr int OFFSET = 2;  // the part whose rate walks
 
 // The parts of an axis's noise that last; zero where there are none.
 struct Coloured {
-  double std, time, walk, rate_walk;  // s, T, q, p
+  double std, time, walk, rate_walk;          // s, T, q, p
   static constexpr int PARTS = 4, SHOWN = 3;  // the last is the rate of the one before it
   bool has(int part) const {
     return part == 0 ? std > 0.0 : part == 1 ? walk > 0.0 : rate_walk > 0.0;

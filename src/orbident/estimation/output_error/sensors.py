@@ -254,12 +254,17 @@ def parts_of_boundaries(lasting: Lasting) -> Bool[np.ndarray, "2 3 4"]:
     return parts
 
 
-def first_lasting(lasting: Lasting, dt: float) -> Float[np.ndarray, " parts"]:
+def first_lasting(
+    lasting: Lasting, dt: float, inertia: float
+) -> Float[np.ndarray, " parts"]:
     """Standard deviations of the parts at the first row, in the core's order.
+
+    Of an attitude whose rate walks it is that of the momentum, with this inertia.
 
     A walk is zero at the first sample; here it begins one sample earlier.
     """
     walks = lasting[..., [RANDOM_WALK, RATE_WALK, RATE_WALK]]
+    walks[0, 2, 2] *= inertia
     since = np.sqrt([dt, dt**3 / 3, dt])
     std = np.concatenate([lasting[..., [MARKOV_STD]], walks * since], axis=-1)
     return std[parts_of_boundaries(lasting)]

@@ -225,7 +225,8 @@ def looseness(
         for name in robot.joint_names
     ]
     corrections = np.full(2 * sum(free), ENCODERS)
-    noise = first_lasting(lasting, float(np.median(np.diff(sensors.t))))
+    dt, D = float(np.median(np.diff(sensors.t))), _principal_inertias(robot)[-1]
+    noise = first_lasting(lasting, dt, float(D))
     turn_walk = np.full(3, _turn_walk(robot, samples))
     turn_walk[lasting[0, :, RATE_WALK] > 0] = TAKEN_OVER
     return Looseness(

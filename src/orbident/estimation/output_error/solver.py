@@ -30,6 +30,8 @@ DAMPING = 1e-3
 LEAST_DAMPING = 1e-6
 MOST_DAMPING = 1e9
 """With less a step is as without; with more it is too short to change anything."""
+CORRECTIONS = 3
+"""Of what a step leaves of second order: each leaves the square of what was left."""
 RAISED = 2.0
 """Times, where a step did not help; twice as much at the next."""
 
@@ -85,9 +87,13 @@ def solved(
             # Two of them would take much memory; a step that fails is rare.
             there = here = here.without_rows()
         there, new_cost = equations_at(problem, weights, prior, moved)
-        if cost <= new_cost < np.inf:
+        for _ in range(CORRECTIONS):
+            if not cost <= new_cost < np.inf:
+                break
             # Continuity weighs so much that what a good step leaves of second order
             # costs more than it gains: the next step takes that away (Fletcher 1982).
+            # So does the product of a thrust and what it moves: where both are known
+            # badly, a good step is long.
             g = _damped(prior.added(there.common, moved), damping)
             moved = moved.moved(there.step(g), g)
             there, new_cost = equations_at(problem, weights, prior, moved)
