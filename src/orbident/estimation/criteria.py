@@ -26,6 +26,8 @@ from orbident.files.names import joined, listed
 
 # Deviations between two estimates of the same recording that are no chance.
 FAR = 3.0
+# A thruster that gives less than this part of its thrust, either way, may be dead.
+HALF = 0.5
 # So many neighbours are named; more are given by the first and the last.
 LISTED = 20
 # So many sizes of what acts from outside are written out.
@@ -220,15 +222,19 @@ def _disturbances(estimate: Estimate, problem: MomentumProblem) -> Iterator[Chec
 
 
 def _thrusters(estimate: Estimate) -> Iterator[Check]:
-    """Thrusters whose gain is further off than it may be: dead, weak or strong ones."""
+    """Thrusters that are dead, or whose gain is further off than it may be."""
     for name, fit in estimate.calibration.items():
-        if np.isfinite(fit.tolerance):
-            continue
         share, subject = 1 + fit.value, name.removesuffix(".gain").replace(".", " ")
+        far = fit.value < -FAR * fit.std
+        dead = far and -HALF < share < min(FAR * fit.std, HALF)
+        if not name.endswith(".gain") or not (dead or np.isnan(fit.tolerance)):
+            continue
         given = f"{share:.2f} +- {fit.std:.1g} of what is recorded"
         does = f"gives {given}"
-        if abs(share) < FAR * fit.std:
+        if dead:
             does = f"gives no thrust ({given})"
+        elif share < -HALF:
+            does = f"acts the other way: it {does}"
         elif share < 1:
             does = f"is weak: it {does}"
         yield Check(

@@ -57,6 +57,7 @@ from orbident.estimation.output_error.problem import (
 from orbident.estimation.output_error.sensors import Sensors, sensors_of
 from orbident.estimation.output_error.solver import STEPS
 from orbident.estimation.output_error.taken_for_zero import sensitivity
+from orbident.estimation.output_error.walking_rates import walked
 from orbident.estimation.solution import OUTSIDE, Shared, Solution, Unknowns
 from orbident.estimation.unknowns import CalibrationFit
 from orbident.model.minimal_sets import conserved_axes
@@ -160,7 +161,7 @@ class OutputError:
             prior = with_others(prior, self.others, equations.declared)
         # Linear fits are poor where a velocity is noisier than the motion.
         starts = [
-            start_of(equations, samples, outside, at)
+            walked(equations, start_of(equations, samples, outside, at))
             for at in (beta, sets.beta(robot.theta))
         ]
         at_hand = []

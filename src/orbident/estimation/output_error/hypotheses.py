@@ -241,12 +241,13 @@ def _best(
     least, family, freed, solution = min(tried, key=lambda each: each[0])
     if _hopeless(problem, solution, cost):
         return None
+    if family in problem.gains:
+        # It is an instrument itself.
+        return family, freed, solution
     for instrument in _likely(_errors(zeros)):
         with_it = search.freed([instrument], near)
         if with_it.cost + limit("disturbance", 1) < least:
             return None
-    if family in problem.gains:
-        return family, freed, solution
     size = size_of(freed.problem, solution, family)
     allowed = search.problem.acting.allowed
     alike = {
@@ -271,9 +272,10 @@ def _beyond(zeros: TakenForZero, excluded: Collection[str]) -> dict[str, float]:
             {family, *({STEADY.get(family, family)} & {*zeros.families})}
         )
         squares[family] = ChiSquare(found.fall, found.values.size)
-    among = max(len(squares), 1)
+    among, gains = max(len(squares), 1), problem.gains
     return {
-        family: square.value - limit("disturbance", square.dof, among)
+        family: square.value
+        - limit("instrument" if family in gains else "disturbance", square.dof, among)
         for family, square in squares.items()
         if square.dof
     }

@@ -210,6 +210,9 @@ def lasting_noise(
     return lasting
 
 
+LAG = 1.0
+"""s: in so long rates change by more than the noise of what they were derived from."""
+
 POSE = {"attitude", "position", "joints"}
 """Where no rate of the base is among the sensors, a momentum that walks at random is
 noise of the pose whose rate walks, as far as the robot's inertia does not change."""
@@ -222,17 +225,19 @@ def walks_of_rates(
 
     Returns:
         By group, torque before force: the density of the rate of turn, or of the
-        velocity, in rad/s^2/sqrt(Hz) or m/s^2/sqrt(Hz); as it is declared, or enough
-        to have moved the robot as it moved.
+        velocity, in rad/s^2/sqrt(Hz) or m/s^2/sqrt(Hz); as it is declared, or so much
+        that without any thrust it would have changed the rate as it changed.
     """
     if robot.motion != "planar" or not {*sensors.by_name} <= POSE:
         return {}
-    T, found = sensors.t[-1] - sensors.t[0], {}
+    lag, found = round(LAG / float(np.median(np.diff(samples.t)))) or 1, {}
     moved, per_rate = (samples.w, samples.v_S), inertia_of_walks(robot)
     for group, rate, q in zip(WALKS, moved, robot.momentum_walk, strict=True):
         if group in robot.said_to_act and rate:
-            rms = np.sqrt(np.nanmean(np.sum(np.square(rate), axis=0)) / T)
-            found[group] = q / per_rate[group] or float(rms)
+            changes = np.array([x[lag:] - x[:-lag] for x in rate])
+            passed = np.mean(samples.t[lag:] - samples.t[:-lag])
+            most = np.sqrt(np.nanmean(np.sum(changes**2, axis=0)) / passed)
+            found[group] = q / per_rate[group] or float(most)
     return found
 
 

@@ -87,9 +87,8 @@ def solved(
             # Two of them would take much memory; a step that fails is rare.
             there = here = here.without_rows()
         there, new_cost = equations_at(problem, weights, prior, moved)
-        for _ in range(CORRECTIONS):
-            if not cost <= new_cost < np.inf:
-                break
+        tries = iter(range(CORRECTIONS))
+        while cost <= new_cost < np.inf and next(tries, None) is not None:
             # Continuity weighs so much that what a good step leaves of second order
             # costs more than it gains: the next step takes that away (Fletcher 1982).
             # So does the product of a thrust and what it moves: where both are known

@@ -18,7 +18,12 @@ from orbident.environment.agents import WALKS
 from orbident.environment.motion import by_step
 from orbident.estimation.output_error.acting import integral
 from orbident.estimation.output_error.problem import Problem
-from orbident.estimation.output_error.sensors import RATE_WALK, TRACKERS
+from orbident.estimation.output_error.sensors import (
+    RATE_WALK,
+    TRACKERS,
+    parts_of_boundaries,
+)
+from orbident.estimation.output_error.shooting import TURN_AND_BIASES
 from orbident.estimation.solution import Solution, Unknowns
 from orbident.model.core_robot import wheels_of
 
@@ -27,6 +32,10 @@ RANGE = 1e6
 
 STEP = 0.05
 """Step of a density's logarithm for second differences: it is known to some tenths."""
+
+LOOK = 0.5
+"""How far from the guesses of density and level the search looks first, as logarithms:
+by half as much again."""
 
 ROUNDS = 6
 """Times that densities are estimated, from equations at better and better states."""
@@ -63,9 +72,13 @@ def with_rate_densities(
         The equations, and each density by its group.
     """
     found = dict[str, Density]()
+    # The first guess would have moved the robot without thrust: no walk is stronger.
+    most = {x: problem.lasting[WALKS.index(x), :, RATE_WALK].max() for x in WALKS}
     for _ in range(ROUNDS):
         before, solution = found, fit(problem)
-        found = {x: _most_likely(problem, solution, x) for x in problem.walking}
+        found = {
+            x: _most_likely(problem, solution, x, most[x]) for x in problem.walking
+        }
         lasting = problem.lasting.copy()
         for group, each in found.items():
             own = lasting[WALKS.index(group), :, RATE_WALK]
@@ -76,7 +89,9 @@ def with_rate_densities(
     return problem, found
 
 
-def _most_likely(problem: Problem, solution: Solution, group: str) -> Density:
+def _most_likely(
+    problem: Problem, solution: Solution, group: str, most: float
+) -> Density:
     k = WALKS.index(group)
     name, parts = TRACKERS[k], problem.lasting[k]
     axes = np.flatnonzero(parts[:, RATE_WALK])
@@ -97,8 +112,14 @@ def _most_likely(problem: Problem, solution: Solution, group: str) -> Density:
         return float(axes.size * np.sum(np.log(S)) + np.sum(np.sum(v**2, axis=1) / S))
 
     start = np.log([parts[axes[0], RATE_WALK], 1.0])
+    around = start - LOOK * np.array([[0, 0], [1, 0], [0, -1]])
     limits = [(each - np.log(RANGE), each + np.log(RANGE)) for each in start]
-    logs = minimize(misfit, start, method="Nelder-Mead", bounds=limits).x
+    options = {"initial_simplex": around}
+    # A bound that is met would flatten the simplex.
+    found = minimize(
+        misfit, start, method="Nelder-Mead", bounds=limits, options=options
+    )
+    logs = np.array([min(found.x[0], np.log(most)), found.x[1]])
     step = np.array([STEP, 0.0])
     bend = misfit(logs + step) - 2 * misfit(logs) + misfit(logs - step)
     value = float(np.exp(logs[0]))
@@ -128,8 +149,36 @@ def free_running(
     return out
 
 
+def walked(problem: Problem, start: Unknowns) -> Unknowns:
+    """The start with a momentum that has walked to where the base's rate says.
+
+    So what intervals leave is small, whatever thrust was guessed.
+
+    Args:
+        problem: a recording's equations.
+        start: where a search is to start.
+    """
+    if not problem.lasting[0, :, RATE_WALK].any():
+        return start
+    place = TURN_AND_BIASES + parts_of_boundaries(problem.lasting)[0].sum() - 1
+    rate, D = _alone(problem, start)
+    motion = problem.acting.followed.motion
+    off = D * (motion.w[:, 2] - rate)
+    local = start.local.copy()
+    local[:, place] = np.interp(problem.boundaries, motion.t, off)
+    return start._replace(local=local)
+
+
 def _turned(problem: Problem, state: Unknowns) -> Float[np.ndarray, " rows"]:
     """How far a planar base turns by its momentum alone, at the rows, rad."""
+    rate = np.pad(_alone(problem, state)[0][:, None], ((0, 0), (0, 2)))
+    return integral(problem.acting.followed.motion.t, by_step(rate))[::2, 0]
+
+
+def _alone(
+    problem: Problem, state: Unknowns
+) -> tuple[Float[np.ndarray, " nodes"], Float[np.ndarray, " nodes"]]:
+    """The rate of a planar base by its momentum alone, rad/s, and `D`, kg m^2."""
     followed, acting = problem.acting.followed, problem.acting
     motion, sets, history = followed.motion, followed.sets, followed.intervals.history
     pi, w = sets.pi(sets.theta(state.beta)), np.zeros_like(motion.w)
@@ -138,7 +187,8 @@ def _turned(problem: Problem, state: Unknowns) -> Float[np.ndarray, " rows"]:
     h += table[:, 2, 0] if table.size else 0.0
     speeds = history.at(history.qd_rw, history.qdd_rw, motion.t)
     h -= speeds @ wheels_of(motion.robot).A_rw[2]
-    moved, one = sets.regressors(motion.q, motion.qd, w)[0] @ pi, w + np.eye(3)[2]
-    D = sets.regressors(motion.q, motion.qd, one)[0] @ pi - moved
-    rate = np.pad((h[:, None] - moved) / D, ((0, 0), (0, 2)))
-    return integral(motion.t, by_step(rate))[::2, 0]
+    moved, turning = (
+        (sets.regressors(motion.q, motion.qd, w + rate)[0] @ pi)[:, 0]
+        for rate in (np.zeros(3), np.eye(3)[2])
+    )
+    return (h - moved) / (turning - moved), turning - moved
