@@ -124,17 +124,31 @@ def flown(
     middle = (yaw[1:] + yaw[:-1]) / 2
     c, s = np.cos(middle), np.sin(middle)
     total = force.sum(axis=1)
-    turned = np.column_stack([c * total[:, 0] - s * total[:, 1], s * total[:, 0] + c * total[:, 1]])
+    turned = np.column_stack(
+        [c * total[:, 0] - s * total[:, 1], s * total[:, 0] + c * total[:, 1]]
+    )
     turned += truth.walks[1] * white[:, 1:]
     place = []
     for axis in range(2):
-        v = summed(turned[:, axis] / truth.mass + truth.tilt[axis], random.normal(0, 0.02))
+        v = summed(
+            turned[:, axis] / truth.mass + truth.tilt[axis], random.normal(0, 0.02)
+        )
         place.append(summed((v[1:] + v[:-1]) / 2, 0.0))
     rows = np.round(t / FINE).astype(int)
     yaw, x, y = yaw[rows], place[0][rows], place[1][rows]
     c, s = np.cos(yaw), np.sin(yaw)
-    x = x - c * truth.com[0] + s * truth.com[1] + std[0] * random.standard_normal(t.size)
-    y = y - s * truth.com[0] - c * truth.com[1] + std[0] * random.standard_normal(t.size)
+    x = (
+        x
+        - c * truth.com[0]
+        + s * truth.com[1]
+        + std[0] * random.standard_normal(t.size)
+    )
+    y = (
+        y
+        - s * truth.com[0]
+        - c * truth.com[1]
+        + std[0] * random.standard_normal(t.size)
+    )
     yaw = yaw + std[1] * random.standard_normal(t.size)
     zero = np.zeros(t.size)
     columns: dict[str, Any] = {

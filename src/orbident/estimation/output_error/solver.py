@@ -30,8 +30,8 @@ DAMPING = 1e-3
 LEAST_DAMPING = 1e-6
 MOST_DAMPING = 1e9
 """With less a step is as without; with more it is too short to change anything."""
-CORRECTIONS = 3
-"""Of what a step leaves of second order: each leaves the square of what was left."""
+FALLS = 0.5
+"""A step is corrected again while the cost falls to less than this part of it."""
 RAISED = 2.0
 """Times, where a step did not help; twice as much at the next."""
 
@@ -87,8 +87,9 @@ def solved(
             # Two of them would take much memory; a step that fails is rare.
             there = here = here.without_rows()
         there, new_cost = equations_at(problem, weights, prior, moved)
-        tries = iter(range(CORRECTIONS))
-        while cost <= new_cost < np.inf and next(tries, None) is not None:
+        last = np.inf
+        while cost <= new_cost < FALLS * last:
+            last = new_cost
             # Continuity weighs so much that what a good step leaves of second order
             # costs more than it gains: the next step takes that away (Fletcher 1982).
             # So does the product of a thrust and what it moves: where both are known
