@@ -42,14 +42,12 @@ def thrust() -> RecordedThrust:
 def switched(thrust: RecordedThrust, errors: ThrustErrors, fine: np.ndarray):
     """The level of each thruster, at any times, by the sentences of the file's head."""
     u = thrust.u
-    on = np.maximum(u.sum(axis=1, keepdims=True) - 1, 0)
-    strength = (1 + errors.scale) * (1 - errors.coupling * on)
-    found = np.tile(strength[0] * u[0], (fine.size, 1))
+    opened = np.tile(u[0], (fine.size, 1))
     for k in range(1, T.size):
-        change = strength[k] * u[k] - strength[k - 1] * u[k - 1]
         late = errors.clock + np.where(u[k] < u[k - 1], errors.pulse, 0.0)
-        found += np.where(fine[:, None] >= T[k] + late, change, 0.0)
-    return found
+        opened += np.where(fine[:, None] >= T[k] + late, u[k] - u[k - 1], 0.0)
+    others = np.maximum((opened > 0.5).sum(axis=1, keepdims=True) - 1, 0)
+    return (1 + errors.scale) * (1 - errors.coupling * others) * opened
 
 
 @pytest.mark.parametrize(
@@ -57,7 +55,7 @@ def switched(thrust: RecordedThrust, errors: ThrustErrors, fine: np.ndarray):
     [
         ThrustErrors(),
         ThrustErrors(clock=0.134),
-        ThrustErrors(-0.02, 0.03, 0.08, 0.1),
+        ThrustErrors(-0.02, 0.03, 0.3, 0.1),
         ThrustErrors(0.31, -0.04, 0.0, -0.2),
     ],
 )
@@ -79,7 +77,7 @@ def test_velocity_and_place_at_rows(thrust, errors):
         assert_allclose(place[::2, axis], 2 * x[rows, k], atol=6e-3)
 
 
-@pytest.mark.parametrize("errors", [ThrustErrors(), ThrustErrors(0.134, 0.02, 0.1)])
+@pytest.mark.parametrize("errors", [ThrustErrors(), ThrustErrors(0.134, 0.02, 0.3)])
 def test_slopes(thrust, errors):
     """Of all thrusters together, by central differences."""
     gains = np.array([0.2, -1.0, 0.1])
