@@ -35,7 +35,7 @@ PUSHES = np.array(
 THRUST = 0.45
 """N, as the robot file says."""
 
-FINE = 2e-3
+FINE = 5e-4
 """s."""
 
 

@@ -1,7 +1,7 @@
 """Recorded wrenches on the base, as they act: known but for gains, and for timing.
 
 A recorded level `u` holds from a row until the next. Of a thruster `k`, with `n` of
-them on at once,
+them open at once,
 
     F_k(t) = F_k,recorded (1 + g_k) (1 + s) (1 - c (n - 1)) u_k
 
@@ -21,13 +21,13 @@ from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
 from orbident.environment.motion import Effect, RobotMotion, by_step
 from orbident.files.bounds import TOGETHER
 from orbident.preprocessing.wrenches import RecordedWrench
 
-Levels = Float[np.ndarray, "rows thrusters"]
+Levels = Float[np.ndarray, "_ thrusters"]
 Lines = Float[np.ndarray, "steps 3 thrusters"]
 
 
@@ -43,6 +43,9 @@ class ThrustErrors(NamedTuple):
 
 
 SHARED = len(ThrustErrors._fields)
+
+TINY = 1e-9
+"""Part of its thrust that no thruster is open by."""
 
 
 class RecordedThrust:
@@ -72,13 +75,11 @@ class RecordedThrust:
         along = [each.force @ each.force[k] for each, k in both]
         levels = np.reshape(along, (-1, t.size)).T
         self.u: Levels = levels / np.sum(self.forces**2, axis=1)
-        on = (self.u != 0).sum(axis=1, keepdims=True)
-        self.lost: Levels = self.u * np.maximum(on - 1, 0)
 
     def at(self, errors: ThrustErrors) -> Iterator[Effect]:
         """What each wrench does, but for its gain."""
-        levels = (1 + errors.scale) * (self.u - errors.coupling * self.lost)
-        lines = self._lines(levels, errors)
+        switched = self._switched(errors)
+        lines = (1 + errors.scale) * self._lines(switched, switched.levels(errors))
         last = np.searchsorted(self.t, self.rows[:-1] + TOGETHER, side="right") - 1
         before = np.maximum(last, 0)
         for k, each in enumerate(self.wrenches):
@@ -100,14 +101,19 @@ class RecordedThrust:
         self, errors: ThrustErrors, gains: Float[np.ndarray, " wrenches"]
     ) -> Iterator[Effect]:
         """How what all thrusters do changes with each of the errors that they share."""
-        times = 1 + gains[self.which]
-        plain = self.u - errors.coupling * self.lost
-        rises, falls = self._switched_later((1 + errors.scale) * plain, errors)
-        lost = self._lines(-(1 + errors.scale) * self.lost, errors)
-        for slopes in (rises + falls, falls, lost, self._lines(plain, errors)):
+        times, scale = 1 + gains[self.which, None], 1 + errors.scale
+        switched = self._switched(errors)
+        levels = switched.levels(errors)
+        jumps = np.diff(levels, axis=0, prepend=levels[:1])
+        later, falls = (
+            self._later(switched, np.cumsum(np.where(which, jumps, 0.0), axis=0))
+            for which in (True, switched.falls[:, None])
+        )
+        lost = self._lines(switched, -switched.open * switched.others)
+        plain = self._lines(switched, levels)
+        for slopes in (scale * later, scale * falls, scale * lost, plain):
             yield self._effect(
-                slopes @ (times[:, None] * self.forces),
-                slopes @ (times[:, None] * self.torques),
+                slopes @ (times * self.forces), slopes @ (times * self.torques)
             )
 
     def _effect(
@@ -123,33 +129,44 @@ class RecordedThrust:
         force, torque = turned
         return self.motion.nothing._replace(force=force, torque=torque)
 
-    def _lines(self, levels: Levels, errors: ThrustErrors) -> Lines:
-        """The lines of these levels."""
-        lines = 0.0
-        for level, t in self._switching(levels, errors):
-            _, once, twice = _integrals(self.t, level, t)
-            lines = lines + _lines(self.rows, once, twice)
-        return np.asarray(lines)
+    def _lines(self, switched: "_Switched", levels: Levels) -> Lines:
+        """The lines of levels that hold between switches."""
+        _, once, twice = _integrals(switched.t, levels, self.rows)
+        return _lines(self.rows, once, twice)
 
-    def _switched_later(
-        self, levels: Levels, errors: ThrustErrors
-    ) -> tuple[Lines, Lines]:
-        """How lines change, by a second, if what rises, or falls, does so later."""
-        rises, falls = (
-            -_lines(self.rows, *_integrals(self.t, level, t)[:2])
-            for level, t in self._switching(levels, errors)
-        )
-        return rises, falls
+    def _later(self, switched: "_Switched", jumped: Levels) -> Lines:
+        """How lines change, by a second, if what has jumped so far does so later."""
+        at, once, _ = _integrals(switched.t, jumped, self.rows)
+        return -_lines(self.rows, at, once)
 
-    def _switching(
-        self, levels: Levels, errors: ThrustErrors
-    ) -> Iterator[tuple[Levels, Float[np.ndarray, " rows"]]]:
-        """The parts that rise and that fall, and where in them the rows are."""
-        change = np.diff(levels, axis=0, prepend=levels[:1])
-        down = np.diff(self.u, axis=0, prepend=self.u[:1]) < 0
-        late = self.rows - errors.clock
-        yield levels[:1] + np.cumsum(np.where(down, 0.0, change), axis=0), late
-        yield np.cumsum(np.where(down, change, 0.0), axis=0), late - errors.pulse
+    def _switched(self, errors: ThrustErrors) -> "_Switched":
+        """All switches in the order in which they act."""
+        change = np.diff(self.u, axis=0, prepend=self.u[:1])
+        t = np.concatenate([self.t, self.t + errors.pulse]) + errors.clock
+        falls = np.repeat([False, True], self.t.size)
+        change = np.concatenate([np.maximum(change, 0), np.minimum(change, 0)])
+        order = np.argsort(t, kind="stable")
+        opened = self.u[:1] + np.cumsum(change[order], axis=0)
+        return _Switched(t[order], opened, falls[order])
+
+
+class _Switched(NamedTuple):
+    """What holds from each switch until the next; many of them change nothing."""
+
+    t: Float[np.ndarray, " switches"]
+    open: Levels
+    falls: Bool[np.ndarray, " switches"]
+
+    @property
+    def others(self) -> Float[np.ndarray, "switches 1"]:
+        """How many are open beside one that is."""
+        # A sum of parts that rise and fall again is zero but for rounding.
+        count = (self.open > TINY).sum(axis=1, keepdims=True)
+        return np.maximum(count - 1.0, 0.0)
+
+    def levels(self, errors: ThrustErrors) -> Levels:
+        """What thrusters give that share a tank."""
+        return self.open * (1 - errors.coupling * self.others)
 
 
 def _lines(t: Float[np.ndarray, " rows"], once: Levels, twice: Levels) -> Lines:
@@ -161,11 +178,11 @@ def _lines(t: Float[np.ndarray, " rows"], once: Levels, twice: Levels) -> Lines:
 
 
 def _integrals(
-    t: Float[np.ndarray, " samples"], level: Levels, at: Float[np.ndarray, " rows"]
+    t: Float[np.ndarray, " switches"], level: Levels, at: Float[np.ndarray, " rows"]
 ) -> tuple[Levels, Levels, Levels]:
-    """What is held from a sample until the next, and its integrals from the first on.
+    """What is held from a switch until the next, and its integrals from the first on.
 
-    At a sample it is half-way between before and after.
+    At a switch it is half-way between before and after.
     """
     h = np.diff(t)[:, None]
     once = np.concatenate([np.zeros_like(level[:1]), np.cumsum(h * level[:-1], axis=0)])
