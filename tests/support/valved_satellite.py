@@ -164,6 +164,12 @@ def flown(
     return Recording(t, columns)
 
 
+def base_of(truth: Truth) -> np.ndarray:
+    """`[M, sigma, iota]` of a satellite without joints: mass, moments, `Izz` about S."""
+    M, c = truth.mass, np.array(truth.com)
+    return np.array([M, *(M * c), truth.inertia + M * c @ c])
+
+
 def with_dead(truth: Truth, valve: int) -> Truth:
     """The same with a valve, from one on, that gives nothing."""
     gains = truth.gains.copy()
