@@ -67,7 +67,7 @@ def solved(
     cost = here.cost + prior.cost(state)
     check_finite(cost, _size(here))
     damping, raised = 0.0, RAISED
-    taken = [Step(cost, np.nan)]
+    taken, tried = [Step(cost, np.nan)], False
     for _ in range(steps):
         progress()
         if here.given_up:
@@ -77,6 +77,10 @@ def solved(
         moved = state.moved(here.step(g), g)
         change, whole = factor[:-1, :-1] @ g, factor[:-1, -1]
         size = float(np.linalg.norm(change))
+        # What hardly anything shows moves in steps without damping alone.
+        if size < SMALL and 0 < damping <= DAMPING and not tried:
+            tried, damping = True, 0.0
+            continue
         # What nothing shows would take an undamped step too far, again and again.
         if size < SMALL and damping <= DAMPING:
             # The last step may take much of the defects away: what is left is known.
@@ -87,20 +91,13 @@ def solved(
             # Two of them would take much memory; a step that fails is rare.
             there = here = here.without_rows()
         there, new_cost = equations_at(problem, weights, prior, moved)
-        last = np.inf
-        while cost <= new_cost < FALLS * last:
-            last = new_cost
-            # Continuity weighs so much that what a good step leaves of second order
-            # costs more than it gains: the next step takes that away (Fletcher 1982).
-            # So does the product of a thrust and what it moves: where both are known
-            # badly, a good step is long.
-            g = _damped(prior.added(there.common, moved), damping)
-            moved = moved.moved(there.step(g), g)
-            there, new_cost = equations_at(problem, weights, prior, moved)
+        there, new_cost = _corrected(
+            problem, weights, prior, damping, cost, there, new_cost
+        )
         if new_cost < cost:
             expected = change @ (2 * whole - change)
             gain = float((cost - new_cost) / expected)
-            state, here, cost, raised = moved, there, new_cost, RAISED
+            state, here, cost, raised, tried = there.at, there, new_cost, RAISED, False
             damping *= max(1 / 3, 1 - (2 * gain - 1) ** 3)
             damping = damping if damping > LEAST_DAMPING else 0.0
         elif damping > MOST_DAMPING:
@@ -110,6 +107,31 @@ def solved(
         taken.append(Step(cost, size))
     here = linear(problem, weights, state) if here.given_up else here
     return solution_at(state, here, prior, weights, False, cost, tuple(taken))
+
+
+def _corrected(
+    problem: Problem,
+    weights: BySensor,
+    prior: Prior,
+    damping: float,
+    cost: float,
+    there: Linear,
+    new_cost: float,
+) -> tuple[Linear, float]:
+    """The equations where a step ends, and where corrections of it if it costs more.
+
+    Continuity weighs so much that what a good step leaves of second order costs more
+    than it gains: the next step takes that away (Fletcher 1982). So does the product of
+    a thrust and what it moves: where both are known badly, a good step is long.
+    """
+    last = np.inf
+    while cost <= new_cost < FALLS * last:
+        last, at = new_cost, there.at
+        g = _damped(prior.added(there.common, at), damping)
+        there, new_cost = equations_at(
+            problem, weights, prior, at.moved(there.step(g), g)
+        )
+    return there, new_cost
 
 
 def solution_at(
