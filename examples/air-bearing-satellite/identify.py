@@ -1,7 +1,7 @@
 """A real satellite on an air-bearing floor: what its valves and its body are.
 
 The file is `Data/Real_Test/Test/real_test_data.csv` of the public repository
-AevarOfjord/mpc-air-bearing-satellite. Its commands are recorded when they are sent: with
+AevarOfjord/mpc-air-bearing-satellite. Commands are recorded when they are sent. With
 valves that are said to act at once the recording is refused; with a tolerance of their
 clock it is identified, a dead valve included.
 
@@ -21,14 +21,14 @@ from orbident.recordings.recording import Recording
 from orbident.report.write import write_report
 from orbident.robot.description import KnownQuantities, Robot
 from orbident.robot.robot_file import load_robot
-from orbident.robot.units import Measured
+from orbident.robot.units import MeasuredQuantity
 
 HERE = Path(__file__).parent
 
 END = 130.0
 """s: what came later is kept for a check."""
 
-SCALES = KnownQuantities(mass=Measured(23.09, 0.01))
+SCALES = KnownQuantities(mass=MeasuredQuantity(23.09, 0.01))
 """By three scales under the pads, kg."""
 
 

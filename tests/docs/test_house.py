@@ -11,12 +11,12 @@ PACKAGE = ROOT / "src/orbident"
 
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
-    "files": 298,
-    "lines": 56_685,
-    "files of estimation": 45,
-    "lines of estimation": 9_788,
-    "files with one user": 64,
-    "imports below each other": 29,
+    "files": 300,
+    "lines": 57_430,
+    "files of estimation": 47,
+    "lines of estimation": 10_420,
+    "files with one user": 65,
+    "imports below each other": 30,
     "numbers without a reason": 39,
 }
 

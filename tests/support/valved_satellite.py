@@ -4,6 +4,7 @@ Nothing of Orbident integrates it: with what is switched between fine steps, yaw
 double sum of the torque, and the place of the CM that of the force as it turns.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -102,11 +103,16 @@ def flown(
     duration: float = 60.0,
     rate: float = 16.0,
     std: tuple[float, float] = (3e-4, 5e-4),
+    valves: Sequence[int] = range(8),
 ) -> Recording:
-    """A recording: pose with noise (m, rad), and what valves were asked for."""
+    """A recording: pose with noise (m, rad), and what valves were asked for.
+
+    There are these valves alone, named from t1 on.
+    """
     random = np.random.default_rng(seed)
     t = np.arange(round(duration * rate) + 1) / rate
     on = commands(random, t)
+    on[:, [k for k in range(8) if k not in valves]] = 0.0
     n = round(duration / FINE)
     fine = (np.arange(n) + 0.5) * FINE
     force = THRUST * opened(on, t, fine, truth)[:, :, None] * PUSHES
@@ -160,12 +166,14 @@ def flown(
         "attitude.z": np.sin(yaw / 2),
         "attitude.w": np.cos(yaw / 2),
     }
-    columns |= {f"thruster.t{k + 1}.duty": on[:, k] for k in range(8)}
+    columns |= {
+        f"thruster.t{name}.duty": on[:, k] for name, k in enumerate(valves, start=1)
+    }
     return Recording(t, columns)
 
 
 def base_of(truth: Truth) -> np.ndarray:
-    """`[M, sigma, iota]` of a satellite without joints: mass, moments, `Izz` about S."""
+    """`[M, sigma, iota]` of a satellite without joints; `iota` is `Izz` about S."""
     M, c = truth.mass, np.array(truth.com)
     return np.array([M, *(M * c), truth.inertia + M * c @ c])
 

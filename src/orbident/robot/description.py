@@ -25,7 +25,7 @@ from orbident.robot.may_act import MayAct
 from orbident.robot.parameters import PER_BODY, SYMBOLS
 from orbident.robot.sensor_schema import SensorsSpec
 from orbident.robot.tolerances import Tolerances
-from orbident.robot.units import Measured, Share, measure_of, measurement_of
+from orbident.robot.units import MeasuredQuantity, Share, measure_of, measurement_of
 
 POINT = PlainValidator(lambda value: np.array(finite_vector(value, 3)))
 """Reads a point of a robot file as an array."""
@@ -153,9 +153,9 @@ class Thruster:
 class KnownQuantities:
     """What scales and balances said of the robot, beside all recordings of it."""
 
-    mass: Annotated[Measured, measurement_of("mass")] | None = None
+    mass: Annotated[MeasuredQuantity, measurement_of("mass")] | None = None
     """Of the whole robot, kg."""
-    com: Mapping[Axis, Annotated[Measured, measurement_of("length")]] = field(
+    com: Mapping[Axis, Annotated[MeasuredQuantity, measurement_of("length")]] = field(
         default_factory=dict
     )
     """Its CM along axes of the base link's frame, all joints at zero, m."""

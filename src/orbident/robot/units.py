@@ -129,14 +129,14 @@ def quantity(given: object, dimension: str) -> float:
     return number * factor
 
 
-class Measured(NamedTuple):
+class MeasuredQuantity(NamedTuple):
     """What somebody measured, in SI."""
 
     value: float
     std: float
 
 
-def measured(given: object, dimension: str) -> Measured:
+def measured(given: object, dimension: str) -> MeasuredQuantity:
     """What was measured, and its standard deviation, such as `23.09 +- 0.01 kg`.
 
     Args:
@@ -156,7 +156,7 @@ def measured(given: object, dimension: str) -> Measured:
     deviation = at_least_zero(std, dimension)
     if not deviation:
         raise WrongValueError("give a deviation above zero")
-    return Measured(quantity(f"{number} {own or unit}", dimension), deviation)
+    return MeasuredQuantity(quantity(f"{number} {own or unit}", dimension), deviation)
 
 
 def measurement_of(dimension: str) -> BeforeValidator:
