@@ -12,7 +12,7 @@ PACKAGE = ROOT / "src/orbident"
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
     "files": 300,
-    "lines": 57_430,
+    "lines": 57_450,
     "files of estimation": 47,
     "lines of estimation": 10_420,
     "files with one user": 65,

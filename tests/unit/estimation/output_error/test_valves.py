@@ -10,6 +10,7 @@ from valved_satellite import Truth, base_of, flown, satellite, with_dead
 from orbident.errors import InputError
 from orbident.estimation.identify import identify
 from orbident.estimation.result import Result
+from orbident.identified.validate import validate
 from orbident.robot.robot_file import load_robot, write_robot
 
 KNOWN = "known: {mass: 23.09 +- 0.01 kg}\n"
@@ -73,6 +74,16 @@ def test_valves_that_are_said_to_act_at_once(tmp_path):
     exact = replace(robot.tolerances, thruster_clock=0.0, thruster_pulse=0.0)
     result = identify(replace(robot, tolerances=exact), flown(drawn(1), 1))
     assert result.status == "rejected"
+
+
+def test_a_result_is_validated_by_its_parameters(tmp_path):
+    """No motion is predicted where thrust acts: nothing is said of its errors."""
+    truth = drawn(2)
+    result = identify(satellite(tmp_path, more=KNOWN), flown(truth, 2))
+    found = validate(result, flown(replace(truth, clock=0.1), 3))
+    assert found.verdict == "explained"
+    assert all(np.isnan(each) for each in found.rms.values())
+    assert "thrust acts, which no prediction has" in str(found)
 
 
 def test_a_floor_that_pushes_at_random(tmp_path):
