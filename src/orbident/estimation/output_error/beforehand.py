@@ -76,6 +76,8 @@ def prior_of(
     h_std = max(float(np.linalg.norm(outside.h_cm)), spin) or robot.mass
     if rest is None:
         rest = np.full(3, UNKNOWN * h_std)
+    # Nothing shows a momentum that would tilt a table's robot; tilts would move it.
+    rest = np.where(np.isin(np.arange(3), sets.regressors.momentum_axes), rest, 0.0)
     # What is exact has some width, so that equations stay solvable.
     std = np.append(np.maximum(rest, KNOWN * h_std), np.full(6, UNKNOWN))
     return Prior(
