@@ -12,9 +12,9 @@ PACKAGE = ROOT / "src/orbident"
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
     "files": 300,
-    "lines": 57_450,
+    "lines": 57_451,
     "files of estimation": 47,
-    "lines of estimation": 10_420,
+    "lines of estimation": 10_422,
     "files with one user": 65,
     "imports below each other": 30,
     "numbers without a reason": 39,
