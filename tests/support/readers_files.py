@@ -6,6 +6,7 @@ from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
+import valved_satellite as satellite
 import yaml
 from bag_writers import START, Sent, joint_state, pose, write_bag
 from burns import Body, burn
@@ -195,6 +196,13 @@ def repository() -> None:
     Path("benchmarks").symlink_to(ROOT / "benchmarks")
 
 
+def valves() -> None:
+    """A satellite with the four valves of the page, of which the second is dead."""
+    truth = satellite.with_dead(satellite.Truth(clock=0.1, pulse=0.03), 2)
+    seen = satellite.flown(truth, 4, valves=(0, 1, 4, 5))
+    write_recording(seen, Path("flight.csv"))
+
+
 BEFORE: dict[str, Callable[[], None]] = {
     "docs/first-result.md": first_result,
     "docs/how-to/after-a-capture.md": capture,
@@ -205,6 +213,7 @@ BEFORE: dict[str, Callable[[], None]] = {
     "docs/how-to/ros-bag.md": table_bag,
     "docs/how-to/sample-by-sample.md": flyer,
     "docs/how-to/several-recordings.md": three_flights,
+    "docs/how-to/thrusters.md": valves,
     "docs/how-to/what-acts-from-outside.md": tilted_table,
     "docs/open-benchmark.md": repository,
 }

@@ -22,11 +22,14 @@ auto linearised(const OwnedRecorded& owned, const std::vector<Array>& weights,
   {
     nb::gil_scoped_release release;
     OwnedSweep forward(all), backward(all);
-    parallel_for(2, threads, [&](std::ptrdiff_t first, std::ptrdiff_t last) {
+    parallel_for(
+        2, threads,
+        [&](std::ptrdiff_t first, std::ptrdiff_t last) {
       for (std::ptrdiff_t k = first; k < last; ++k)
         cost[k] = sweep(all, call.at(), k == 0, k == 0 ? forward.at : backward.at,
                         factor_only ? nullptr : links.data());
-    }, 1);
+        },
+        1);
     join(all, forward.at, backward.at, factor.data());
   }
   std::vector<Out<2>::Numpy> residuals;
@@ -45,8 +48,9 @@ auto interval_equations(const OwnedRecorded& owned, const std::vector<Array>& we
     throw nb::value_error("interval: there is none of this number");
   const int L = all.local(), n = all.stride(), width = all.width();
   OwnedSweep memory(all);
-  EquationTable sensed{memory.at.rows, n, width, 0, L, L, all.corrections(), 0, 0.0};
-  EquationTable continuity{memory.at.continuity, n, width, 0, L, L, all.corrections(), 0, 0.0};
+  EquationTable sensed{memory.at.rows, n, width, 0, L, L, all.corrections(), all.momentum, 0, 0.0};
+  EquationTable continuity{memory.at.continuity, n, width, 0, L, L, all.corrections(),
+                           all.momentum,         0, 0.0};
   linearise(all, call.at(), interval, memory.at.interval, sensed, continuity);
   add_encoders(all, call.at(), interval, true, memory.at.R);
   Out<2> table(sensed.rows + BIASES + 2 * L, width);
@@ -117,17 +121,19 @@ void bind_output_error(nb::module_& m) {
            "theta = theta_0 + theta_of beta. Standard deviations: `first` of the unknowns of "
            "the first boundary, `corrections` of those of joints anywhere, `walk` of what "
            "attitude and biases walk in a second.")
-      .def_prop_ro("local", [](const OwnedRecorded& all) { return all.view().local(); },
-                   "How many unknowns a boundary has.")
-      .def_prop_ro("places", [](const OwnedRecorded& all) { return all.view().places().count(); },
-                   "How many calibrations there are; gains are at the places beyond.");
+      .def_prop_ro(
+          "local", [](const OwnedRecorded& all) { return all.view().local(); },
+          "How many unknowns a boundary has.")
+      .def_prop_ro(
+          "places", [](const OwnedRecorded& all) { return all.view().places().count(); },
+          "How many calibrations there are; gains are at the places beyond.");
   m.def("linearised", &linearised, nb::arg("recorded"), nb::kw_only(), nb::arg("weights"),
         nb::arg("coloured"), nb::arg("acting"), nb::arg("x_WB"), nb::arg("local"),
         nb::arg("common"), nb::arg("selected"), nb::arg("threads") = 1,
         nb::arg("factor_only") = false,
         "All equations at a state, eliminated: factor, links, cost and residuals over the white "
         "noise; links and residuals are empty where the factor alone is asked for. `coloured`: of "
-        "attitude and position, by axis, what lasts: std, time and walk. "
+        "attitude and position, by axis, what lasts: std, time, walk and walk of its rate. "
         "`acting`: for each node, what acting.hpp says. `selected`: the places of the calibrations "
         "and, beyond them, of the gains that are common unknowns.");
   m.def("interval_equations", &interval_equations, nb::arg("recorded"), nb::kw_only(),

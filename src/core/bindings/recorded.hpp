@@ -73,6 +73,7 @@ struct OwnedRecorded {
     all.wheels = static_cast<int>(A_rw.size(0));
     all.A_rw = A_rw.data();
     all.lasting = lasting;
+    all.momentum = -1;
     all.first = first.data();
     all.prior = corrections.data();
     all.walk = walk.data();

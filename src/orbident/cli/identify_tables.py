@@ -132,7 +132,7 @@ def _calibration(result: Any) -> list[str]:
     """Errors of instruments that were estimated."""
     lines = [
         f"  {name:24} {fit.value:10.2g} +- {fit.std:.2g}   "
-        f"tolerance {fit.tolerance:.2g}"
+        + ("free" if math.isnan(fit.tolerance) else f"tolerance {fit.tolerance:.2g}")
         for name, fit in result.calibration.items()
     ]
     return ["", "calibration errors, SI or relative", *lines] if lines else []

@@ -52,8 +52,8 @@ are wrong, putting one of them right does not bring a fit."""
 
 
 QUICK = 8.0
-"""s of CPU after which a quick search begins no further trial: with the fit before it an
-answer takes some ten."""
+"""s of CPU after which a quick search begins no further trial: with the fit before it
+an answer takes some ten."""
 
 
 @one_blas_thread
@@ -252,7 +252,7 @@ def _likeliest(solved: Solved) -> Iterator[Trial]:
     price = np.log(problem.samples.t.size)
     worth: list[tuple[Rival, Callable[[], Iterable[Trial]]]] = []
     table = shown.sensitivity()
-    for kind in kinds(problem.robot):
+    for kind in kinds(problem.robot, problem.samples.wrenches):
         first = table.together(kind.names)
         if first.values.size:
             gain = first.fall - price * first.values.size

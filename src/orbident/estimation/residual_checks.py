@@ -148,7 +148,11 @@ def _tolerances(estimate: Estimate) -> Iterator[Check]:
     What is found of an error varies, beforehand, by its tolerance less what is still
     unknown of it.
     """
-    found = estimate.calibration
+    found = {
+        name: fit
+        for name, fit in estimate.calibration.items()
+        if np.isfinite(fit.tolerance)
+    }
     if not found or not estimate.converged:
         return
     most = limit("instrument", 1, len(found))

@@ -79,9 +79,10 @@ def assembled(
         momentum_walk=file.momentum_walk,
         at_rest=file.at_rest,
         orbit=orbit,
+        known=file.known,
         structure=file.structure,
         sensors=file.sensors,
-        tolerances=file.tolerances.in_si(bodies.joints, place),
+        tolerances=file.tolerances.in_si(bodies.joints, file.thrusters, place),
         warnings=(
             *urdf.warnings,
             *_on_a_table(urdf, file),

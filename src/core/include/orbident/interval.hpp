@@ -8,7 +8,7 @@
 // Unknowns, z of a boundary and g common to all, and the columns of a table:
 //
 //   z       turn 3 | gyro bias 3 | accelerometer bias 3 | lasting noise of attitude and position,
-//           axis by axis | corrections: values, rates
+//           axis by axis; a momentum that walks | corrections: values, rates
 //   g       outside | beta | calibration
 //   table   z near | z far | g | right-hand side
 //
@@ -73,7 +73,7 @@ inline void place_joints(const Recorded& recorded, const LinearisedAt& at, int i
   const double dt = turned_on ? recorded.t[row + 1] - recorded.t[row] : 1.0;
   for (int k = 1; turned_on && k < 3; ++k)
     recorded.history.state(time(node + k), memory.knot, K, W, memory.shown[k]);
-  const auto rate_of = [&](double* JointState::* x, int k) {
+  const auto rate_of = [&](double* JointState::*x, int k) {
     const auto at = [&](int n) { return (memory.shown[n].*x)[k]; };
     return turned_on ? (4 * at(1) - 3 * at(0) - at(2)) / dt : 0.0;
   };
@@ -111,8 +111,8 @@ inline void place_joints(const Recorded& recorded, const LinearisedAt& at, int i
 
 // The law of the base rate at the fraction s of a row's step, by the parabola through its nodes: a
 // base that nutates fast needs smaller steps than joints that move slowly.
-inline void set_law_between(const Recorded& recorded, const LinearisedAt& at, double s,
-                            const JointNode* const* nodes, BaseNode& base) {
+inline void set_law_between(const Recorded& recorded, const LinearisedAt& at, int interval,
+                            double s, const JointNode* const* nodes, BaseNode& base) {
   const double p[3] = {(1 - s) * (1 - 2 * s), 4 * s * (1 - s), s * (2 * s - 1)};
   Matrix3<double> D = Matrix3<double>::Zero();
   Vector3<double> h_moving = Vector3<double>::Zero();
@@ -124,6 +124,8 @@ inline void set_law_between(const Recorded& recorded, const LinearisedAt& at, do
     if (p[k] == 1.0) base.by = nodes[k]->by;
   }
   base.h_cm = contributed(contributions(base.t).h_cm, at.common);
+  if (recorded.momentum >= 0)
+    base.h_cm[2] += at.local[interval * recorded.local() + recorded.momentum];
   for (int k = 0; k < 3; ++k) {
     base.acting[k] = nodes[k]->acting;
     base.share[k] = p[k];
@@ -142,7 +144,7 @@ inline void start_base(const Recorded& recorded, const LinearisedAt& at, int int
                        const JointNode& joints, BaseNode& base) {
   const IntervalColumns& c = recorded.columns;
   const JointNode* const nodes[3] = {&joints, &joints, &joints};
-  set_law_between(recorded, at, 0.0, nodes, base);
+  set_law_between(recorded, at, interval, 0.0, nodes, base);
   set_attitude(Eigen::Map<const Quaternion<double>>(at.x_WB + 4 * interval), base);
   TableRows phi(base.phi, 3, c.count());
   phi.setZero();
@@ -259,8 +261,8 @@ inline void linearise(const Recorded& recorded, const LinearisedAt& at, int inte
     const double dt = recorded.t[r + 1] - recorded.t[r];
     const int steps = recorded.substeps;
     for (int i = 0; i < steps; ++i) {
-      set_law_between(recorded, at, (2 * i + 1) / (2.0 * steps), nodes, *middle);
-      set_law_between(recorded, at, (2 * i + 2) / (2.0 * steps), nodes, *stop);
+      set_law_between(recorded, at, interval, (2 * i + 1) / (2.0 * steps), nodes, *middle);
+      set_law_between(recorded, at, interval, (2 * i + 2) / (2.0 * steps), nodes, *stop);
       step(c, dt / steps, *start, *middle, *stop);
       if (moving && 2 * i + 1 == steps) velocity_slopes(c, *half_way, *middle, memory.velocity[1]);
       if (moving && 2 * i + 2 == steps) velocity_slopes(c, *half_way, *stop, memory.velocity[1]);
@@ -279,7 +281,7 @@ inline void linearise(const Recorded& recorded, const LinearisedAt& at, int inte
     std::swap(memory.velocity[0], memory.velocity[2]);
   }
   for (int k = 0; k < TRACKERS; ++k)
-    end_lasting(recorded, at, interval, end, *trackers[k], memory.whitening[k], sensed);
+    end_lasting(recorded, at, interval, end, *trackers[k], *start, memory.whitening[k], sensed);
   add_continuity(recorded, at, interval, duration, *start, continuity);
 }
 

@@ -16,7 +16,11 @@ from jaxtyping import Float
 
 from orbident.estimation.budget import ErrorSource, ErrorSources, Kind
 from orbident.estimation.output_error.problem import Problem, by_interval, linear
-from orbident.estimation.output_error.sensors import MARKOV_STD, RANDOM_WALK, TRACKERS
+from orbident.estimation.output_error.sensors import (
+    TRACKERS,
+    lasting_parts,
+    parts_of_boundaries,
+)
 from orbident.estimation.solution import OUTSIDE, Solution
 from orbident.threads import one_blas_thread
 
@@ -88,8 +92,11 @@ def _of_intervals(
     weights, size = solution.weights, problem.t.size
     none = np.zeros((size, 3))
     counts = np.hstack([weights.get(name, none) != 0 for name in AS_ADDED])
-    lasting = (problem.lasting[:, :, [MARKOV_STD, RANDOM_WALK]] > 0).sum(axis=(1, 2))
-    trackers = np.repeat([names.index(name) for name in TRACKERS], lasting)
+    of_trackers = [names.index(name) for name in TRACKERS]
+    trackers, own = (
+        np.repeat(of_trackers, parts(problem.lasting).sum(axis=(1, 2)))
+        for parts in (lasting_parts, parts_of_boundaries)
+    )
     going_on = np.repeat([names.index(name) for name in GOING_ON], 3)
     joints = np.full(2 * z.shape[1], names.index("joints"))
     after_samples = np.concatenate([trackers, going_on, joints])
@@ -105,9 +112,9 @@ def _of_intervals(
         _, columns = np.nonzero(counts[edges[k] : edges[k + 1]])
         rows = equations[:, :-1] @ np.vstack([z[k], z[k + 1], X])
         add(rows, np.concatenate([columns // 3, after_samples]))
-    of_joints = np.full(z.shape[1] - going_on.size - trackers.size, joints[0])
+    of_joints = np.full(z.shape[1] - going_on.size - own.size, joints[0])
     first = z[0] / problem.loose.first[:, None]
-    add(first, np.concatenate([going_on, trackers, of_joints]))
+    add(first, np.concatenate([going_on, own, of_joints]))
     return dict(zip(names, parts, strict=True))
 
 

@@ -1,7 +1,8 @@
 """One engine for whatever may act on a robot, or be off, beside its parameters.
 
 What may act is among the unknowns of every fit, with a deviation beforehand
-(`environment/worlds.py`), and so are errors with a tolerance. Two squares say whether
+(`environment/worlds.py`), and so are errors with a tolerance, of which gains of thrust
+may be far larger: valves stick. Two squares say whether
 a family is what it was taken for. Of what is among the unknowns, with `x` its numbers,
 `P` their covariance beforehand and `C` that afterwards,
 
@@ -110,9 +111,26 @@ class Search:
         return min(solutions, key=lambda each: each.cost)
 
     def allowing(self, sizes: Mapping[str, float]) -> "Search":
-        """The search in a world where what may act has other sizes, by family, SI."""
-        acting = self.problem.acting.allowing(sizes)
-        return replace(self, problem=self.problem._replace(acting=acting))
+        """The search in a world where what may act has other sizes, by family, SI.
+
+        A gain may be as far off.
+        """
+        problem, prior = self.problem, self.prior
+        stds = [min(sizes.get(x.family, x.std), FREE) for x in problem.instruments]
+        instruments = tuple(
+            each._replace(std=std)
+            for each, std in zip(problem.instruments, stds, strict=True)
+        )
+        std = prior.std.copy()
+        std[std.size - len(problem.declared) :] = [x for x in stds if x]
+        acting = problem.acting.allowing(
+            {name: size for name, size in sizes.items() if name not in problem.gains}
+        )
+        return replace(
+            self,
+            problem=problem._replace(acting=acting, instruments=instruments),
+            prior=prior._replace(std=std),
+        )
 
     def settled(self, first: Callable[[], Solution]) -> Fitted:
         """Go on from a first solution, with the noise that the residuals show."""
@@ -187,6 +205,12 @@ def _sized(search: Search) -> tuple[Search, Callable[[], Solution]]:
     return sized, lambda: sized.freed(trial=[solution.state])
 
 
+def _shown(problem: Problem) -> set[str]:
+    """Families among the unknowns that may be larger than they should be."""
+    acting = {each.family for each in problem.expected}
+    return acting | {x.family for x in problem.declared if x.family in problem.gains}
+
+
 def _zeros(problem: Problem, solution: Solution, tested: bool) -> TakenForZero:
     """What is like something free is not tested: it shows as that."""
     shown = {each.family for each in problem.expected}
@@ -207,11 +231,12 @@ def _best(
     numbers of a family do, nothing is freed: the checks of the residuals then say what
     is wrong.
     """
-    problem = search.problem
-    # A bad fit is near nothing.
-    here = [] if _bad(problem, cost) else [zeros.solution.state]
-    near = [*here, *search.starts]
-    free = {each.family for each in problem.expected if each.std == FREE}
+    problem, here = search.problem, [zeros.solution.state]
+    # A bad fit is hardly near anything.
+    bad = _bad(problem, cost)
+    near = [*search.starts, *here] if bad else [*here, *search.starts]
+    among = (*problem.expected, *problem.declared)
+    free = {each.family for each in among if each.std == FREE}
     # Beside a slow torque that may be anything another one would follow anything.
     beside = {*excluded, *free, *(SLOW if {*SLOW, *WALKS} & free else ())}
     tried = []
@@ -229,6 +254,9 @@ def _best(
     least, family, freed, solution = min(tried, key=lambda each: each[0])
     if _hopeless(problem, solution, cost):
         return None
+    if family in problem.gains:
+        # It is an instrument itself.
+        return family, freed, solution
     for instrument in _likely(_errors(zeros)):
         with_it = search.freed([instrument], near)
         if with_it.cost + limit("disturbance", 1) < least:
@@ -250,16 +278,17 @@ def _beyond(zeros: TakenForZero, excluded: Collection[str]) -> dict[str, float]:
     problem, solution = zeros.problem, zeros.solution
     squares = {
         family: surprise_of(problem, solution, family)
-        for family in {each.family for each in problem.expected} - {*excluded}
+        for family in _shown(problem) - {*excluded}
     }
     for family in {*zeros.families} - {*excluded}:
         found = zeros.score(
             {family, *({STEADY.get(family, family)} & {*zeros.families})}
         )
         squares[family] = ChiSquare(found.fall, found.values.size)
-    among = max(len(squares), 1)
+    among, gains = max(len(squares), 1), problem.gains
     return {
-        family: square.value - limit("disturbance", square.dof, among)
+        family: square.value
+        - limit("instrument" if family in gains else "disturbance", square.dof, among)
         for family, square in squares.items()
         if square.dof
     }
