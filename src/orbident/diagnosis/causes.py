@@ -51,9 +51,9 @@ LOST = 6
 are wrong, putting one of them right does not bring a fit."""
 
 
-QUICK = 8.0
-"""s of CPU after which a quick search begins no further trial: with the fit before it
-an answer takes some ten."""
+QUICK = 4.0
+"""s of CPU after which a quick search begins no further trial: with the fit before it,
+and with a look for an event after it, an answer takes some ten."""
 
 
 @one_blas_thread
@@ -101,8 +101,7 @@ def _causes(solved: Solved, end: float) -> Iterator[Check]:
     else:
         # Without a fit nothing else can be scored.
         found = [_explained(one, now) for one in missing_wheel(problem) if one.accepted]
-        hopeful = solved.hindered and not found and process_time() < end
-        happened = event(problem) if hopeful else None
+        happened = event(problem) if solved.hindered and not found else None
         if happened is not None:
             found = [_found(happened.reason, happened.remedy)]
         yield from found
@@ -152,7 +151,7 @@ def _by_trials(
     # As an event, too, makes clocks seem late, parts are on the clocks as recorded.
     problem = corrected.recorded if corrected else solved.problem
     ended = process_time() > end
-    happened = None if shrunk or ended else event(problem)
+    happened = None if shrunk else event(problem)
     more = f"; {SEARCH_ON}" if ended else ""
     if happened is not None:
         yield _found(happened.reason, happened.remedy)
