@@ -11,11 +11,11 @@ PACKAGE = ROOT / "src/orbident"
 
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
-    "files": 304,
-    "lines": 58_000,
+    "files": 303,
+    "lines": 58_001,
     "files of estimation": 47,
-    "lines of estimation": 10_500,
-    "files with one user": 65,
+    "lines of estimation": 10_466,
+    "files with one user": 66,
     "imports below each other": 30,
     "numbers without a reason": 39,
 }

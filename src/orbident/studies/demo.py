@@ -80,7 +80,7 @@ def fly_demo(seed: int = 0) -> DemoFlights:
 def _robot() -> Robot:
     robot = spatial_robot()
     said = {key: x for key, x in robot.document.items() if key not in UNSAID}
-    usual = TolerancesEntry().in_si(robot.joints, robot.name)
+    usual = TolerancesEntry().in_si(robot.joints, robot.thrusters, robot.name)
     return replace(robot, disturbances=None, tolerances=usual, document=said)
 
 
