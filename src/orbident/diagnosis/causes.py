@@ -109,9 +109,9 @@ def _causes(solved: Solved, end: float) -> Iterator[Check]:
 
 def _of_the_scale(solved: Solved) -> bool:
     """Whether there is no scale, or a unit of the wheels' speeds explains the mass."""
-    robot, mass = solved.problem.robot, solved.estimate.mass
-    unit = beside_nominal(mass, robot.mass, len(robot.wheels))
-    wrong = [*solved.hindered, *unit]
+    robot, found = solved.problem.robot, solved.estimate
+    unit = beside_nominal(found.mass, robot.mass, len(robot.wheels))
+    wrong = [*solved.hindered, *(unit if found.converged else [])]
     return any(
         one.level == "do not trust" and one.name in {"scale", MASS_BESIDE_NOMINAL}
         for one in wrong

@@ -100,7 +100,7 @@ def solved(
         )
         if new_cost < cost + SAME:
             expected = change @ (2 * whole - change)
-            gain = float((cost - new_cost) / expected)
+            gain = float((cost - new_cost) / expected) if new_cost < cost else 0.0
             state, here, cost, raised, tried = there.at, there, new_cost, RAISED, False
             damping *= max(1 / 3, 1 - (2 * gain - 1) ** 3)
             damping = damping if damping > LEAST_DAMPING else 0.0
