@@ -12,9 +12,9 @@ PACKAGE = ROOT / "src/orbident"
 # These only go down. Who must raise one says why in CHANGELOG.md.
 MOST = {
     "files": 303,
-    "lines": 58_001,
+    "lines": 58_011,
     "files of estimation": 47,
-    "lines of estimation": 10_466,
+    "lines of estimation": 10_476,
     "files with one user": 66,
     "imports below each other": 30,
     "numbers without a reason": 39,

@@ -153,7 +153,7 @@ def conventions(problem: MomentumProblem) -> Iterator[Convention]:
     if recording.has("accelerometer.x"):
         in_g = "the accelerometer is in g, and not in m/s^2"
         yield _rescaled("accelerometer", GRAVITY, in_g)
-    point = "position" if recording.has("position.x") else "velocity"
+    point = "velocity" if recording.has("velocity.x") else "position"
     if problem.samples.v_S:
         yield from _vector(robot, point, "v_S")
         for unit, size in UNITS_OF_LENGTH:

@@ -22,6 +22,7 @@ PLAIN = 1e-3
 """Part of a signal that neither integration nor splines leave."""
 
 TINY = 1e-300
+"""A float whose inverse is finite: a signal may be zero throughout."""
 
 FIT = "goodness of fit"
 
