@@ -176,7 +176,8 @@ def fit_in_world(search: Search, excluded: Collection[str] = ()) -> WorldFit:
     zeros = _zeros(search.problem, solution, tested)
     while tested and len(freed) < ROUNDS:
         best = _best(search, zeros, cost, excluded)
-        if best is None:
+        # At no least cost the next test would mean nothing.
+        if best is None or not best[-1].converged:
             break
         family, search, solution = best
         freed, cost = (*freed, family), solution.cost
