@@ -79,7 +79,9 @@ def main(path: Path) -> None:
         print(f"  mass {M.value:.2f} +- {M.std:.2g} kg")
         for error, fit in result.calibration.items():
             print(f"  {error:20} {fit.value:8.3f} +- {fit.std:.2g}")
-    print(write_report(result, Path("run")))
+    run = Path("run")
+    run.mkdir(exist_ok=True)
+    print(write_report(result, run))
 
 
 if __name__ == "__main__":
