@@ -58,7 +58,7 @@ SHOWN = 9
 """Parameters, as on the first screen of `identify`."""
 
 STEPS = 80
-"""Of the motion: joints turn by 20 degrees at most from one to the next."""
+"""Pictures of the motion: joints turn by 20 degrees at most from one to the next."""
 MOVES, HOLDS = 10.0, 2.0
 """s that the picture moves, and that it stands at the end."""
 
@@ -102,7 +102,7 @@ def line(points: Float[np.ndarray, "n 2"], kind: str, width: float = 1.0) -> str
 
 
 def path(points: Float[np.ndarray, "n 2"]) -> str:
-    """The same as a path, to a tenth of a pixel."""
+    """The points as an SVG path, to a tenth of a pixel."""
     return "M" + "L".join(f"{x:.1f} {y:.1f}" for x, y in points)
 
 
@@ -121,7 +121,7 @@ class Outline(NamedTuple):
     """A robot as it is drawn, step by step."""
 
     faces: Float[np.ndarray, "n 6 4 3"]
-    """Of the box around the base, corner by corner."""
+    """Faces of the box around the base, corner by corner."""
     arm: Float[np.ndarray, "n points 3"]
 
 
@@ -283,7 +283,7 @@ class Scale(NamedTuple):
         return self.left + (self.right - self.left) * share
 
     def drawn(self, top: float, bottom: float) -> Iterable[str]:
-        """Its ends, zero and their lines."""
+        """The axis: its ends and zero, with a line at each."""
         for x in sorted({self.low, 0.0, self.high}):
             ends = np.array([[self.at(x), top], [self.at(x), bottom]])
             yield line(ends, "grid")

@@ -76,7 +76,7 @@ class Problem:
 
     @cached_property
     def truth(self) -> dict[str, TrueValue]:
-        """Of every parameter; empty if nobody knows."""
+        """The true value of every parameter; empty where nobody knows them."""
         path = self.folder / TRUTH
         return json.loads(path.read_text()) if path.is_file() else {}
 

@@ -29,7 +29,7 @@ END = 130.0
 """s: what came later is kept for a check."""
 
 SCALES = KnownQuantities(mass=MeasuredQuantity(23.09, 0.01))
-"""By three scales under the pads, kg."""
+"""Mass of the satellite by three scales under its pads, kg."""
 
 
 def recording(path: Path, begin: float = 0.0, end: float = END) -> Recording:

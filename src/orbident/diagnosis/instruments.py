@@ -21,7 +21,7 @@ ANGLE, LENGTH, PART = 0.2, 0.2, 0.1
 """Errors that instruments may have, rad, m and relative: far beyond good ones."""
 
 LATE, THRUST = 0.3, 0.5
-"""The same of thrusters that a computer far away commands, s and relative."""
+"""Deviations beforehand of thrusters, s and relative: a computer far away commands."""
 
 CLEAR = 5.0
 """Deviations by which an error is none of chance."""

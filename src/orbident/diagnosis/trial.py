@@ -23,7 +23,7 @@ class Rival(NamedTuple):
     """A cause that is not tried, or does not explain the recording by itself."""
 
     falls: float
-    """By how much it would lower the misfit, to first order."""
+    """Fall of the misfit that this cause would bring, to first order."""
     cause: str
 
 
