@@ -22,14 +22,11 @@ auto linearised(const OwnedRecorded& owned, const std::vector<Array>& weights,
   {
     nb::gil_scoped_release release;
     OwnedSweep forward(all), backward(all);
-    parallel_for(
-        2, threads,
-        [&](std::ptrdiff_t first, std::ptrdiff_t last) {
+    parallel_for(2, threads, [&](std::ptrdiff_t first, std::ptrdiff_t last) {
       for (std::ptrdiff_t k = first; k < last; ++k)
         cost[k] = sweep(all, call.at(), k == 0, k == 0 ? forward.at : backward.at,
                         factor_only ? nullptr : links.data());
-        },
-        1);
+    }, 1);
     join(all, forward.at, backward.at, factor.data());
   }
   std::vector<Out<2>::Numpy> residuals;
@@ -121,12 +118,10 @@ void bind_output_error(nb::module_& m) {
            "theta = theta_0 + theta_of beta. Standard deviations: `first` of the unknowns of "
            "the first boundary, `corrections` of those of joints anywhere, `walk` of what "
            "attitude and biases walk in a second.")
-      .def_prop_ro(
-          "local", [](const OwnedRecorded& all) { return all.view().local(); },
-          "How many unknowns a boundary has.")
-      .def_prop_ro(
-          "places", [](const OwnedRecorded& all) { return all.view().places().count(); },
-          "How many calibrations there are; gains are at the places beyond.");
+      .def_prop_ro("local", [](const OwnedRecorded& all) { return all.view().local(); },
+                   "How many unknowns a boundary has.")
+      .def_prop_ro("places", [](const OwnedRecorded& all) { return all.view().places().count(); },
+                   "How many calibrations there are; gains are at the places beyond.");
   m.def("linearised", &linearised, nb::arg("recorded"), nb::kw_only(), nb::arg("weights"),
         nb::arg("coloured"), nb::arg("acting"), nb::arg("x_WB"), nb::arg("local"),
         nb::arg("common"), nb::arg("selected"), nb::arg("threads") = 1,

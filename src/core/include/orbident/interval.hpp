@@ -73,7 +73,7 @@ inline void place_joints(const Recorded& recorded, const LinearisedAt& at, int i
   const double dt = turned_on ? recorded.t[row + 1] - recorded.t[row] : 1.0;
   for (int k = 1; turned_on && k < 3; ++k)
     recorded.history.state(time(node + k), memory.knot, K, W, memory.shown[k]);
-  const auto rate_of = [&](double* JointState::*x, int k) {
+  const auto rate_of = [&](double* JointState::* x, int k) {
     const auto at = [&](int n) { return (memory.shown[n].*x)[k]; };
     return turned_on ? (4 * at(1) - 3 * at(0) - at(2)) / dt : 0.0;
   };
